@@ -1,0 +1,112 @@
+//! What the compiler has to say to a person: one form for every stage, collected in a [`Sink`].
+//!
+//! A stage pushes [`Diagnostic`]s and goes on; it never prints. `code` is the ledger of codes, `render` the only place that
+//! knows how a diagnostic becomes text.
+
+pub mod code;
+pub mod render;
+
+pub use code::{Code, Severity};
+
+use crate::source::Span;
+use serde::Serialize;
+
+/// A place in the source and what is to be said of it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Label {
+    pub span: Span,
+    pub text: String,
+}
+
+/// One mistake, or one warning.
+///
+/// The title is lower case without a full stop and says what is wrong, with the number, its unit and the limit. The first
+/// label is the place itself; further ones say why it clashes. The help says the mend.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Diagnostic {
+    pub code: Code,
+    pub title: String,
+    pub labels: Vec<Label>,
+    pub help: Option<String>,
+}
+
+impl Diagnostic {
+    /// A diagnostic without a place yet.
+    pub fn new(code: Code, title: impl Into<String>) -> Self {
+        Diagnostic { code, title: title.into(), labels: Vec::new(), help: None }
+    }
+
+    /// Adds a place; the first one added is where the diagnostic points.
+    #[must_use]
+    pub fn label(mut self, span: Span, text: impl Into<String>) -> Self {
+        self.labels.push(Label { span, text: text.into() });
+        self
+    }
+
+    /// Sets the mend.
+    #[must_use]
+    pub fn help(mut self, text: impl Into<String>) -> Self {
+        self.help = Some(text.into());
+        self
+    }
+
+    /// Sets the mend where there is one.
+    #[must_use]
+    pub fn help_if(mut self, text: Option<String>) -> Self {
+        self.help = text.or(self.help);
+        self
+    }
+
+    /// Where it points, if it points into a file at all.
+    pub fn span(&self) -> Option<Span> {
+        self.labels.first().map(|label| label.span)
+    }
+
+    /// Whether it stops the build.
+    pub fn is_error(&self) -> bool {
+        self.code.severity() == Severity::Error
+    }
+}
+
+/// The most diagnostics that are kept; a file with more mistakes than this is not a Tweeze file.
+pub const MAX_DIAGNOSTICS: usize = 200;
+
+/// Collects what the stages find.
+#[derive(Debug, Default)]
+pub struct Sink {
+    diagnostics: Vec<Diagnostic>,
+    errors: usize,
+    dropped: usize,
+}
+
+impl Sink {
+    /// Adds a diagnostic. The same finding at the same place is kept once; beyond [`MAX_DIAGNOSTICS`] it is only counted.
+    pub fn push(&mut self, diagnostic: Diagnostic) {
+        if self.diagnostics.contains(&diagnostic) {
+            return;
+        }
+        self.errors += usize::from(diagnostic.is_error());
+        if self.diagnostics.len() < MAX_DIAGNOSTICS {
+            self.diagnostics.push(diagnostic);
+        } else {
+            self.dropped += 1;
+        }
+    }
+
+    /// How many errors were pushed so far: a stage compares before and after to know whether it failed.
+    pub fn errors(&self) -> usize {
+        self.errors
+    }
+
+    /// How many diagnostics were not kept.
+    pub fn dropped(&self) -> usize {
+        self.dropped
+    }
+
+    /// What was kept, by place: file, then offset, then the order of finding.
+    pub fn sorted(&self) -> Vec<&Diagnostic> {
+        let mut list: Vec<&Diagnostic> = self.diagnostics.iter().collect();
+        list.sort_by_key(|diagnostic| diagnostic.span().map(|span| (span.file, span.start)));
+        list
+    }
+}

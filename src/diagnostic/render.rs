@@ -1,0 +1,1 @@
+//! Turns diagnostics into text: the only place that knows miette.

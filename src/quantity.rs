@@ -1,0 +1,380 @@
+//! Dimensions, units and typed quantities: parsing and printing with SI prefixes.
+//!
+//! A [`Quantity`] is a number in SI base units with its [`Dimension`]. Decimal prefixes are applied to the digits before they
+//! become binary, so `35 um` is the double nearest to 35·10⁻⁶ and not a rounded product.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// The exponents of the base units metre, kilogram, second, ampere, kelvin and radian.
+///
+/// An angle is a dimension of its own here, so that `90` cannot pass for `90 deg`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
+pub struct Dimension([i8; 6]);
+
+const fn dimension(metre: i8, kilogram: i8, second: i8, ampere: i8, kelvin: i8, radian: i8) -> Dimension {
+    Dimension([metre, kilogram, second, ampere, kelvin, radian])
+}
+
+/// The largest exponent that a base unit may reach in either direction.
+pub const MAX_EXPONENT: i8 = 12;
+
+impl Dimension {
+    pub const NUMBER: Dimension = dimension(0, 0, 0, 0, 0, 0);
+    pub const LENGTH: Dimension = dimension(1, 0, 0, 0, 0, 0);
+    pub const MASS: Dimension = dimension(0, 1, 0, 0, 0, 0);
+    pub const TIME: Dimension = dimension(0, 0, 1, 0, 0, 0);
+    pub const CURRENT: Dimension = dimension(0, 0, 0, 1, 0, 0);
+    pub const TEMPERATURE: Dimension = dimension(0, 0, 0, 0, 1, 0);
+    pub const ANGLE: Dimension = dimension(0, 0, 0, 0, 0, 1);
+    pub const FREQUENCY: Dimension = dimension(0, 0, -1, 0, 0, 0);
+    pub const SPEED: Dimension = dimension(1, 0, -1, 0, 0, 0);
+    pub const FORCE: Dimension = dimension(1, 1, -2, 0, 0, 0);
+    pub const PRESSURE: Dimension = dimension(-1, 1, -2, 0, 0, 0);
+    pub const ENERGY: Dimension = dimension(2, 1, -2, 0, 0, 0);
+    pub const POWER: Dimension = dimension(2, 1, -3, 0, 0, 0);
+    pub const CHARGE: Dimension = dimension(0, 0, 1, 1, 0, 0);
+    pub const VOLTAGE: Dimension = dimension(2, 1, -3, -1, 0, 0);
+    pub const CAPACITANCE: Dimension = dimension(-2, -1, 4, 2, 0, 0);
+
+    /// The dimension of a product, if its exponents stay within [`MAX_EXPONENT`].
+    pub fn times(self, other: Dimension) -> Option<Dimension> {
+        self.zip(other, |a, b| a + b)
+    }
+
+    /// The dimension of a quotient, if its exponents stay within [`MAX_EXPONENT`].
+    pub fn over(self, other: Dimension) -> Option<Dimension> {
+        self.zip(other, |a, b| a - b)
+    }
+
+    /// The dimension of a whole power, if its exponents stay within [`MAX_EXPONENT`].
+    pub fn power(self, exponent: i32) -> Option<Dimension> {
+        self.map(|a| i32::from(a).checked_mul(exponent))
+    }
+
+    /// The dimension of a square root, if every exponent is even.
+    pub fn square_root(self) -> Option<Dimension> {
+        self.map(|a| (a % 2 == 0).then_some(i32::from(a) / 2))
+    }
+
+    fn zip(self, other: Dimension, join: impl Fn(i32, i32) -> i32) -> Option<Dimension> {
+        let mut result = [0; 6];
+        for (slot, (a, b)) in result.iter_mut().zip(self.0.into_iter().zip(other.0)) {
+            *slot = within(join(i32::from(a), i32::from(b)))?;
+        }
+        Some(Dimension(result))
+    }
+
+    fn map(self, change: impl Fn(i8) -> Option<i32>) -> Option<Dimension> {
+        let mut result = [0; 6];
+        for (slot, a) in result.iter_mut().zip(self.0) {
+            *slot = within(change(a)?)?;
+        }
+        Some(Dimension(result))
+    }
+
+    fn named(self) -> Option<&'static Named> {
+        NAMED.iter().find(|named| named.dimension == self)
+    }
+
+    /// What people call it, with its article: `a length`, `a number`, `a quantity in m^2`.
+    pub fn with_article(self) -> String {
+        match self.named() {
+            Some(named) => named.with_article.to_owned(),
+            None => format!("a quantity in {}", self.base_units()),
+        }
+    }
+
+    /// What people call it, without an article: `length`, `number`, `quantity in m^2`.
+    pub fn name(self) -> String {
+        let name = self.with_article();
+        name.split_once(' ').map_or(name.clone(), |(_, rest)| rest.to_owned())
+    }
+
+    /// A unit that people write for it, for an example in a message: `um`, `ms`, `V`; empty for a plain number.
+    pub fn example_unit(self) -> String {
+        self.named().map_or_else(|| self.base_units(), |named| named.example.to_owned())
+    }
+
+    fn base_units(self) -> String {
+        let mut text = String::new();
+        for (exponent, unit) in self.0.into_iter().zip(["m", "kg", "s", "A", "K", "rad"]) {
+            if exponent == 0 {
+                continue;
+            }
+            if !text.is_empty() {
+                text.push('*');
+            }
+            text.push_str(unit);
+            if exponent != 1 {
+                text.push_str(&format!("^{exponent}"));
+            }
+        }
+        text
+    }
+}
+
+fn within(exponent: i32) -> Option<i8> {
+    i8::try_from(exponent).ok().filter(|e| e.abs() <= MAX_EXPONENT)
+}
+
+/// A dimension that has a name, the unit it is printed in, and the unit that an example uses.
+struct Named {
+    dimension: Dimension,
+    with_article: &'static str,
+    /// The unit that takes SI prefixes when a value is printed; empty where none does.
+    symbol: &'static str,
+    example: &'static str,
+}
+
+const NAMED: &[Named] = &[
+    named(Dimension::NUMBER, "a number", "", ""),
+    named(Dimension::LENGTH, "a length", "m", "um"),
+    named(Dimension::MASS, "a mass", "g", "ug"),
+    named(Dimension::TIME, "a time", "s", "ms"),
+    named(Dimension::CURRENT, "a current", "A", "mA"),
+    named(Dimension::TEMPERATURE, "a temperature", "K", "K"),
+    named(Dimension::ANGLE, "an angle", "", "deg"),
+    named(Dimension::FREQUENCY, "a frequency", "Hz", "kHz"),
+    named(Dimension::SPEED, "a speed", "m/s", "um/s"),
+    named(Dimension::FORCE, "a force", "N", "uN"),
+    named(Dimension::PRESSURE, "a pressure", "Pa", "kPa"),
+    named(Dimension::ENERGY, "an energy", "J", "mJ"),
+    named(Dimension::POWER, "a power", "W", "mW"),
+    named(Dimension::CHARGE, "a charge", "C", "nC"),
+    named(Dimension::VOLTAGE, "a voltage", "V", "V"),
+    named(Dimension::CAPACITANCE, "a capacitance", "F", "pF"),
+];
+
+const fn named(dimension: Dimension, with_article: &'static str, symbol: &'static str, example: &'static str) -> Named {
+    Named { dimension, with_article, symbol, example }
+}
+
+/// A unit as a power of ten, a further factor (1 but for `deg`, `turn`, `min`, `h`), and a dimension.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unit {
+    ten: i32,
+    factor: f64,
+    pub dimension: Dimension,
+}
+
+/// The units that take the prefixes of [`PREFIXES`]: name, power of ten of the unit itself in base units, dimension.
+const PREFIXED: &[(&str, i32, Dimension)] = &[
+    ("m", 0, Dimension::LENGTH),
+    ("s", 0, Dimension::TIME),
+    ("V", 0, Dimension::VOLTAGE),
+    ("A", 0, Dimension::CURRENT),
+    ("N", 0, Dimension::FORCE),
+    ("J", 0, Dimension::ENERGY),
+    ("W", 0, Dimension::POWER),
+    ("Hz", 0, Dimension::FREQUENCY),
+    ("g", -3, Dimension::MASS),
+    ("F", 0, Dimension::CAPACITANCE),
+    ("C", 0, Dimension::CHARGE),
+    ("Pa", 0, Dimension::PRESSURE),
+    ("K", 0, Dimension::TEMPERATURE),
+];
+
+const PREFIXES: &[(&str, i32)] = &[
+    ("f", -15),
+    ("p", -12),
+    ("n", -9),
+    ("u", -6),
+    ("µ", -6),
+    ("μ", -6),
+    ("m", -3),
+    ("c", -2),
+    ("d", -1),
+    ("k", 3),
+    ("M", 6),
+    ("G", 9),
+    ("T", 12),
+];
+
+/// The units without prefixes: name, power of ten, further factor, dimension.
+const PLAIN: &[(&str, i32, f64, Dimension)] = &[
+    ("deg", 0, std::f64::consts::PI / 180.0, Dimension::ANGLE),
+    ("rad", 0, 1.0, Dimension::ANGLE),
+    ("turn", 0, std::f64::consts::TAU, Dimension::ANGLE),
+    ("min", 0, 60.0, Dimension::TIME),
+    ("h", 0, 3600.0, Dimension::TIME),
+    ("%", -2, 1.0, Dimension::NUMBER),
+];
+
+/// Why a text is no unit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum UnitError {
+    /// No such unit; the nearest known one, if one is near.
+    Unknown { part: String, nearest: Option<String> },
+    /// An exponent beyond [`MAX_EXPONENT`].
+    ExponentTooLarge,
+}
+
+impl Unit {
+    /// Reads a unit without blanks: factors joined by `*` and `/` from left to right, each with a whole power after `^`.
+    pub fn parse(text: &str) -> Result<Unit, UnitError> {
+        let mut unit = Unit { ten: 0, factor: 1.0, dimension: Dimension::NUMBER };
+        let mut sign = 1;
+        for (index, piece) in text.split_inclusive(['*', '/']).enumerate() {
+            let (part, next) = match piece.strip_suffix('/') {
+                Some(part) => (part, -1),
+                None => (piece.strip_suffix('*').unwrap_or(piece), 1),
+            };
+            unit = unit.times(power(part)?, sign).ok_or(UnitError::ExponentTooLarge)?;
+            sign = next;
+            debug_assert!(index < text.len());
+        }
+        Ok(unit)
+    }
+
+    fn times(self, (other, exponent): (Unit, i32), sign: i32) -> Option<Unit> {
+        let exponent = exponent * sign;
+        Some(Unit {
+            ten: self.ten + other.ten * exponent,
+            factor: self.factor * other.factor.powi(exponent),
+            dimension: self.dimension.times(other.dimension.power(exponent)?)?,
+        })
+    }
+
+    /// The quantity of so many of this unit. `digits` is a decimal number in Rust's notation.
+    ///
+    /// Returns `None` when the digits are no number or the result is not finite.
+    pub fn of(self, digits: &str) -> Option<Quantity> {
+        let (mantissa, exponent) = match digits.split_once(['e', 'E']) {
+            Some((mantissa, exponent)) => (mantissa, exponent.parse::<i32>().ok()?),
+            None => (digits, 0),
+        };
+        let ten = exponent.checked_add(self.ten)?;
+        let scaled: f64 = format!("{mantissa}e{ten}").parse().ok()?;
+        let si = scaled * self.factor;
+        si.is_finite().then_some(Quantity { si, dimension: self.dimension })
+    }
+
+    /// How many base units one of this unit is.
+    pub fn scale(self) -> f64 {
+        self.factor * 10f64.powi(self.ten)
+    }
+}
+
+fn power(text: &str) -> Result<(Unit, i32), UnitError> {
+    let (name, exponent) = match text.split_once('^') {
+        Some((name, digits)) => (name, digits.parse::<i32>().map_err(|_| unknown(text))?),
+        None => (text, 1),
+    };
+    if exponent.abs() > i32::from(MAX_EXPONENT) {
+        return Err(UnitError::ExponentTooLarge);
+    }
+    single(name).map(|unit| (unit, exponent)).ok_or_else(|| unknown(name))
+}
+
+fn single(name: &str) -> Option<Unit> {
+    if let Some(&(_, ten, factor, dimension)) = PLAIN.iter().find(|unit| unit.0 == name) {
+        return Some(Unit { ten, factor, dimension });
+    }
+    let prefixes = std::iter::once(("", 0)).chain(PREFIXES.iter().copied());
+    for (prefix, prefix_ten) in prefixes {
+        let Some(rest) = name.strip_prefix(prefix) else { continue };
+        if let Some(&(_, ten, dimension)) = PREFIXED.iter().find(|unit| unit.0 == rest) {
+            return Some(Unit { ten: ten + prefix_ten, factor: 1.0, dimension });
+        }
+    }
+    None
+}
+
+fn unknown(part: &str) -> UnitError {
+    let nearest = common_units()
+        .into_iter()
+        .map(|unit| (strsim::osa_distance(&unit.to_lowercase(), &part.to_lowercase()), unit))
+        .filter(|(distance, unit)| *distance <= 1 && unit.len() > 1)
+        .min()
+        .map(|(_, unit)| unit);
+    UnitError::Unknown { part: part.to_owned(), nearest }
+}
+
+/// The units that a person would write, for suggestions and completions.
+pub fn common_units() -> Vec<String> {
+    let mut units: Vec<String> = PLAIN.iter().map(|unit| unit.0.to_owned()).collect();
+    for (name, _, _) in PREFIXED {
+        units.extend(["", "n", "u", "m", "k"].iter().map(|prefix| format!("{prefix}{name}")));
+    }
+    units
+}
+
+/// A number in SI base units (radians for an angle) with its dimension; always finite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    pub si: f64,
+    pub dimension: Dimension,
+}
+
+impl Quantity {
+    /// A plain number.
+    pub fn number(value: f64) -> Self {
+        Quantity { si: value, dimension: Dimension::NUMBER }
+    }
+
+    /// So many base units of a dimension.
+    pub fn new(si: f64, dimension: Dimension) -> Self {
+        Quantity { si, dimension }
+    }
+
+    /// The value in a unit of its own dimension, read off without the error of a product with a power of ten.
+    pub fn in_unit(self, unit: &str) -> f64 {
+        let unit = Unit::parse(unit).expect("only units of the closed list are named in the compiler");
+        debug_assert_eq!(unit.dimension, self.dimension);
+        shift(self.si / unit.factor, -unit.ten)
+    }
+}
+
+/// `value` times ten to the power of `ten`, rounded once: multiplication for growing, division for shrinking, both by an
+/// exactly representable power.
+fn shift(value: f64, ten: i32) -> f64 {
+    if ten >= 0 { value * 10f64.powi(ten) } else { value / 10f64.powi(-ten) }
+}
+
+/// Prints with at most six significant digits and the prefix that leaves one to three digits before the point.
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.dimension == Dimension::ANGLE {
+            return write!(f, "{} deg", digits(self.si.to_degrees()));
+        }
+        match self.dimension.named().map(|named| named.symbol) {
+            Some("") => f.write_str(&digits(self.si)),
+            Some(symbol) => prefixed(f, self.si, symbol),
+            None => write!(f, "{} {}", digits(self.si), self.dimension.base_units()),
+        }
+    }
+}
+
+fn prefixed(f: &mut fmt::Formatter<'_>, si: f64, symbol: &str) -> fmt::Result {
+    let own_ten = PREFIXED.iter().find(|unit| unit.0 == symbol).map_or(0, |unit| unit.1);
+    let value = shift(si, -own_ten);
+    if value == 0.0 {
+        return write!(f, "0 {symbol}");
+    }
+    const PRINTED: [(&str, i32); 9] =
+        [("f", -15), ("p", -12), ("n", -9), ("u", -6), ("m", -3), ("", 0), ("k", 3), ("M", 6), ("G", 9)];
+    let fits = |&&(_, ten): &&(&str, i32)| shift(value.abs(), -ten) >= 0.999_999_5;
+    let (prefix, ten) = PRINTED.iter().rev().find(fits).copied().unwrap_or(PRINTED[0]);
+    write!(f, "{} {prefix}{symbol}", digits(shift(value, -ten)))
+}
+
+/// A number with at most six significant digits, without trailing zeros; plain notation where it is short.
+pub fn digits(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = value.abs().log10().floor();
+    if !(-5.0..15.0).contains(&exponent) {
+        return format!("{value:e}");
+    }
+    let decimals = (5.0 - exponent).max(0.0) as usize;
+    let text = format!("{value:.decimals$}");
+    if !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests;

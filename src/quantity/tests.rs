@@ -1,0 +1,69 @@
+use super::*;
+
+fn quantity(digits: &str, unit: &str) -> Quantity {
+    Unit::parse(unit).expect("a unit").of(digits).expect("a finite quantity")
+}
+
+#[test]
+fn a_prefix_is_applied_before_rounding() {
+    assert_eq!(quantity("35", "um").si, 35e-6);
+    assert_eq!(quantity("0.8", "um").si, 0.8e-6);
+    assert_eq!(quantity("1e-3", "mm").si, 1e-6);
+    assert_eq!(quantity("15", "ms").in_unit("ns"), 15e6);
+    assert_eq!(quantity("35", "um").in_unit("um"), 35.0);
+}
+
+#[test]
+fn both_micro_signs_are_u() {
+    assert_eq!(quantity("3", "um"), quantity("3", "µm"));
+    assert_eq!(quantity("3", "um"), quantity("3", "μm"));
+}
+
+#[test]
+fn compound_units_follow_their_signs() {
+    assert_eq!(quantity("35", "um/s").dimension, Dimension::SPEED);
+    assert_eq!(quantity("3", "N*m").dimension, Dimension::ENERGY);
+    assert_eq!(quantity("2", "s^-1").dimension, Dimension::FREQUENCY);
+    assert_eq!(quantity("1", "J/m/m").dimension, Dimension::FORCE.over(Dimension::LENGTH).expect("small"));
+    assert_eq!(quantity("2", "mm^2").si, 2e-6);
+}
+
+#[test]
+fn a_gram_is_a_thousandth_of_the_base_unit() {
+    assert_eq!(quantity("1", "g").si, 1e-3);
+    assert_eq!(quantity("1", "kg").si, 1.0);
+    assert_eq!(quantity("2.5", "ug").to_string(), "2.5 ug");
+}
+
+#[test]
+fn an_unknown_unit_names_its_neighbour() {
+    assert_eq!(Unit::parse("UM"), Err(UnitError::Unknown { part: "UM".to_owned(), nearest: Some("um".to_owned()) }));
+    assert_eq!(Unit::parse("parsec"), Err(UnitError::Unknown { part: "parsec".to_owned(), nearest: None }));
+    assert_eq!(Unit::parse("m^99"), Err(UnitError::ExponentTooLarge));
+    assert!(Unit::parse("").is_err());
+}
+
+#[test]
+fn overflow_is_no_quantity() {
+    assert_eq!(Unit::parse("m").expect("metre").of("1e999"), None);
+    assert_eq!(Unit::parse("m").expect("metre").of("1e99999999999"), None);
+}
+
+#[test]
+fn printing_takes_the_prefix_that_fits() {
+    assert_eq!(quantity("0.8", "um").to_string(), "800 nm");
+    assert_eq!(quantity("400", "ms").to_string(), "400 ms");
+    assert_eq!(quantity("1000", "um").to_string(), "1 mm");
+    assert_eq!(quantity("999.9999999", "um").to_string(), "1 mm");
+    assert_eq!(quantity("0", "V").to_string(), "0 V");
+    assert_eq!(quantity("80", "deg").to_string(), "80 deg");
+    assert_eq!(Quantity::number(0.138).to_string(), "0.138");
+    assert_eq!(quantity("3", "m^2").to_string(), "3 m^2");
+}
+
+#[test]
+fn dimensions_have_names() {
+    assert_eq!(Dimension::LENGTH.with_article(), "a length");
+    assert_eq!(Dimension::ENERGY.name(), "energy");
+    assert_eq!(Dimension::LENGTH.power(2).expect("small").with_article(), "a quantity in m^2");
+}

@@ -1,0 +1,351 @@
+//! The tree of one file: what was written, where, and nothing of what it means.
+//!
+//! Every node carries its span, and a child's span lies in its parent's. Parts that could not be read are
+//! [`ExprKind::Error`] or an `Error` entry; their diagnostic was pushed when they were read, so later stages pass them by.
+//! Verbs, fields, nouns and shapes are plain words here: a device kind adds no node.
+
+use crate::source::{FileId, Span};
+
+/// A word with its place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Ident {
+    pub text: String,
+    pub span: Span,
+}
+
+/// The `///` lines before a declaration, joined by line ends, without their slashes and one leading blank.
+pub type Doc = Option<String>;
+
+/// One file.
+#[derive(Debug, Clone)]
+pub struct Tree {
+    pub file: FileId,
+    /// The `//!` lines at the top.
+    pub doc: Doc,
+    pub items: Vec<Item>,
+}
+
+/// What stands at the top of a file.
+#[derive(Debug, Clone)]
+pub enum Item {
+    Use(Use),
+    Let(Let),
+    Device(Device),
+    Scene(Scene),
+    Task(Task),
+    Program(Program),
+    Wiring(Wiring),
+    Error(Span),
+}
+
+/// `use std.dimibot as d` or `use "bench.twz" as lab`.
+#[derive(Debug, Clone)]
+pub struct Use {
+    pub path: UsePath,
+    pub alias: Option<Ident>,
+    pub span: Span,
+}
+
+/// Where a used file is.
+#[derive(Debug, Clone)]
+pub enum UsePath {
+    /// `std.dimibot`: the words between the dots, `std` included.
+    Library { words: Vec<Ident>, span: Span },
+    /// `"bench.twz"`, relative to the file that says so.
+    File(Text),
+}
+
+/// `let pitch = 70 um`.
+#[derive(Debug, Clone)]
+pub struct Let {
+    pub doc: Doc,
+    pub name: Ident,
+    pub value: Expr,
+    pub span: Span,
+}
+
+/// `device bot : dimibot.femto_st { left: 5 }`.
+#[derive(Debug, Clone)]
+pub struct Device {
+    pub doc: Doc,
+    pub name: Ident,
+    pub base: Path,
+    pub fields: Vec<Field>,
+    pub span: Span,
+}
+
+/// `left: 5`, in a device, a shape, a task or a planner's options.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Field {
+    pub doc: Doc,
+    pub name: Ident,
+    pub value: Expr,
+    pub span: Span,
+}
+
+/// `scene dusty : bench { … }`.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    pub doc: Doc,
+    pub name: Ident,
+    pub base: Option<Path>,
+    pub entries: Vec<SceneEntry>,
+    pub span: Span,
+}
+
+/// What stands in a scene.
+#[derive(Debug, Clone)]
+pub enum SceneEntry {
+    Object(Object),
+    For(For<SceneEntry>),
+    Error(Span),
+}
+
+/// `obstacle d[i] : disc { radius: 2 um } at (3 um, 4 um)`; the noun is the kind's word.
+#[derive(Debug, Clone)]
+pub struct Object {
+    pub doc: Doc,
+    pub noun: Ident,
+    pub name: IndexedName,
+    pub shape: Option<Expr>,
+    pub at: Option<Expr>,
+    pub span: Span,
+}
+
+/// A declared name with its indices: `d[i]`, `e[5, i]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IndexedName {
+    pub name: Ident,
+    pub indices: Vec<Expr>,
+    pub span: Span,
+}
+
+/// `for i, p in spots { … }`: with one name it takes the elements, with two it counts them as well.
+#[derive(Debug, Clone)]
+pub struct For<E> {
+    /// The counter, where two names are given.
+    pub counter: Option<Ident>,
+    pub element: Ident,
+    pub over: Expr,
+    pub entries: Vec<E>,
+    pub span: Span,
+}
+
+/// `task go(goal: cell) on bot in dusty { … }`.
+#[derive(Debug, Clone)]
+pub struct Task {
+    pub doc: Doc,
+    pub name: Ident,
+    pub parameters: Vec<Parameter>,
+    pub device: Path,
+    pub scene: Option<Path>,
+    pub entries: Vec<Entry>,
+    pub span: Span,
+}
+
+/// `goal: cell`.
+#[derive(Debug, Clone)]
+pub struct Parameter {
+    pub name: Ident,
+    pub sort: Ident,
+    pub span: Span,
+}
+
+/// `program day(p: cell) { run go(p), wait 5 ms }`.
+#[derive(Debug, Clone)]
+pub struct Program {
+    pub doc: Doc,
+    pub name: Ident,
+    pub parameters: Vec<Parameter>,
+    pub entries: Vec<Entry>,
+    pub span: Span,
+}
+
+/// What stands in a task, a program, or a block of one.
+#[derive(Debug, Clone)]
+pub enum Entry {
+    /// `precision: 0.25 um`.
+    Field(Field),
+    /// Settings (`minimize time`), steps (`move to (1, 2)`), `run`, `wait`, `together { … }`: all of one form.
+    Step(Step),
+    For(For<Entry>),
+    Error(Span),
+}
+
+/// A head word, at most one object, prepositions with values, at most one block:
+/// `move m1 to (26, 31) via (3, 9)`, `apply state 2 for 3 s`, `minimize distance`, `together { … }`.
+/// In `assemble { D3 to … }` the head is the object; the grammar does not care.
+#[derive(Debug, Clone)]
+pub struct Step {
+    pub head: Ident,
+    /// The noun before the object, as `state` in `apply state 2`.
+    pub noun: Option<Ident>,
+    pub object: Option<Expr>,
+    pub phrases: Vec<Phrase>,
+    pub block: Option<Vec<Entry>>,
+    pub span: Span,
+}
+
+/// `to (26, 31)`.
+#[derive(Debug, Clone)]
+pub struct Phrase {
+    pub preposition: Ident,
+    pub value: Expr,
+    pub span: Span,
+}
+
+/// `wiring bot { bl[i].set -> "Dev1/port0/line{2*i}" }`.
+#[derive(Debug, Clone)]
+pub struct Wiring {
+    pub doc: Doc,
+    pub device: Path,
+    pub entries: Vec<WiringEntry>,
+    pub span: Span,
+}
+
+/// What stands in a wiring.
+#[derive(Debug, Clone)]
+pub enum WiringEntry {
+    Wire(Wire),
+    For(For<WiringEntry>),
+    Error(Span),
+}
+
+/// `bl0.set -> "Dev1/port0/line0"`.
+#[derive(Debug, Clone)]
+pub struct Wire {
+    pub channel: Path,
+    pub output: Text,
+    pub span: Span,
+}
+
+/// Names with dots and indices: `dimibot.femto_st`, `bl[i].set`, `spots[0]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Path {
+    /// Never empty.
+    pub segments: Vec<IndexedName>,
+    pub span: Span,
+}
+
+/// A string and what its braces hold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Text {
+    pub parts: Vec<TextPart>,
+    pub span: Span,
+}
+
+/// A piece of a string.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TextPart {
+    /// Plain characters, `{{` already turned into `{`.
+    Plain(String),
+    Hole(Expr),
+}
+
+/// A value as it was written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expr {
+    pub kind: ExprKind,
+    pub span: Span,
+}
+
+/// The forms of a value.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ExprKind {
+    /// `35`, `1e-3`, `10_000`: the digits as written without `_`, a finite number in Rust's own notation.
+    Number(String),
+    /// `35 um/s`: the digits as in `Number`, and the unit as written.
+    Quantity {
+        number: String,
+        unit: Ident,
+    },
+    /// `0b10001_00010`: its digits, `_` kept.
+    Word(String),
+    Text(Text),
+    Bool(bool),
+    Path(Path),
+    /// `(x, y)` or `(x, y, z)`; a value in brackets alone is that value.
+    Tuple(Vec<Expr>),
+    List(Vec<Expr>),
+    /// `0..4`, the end not included.
+    Range {
+        from: Box<Expr>,
+        to: Box<Expr>,
+    },
+    Negative(Box<Expr>),
+    Binary {
+        left: Box<Expr>,
+        operator: Operator,
+        operator_span: Span,
+        right: Box<Expr>,
+    },
+    /// `pose(1 um, 2 um, 90 deg)`, `go(p, 200 ms)`.
+    Call {
+        function: Path,
+        arguments: Vec<Expr>,
+    },
+    /// `disc { radius: 2 um }`: the base with these fields changed.
+    With {
+        base: Path,
+        fields: Vec<Field>,
+    },
+    Table(Table),
+    /// Could not be read; the diagnostic has been pushed.
+    Error,
+}
+
+/// The binary operators, loosest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Operator {
+    Equal,
+    NotEqual,
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Power,
+}
+
+impl Operator {
+    /// The operator as it is written.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Operator::Equal => "==",
+            Operator::NotEqual => "!=",
+            Operator::Less => "<",
+            Operator::LessEqual => "<=",
+            Operator::Greater => ">",
+            Operator::GreaterEqual => ">=",
+            Operator::Add => "+",
+            Operator::Subtract => "-",
+            Operator::Multiply => "*",
+            Operator::Divide => "/",
+            Operator::Power => "^",
+        }
+    }
+}
+
+/// `table { robot | snap_down [V] … }`: a header and its rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    pub columns: Vec<Column>,
+    pub rows: Vec<Row>,
+}
+
+/// `snap_down [V]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    pub name: Ident,
+    pub unit: Option<Ident>,
+}
+
+/// One line of a table; as many cells as the table has columns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    pub cells: Vec<Expr>,
+    pub span: Span,
+}
