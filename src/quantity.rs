@@ -215,14 +215,15 @@ impl Unit {
     pub fn parse(text: &str) -> Result<Unit, UnitError> {
         let mut unit = Unit { ten: 0, factor: 1.0, dimension: Dimension::NUMBER };
         let mut sign = 1;
-        for (index, piece) in text.split_inclusive(['*', '/']).enumerate() {
-            let (part, next) = match piece.strip_suffix('/') {
-                Some(part) => (part, -1),
-                None => (piece.strip_suffix('*').unwrap_or(piece), 1),
-            };
-            unit = unit.times(power(part)?, sign).ok_or(UnitError::ExponentTooLarge)?;
-            sign = next;
-            debug_assert!(index < text.len());
+        let mut rest = text;
+        loop {
+            let end = rest.find(['*', '/']).unwrap_or(rest.len());
+            unit = unit.times(power(&rest[..end])?, sign).ok_or(UnitError::ExponentTooLarge)?;
+            if end == rest.len() {
+                break;
+            }
+            sign = if rest.as_bytes()[end] == b'/' { -1 } else { 1 };
+            rest = &rest[end + 1..];
         }
         Ok(unit)
     }
