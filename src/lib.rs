@@ -1,6 +1,11 @@
 //! Tweeze: a declarative language and a verifying compiler for micro-manipulation programs.
 
+pub mod check;
+pub mod device;
 pub mod diagnostic;
+pub mod geometry;
 pub mod quantity;
+pub mod schedule;
 pub mod source;
 pub mod syntax;
+pub mod verify;

@@ -1,0 +1,2 @@
+//! Names, dimensions, values; is this device possible, is this scene possible.
+pub mod claims;

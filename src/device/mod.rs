@@ -1,0 +1,203 @@
+//! The closed list of device kinds, and the vocabulary that each brings: fields, units, limits, verbs, shapes.
+//!
+//! A kind brings words, never syntax. The tables here are what the checker reads, what `tweeze devices` prints and what
+//! completions offer, so that the three cannot disagree. Nothing here judges a program.
+
+pub mod dimibot;
+pub mod shape;
+
+use crate::quantity::Dimension;
+use serde::{Deserialize, Serialize};
+
+/// The kinds of device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    Dimibot,
+}
+
+impl Kind {
+    /// Every kind, in the order of the handbook.
+    pub const ALL: &'static [Kind] = &[Kind::Dimibot];
+
+    /// The kind's word in the language.
+    pub fn name(self) -> &'static str {
+        self.vocabulary().name
+    }
+
+    /// The kind of a word.
+    pub fn find(name: &str) -> Option<Kind> {
+        Kind::ALL.iter().copied().find(|kind| kind.name() == name)
+    }
+
+    /// What the kind adds to the language.
+    pub fn vocabulary(self) -> &'static Vocabulary {
+        match self {
+            Kind::Dimibot => &dimibot::VOCABULARY,
+        }
+    }
+}
+
+/// The words of a kind.
+#[derive(Debug)]
+pub struct Vocabulary {
+    pub name: &'static str,
+    pub summary: &'static str,
+    /// A published device to start from, as `std.dimibot` and `dimibot.femto_st`.
+    pub library: (&'static str, &'static str),
+    /// The fields of a device.
+    pub fields: &'static [Field],
+    /// What may stand in a scene.
+    pub nouns: &'static [Noun],
+    /// The `field: value` settings of a task, besides `minimize`, `using`, `start at` and `require`.
+    pub settings: &'static [Field],
+    /// What `start at` and the field `home` take.
+    pub state: Sort,
+    /// What a task may do.
+    pub verbs: &'static [Verb],
+    /// What `minimize` takes; the first is the default.
+    pub objectives: &'static [Choice],
+    /// What `using` takes; the first is the default.
+    pub planners: &'static [Planner],
+    /// What `require` compares.
+    pub outcomes: &'static [Outcome],
+    /// How the channels are named and what they carry.
+    pub channels: &'static str,
+}
+
+impl Vocabulary {
+    /// The verb of a word.
+    pub fn verb(&self, name: &str) -> Option<&'static Verb> {
+        self.verbs.iter().find(|verb| verb.name == name)
+    }
+
+    /// The scene noun of a word.
+    pub fn noun(&self, name: &str) -> Option<&'static Noun> {
+        self.nouns.iter().find(|noun| noun.name == name)
+    }
+}
+
+/// A word with what it stands for.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Choice {
+    pub name: &'static str,
+    pub doc: &'static str,
+}
+
+/// A field of a device, a shape, a task or a planner.
+#[derive(Debug)]
+pub struct Field {
+    pub name: &'static str,
+    pub sort: Sort,
+    pub need: Need,
+    pub doc: &'static str,
+}
+
+/// Whether a field may be left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Need {
+    Required,
+    /// May be left out; the text says what then holds.
+    Optional(&'static str),
+}
+
+/// What a field, an argument or an object takes.
+#[derive(Debug, Clone, Copy)]
+pub enum Sort {
+    /// A whole number.
+    Count { least: u32, most: u32 },
+    /// A number with a unit, or a plain one where the dimension is a number.
+    Quantity { dimension: Dimension, range: Range },
+    /// One of these words.
+    Word(&'static [Choice]),
+    /// A state of the device: for the DiMiBot a word of its modules, or the cell or place that stands for it.
+    State,
+    /// Where to go: a cell or a place.
+    Target,
+    /// Where to go, in any order: a list of cells and places.
+    Targets,
+    /// A corner of a block of cells.
+    Cell,
+    /// A width and a height.
+    Size,
+    /// The corners of a polygon.
+    Places,
+}
+
+/// The values that a quantity may take, in SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Range {
+    /// Above zero.
+    Positive,
+    /// Zero or above.
+    NotNegative,
+}
+
+impl Range {
+    /// Whether a value lies in the range.
+    pub fn holds(self, value: f64) -> bool {
+        match self {
+            Range::Positive => value > 0.0,
+            Range::NotNegative => value >= 0.0,
+        }
+    }
+
+    /// The range in words.
+    pub fn text(self) -> &'static str {
+        match self {
+            Range::Positive => "above 0",
+            Range::NotNegative => "0 or above",
+        }
+    }
+}
+
+/// What may stand in a scene.
+#[derive(Debug)]
+pub struct Noun {
+    pub name: &'static str,
+    pub doc: &'static str,
+    /// The shapes it may have.
+    pub shapes: &'static [shape::Form],
+}
+
+/// What a task may do.
+#[derive(Debug)]
+pub struct Verb {
+    pub name: &'static str,
+    pub object: Option<Sort>,
+    pub phrases: &'static [Phrase],
+    pub doc: &'static str,
+    pub example: &'static str,
+}
+
+/// A preposition that a verb understands.
+#[derive(Debug)]
+pub struct Phrase {
+    pub preposition: &'static str,
+    pub sort: Sort,
+    pub count: Count,
+}
+
+/// How often a preposition may stand in one step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Count {
+    Once,
+    /// In the order of writing.
+    AnyNumber,
+}
+
+/// A way to plan.
+#[derive(Debug)]
+pub struct Planner {
+    pub name: &'static str,
+    pub options: &'static [Field],
+    pub doc: &'static str,
+}
+
+/// A figure of a finished plan that `require` can limit and the report shows.
+#[derive(Debug)]
+pub struct Outcome {
+    pub name: &'static str,
+    pub dimension: Dimension,
+    pub doc: &'static str,
+}

@@ -1,0 +1,3 @@
+//! Device-free mathematics of the plane.
+
+pub mod shape;

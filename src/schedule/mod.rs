@@ -1,0 +1,141 @@
+//! The one timed form of all kinds: channels, actuations in integer nanoseconds, the steps that caused them.
+//!
+//! Input: the plans of a program's jobs. Output: a [`Schedule`]. Promise: actuations are sorted by start, then channel; a
+//! channel has at most one value at a time; every actuation knows its step, every step its source span. There are no floats
+//! but the values of actuations and the figures of plans.
+
+use crate::source::Span;
+use serde::{Deserialize, Serialize};
+
+/// What a program does, when.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Schedule {
+    /// The program's or task's name.
+    pub name: String,
+    pub source: SourceRef,
+    /// From the first instant to the end of the last step, rests included.
+    pub duration_ns: u64,
+    pub channels: Vec<Channel>,
+    pub actuations: Vec<Actuation>,
+    pub steps: Vec<Step>,
+    /// One for each job of the claims, in their order.
+    pub plans: Vec<PlanRecord>,
+}
+
+/// The program's own file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SourceRef {
+    pub file: String,
+    /// Of the file's bytes, in lower-case hexadecimal.
+    pub sha256: String,
+}
+
+/// One output of an instrument.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Channel {
+    /// With the device in front: `bot.bl4.set`.
+    pub name: String,
+    pub device: String,
+    pub unit: Unit,
+    /// The physical output, where a `wiring` names one.
+    pub wire: Option<String>,
+}
+
+/// What a channel's numbers are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Unit {
+    #[serde(rename = "V")]
+    Volt,
+}
+
+impl Unit {
+    /// As it is printed and written to files.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Unit::Volt => "V",
+        }
+    }
+}
+
+/// A channel's value over a stretch of time, from one number in a straight line to another; outside of its actuations a
+/// voltage is 0 V.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Actuation {
+    /// Index of the schedule's channels.
+    pub channel: u32,
+    pub start_ns: u64,
+    /// Above zero.
+    pub duration_ns: u64,
+    pub from: f64,
+    pub to: f64,
+    /// Index of the schedule's steps.
+    pub step: u32,
+}
+
+impl Actuation {
+    /// The instant at which it ends.
+    pub fn end_ns(&self) -> u64 {
+        self.start_ns + self.duration_ns
+    }
+}
+
+/// One step of a task, on the clock.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    pub task: String,
+    /// Index of the schedule's plans.
+    pub plan: u32,
+    /// As the user wrote it, on one line.
+    pub text: String,
+    /// The file it stands in.
+    pub file: String,
+    pub line: u32,
+    pub column: u32,
+    pub start_ns: u64,
+    pub duration_ns: u64,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// What a planner says of one job, and the states that its plan goes through.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlanRecord {
+    pub task: String,
+    pub device: String,
+    pub kind: crate::device::Kind,
+    pub planner: String,
+    pub objective: String,
+    /// Of `cost` and `bound`; empty for a count.
+    pub unit: String,
+    pub cost: f64,
+    /// No plan costs less.
+    pub bound: f64,
+    /// Whether `cost` is proven to be the least.
+    pub optimal: bool,
+    /// Every figure that the kind knows, in SI units, by the names of the vocabulary's outcomes.
+    pub outcomes: std::collections::BTreeMap<String, f64>,
+    pub start_ns: u64,
+    pub duration_ns: u64,
+    /// The state at the beginning and after every change, in order of time.
+    pub states: Vec<TimedState>,
+}
+
+/// A state from an instant on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TimedState {
+    pub t_ns: u64,
+    #[serde(flatten)]
+    pub state: State,
+}
+
+/// The kind's own state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum State {
+    Dimibot {
+        word: u64,
+        cell: [u32; 2],
+        /// Nominal place of the end-effector in the frame R1.
+        position_um: [f64; 2],
+    },
+}
