@@ -7,5 +7,6 @@ pub mod geometry;
 pub mod quantity;
 pub mod schedule;
 pub mod source;
+pub mod stdlib;
 pub mod syntax;
 pub mod verify;

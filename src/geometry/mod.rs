@@ -1,3 +1,5 @@
 //! Device-free mathematics of the plane.
 
+pub mod distance;
+pub mod polygon;
 pub mod shape;
