@@ -4,6 +4,7 @@ pub mod check;
 pub mod device;
 pub mod diagnostic;
 pub mod geometry;
+pub mod plan;
 pub mod quantity;
 pub mod schedule;
 pub mod source;

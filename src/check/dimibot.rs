@@ -16,6 +16,7 @@ use crate::quantity::{Dimension, Quantity};
 use crate::source::{Span, Spanned};
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 mod stops;
 
@@ -78,9 +79,9 @@ fn simultaneous(fields: &Accepted) -> Option<Simultaneous> {
 /// Whether the workspace is of a size that is counted with exactly.
 fn fits(facts: &dimibot::Facts, device: &Device, sink: &mut Sink) -> bool {
     let extent_um = 2.0 * facts.gain * facts.stroke_um * std::f64::consts::SQRT_2;
-    let fits = extent_um <= MAX_EXTENT_UM && facts.growth_um() <= MAX_EXTENT_UM;
+    let fits = extent_um <= dimibot::MAX_REACH_UM && facts.growth_um() <= dimibot::MAX_REACH_UM;
     if !fits {
-        let limit = length(MAX_EXTENT_UM);
+        let limit = length(dimibot::MAX_REACH_UM);
         sink.push(errors::workspace_too_large(device.span, &length(extent_um.max(facts.growth_um())), &limit));
     }
     fits
@@ -100,17 +101,6 @@ fn length(um: f64) -> String {
     Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
 }
 
-/// The names of all channels of a device.
-pub fn channels(facts: &dimibot::Facts) -> Vec<String> {
-    let modules = |side| (0..facts.modules(side)).map(move |module| (side, module));
-    modules(Side::Left)
-        .chain(modules(Side::Right))
-        .flat_map(|(side, module)| {
-            [dimibot::Switch::Set, dimibot::Switch::Reset].map(|switch| dimibot::Facts::channel(side, module, switch))
-        })
-        .collect()
-}
-
 impl Checker<'_> {
     /// What a scene's objects are to a device; each scene is judged once with each device.
     pub fn obstacles(
@@ -118,15 +108,15 @@ impl Checker<'_> {
         device: Place,
         scene: Option<&(Place, Rc<Vec<Object>>)>,
         facts: &dimibot::Facts,
-    ) -> Rc<Vec<Obstacle>> {
-        let Some((place, objects)) = scene else { return Rc::default() };
+    ) -> Arc<Vec<Obstacle>> {
+        let Some((place, objects)) = scene else { return Arc::default() };
         if let Some(known) = self.judged_scenes.get(&(*place, device)) {
             return known.clone();
         }
         let name = self.device(device, 0).map(|device| device.name).unwrap_or_default();
         let obstacles = objects.iter().filter_map(|object| obstacle(object, facts, &name, self.sink)).collect();
-        let obstacles = Rc::new(obstacles);
-        self.judged_scenes.insert((*place, device), Rc::clone(&obstacles));
+        let obstacles = Arc::new(obstacles);
+        self.judged_scenes.insert((*place, device), Arc::clone(&obstacles));
         obstacles
     }
 }
@@ -246,12 +236,13 @@ fn is_outside(body: &Body, facts: &dimibot::Facts) -> bool {
 /// A task's body in the kind's own terms; `None` after an error.
 pub fn order(
     facts: &dimibot::Facts,
-    obstacles: &[Obstacle],
+    obstacles: &Arc<Vec<Obstacle>>,
     parts: Parts,
     device: &str,
     sink: &mut Sink,
 ) -> Option<Order> {
     let precision = precision(&parts.settings, facts, sink);
+    let planner = planner(parts.planner.as_ref(), &parts.steps, sink);
     let mut judge = stops::Judge::new(facts, obstacles, device, precision.flatten(), sink);
     let start = match &parts.start {
         Some(start) => Some(judge.start(start)),
@@ -261,9 +252,9 @@ pub fn order(
     let steps: Option<Vec<Step>> = steps.into_iter().collect();
     Some(Order::Dimibot(DimibotOrder {
         facts: facts.clone(),
-        obstacles: obstacles.to_vec(),
+        obstacles: Arc::clone(obstacles),
         objective: objective(parts.objective),
-        planner: planner(parts.planner.as_ref()),
+        planner: planner?,
         simultaneous: simultaneous(&parts.settings).unwrap_or(facts.simultaneous),
         precision_um: precision?,
         start: match start {
@@ -295,20 +286,42 @@ fn objective(name: Option<&str>) -> Objective {
     }
 }
 
-fn planner(chosen: Option<&(&'static crate::device::Planner, Accepted)>) -> Planner {
-    let method = match chosen.map(|(planner, _)| planner.name) {
-        Some("dijkstra") => Method::Dijkstra,
-        Some("bidirectional_dijkstra") => Method::BidirectionalDijkstra,
-        Some("astar") => Method::Astar,
-        Some("hypercube_astar") => Method::HypercubeAstar,
-        _ => Method::LayeredAstar,
+/// The method and budget of a task; `None` where a published method is asked for what it does not know.
+fn planner(
+    chosen: Option<&(Spanned<&'static crate::device::Planner>, Accepted)>,
+    steps: &[tasks::Step],
+    sink: &mut Sink,
+) -> Option<Planner> {
+    let Some((planner, options)) = chosen else {
+        return Some(Planner { method: Method::LayeredAstar, expansions: DEFAULT_EXPANSIONS });
     };
-    let given = chosen.and_then(|(_, options)| options.get("expansions")).map(|option| &option.value);
-    let expansions = match given {
+    let method = method(planner.value.name);
+    let visit =
+        steps.iter().find(|step| matches!(&step.action, tasks::Action::Verb { verb, .. } if verb.name == "visit"));
+    if let Some(visit) = visit.filter(|_| method != Method::LayeredAstar) {
+        sink.push(errors::planner_cannot(
+            planner.span,
+            planner.value.name,
+            "order the places of a `visit`",
+            visit.span,
+        ));
+        return None;
+    }
+    let given = match options.get("expansions").map(|option| &option.value) {
         Some(Value::Quantity(quantity)) => whole(*quantity).and_then(|number| u64::try_from(number).ok()),
         _ => None,
     };
-    Planner { method, expansions: expansions.unwrap_or(DEFAULT_EXPANSIONS) }
+    Some(Planner { method, expansions: given.unwrap_or(DEFAULT_EXPANSIONS) })
+}
+
+fn method(name: &str) -> Method {
+    match name {
+        "dijkstra" => Method::Dijkstra,
+        "bidirectional_dijkstra" => Method::BidirectionalDijkstra,
+        "astar" => Method::Astar,
+        "hypercube_astar" => Method::HypercubeAstar,
+        _ => Method::LayeredAstar,
+    }
 }
 
 /// Where a robot stands after a task, as far as that is known before planning.

@@ -108,7 +108,7 @@ pub(crate) struct Checker<'a> {
     used: BTreeSet<Place>,
     used_imports: BTreeSet<(usize, String)>,
     run_tasks: BTreeSet<Place>,
-    judged_scenes: BTreeMap<(Place, Place), std::rc::Rc<Vec<claims::Obstacle>>>,
+    judged_scenes: BTreeMap<(Place, Place), std::sync::Arc<Vec<claims::Obstacle>>>,
     repetitions: usize,
 }
 

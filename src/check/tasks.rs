@@ -23,7 +23,7 @@ pub struct Run {
 /// A task's body, checked as far as the vocabulary goes.
 pub struct Parts {
     pub objective: Option<&'static str>,
-    pub planner: Option<(&'static device::Planner, Accepted)>,
+    pub planner: Option<(Spanned<&'static device::Planner>, Accepted)>,
     pub start: Option<Spanned<Value>>,
     pub settings: Accepted,
     pub requirements: Vec<Requirement>,
@@ -222,7 +222,7 @@ impl<'a> Checker<'a> {
         step: &'a tree::Step,
         scope: &Scope,
         vocabulary: &'static Vocabulary,
-    ) -> Option<(&'static device::Planner, Accepted)> {
+    ) -> Option<(Spanned<&'static device::Planner>, Accepted)> {
         let expr = self.only_object(step, vocabulary.planners[0].name)?;
         let (path, fields) = match &expr.kind {
             ExprKind::Path(path) => (path, [].as_slice()),
@@ -240,7 +240,7 @@ impl<'a> Checker<'a> {
         };
         let owner = Owner { name: format!("planner `{name}`"), declared: None };
         let given: Vec<Given> = fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
-        Some((planner, self.read_fields(&owner, &given, planner.options)))
+        Some((Spanned::new(planner, path.span), self.read_fields(&owner, &given, planner.options)))
     }
 
     fn start(&mut self, step: &tree::Step, scope: &Scope, reading: &Reading) -> Option<Spanned<Value>> {

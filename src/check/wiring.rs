@@ -1,10 +1,10 @@
 //! Wirings: which physical output drives which channel.
 
+use super::Checker;
 use super::devices::Facts;
 use super::errors;
 use super::programs::Wires;
 use super::scope::{DeclarationSort, Place, Scope, nearest};
-use super::{Checker, dimibot};
 use crate::source::Span;
 use crate::syntax::tree::{self, Item, WiringEntry};
 use std::collections::BTreeMap;
@@ -45,7 +45,7 @@ impl<'a> Checker<'a> {
         let device = self.resolve(&item.device, scope, DeclarationSort::Device)?;
         let Item::Device(declared) = self.item(device) else { return None };
         let channels = self.facts(device).map(|facts| match facts {
-            Facts::Dimibot(facts) => dimibot::channels(&facts),
+            Facts::Dimibot(facts) => facts.channels(),
         });
         Some(Panel { device, name: declared.name.text.clone(), channels, wired: BTreeMap::new() })
     }

@@ -94,6 +94,7 @@ ledger! {
     E0517 "no such planner"
     E0518 "a step that does not belong here"
     E0519 "too many places to visit"
+    E0520 "a planner asked for what it cannot do"
     W0501 "an obstacle outside the workspace"
     W0502 "a task that is never run"
     W0503 "nothing to build"

@@ -222,6 +222,13 @@ pub fn unknown_planner(span: Span, name: &str, near: Option<&str>, vocabulary: &
         .help(meant(near).unwrap_or_else(|| format!("write one of {known}, as `using dijkstra`")))
 }
 
+pub fn planner_cannot(span: Span, name: &str, what: &str, asked: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0520, format!("planner `{name}` cannot {what}"))
+        .label(span, "chosen here")
+        .label(asked, "asked for here")
+        .help("leave `using` out: Tweeze's own planner does it")
+}
+
 pub fn together_in_task(span: Span, kind: &str) -> Diagnostic {
     Diagnostic::new(Code::E0518, format!("a {kind} has one end-effector and nothing to move together"))
         .label(span, "not in this task")
