@@ -43,6 +43,12 @@ macro_rules! ledger {
 
 ledger! {
     E0101 "something stands where an item, a step or a field should"
+    E0820 "a value of the schedule is not a finite number"
+    E0821 "a format that only holds values meets one that changes steadily"
+    E0822 "a file would be larger than its readers take"
+    E0823 "a schedule has more sample points than the instrument takes"
+    E0824 "a schedule has more channels than the instrument has outputs"
+    E0825 "a file could not be composed"
 }
 
 impl Code {
