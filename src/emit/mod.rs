@@ -9,7 +9,10 @@ mod error;
 mod fixture;
 mod identifier;
 pub mod mcap;
+pub mod pwl;
+pub mod scpi;
 mod signal;
+pub mod vcd;
 
 pub use error::EmitError;
 
@@ -87,7 +90,15 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
         Format::Mcap => Ok(vec![file("mcap", mcap::write(verified, provenance)?)]),
         Format::Json => Ok(vec![file("json", json::write(schedule))]),
         Format::Csv => Ok(vec![file("csv", csv::write(&signals)?)]),
-        Format::Vcd | Format::Pwl | Format::Scpi => Ok(Vec::new()),
+        Format::Vcd => Ok(vec![file("vcd", vcd::write(&signals)?)]),
+        Format::Pwl => {
+            let [sources, deck] = pwl::write(&signals)?;
+            Ok(vec![file("pwl.inc", sources), file("cir", deck)])
+        }
+        Format::Scpi => {
+            let [script, description] = scpi::write(&signals, &scpi::GENERIC)?;
+            Ok(vec![file("scpi", script), file("scpi.txt", description)])
+        }
     }
 }
 

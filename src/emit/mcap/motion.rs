@@ -54,7 +54,7 @@ pub fn place(state: &TimedState) -> [f64; 3] {
 }
 
 /// The end-effector of a device over time: each new place at the instant of its state, and the old one at the start of the
-/// pulse that leads there.
+/// pulse that leads there. Before its first task it stands where that begins.
 fn poses(verified: &Verified, signals: &Signals, device: &str) -> Vec<(u64, [f64; 3])> {
     let channels = &signals.schedule.channels;
     let of_device = |channel: u32| channels.get(channel as usize).is_some_and(|channel| channel.device == device);
@@ -62,13 +62,18 @@ fn poses(verified: &Verified, signals: &Signals, device: &str) -> Vec<(u64, [f64
     let starts: std::collections::BTreeSet<u64> = actuations.map(|actuation| actuation.start_ns).collect();
     let mut poses: Vec<(u64, [f64; 3])> = Vec::new();
     for state in plans(verified, device).iter().flat_map(|plan| &plan.states) {
+        if poses.is_empty() {
+            poses.push((0, place(state)));
+        }
         if let Some(&(last_ns, old)) = poses.last() {
             let start_ns = starts.range(..state.t_ns).next_back().copied();
             if let Some(start_ns) = start_ns.filter(|start_ns| *start_ns > last_ns) {
                 poses.push((start_ns, old));
             }
         }
-        poses.push((state.t_ns, place(state)));
+        if poses.last() != Some(&(state.t_ns, place(state))) {
+            poses.push((state.t_ns, place(state)));
+        }
     }
     poses
 }
