@@ -3,6 +3,7 @@
 pub mod check;
 pub mod device;
 pub mod diagnostic;
+pub mod emit;
 pub mod geometry;
 pub mod plan;
 pub mod quantity;

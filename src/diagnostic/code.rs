@@ -102,6 +102,12 @@ ledger! {
     E0602 "the search gave up"
     E0603 "a condition that the plan does not keep"
     E0604 "a schedule too long for the clock"
+    E0820 "a value of the schedule is not a finite number"
+    E0821 "a format that only holds values meets one that changes steadily"
+    E0822 "a file would be larger than its readers take"
+    E0823 "a schedule has more sample points than the instrument takes"
+    E0824 "a schedule has more channels than the instrument has outputs"
+    E0825 "a file could not be composed"
 }
 
 impl Code {

@@ -8,6 +8,7 @@ pub mod clock;
 mod dimibot;
 
 pub use clock::schedule;
+pub mod json;
 
 use crate::source::Span;
 use serde::{Deserialize, Serialize};

@@ -1,0 +1,50 @@
+//! CSV: one row for each change, one column for each channel.
+//!
+//! The first column is the time in nanoseconds; a row's values hold until the next row. The last row is the end of the
+//! schedule. A column's header is the channel's name with its unit, and behind ` @ ` its wire: `bot.bl4.set [V] @ Dev1/port0/line8`.
+//! Numbers are the shortest that read back as the same `f64`, so that `pandas.read_csv(path)` and
+//! `numpy.loadtxt(path, delimiter=",", skiprows=1)` take the file as it is.
+
+use super::error::{EmitError, MAX_TEXT_BYTES};
+use super::{Format, Signals};
+use crate::schedule::Channel;
+
+/// About how many bytes a value takes.
+const VALUE_BYTES: u64 = 4;
+
+/// The bytes of the file.
+///
+/// # Errors
+/// [`EmitError::Ramp`] for a value that is not constant, [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
+pub(super) fn write(signals: &Signals) -> Result<Vec<u8>, EmitError> {
+    EmitError::refuse_ramps(Format::Csv, signals)?;
+    let schedule = signals.schedule;
+    let channels = schedule.channels.len();
+    let mut times = signals.breaks(0..channels);
+    times.extend([0, schedule.duration_ns]);
+    let bytes = times.len() as u64 * (channels as u64 + 2) * VALUE_BYTES;
+    EmitError::refuse_size(Format::Csv, bytes, MAX_TEXT_BYTES)?;
+
+    let mut writer = ::csv::Writer::from_writer(Vec::new());
+    let failed = |error: ::csv::Error| EmitError::Failed { format: Format::Csv, detail: error.to_string() };
+    let header = std::iter::once("time [ns]".to_owned()).chain(schedule.channels.iter().map(header));
+    writer.write_record(header).map_err(failed)?;
+    for t_ns in times {
+        let values = (0..channels).map(|channel| signals.value(channel, t_ns).to_string());
+        writer.write_record(std::iter::once(t_ns.to_string()).chain(values)).map_err(failed)?;
+    }
+    writer.into_inner().map_err(|error| EmitError::Failed { format: Format::Csv, detail: error.to_string() })
+}
+
+fn header(channel: &Channel) -> String {
+    let Channel { name, unit, wire, .. } = channel;
+    match wire {
+        Some(wire) => format!("{name} [{}] @ {}", unit.symbol(), one_line(wire)),
+        None => format!("{name} [{}]", unit.symbol()),
+    }
+}
+
+/// The text without line ends and control characters, which readers of lines would trip over.
+pub(super) fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}

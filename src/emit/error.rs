@@ -1,0 +1,74 @@
+//! What a format cannot hold.
+
+use super::{Format, Signals};
+use crate::diagnostic::{Code, Diagnostic};
+
+/// The largest text file that is written, in bytes.
+pub const MAX_TEXT_BYTES: u64 = 1 << 30;
+
+/// Why a schedule cannot be written in a format.
+#[derive(Debug, Clone, PartialEq)]
+pub enum EmitError {
+    /// A voltage, a place or a figure is infinite or no number.
+    NotFinite,
+    /// A value runs from one number to another, and the format only holds values.
+    Ramp { format: Format, channel: String, start_ns: u64, from: f64, to: f64 },
+    /// The file would be larger than its readers take.
+    TooLarge { format: Format, bytes: u64, limit: u64 },
+    /// The instrument's memory is too small for the schedule at its sample period.
+    TooManyPoints { points: u64, limit: u64, period_ns: u64, duration_ns: u64 },
+    /// The instrument has fewer outputs than the schedule has channels.
+    TooManyOutputs { channels: usize, limit: usize },
+    /// The library that writes the format gave up.
+    Failed { format: Format, detail: String },
+}
+
+impl EmitError {
+    /// An error if any value is not constant.
+    pub(super) fn refuse_ramps(format: Format, signals: &Signals) -> Result<(), EmitError> {
+        let Some(ramp) = signals.first_ramp() else { return Ok(()) };
+        let channel = signals.schedule.channels.get(ramp.channel as usize);
+        let channel = channel.map_or_else(String::new, |channel| channel.name.clone());
+        Err(EmitError::Ramp { format, channel, start_ns: ramp.start_ns, from: ramp.from, to: ramp.to })
+    }
+
+    /// An error if `bytes` are more than `limit`.
+    pub(super) fn refuse_size(format: Format, bytes: u64, limit: u64) -> Result<(), EmitError> {
+        if bytes > limit { Err(EmitError::TooLarge { format, bytes, limit }) } else { Ok(()) }
+    }
+
+    /// For the person at the terminal.
+    pub fn diagnostic(&self) -> Diagnostic {
+        match self {
+            EmitError::NotFinite => Diagnostic::new(Code::E0820, "a value of the schedule is not a finite number")
+                .help("look for a constant of the device that is so large or so small that its products leave the range of numbers"),
+            EmitError::Ramp { format, channel, start_ns, from, to } => Diagnostic::new(
+                Code::E0821,
+                format!("`{channel}` runs from {from} to {to} at {start_ns} ns, and `{}` only holds values", format.name()),
+            )
+            .help("write `--emit mcap`, `json` or `pwl`, which hold straight lines"),
+            EmitError::TooLarge { format, bytes, limit } => Diagnostic::new(
+                Code::E0822,
+                format!("the {} file would take about {} MiB, at most {} MiB are written", format.name(), bytes >> 20, limit >> 20),
+            )
+            .help("write `--emit json`, which grows with the changes only, or build the tasks one by one with `--task`"),
+            EmitError::TooManyPoints { points, limit, period_ns, duration_ns } => Diagnostic::new(
+                Code::E0823,
+                format!("{points} points of {period_ns} ns make up the {duration_ns} ns of the schedule, the instrument takes {limit}"),
+            )
+            .help(format!(
+                "choose pulse duration, rest and waits as multiples of a longer time: {} ns or more would fit",
+                duration_ns.div_ceil(limit.saturating_sub(2).max(1))
+            )),
+            EmitError::TooManyOutputs { channels, limit } => Diagnostic::new(
+                Code::E0824,
+                format!("{channels} channels, the instrument has {limit} outputs"),
+            )
+            .help("build the tasks of each device on their own with `--task`"),
+            EmitError::Failed { format, detail } => {
+                Diagnostic::new(Code::E0825, format!("the {} file could not be composed: {detail}", format.name()))
+                    .help("this is a fault of Tweeze, please report it with the program")
+            }
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! Small schedules made by hand, for the tests of the formats.
+
+use super::Provenance;
+use crate::check::claims::{
+    Action, Asked, Body, Claims, DimibotOrder, Job, Method, Objective, Obstacle, Order, Planner, Step as Claim, Stop,
+    Timeline,
+};
+use crate::device::Kind;
+use crate::device::dimibot::{Cell, Facts, Side, Simultaneous, Switch};
+use crate::geometry::shape::{Pose, Shape};
+use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, State, Step, TimedState, Unit};
+use crate::source::Span;
+use crate::verify::Verified;
+use std::collections::BTreeMap;
+
+/// A robot of 5 + 5 modules that goes through every sort of obstacle: nine pulses of 15 ms without rests.
+pub fn fetch() -> (Verified, Provenance) {
+    let bot = Robot { device: "bot", facts: facts(5, 5, 0), wired: true };
+    build("fetch", &[(bot, vec![Cell { x: 19, y: 28 }, Cell { x: 7, y: 14 }], 0)])
+}
+
+/// Two robots of different sizes at the same time; the second one rests 2.5 ms after each pulse and starts later.
+pub fn pair() -> (Verified, Provenance) {
+    let bot = Robot { device: "bot", facts: facts(5, 5, 0), wired: true };
+    let aid = Robot { device: "Aid", facts: facts(3, 2, 2_500_000), wired: false };
+    let way = vec![Cell { x: 5, y: 2 }, Cell { x: 0, y: 0 }];
+    build("Pair", &[(bot, vec![Cell { x: 19, y: 28 }], 0), (aid, way, 7_500_000)])
+}
+
+/// As large as they get: 20 + 20 modules, 80 channels.
+pub fn large() -> (Verified, Provenance) {
+    let bot = Robot { device: "bot", facts: facts(20, 20, 1_000_000), wired: true };
+    let way = (0..40).map(|i| Cell { x: (0x0005_5555 * i) % (1 << 20), y: (0x000a_bcde * i) % (1 << 20) });
+    build("large", &[(bot, way.collect(), 0)])
+}
+
+/// Without a single pulse.
+pub fn idle() -> (Verified, Provenance) {
+    build("idle", &[(Robot { device: "bot", facts: facts(1, 1, 0), wired: false }, Vec::new(), 0)])
+}
+
+/// A schedule changed by hand.
+pub fn changed(verified: &Verified, change: impl FnOnce(&mut Schedule)) -> Verified {
+    let mut schedule = verified.schedule().clone();
+    change(&mut schedule);
+    Verified::assume(schedule, verified.claims().clone())
+}
+
+struct Robot {
+    device: &'static str,
+    facts: Facts,
+    wired: bool,
+}
+
+fn facts(left: u32, right: u32, rest_ns: u64) -> Facts {
+    Facts {
+        left,
+        right,
+        stroke_um: 35.0,
+        gain: 0.138,
+        pulse_voltage_v: 20.0,
+        pulse_current_a: 0.1,
+        pulse_duration_ns: 15_000_000,
+        rest_ns,
+        repeatability_um: 0.05,
+        tip_radius_um: 0.1,
+        home: Cell::default(),
+        simultaneous: Simultaneous::Never,
+    }
+}
+
+fn build(name: &str, runs: &[(Robot, Vec<Cell>, u64)]) -> (Verified, Provenance) {
+    let mut schedule = Schedule {
+        name: name.to_owned(),
+        source: SourceRef { file: format!("{name}.twz"), sha256: "0f".repeat(32) },
+        duration_ns: 0,
+        channels: Vec::new(),
+        actuations: Vec::new(),
+        steps: Vec::new(),
+        plans: Vec::new(),
+    };
+    let mut claims = Claims {
+        name: name.to_owned(),
+        timeline: Timeline::Together((0..runs.len()).map(Timeline::Run).collect()),
+        jobs: Vec::new(),
+        wires: BTreeMap::new(),
+        span: Span::default(),
+    };
+    for (robot, way, start_ns) in runs {
+        add_channels(&mut schedule, &mut claims, robot);
+        claims.jobs.push(job(robot, way));
+        add_plan(&mut schedule, robot, way, *start_ns);
+    }
+    schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+    let text = format!("// {name} µ\ntask {name} on bot {{ }}\n");
+    let files = vec![(format!("{name}.twz"), text), ("lab/bench.twz".to_owned(), "scene bench { }\n".to_owned())];
+    let provenance = Provenance { files, settings: vec!["pitch=80um".to_owned()] };
+    (Verified::assume(schedule, claims), provenance)
+}
+
+fn add_channels(schedule: &mut Schedule, claims: &mut Claims, robot: &Robot) {
+    for side in [Side::Left, Side::Right] {
+        for module in 0..robot.facts.modules(side) {
+            for switch in [Switch::Set, Switch::Reset] {
+                let name = format!("{}.{}", robot.device, Facts::channel(side, module, switch));
+                let line = schedule.channels.len();
+                let wire = robot.wired.then(|| format!("Dev1/port{}/line{}", line / 8, line % 8));
+                if let Some(wire) = &wire {
+                    claims.wires.insert(name.clone(), wire.clone());
+                }
+                let device = robot.device.to_owned();
+                schedule.channels.push(Channel { name, device, unit: Unit::Volt, wire });
+            }
+        }
+    }
+}
+
+fn job(robot: &Robot, way: &[Cell]) -> Job {
+    let stop = |cell: &Cell| Stop { asked: Asked::Cell, cell: *cell, span: Span::default() };
+    let step = |cell: &Cell| Claim { action: Action::Move(vec![stop(cell)]), span: Span::default() };
+    let order = DimibotOrder {
+        facts: robot.facts.clone(),
+        obstacles: obstacles(),
+        objective: Objective::Distance,
+        planner: Planner { method: Method::LayeredAstar, expansions: 1000 },
+        simultaneous: Simultaneous::Never,
+        precision_um: Some(0.25),
+        start: None,
+        steps: way.iter().map(step).collect(),
+    };
+    Job {
+        task: format!("go_{}", robot.device),
+        device: robot.device.to_owned(),
+        requirements: Vec::new(),
+        order: Order::Dimibot(order),
+        span: Span::default(),
+        run_span: Span::default(),
+    }
+}
+
+fn obstacles() -> Vec<Obstacle> {
+    let angle = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [0.5, 0.5], [0.5, 2.0], [0.0, 2.0]];
+    let solids = [
+        ("bead", Shape::Disc { radius_um: 0.8 }, Pose::at(4.0, 2.5)),
+        ("slide", Shape::Box { size_um: [4.0, 0.5] }, Pose { x_um: 10.0, y_um: 3.0, heading_rad: 0.5 }),
+        ("angle", Shape::Polygon { points_um: angle }, Pose::at(9.0, 9.0)),
+        ("hair", Shape::Capsule { length_um: 2.0, radius_um: 0.2 }, Pose::at(2.0, 8.0)),
+        ("speck", Shape::Point, Pose::at(6.0, 11.0)),
+    ];
+    let solids = solids.into_iter().map(|(name, shape, pose)| (name, Body::Solid { shape, pose }));
+    let dust = Body::Cells { from: Cell { x: 12, y: 7 }, to: Cell { x: 13, y: 7 } };
+    let all = solids.chain([("dust", dust)]);
+    all.map(|(name, body)| Obstacle { name: name.to_owned(), body, span: Span::default() }).collect()
+}
+
+/// Switches one module after the other until each cell is reached.
+fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[Cell], start_ns: u64) {
+    let facts = &robot.facts;
+    let first = schedule.channels.iter().position(|channel| channel.device == robot.device).unwrap_or(0);
+    let plan = schedule.plans.len() as u32;
+    let mut t_ns = start_ns;
+    let mut cell = facts.home;
+    let mut states = vec![timed(facts, cell, t_ns)];
+    for (line, goal) in (3..).zip(way) {
+        let step = schedule.steps.len() as u32;
+        let begin_ns = t_ns;
+        for module in 0..facts.left + facts.right {
+            let right = module.checked_sub(facts.left);
+            let bit = 1 << right.unwrap_or(module);
+            let (state, goal) = if right.is_some() { (&mut cell.y, goal.y) } else { (&mut cell.x, goal.x) };
+            if (*state ^ goal) & bit == 0 {
+                continue;
+            }
+            *state ^= bit;
+            let channel = first as u32 + 2 * module + u32::from(*state & bit == 0);
+            let (duration_ns, volts) = (facts.pulse_duration_ns, facts.pulse_voltage_v);
+            schedule.actuations.push(Actuation { channel, start_ns: t_ns, duration_ns, from: volts, to: volts, step });
+            states.push(timed(facts, cell, t_ns + duration_ns));
+            t_ns += duration_ns + facts.rest_ns;
+        }
+        schedule.steps.push(Step {
+            task: format!("go_{}", robot.device),
+            plan,
+            text: format!("move to {goal}"),
+            file: schedule.source.file.clone(),
+            line,
+            column: 3,
+            start_ns: begin_ns,
+            duration_ns: t_ns - begin_ns,
+            span: Span::default(),
+        });
+    }
+    schedule.duration_ns = schedule.duration_ns.max(t_ns);
+    schedule.plans.push(PlanRecord {
+        task: format!("go_{}", robot.device),
+        device: robot.device.to_owned(),
+        kind: Kind::Dimibot,
+        planner: "by hand".to_owned(),
+        objective: "distance".to_owned(),
+        unit: "um".to_owned(),
+        cost: 0.1 + 0.2,
+        bound: 0.1,
+        optimal: false,
+        outcomes: BTreeMap::from([("time".to_owned(), (t_ns - start_ns) as f64 / 1e9)]),
+        start_ns,
+        duration_ns: t_ns - start_ns,
+        states,
+    });
+}
+
+fn timed(facts: &Facts, cell: Cell, t_ns: u64) -> TimedState {
+    let state = State::Dimibot { word: facts.word(cell), cell: [cell.x, cell.y], position_um: facts.place_um(cell) };
+    TimedState { t_ns, state }
+}

@@ -1,0 +1,226 @@
+//! Shapes as primitives that viewers draw.
+
+use super::foxglove::{
+    self, Color, CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, SceneEntity, SpherePrimitive, TextPrimitive,
+    TriangleListPrimitive, Vector3, line_primitive,
+};
+use crate::geometry::shape::{Core, Rounded};
+use nalgebra::{Point2, Vector2};
+
+/// The most corners of a polygon whose inside is filled; the way of filling grows with the square of their number.
+const MAX_FILLED_CORNERS: usize = 2000;
+
+/// Diameter of the mark for what has no extent, in micrometres.
+const MARK_UM: f64 = 0.06;
+
+/// A slab of a colour, from `bottom_um` up.
+#[derive(Clone, Copy)]
+pub struct Slab {
+    pub bottom_um: f64,
+    pub height_um: f64,
+    pub color: Color,
+}
+
+/// An entity without anything in it.
+pub fn entity(id: String, frame: &str, t_ns: u64) -> SceneEntity {
+    SceneEntity {
+        timestamp: foxglove::timestamp(t_ns),
+        frame_id: frame.to_owned(),
+        id,
+        frame_locked: true,
+        ..SceneEntity::default()
+    }
+}
+
+/// Adds a rounded body: cylinders at the corners, boxes along the edges, and the inside.
+pub fn body(entity: &mut SceneEntity, body: &Rounded, slab: Slab) {
+    let radius_um = body.radius_um;
+    match &body.core {
+        Core::Point(point) if radius_um == 0.0 => {
+            sphere(entity, [point.x, point.y, slab.bottom_um], MARK_UM, slab.color)
+        }
+        Core::Point(point) => disc(entity, *point, radius_um, slab),
+        Core::Segment([a, b]) => {
+            disc(entity, *a, radius_um, slab);
+            disc(entity, *b, radius_um, slab);
+            bar(entity, *a, *b, radius_um, slab);
+        }
+        Core::Polygon(corners) => {
+            for (a, b) in edges(corners) {
+                disc(entity, a, radius_um, slab);
+                bar(entity, a, b, radius_um, slab);
+            }
+            prism(entity, corners, slab);
+        }
+    }
+}
+
+/// Adds a cylinder that stands upright.
+pub fn disc(entity: &mut SceneEntity, centre: Point2<f64>, radius_um: f64, slab: Slab) {
+    if radius_um <= 0.0 {
+        return;
+    }
+    entity.cylinders.push(CylinderPrimitive {
+        pose: foxglove::pose_at([centre.x, centre.y, slab.bottom_um + slab.height_um / 2.0]),
+        size: Some(Vector3 { x: 2.0 * radius_um, y: 2.0 * radius_um, z: slab.height_um }),
+        bottom_scale: 1.0,
+        top_scale: 1.0,
+        color: Some(slab.color),
+    });
+}
+
+/// Adds a box around a segment.
+fn bar(entity: &mut SceneEntity, a: Point2<f64>, b: Point2<f64>, radius_um: f64, slab: Slab) {
+    let along: Vector2<f64> = b - a;
+    if radius_um <= 0.0 || along.norm() == 0.0 {
+        return;
+    }
+    let middle = nalgebra::center(&a, &b);
+    entity.cubes.push(CubePrimitive {
+        pose: foxglove::turned_pose(
+            [middle.x, middle.y, slab.bottom_um + slab.height_um / 2.0],
+            along.y.atan2(along.x),
+        ),
+        size: Some(Vector3 { x: along.norm(), y: 2.0 * radius_um, z: slab.height_um }),
+        color: Some(slab.color),
+    });
+}
+
+/// Adds an upright box by its lower and upper corner.
+pub fn cuboid(entity: &mut SceneEntity, low: [f64; 2], high: [f64; 2], slab: Slab) {
+    entity.cubes.push(CubePrimitive {
+        pose: foxglove::pose_at([
+            (low[0] + high[0]) / 2.0,
+            (low[1] + high[1]) / 2.0,
+            slab.bottom_um + slab.height_um / 2.0,
+        ]),
+        size: Some(Vector3 { x: high[0] - low[0], y: high[1] - low[1], z: slab.height_um }),
+        color: Some(slab.color),
+    });
+}
+
+/// Adds the walls and the top of a polygon.
+fn prism(entity: &mut SceneEntity, corners: &[Point2<f64>], slab: Slab) {
+    let top = slab.bottom_um + slab.height_um;
+    let up = |p: &Point2<f64>| Point3 { x: p.x, y: p.y, z: top };
+    let down = |p: &Point2<f64>| Point3 { x: p.x, y: p.y, z: slab.bottom_um };
+    let mut points: Vec<Point3> = Vec::new();
+    for (a, b) in edges(corners) {
+        points.extend([down(&a), down(&b), up(&b), down(&a), up(&b), up(&a)]);
+    }
+    for triangle in triangles(corners) {
+        points.extend(triangle.iter().map(up));
+    }
+    entity.triangles.push(TriangleListPrimitive {
+        pose: foxglove::pose_at([0.0; 3]),
+        points,
+        color: Some(slab.color),
+        ..TriangleListPrimitive::default()
+    });
+    line(entity, corners.iter().map(|p| [p.x, p.y, top]), line_primitive::Type::LineLoop, slab.color);
+}
+
+fn edges(corners: &[Point2<f64>]) -> impl Iterator<Item = (Point2<f64>, Point2<f64>)> {
+    corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
+}
+
+/// Fills a simple polygon by cutting off its ears (Meisters, *Polygons have ears*, 1975). What crosses itself, or has too many
+/// corners, is filled as far as the ears go, its outline being drawn anyway.
+fn triangles(corners: &[Point2<f64>]) -> Vec<[Point2<f64>; 3]> {
+    let mut rest = match corners.len() {
+        0..=MAX_FILLED_CORNERS => corners.to_vec(),
+        _ => return Vec::new(),
+    };
+    if edges(&rest).map(|(a, b)| a.coords.perp(&b.coords)).sum::<f64>() < 0.0 {
+        rest.reverse();
+    }
+    let mut triangles = Vec::new();
+    while rest.len() >= 3 {
+        let Some(ear) = (0..rest.len()).find(|&at| is_ear(&rest, at)) else { break };
+        triangles.push(around(&rest, ear));
+        rest.remove(ear);
+    }
+    triangles
+}
+
+fn around(corners: &[Point2<f64>], at: usize) -> [Point2<f64>; 3] {
+    let count = corners.len();
+    [corners[(at + count - 1) % count], corners[at], corners[(at + 1) % count]]
+}
+
+/// Whether a corner of a counter-clockwise polygon turns left and no other corner lies in its triangle.
+fn is_ear(corners: &[Point2<f64>], at: usize) -> bool {
+    let [a, b, c] = around(corners, at);
+    let left_of = |p: Point2<f64>, q: Point2<f64>, r: Point2<f64>| (q - p).perp(&(r - p));
+    let inside = |p: &Point2<f64>| {
+        *p != a && *p != b && *p != c && [(a, b), (b, c), (c, a)].iter().all(|&(q, r)| left_of(q, r, *p) >= 0.0)
+    };
+    left_of(a, b, c) >= 0.0 && !corners.iter().any(inside)
+}
+
+/// Adds a line through points, of constant width on the screen.
+pub fn line(
+    entity: &mut SceneEntity,
+    points: impl IntoIterator<Item = [f64; 3]>,
+    shape: line_primitive::Type,
+    color: Color,
+) {
+    entity.lines.push(LinePrimitive {
+        r#type: shape as i32,
+        pose: foxglove::pose_at([0.0; 3]),
+        thickness: 2.0,
+        scale_invariant: true,
+        points: points.into_iter().map(|[x, y, z]| Point3 { x, y, z }).collect(),
+        color: Some(color),
+        ..LinePrimitive::default()
+    });
+}
+
+/// Adds a ball.
+pub fn sphere(entity: &mut SceneEntity, centre: [f64; 3], diameter_um: f64, color: Color) {
+    entity.spheres.push(SpherePrimitive {
+        pose: foxglove::pose_at(centre),
+        size: Some(Vector3 { x: diameter_um, y: diameter_um, z: diameter_um }),
+        color: Some(color),
+    });
+}
+
+/// Adds text that faces the viewer, of constant size on the screen.
+pub fn text(entity: &mut SceneEntity, place: [f64; 3], text: String, color: Color) {
+    entity.texts.push(TextPrimitive {
+        pose: foxglove::pose_at(place),
+        billboard: true,
+        font_size: 12.0,
+        scale_invariant: true,
+        color: Some(color),
+        text,
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn area(triangles: &[[Point2<f64>; 3]]) -> f64 {
+        triangles.iter().map(|[a, b, c]| (b - a).perp(&(c - a)) / 2.0).sum()
+    }
+
+    fn points(list: &[(f64, f64)]) -> Vec<Point2<f64>> {
+        list.iter().map(|&(x, y)| Point2::new(x, y)).collect()
+    }
+
+    #[test]
+    fn triangles_fill_a_polygon_in_either_sense_of_rotation() {
+        let mut angle = points(&[(0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (1.0, 1.0), (1.0, 4.0), (0.0, 4.0)]);
+        assert_eq!(area(&triangles(&angle)), 7.0);
+        assert_eq!(triangles(&angle).len(), 4);
+        angle.reverse();
+        assert_eq!(area(&triangles(&angle)), 7.0);
+    }
+
+    #[test]
+    fn a_polygon_that_crosses_itself_ends() {
+        assert!(triangles(&points(&[(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)])).len() <= 2);
+        assert!(triangles(&points(&[(0.0, 0.0), (0.0, 0.0), (0.0, 0.0)])).len() <= 1);
+    }
+}

@@ -1,0 +1,172 @@
+//! MCAP: a log that viewers play without set-up, and that `tweeze verify` judges without any other file.
+//!
+//! All messages are protobuf. For each device: `/<device>/voltages` (SI units), `/<device>/pose` and `/<device>/path` (where the
+//! end-effector is, and its whole way). For all: `/scene` (obstacles, lattice, path and stops in three dimensions), `/tf` and
+//! `/log` (each step at its start, with its source line). Attachments: `schedule.json`, `claims.json`, every source file as
+//! `source/<name>`. The metadata record `tweeze` says which version wrote the log and from what. The clock begins at 0.
+//!
+//! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one micrometre.
+
+mod difference;
+mod drawing;
+mod foxglove;
+mod motion;
+mod scene;
+mod voltages;
+
+pub use difference::difference;
+
+use super::{EmitError, Format, Provenance, Signals};
+use crate::schedule::json;
+use crate::verify::Verified;
+use crate::verify::log::{CLAIMS, MAX_DATA_BYTES, METADATA, SCHEDULE, SOURCE_PREFIX};
+use ::mcap::{Attachment, Compression, McapError, WriteOptions, records};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::Cursor;
+
+/// What the scale of pictures is, as the metadata record says it.
+pub const SCALE: &str = "1 unit of a picture is 1 um";
+
+/// As the file's header says it.
+pub const LIBRARY: &str = concat!("tweeze ", env!("CARGO_PKG_VERSION"));
+
+/// Uncompressed size from which on a chunk is closed. Up to this size the bytes of zstd do not depend on its threads.
+const CHUNK_BYTES: u64 = 768 * 1024;
+
+const ZSTD_LEVEL: u32 = 3;
+
+/// The frame that all devices stand in.
+const WORLD: &str = "world";
+
+/// One topic of the log with its messages.
+struct Topic {
+    name: String,
+    schema: foxglove::Schema,
+    metadata: BTreeMap<String, String>,
+    /// In order of time.
+    messages: Vec<(u64, Vec<u8>)>,
+}
+
+impl Topic {
+    fn new<T: ::foxglove::Encode>(name: impl Into<String>, messages: Vec<(u64, Vec<u8>)>) -> Topic {
+        let schema = foxglove::schema::<T>().expect("every foxglove message has a schema");
+        Topic { name: name.into(), schema, metadata: BTreeMap::new(), messages }
+    }
+}
+
+/// The bytes of the log.
+///
+/// # Errors
+/// [`EmitError::TooLarge`] past what the log's reader takes; [`EmitError::Failed`] if the library gives up.
+pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
+    let signals = Signals::new(verified.schedule());
+    let bytes = voltages::estimated_bytes(&signals);
+    EmitError::refuse_size(Format::Mcap, bytes, MAX_DATA_BYTES)?;
+    let topics = topics(verified, &signals);
+    compose(&topics, &attachments(verified, provenance), metadata(verified, provenance))
+        .map_err(|error| EmitError::Failed { format: Format::Mcap, detail: error.to_string() })
+}
+
+fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
+    let mut topics = Vec::new();
+    for (device, channels) in signals.devices() {
+        topics.push(voltages::topic(signals, device, &channels));
+    }
+    topics.extend(motion::topics(verified, signals));
+    topics.push(scene::topic(verified));
+    topics.push(log(verified));
+    topics
+}
+
+fn log(verified: &Verified) -> Topic {
+    let messages = verified.schedule().steps.iter().map(|step| {
+        let line = foxglove::Log {
+            timestamp: foxglove::timestamp(step.start_ns),
+            level: foxglove::log::Level::Info as i32,
+            message: step.text.clone(),
+            name: step.task.clone(),
+            file: step.file.clone(),
+            line: step.line,
+        };
+        (step.start_ns, foxglove::encode(&line))
+    });
+    let mut messages: Vec<_> = messages.collect();
+    messages.sort_by_key(|(t_ns, _)| *t_ns);
+    Topic::new::<foxglove::Log>("/log", messages)
+}
+
+fn attachments<'a>(verified: &Verified, provenance: &'a Provenance) -> Vec<Attachment<'a>> {
+    let attach = |name: String, media_type: &str, data| Attachment {
+        log_time: 0,
+        create_time: 0,
+        name,
+        media_type: media_type.to_owned(),
+        data,
+    };
+    let schedule = json::write(verified.schedule());
+    let claims = serde_json::to_vec_pretty(verified.claims()).expect("claims have string keys only");
+    let own = [
+        attach(SCHEDULE.to_owned(), "application/json", Cow::Owned(schedule)),
+        attach(CLAIMS.to_owned(), "application/json", Cow::Owned(claims)),
+    ];
+    let sources = provenance
+        .files
+        .iter()
+        .map(|(name, text)| attach(format!("{SOURCE_PREFIX}{name}"), "text/plain", Cow::Borrowed(text.as_bytes())));
+    own.into_iter().chain(sources).collect()
+}
+
+fn metadata(verified: &Verified, provenance: &Provenance) -> records::Metadata {
+    let settings = serde_json::to_string(&provenance.settings).expect("strings are JSON");
+    let entries = [
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("program", verified.schedule().name.clone()),
+        ("settings", settings),
+        ("scale", SCALE.to_owned()),
+    ];
+    let metadata = entries.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+    records::Metadata { name: METADATA.to_owned(), metadata }
+}
+
+fn compose(topics: &[Topic], attachments: &[Attachment], metadata: records::Metadata) -> Result<Vec<u8>, McapError> {
+    let options = WriteOptions::new()
+        .profile("")
+        .library(LIBRARY)
+        .compression(Some(Compression::Zstd))
+        .compression_level(ZSTD_LEVEL)
+        .compression_threads(0)
+        .chunk_size(Some(CHUNK_BYTES));
+    let mut writer = options.create(Cursor::new(Vec::new()))?;
+    let mut ids = Vec::new();
+    for topic in topics {
+        let schema = writer.add_schema(&topic.schema.name, "protobuf", &topic.schema.descriptor)?;
+        ids.push(writer.add_channel(schema, &topic.name, "protobuf", &topic.metadata)?);
+    }
+    for (topic, sequence) in in_order(topics) {
+        let (log_time, data) = &topics[topic].messages[sequence];
+        let header = records::MessageHeader {
+            channel_id: ids[topic],
+            sequence: u32::try_from(sequence).unwrap_or(u32::MAX),
+            log_time: *log_time,
+            publish_time: *log_time,
+        };
+        writer.write_to_known_channel(&header, data)?;
+    }
+    for attachment in attachments {
+        writer.attach(attachment)?;
+    }
+    writer.write_metadata(&metadata)?;
+    writer.finish()?;
+    Ok(writer.into_inner().into_inner())
+}
+
+/// Index of the topic and of its message, for all messages in order of time, then of topic.
+fn in_order(topics: &[Topic]) -> Vec<(usize, usize)> {
+    let of_topic = |(topic, list): (usize, &Topic)| {
+        (0..list.messages.len()).map(move |message| (topic, message)).collect::<Vec<_>>()
+    };
+    let mut order: Vec<(usize, usize)> = topics.iter().enumerate().flat_map(of_topic).collect();
+    order.sort_by_key(|&(topic, message)| (topics[topic].messages[message].0, topic, message));
+    order
+}

@@ -1,0 +1,200 @@
+//! The scene in three dimensions: obstacles with their true and their grown shapes, the lattice, the way of the tip, the stops.
+//!
+//! Each job of a device shows its own scene from its start on; what the next job does not show is taken away.
+
+use super::drawing::{self, Slab};
+use super::foxglove::{
+    self, Color, SceneEntity, SceneEntityDeletion, SceneUpdate, line_primitive, scene_entity_deletion,
+};
+use super::{Topic, motion};
+use crate::check::claims::{Action, Body, DimibotOrder, Job, Obstacle, Order, Stop};
+use crate::device::dimibot::Side;
+use crate::device::dimibot::{Cell, Facts};
+use crate::schedule::PlanRecord;
+use crate::verify::Verified;
+use std::collections::BTreeSet;
+
+/// What the parts of a picture look like; chosen to be told apart by the colour-blind (after Okabe and Ito) and on dark as on
+/// light ground.
+mod color {
+    use super::Color;
+
+    pub const OBSTACLE: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
+    pub const GROWN: Color = Color { r: 0.96, g: 0.78, b: 0.62, a: 1.0 };
+    pub const LATTICE: Color = Color { r: 0.6, g: 0.6, b: 0.6, a: 1.0 };
+    pub const PATH: Color = Color { r: 0.34, g: 0.71, b: 0.91, a: 1.0 };
+    pub const START: Color = Color { r: 0.8, g: 0.47, b: 0.65, a: 1.0 };
+    pub const STOP: Color = Color { r: 0.0, g: 0.62, b: 0.45, a: 1.0 };
+    pub const TIP: Color = Color { r: 0.94, g: 0.89, b: 0.26, a: 1.0 };
+}
+
+/// Gap between the pictures of two devices.
+const GAP_UM: f64 = 5.0;
+
+/// Heights above the ground, in micrometres: what must not be touched stands, what is only shown lies.
+const OBSTACLE_HEIGHT_UM: f64 = 0.4;
+const GROWN_HEIGHT_UM: f64 = 0.02;
+const PATH_HEIGHT_UM: f64 = 0.05;
+const LABEL_HEIGHT_UM: f64 = 0.6;
+
+/// Part of a cell that a blocked one fills, so that neighbours are seen apart from cells.
+const CELL_PART: f64 = 0.8;
+
+/// The most stops and obstacles that get a label each.
+const MAX_LABELS: usize = 200;
+
+/// Where a device stands in pictures.
+pub struct Bench<'a> {
+    pub device: &'a str,
+    /// Its place along x in the frame `world`.
+    pub offset_um: f64,
+}
+
+impl<'a> Bench<'a> {
+    /// The devices in the order of their first jobs, side by side.
+    pub fn all(verified: &'a Verified) -> Vec<Bench<'a>> {
+        let mut benches: Vec<Bench> = Vec::new();
+        let mut offset_um = 0.0;
+        for job in &verified.claims().jobs {
+            if !benches.iter().any(|bench| bench.device == job.device) {
+                benches.push(Bench { device: &job.device, offset_um });
+                offset_um += extent_um(&order(job).facts)[0] + GAP_UM;
+            }
+        }
+        benches
+    }
+}
+
+fn order(job: &Job) -> &DimibotOrder {
+    match &job.order {
+        Order::Dimibot(order) => order,
+    }
+}
+
+fn extent_um(facts: &Facts) -> [f64; 2] {
+    facts.place_um(Cell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 })
+}
+
+/// The topic `/scene`.
+pub fn topic(verified: &Verified) -> Topic {
+    let mut messages = Vec::new();
+    for Bench { device, .. } in Bench::all(verified) {
+        let mut shown = BTreeSet::new();
+        for (job, plan) in jobs(verified, device) {
+            let entities = entities(order(job), plan);
+            let ids: BTreeSet<String> = entities.iter().map(|entity| entity.id.clone()).collect();
+            let gone = shown.difference(&ids).map(|id: &String| SceneEntityDeletion {
+                timestamp: foxglove::timestamp(plan.start_ns),
+                r#type: scene_entity_deletion::Type::MatchingId as i32,
+                id: id.clone(),
+            });
+            let update = SceneUpdate { deletions: gone.collect(), entities };
+            messages.push((plan.start_ns, foxglove::encode(&update)));
+            shown = ids;
+        }
+    }
+    messages.sort_by_key(|(t_ns, _)| *t_ns);
+    Topic::new::<SceneUpdate>("/scene", messages)
+}
+
+/// The jobs of a device with their plans, in order of time.
+fn jobs<'a>(verified: &'a Verified, device: &str) -> Vec<(&'a Job, &'a PlanRecord)> {
+    let all = verified.claims().jobs.iter().zip(&verified.schedule().plans);
+    let mut jobs: Vec<_> = all.filter(|(job, _)| job.device == device).collect();
+    jobs.sort_by_key(|(_, plan)| plan.start_ns);
+    jobs
+}
+
+fn entities(order: &DimibotOrder, plan: &PlanRecord) -> Vec<SceneEntity> {
+    let (device, t_ns) = (plan.device.as_str(), plan.start_ns);
+    let new = |what: &str| drawing::entity(format!("{device}/{what}"), device, t_ns);
+    let mut entities = vec![lattice(new("lattice"), &order.facts, device), path(new("path"), plan)];
+    entities.extend(tip(device, t_ns, &order.facts));
+    let stops = order.steps.iter().flat_map(|step| match &step.action {
+        Action::Move(stops) | Action::Visit(stops) => stops.as_slice(),
+        Action::Wait(_) => &[],
+    });
+    entities.push(mark_stops(new("stops"), &order.facts, stops));
+    let labelled = order.obstacles.len() <= MAX_LABELS;
+    for obstacle in &order.obstacles {
+        let mut entity = new(&format!("obstacle/{}", obstacle.name));
+        let top = draw_obstacle(&mut entity, &order.facts, obstacle);
+        if labelled {
+            drawing::text(&mut entity, top, obstacle.name.clone(), color::OBSTACLE);
+        }
+        entities.push(entity);
+    }
+    entities
+}
+
+fn lattice(mut entity: SceneEntity, facts: &Facts, device: &str) -> SceneEntity {
+    let [x, y] = extent_um(facts);
+    let corners = [[0.0, 0.0, 0.0], [x, 0.0, 0.0], [x, y, 0.0], [0.0, y, 0.0]];
+    drawing::line(&mut entity, corners, line_primitive::Type::LineLoop, color::LATTICE);
+    let size = format!(
+        "{device}: {} x {} cells of {:.3} x {:.3} um",
+        facts.cells(Side::Left),
+        facts.cells(Side::Right),
+        facts.pitch_um(Side::Left),
+        facts.pitch_um(Side::Right)
+    );
+    drawing::text(&mut entity, [x / 2.0, y + GAP_UM / 4.0, 0.0], size, color::LATTICE);
+    entity
+}
+
+fn path(mut entity: SceneEntity, plan: &PlanRecord) -> SceneEntity {
+    let places = plan.states.iter().map(|state| {
+        let [x, y, z] = motion::place(state);
+        [x, y, z + PATH_HEIGHT_UM]
+    });
+    drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color::PATH);
+    if let Some(first) = plan.states.first() {
+        let [x, y, _] = motion::place(first);
+        drawing::sphere(&mut entity, [x, y, PATH_HEIGHT_UM], 0.12, color::START);
+        drawing::text(&mut entity, [x, y, LABEL_HEIGHT_UM], "start".into(), color::START);
+    }
+    entity
+}
+
+/// The tip as wide as it is, in the frame that goes with it, with a mark that is seen when it is narrow.
+fn tip(device: &str, t_ns: u64, facts: &Facts) -> Option<SceneEntity> {
+    let mut entity = drawing::entity(format!("{device}/tip"), &motion::tip_frame(device), t_ns);
+    let slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT_UM, color: color::TIP };
+    drawing::disc(&mut entity, nalgebra::Point2::origin(), facts.tip_radius_um, slab);
+    drawing::sphere(&mut entity, [0.0, 0.0, OBSTACLE_HEIGHT_UM], 0.1, color::TIP);
+    Some(entity)
+}
+
+fn mark_stops<'a>(mut entity: SceneEntity, facts: &Facts, stops: impl Iterator<Item = &'a Stop>) -> SceneEntity {
+    for (index, stop) in stops.enumerate() {
+        let [x, y] = facts.place_um(stop.cell);
+        drawing::sphere(&mut entity, [x, y, PATH_HEIGHT_UM], 0.12, color::STOP);
+        if index < MAX_LABELS {
+            drawing::text(&mut entity, [x, y, LABEL_HEIGHT_UM], stop.cell.to_string(), color::STOP);
+        }
+    }
+    entity
+}
+
+/// Draws an obstacle and returns where its label goes.
+fn draw_obstacle(entity: &mut SceneEntity, facts: &Facts, obstacle: &Obstacle) -> [f64; 3] {
+    let true_slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT_UM, color: color::OBSTACLE };
+    let grown_slab = Slab { bottom_um: 0.0, height_um: GROWN_HEIGHT_UM, color: color::GROWN };
+    match &obstacle.body {
+        Body::Cells { from, to } => {
+            let half = [Side::Left, Side::Right].map(|side| facts.pitch_um(side) * CELL_PART / 2.0);
+            let ([x0, y0], [x1, y1]) = (facts.place_um(*from), facts.place_um(*to));
+            drawing::cuboid(entity, [x0 - half[0], y0 - half[1]], [x1 + half[0], y1 + half[1]], true_slab);
+            [(x0 + x1) / 2.0, (y0 + y1) / 2.0, LABEL_HEIGHT_UM]
+        }
+        Body::Solid { shape, pose } => {
+            for (growth_um, slab) in [(0.0, true_slab), (facts.growth_um(), grown_slab)] {
+                // The checker refuses shapes that cannot be placed; one that slips through is only not drawn.
+                if let Ok(body) = shape.grown(pose, growth_um) {
+                    drawing::body(entity, &body, slab);
+                }
+            }
+            [pose.x_um, pose.y_um, LABEL_HEIGHT_UM]
+        }
+    }
+}

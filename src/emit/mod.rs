@@ -1,0 +1,122 @@
+//! Writes a verified schedule in the forms that other programs read; one file for each format.
+//!
+//! Input: a [`Verified`] schedule and its [`Provenance`]. Output: [`OutputFile`]s, in memory. Promise: no file is touched, the
+//! same input gives the same bytes, and every format holds every channel at every instant, or [`EmitError`] says why it cannot.
+
+pub mod csv;
+mod error;
+#[cfg(test)]
+mod fixture;
+mod identifier;
+pub mod mcap;
+pub mod pwl;
+pub mod scpi;
+mod signal;
+pub mod vcd;
+
+pub use error::EmitError;
+
+use crate::schedule::{Schedule, State, json};
+use crate::verify::Verified;
+use signal::Signals;
+
+/// The forms that a schedule can be written in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Format {
+    /// A log that Foxglove, Lichtblick and Rerun play.
+    Mcap,
+    /// The schedule itself, for other programs.
+    Json,
+    /// One row for each change, one column for each channel.
+    Csv,
+    /// Waveforms for GTKWave and its kin.
+    Vcd,
+    /// Voltage sources for SPICE.
+    Pwl,
+    /// Upload script for arbitrary-waveform generators.
+    Scpi,
+}
+
+impl Format {
+    /// Every format, in the order of the handbook.
+    pub const ALL: &'static [Format] =
+        &[Format::Mcap, Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi];
+
+    /// As `--emit` takes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Format::Mcap => "mcap",
+            Format::Json => "json",
+            Format::Csv => "csv",
+            Format::Vcd => "vcd",
+            Format::Pwl => "pwl",
+            Format::Scpi => "scpi",
+        }
+    }
+
+    /// The format of a name.
+    pub fn find(name: &str) -> Option<Format> {
+        Format::ALL.iter().copied().find(|format| format.name() == name)
+    }
+}
+
+/// One file to be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OutputFile {
+    /// Without a folder: `fetch.mcap`.
+    pub name: String,
+    pub bytes: Vec<u8>,
+}
+
+/// Where a schedule comes from: what a log carries, so that it can be judged without the files beside it.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Provenance {
+    /// Name and text of every file: the program's own first, then the used ones; without the standard library.
+    pub files: Vec<(String, String)>,
+    /// The `--set` values as they were given.
+    pub settings: Vec<String>,
+}
+
+/// A schedule in one format: one file, or several that belong together. All names begin with the schedule's.
+///
+/// # Errors
+/// See [`EmitError`].
+pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Result<Vec<OutputFile>, EmitError> {
+    let schedule = verified.schedule();
+    check_finite(schedule)?;
+    let file = |ending: &str, bytes| OutputFile { name: format!("{}.{ending}", schedule.name), bytes };
+    let signals = Signals::new(schedule);
+    match format {
+        Format::Mcap => Ok(vec![file("mcap", mcap::write(verified, provenance)?)]),
+        Format::Json => Ok(vec![file("json", json::write(schedule))]),
+        Format::Csv => Ok(vec![file("csv", csv::write(&signals)?)]),
+        Format::Vcd => Ok(vec![file("vcd", vcd::write(&signals)?)]),
+        Format::Pwl => {
+            let [sources, deck] = pwl::write(&signals)?;
+            Ok(vec![file("pwl.inc", sources), file("cir", deck)])
+        }
+        Format::Scpi => {
+            let [script, description] = scpi::write(&signals, &scpi::GENERIC)?;
+            Ok(vec![file("scpi", script), file("scpi.txt", description)])
+        }
+    }
+}
+
+/// Formats of decimal text have no form for infinity, and a voltage has no use for it.
+fn check_finite(schedule: &Schedule) -> Result<(), EmitError> {
+    let actuations = schedule.actuations.iter().flat_map(|actuation| [actuation.from, actuation.to]);
+    let plans = schedule.plans.iter().flat_map(|plan| {
+        let states = plan.states.iter().flat_map(|timed| match &timed.state {
+            State::Dimibot { position_um, .. } => *position_um,
+        });
+        let outcomes = plan.outcomes.values().copied();
+        states.chain(outcomes).chain([plan.cost, plan.bound])
+    });
+    match actuations.chain(plans).all(f64::is_finite) {
+        true => Ok(()),
+        false => Err(EmitError::NotFinite),
+    }
+}
+
+#[cfg(test)]
+mod tests;

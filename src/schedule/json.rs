@@ -1,0 +1,177 @@
+//! The schedule as JSON: format `tweeze-schedule`, version 1, the form that `schema/schedule.schema.json` describes.
+//!
+//! Input: a [`Schedule`], or the bytes of one. Promise: [`read`] gives back exactly what [`write`] was given but the spans,
+//! every float bit for bit; what it returns has no index out of range, no instant beyond `u64` and no empty actuation.
+
+use super::Schedule;
+use serde::{Deserialize, Serialize};
+use serde_json::ser::{Formatter, PrettyFormatter, Serializer};
+use std::io;
+
+/// The word in `format`.
+pub const FORMAT: &str = "tweeze-schedule";
+
+/// The number in `version`; it goes up when a reader of the old form would misread the new one.
+pub const VERSION: u64 = 1;
+
+/// The most nanoseconds that a written schedule may last, about 146 years: twice as many are still a `u64`.
+pub const MAX_DURATION_NS: u64 = u64::MAX / 4;
+
+#[derive(Serialize)]
+struct Document<'a> {
+    format: &'static str,
+    version: u64,
+    #[serde(flatten)]
+    schedule: &'a Schedule,
+}
+
+#[derive(Deserialize)]
+struct Header {
+    format: String,
+    version: u64,
+}
+
+/// Why bytes are not a schedule.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ReadError {
+    /// Not JSON, or not of this form; what and where in words.
+    Form(String),
+    /// Another format or version.
+    Version { format: String, version: u64 },
+    /// An entry that contradicts another, by its place (`actuations[3].channel`) and what is wrong with it.
+    Contradiction { place: String, what: String },
+}
+
+impl std::fmt::Display for ReadError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            ReadError::Form(what) => f.write_str(what),
+            ReadError::Version { format, version } => {
+                write!(f, "format `{format}` version {version} where `{FORMAT}` version {VERSION} is read")
+            }
+            ReadError::Contradiction { place, what } => write!(f, "`{place}` {what}"),
+        }
+    }
+}
+
+/// The schedule as UTF-8 text: one line for every channel, actuation, step and state.
+///
+/// A float that is not finite becomes `null`, which no reader takes; the emit stage refuses it before.
+pub fn write(schedule: &Schedule) -> Vec<u8> {
+    let document = Document { format: FORMAT, version: VERSION, schedule };
+    let mut bytes = Vec::new();
+    let mut serializer = Serializer::with_formatter(&mut bytes, Lines::default());
+    document.serialize(&mut serializer).expect("a schedule has string keys only, and memory takes all bytes");
+    bytes.push(b'\n');
+    bytes
+}
+
+/// The schedule of a text.
+///
+/// # Errors
+/// See [`ReadError`]. Fields that this version does not know are passed over.
+pub fn read(bytes: &[u8]) -> Result<Schedule, ReadError> {
+    let form = |error: serde_json::Error| ReadError::Form(error.to_string());
+    let Header { format, version } = serde_json::from_slice(bytes).map_err(form)?;
+    if format != FORMAT || version != VERSION {
+        return Err(ReadError::Version { format, version });
+    }
+    let schedule: Schedule = serde_json::from_slice(bytes).map_err(form)?;
+    check(&schedule)?;
+    Ok(schedule)
+}
+
+fn check(schedule: &Schedule) -> Result<(), ReadError> {
+    let wrong = |place: String, what: &str| Err(ReadError::Contradiction { place, what: what.to_owned() });
+    let too_late = |start: u64, duration: u64| start.max(duration) > MAX_DURATION_NS;
+    if schedule.duration_ns > MAX_DURATION_NS {
+        return wrong("duration_ns".into(), "is beyond every clock");
+    }
+    for (index, actuation) in schedule.actuations.iter().enumerate() {
+        let place = |field: &str| format!("actuations[{index}].{field}");
+        if actuation.channel as usize >= schedule.channels.len() {
+            return wrong(place("channel"), "names no channel");
+        }
+        if actuation.step as usize >= schedule.steps.len() {
+            return wrong(place("step"), "names no step");
+        }
+        if actuation.duration_ns == 0 {
+            return wrong(place("duration_ns"), "is zero");
+        }
+        if too_late(actuation.start_ns, actuation.duration_ns) {
+            return wrong(place("start_ns"), "is beyond every clock");
+        }
+    }
+    for (index, step) in schedule.steps.iter().enumerate() {
+        if step.plan as usize >= schedule.plans.len() {
+            return wrong(format!("steps[{index}].plan"), "names no plan");
+        }
+        if too_late(step.start_ns, step.duration_ns) {
+            return wrong(format!("steps[{index}].start_ns"), "is beyond every clock");
+        }
+    }
+    for (index, plan) in schedule.plans.iter().enumerate() {
+        let last_ns = plan.states.iter().map(|state| state.t_ns).max().unwrap_or(0);
+        if too_late(plan.start_ns, plan.duration_ns) || last_ns > MAX_DURATION_NS {
+            return wrong(format!("plans[{index}]"), "is beyond every clock");
+        }
+    }
+    Ok(())
+}
+
+/// How deep lists stand whose elements get a line each: those of the document, and the states of a plan.
+const DEPTHS_OF_LINES: [usize; 3] = [1, 2, 4];
+
+/// Prints small things on one line and long lists on many.
+#[derive(Default)]
+struct Lines {
+    depth: usize,
+    pretty: PrettyFormatter<'static>,
+}
+
+impl Lines {
+    fn gap<W: ?Sized + io::Write>(&self, writer: &mut W, first: bool, array: bool) -> io::Result<()> {
+        if !first {
+            writer.write_all(b",")?;
+        }
+        match DEPTHS_OF_LINES.contains(&self.depth) && (array || self.depth == 1) {
+            true => write!(writer, "\n{:width$}", "", width = 2 * self.depth),
+            false if first => Ok(()),
+            false => writer.write_all(b" "),
+        }
+    }
+}
+
+impl Formatter for Lines {
+    fn begin_array<W: ?Sized + io::Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.depth += 1;
+        writer.write_all(b"[")
+    }
+
+    fn end_array<W: ?Sized + io::Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.depth -= 1;
+        writer.write_all(b"]")
+    }
+
+    fn begin_array_value<W: ?Sized + io::Write>(&mut self, writer: &mut W, first: bool) -> io::Result<()> {
+        self.gap(writer, first, true)
+    }
+
+    fn begin_object<W: ?Sized + io::Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.depth += 1;
+        writer.write_all(b"{")
+    }
+
+    fn end_object<W: ?Sized + io::Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.depth -= 1;
+        writer.write_all(if self.depth == 0 { b"\n}" } else { b"}" })
+    }
+
+    fn begin_object_key<W: ?Sized + io::Write>(&mut self, writer: &mut W, first: bool) -> io::Result<()> {
+        self.gap(writer, first, false)
+    }
+
+    fn begin_object_value<W: ?Sized + io::Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.pretty.begin_object_value(writer)
+    }
+}
