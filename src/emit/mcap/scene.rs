@@ -116,7 +116,7 @@ fn entities(order: &DimibotOrder, plan: &PlanRecord) -> Vec<SceneEntity> {
     });
     entities.push(mark_stops(new("stops"), &order.facts, stops));
     let labelled = order.obstacles.len() <= MAX_LABELS;
-    for obstacle in &order.obstacles {
+    for obstacle in order.obstacles.iter() {
         let mut entity = new(&format!("obstacle/{}", obstacle.name));
         let top = draw_obstacle(&mut entity, &order.facts, obstacle);
         if labelled {
