@@ -1,3 +1,4 @@
 //! Device-free mathematics of the plane.
 
+pub mod distance;
 pub mod shape;
