@@ -45,7 +45,9 @@ pub fn compile(program: &Program, sources: &mut Sources, sink: &mut Sink, progre
     let mut drafts = Vec::with_capacity(checked.claims.len());
     for claims in &checked.claims {
         let plans = plan::plan(claims, sink, progress);
-        drafts.extend(plans.and_then(|plans| schedule::schedule(claims, &plans, sources, sink)).map(|draft| (draft, claims)));
+        drafts.extend(
+            plans.and_then(|plans| schedule::schedule(claims, &plans, sources, sink)).map(|draft| (draft, claims)),
+        );
     }
     if drafts.len() < checked.claims.len() {
         return Outcome::Errors;
@@ -54,7 +56,7 @@ pub fn compile(program: &Program, sources: &mut Sources, sink: &mut Sink, progre
     for (schedule, claims) in drafts {
         match verify::verify(schedule, claims) {
             Verdict::Accepted(verified) => schedules.push(verified),
-            Verdict::Rejected(violations) => violations.iter().for_each(|violation| sink.push(violation.into())),
+            Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
             Verdict::Inconclusive { why } => sink.push(verify::inconclusive(&why)),
         }
     }

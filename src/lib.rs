@@ -1,6 +1,8 @@
 //! Tweeze: a declarative language and a verifying compiler for micro-manipulation programs.
 
 pub mod check;
+pub mod cli;
+pub mod compile;
 pub mod device;
 pub mod diagnostic;
 pub mod emit;

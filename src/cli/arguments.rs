@@ -25,7 +25,9 @@ pub enum Command {
     #[command(after_help = "Example: tweeze check fetch.twz --set pitch=80um")]
     Check(CheckArguments),
     /// Check, plan, verify and write a program
-    #[command(after_help = "Examples:\n  tweeze build fetch.twz\n  tweeze build fetch.twz --emit mcap,csv,scpi -o out --task fetch")]
+    #[command(
+        after_help = "Examples:\n  tweeze build fetch.twz\n  tweeze build fetch.twz --emit mcap,csv,scpi -o out --task fetch"
+    )]
     Build(BuildArguments),
     /// Replay a written log against the device models, trusting nothing of the planner
     #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz")]

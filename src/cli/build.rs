@@ -126,7 +126,8 @@ fn cost(plan: &PlanRecord, pitch_um: f64) -> String {
         unit => format!("{} {unit}", rounded(value)),
     };
     let switches = plan.outcomes.get("switches").copied().unwrap_or_default();
-    let cells = if plan.objective == "distance" { format!(" ({} r)", (plan.cost / pitch_um).round()) } else { String::new() };
+    let cells =
+        if plan.objective == "distance" { format!(" ({} r)", (plan.cost / pitch_um).round()) } else { String::new() };
     let proof = match plan.optimal {
         true => format!("optimal (bound {})", figure(plan.bound)),
         false => format!("not proven optimal (bound {})", figure(plan.bound)),
@@ -184,12 +185,8 @@ fn figures(schedule: &Schedule) -> String {
 
 /// `1 device, 1 scene, 2 tasks`.
 pub fn tally(tally: Tally) -> String {
-    let parts = [
-        (tally.devices, "device"),
-        (tally.scenes, "scene"),
-        (tally.tasks, "task"),
-        (tally.programs, "program"),
-    ];
+    let parts =
+        [(tally.devices, "device"), (tally.scenes, "scene"), (tally.tasks, "task"), (tally.programs, "program")];
     let parts: Vec<String> = parts.into_iter().filter(|part| part.0 > 0).map(|(n, noun)| count(n, noun)).collect();
     if parts.is_empty() { "nothing declared".to_owned() } else { parts.join(", ") }
 }

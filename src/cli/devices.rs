@@ -27,7 +27,11 @@ fn kinds() -> String {
         let vocabulary = kind.vocabulary();
         let (file, device) = vocabulary.library;
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{:<12} {}\n{:<12} use {file}, then `device bot : {device} {{ … }}`", vocabulary.name, vocabulary.summary, "");
+        let _ = writeln!(
+            text,
+            "{:<12} {}\n{:<12} use {file}, then `device bot : {device} {{ … }}`",
+            vocabulary.name, vocabulary.summary, ""
+        );
     }
     text.push_str("\n`tweeze devices KIND` lists fields, verbs, shapes and planners.\n");
     text
@@ -37,12 +41,22 @@ fn page(vocabulary: &'static Vocabulary) -> String {
     let mut page = Page::default();
     page.text(&format!("{}: {}", vocabulary.name, vocabulary.summary));
     page.section("Fields of a device", vocabulary.fields.iter().map(field));
-    page.section("Settings of a task", common_settings(vocabulary).into_iter().chain(vocabulary.settings.iter().map(field)));
-    page.section("Steps of a task", vocabulary.verbs.iter().map(|verb| (verb.example.to_owned(), verb_doc(verb))).chain([wait()]));
+    page.section(
+        "Settings of a task",
+        common_settings(vocabulary).into_iter().chain(vocabulary.settings.iter().map(field)),
+    );
+    page.section(
+        "Steps of a task",
+        vocabulary.verbs.iter().map(|verb| (verb.example.to_owned(), verb_doc(verb))).chain([wait()]),
+    );
     page.section("minimize", vocabulary.objectives.iter().map(choice));
-    page.section("require", vocabulary.outcomes.iter().map(|outcome| {
-        (outcome.name.to_owned(), format!("{}: {}", outcome.dimension.name(), outcome.doc))
-    }));
+    page.section(
+        "require",
+        vocabulary
+            .outcomes
+            .iter()
+            .map(|outcome| (outcome.name.to_owned(), format!("{}: {}", outcome.dimension.name(), outcome.doc))),
+    );
     page.section("using", vocabulary.planners.iter().map(|planner| (planner.name.to_owned(), planner.doc.to_owned())));
     page.section("In a scene", vocabulary.nouns.iter().map(|noun| (noun.name.to_owned(), noun.doc.to_owned())));
     page.section("Shapes", Form::ALL.iter().map(|form| (shape(*form), form.doc().to_owned())));
@@ -94,7 +108,9 @@ fn sort(sort: Sort) -> String {
         Sort::Count { least, most } if most == u32::MAX => format!("a count from {least}"),
         Sort::Count { least, most } => format!("{least} to {most}"),
         Sort::Quantity { dimension, .. } if dimension == Dimension::NUMBER => "a number".to_owned(),
-        Sort::Quantity { dimension, range } => format!("{} [{}], {}", dimension.name(), dimension.example_unit(), range.text()),
+        Sort::Quantity { dimension, range } => {
+            format!("{} [{}], {}", dimension.name(), dimension.example_unit(), range.text())
+        }
         Sort::Word(choices) => choices.iter().map(|choice| choice.name).collect::<Vec<_>>().join(" | "),
         Sort::State => "word, cell or place".to_owned(),
         Sort::Target => "cell, place or word".to_owned(),
@@ -125,13 +141,20 @@ fn common_settings(vocabulary: &Vocabulary) -> Vec<(String, String)> {
     let default = vocabulary.objectives.first().map_or("", |objective| objective.name);
     vec![
         ("minimize WHAT".to_owned(), format!("what the plan is best in (else {default})")),
-        ("using PLANNER".to_owned(), "how the plan is searched; `using astar { expansions: 5000000 }` sets its budget".to_owned()),
-        ("start at STATE".to_owned(), "where the device stands (else where its last task left it, or its home)".to_owned()),
+        (
+            "using PLANNER".to_owned(),
+            "how the plan is searched; `using astar { expansions: 5000000 }` sets its budget".to_owned(),
+        ),
+        (
+            "start at STATE".to_owned(),
+            "where the device stands (else where its last task left it, or its home)".to_owned(),
+        ),
         ("require CONDITION".to_owned(), "a limit that the plan must keep, as `require time <= 400 ms`".to_owned()),
     ]
 }
 
 fn shape(form: Form) -> String {
-    let fields: Vec<String> = form.fields().iter().map(|field| format!("{}: {}", field.name, sort(field.sort))).collect();
+    let fields: Vec<String> =
+        form.fields().iter().map(|field| format!("{}: {}", field.name, sort(field.sort))).collect();
     format!("{} {{ {} }}", form.name(), fields.join(", "))
 }

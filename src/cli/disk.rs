@@ -97,11 +97,14 @@ pub fn write_all(folder: &Path, files: &[OutputFile]) -> Result<(), Box<Diagnost
 type Staged = Vec<(NamedTempFile, PathBuf)>;
 
 fn stage(folder: &Path, files: &[OutputFile]) -> Result<Staged, Box<Diagnostic>> {
-    files.iter().map(|file| {
-        let target = folder.join(&file.name);
-        let staged = stage_one(folder, &file.bytes, &target);
-        staged.map(|staged| (staged, target.clone())).map_err(|error| Box::new(errors::unwritable(&target, &error)))
-    }).collect()
+    files
+        .iter()
+        .map(|file| {
+            let target = folder.join(&file.name);
+            let staged = stage_one(folder, &file.bytes, &target);
+            staged.map(|staged| (staged, target.clone())).map_err(|error| Box::new(errors::unwritable(&target, &error)))
+        })
+        .collect()
 }
 
 fn stage_one(folder: &Path, bytes: &[u8], target: &Path) -> io::Result<NamedTempFile> {

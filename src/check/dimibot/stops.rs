@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::geometry::distance;
+use nalgebra::Point2;
 
 /// How many rings of cells round a covered goal are searched for a free one.
 const MAX_RINGS: u32 = 64;
@@ -210,7 +211,10 @@ impl<'a> Judge<'a> {
     }
 
     fn clearance_um(&self, shape: &Shape, pose: &Pose, cell: Cell) -> f64 {
-        distance::to_point_um(shape, pose, self.facts.place_um(cell))
+        let [x_um, y_um] = self.facts.place_um(cell);
+        let at = Point2::new(x_um, y_um);
+        let body = shape.grown(pose, 0.0);
+        body.map_or(f64::INFINITY, |body| distance::segment_core([at, at], &body.core) - body.radius_um)
     }
 
     /// What, on which obstacle, why, and what is free instead.
