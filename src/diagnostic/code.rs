@@ -43,6 +43,33 @@ macro_rules! ledger {
 
 ledger! {
     E0101 "something stands where an item, a step or a field should"
+    E0102 "a value is missing"
+    E0103 "two entries on one line"
+    E0104 "a semicolon"
+    E0105 "a `{` on a line of its own"
+    E0106 "a line begins with an operator"
+    E0107 "a line begins with a preposition"
+    E0108 "a blank between a name and its bracket"
+    E0109 "a doc comment that documents nothing"
+    E0110 "a reserved word for a name, or no name"
+    E0111 "a declaration begins with a word that is none of the language's"
+    E0112 "a closing bracket that closes nothing"
+    E0113 "a brace that is not closed"
+    E0114 "a bracket that is not closed"
+    E0115 "a string that does not end"
+    E0116 "a number that is not well formed"
+    E0117 "a table row with too few or too many cells"
+    E0118 "a character that is not of the language"
+    E0119 "a wrong sign between a name and its value"
+    E0120 "brackets or blocks nested too deep"
+    E0121 "too many operators in one expression"
+    E0122 "a word of another language"
+    E0123 "a declaration inside a block"
+    E0124 "the head of a declaration is not complete"
+    E0125 "a comment of another language"
+    E0126 "no value in the braces of a string"
+    E0127 "a place with too many coordinates"
+    E0128 "a line of a table that is no row"
 }
 
 impl Code {
