@@ -178,6 +178,8 @@ pub enum Entry {
 #[derive(Debug, Clone)]
 pub struct Step {
     pub head: Ident,
+    /// The head's indices where it is an object, as in `D[i] to …`; empty otherwise.
+    pub indices: Vec<Expr>,
     /// The noun before the object, as `state` in `apply state 2`.
     pub noun: Option<Ident>,
     pub object: Option<Expr>,
