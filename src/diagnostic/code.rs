@@ -49,6 +49,14 @@ ledger! {
     E0823 "a schedule has more sample points than the instrument takes"
     E0824 "a schedule has more channels than the instrument has outputs"
     E0825 "a file could not be composed"
+    E0840 "a file is no MCAP log"
+    E0841 "a log breaks off"
+    E0842 "a log is damaged"
+    E0843 "a part of a log is larger than is read"
+    E0844 "a log lacks a part that every log of Tweeze has"
+    E0845 "a part of a log cannot be read"
+    E0846 "the voltages in a log are not those of its schedule"
+    E0847 "a log shows something else than its schedule"
 }
 
 impl Code {
