@@ -212,3 +212,34 @@ fn timed(facts: &Facts, cell: Cell, t_ns: u64) -> TimedState {
     let state = State::Dimibot { word: facts.word(cell), cell: [cell.x, cell.y], position_um: facts.place_um(cell) };
     TimedState { t_ns, state }
 }
+
+/// One device of 301 channels, too many for a field each, three of which change, on slopes too.
+pub fn crowd() -> (Verified, Provenance) {
+    let (verified, provenance) = idle();
+    let crowd = changed(&verified, |schedule| {
+        schedule.name = "crowd".to_owned();
+        schedule.duration_ns = 1000;
+        let channel = |i| Channel { name: format!("bot.e{i}"), device: "bot".into(), unit: Unit::Volt, wire: None };
+        schedule.channels = (0..301).map(channel).collect();
+        schedule.steps = vec![Step {
+            task: "go_bot".to_owned(),
+            plan: 0,
+            text: "wait 1 us".to_owned(),
+            file: "crowd.twz".to_owned(),
+            line: 1,
+            column: 1,
+            start_ns: 0,
+            duration_ns: 1000,
+            span: Span::default(),
+        }];
+        let pulse = |channel, start_ns, from, to| Actuation { channel, start_ns, duration_ns: 300, from, to, step: 0 };
+        schedule.actuations = vec![
+            pulse(0, 0, 1.0, 2.0),
+            pulse(7, 100, -0.1, 0.3),
+            pulse(0, 300, 2.0, 5.0),
+            pulse(300, 500, 7.0, 7.0),
+            pulse(0, 601, 3.0, 3.0),
+        ];
+    });
+    (crowd, provenance)
+}
