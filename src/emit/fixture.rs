@@ -11,6 +11,7 @@ use crate::geometry::shape::{Pose, Shape};
 use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, State, Step, TimedState, Unit};
 use crate::source::Span;
 use crate::verify::Verified;
+use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 
 /// A robot of 5 + 5 modules that goes through every sort of obstacle: nine pulses of 15 ms without rests.
@@ -70,9 +71,11 @@ fn facts(left: u32, right: u32, rest_ns: u64) -> Facts {
 }
 
 fn build(name: &str, runs: &[(Robot, Vec<Cell>, u64)]) -> (Verified, Provenance) {
+    let text = format!("// {name} µ\ntask {name} on bot {{ }}\n");
+    let sha256 = Sha256::digest(&text).iter().map(|byte| format!("{byte:02x}")).collect();
     let mut schedule = Schedule {
         name: name.to_owned(),
-        source: SourceRef { file: format!("{name}.twz"), sha256: "0f".repeat(32) },
+        source: SourceRef { file: format!("{name}.twz"), sha256 },
         duration_ns: 0,
         channels: Vec::new(),
         actuations: Vec::new(),
@@ -92,7 +95,6 @@ fn build(name: &str, runs: &[(Robot, Vec<Cell>, u64)]) -> (Verified, Provenance)
         add_plan(&mut schedule, robot, way, *start_ns);
     }
     schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
-    let text = format!("// {name} µ\ntask {name} on bot {{ }}\n");
     let files = vec![(format!("{name}.twz"), text), ("lab/bench.twz".to_owned(), "scene bench { }\n".to_owned())];
     let provenance = Provenance { files, settings: vec!["pitch=80um".to_owned()] };
     (Verified::assume(schedule, claims), provenance)

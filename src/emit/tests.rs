@@ -91,19 +91,27 @@ fn what_is_not_finite_is_refused() {
     }
 }
 
-/// Writes every format of every fixture into the folder that `TWEEZE_FIXTURES` names, for `tests/oracles/run.py`.
+/// Writes every format of every fixture into the folder that `TWEEZE_FIXTURES` names, for `tests/oracles/run.py`; what runs on
+/// slopes, and so cannot be written in every format, into its folder `slopes`.
 #[test]
 #[ignore = "writes files: for the judges under tests/oracles"]
 fn write_fixtures() {
     let folder = std::env::var_os("TWEEZE_FIXTURES").expect("TWEEZE_FIXTURES names a folder");
     let folder = std::path::PathBuf::from(folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    for (verified, provenance) in [fixture::fetch(), fixture::pair(), fixture::large(), fixture::idle()] {
-        for format in Format::ALL {
-            for file in emit(*format, &verified, &provenance).unwrap() {
-                std::fs::write(folder.join(file.name), file.bytes).unwrap();
-            }
+    let slopes = folder.join("slopes");
+    std::fs::create_dir_all(&slopes).unwrap();
+    let write = |folder: &std::path::Path, format: Format, (verified, provenance): (Verified, Provenance)| {
+        for file in emit(format, &verified, &provenance).unwrap() {
+            std::fs::write(folder.join(file.name), file.bytes).unwrap();
         }
+    };
+    for format in Format::ALL {
+        for fixture in [fixture::fetch(), fixture::pair(), fixture::large(), fixture::idle()] {
+            write(&folder, *format, fixture);
+        }
+    }
+    for format in [Format::Mcap, Format::Json, Format::Pwl] {
+        write(&slopes, format, fixture::crowd());
     }
 }
 

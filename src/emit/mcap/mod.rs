@@ -1,12 +1,13 @@
 //! MCAP: a log that viewers play without set-up, and that `tweeze verify` judges without any other file.
 //!
 //! All messages are protobuf. For each device: `/<device>/voltages` (SI units), `/<device>/pose` and `/<device>/path` (where the
-//! end-effector is, and its whole way). For all: `/scene` (obstacles, lattice, path and stops in three dimensions), `/tf` and
+//! end-effector is, and its whole way), `/<device>/points` (the scene as points, for viewers without `/scene`). For all: `/scene` (obstacles, lattice, path and stops in three dimensions), `/tf` and
 //! `/log` (each step at its start, with its source line). Attachments: `schedule.json`, `claims.json`, every source file as
 //! `source/<name>`. The metadata record `tweeze` says which version wrote the log and from what. The clock begins at 0.
 //!
 //! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one micrometre.
 
+mod cloud;
 mod difference;
 mod drawing;
 mod foxglove;
@@ -104,6 +105,7 @@ fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
         topics.push(voltages::topic(signals, device, &channels));
     }
     topics.extend(motion::topics(verified, signals));
+    topics.extend(cloud::topics(verified));
     topics.push(scene::topic(verified));
     topics.push(lines(verified));
     topics
