@@ -49,7 +49,7 @@ fn strokes(order: &DimibotOrder, plan: &PlanRecord) -> Vec<Stroke> {
         let [x, y] = facts.place_um(stop.cell);
         Stroke { corners: circle(Point2::new(x, y), scene::STOP_UM / 2.0), color: color::STOP }
     }));
-    for obstacle in &order.obstacles {
+    for obstacle in order.obstacles.iter() {
         let outlines = match &obstacle.body {
             Body::Cells { from, to } => {
                 let ([x0, y0], [x1, y1]) = scene::tiles_um(facts, *from, *to);
