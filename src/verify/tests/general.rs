@@ -106,7 +106,7 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     ("an outcome more", Rule::Figure, |s| s.plans[0].outcomes.extend([("steps".into(), 3.0)])),
     ("a state too early", Rule::State, |s| s.plans[0].states[1].t_ns -= 1),
     ("a start too late", Rule::State, |s| s.plans[0].states[0].t_ns += 1),
-    ("a state less", Rule::State, |s| drop(s.plans[0].states.pop())),
+    ("a state less", Rule::State, |s| s.plans[0].states.truncate(4)),
     ("a state more", Rule::State, |s| {
         let last = s.plans[0].states[4].clone();
         s.plans[0].states.push(last);
@@ -140,7 +140,7 @@ const NEAR_MISSES: &[(&str, Edit)] = &[
         let State::Dimibot { position_um, .. } = &mut s.plans[0].states[1].state;
         position_um[0] += 1e-12;
     }),
-    ("an unused channel left out at the end", |s| drop(s.channels.pop())),
+    ("an unused channel left out at the end", |s| s.channels.truncate(19)),
     ("other words for a step", |s| s.steps[0].text = "go".into()),
 ];
 
