@@ -437,6 +437,14 @@ fn a_robot_of_twenty_modules_is_replayed() {
 }
 
 #[test]
+fn the_finest_module_of_twenty_has_its_full_digits() {
+    let mut order = order(facts(20, 3), vec![go(&[((1 << 20) - 2, 7)])]);
+    order.start = Some(Spanned::new(cell((1 << 20) - 1, 7), Span::default()));
+    let claims = alone(order);
+    passes(&schedule(&claims, &[&[&["bl0.reset"]]]), &claims);
+}
+
+#[test]
 fn a_sweep_tells_gap_and_limit() {
     let obstacles = vec![solid("bead", Shape::Disc { radius_um: 0.5 }, 3.0, 0.55), cells("dust", (2, 0), (2, 0))];
     let mut claims = among((0, 0), (4, 0), obstacles);
