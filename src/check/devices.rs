@@ -39,15 +39,6 @@ pub enum Facts {
     Dimibot(Rc<device::dimibot::Facts>),
 }
 
-impl Facts {
-    /// The kind that these are facts of.
-    pub fn kind(&self) -> Kind {
-        match self {
-            Facts::Dimibot(_) => Kind::Dimibot,
-        }
-    }
-}
-
 impl Checker<'_> {
     /// Checks every device of the user's files; one that only serves as a base may lack fields.
     pub fn check_devices(&mut self) {

@@ -142,7 +142,7 @@ fn among(from: (u32, u32), to: (u32, u32), obstacles: Vec<Obstacle>) -> Claims {
     let mut order = order(facts(3, 3), vec![go(&[to])]);
     order.start = Some(Spanned::new(cell(from.0, from.1), Span::default()));
     order.simultaneous = Simultaneous::Safe;
-    order.obstacles = obstacles;
+    order.obstacles = obstacles.into();
     alone(order)
 }
 
@@ -259,7 +259,7 @@ fn the_edges_that_the_paper_deletes_are_refused() {
             let name = format!("{}.{}", ["br0", "br1", "bl0", "bl1"][module], if to > from { "set" } else { "reset" });
             let mut order = order(facts.clone(), vec![Action::Move(vec![Stop { cell: facts.cell(to), ..stop(0, 0) }])]);
             order.start = Some(Spanned::new(facts.cell(from), Span::default()));
-            order.obstacles = vec![cells("dust", (1, 2), (1, 2))];
+            order.obstacles = vec![cells("dust", (1, 2), (1, 2))].into();
             let claims = alone(order);
             deleted += rules(&schedule(&claims, &[&[&[&name]]]), &claims).len();
         }
@@ -448,7 +448,7 @@ fn the_finest_module_of_twenty_has_its_full_digits() {
 fn a_sweep_tells_gap_and_limit() {
     let obstacles = vec![solid("bead", Shape::Disc { radius_um: 0.5 }, 3.0, 0.55), cells("dust", (2, 0), (2, 0))];
     let mut claims = among((0, 0), (4, 0), obstacles);
-    order_of(&mut claims, 0).obstacles[0].span = Span { end: 9, ..Span::default() };
+    std::sync::Arc::make_mut(&mut order_of(&mut claims, 0).obstacles)[0].span = Span { end: 9, ..Span::default() };
     let Verdict::Rejected(found) = verify(schedule(&claims, &[&[&["bl2.set"]]]), &claims) else { panic!("it touches") };
     let title = "`bl2.set` at 0 ms moves the tip from (0, 0) to (4, 0), with a gap of 0.05 um to `bead` and 1 more, more than 0.1 um is needed";
     assert_eq!(found[0].title, title);

@@ -133,7 +133,7 @@ proptest! {
         (order.facts.pulse_current_a, order.facts.repeatability_um) = (numbers[3], numbers[4]);
         order.precision_um = Some(numbers[5]);
         order.facts.home = Cell { x: places[0].0, y: places[0].1 };
-        order.obstacles.push(cells("dust", places[1], places[2]));
+        std::sync::Arc::make_mut(&mut order.obstacles).push(cells("dust", places[1], places[2]));
         verify(schedule, &claims);
     }
 
@@ -154,7 +154,7 @@ proptest! {
         if let Body::Solid { pose, .. } = &mut obstacle.body {
             pose.heading_rad = numbers[0];
         }
-        order_of(&mut claims, 0).obstacles.push(obstacle);
+        std::sync::Arc::make_mut(&mut order_of(&mut claims, 0).obstacles).push(obstacle);
         verify(schedule, &claims);
     }
 }
@@ -192,8 +192,9 @@ fn claims_that_no_program_has_are_inconclusive() {
     inconclusive(&with(|claims| order_of(claims, 0).facts.gain = f64::NAN), &schedule, "out of its range");
     inconclusive(&with(|claims| order_of(claims, 0).facts.rest_ns = u64::MAX), &schedule, "rest without end");
     inconclusive(&with(|claims| order_of(claims, 0).facts.home.x = 8), &schedule, "does not have");
-    let flat =
-        with(|claims| order_of(claims, 0).obstacles = vec![solid("bead", Shape::Disc { radius_um: -1.0 }, 0.0, 0.0)]);
+    let flat = with(|claims| {
+        order_of(claims, 0).obstacles = vec![solid("bead", Shape::Disc { radius_um: -1.0 }, 0.0, 0.0)].into()
+    });
     inconclusive(&flat, &schedule, "no shape");
 }
 

@@ -54,7 +54,7 @@ fn scenario() -> impl Strategy<Value = Scenario> {
             solid("bead", Shape::Disc { radius_um: radius * size_um[0] }, x * size_um[0], y * size_um[1])
         });
         let clear = |body: &Obstacle| areas.iter().all(|area| gap(&facts, body, *area) > facts.growth_um());
-        order.obstacles = bodies.filter(clear).collect();
+        order.obstacles = std::sync::Arc::new(bodies.filter(clear).collect());
         order.steps =
             actions.into_iter().map(|action| crate::check::claims::Step { action, span: Default::default() }).collect();
         Scenario { claims: alone(order), pulses }
