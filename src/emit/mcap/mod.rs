@@ -89,6 +89,7 @@ fn refuse_what_is_not_read(topics: &[Topic], attachments: &[Attachment]) -> Resu
     refuse(lengths().max().unwrap_or(0), log::MAX_MESSAGE_BYTES)?;
     refuse(lengths().sum::<u64>() + definitions, log::MAX_DATA_BYTES)?;
     refuse(lengths().count() as u64, log::MAX_MESSAGES)?;
+    refuse(topics.iter().filter(|topic| topic.name.ends_with(log::VOLTAGES_SUFFIX)).count() as u64, log::MAX_DEVICES)?;
     for attachment in attachments {
         let limit = match attachment.name.as_str() {
             SCHEDULE => log::MAX_SCHEDULE_BYTES,

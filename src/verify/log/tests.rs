@@ -4,6 +4,7 @@ use crate::emit::{Format, Provenance, emit, fixture};
 use crate::verify::Verified;
 use mcap::records::op;
 use proptest::prelude::*;
+use prost::Message;
 
 fn written((verified, provenance): &(Verified, Provenance)) -> Vec<u8> {
     emit(Format::Mcap, verified, provenance).expect("the fixture can be written").remove(0).bytes
@@ -130,6 +131,31 @@ fn the_sum_of_the_chunks_is_limited() {
     let chunk = chunk(data.len() as u64, crc32fast::hash(&data), "zstd", &packed);
     assert_eq!(code(&file(&vec![chunk.clone(); 8])), Code::E0844, "480 MiB are read");
     assert_eq!(code(&file(&vec![chunk; 9])), Code::E0843, "540 MiB are not");
+}
+
+#[test]
+fn the_number_of_devices_is_limited() {
+    let text = |text: &str| [(text.len() as u32).to_le_bytes().as_slice(), text.as_bytes()].concat();
+    let message = prost_types::DescriptorProto { name: Some("V".into()), ..Default::default() };
+    let proto = prost_types::FileDescriptorProto {
+        package: Some("a".into()),
+        message_type: vec![message],
+        ..Default::default()
+    };
+    let descriptor = prost_types::FileDescriptorSet { file: vec![proto] }.encode_to_vec();
+    let length = (descriptor.len() as u32).to_le_bytes().to_vec();
+    let schema = record(op::SCHEMA, &[vec![1, 0], text("a.V"), text("protobuf"), length, descriptor].concat());
+    let topic = |id: u16| {
+        let body =
+            [id.to_le_bytes().to_vec(), vec![1, 0], text(&format!("/d{id}/voltages")), text("protobuf"), vec![0; 4]];
+        record(op::CHANNEL, &body.concat())
+    };
+    let devices = |count: u64| {
+        let topics = (0..count as u16).map(topic);
+        code(&file(&std::iter::once(schema.clone()).chain(topics).collect::<Vec<_>>()))
+    };
+    assert_eq!(devices(MAX_DEVICES), Code::E0844);
+    assert_eq!(devices(MAX_DEVICES + 1), Code::E0843);
 }
 
 #[test]
