@@ -263,7 +263,83 @@ fn a_message_says_every_channel_once() {
     assert!(list.decode(&[]).is_err());
 }
 
+/// Messages; head and data of each attachment; metadata.
+type Parts = (Vec<u8>, Vec<(Vec<u8>, Vec<u8>)>, Vec<u8>);
+
+/// The records of a good log with the messages unpacked, the attachments and the metadata behind them.
+fn unpacked() -> Parts {
+    use mcap::records::Record;
+    let (mut messages, mut attachments, mut metadata) = (Vec::new(), Vec::new(), Vec::new());
+    for record in mcap::read::LinearReader::new(&written(&fixture::pair())).unwrap() {
+        match record.unwrap() {
+            Record::Chunk { header, data } => {
+                messages.extend(zstd::bulk::decompress(&data, header.uncompressed_size as usize).unwrap());
+            }
+            Record::Attachment { header, data, .. } => {
+                let mut head = vec![0; 16];
+                for text in [&header.name, &header.media_type] {
+                    head.extend((text.len() as u32).to_le_bytes());
+                    head.extend(text.as_bytes());
+                }
+                attachments.push((head, data.into_owned()));
+            }
+            Record::Metadata(record) => {
+                metadata.extend((record.name.len() as u32).to_le_bytes());
+                metadata.extend(record.name.as_bytes());
+                let entries = record.metadata.iter().flat_map(|(key, value)| [key, value]);
+                let entries: Vec<u8> = entries
+                    .flat_map(|text| [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat())
+                    .collect();
+                metadata.extend((entries.len() as u32).to_le_bytes());
+                metadata.extend(entries);
+            }
+            _ => {}
+        }
+    }
+    (messages, attachments, metadata)
+}
+
+/// The parts as a file with right checksums.
+fn packed((messages, attachments, metadata): &Parts) -> Vec<u8> {
+    let mut records = vec![chunk(messages.len() as u64, crc32fast::hash(messages), "", messages)];
+    for (head, data) in attachments {
+        let mut body = [head.as_slice(), &(data.len() as u64).to_le_bytes(), data].concat();
+        body.extend(crc32fast::hash(&body).to_le_bytes());
+        records.push(record(op::ATTACHMENT, &body));
+    }
+    records.push(record(op::METADATA, metadata));
+    file(&records)
+}
+
+#[test]
+fn a_log_packed_anew_is_read() {
+    assert_eq!(read(&packed(&unpacked())), read(&written(&fixture::pair())));
+}
+
 proptest! {
+    #[test]
+    fn no_forged_log_makes_it_panic(
+        part in 0usize..6,
+        at in any::<prop::sample::Index>(),
+        bytes in prop::collection::vec(any::<u8>(), 1..6),
+    ) {
+        static GOOD: std::sync::LazyLock<Parts> = std::sync::LazyLock::new(unpacked);
+        let mut parts = GOOD.clone();
+        let count = parts.1.len();
+        let place = match part {
+            0 | 1 => &mut parts.0,
+            2 => &mut parts.2,
+            _ => &mut parts.1[part % count].1,
+        };
+        let at = at.index(place.len());
+        let end = (at + bytes.len()).min(place.len());
+        place.splice(at..end, bytes);
+        if let Ok(log) = read(&packed(&parts)) {
+            let _ = log.voltage_fault();
+            prop_assert!(crate::schedule::json::write(&log.schedule).len() > 100);
+        }
+    }
+
     #[test]
     fn no_bytes_make_it_panic(records in prop::collection::vec((1u8..17, prop::collection::vec(any::<u8>(), 0..60)), 0..6)) {
         let records: Vec<Vec<u8>> = records.iter().map(|(opcode, body)| record(*opcode, body)).collect();
