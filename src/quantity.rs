@@ -211,9 +211,12 @@ pub enum UnitError {
 }
 
 impl Unit {
+    /// The unit of a plain number.
+    pub const ONE: Unit = Unit { ten: 0, factor: 1.0, dimension: Dimension::NUMBER };
+
     /// Reads a unit without blanks: factors joined by `*` and `/` from left to right, each with a whole power after `^`.
     pub fn parse(text: &str) -> Result<Unit, UnitError> {
-        let mut unit = Unit { ten: 0, factor: 1.0, dimension: Dimension::NUMBER };
+        let mut unit = Unit::ONE;
         let mut sign = 1;
         let mut rest = text;
         loop {

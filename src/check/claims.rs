@@ -8,6 +8,7 @@ use crate::geometry::shape::{Pose, Shape};
 use crate::source::{Span, Spanned};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// One schedule to be built: a program, or a task on its own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -97,7 +98,8 @@ pub enum Relation {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DimibotOrder {
     pub facts: dimibot::Facts,
-    pub obstacles: Vec<Obstacle>,
+    /// Shared by all tasks of one device in one scene.
+    pub obstacles: Arc<Vec<Obstacle>>,
     pub objective: Objective,
     pub planner: Planner,
     pub simultaneous: dimibot::Simultaneous,
@@ -118,6 +120,28 @@ pub enum Objective {
     Energy,
 }
 
+impl Objective {
+    /// Its word in the language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Objective::Distance => "distance",
+            Objective::Switches => "switches",
+            Objective::Time => "time",
+            Objective::Energy => "energy",
+        }
+    }
+
+    /// The unit of its cost in schedules and reports; a count has none.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Objective::Distance => "um",
+            Objective::Switches => "",
+            Objective::Time => "ms",
+            Objective::Energy => "mJ",
+        }
+    }
+}
+
 /// How the plan is searched; all agree on its cost.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Planner {
@@ -135,6 +159,19 @@ pub enum Method {
     BidirectionalDijkstra,
     Astar,
     HypercubeAstar,
+}
+
+impl Method {
+    /// Its word in the language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::LayeredAstar => "layered_astar",
+            Method::Dijkstra => "dijkstra",
+            Method::BidirectionalDijkstra => "bidirectional_dijkstra",
+            Method::Astar => "astar",
+            Method::HypercubeAstar => "hypercube_astar",
+        }
+    }
 }
 
 /// What the tip must not touch.

@@ -1,2 +1,292 @@
-//! Names, dimensions, values; is this device possible, is this scene possible.
+//! Names → dimensions → values → is this device possible, is this scene possible.
+//!
+//! Input: the files of a program as trees. Output: [`Checked`], the schedules to be built as [`claims::Claims`]. Promise: all
+//! that is wrong is reported, each thing once; a checked program comes back exactly if no error was pushed, so later stages
+//! meet no unresolved name and no bare number.
+
 pub mod claims;
+mod devices;
+mod dimibot;
+mod errors;
+pub mod evaluate;
+mod fields;
+mod functions;
+pub mod imports;
+mod programs;
+mod scenes;
+pub mod scope;
+mod settings;
+mod shapes;
+mod tasks;
+mod unused;
+pub mod value;
+mod wiring;
+
+use crate::diagnostic::Sink;
+use crate::quantity::{Dimension, Quantity};
+use crate::source::{Sources, Span};
+use crate::syntax::tree::{For, Item, Path};
+use claims::Claims;
+use evaluate::LetState;
+use scope::{Declaration, DeclarationSort, Module, Place, Scope};
+use std::collections::{BTreeMap, BTreeSet};
+use value::Value;
+
+/// How often all `for`s of a program may repeat together.
+pub const MAX_REPETITIONS: usize = 1_000_000;
+
+/// What the command line adds to a program.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// `--set name=value`, as given.
+    pub settings: Vec<String>,
+    /// `--task name`: build this task or program alone.
+    pub only: Option<String>,
+}
+
+/// A program without an error.
+#[derive(Debug, Clone)]
+pub struct Checked {
+    /// One for each schedule to be built, in the order of declaration.
+    pub claims: Vec<Claims>,
+    pub tally: Tally,
+}
+
+/// What the program's own file declares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Tally {
+    pub devices: usize,
+    pub scenes: usize,
+    pub tasks: usize,
+    pub programs: usize,
+}
+
+/// Checks a program: its own file is the first module, used files follow.
+///
+/// Returns a checked program exactly if neither this stage nor an earlier one pushed an error.
+pub fn check(sources: &mut Sources, modules: &[Module], options: &Options, sink: &mut Sink) -> Option<Checked> {
+    let overrides = settings::parse(sources, &options.settings, sink);
+    let mut checker = Checker::new(modules, sink);
+    checker.apply_settings(overrides);
+    checker.check_values();
+    checker.check_devices();
+    checker.check_scenes();
+    let wires = checker.wires();
+    let claims = checker.schedules(options.only.as_deref(), &wires);
+    checker.check_unrun_tasks();
+    checker.warn_of_unused();
+    let tally = checker.tally();
+    (sink.errors() == 0).then_some(Checked { claims, tally })
+}
+
+/// The longest time that one field or step may take, in nanoseconds: a little over a day.
+pub const MAX_TIME_NS: u64 = 100_000_000_000_000;
+
+/// A time as the clock counts it.
+fn clock_ns(time: Quantity, span: Span, what: &str, sink: &mut Sink) -> Option<u64> {
+    let ns = time.in_unit("ns").round();
+    let limit = Quantity::new(MAX_TIME_NS as f64 / 1e9, Dimension::TIME);
+    if ns > MAX_TIME_NS as f64 {
+        sink.push(errors::time_out_of_clock(span, what, &time.to_string(), &format!("at most {limit} is allowed")));
+        return None;
+    }
+    if ns < 1.0 && time.si > 0.0 {
+        sink.push(errors::time_out_of_clock(span, what, &time.to_string(), "the least is 1 ns"));
+        return None;
+    }
+    Some(ns as u64)
+}
+
+/// The state of a check: what was made out so far.
+pub(crate) struct Checker<'a> {
+    modules: &'a [Module],
+    sink: &'a mut Sink,
+    lets: BTreeMap<Place, LetState>,
+    let_depth: usize,
+    devices: BTreeMap<Place, Option<devices::Device>>,
+    scenes: BTreeMap<Place, Option<std::rc::Rc<Vec<scenes::Object>>>>,
+    used: BTreeSet<Place>,
+    used_imports: BTreeSet<(usize, String)>,
+    run_tasks: BTreeSet<Place>,
+    judged_scenes: BTreeMap<(Place, Place), std::sync::Arc<Vec<claims::Obstacle>>>,
+    repetitions: usize,
+}
+
+impl<'a> Checker<'a> {
+    fn new(modules: &'a [Module], sink: &'a mut Sink) -> Self {
+        Checker {
+            modules,
+            sink,
+            lets: BTreeMap::new(),
+            let_depth: 0,
+            devices: BTreeMap::new(),
+            scenes: BTreeMap::new(),
+            used: BTreeSet::new(),
+            used_imports: BTreeSet::new(),
+            run_tasks: BTreeSet::new(),
+            judged_scenes: BTreeMap::new(),
+            repetitions: 0,
+        }
+    }
+
+    /// The declarations of the program's own file and the files beside it; the standard library is taken as it is.
+    fn own_places(&self, sort: DeclarationSort) -> Vec<(Place, Declaration)> {
+        let own = self.modules.iter().enumerate().filter(|(_, module)| !module.is_library());
+        let mut places: Vec<(Place, Declaration)> = own
+            .flat_map(|(module, file)| {
+                let declared = file.names.values().filter(move |declaration| declaration.sort == sort);
+                declared.map(move |declaration| (Place { module, item: declaration.item }, *declaration))
+            })
+            .collect();
+        places.sort_by_key(|(place, _)| *place);
+        places
+    }
+
+    fn check_values(&mut self) {
+        for (place, declaration) in self.own_places(DeclarationSort::Let) {
+            self.value_of_let(place, declaration.span);
+        }
+    }
+
+    fn item(&self, place: Place) -> &'a Item {
+        &self.modules[place.module].tree.items[place.item]
+    }
+
+    fn top(&self, place: Place) -> Scope {
+        Scope::top(place.module, self.modules[place.module].tree.file)
+    }
+
+    /// The declaration at a place.
+    fn declaration(&self, place: Place) -> Declaration {
+        let names = self.modules[place.module].names.values();
+        names.copied().find(|d| d.item == place.item).expect("every place comes from a declaration")
+    }
+
+    fn use_place(&mut self, place: Place) {
+        self.used.insert(place);
+    }
+
+    /// The declaration that a path names, and the path's segment that named it; without a diagnostic.
+    fn find(&self, path: &Path, scope: &Scope) -> Option<(Place, usize)> {
+        let file = &self.modules[scope.module];
+        let first = &path.segments[0].name.text;
+        if let Some(declaration) = file.names.get(first) {
+            return Some((Place { module: scope.module, item: declaration.item }, 0));
+        }
+        let import = file.imports.get(first)?;
+        let second = &path.segments.get(1)?.name.text;
+        let declaration = self.modules[import.module].names.get(second)?;
+        Some((Place { module: import.module, item: declaration.item }, 1))
+    }
+
+    /// The declaration of a sort that a path names; what is wrong with it is reported.
+    fn resolve(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort) -> Option<Place> {
+        let wanted = sort.describe().trim_start_matches("a ").to_owned();
+        if let Some(segment) = path.segments.iter().find(|segment| !segment.indices.is_empty()) {
+            self.sink.push(errors::indexed_name(segment.span));
+            return None;
+        }
+        self.use_import(path, scope);
+        let Some((place, segment)) = self.find(path, scope) else {
+            self.report_unknown(path, scope, sort, &wanted);
+            return None;
+        };
+        let declaration = self.declaration(place);
+        if declaration.sort != sort {
+            self.sink.push(errors::wrong_sort(path, declaration, sort.describe()));
+            return None;
+        }
+        if let Some(extra) = path.segments.get(segment + 1) {
+            self.sink.push(errors::no_fields_on_values(extra.span));
+            return None;
+        }
+        self.use_place(place);
+        Some(place)
+    }
+
+    fn use_import(&mut self, path: &Path, scope: &Scope) {
+        if path.segments.len() > 1 {
+            self.used_imports.insert((scope.module, path.segments[0].name.text.clone()));
+        }
+    }
+
+    fn report_unknown(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort, wanted: &str) {
+        let file = &self.modules[scope.module];
+        let alias = &path.segments[0].name.text;
+        if path.segments.len() > 1 && !file.imports.contains_key(alias) {
+            let near = scope::nearest(alias, file.imports.keys().map(String::as_str));
+            self.sink.push(errors::unknown_file(path.segments[0].span, alias, near));
+            return;
+        }
+        let known = self.names_in_reach(scope, sort);
+        let text = scope::path_text(path);
+        let near = scope::nearest(&text, known.iter().map(String::as_str));
+        self.sink.push(errors::unknown_name(path.span, &text, wanted, near));
+    }
+
+    /// The names of a sort that may be written here.
+    fn names_in_reach(&self, scope: &Scope, sort: DeclarationSort) -> Vec<String> {
+        let file = &self.modules[scope.module];
+        let of_sort =
+            |module: &'a Module| module.names.iter().filter(move |(_, d)| d.sort == sort).map(|(name, _)| name);
+        let mut known: Vec<String> = of_sort(file).cloned().collect();
+        if sort == DeclarationSort::Let {
+            known.extend(scope.local_names().map(str::to_owned));
+        }
+        for (alias, import) in &file.imports {
+            known.extend(of_sort(&self.modules[import.module]).map(|name| format!("{alias}.{name}")));
+        }
+        known
+    }
+
+    /// Runs a `for`: `inside` is called for each element with the loop's names in scope.
+    fn repeat<E>(&mut self, each: &For<E>, scope: &mut Scope, inside: &mut dyn FnMut(&mut Self, &mut Scope)) {
+        for name in each.counter.iter().chain([&each.element]) {
+            if let Some(earlier) = self.taken(&name.text, scope) {
+                self.sink.push(errors::declared_twice(&name.text, name.span, earlier));
+                return;
+            }
+            if let Some(keeper) = scope::keeper(&name.text) {
+                self.sink.push(errors::kept_name(name, keeper));
+                return;
+            }
+        }
+        let elements: Vec<Value> = match self.evaluate(&each.over, scope) {
+            Value::Range { from, to } => (from..to).map(|number| Value::number(number as f64)).collect(),
+            Value::List(list) => list.iter().map(|element| element.value.clone()).collect(),
+            Value::Unknown => vec![Value::Unknown],
+            other => {
+                self.sink.push(errors::not_to_repeat(each.over.span, &other));
+                vec![Value::Unknown]
+            }
+        };
+        for (number, element) in elements.into_iter().enumerate() {
+            self.repetitions += 1;
+            if self.repetitions > MAX_REPETITIONS {
+                self.sink.push(errors::too_many_repetitions(each.over.span, MAX_REPETITIONS));
+                return;
+            }
+            scope.with(&each.element, element, |scope| match &each.counter {
+                Some(counter) => scope.with(counter, Value::number(number as f64), |scope| inside(self, scope)),
+                None => inside(self, scope),
+            });
+        }
+    }
+
+    /// Where a name is already declared, seen from a block.
+    fn taken(&self, name: &str, scope: &Scope) -> Option<Span> {
+        let file = &self.modules[scope.module];
+        let local = scope.local(name).map(|local| local.span);
+        local.or(file.names.get(name).map(|d| d.span)).or(file.imports.get(name).map(|import| import.span))
+    }
+
+    fn tally(&self) -> Tally {
+        let count = |sort| self.modules[0].names.values().filter(|declaration| declaration.sort == sort).count();
+        Tally {
+            devices: count(DeclarationSort::Device),
+            scenes: count(DeclarationSort::Scene),
+            tasks: count(DeclarationSort::Task),
+            programs: count(DeclarationSort::Program),
+        }
+    }
+}

@@ -5,12 +5,16 @@
 //! text put right where the doc comments say so.
 
 use super::{Choice, Count, Field, Need, Noun, Outcome, Phrase, Planner, Range, Sort, Verb, Vocabulary, shape::Form};
+use crate::geometry::Axis;
 use crate::quantity::Dimension;
 use nalgebra::{DMatrix, DVector, Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
 
 /// The most modules that one side may have.
 pub const MAX_MODULES: u32 = 20;
+
+/// The widest workspace, in micrometres: within it the rounding of a double stays far below the margins of planning.
+pub const MAX_REACH_UM: f64 = 1e5;
 
 /// The most places that one `visit` may name.
 pub const MAX_VISITS: usize = 64;
@@ -22,6 +26,47 @@ pub const MAX_VISITS: usize = 64;
 pub struct Cell {
     pub x: u32,
     pub y: u32,
+}
+
+impl Cell {
+    /// The cell (x, y).
+    pub const fn new(x: u32, y: u32) -> Self {
+        Cell { x, y }
+    }
+
+    /// Its two numbers.
+    pub const fn pair(self) -> [u32; 2] {
+        [self.x, self.y]
+    }
+
+    /// The cell of two numbers.
+    pub const fn of([x, y]: [u32; 2]) -> Self {
+        Cell { x, y }
+    }
+
+    /// The cell after one module has switched.
+    pub const fn after(self, flip: Flip) -> Self {
+        let bit = 1 << flip.module;
+        match flip.side {
+            Side::Left => Cell::new(self.x ^ bit, self.y),
+            Side::Right => Cell::new(self.x, self.y ^ bit),
+        }
+    }
+}
+
+/// One module switches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Flip {
+    pub side: Side,
+    /// Counted from 0 on its side; module i moves the end-effector by 2^i cells.
+    pub module: u8,
+}
+
+impl Flip {
+    /// The module of a mask with one bit.
+    pub const fn of_bit(side: Side, bit: u32) -> Self {
+        Flip { side, module: bit.trailing_zeros() as u8 }
+    }
 }
 
 impl std::fmt::Display for Cell {
@@ -38,6 +83,35 @@ pub enum Side {
     Left,
     /// `br`, moves the end-effector along y.
     Right,
+}
+
+impl Side {
+    /// Both sides, in the order of coordinates.
+    pub const BOTH: [Side; 2] = [Side::Left, Side::Right];
+
+    /// 0 for left, 1 for right: the index of the side's coordinate.
+    pub const fn index(self) -> usize {
+        match self {
+            Side::Left => 0,
+            Side::Right => 1,
+        }
+    }
+
+    /// The direction in which its modules move the end-effector.
+    pub const fn axis(self) -> Axis {
+        match self {
+            Side::Left => Axis::X,
+            Side::Right => Axis::Y,
+        }
+    }
+
+    /// The other side.
+    pub const fn other(self) -> Side {
+        match self {
+            Side::Left => Side::Right,
+            Side::Right => Side::Left,
+        }
+    }
 }
 
 /// Whether several modules may be switched in one pulse.
@@ -163,6 +237,14 @@ impl Facts {
     /// The rotation from the robot's frame R0 to the workspace frame R1: 45 degrees.
     pub fn workspace_frame() -> Rotation2<f64> {
         Rotation2::new(-std::f64::consts::FRAC_PI_4)
+    }
+
+    /// The names of all channels, without the device's: the left side from the top module down, then the right side.
+    pub fn channels(&self) -> Vec<String> {
+        let modules = |side| (0..self.modules(side)).rev().map(move |module| (side, module));
+        let both = modules(Side::Left).chain(modules(Side::Right));
+        both.flat_map(|(side, module)| [Switch::Set, Switch::Reset].map(|switch| Facts::channel(side, module, switch)))
+            .collect()
     }
 
     /// Energy of switching one module: voltage times current times duration.

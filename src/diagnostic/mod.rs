@@ -43,6 +43,12 @@ impl Diagnostic {
         self
     }
 
+    /// Adds a place unless it is one that was said already, as happens in a `for`.
+    #[must_use]
+    pub fn label_elsewhere(self, span: Span, said: Span, text: impl Into<String>) -> Self {
+        if span == said { self } else { self.label(span, text) }
+    }
+
     /// Sets the mend.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Self {

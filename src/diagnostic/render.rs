@@ -1,1 +1,191 @@
 //! Turns diagnostics into text: the only place that knows miette.
+
+use super::{Diagnostic, Label, Severity};
+use crate::source::{FileId, SourceFile, Sources};
+use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, ThemeCharacters, ThemeStyles};
+use serde_json::json;
+use std::fmt;
+
+/// How a report looks.
+#[derive(Debug, Clone, Copy)]
+pub struct Look {
+    pub colour: Colour,
+    pub characters: Characters,
+    /// Columns of the terminal.
+    pub width: usize,
+}
+
+/// Whether a report is coloured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Colour {
+    Plain,
+    Ansi,
+}
+
+/// What the lines of a report are drawn with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Characters {
+    Ascii,
+    Unicode,
+}
+
+/// The columns that a report has at least, however narrow the terminal.
+pub const MIN_WIDTH: usize = 40;
+
+/// One diagnostic for a person: code, title, the source with every place labelled, help.
+pub fn human(diagnostic: &Diagnostic, sources: &Sources, look: Look) -> String {
+    let mut text = String::new();
+    let report = report(diagnostic, sources);
+    if handler(look).render_report(&mut text, &report).is_err() {
+        text = format!("{} {}\n", diagnostic.code, diagnostic.title);
+    }
+    text
+}
+
+fn handler(look: Look) -> GraphicalReportHandler {
+    let characters = match look.characters {
+        Characters::Unicode => ThemeCharacters::unicode(),
+        Characters::Ascii => ThemeCharacters::ascii(),
+    };
+    let styles = match look.colour {
+        Colour::Ansi => ThemeStyles::ansi(),
+        Colour::Plain => ThemeStyles::none(),
+    };
+    GraphicalReportHandler::new_themed(GraphicalTheme { characters, styles })
+        .with_width(look.width.max(MIN_WIDTH))
+        .with_links(false)
+        .with_context_lines(1)
+}
+
+/// One diagnostic as a line of JSON: code, severity, title, labels with line and column, help.
+pub fn json_line(diagnostic: &Diagnostic, sources: &Sources) -> String {
+    let labels: Vec<_> = diagnostic.labels.iter().map(|label| json_label(label, sources)).collect();
+    let severity = match diagnostic.code.severity() {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+    };
+    json!({
+        "code": diagnostic.code,
+        "severity": severity,
+        "title": diagnostic.title,
+        "labels": labels,
+        "help": diagnostic.help,
+    })
+    .to_string()
+}
+
+fn json_label(label: &Label, sources: &Sources) -> serde_json::Value {
+    let file = sources.file(label.span.file);
+    let (start, end) = (file.position(label.span.start), file.position(label.span.end));
+    json!({ "file": file.name, "start": start, "end": end, "text": label.text })
+}
+
+/// A diagnostic as miette sees it: the labels of one file, further files as related reports.
+struct Report {
+    head: Option<(String, Severity)>,
+    title: String,
+    help: Option<String>,
+    source: Option<NamedSource<String>>,
+    labels: Vec<LabeledSpan>,
+    related: Vec<Report>,
+}
+
+fn report(diagnostic: &Diagnostic, sources: &Sources) -> Report {
+    let mut files: Vec<FileId> = Vec::new();
+    for label in &diagnostic.labels {
+        if !files.contains(&label.span.file) {
+            files.push(label.span.file);
+        }
+    }
+    let mut parts = files.into_iter().map(|file| {
+        let labels: Vec<&Label> = diagnostic.labels.iter().filter(|label| label.span.file == file).collect();
+        (sources.file(file), labels)
+    });
+    let first = parts.next();
+    let related = parts.map(|(file, labels)| Report {
+        head: None,
+        title: format!("see also {}", file.name),
+        help: None,
+        source: Some(named(file)),
+        labels: labelled(&labels, file),
+        related: Vec::new(),
+    });
+    Report {
+        head: Some((diagnostic.code.name().to_owned(), diagnostic.code.severity())),
+        title: diagnostic.title.clone(),
+        help: diagnostic.help.clone(),
+        related: related.collect(),
+        source: first.as_ref().map(|(file, _)| named(file)),
+        labels: first.map(|(file, labels)| labelled(&labels, file)).unwrap_or_default(),
+    }
+}
+
+fn named(file: &SourceFile) -> NamedSource<String> {
+    NamedSource::new(&file.name, file.text.to_string())
+}
+
+/// An empty span draws nothing, and one at the end of the file neither: both are widened to the nearest character.
+fn labelled(labels: &[&Label], file: &SourceFile) -> Vec<LabeledSpan> {
+    let widen = |label: &&Label| {
+        let text = &file.text;
+        let (mut start, end) = (label.span.start as usize, label.span.end as usize);
+        let first_line = text[start..end].find('\n').map_or(end, |at| start + at);
+        let mut end = first_line.max(start);
+        if start == end {
+            end += text[start..].chars().next().filter(|next| *next != '\n').map_or(0, char::len_utf8);
+        }
+        if start == end {
+            start -= text[..start].chars().next_back().map_or(0, char::len_utf8);
+        }
+        LabeledSpan::new(Some(label.text.clone()), start, end - start)
+    };
+    labels.iter().map(widen).collect()
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.title)
+    }
+}
+
+impl fmt::Debug for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.title)
+    }
+}
+
+impl std::error::Error for Report {}
+
+impl miette::Diagnostic for Report {
+    fn code<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.head.as_ref().map(|(code, _)| Box::new(code) as Box<dyn fmt::Display>)
+    }
+
+    fn severity(&self) -> Option<miette::Severity> {
+        Some(match self.head {
+            Some((_, Severity::Error)) => miette::Severity::Error,
+            Some((_, Severity::Warning)) => miette::Severity::Warning,
+            None => miette::Severity::Advice,
+        })
+    }
+
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn miette::SourceCode> {
+        self.source.as_ref().map(|source| source as &dyn miette::SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        (!self.labels.is_empty())
+            .then(|| Box::new(self.labels.iter().cloned()) as Box<dyn Iterator<Item = LabeledSpan>>)
+    }
+
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn miette::Diagnostic> + 'a>> {
+        if self.related.is_empty() {
+            return None;
+        }
+        Some(Box::new(self.related.iter().map(|report| report as &dyn miette::Diagnostic)))
+    }
+}

@@ -1,3 +1,9 @@
-//! Device-free mathematics of the plane.
+//! Device-free plane geometry in micrometres: shapes, where they are placed, and how lines and rectangles meet them.
 
+pub mod distance;
+pub mod polygon;
+pub mod section;
 pub mod shape;
+
+pub use section::Axis;
+pub use shape::{Core, Pose, Rounded, Shape, ShapeError};

@@ -4,6 +4,10 @@
 //! channel has at most one value at a time; every actuation knows its step, every step its source span. There are no floats
 //! but the values of actuations and the figures of plans.
 
+pub mod clock;
+mod dimibot;
+
+pub use clock::{schedule, source_ref};
 pub mod json;
 
 use crate::source::Span;

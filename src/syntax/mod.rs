@@ -1,2 +1,67 @@
 //! Text to tree.
+//!
+//! Input: the text of one file. Output: its [`Tree`] and, in the sink, one diagnostic for each mistake. Promise: there is
+//! always a tree, every node's span lies in its parent's, and what could be read around a mistake is in it.
+//!
+//! The work is done in three passes. `scan` reads characters: it reports what no grammar can mend and covers it. pest reads
+//! what is left by `grammar/*.pest`, whose lists end in rules that take everything. The `Reader` turns pest's pairs into the
+//! tree and says what was wrong with the parts that only those rules could take.
+
+mod brackets;
+mod entries;
+mod errors;
+mod foreign;
+mod grammar;
+mod items;
+mod lexical;
+mod reader;
+mod recover;
+mod scan;
 pub mod tree;
+mod values;
+
+pub use scan::MAX_NESTING;
+pub use values::MAX_OPERATORS;
+
+use crate::diagnostic::Sink;
+use crate::source::FileId;
+use grammar::{Grammar, Rule};
+use pest::Parser;
+use reader::Reader;
+use tree::{Expr, Tree};
+
+/// The words that cannot be names.
+pub const RESERVED: [&str; 21] = [
+    "use", "as", "let", "device", "scene", "task", "program", "wiring", "table", "true", "false", "to", "from", "by",
+    "about", "for", "at", "via", "with", "in", "on",
+];
+
+/// Reads one file.
+pub fn parse(file: FileId, text: &str, sink: &mut Sink) -> Tree {
+    let scanned = scan::scan(file, text);
+    let mut reader = Reader::new(file, text, &scanned.text, scanned.findings);
+    let node = Grammar::parse(Rule::file, &scanned.text).ok().and_then(|mut nodes| nodes.next());
+    let (doc, items) = match node {
+        Some(node) => reader.file(node),
+        None => reader.unreadable(),
+    };
+    reader.misplaced_docs(&scanned.docs);
+    let broken_names = std::mem::take(&mut reader.broken_names);
+    reader.tell(sink);
+    Tree { file, doc, items, broken_names }
+}
+
+/// Reads one value, as in `--set pitch=80um`; `None` if a diagnostic was pushed.
+pub fn parse_value(file: FileId, text: &str, sink: &mut Sink) -> Option<Expr> {
+    let scanned = scan::scan(file, text);
+    let mut reader = Reader::new(file, text, &scanned.text, scanned.findings);
+    let node = Grammar::parse(Rule::one_value, &scanned.text).ok().and_then(|mut nodes| nodes.next());
+    let value = match node {
+        Some(node) => reader.only_value(node),
+        None => reader.no_value(),
+    };
+    if reader.tell(sink) { None } else { value }
+}
+
+#[cfg(test)]
+mod tests;

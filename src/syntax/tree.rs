@@ -23,6 +23,8 @@ pub struct Tree {
     /// The `//!` lines at the top.
     pub doc: Doc,
     pub items: Vec<Item>,
+    /// The names that unreadable declarations would have declared: no later stage should call them unknown.
+    pub broken_names: Vec<Ident>,
 }
 
 /// What stands at the top of a file.
@@ -178,6 +180,8 @@ pub enum Entry {
 #[derive(Debug, Clone)]
 pub struct Step {
     pub head: Ident,
+    /// The head's indices where it is an object, as in `D[i] to …`; empty otherwise.
+    pub indices: Vec<Expr>,
     /// The noun before the object, as `state` in `apply state 2`.
     pub noun: Option<Ident>,
     pub object: Option<Expr>,

@@ -172,7 +172,7 @@ fn scenery(order: &DimibotOrder, device: &str, t_ns: u64) -> Vec<SceneEntity> {
         entities.push(all);
         return entities;
     }
-    for obstacle in &order.obstacles {
+    for obstacle in order.obstacles.iter() {
         let mut entity = new(&format!("obstacle/{}", obstacle.name));
         let place = draw_obstacle(&mut entity, &order.facts, obstacle);
         drawing::text(&mut entity, place, obstacle.name.clone(), color::OBSTACLE);

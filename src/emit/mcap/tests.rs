@@ -136,7 +136,7 @@ fn twice(change: impl FnOnce(&mut Vec<crate::check::claims::Obstacle>)) -> Verif
     let (mut schedule, mut claims) = (verified.schedule().clone(), verified.claims().clone());
     let mut job = claims.jobs[0].clone();
     let crate::check::claims::Order::Dimibot(order) = &mut job.order;
-    change(&mut order.obstacles);
+    change(std::sync::Arc::make_mut(&mut order.obstacles));
     claims.jobs.push(job);
     let mut plan = schedule.plans[0].clone();
     plan.start_ns = 1_000_000_000;

@@ -1,0 +1,370 @@
+//! Is this DiMiBot possible, is this scene possible for it, are these goals?
+
+use super::claims::{Action, Asked, Body, DimibotOrder, Job, Method, Objective, Obstacle, Order, Planner, Step, Stop};
+use super::devices::Device;
+use super::fields::Accepted;
+use super::scenes::Object;
+use super::scope::Place;
+use super::tasks::{self, Parts};
+use super::value::{ModuleWord, Value, whole};
+use super::{Checker, errors, shapes};
+use crate::device::dimibot::{self, Cell, Side, Simultaneous};
+use crate::device::shape::Form;
+use crate::diagnostic::Sink;
+use crate::geometry::shape::{Core, MAX_EXTENT_UM, Pose, Shape};
+use crate::quantity::{Dimension, Quantity};
+use crate::source::{Span, Spanned};
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+mod stops;
+
+/// States that one search may expand where the task does not say.
+pub const DEFAULT_EXPANSIONS: u64 = 20_000_000;
+
+/// The facts of a complete device.
+pub fn facts(device: &Device, sink: &mut Sink) -> Option<dimibot::Facts> {
+    let fields = &device.fields;
+    if fields.values().any(|field| field.value.is_unknown()) {
+        return None;
+    }
+    let mut facts = dimibot::Facts {
+        left: count(fields, "left"),
+        right: count(fields, "right"),
+        stroke_um: quantity(fields, "stroke").in_unit("um"),
+        gain: quantity(fields, "gain").si,
+        pulse_voltage_v: quantity(fields, "pulse_voltage").si,
+        pulse_current_a: quantity(fields, "pulse_current").si,
+        pulse_duration_ns: time_ns(fields, "pulse_duration", sink)?,
+        rest_ns: time_ns(fields, "rest", sink)?,
+        repeatability_um: quantity(fields, "repeatability").in_unit("um"),
+        tip_radius_um: quantity(fields, "tip_radius").in_unit("um"),
+        home: Cell::default(),
+        simultaneous: simultaneous(fields).unwrap_or_default(),
+    };
+    if !fits(&facts, device, sink) {
+        return None;
+    }
+    if let Some(home) = fields.get("home") {
+        facts.home = stops::state(home, &facts, &device.name, sink)?;
+    }
+    warn_of_coarseness(&facts, device, sink);
+    Some(facts)
+}
+
+fn quantity(fields: &Accepted, name: &str) -> Quantity {
+    match fields.get(name).map(|field| &field.value) {
+        Some(Value::Quantity(quantity)) => *quantity,
+        _ => Quantity::number(0.0),
+    }
+}
+
+fn count(fields: &Accepted, name: &str) -> u32 {
+    whole(quantity(fields, name)).and_then(|number| u32::try_from(number).ok()).unwrap_or(1)
+}
+
+fn time_ns(fields: &Accepted, name: &str, sink: &mut Sink) -> Option<u64> {
+    let field = fields.get(name)?;
+    super::clock_ns(quantity(fields, name), field.span, &format!("`{name}`"), sink)
+}
+
+fn simultaneous(fields: &Accepted) -> Option<Simultaneous> {
+    match &fields.get("simultaneous")?.value {
+        Value::Text(word) if word == "safe" => Some(Simultaneous::Safe),
+        _ => Some(Simultaneous::Never),
+    }
+}
+
+/// Whether the workspace is of a size that is counted with exactly.
+fn fits(facts: &dimibot::Facts, device: &Device, sink: &mut Sink) -> bool {
+    let extent_um = 2.0 * facts.gain * facts.stroke_um * std::f64::consts::SQRT_2;
+    let fits = extent_um <= dimibot::MAX_REACH_UM && facts.growth_um() <= dimibot::MAX_REACH_UM;
+    if !fits {
+        let limit = length(dimibot::MAX_REACH_UM);
+        sink.push(errors::workspace_too_large(device.span, &length(extent_um.max(facts.growth_um())), &limit));
+    }
+    fits
+}
+
+fn warn_of_coarseness(facts: &dimibot::Facts, device: &Device, sink: &mut Sink) {
+    let pitch_um = facts.pitch_um(Side::Left).min(facts.pitch_um(Side::Right));
+    if facts.repeatability_um > pitch_um / 2.0 {
+        let at = device.fields.get("repeatability").map_or(device.span, |field| field.span);
+        let at = if at.file == device.span.file { at } else { device.span };
+        sink.push(errors::cells_indistinguishable(at, &length(facts.repeatability_um), &length(pitch_um)));
+    }
+}
+
+/// A length for a message.
+fn length(um: f64) -> String {
+    Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
+}
+
+impl Checker<'_> {
+    /// What a scene's objects are to a device; each scene is judged once with each device.
+    pub fn obstacles(
+        &mut self,
+        device: Place,
+        scene: Option<&(Place, Rc<Vec<Object>>)>,
+        facts: &dimibot::Facts,
+    ) -> Arc<Vec<Obstacle>> {
+        let Some((place, objects)) = scene else { return Arc::default() };
+        if let Some(known) = self.judged_scenes.get(&(*place, device)) {
+            return known.clone();
+        }
+        let name = self.device(device, 0).map(|device| device.name).unwrap_or_default();
+        let obstacles = objects.iter().filter_map(|object| obstacle(object, facts, &name, self.sink)).collect();
+        let obstacles = Arc::new(obstacles);
+        self.judged_scenes.insert((*place, device), Arc::clone(&obstacles));
+        obstacles
+    }
+}
+
+fn obstacle(object: &Object, facts: &dimibot::Facts, device: &str, sink: &mut Sink) -> Option<Obstacle> {
+    let nouns: Vec<&str> = dimibot::VOCABULARY.nouns.iter().map(|noun| noun.name).collect();
+    if !nouns.contains(&object.noun.as_str()) {
+        sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, "dimibot", &nouns));
+        return None;
+    }
+    let body = match &object.shape {
+        Some(shape) if shape.value.form == Form::Cells => block(object, &shape.value.fields, facts, sink)?,
+        Some(shape) => solid(object, shapes::in_plane(&shape.value)?, facts, sink)?,
+        None => point(object, facts, sink)?,
+    };
+    let obstacle = Obstacle { name: object.name.clone(), body, span: object.span };
+    if is_outside(&obstacle.body, facts) {
+        sink.push(errors::obstacle_outside(object.span, &object.name, device));
+        return None;
+    }
+    Some(obstacle)
+}
+
+/// The whole numbers of a cell, which may lie outside the lattice.
+fn whole_cell(value: &Value) -> Option<[i64; 2]> {
+    match value {
+        Value::Point(point) if point.len() == 2 => Some([whole(point[0])?, whole(point[1])?]),
+        _ => None,
+    }
+}
+
+fn point(object: &Object, facts: &dimibot::Facts, sink: &mut Sink) -> Option<Body> {
+    match &object.at {
+        Some(at) => match whole_cell(&at.value) {
+            Some([x, y]) => Some(clipped([x, y], [x, y], facts)),
+            None => solid(object, Shape::Point, facts, sink),
+        },
+        None => Some(Body::Solid { shape: Shape::Point, pose: Pose::at(0.0, 0.0) }),
+    }
+}
+
+fn block(object: &Object, fields: &Accepted, facts: &dimibot::Facts, sink: &mut Sink) -> Option<Body> {
+    let corner = |name: &str| fields.get(name).and_then(|field| whole_cell(&field.value));
+    let (Some(from), Some(to)) = (corner("from"), corner("to")) else {
+        let at = fields.values().next()?;
+        sink.push(errors::wrong_place(at.span, &at.value, "whole cells"));
+        return None;
+    };
+    let shift = match &object.at {
+        None => [0, 0],
+        Some(at) => match whole_cell(&at.value) {
+            Some(shift) => shift,
+            None => {
+                sink.push(errors::wrong_place(at.span, &at.value, "a cell for a block of cells"));
+                return None;
+            }
+        },
+    };
+    let low = [0, 1].map(|axis| from[axis].min(to[axis]).saturating_add(shift[axis]));
+    let high = [0, 1].map(|axis| from[axis].max(to[axis]).saturating_add(shift[axis]));
+    Some(clipped(low, high, facts))
+}
+
+/// The part of a block that lies on the lattice; a block that misses it altogether keeps `from` above `to`.
+fn clipped(low: [i64; 2], high: [i64; 2], facts: &dimibot::Facts) -> Body {
+    let last = [facts.cells(Side::Left), facts.cells(Side::Right)].map(|cells| i64::from(cells) - 1);
+    let missed = (0..2).any(|axis| high[axis] < 0 || low[axis] > last[axis]);
+    if missed {
+        return Body::Cells { from: Cell { x: 1, y: 1 }, to: Cell { x: 0, y: 0 } };
+    }
+    let clip = |at: [i64; 2]| Cell { x: at[0].clamp(0, last[0]) as u32, y: at[1].clamp(0, last[1]) as u32 };
+    Body::Cells { from: clip(low), to: clip(high) }
+}
+
+fn solid(object: &Object, shape: Shape, facts: &dimibot::Facts, sink: &mut Sink) -> Option<Body> {
+    let pose = match &object.at {
+        None => Pose::at(0.0, 0.0),
+        Some(at) => match (shapes::pose_of(&at.value), whole_cell(&at.value)) {
+            (Some(pose), _) => pose,
+            (None, Some([x, y])) => {
+                Pose::at(x as f64 * facts.pitch_um(Side::Left), y as f64 * facts.pitch_um(Side::Right))
+            }
+            (None, None) => {
+                sink.push(errors::wrong_place(at.span, &at.value, "a cell, a place or a pose"));
+                return None;
+            }
+        },
+    };
+    if !shapes::within_extent(&shape, &pose) {
+        sink.push(errors::shape_too_large(object.span, &length(MAX_EXTENT_UM)));
+        return None;
+    }
+    Some(Body::Solid { shape, pose })
+}
+
+/// Whether a body can never touch the tip, by its bounding box.
+fn is_outside(body: &Body, facts: &dimibot::Facts) -> bool {
+    match body {
+        Body::Cells { from, to } => from.x > to.x,
+        Body::Solid { shape, pose } => {
+            let Ok(grown) = shape.grown(pose, facts.growth_um()) else { return false };
+            let corners = match &grown.core {
+                Core::Point(point) => vec![*point],
+                Core::Segment(ends) => ends.to_vec(),
+                Core::Polygon(corners) => corners.clone(),
+            };
+            let last = facts.place_um(Cell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 });
+            (0..2).any(|axis| {
+                let low = corners.iter().map(|corner| corner[axis]).fold(f64::INFINITY, f64::min);
+                let high = corners.iter().map(|corner| corner[axis]).fold(f64::NEG_INFINITY, f64::max);
+                low - grown.radius_um > last[axis] || high + grown.radius_um < 0.0
+            })
+        }
+    }
+}
+
+/// A task's body in the kind's own terms; `None` after an error.
+pub fn order(
+    facts: &dimibot::Facts,
+    obstacles: &Arc<Vec<Obstacle>>,
+    parts: Parts,
+    device: &str,
+    sink: &mut Sink,
+) -> Option<Order> {
+    let precision = precision(&parts.settings, facts, sink);
+    let planner = planner(parts.planner.as_ref(), &parts.steps, sink);
+    let mut judge = stops::Judge::new(facts, obstacles, device, precision.flatten(), sink);
+    let start = match &parts.start {
+        Some(start) => Some(judge.start(start)),
+        None => None,
+    };
+    let steps: Vec<Option<Step>> = parts.steps.into_iter().map(|step| judge.step(step)).collect();
+    let steps: Option<Vec<Step>> = steps.into_iter().collect();
+    Some(Order::Dimibot(DimibotOrder {
+        facts: facts.clone(),
+        obstacles: Arc::clone(obstacles),
+        objective: objective(parts.objective),
+        planner: planner?,
+        simultaneous: simultaneous(&parts.settings).unwrap_or(facts.simultaneous),
+        precision_um: precision?,
+        start: match start {
+            None => None,
+            Some(start) => Some(start?),
+        },
+        steps: steps?,
+    }))
+}
+
+/// The precision of a task: `None` after an error.
+fn precision(settings: &Accepted, facts: &dimibot::Facts, sink: &mut Sink) -> Option<Option<f64>> {
+    let Some(field) = settings.get("precision") else { return Some(None) };
+    let Value::Quantity(asked) = field.value else { return None };
+    let precision_um = asked.in_unit("um");
+    if precision_um < facts.repeatability_um {
+        sink.push(errors::precision_beyond_robot(field.span, &length(precision_um), &length(facts.repeatability_um)));
+        return None;
+    }
+    Some(Some(precision_um))
+}
+
+fn objective(name: Option<&str>) -> Objective {
+    match name {
+        Some("switches") => Objective::Switches,
+        Some("time") => Objective::Time,
+        Some("energy") => Objective::Energy,
+        _ => Objective::Distance,
+    }
+}
+
+/// The method and budget of a task; `None` where a published method is asked for what it does not know.
+fn planner(
+    chosen: Option<&(Spanned<&'static crate::device::Planner>, Accepted)>,
+    steps: &[tasks::Step],
+    sink: &mut Sink,
+) -> Option<Planner> {
+    let Some((planner, options)) = chosen else {
+        return Some(Planner { method: Method::LayeredAstar, expansions: DEFAULT_EXPANSIONS });
+    };
+    let method = method(planner.value.name);
+    let visit =
+        steps.iter().find(|step| matches!(&step.action, tasks::Action::Verb { verb, .. } if verb.name == "visit"));
+    if let Some(visit) = visit.filter(|_| method != Method::LayeredAstar) {
+        sink.push(errors::planner_cannot(
+            planner.span,
+            planner.value.name,
+            "order the places of a `visit`",
+            visit.span,
+        ));
+        return None;
+    }
+    let given = match options.get("expansions").map(|option| &option.value) {
+        Some(Value::Quantity(quantity)) => whole(*quantity).and_then(|number| u64::try_from(number).ok()),
+        _ => None,
+    };
+    Some(Planner { method, expansions: given.unwrap_or(DEFAULT_EXPANSIONS) })
+}
+
+fn method(name: &str) -> Method {
+    match name {
+        "dijkstra" => Method::Dijkstra,
+        "bidirectional_dijkstra" => Method::BidirectionalDijkstra,
+        "astar" => Method::Astar,
+        "hypercube_astar" => Method::HypercubeAstar,
+        _ => Method::LayeredAstar,
+    }
+}
+
+/// Where a robot stands after a task, as far as that is known before planning.
+#[derive(Clone, Copy)]
+enum Stand {
+    At(Cell),
+    /// After a `visit`, whose order the planner chooses.
+    Unknown,
+}
+
+/// Each `start at` must be where the device's last task left it, as far as that is known before planning.
+pub fn starts_agree(jobs: &[Job], sink: &mut Sink) {
+    let mut stands: BTreeMap<&str, Stand> = BTreeMap::new();
+    for job in jobs {
+        let Order::Dimibot(order) = &job.order;
+        let before = stands.get(job.device.as_str()).copied();
+        if let (Some(start), Some(Stand::At(cell))) = (order.start, before)
+            && start.value != cell
+        {
+            sink.push(disagreement(order, start, cell, &job.device));
+        }
+        let begins = order.start.map(|start| Stand::At(start.value)).or(before);
+        let ends = end_of(order).or(begins).unwrap_or(Stand::At(order.facts.home));
+        stands.insert(&job.device, ends);
+    }
+}
+
+/// Where a task's steps end; `None` if they move nothing.
+fn end_of(order: &DimibotOrder) -> Option<Stand> {
+    order.steps.iter().rev().find_map(|step| match &step.action {
+        Action::Move(stops) => stops.last().map(|stop| Stand::At(stop.cell)),
+        Action::Visit(_) => Some(Stand::Unknown),
+        Action::Wait(_) => None,
+    })
+}
+
+/// The diagnostic of a `start at` that is not where the device stands.
+pub fn disagreement(
+    order: &DimibotOrder,
+    start: Spanned<Cell>,
+    stands: Cell,
+    device: &str,
+) -> crate::diagnostic::Diagnostic {
+    let show = |cell: Cell| format!("{cell}, {}", order.facts.word_text(cell));
+    errors::start_disagrees(start.span, &show(start.value), &show(stands), device)
+}

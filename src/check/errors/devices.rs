@@ -1,0 +1,69 @@
+//! Devices and wirings: E04xx.
+
+use crate::device::Field;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::source::Span;
+use crate::syntax::tree::Ident;
+
+use super::meant;
+
+/// `library` is a published device to start from: its file and its name.
+pub fn missing_fields(span: Span, owner: &str, missing: &[&Field], library: Option<(&str, &str)>) -> Diagnostic {
+    let names: Vec<&str> = missing.iter().map(|field| field.name).collect();
+    let list: Vec<String> = missing.iter().map(|field| format!("`{}` ({})", field.name, field.doc)).collect();
+    let start =
+        library.map(|(file, device)| format!("; or start from a published device: `use {file}` and `: {device}`"));
+    Diagnostic::new(Code::E0401, format!("{owner} lacks {}", super::listed(names)))
+        .label(span, "not all fields are given")
+        .help(format!("add {}{}", list.join(", "), start.unwrap_or_default()))
+}
+
+pub fn field_twice(name: &Ident, earlier: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0402, format!("field `{}` is given twice", name.text))
+        .label(name.span, "given again here")
+        .label(earlier, "first given here")
+}
+
+pub fn time_out_of_clock(span: Span, what: &str, found: &str, limit: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0404, format!("{what} of {found} does not fit the clock, {limit}"))
+        .label(span, "not a time that the clock can count")
+        .help("schedules count whole nanoseconds")
+}
+
+pub fn workspace_too_large(span: Span, extent: &str, limit: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0405, format!("a workspace of {extent}, at most {limit} can be planned in"))
+        .label(span, "follows from the stroke and the gain of this device")
+        .help("the workspace is gain * stroke * sqrt(2) * (2 - 2^(1-n)) wide: check the units of `stroke` and `gain`")
+}
+
+pub fn cells_indistinguishable(span: Span, repeatability: &str, pitch: &str) -> Diagnostic {
+    Diagnostic::new(Code::W0401, format!("repeatability of {repeatability}, more than half the pitch of {pitch}"))
+        .label(span, "neighbouring cells of this robot cannot be told apart")
+        .help("more modules refine the lattice, not the robot: places are no better than the repeatability")
+}
+
+pub fn unknown_channel(span: Span, device: &str, channel: &str, near: Option<&str>) -> Diagnostic {
+    Diagnostic::new(Code::E0406, format!("device `{device}` has no channel `{channel}`"))
+        .label(span, "no such channel")
+        .help(meant(near).unwrap_or_else(|| "`tweeze devices` lists the channels of each kind".to_owned()))
+}
+
+pub fn channel_wired_twice(channel: &str, span: Span, earlier: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0407, format!("channel `{channel}` is wired twice"))
+        .label(span, "wired again here")
+        .label_elsewhere(earlier, span, "first wired here")
+}
+
+pub fn output_used_twice(output: &str, span: Span, earlier: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0407, format!("output \"{output}\" drives two channels"))
+        .label(span, "used again here")
+        .label_elsewhere(earlier, span, "first used here")
+        .help("one physical output carries one channel")
+}
+
+pub fn wired_twice(device: &str, span: Span, earlier: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0408, format!("device `{device}` has two wirings"))
+        .label(span, "wired again here")
+        .label(earlier, "first wired here")
+        .help("put all wires of a device into one `wiring`")
+}

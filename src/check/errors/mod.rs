@@ -1,0 +1,26 @@
+//! What the checker says, one function for each finding.
+
+mod devices;
+mod names;
+mod tasks;
+mod values;
+
+pub use devices::*;
+pub use names::*;
+pub use tasks::*;
+pub use values::*;
+
+/// A list of words for a message: "`a`, `b` and `c`".
+fn listed<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
+    let words: Vec<String> = words.into_iter().map(|word| format!("`{word}`")).collect();
+    match words.split_last() {
+        None => "nothing".to_owned(),
+        Some((only, [])) => only.clone(),
+        Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
+    }
+}
+
+/// "did you mean `x`?", where something is near.
+fn meant(near: Option<&str>) -> Option<String> {
+    near.map(|near| format!("did you mean `{near}`?"))
+}

@@ -1,0 +1,279 @@
+//! Scenes, tasks and programs: E05xx.
+
+use super::{listed, meant};
+use crate::check::value::Value;
+use crate::device::{Verb, Vocabulary};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::source::Span;
+use crate::syntax::tree::Ident;
+
+pub fn outside_workspace(span: Span, what: &str, extent: &str, help: String) -> Diagnostic {
+    Diagnostic::new(Code::E0501, format!("{what} lies outside the workspace, which is {extent}"))
+        .label(span, "cannot be reached")
+        .help(help)
+}
+
+pub fn on_obstacle(span: Span, what: &str, obstacle: (&str, Span), why: &str, free: Option<String>) -> Diagnostic {
+    Diagnostic::new(Code::E0502, format!("{what} lies on obstacle `{}`", obstacle.0))
+        .label(span, why)
+        .label(obstacle.1, "the obstacle")
+        .help_if(free)
+}
+
+pub fn start_on_obstacle(
+    span: Span,
+    what: &str,
+    obstacle: (&str, Span),
+    why: &str,
+    free: Option<String>,
+) -> Diagnostic {
+    Diagnostic { code: Code::E0505, ..on_obstacle(span, what, obstacle, why, free) }
+}
+
+pub fn off_lattice(span: Span, off: &str, precision: &str, help: String) -> Diagnostic {
+    Diagnostic::new(Code::E0503, format!("the nearest cell is {off} away, the precision allows {precision}"))
+        .label(span, "off the lattice")
+        .help(help)
+}
+
+pub fn word_of_wrong_width(span: Span, found: u32, left: u32, right: u32, device: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0504, format!("a word of {found} digits for a robot of {} modules", left + right))
+        .label(span, format!("`{device}` has {left} modules on the left and {right} on the right"))
+        .help(format!("write bl{}..bl0 and then br{}..br0, {left} + {right} digits", left - 1, right - 1))
+}
+
+pub fn precision_beyond_robot(span: Span, precision: &str, repeatability: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0506, format!("a precision of {precision}, the robot repeats to {repeatability} only"))
+        .label(span, "finer than the robot")
+        .help(format!("ask for {repeatability} or more, or give the device the repeatability that was measured"))
+}
+
+pub fn start_disagrees(span: Span, start: &str, stands: &str, device: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0507, format!("the task starts at {start}, but `{device}` stands at {stands} by then"))
+        .label(span, "not where the robot stands")
+        .help("leave `start at` out: a task begins where the device's last one ended")
+}
+
+pub fn two_things_at_once(device: &str, first: Span, second: Span) -> Diagnostic {
+    let diagnostic = Diagnostic::new(Code::E0508, format!("device `{device}` is asked for two things at once"));
+    diagnostic
+        .label(second, "runs at the same time")
+        .label_elsewhere(first, second, "busy here")
+        .help("let one follow the other: take one of them out of `together`")
+}
+
+pub fn devices_of_one_name(device: &str, first: Span, second: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0508, format!("two devices named `{device}` in one schedule"))
+        .label(second, "runs one of them")
+        .label_elsewhere(first, second, "runs the other")
+        .help("channels are named after their device: give one of the two another name")
+}
+
+pub fn missing_part(span: Span, verb: &Verb, part: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0509, format!("`{}` lacks {part}", verb.name))
+        .label(span, "incomplete step")
+        .help(format!("write `{}`", verb.example))
+}
+
+pub fn unexpected_part(span: Span, verb: &Verb, part: &str) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0509,
+        format!("`{}` takes no such {}", verb.name, part.trim_start_matches("an ").trim_start_matches("a ")),
+    )
+    .label(span, "does not belong here")
+    .help(format!("write `{}`", verb.example))
+}
+
+pub fn unknown_preposition(preposition: &Ident, verb: &Verb) -> Diagnostic {
+    let known = listed(verb.phrases.iter().map(|phrase| phrase.preposition));
+    Diagnostic::new(Code::E0509, format!("`{}` does not go with `{}`", verb.name, preposition.text))
+        .label(preposition.span, "not understood here")
+        .help(format!("it takes {known}, as in `{}`", verb.example))
+}
+
+pub fn preposition_twice(preposition: &Ident, earlier: Span, verb: &Verb) -> Diagnostic {
+    Diagnostic::new(Code::E0509, format!("`{}` stands twice in one `{}`", preposition.text, verb.name))
+        .label(preposition.span, "again here")
+        .label(earlier, "first here")
+        .help("write two steps, one below the other")
+}
+
+pub fn setting_after_step(name: &Ident, step: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0510, format!("setting `{}` stands after a step", name.text))
+        .label(name.span, "settings come first")
+        .label(step, "the first step")
+        .help(format!("move `{}` above the first step: it holds for the whole task", name.text))
+}
+
+pub fn setting_in_loop(name: &Ident) -> Diagnostic {
+    Diagnostic::new(Code::E0510, format!("setting `{}` stands in a `for`", name.text))
+        .label(name.span, "a setting is given once")
+        .help("move it out of the `for`, to the top of the task")
+}
+
+pub fn setting_twice(name: &Ident, earlier: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0510, format!("setting `{}` is given twice", name.text))
+        .label(name.span, "given again here")
+        .label(earlier, "first given here")
+}
+
+pub fn bad_setting_form(span: Span, head: &str, example: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0509, format!("`{head}` takes one thing"))
+        .label(span, "incomplete, or too much")
+        .help(format!("write `{head} {example}`"))
+}
+
+pub fn bad_start(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0509, "`start` takes `at` and a state")
+        .label(span, "incomplete, or too much")
+        .help("write `start at 0b10001_00010` or `start at (17, 2)`")
+}
+
+pub fn wrong_argument_count(span: Span, wanted: usize, found: usize, declared: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0511, format!("{found} arguments, {wanted} are declared"))
+        .label(span, "run here")
+        .label(declared, "declared here")
+}
+
+pub fn unknown_parameter_sort(sort: &Ident, near: Option<&str>, known: &[&str]) -> Diagnostic {
+    Diagnostic::new(Code::E0511, format!("no parameter can be a `{}`", sort.text))
+        .label(sort.span, "unknown sort")
+        .help(meant(near).unwrap_or_else(|| format!("a parameter is one of {}", listed(known.iter().copied()))))
+}
+
+pub fn too_many_runs(span: Span, limit: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0512, format!("more than {limit} runs of tasks in one schedule"))
+        .label(span, "the limit is passed here")
+        .help("split the program into several")
+}
+
+pub fn nothing_to_build(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::W0503, "the file declares no task")
+        .label(span, "nothing to build here")
+        .help("a file of devices and scenes is used by others: `use \"this.twz\"`")
+}
+
+pub fn no_such_task(name: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {
+    let list = match known {
+        [] => "the file declares none".to_owned(),
+        known => format!("the file declares {}", listed(known.iter().copied())),
+    };
+    Diagnostic::new(Code::E0513, format!("no task or program is named `{name}`")).help(meant(near).unwrap_or(list))
+}
+
+pub fn task_needs_arguments(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0513, format!("`{name}` has parameters and cannot be built alone"))
+        .label(span, "declared with parameters")
+        .help(format!("add a program: `program all {{ run {name}(…) }}`"))
+}
+
+pub fn shape_wanted(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(Code::E0304, format!("a shape belongs here, this is {}", found.describe_fully()))
+        .label(span, found.describe())
+        .help("write `disc { radius: 0.8 um }`, or leave `: shape` out for a point")
+}
+
+pub fn bad_shape(span: Span, what: &str, why: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0514, what).label(span, why)
+}
+
+pub fn shape_too_large(span: Span, limit: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0514, format!("an obstacle that reaches further than {limit}"))
+        .label(span, "too far or too large")
+        .help("check the unit: obstacles are given in micrometres, as `0.8 um`")
+}
+
+pub fn wrong_place(span: Span, found: &Value, wanted: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0515, format!("`at` wants {wanted}, this is {}", found.describe_fully()))
+        .label(span, found.describe())
+        .help("write `at (12, 7)` for a cell, `at (4 um, 2.5 um)` for a place, `at pose(8 um, 3 um, 30 deg)` for a turned shape")
+}
+
+pub fn noun_of_other_kind(span: Span, noun: &str, kind: &str, known: &[&str]) -> Diagnostic {
+    Diagnostic::new(Code::E0210, format!("a {kind} knows no `{noun}`"))
+        .label(span, "not a noun of this device")
+        .help(format!("its scenes may hold {}", listed(known.iter().copied())))
+}
+
+pub fn repeated_object(name: &str, span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0202, format!("`{name}` is declared again by each turn of the `for`"))
+        .label(span, "one name for several objects")
+        .help(format!("give it an index: `{name}[i]`"))
+}
+
+pub fn bad_requirement(span: Span, vocabulary: &Vocabulary) -> Diagnostic {
+    let known = listed(vocabulary.outcomes.iter().map(|outcome| outcome.name));
+    Diagnostic::new(Code::E0516, "`require` compares an outcome with a limit")
+        .label(span, "not such a comparison")
+        .help(format!("write `require time <= 400 ms`; a {} has {known}", vocabulary.name))
+}
+
+pub fn unknown_outcome(span: Span, name: &str, near: Option<&str>, vocabulary: &Vocabulary) -> Diagnostic {
+    let known = listed(vocabulary.outcomes.iter().map(|outcome| outcome.name));
+    Diagnostic::new(Code::E0516, format!("a plan of a {} has no `{name}`", vocabulary.name))
+        .label(span, "unknown outcome")
+        .help(meant(near).unwrap_or_else(|| format!("it has {known}")))
+}
+
+pub fn unknown_planner(span: Span, name: &str, near: Option<&str>, vocabulary: &Vocabulary) -> Diagnostic {
+    let known = listed(vocabulary.planners.iter().map(|planner| planner.name));
+    Diagnostic::new(Code::E0517, format!("a {} has no planner `{name}`", vocabulary.name))
+        .label(span, "unknown planner")
+        .help(meant(near).unwrap_or_else(|| format!("write one of {known}, as `using dijkstra`")))
+}
+
+pub fn planner_cannot(span: Span, name: &str, what: &str, asked: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0520, format!("planner `{name}` cannot {what}"))
+        .label(span, "chosen here")
+        .label(asked, "asked for here")
+        .help("leave `using` out: Tweeze's own planner does it")
+}
+
+pub fn together_in_task(span: Span, kind: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0518, format!("a {kind} has one end-effector and nothing to move together"))
+        .label(span, "not in this task")
+        .help("write the steps one below the other; several devices run together in a `program`")
+}
+
+pub fn run_in_task(span: Span, task: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0518, "a task cannot run another")
+        .label(span, "not in a task")
+        .help(format!("runs belong into a program: `program all {{ run {task} }}`"))
+}
+
+pub fn field_in_program(name: &Ident) -> Diagnostic {
+    Diagnostic::new(Code::E0518, "a program has no settings")
+        .label(name.span, "not in a program")
+        .help("settings belong into the tasks that are run")
+}
+
+pub fn unknown_program_step(head: &Ident, near: Option<&str>) -> Diagnostic {
+    let list = "a program has `run TASK`, `wait 5 ms` and `together { … }`".to_owned();
+    Diagnostic::new(Code::E0518, format!("a program cannot `{}`", head.text))
+        .label(head.span, "not a step of a program")
+        .help(meant(near).unwrap_or(list))
+}
+
+pub fn bad_together(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0509, "`together` takes a block")
+        .label(span, "incomplete, or too much")
+        .help("write `together { run A, run B }`")
+}
+
+pub fn bad_run(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0509, "`run` takes a task or a program")
+        .label(span, "incomplete, or too much")
+        .help("write `run fetch` or `run go((3, 9), 200 ms)`")
+}
+
+pub fn too_many_visits(span: Span, found: usize, limit: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0519, format!("{found} places to visit, at most {limit} are ordered at once"))
+        .label(span, "too many")
+        .help("write several `visit` steps")
+}
+
+pub fn obstacle_outside(span: Span, name: &str, device: &str) -> Diagnostic {
+    Diagnostic::new(Code::W0501, format!("obstacle `{name}` lies outside the workspace of `{device}`"))
+        .label(span, "never in the way")
+        .help("places count from word 0 along the robot's own axes; check the place and its unit")
+}

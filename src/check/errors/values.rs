@@ -1,0 +1,238 @@
+//! Units and values: E03xx.
+
+use super::{listed, meant};
+use crate::check::value::Value;
+use crate::device;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::Dimension;
+use crate::source::Span;
+use crate::syntax::tree::Ident;
+
+/// What a field, an argument or a parameter is called in a message, and where it is declared.
+#[derive(Debug, Clone)]
+pub struct Wanted {
+    /// "`stroke` of device `bot`".
+    pub name: String,
+    /// What it stands for, from its table; empty where there is none.
+    pub doc: String,
+    /// The declaration it belongs to.
+    pub declared: Option<(Span, String)>,
+}
+
+impl Wanted {
+    fn declared_on(&self, diagnostic: Diagnostic) -> Diagnostic {
+        match &self.declared {
+            Some((span, text)) if diagnostic.span() != Some(*span) => diagnostic.label(*span, text.clone()),
+            _ => diagnostic,
+        }
+    }
+}
+
+pub fn wrong_dimension(wanted: &Wanted, dimension: Dimension, span: Span, found: &Value) -> Diagnostic {
+    let title = format!("{} wants {}, this is {}", wanted.name, dimension.with_article(), found.describe_fully());
+    let diagnostic = Diagnostic::new(Code::E0301, title).label(span, found.describe());
+    wanted.declared_on(diagnostic).help(dimension_help(wanted, dimension, found))
+}
+
+fn dimension_help(wanted: &Wanted, dimension: Dimension, found: &Value) -> String {
+    let unit = dimension.example_unit();
+    let about = if wanted.doc.is_empty() { String::new() } else { format!(" ({})", wanted.doc) };
+    match found {
+        Value::Quantity(quantity) if quantity.dimension == Dimension::NUMBER && !unit.is_empty() => {
+            format!("give the number its unit, as `{} {unit}`{about}", crate::quantity::digits(quantity.si))
+        }
+        _ if unit.is_empty() => format!("write a plain number without a unit{about}"),
+        _ => format!("write {} with its unit, as `1 {unit}`{about}", dimension.with_article()),
+    }
+}
+
+pub fn wrong_value(wanted: &Wanted, what: &str, example: &str, span: Span, found: &Value) -> Diagnostic {
+    let title = format!("{} wants {what}, this is {}", wanted.name, found.describe_fully());
+    let diagnostic = Diagnostic::new(Code::E0304, title).label(span, found.describe());
+    wanted.declared_on(diagnostic).help(format!("write {what}, as `{example}`"))
+}
+
+pub fn wrong_word(wanted: &Wanted, choices: &[device::Choice], span: Span, near: Option<&str>) -> Diagnostic {
+    let list = format!("write one of {}", listed(choices.iter().map(|choice| choice.name)));
+    let diagnostic = Diagnostic::new(Code::E0311, format!("{} wants one of its words", wanted.name));
+    wanted.declared_on(diagnostic.label(span, "not one of them")).help(meant(near).unwrap_or(list))
+}
+
+pub fn out_of_range(wanted: &Wanted, span: Span, found: &str, limit: &str) -> Diagnostic {
+    let diagnostic = Diagnostic::new(Code::E0403, format!("{} is {found}, it must be {limit}", wanted.name));
+    wanted.declared_on(diagnostic.label(span, format!("must be {limit}")))
+}
+
+pub fn unlike_operands(symbol: &str, left: (Span, &Value), right: (Span, &Value)) -> Diagnostic {
+    let title = format!("`{symbol}` between {} and {}", left.1.describe(), right.1.describe());
+    Diagnostic::new(Code::E0302, title)
+        .label(left.0, left.1.describe_fully())
+        .label(right.0, right.1.describe_fully())
+        .help_if(operand_help(left.1, right.1))
+}
+
+fn operand_help(left: &Value, right: &Value) -> Option<String> {
+    let (Value::Quantity(a), Value::Quantity(b)) = (left, right) else { return None };
+    let unit = if a.dimension == Dimension::NUMBER { b.dimension } else { a.dimension }.example_unit();
+    let one_is_bare = (a.dimension == Dimension::NUMBER) != (b.dimension == Dimension::NUMBER);
+    one_is_bare.then(|| format!("give the bare number a unit, as `1 {unit}`"))
+}
+
+pub fn bad_operand(span: Span, symbol: &str, operand: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(Code::E0302, format!("`{symbol}` before {}", found.describe()))
+        .label(if span == operand { span } else { operand }, found.describe_fully())
+}
+
+pub fn bad_exponent(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(Code::E0302, format!("a power of {} with a unit must be a whole number", found.describe()))
+        .label(span, found.describe_fully())
+        .help("a quantity with a unit is raised to whole powers only; `sqrt(x)` takes the square root")
+}
+
+pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
+    let list = "units are m s V A N J W Hz g F C Pa K with prefixes f p n u m c d k M G T, and deg rad turn min h %";
+    Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
+        .label(span, "unknown unit")
+        .help(meant(near).unwrap_or_else(|| list.to_owned()))
+}
+
+pub fn exponent_too_large(span: Span) -> Diagnostic {
+    let limit = crate::quantity::MAX_EXPONENT;
+    Diagnostic::new(Code::E0303, format!("a unit with an exponent beyond {limit}")).label(span, "too large a power")
+}
+
+pub fn not_finite(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0305, "a number too large to count with").label(span, "does not fit a double")
+}
+
+pub fn division_by_zero(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0305, "a division by zero").label(span, "this is 0")
+}
+
+pub fn word_too_long(span: Span) -> Diagnostic {
+    let limit = crate::check::evaluate::MAX_WORD_DIGITS;
+    Diagnostic::new(Code::E0504, format!("a word of more than {limit} digits"))
+        .label(span, "too many digits")
+        .help(format!("a word has one digit for each module, at most {limit}"))
+}
+
+pub fn not_in_text(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0304,
+        format!("braces in a string hold a whole number or a string, this is {}", found.describe_fully()),
+    )
+    .label(span, found.describe())
+    .help("a brace itself is written `{{`")
+}
+
+pub fn no_fields_on_values(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0304, "a value has no parts with names")
+        .label(span, "nothing to take out")
+        .help("a name before a dot is a used file; elements of a list are taken as `list[0]`")
+}
+
+pub fn index_beyond(span: Span, index: usize, length: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0306, format!("index {index} of a list of {length}"))
+        .label(span, "beyond the end")
+        .help_if((length > 0).then(|| format!("the last element has index {}", length - 1)))
+}
+
+pub fn not_a_list(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(Code::E0306, format!("an index on {}", found.describe())).label(span, "not a list")
+}
+
+pub fn bad_index(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(Code::E0306, format!("an index is a whole number from 0, this is {}", found.describe_fully()))
+        .label(span, "not an index")
+}
+
+pub fn bad_range_end(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(Code::E0304, format!("a range runs between whole numbers, this is {}", found.describe_fully()))
+        .label(span, "not a whole number")
+        .help("count first and scale inside: `for i in 0..4 { … i * 1 um … }`")
+}
+
+pub fn too_many_elements(span: Span, count: usize) -> Diagnostic {
+    let limit = crate::check::evaluate::MAX_ELEMENTS;
+    Diagnostic::new(Code::E0308, format!("{count} elements, at most {limit} are kept")).label(span, "too many")
+}
+
+pub fn too_many_repetitions(span: Span, limit: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0308, format!("`for` repeats more than {limit} times in this program"))
+        .label(span, "the limit is passed here")
+        .help("a scene this large is better made of larger shapes, as `cells { from: …, to: … }`")
+}
+
+pub fn not_to_repeat(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(Code::E0304, format!("`for` runs over a range or a list, this is {}", found.describe_fully()))
+        .label(span, found.describe())
+        .help("write `for i in 0..4 { … }` or `for p in spots { … }`")
+}
+
+pub fn bad_coordinate(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(Code::E0304, format!("a point is made of numbers or lengths, this is {}", found.describe()))
+        .label(span, found.describe_fully())
+}
+
+pub fn mixed_point(first: (Span, &Value), odd: (Span, &Value)) -> Diagnostic {
+    Diagnostic::new(Code::E0310, "a point of unlike coordinates")
+        .label(odd.0, odd.1.describe_fully())
+        .label(first.0, first.1.describe_fully())
+        .help("`(5, 3)` is a cell, `(5 um, 3 um)` is a place; one point is not both")
+}
+
+pub fn bad_pose(span: Span, found: &Value, dimension: Dimension) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0301,
+        format!("a pose wants {} here, this is {}", dimension.with_article(), found.describe_fully()),
+    )
+    .label(span, found.describe())
+    .help("write `pose(8 um, 3 um, 30 deg)`: a place, then the heading from +x counter-clockwise")
+}
+
+pub fn wrong_arguments(span: Span, name: &str, count: usize) -> Diagnostic {
+    let takes = match name {
+        "atan2" => "atan2(y, x)",
+        "pose" => "pose(x, y) or pose(x, y, heading)",
+        "min" | "max" => "one list, or one argument and more",
+        _ => "one argument",
+    };
+    Diagnostic::new(Code::E0307, format!("`{name}` with {count} arguments")).label(span, format!("takes {takes}"))
+}
+
+pub fn bad_argument(span: Span, name: &str, found: &Value) -> Diagnostic {
+    let takes = match name {
+        "sin" | "cos" => "an angle, as `30 deg`",
+        "round" | "floor" => "a plain number: divide by a unit first, as `floor(x / 1 um)`",
+        "sqrt" => "a number or a quantity in squared units, not below 0",
+        "count" => "a list, a range or a table",
+        _ => "quantities",
+    };
+    Diagnostic::new(Code::E0307, format!("`{name}` of {}", found.describe_fully()))
+        .label(span, found.describe())
+        .help(format!("`{name}` takes {takes}"))
+}
+
+pub fn not_a_shape(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0304,
+        format!("only a shape can be changed by fields in braces, this is {}", found.describe()),
+    )
+    .label(span, found.describe_fully())
+}
+
+pub fn cell_of_other_dimension(span: Span, found: &Value, header: &Ident, wanted: Dimension) -> Diagnostic {
+    let title = format!("a column of {}s holds {}", wanted.name(), found.describe_fully());
+    Diagnostic::new(Code::E0301, title)
+        .label(span, found.describe())
+        .label(header.span, format!("the column's unit: {}", wanted.with_article()))
+}
+
+pub fn bad_setting(span: Option<Span>, name: &str, why: &str, help: &str) -> Diagnostic {
+    let diagnostic = Diagnostic::new(Code::E0309, format!("`--set {name}` {why}"));
+    let diagnostic = match span {
+        Some(span) => diagnostic.label(span, "declared here"),
+        None => diagnostic,
+    };
+    diagnostic.help(help)
+}

@@ -1,0 +1,378 @@
+//! Expressions to values: every operator and function checked for the dimensions of its operands.
+
+use super::scope::{DeclarationSort, Place, Scope, nearest, path_text};
+use super::value::{ModuleWord, PoseValue, TableValue, Value, whole};
+use super::{Checker, errors, functions};
+use crate::device::shape::Form;
+use crate::quantity::{Dimension, Quantity, Unit, UnitError};
+use crate::source::{Span, Spanned};
+use crate::syntax::tree::{Expr, ExprKind, Field, Ident, Item, Operator, Path, Table, Text, TextPart};
+use std::rc::Rc;
+
+/// How many `let`s may wait for one another's values.
+pub const MAX_LET_DEPTH: usize = 128;
+
+/// The most elements of a list and the widest range.
+pub const MAX_ELEMENTS: usize = 1_000_000;
+
+/// The most digits of a word: twice the modules that a side may have.
+pub const MAX_WORD_DIGITS: u32 = 2 * crate::device::dimibot::MAX_MODULES;
+
+/// What is known of a `let` so far.
+pub enum LetState {
+    /// Being evaluated: to ask for it now is a cycle.
+    Open,
+    Done(Value),
+}
+
+impl Checker<'_> {
+    /// The value of an expression; [`Value::Unknown`] after an error, which has then been pushed.
+    pub fn evaluate(&mut self, expr: &Expr, scope: &Scope) -> Value {
+        match &expr.kind {
+            ExprKind::Number(digits) => self.quantity(digits, None, expr.span),
+            ExprKind::Quantity { number, unit } => self.quantity(number, Some(unit), expr.span),
+            ExprKind::Word(digits) => self.word(digits, expr.span),
+            ExprKind::Text(text) => self.text(text, scope).map_or(Value::Unknown, Value::Text),
+            ExprKind::Bool(value) => Value::Bool(*value),
+            ExprKind::Path(path) => self.path(path, scope),
+            ExprKind::Tuple(parts) => self.tuple(parts, scope),
+            ExprKind::List(parts) => self.list(parts, expr.span, scope),
+            ExprKind::Range { from, to } => self.range(from, to, scope),
+            ExprKind::Negative(inner) => self.negative(inner, expr.span, scope),
+            ExprKind::Binary { left, operator, operator_span, right } => {
+                self.binary(left, (*operator, *operator_span), right, scope)
+            }
+            ExprKind::Call { function, arguments } => self.call(function, arguments, expr.span, scope),
+            ExprKind::With { base, fields } => self.with_fields(base, fields, scope),
+            ExprKind::Table(table) => self.table(table, scope),
+            ExprKind::Error => Value::Unknown,
+        }
+    }
+
+    /// The value of an expression with its place.
+    pub fn evaluate_spanned(&mut self, expr: &Expr, scope: &Scope) -> Spanned<Value> {
+        Spanned::new(self.evaluate(expr, scope), expr.span)
+    }
+
+    fn quantity(&mut self, digits: &str, unit: Option<&Ident>, span: Span) -> Value {
+        let parsed = match unit {
+            Some(unit) => self.unit(unit),
+            None => Some(Unit::ONE),
+        };
+        let Some(unit) = parsed else { return Value::Unknown };
+        match unit.of(digits) {
+            Some(quantity) => Value::Quantity(quantity),
+            None => self.unknown(errors::not_finite(span)),
+        }
+    }
+
+    fn unit(&mut self, unit: &Ident) -> Option<Unit> {
+        match Unit::parse(&unit.text) {
+            Ok(unit) => Some(unit),
+            Err(UnitError::Unknown { part, nearest }) => {
+                self.sink.push(errors::unknown_unit(unit.span, &part, nearest.as_deref()));
+                None
+            }
+            Err(UnitError::ExponentTooLarge) => {
+                self.sink.push(errors::exponent_too_large(unit.span));
+                None
+            }
+        }
+    }
+
+    fn word(&mut self, text: &str, span: Span) -> Value {
+        let digits = text.trim_start_matches("0b").chars().filter(|digit| *digit != '_');
+        let (mut bits, mut width) = (0u64, 0u32);
+        for digit in digits {
+            width += 1;
+            if width > MAX_WORD_DIGITS {
+                return self.unknown(errors::word_too_long(span));
+            }
+            bits = bits << 1 | u64::from(digit == '1');
+        }
+        Value::Word(ModuleWord { bits, width })
+    }
+
+    /// The characters of a string, its braces filled in.
+    pub fn text(&mut self, text: &Text, scope: &Scope) -> Option<String> {
+        let mut result = String::new();
+        for part in &text.parts {
+            match part {
+                TextPart::Plain(plain) => result.push_str(plain),
+                TextPart::Hole(expr) => result.push_str(&self.hole(expr, scope)?),
+            }
+        }
+        Some(result)
+    }
+
+    fn hole(&mut self, expr: &Expr, scope: &Scope) -> Option<String> {
+        match self.evaluate(expr, scope) {
+            Value::Text(text) => Some(text),
+            Value::Quantity(quantity) if whole(quantity).is_some() => whole(quantity).map(|number| number.to_string()),
+            Value::Unknown => None,
+            other => {
+                self.sink.push(errors::not_in_text(expr.span, &other));
+                None
+            }
+        }
+    }
+
+    fn path(&mut self, path: &Path, scope: &Scope) -> Value {
+        let first = &path.segments[0];
+        if let Some(local) = scope.local(&first.name.text) {
+            let value = local.value.clone();
+            return self.element_of(value, path, 0, scope);
+        }
+        let Some((place, segment)) = self.find(path, scope) else {
+            return self.unknown_value_name(path, scope);
+        };
+        let declaration = self.declaration(place);
+        if declaration.sort != DeclarationSort::Let {
+            return self.unknown(errors::wrong_sort(path, declaration, "a value"));
+        }
+        self.use_place(place);
+        let value = self.value_of_let(place, path.span);
+        self.element_of(value, path, segment, scope)
+    }
+
+    fn unknown_value_name(&mut self, path: &Path, scope: &Scope) -> Value {
+        let known = self.names_in_reach(scope, DeclarationSort::Let);
+        let text = path_text(path);
+        let near = nearest(&text, known.iter().map(String::as_str)).map(str::to_owned);
+        let diagnostic = match Form::find(&text) {
+            Some(form) => errors::shape_without_fields(path.span, form),
+            None => errors::unknown_name(path.span, &text, "value", near.as_deref()),
+        };
+        self.unknown(diagnostic)
+    }
+
+    /// The element that the indices of a path's segment take out of a list.
+    fn element_of(&mut self, value: Value, path: &Path, segment: usize, scope: &Scope) -> Value {
+        if let Some(extra) = path.segments.get(segment + 1) {
+            return self.unknown(errors::no_fields_on_values(extra.name.span));
+        }
+        let mut value = value;
+        for index in &path.segments[segment].indices {
+            let Some(number) = self.index(index, scope) else { return Value::Unknown };
+            value = match &value {
+                Value::Unknown => return Value::Unknown,
+                Value::List(list) => match list.get(number) {
+                    Some(element) => element.value.clone(),
+                    None => return self.unknown(errors::index_beyond(index.span, number, list.len())),
+                },
+                other => return self.unknown(errors::not_a_list(path.segments[segment].name.span, other)),
+            };
+        }
+        value
+    }
+
+    /// An index: whole and not negative.
+    pub fn index(&mut self, expr: &Expr, scope: &Scope) -> Option<usize> {
+        let value = self.evaluate(expr, scope);
+        let number = match &value {
+            Value::Unknown => return None,
+            Value::Quantity(quantity) => whole(*quantity).and_then(|number| usize::try_from(number).ok()),
+            _ => None,
+        };
+        if number.is_none() {
+            self.sink.push(errors::bad_index(expr.span, &value));
+        }
+        number
+    }
+
+    /// The value of a `let`, evaluated at most once; `asked` is where its name stands.
+    pub fn value_of_let(&mut self, place: Place, asked: Span) -> Value {
+        match self.lets.get(&place) {
+            Some(LetState::Done(value)) => return value.clone(),
+            Some(LetState::Open) => {
+                return self.unknown(errors::defined_by_itself(asked, self.declaration(place).span));
+            }
+            None => {}
+        }
+        if self.let_depth >= MAX_LET_DEPTH {
+            return self.unknown(errors::lets_too_deep(asked));
+        }
+        let module = &self.modules[place.module];
+        let Item::Let(item) = &module.tree.items[place.item] else { return Value::Unknown };
+        self.lets.insert(place, LetState::Open);
+        self.let_depth += 1;
+        let value = self.evaluate(&item.value, &Scope::top(place.module, module.tree.file));
+        self.let_depth -= 1;
+        self.lets.insert(place, LetState::Done(value.clone()));
+        value
+    }
+
+    fn tuple(&mut self, parts: &[Expr], scope: &Scope) -> Value {
+        let values: Vec<Value> = parts.iter().map(|part| self.evaluate(part, scope)).collect();
+        let mut coordinates = Vec::with_capacity(values.len());
+        for (part, value) in parts.iter().zip(&values) {
+            match value {
+                Value::Quantity(quantity) => coordinates.push(*quantity),
+                Value::Unknown => return Value::Unknown,
+                other => return self.unknown(errors::bad_coordinate(part.span, other)),
+            }
+        }
+        let Some(first) = coordinates.first() else { return Value::Unknown };
+        if let Some(odd) = coordinates.iter().position(|coordinate| coordinate.dimension != first.dimension) {
+            let (first, odd) = ((parts[0].span, &values[0]), (parts[odd].span, &values[odd]));
+            return self.unknown(errors::mixed_point(first, odd));
+        }
+        Value::Point(coordinates)
+    }
+
+    fn list(&mut self, parts: &[Expr], span: Span, scope: &Scope) -> Value {
+        if parts.len() > MAX_ELEMENTS {
+            return self.unknown(errors::too_many_elements(span, parts.len()));
+        }
+        let elements = parts.iter().map(|part| self.evaluate_spanned(part, scope)).collect();
+        Value::List(Rc::new(elements))
+    }
+
+    fn range(&mut self, from: &Expr, to: &Expr, scope: &Scope) -> Value {
+        let (low, high) = (self.whole_end(from, scope), self.whole_end(to, scope));
+        let (Some(low), Some(high)) = (low, high) else { return Value::Unknown };
+        if high.saturating_sub(low) > MAX_ELEMENTS as i64 {
+            return self.unknown(errors::too_many_elements(from.span.to(to.span), high.saturating_sub(low) as usize));
+        }
+        Value::Range { from: low, to: high }
+    }
+
+    fn whole_end(&mut self, expr: &Expr, scope: &Scope) -> Option<i64> {
+        let value = self.evaluate(expr, scope);
+        let number = match &value {
+            Value::Unknown => return None,
+            Value::Quantity(quantity) => whole(*quantity),
+            _ => None,
+        };
+        if number.is_none() {
+            self.sink.push(errors::bad_range_end(expr.span, &value));
+        }
+        number
+    }
+
+    fn negative(&mut self, inner: &Expr, span: Span, scope: &Scope) -> Value {
+        match self.evaluate(inner, scope) {
+            Value::Quantity(quantity) => Value::Quantity(Quantity { si: -quantity.si, ..quantity }),
+            Value::Point(coordinates) => {
+                Value::Point(coordinates.into_iter().map(|c| Quantity { si: -c.si, ..c }).collect())
+            }
+            Value::Unknown => Value::Unknown,
+            other => self.unknown(errors::bad_operand(span, "-", inner.span, &other)),
+        }
+    }
+
+    fn binary(&mut self, left: &Expr, operator: (Operator, Span), right: &Expr, scope: &Scope) -> Value {
+        let a = self.evaluate_spanned(left, scope);
+        let b = self.evaluate_spanned(right, scope);
+        match functions::apply_operator(operator, &a, &b) {
+            Ok(value) => value,
+            Err(diagnostic) => self.unknown(*diagnostic),
+        }
+    }
+
+    fn call(&mut self, function: &Path, arguments: &[Expr], span: Span, scope: &Scope) -> Value {
+        let name = path_text(function);
+        let values: Vec<Spanned<Value>> =
+            arguments.iter().map(|argument| self.evaluate_spanned(argument, scope)).collect();
+        if !super::scope::FUNCTIONS.contains(&name.as_str()) {
+            let near = nearest(&name, super::scope::FUNCTIONS.iter().copied());
+            return self.unknown(errors::unknown_name(function.span, &name, "function", near));
+        }
+        match functions::apply_function(&name, span, &values) {
+            Ok(value) => value,
+            Err(diagnostic) => self.unknown(*diagnostic),
+        }
+    }
+
+    fn with_fields(&mut self, base: &Path, fields: &[Field], scope: &Scope) -> Value {
+        let shape = match Form::find(&path_text(base)).filter(|_| base.segments.len() == 1) {
+            Some(form) => super::value::ShapeValue { form, fields: Default::default() },
+            None => match self.shape_base(base, scope) {
+                Some(shape) => shape,
+                None => {
+                    self.read_for_errors(fields, scope);
+                    return Value::Unknown;
+                }
+            },
+        };
+        self.shape_with(shape, base.span, fields, scope)
+    }
+
+    fn shape_base(&mut self, base: &Path, scope: &Scope) -> Option<super::value::ShapeValue> {
+        let known_value = scope.local(&base.segments[0].name.text).is_some() || self.find(base, scope).is_some();
+        if !known_value {
+            let text = path_text(base);
+            let near = nearest(&text, Form::ALL.iter().map(|form| form.name()));
+            self.sink.push(errors::unknown_name(base.span, &text, "shape", near));
+            return None;
+        }
+        match self.path(base, scope) {
+            Value::Shape(shape) => Some(shape),
+            Value::Unknown => None,
+            other => {
+                self.sink.push(errors::not_a_shape(base.span, &other));
+                None
+            }
+        }
+    }
+
+    /// Evaluates fields whose owner is unknown, so that their own mistakes are still told.
+    pub fn read_for_errors(&mut self, fields: &[Field], scope: &Scope) {
+        for field in fields {
+            if !matches!(field.value.kind, ExprKind::Path(_)) {
+                self.evaluate(&field.value, scope);
+            }
+        }
+    }
+
+    fn table(&mut self, table: &Table, scope: &Scope) -> Value {
+        let units: Vec<Option<Unit>> =
+            table.columns.iter().map(|column| column.unit.as_ref().and_then(|unit| self.unit(unit))).collect();
+        let mut seen: Vec<(String, Span)> = Vec::new();
+        for column in &table.columns {
+            if let Some((_, earlier)) = seen.iter().find(|(name, _)| *name == column.name.text) {
+                self.sink.push(errors::declared_twice(&column.name.text, column.name.span, *earlier));
+            }
+            seen.push((column.name.text.clone(), column.name.span));
+        }
+        let rows = table.rows.iter().map(|row| {
+            let cells = row.cells.iter().zip(&units).zip(&table.columns);
+            cells.map(|((cell, unit), column)| self.cell(cell, *unit, column.unit.as_ref(), scope)).collect()
+        });
+        let rows = rows.collect();
+        Value::Table(Rc::new(TableValue { columns: seen, rows }))
+    }
+
+    /// A table's cell: a bare number takes the unit of its column, a bare word is that word.
+    fn cell(&mut self, cell: &Expr, unit: Option<Unit>, header: Option<&Ident>, scope: &Scope) -> Spanned<Value> {
+        let bare_word = |path: &Path| path.segments.len() == 1 && path.segments[0].indices.is_empty();
+        let value = match (&cell.kind, unit) {
+            (ExprKind::Number(digits), Some(unit)) => match unit.of(digits) {
+                Some(quantity) => Value::Quantity(quantity),
+                None => self.unknown(errors::not_finite(cell.span)),
+            },
+            (ExprKind::Path(path), None) if bare_word(path) && header.is_none() && self.find(path, scope).is_none() => {
+                Value::Text(path_text(path))
+            }
+            _ => self.evaluate(cell, scope),
+        };
+        if let (Value::Quantity(quantity), Some(unit), Some(header)) = (&value, unit, header) {
+            if quantity.dimension != unit.dimension {
+                let diagnostic = errors::cell_of_other_dimension(cell.span, &value, header, unit.dimension);
+                return Spanned::new(self.unknown(diagnostic), cell.span);
+            }
+        }
+        Spanned::new(value, cell.span)
+    }
+
+    /// Pushes an error and answers with the unknown value.
+    pub fn unknown(&mut self, diagnostic: crate::diagnostic::Diagnostic) -> Value {
+        self.sink.push(diagnostic);
+        Value::Unknown
+    }
+}
+
+/// A pose from a place without a heading: it faces along x.
+pub fn unturned(x: Quantity, y: Quantity) -> PoseValue {
+    PoseValue { x, y, heading: Quantity::new(0.0, Dimension::ANGLE) }
+}

@@ -1,0 +1,240 @@
+//! Operators and functions on values, with the rules of their dimensions.
+
+use super::errors;
+use super::value::{PoseValue, Value, whole};
+use crate::diagnostic::Diagnostic;
+use crate::quantity::{Dimension, Quantity};
+use crate::source::{Span, Spanned};
+use crate::syntax::tree::Operator;
+
+/// A value, or what is wrong with making it.
+pub type Outcome = Result<Value, Box<Diagnostic>>;
+
+type Operand<'a> = (Span, &'a Value);
+
+/// Applies a binary operator.
+pub fn apply_operator((operator, span): (Operator, Span), a: &Spanned<Value>, b: &Spanned<Value>) -> Outcome {
+    if a.value.is_unknown() || b.value.is_unknown() {
+        return Ok(Value::Unknown);
+    }
+    let (left, right) = ((a.span, &a.value), (b.span, &b.value));
+    let value = match operator {
+        Operator::Add => sum("+", left, right, |x, y| x + y)?,
+        Operator::Subtract => sum("-", left, right, |x, y| x - y)?,
+        Operator::Multiply => product(span, left, right)?,
+        Operator::Divide => quotient(span, left, right)?,
+        Operator::Power => power(span, left, right)?,
+        Operator::Equal
+        | Operator::NotEqual
+        | Operator::Less
+        | Operator::LessEqual
+        | Operator::Greater
+        | Operator::GreaterEqual => return comparison(operator, left, right),
+    };
+    finite(value, span)
+}
+
+fn finite(value: Value, span: Span) -> Outcome {
+    let is_finite = match &value {
+        Value::Quantity(quantity) => quantity.si.is_finite(),
+        Value::Point(coordinates) => coordinates.iter().all(|coordinate| coordinate.si.is_finite()),
+        _ => true,
+    };
+    if is_finite { Ok(value) } else { Err(Box::new(errors::not_finite(span))) }
+}
+
+fn sum(symbol: &str, left: Operand, right: Operand, join: impl Fn(f64, f64) -> f64) -> Outcome {
+    let join = |a: Quantity, b: Quantity| Quantity { si: join(a.si, b.si), ..a };
+    match (left.1, right.1) {
+        (Value::Quantity(a), Value::Quantity(b)) if a.dimension == b.dimension => Ok(Value::Quantity(join(*a, *b))),
+        (Value::Point(a), Value::Point(b)) if a.len() == b.len() && a[0].dimension == b[0].dimension => {
+            Ok(Value::Point(a.iter().zip(b).map(|(a, b)| join(*a, *b)).collect()))
+        }
+        _ => Err(Box::new(errors::unlike_operands(symbol, left, right))),
+    }
+}
+
+fn product(span: Span, left: Operand, right: Operand) -> Outcome {
+    let times = |a: Quantity, b: Quantity| {
+        let dimension = a.dimension.times(b.dimension).ok_or_else(|| Box::new(errors::exponent_too_large(span)))?;
+        Ok(Quantity { si: a.si * b.si, dimension })
+    };
+    match (left.1, right.1) {
+        (Value::Quantity(a), Value::Quantity(b)) => times(*a, *b).map(Value::Quantity),
+        (Value::Point(point), Value::Quantity(factor)) | (Value::Quantity(factor), Value::Point(point)) => {
+            let scaled: Result<Vec<Quantity>, _> = point.iter().map(|coordinate| times(*coordinate, *factor)).collect();
+            scaled.map(Value::Point)
+        }
+        _ => Err(Box::new(errors::unlike_operands("*", left, right))),
+    }
+}
+
+fn quotient(span: Span, left: Operand, right: Operand) -> Outcome {
+    let Value::Quantity(divisor) = right.1 else {
+        return Err(Box::new(errors::unlike_operands("/", left, right)));
+    };
+    if divisor.si == 0.0 {
+        return Err(Box::new(errors::division_by_zero(right.0)));
+    }
+    let over = |a: Quantity| {
+        let dimension =
+            a.dimension.over(divisor.dimension).ok_or_else(|| Box::new(errors::exponent_too_large(span)))?;
+        Ok(Quantity { si: a.si / divisor.si, dimension })
+    };
+    match left.1 {
+        Value::Quantity(a) => over(*a).map(Value::Quantity),
+        Value::Point(point) => {
+            let scaled: Result<Vec<Quantity>, _> = point.iter().map(|coordinate| over(*coordinate)).collect();
+            scaled.map(Value::Point)
+        }
+        _ => Err(Box::new(errors::unlike_operands("/", left, right))),
+    }
+}
+
+fn power(span: Span, left: Operand, right: Operand) -> Outcome {
+    let (Value::Quantity(base), Value::Quantity(exponent)) = (left.1, right.1) else {
+        return Err(Box::new(errors::unlike_operands("^", left, right)));
+    };
+    if base.dimension == Dimension::NUMBER && exponent.dimension == Dimension::NUMBER {
+        return Ok(Value::number(base.si.powf(exponent.si)));
+    }
+    let Some(whole) = whole(*exponent).and_then(|number| i32::try_from(number).ok()) else {
+        return Err(Box::new(errors::bad_exponent(right.0, right.1)));
+    };
+    let dimension = base.dimension.power(whole).ok_or_else(|| Box::new(errors::exponent_too_large(span)))?;
+    Ok(Value::Quantity(Quantity { si: base.si.powi(whole), dimension }))
+}
+
+fn comparison(operator: Operator, left: Operand, right: Operand) -> Outcome {
+    let unlike = || Box::new(errors::unlike_operands(operator.symbol(), left, right));
+    let ordering = match (left.1, right.1) {
+        (Value::Quantity(a), Value::Quantity(b)) if a.dimension == b.dimension => a.si.partial_cmp(&b.si),
+        (a, b) if std::mem::discriminant(a) == std::mem::discriminant(b) && is_equality(operator) => {
+            return Ok(Value::Bool((a == b) == (operator == Operator::Equal)));
+        }
+        _ => return Err(unlike()),
+    };
+    let ordering = ordering.ok_or_else(unlike)?;
+    let holds = match operator {
+        Operator::Equal => ordering.is_eq(),
+        Operator::NotEqual => ordering.is_ne(),
+        Operator::Less => ordering.is_lt(),
+        Operator::LessEqual => ordering.is_le(),
+        Operator::Greater => ordering.is_gt(),
+        Operator::GreaterEqual => ordering.is_ge(),
+        Operator::Add | Operator::Subtract | Operator::Multiply | Operator::Divide | Operator::Power => {
+            return Err(unlike());
+        }
+    };
+    Ok(Value::Bool(holds))
+}
+
+fn is_equality(operator: Operator) -> bool {
+    matches!(operator, Operator::Equal | Operator::NotEqual)
+}
+
+/// Applies one of [`super::scope::FUNCTIONS`]; `span` is the whole call.
+pub fn apply_function(name: &str, span: Span, arguments: &[Spanned<Value>]) -> Outcome {
+    if arguments.iter().any(|argument| argument.value.is_unknown()) {
+        return Ok(Value::Unknown);
+    }
+    match (name, arguments) {
+        ("abs", [a]) => on_quantity(name, a, |q| Some(Quantity { si: q.si.abs(), ..q })),
+        ("round", [a]) => on_number(name, a, f64::round),
+        ("floor", [a]) => on_number(name, a, f64::floor),
+        ("sqrt", [a]) => square_root(a),
+        ("sin", [a]) => on_angle(name, a, f64::sin),
+        ("cos", [a]) => on_angle(name, a, f64::cos),
+        ("atan2", [y, x]) => arc_tangent(y, x),
+        ("count", [a]) => count(a),
+        ("min" | "max", _) if !arguments.is_empty() => extreme(name, span, arguments),
+        ("pose", [x, y]) => pose(x, y, None),
+        ("pose", [x, y, heading]) => pose(x, y, Some(heading)),
+        _ => Err(Box::new(errors::wrong_arguments(span, name, arguments.len()))),
+    }
+}
+
+fn on_quantity(name: &str, a: &Spanned<Value>, change: impl Fn(Quantity) -> Option<Quantity>) -> Outcome {
+    let refused = || Box::new(errors::bad_argument(a.span, name, &a.value));
+    match &a.value {
+        Value::Quantity(quantity) => change(*quantity).map(Value::Quantity).ok_or_else(refused),
+        _ => Err(refused()),
+    }
+}
+
+fn on_number(name: &str, a: &Spanned<Value>, change: impl Fn(f64) -> f64) -> Outcome {
+    on_quantity(name, a, |q| (q.dimension == Dimension::NUMBER).then(|| Quantity::number(change(q.si))))
+}
+
+fn on_angle(name: &str, a: &Spanned<Value>, change: impl Fn(f64) -> f64) -> Outcome {
+    on_quantity(name, a, |q| (q.dimension == Dimension::ANGLE).then(|| Quantity::number(change(q.si))))
+}
+
+fn square_root(a: &Spanned<Value>) -> Outcome {
+    on_quantity("sqrt", a, |q| {
+        let dimension = q.dimension.square_root()?;
+        (q.si >= 0.0).then(|| Quantity { si: q.si.sqrt(), dimension })
+    })
+}
+
+fn arc_tangent(y: &Spanned<Value>, x: &Spanned<Value>) -> Outcome {
+    match (&y.value, &x.value) {
+        (Value::Quantity(a), Value::Quantity(b)) if a.dimension == b.dimension => {
+            Ok(Value::Quantity(Quantity::new(a.si.atan2(b.si), Dimension::ANGLE)))
+        }
+        _ => Err(Box::new(errors::unlike_operands("atan2", (y.span, &y.value), (x.span, &x.value)))),
+    }
+}
+
+fn count(a: &Spanned<Value>) -> Outcome {
+    let number = match &a.value {
+        Value::List(list) => list.len() as i64,
+        Value::Range { from, to } => (to - from).max(0),
+        Value::Table(table) => table.rows.len() as i64,
+        other => return Err(Box::new(errors::bad_argument(a.span, "count", other))),
+    };
+    Ok(Value::number(number as f64))
+}
+
+/// The least or greatest of the arguments, or of the one list that is given.
+fn extreme(name: &str, span: Span, arguments: &[Spanned<Value>]) -> Outcome {
+    let list = match arguments {
+        [Spanned { value: Value::List(list), .. }] => list.as_slice(),
+        _ => arguments,
+    };
+    let Some(first) = list.first() else {
+        return Err(Box::new(errors::wrong_arguments(span, name, 0)));
+    };
+    let mut best: Option<Quantity> = None;
+    for element in list {
+        let Value::Quantity(quantity) = &element.value else {
+            return if element.value.is_unknown() {
+                Ok(Value::Unknown)
+            } else {
+                Err(Box::new(errors::bad_argument(element.span, name, &element.value)))
+            };
+        };
+        match best {
+            Some(b) if b.dimension != quantity.dimension => {
+                let unlike = errors::unlike_operands(name, (first.span, &first.value), (element.span, &element.value));
+                return Err(Box::new(unlike));
+            }
+            Some(b) if (name == "min") == (quantity.si >= b.si) => {}
+            _ => best = Some(*quantity),
+        }
+    }
+    Ok(best.map_or(Value::Unknown, Value::Quantity))
+}
+
+fn pose(x: &Spanned<Value>, y: &Spanned<Value>, heading: Option<&Spanned<Value>>) -> Outcome {
+    let coordinate = |a: &Spanned<Value>, dimension| match &a.value {
+        Value::Quantity(quantity) if quantity.dimension == dimension => Ok(*quantity),
+        other => Err(Box::new(errors::bad_pose(a.span, other, dimension))),
+    };
+    let zero = Ok(Quantity::new(0.0, Dimension::ANGLE));
+    Ok(Value::Pose(PoseValue {
+        x: coordinate(x, Dimension::LENGTH)?,
+        y: coordinate(y, Dimension::LENGTH)?,
+        heading: heading.map_or(zero, |heading| coordinate(heading, Dimension::ANGLE))?,
+    }))
+}

@@ -1,0 +1,139 @@
+//! The files of a program: its own, those it uses, those they use.
+
+use super::errors;
+use super::scope::{Import, Module, Origin};
+use crate::diagnostic::Sink;
+use crate::source::{FileId, Sources, Span};
+use crate::stdlib;
+use crate::syntax::{self, tree};
+use std::collections::BTreeMap;
+
+/// The most files of one program.
+pub const MAX_FILES: usize = 256;
+
+/// Where used files come from: the disk, a log, a test's memory.
+pub trait Library {
+    /// The text of the file that `path` names, seen from the file named `from`, with the name under which it is to be known;
+    /// two paths to one file must give one name.
+    ///
+    /// # Errors
+    /// Why it cannot be read, in words that end a sentence.
+    fn read(&self, from: &str, path: &str) -> Result<(String, String), String>;
+}
+
+/// Reads a program's own file and every file that it uses, each once. The first module is the program's own.
+pub fn load(sources: &mut Sources, name: &str, text: &str, library: &dyn Library, sink: &mut Sink) -> Vec<Module> {
+    let mut loader = Loader { sources, library, sink, modules: Vec::new(), known: BTreeMap::new(), open: Vec::new() };
+    loader.file(name, text, Origin::User);
+    loader.modules.into_iter().flatten().collect()
+}
+
+struct Loader<'a> {
+    sources: &'a mut Sources,
+    library: &'a dyn Library,
+    sink: &'a mut Sink,
+    /// A module is `None` while the files that it uses are being read.
+    modules: Vec<Option<Module>>,
+    known: BTreeMap<String, usize>,
+    /// The names of the files that are being read, the outermost first.
+    open: Vec<String>,
+}
+
+impl Loader<'_> {
+    fn file(&mut self, name: &str, text: &str, origin: Origin) -> usize {
+        let index = self.modules.len();
+        self.modules.push(None);
+        self.known.insert(name.to_owned(), index);
+        self.open.push(name.to_owned());
+        let file = self.sources.add(name, text);
+        let tree = syntax::parse(file, text, self.sink);
+        let imports = self.imports(&tree);
+        self.open.pop();
+        self.modules[index] = Some(Module::new(tree, imports, origin, self.sink));
+        index
+    }
+
+    fn imports(&mut self, tree: &tree::Tree) -> BTreeMap<String, Import> {
+        let mut imports: BTreeMap<String, Import> = BTreeMap::new();
+        for item in &tree.items {
+            let tree::Item::Use(item) = item else { continue };
+            let Some((module, alias, span)) = self.import(item, tree.file) else { continue };
+            match imports.get(&alias) {
+                Some(earlier) => self.sink.push(errors::declared_twice(&alias, span, earlier.span)),
+                None => {
+                    imports.insert(alias, Import { module, span });
+                }
+            }
+        }
+        imports
+    }
+
+    /// The module of a `use`, the name it has here, and where that name stands.
+    fn import(&mut self, item: &tree::Use, from: FileId) -> Option<(usize, String, Span)> {
+        let (module, own_name, span) = match &item.path {
+            tree::UsePath::Library { words, span } => {
+                let last = words.last()?;
+                (self.library_file(words, *span)?, last.text.clone(), last.span)
+            }
+            tree::UsePath::File(text) => {
+                let path = plain(text)?;
+                let stem = path.rsplit('/').next().unwrap_or(&path).trim_end_matches(".twz").to_owned();
+                (self.disk_file(&path, text.span, from)?, stem, text.span)
+            }
+        };
+        match &item.alias {
+            Some(alias) => Some((module, alias.text.clone(), alias.span)),
+            None => Some((module, own_name, span)),
+        }
+    }
+
+    fn library_file(&mut self, words: &[tree::Ident], span: Span) -> Option<usize> {
+        let name = words[1..].iter().map(|word| word.text.as_str()).collect::<Vec<_>>().join(".");
+        let Some(text) = stdlib::file(&name).filter(|_| words[0].text == "std") else {
+            let known: Vec<&str> = stdlib::names().collect();
+            let near = super::scope::nearest(&name, known.iter().copied());
+            self.sink.push(errors::unknown_library(span, &name, near, &known));
+            return None;
+        };
+        self.module(&format!("std.{name}"), text, Origin::Library, span)
+    }
+
+    fn disk_file(&mut self, path: &str, span: Span, from: FileId) -> Option<usize> {
+        let from = self.sources.file(from).name.clone();
+        match self.library.read(&from, path) {
+            Ok((name, text)) => self.module(&name, &text, Origin::User, span),
+            Err(why) => {
+                self.sink.push(errors::missing_file(span, &format!("`{path}`"), &why, &self.open));
+                None
+            }
+        }
+    }
+
+    fn module(&mut self, name: &str, text: &str, origin: Origin, span: Span) -> Option<usize> {
+        if let Some(start) = self.open.iter().position(|open| open == name) {
+            let mut chain = self.open[start..].to_vec();
+            chain.push(name.to_owned());
+            self.sink.push(errors::import_cycle(span, &chain));
+            return None;
+        }
+        if let Some(&index) = self.known.get(name) {
+            return Some(index);
+        }
+        if self.modules.len() >= MAX_FILES {
+            self.sink.push(errors::too_many_files(span, MAX_FILES));
+            return None;
+        }
+        Some(self.file(name, text, origin))
+    }
+}
+
+/// The characters of a string without holes; a hole in a path was reported by nobody yet, and is just kept out.
+fn plain(text: &tree::Text) -> Option<String> {
+    text.parts
+        .iter()
+        .map(|part| match part {
+            tree::TextPart::Plain(plain) => Some(plain.as_str()),
+            tree::TextPart::Hole(_) => None,
+        })
+        .collect()
+}

@@ -1,0 +1,387 @@
+//! Programs: runs of tasks on one clock, and what may not happen at once.
+
+use super::claims::{Claims, Job, Timeline};
+use super::errors::{self, Wanted};
+use super::scope::{DeclarationSort, Place, Scope, nearest};
+use super::tasks::Run;
+use super::value::Value;
+use super::{Checker, dimibot};
+use crate::quantity::Dimension;
+use crate::source::{Span, Spanned};
+use crate::syntax::tree::{self, Entry, Expr, ExprKind, Item};
+use std::collections::BTreeMap;
+
+/// How many runs of tasks one schedule may hold.
+pub const MAX_RUNS: usize = 10_000;
+
+/// How deep programs may run one another.
+pub const MAX_PROGRAM_DEPTH: usize = 64;
+
+/// The wires of each device, by channel.
+pub type Wires = BTreeMap<Place, BTreeMap<String, String>>;
+
+/// A schedule in the making.
+#[derive(Default)]
+struct Draft {
+    jobs: Vec<Job>,
+    /// The device of each job.
+    devices: Vec<Place>,
+    /// The programs that are being read, the outermost first.
+    open: Vec<Place>,
+    is_broken: bool,
+}
+
+impl<'a> Checker<'a> {
+    /// The claims of every schedule to be built.
+    pub fn schedules(&mut self, only: Option<&str>, wires: &Wires) -> Vec<Claims> {
+        let roots = self.roots(only);
+        roots.into_iter().filter_map(|root| self.schedule(root, wires)).collect()
+    }
+
+    fn roots(&mut self, only: Option<&str>) -> Vec<Place> {
+        match only {
+            Some(name) => self.root_named(name).into_iter().collect(),
+            None => {
+                let programs = self.roots_of(DeclarationSort::Program);
+                let roots = if programs.is_empty() { self.roots_of(DeclarationSort::Task) } else { programs };
+                if roots.is_empty() && !self.declares(DeclarationSort::Task) {
+                    let file = self.modules[0].tree.file;
+                    self.sink.push(errors::nothing_to_build(Span::new(file, 0, 0)));
+                }
+                roots
+            }
+        }
+    }
+
+    fn declares(&self, sort: DeclarationSort) -> bool {
+        self.modules[0].names.values().any(|declaration| declaration.sort == sort)
+    }
+
+    /// The programs or tasks of the program's own file that need no arguments.
+    fn roots_of(&self, sort: DeclarationSort) -> Vec<Place> {
+        let own = self.own_places(sort).into_iter().map(|(place, _)| place);
+        own.filter(|place| place.module == 0 && self.parameters(*place).is_empty()).collect()
+    }
+
+    fn root_named(&mut self, name: &str) -> Option<Place> {
+        let runnable = |sort| matches!(sort, DeclarationSort::Task | DeclarationSort::Program);
+        let declared = self.modules[0].names.get(name).filter(|declaration| runnable(declaration.sort)).copied();
+        let Some(declaration) = declared else {
+            let names = self.modules[0].names.iter().filter(|(_, d)| runnable(d.sort)).map(|(name, _)| name.as_str());
+            let names: Vec<&str> = names.collect();
+            self.sink.push(errors::no_such_task(name, nearest(name, names.iter().copied()), &names));
+            return None;
+        };
+        let place = Place { module: 0, item: declaration.item };
+        if !self.parameters(place).is_empty() {
+            self.sink.push(errors::task_needs_arguments(declaration.span, name));
+            return None;
+        }
+        Some(place)
+    }
+
+    fn parameters(&self, place: Place) -> &'a [tree::Parameter] {
+        match self.item(place) {
+            Item::Task(item) => &item.parameters,
+            Item::Program(item) => &item.parameters,
+            Item::Use(_) | Item::Let(_) | Item::Device(_) | Item::Scene(_) | Item::Wiring(_) | Item::Error(_) => &[],
+        }
+    }
+
+    fn schedule(&mut self, root: Place, wires: &Wires) -> Option<Claims> {
+        let declaration = self.declaration(root);
+        let (name, _) = self.modules[root.module].names.iter().find(|(_, d)| d.item == root.item)?;
+        let mut draft = Draft::default();
+        let timeline = self.run(root, Vec::new(), declaration.span, &mut draft);
+        if draft.is_broken {
+            return None;
+        }
+        self.one_thing_at_a_time(&timeline, &draft);
+        self.names_apart(&draft);
+        dimibot::starts_agree(&draft.jobs, self.sink);
+        let used = draft.devices.iter().filter_map(|device| wires.get(device)).flatten();
+        let wires = used.map(|(channel, output)| (channel.clone(), output.clone())).collect();
+        Some(Claims { name: name.clone(), timeline, jobs: draft.jobs, wires, span: declaration.span })
+    }
+
+    /// Runs a task or a program with its arguments; `span` is where it is run.
+    fn run(&mut self, place: Place, arguments: Vec<Value>, span: Span, draft: &mut Draft) -> Timeline {
+        match self.item(place) {
+            Item::Task(item) => self.run_task(place, item, arguments, span, draft),
+            Item::Program(item) => self.run_program(place, item, &arguments, span, draft),
+            Item::Use(_) | Item::Let(_) | Item::Device(_) | Item::Scene(_) | Item::Wiring(_) | Item::Error(_) => {
+                Timeline::Sequence(Vec::new())
+            }
+        }
+    }
+
+    fn run_task(
+        &mut self,
+        place: Place,
+        item: &tree::Task,
+        arguments: Vec<Value>,
+        span: Span,
+        draft: &mut Draft,
+    ) -> Timeline {
+        self.run_tasks.insert(place);
+        if draft.jobs.len() >= MAX_RUNS {
+            self.sink.push(errors::too_many_runs(span, MAX_RUNS));
+            draft.is_broken = true;
+            return Timeline::Sequence(Vec::new());
+        }
+        let device = self.find(&item.device, &self.top(place)).map(|(device, _)| device);
+        match (self.job(&Run { task: place, arguments, span }), device) {
+            (Some(job), Some(device)) => {
+                draft.jobs.push(job);
+                draft.devices.push(device);
+                Timeline::Run(draft.jobs.len() - 1)
+            }
+            _ => {
+                draft.is_broken = true;
+                Timeline::Sequence(Vec::new())
+            }
+        }
+    }
+
+    fn run_program(
+        &mut self,
+        place: Place,
+        item: &'a tree::Program,
+        arguments: &[Value],
+        span: Span,
+        draft: &mut Draft,
+    ) -> Timeline {
+        if draft.open.contains(&place) {
+            self.sink.push(errors::defined_by_itself(span, item.name.span));
+            draft.is_broken = true;
+            return Timeline::Sequence(Vec::new());
+        }
+        if draft.open.len() >= MAX_PROGRAM_DEPTH {
+            self.sink.push(errors::too_deep(span, "programs", MAX_PROGRAM_DEPTH));
+            draft.is_broken = true;
+            return Timeline::Sequence(Vec::new());
+        }
+        draft.open.push(place);
+        let mut scope = self.top(place);
+        self.bind(&item.parameters, arguments, &mut scope);
+        let timeline = Timeline::Sequence(self.program_entries(&item.entries, &mut scope, draft));
+        draft.open.pop();
+        timeline
+    }
+
+    fn program_entries(&mut self, entries: &'a [Entry], scope: &mut Scope, draft: &mut Draft) -> Vec<Timeline> {
+        let mut parts = Vec::new();
+        for entry in entries {
+            match entry {
+                Entry::Step(step) => parts.extend(self.program_step(step, scope, draft)),
+                Entry::For(each) => {
+                    self.repeat(each, scope, &mut |checker, scope| {
+                        parts.extend(checker.program_entries(&each.entries, scope, draft));
+                    });
+                }
+                Entry::Field(field) => {
+                    self.sink.push(errors::field_in_program(&field.name));
+                    draft.is_broken = true;
+                }
+                Entry::Error(_) => draft.is_broken = true,
+            }
+        }
+        parts
+    }
+
+    fn program_step(&mut self, step: &'a tree::Step, scope: &mut Scope, draft: &mut Draft) -> Option<Timeline> {
+        let timeline = match step.head.text.as_str() {
+            "run" => self.run_step(step, scope, draft),
+            "wait" => self.wait(step, scope).map(Timeline::Wait),
+            "together" => self.together(step, scope, draft),
+            other => {
+                let near = nearest(other, ["run", "wait", "together"]);
+                self.sink.push(errors::unknown_program_step(&step.head, near));
+                None
+            }
+        };
+        draft.is_broken |= timeline.is_none();
+        timeline
+    }
+
+    fn together(&mut self, step: &'a tree::Step, scope: &mut Scope, draft: &mut Draft) -> Option<Timeline> {
+        let (Some(block), None) = (&step.block, &step.object) else {
+            self.sink.push(errors::bad_together(step.span));
+            return None;
+        };
+        Some(Timeline::Together(self.program_entries(block, scope, draft)))
+    }
+
+    fn run_step(&mut self, step: &'a tree::Step, scope: &Scope, draft: &mut Draft) -> Option<Timeline> {
+        let alone = step.phrases.is_empty() && step.block.is_none() && step.noun.is_none();
+        let (path, arguments) = match step.object.as_ref().filter(|_| alone).map(|object| &object.kind) {
+            Some(ExprKind::Path(path)) => (path, [].as_slice()),
+            Some(ExprKind::Call { function, arguments }) => (function, arguments.as_slice()),
+            Some(ExprKind::Error) => return None,
+            _ => {
+                self.sink.push(errors::bad_run(step.span));
+                return None;
+            }
+        };
+        let is_program =
+            self.find(path, scope).is_some_and(|(place, _)| self.declaration(place).sort == DeclarationSort::Program);
+        let sort = if is_program { DeclarationSort::Program } else { DeclarationSort::Task };
+        let place = self.resolve(path, scope, sort)?;
+        let values = self.arguments(place, path.span, arguments, scope)?;
+        Some(self.run(place, values, step.span, draft))
+    }
+
+    fn arguments(&mut self, place: Place, span: Span, arguments: &[Expr], scope: &Scope) -> Option<Vec<Value>> {
+        let parameters = self.parameters(place);
+        if parameters.len() != arguments.len() {
+            let declared = self.declaration(place).span;
+            self.sink.push(errors::wrong_argument_count(span, parameters.len(), arguments.len(), declared));
+            return None;
+        }
+        let mut values = Vec::with_capacity(arguments.len());
+        for (parameter, argument) in parameters.iter().zip(arguments) {
+            let value = self.evaluate_spanned(argument, scope);
+            values.push(self.argument(parameter, value));
+        }
+        Some(values)
+    }
+
+    fn argument(&mut self, parameter: &tree::Parameter, value: Spanned<Value>) -> Value {
+        let Some(sort) = ParameterSort::find(&parameter.sort.text) else { return Value::Unknown };
+        if value.value.is_unknown() || sort.holds(&value.value) {
+            return value.value;
+        }
+        let wanted = Wanted {
+            name: format!("parameter `{}`", parameter.name.text),
+            doc: String::new(),
+            declared: Some((parameter.span, format!("declared as {}", sort.describe()))),
+        };
+        self.unknown(match sort {
+            ParameterSort::Quantity(dimension) => errors::wrong_dimension(&wanted, dimension, value.span, &value.value),
+            ParameterSort::Cell | ParameterSort::Place | ParameterSort::Pose | ParameterSort::Word => {
+                errors::wrong_value(&wanted, &sort.describe(), sort.example(), value.span, &value.value)
+            }
+        })
+    }
+
+    /// Puts parameters into scope; their names and sorts are checked.
+    pub fn bind(&mut self, parameters: &[tree::Parameter], arguments: &[Value], scope: &mut Scope) {
+        for (index, parameter) in parameters.iter().enumerate() {
+            if let Some(earlier) = self.taken(&parameter.name.text, scope) {
+                self.sink.push(errors::declared_twice(&parameter.name.text, parameter.name.span, earlier));
+                continue;
+            }
+            if let Some(keeper) = super::scope::keeper(&parameter.name.text) {
+                self.sink.push(errors::kept_name(&parameter.name, keeper));
+                continue;
+            }
+            if ParameterSort::find(&parameter.sort.text).is_none() {
+                let near = nearest(&parameter.sort.text, ParameterSort::NAMES.iter().copied());
+                self.sink.push(errors::unknown_parameter_sort(&parameter.sort, near, ParameterSort::NAMES));
+            }
+            scope.push(&parameter.name, arguments.get(index).cloned().unwrap_or(Value::Unknown));
+        }
+    }
+
+    /// A device in two runs at a time is an error at both places.
+    fn one_thing_at_a_time(&mut self, timeline: &Timeline, draft: &Draft) -> BTreeMap<Place, Span> {
+        match timeline {
+            Timeline::Run(job) => BTreeMap::from([(draft.devices[*job], draft.jobs[*job].run_span)]),
+            Timeline::Wait(_) => BTreeMap::new(),
+            Timeline::Sequence(parts) => parts.iter().flat_map(|part| self.one_thing_at_a_time(part, draft)).collect(),
+            Timeline::Together(parts) => {
+                let mut busy: BTreeMap<Place, Span> = BTreeMap::new();
+                for part in parts {
+                    for (device, span) in self.one_thing_at_a_time(part, draft) {
+                        if let Some(earlier) = busy.insert(device, span) {
+                            let name = self.device_name(device);
+                            self.sink.push(errors::two_things_at_once(&name, earlier, span));
+                        }
+                    }
+                }
+                busy
+            }
+        }
+    }
+
+    fn device_name(&self, device: Place) -> String {
+        match self.item(device) {
+            Item::Device(item) => item.name.text.clone(),
+            _ => String::new(),
+        }
+    }
+
+    /// Channels carry the device's name alone, so two devices of one name cannot share a schedule.
+    fn names_apart(&mut self, draft: &Draft) {
+        let mut seen: BTreeMap<&str, (Place, Span)> = BTreeMap::new();
+        for (job, device) in draft.jobs.iter().zip(&draft.devices) {
+            let entry = seen.entry(&job.device).or_insert((*device, job.run_span));
+            if entry.0 != *device {
+                self.sink.push(errors::devices_of_one_name(&job.device, entry.1, job.run_span));
+            }
+        }
+    }
+}
+
+/// What a parameter takes.
+#[derive(Clone, Copy)]
+enum ParameterSort {
+    Quantity(Dimension),
+    Cell,
+    Place,
+    Pose,
+    Word,
+}
+
+impl ParameterSort {
+    const NAMES: &'static [&'static str] =
+        &["length", "time", "angle", "voltage", "force", "speed", "number", "cell", "place", "pose", "word"];
+
+    fn find(name: &str) -> Option<ParameterSort> {
+        Some(match name {
+            "length" => ParameterSort::Quantity(Dimension::LENGTH),
+            "time" => ParameterSort::Quantity(Dimension::TIME),
+            "angle" => ParameterSort::Quantity(Dimension::ANGLE),
+            "voltage" => ParameterSort::Quantity(Dimension::VOLTAGE),
+            "force" => ParameterSort::Quantity(Dimension::FORCE),
+            "speed" => ParameterSort::Quantity(Dimension::SPEED),
+            "number" => ParameterSort::Quantity(Dimension::NUMBER),
+            "cell" => ParameterSort::Cell,
+            "place" => ParameterSort::Place,
+            "pose" => ParameterSort::Pose,
+            "word" => ParameterSort::Word,
+            _ => return None,
+        })
+    }
+
+    fn describe(self) -> String {
+        match self {
+            ParameterSort::Quantity(dimension) => dimension.with_article(),
+            ParameterSort::Cell => "a cell".to_owned(),
+            ParameterSort::Place => "a place".to_owned(),
+            ParameterSort::Pose => "a pose".to_owned(),
+            ParameterSort::Word => "a word".to_owned(),
+        }
+    }
+
+    fn example(self) -> &'static str {
+        match self {
+            ParameterSort::Quantity(_) => "1",
+            ParameterSort::Cell => "(19, 28)",
+            ParameterSort::Place => "(3.2 um, 5.9 um)",
+            ParameterSort::Pose => "pose(8 um, 3 um, 30 deg)",
+            ParameterSort::Word => "0b10001_00010",
+        }
+    }
+
+    fn holds(self, value: &Value) -> bool {
+        let point_of = |dimension| matches!(value, Value::Point(p) if p.len() == 2 && p[0].dimension == dimension);
+        match self {
+            ParameterSort::Quantity(dimension) => matches!(value, Value::Quantity(q) if q.dimension == dimension),
+            ParameterSort::Cell => point_of(Dimension::NUMBER),
+            ParameterSort::Place => point_of(Dimension::LENGTH),
+            ParameterSort::Pose => matches!(value, Value::Pose(_)),
+            ParameterSort::Word => matches!(value, Value::Word(_)),
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! What a name means where it stands: the files of a program, their declarations, and the names of a block.
+
+use super::errors;
+use super::value::Value;
+use crate::device::{Kind, shape::Form};
+use crate::diagnostic::Sink;
+use crate::source::{FileId, Span};
+use crate::syntax::tree::{self, Ident, Item, Tree};
+use std::collections::BTreeMap;
+
+/// The functions of the language.
+pub const FUNCTIONS: &[&str] = &["abs", "min", "max", "round", "floor", "sqrt", "sin", "cos", "atan2", "count", "pose"];
+
+/// A file with what it declares and which files it uses.
+#[derive(Debug)]
+pub struct Module {
+    pub tree: Tree,
+    /// The files behind `dimibot.` and `lab.`: their index, and where the `use` stands.
+    pub imports: BTreeMap<String, Import>,
+    pub names: BTreeMap<String, Declaration>,
+    origin: Origin,
+}
+
+/// Who wrote a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    User,
+    /// The standard library: taken as it is, never warned of.
+    Library,
+}
+
+/// A used file.
+#[derive(Debug, Clone, Copy)]
+pub struct Import {
+    pub module: usize,
+    pub span: Span,
+}
+
+/// A name at the top of a file.
+#[derive(Debug, Clone, Copy)]
+pub struct Declaration {
+    pub sort: DeclarationSort,
+    /// Index of the file's items.
+    pub item: usize,
+    /// The name where it is declared.
+    pub span: Span,
+}
+
+/// What a name at the top of a file names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum DeclarationSort {
+    Let,
+    Device,
+    Scene,
+    Task,
+    Program,
+}
+
+impl DeclarationSort {
+    /// With its article.
+    pub fn describe(self) -> &'static str {
+        match self {
+            DeclarationSort::Let => "a value",
+            DeclarationSort::Device => "a device",
+            DeclarationSort::Scene => "a scene",
+            DeclarationSort::Task => "a task",
+            DeclarationSort::Program => "a program",
+        }
+    }
+}
+
+/// A declaration and the file it stands in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Place {
+    pub module: usize,
+    pub item: usize,
+}
+
+impl Module {
+    /// Collects what a file declares; names declared twice and names that the language keeps are reported.
+    pub fn new(tree: Tree, imports: BTreeMap<String, Import>, origin: Origin, sink: &mut Sink) -> Module {
+        let mut names: BTreeMap<String, Declaration> = BTreeMap::new();
+        for (item, (name, sort)) in
+            tree.items.iter().enumerate().filter_map(|(index, item)| Some((index, declared(item)?)))
+        {
+            if let Some(keeper) = keeper(&name.text) {
+                sink.push(errors::kept_name(name, keeper));
+                continue;
+            }
+            let earlier = names.get(&name.text).map(|d| d.span).or(imports.get(&name.text).map(|i| i.span));
+            match earlier {
+                Some(earlier) => sink.push(errors::declared_twice(&name.text, name.span, earlier)),
+                None => {
+                    names.insert(name.text.clone(), Declaration { sort, item, span: name.span });
+                }
+            }
+        }
+        Module { tree, imports, names, origin }
+    }
+
+    /// Whether it belongs to the standard library.
+    pub fn is_library(&self) -> bool {
+        self.origin == Origin::Library
+    }
+}
+
+fn declared(item: &Item) -> Option<(&Ident, DeclarationSort)> {
+    match item {
+        Item::Let(item) => Some((&item.name, DeclarationSort::Let)),
+        Item::Device(item) => Some((&item.name, DeclarationSort::Device)),
+        Item::Scene(item) => Some((&item.name, DeclarationSort::Scene)),
+        Item::Task(item) => Some((&item.name, DeclarationSort::Task)),
+        Item::Program(item) => Some((&item.name, DeclarationSort::Program)),
+        Item::Use(_) | Item::Wiring(_) | Item::Error(_) => None,
+    }
+}
+
+/// What the language keeps a name for, if it does.
+pub fn keeper(name: &str) -> Option<&'static str> {
+    if Kind::find(name).is_some() {
+        return Some("a device kind");
+    }
+    if Form::find(name).is_some() {
+        return Some("a shape");
+    }
+    if FUNCTIONS.contains(&name) {
+        return Some("a function");
+    }
+    let outcome = Kind::ALL.iter().flat_map(|kind| kind.vocabulary().outcomes).any(|outcome| outcome.name == name);
+    outcome.then_some("an outcome that `require` compares")
+}
+
+/// Where an expression stands: its file and the names of its block.
+#[derive(Debug, Clone)]
+pub struct Scope {
+    pub module: usize,
+    pub file: FileId,
+    locals: Vec<Local>,
+}
+
+/// A loop variable or a parameter.
+#[derive(Debug, Clone)]
+pub struct Local {
+    pub name: String,
+    pub value: Value,
+    pub span: Span,
+}
+
+impl Scope {
+    /// The top of a file.
+    pub fn top(module: usize, file: FileId) -> Scope {
+        Scope { module, file, locals: Vec::new() }
+    }
+
+    /// The local of a name.
+    pub fn local(&self, name: &str) -> Option<&Local> {
+        self.locals.iter().find(|local| local.name == name)
+    }
+
+    /// The names of the block.
+    pub fn local_names(&self) -> impl Iterator<Item = &str> {
+        self.locals.iter().map(|local| local.name.as_str())
+    }
+
+    /// Runs `inside` with one more local, and takes it away again.
+    pub fn with<T>(&mut self, name: &Ident, value: Value, inside: impl FnOnce(&mut Scope) -> T) -> T {
+        self.push(name, value);
+        let result = inside(self);
+        self.locals.pop();
+        result
+    }
+
+    /// Adds a local for good.
+    pub fn push(&mut self, name: &Ident, value: Value) {
+        self.locals.push(Local { name: name.text.clone(), value, span: name.span });
+    }
+}
+
+/// The known name nearest to a misspelt one, if it is near enough to be meant.
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let allowed = (name.chars().count() / 3).max(1);
+    let distance = |candidate: &str| strsim::osa_distance(&name.to_lowercase(), &candidate.to_lowercase());
+    let near = known.into_iter().map(|candidate| (distance(candidate), candidate));
+    near.filter(|(distance, candidate)| *distance <= allowed && *distance < candidate.chars().count())
+        .min()
+        .map(|(_, candidate)| candidate)
+}
+
+/// The last words of a path, joined by dots, for messages.
+pub fn path_text(path: &tree::Path) -> String {
+    let words: Vec<&str> = path.segments.iter().map(|segment| segment.name.text.as_str()).collect();
+    words.join(".")
+}

@@ -1,0 +1,83 @@
+//! `--set name=value`: a top-level value replaced from the command line.
+
+use super::evaluate::LetState;
+use super::scope::{DeclarationSort, Place, Scope, nearest};
+use super::value::Value;
+use super::{Checker, errors};
+use crate::diagnostic::Sink;
+use crate::source::Sources;
+use crate::syntax::{self, tree};
+use std::collections::BTreeMap;
+
+/// A replacement as it was given.
+pub struct Setting {
+    name: String,
+    value: tree::Expr,
+}
+
+/// Reads the settings; each becomes a small source of its own, so that messages can point into it.
+pub fn parse(sources: &mut Sources, settings: &[String], sink: &mut Sink) -> Vec<Setting> {
+    settings.iter().filter_map(|setting| parse_one(sources, setting, sink)).collect()
+}
+
+fn parse_one(sources: &mut Sources, setting: &str, sink: &mut Sink) -> Option<Setting> {
+    let Some((name, value)) = setting.split_once('=') else {
+        sink.push(errors::bad_setting(None, setting, "has no `=`", "write `--set pitch=80um`"));
+        return None;
+    };
+    let name = name.trim();
+    let file = sources.add(format!("--set {name}"), value.trim());
+    let value = syntax::parse_value(file, value.trim(), sink)?;
+    Some(Setting { name: name.to_owned(), value })
+}
+
+impl Checker<'_> {
+    /// Replaces the named values; each must be of the dimension that its declaration has.
+    pub fn apply_settings(&mut self, settings: Vec<Setting>) {
+        let mut replaced: BTreeMap<Place, Value> = BTreeMap::new();
+        for setting in &settings {
+            let Some(place) = self.setting_place(&setting.name) else { continue };
+            let Some(value) = self.setting_value(setting, place) else { continue };
+            if replaced.insert(place, value).is_some() {
+                let span = self.declaration(place).span;
+                self.sink.push(errors::bad_setting(Some(span), &setting.name, "is given twice", "give it once"));
+            }
+        }
+        // What was evaluated for comparison may rest on values that are replaced now.
+        self.lets.clear();
+        self.lets.extend(replaced.into_iter().map(|(place, value)| (place, LetState::Done(value))));
+    }
+
+    fn setting_place(&mut self, name: &str) -> Option<Place> {
+        let own = &self.modules[0];
+        let (module, word) = match name.split_once('.') {
+            Some((alias, word)) => (own.imports.get(alias).map(|import| import.module), word),
+            None => (Some(0), name),
+        };
+        let declared = module.and_then(|module| Some((module, self.modules[module].names.get(word)?)));
+        if let Some((module, declaration)) = declared.filter(|(_, d)| d.sort == DeclarationSort::Let) {
+            return Some(Place { module, item: declaration.item });
+        }
+        let known = self.names_in_reach(&Scope::top(0, own.tree.file), DeclarationSort::Let);
+        let help = match nearest(name, known.iter().map(String::as_str)) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None if known.is_empty() => "the file declares no value with `let`".to_owned(),
+            None => format!("the values that can be set are {}", known.join(", ")),
+        };
+        self.sink.push(errors::bad_setting(None, name, "names no `let` at the top of a file", &help));
+        None
+    }
+
+    fn setting_value(&mut self, setting: &Setting, place: Place) -> Option<Value> {
+        let span = self.declaration(place).span;
+        let declared = self.value_of_let(place, span);
+        let value = self.evaluate(&setting.value, &Scope::top(0, self.modules[0].tree.file));
+        if value.is_unknown() || declared.is_unknown() || value.describe() == declared.describe() {
+            return Some(value);
+        }
+        let why = format!("is {}, the value is declared as {}", value.describe_fully(), declared.describe_fully());
+        let help = format!("write {}", declared.describe());
+        self.sink.push(errors::bad_setting(Some(span), &setting.name, &why, &help));
+        None
+    }
+}

@@ -1,0 +1,126 @@
+//! From the shapes of the language to the shapes of the plane.
+
+use super::errors;
+use super::evaluate::unturned;
+use super::value::{PoseValue, ShapeValue, Value};
+use crate::device::shape::Form;
+use crate::diagnostic::Diagnostic;
+use crate::geometry::polygon;
+use crate::geometry::shape::{MAX_EXTENT_UM, Pose, Shape};
+use crate::quantity::{Dimension, Quantity};
+use crate::source::Span;
+
+/// The most corners of a polygon: whether it crosses itself is found by looking at every pair of sides.
+pub const MAX_CORNERS: usize = 2_000;
+
+/// What makes a shape impossible, if anything does.
+pub fn impossible(shape: &ShapeValue, span: Span) -> Option<Diagnostic> {
+    match shape.form {
+        Form::Disc | Form::Capsule | Form::Cells => None,
+        Form::Box => {
+            let [width, height] = size_um(shape);
+            (width <= 0.0 || height <= 0.0).then(|| {
+                errors::bad_shape(
+                    field_span(shape, "size", span),
+                    "a box without width or height",
+                    "both must be above 0",
+                )
+            })
+        }
+        Form::Polygon => {
+            let corners = corners_um(shape);
+            let at = field_span(shape, "points", span);
+            if corners.len() > MAX_CORNERS {
+                return Some(errors::bad_shape(
+                    at,
+                    &format!("a polygon of {} corners", corners.len()),
+                    &format!("at most {MAX_CORNERS} are taken"),
+                ));
+            }
+            match polygon::fault(&corners)? {
+                polygon::Fault::TooFewCorners => Some(errors::bad_shape(
+                    at,
+                    &format!("a polygon of {} corners", corners.len()),
+                    "at least 3 are needed",
+                )),
+                polygon::Fault::NoArea => {
+                    Some(errors::bad_shape(at, "a polygon without area", "its corners lie on one line"))
+                }
+                polygon::Fault::Crossing(a, b) => Some(errors::bad_shape(
+                    at,
+                    "a polygon that crosses itself",
+                    &format!(
+                        "the side from corner {a} meets the side from corner {b}: give the corners in order round the outline"
+                    ),
+                )),
+            }
+        }
+    }
+}
+
+fn field_span(shape: &ShapeValue, field: &str, otherwise: Span) -> Span {
+    shape.fields.get(field).map_or(otherwise, |value| value.span)
+}
+
+fn length_um(shape: &ShapeValue, field: &str) -> f64 {
+    match shape.fields.get(field).map(|field| &field.value) {
+        Some(Value::Quantity(quantity)) if quantity.dimension == Dimension::LENGTH => quantity.in_unit("um"),
+        _ => 0.0,
+    }
+}
+
+fn size_um(shape: &ShapeValue) -> [f64; 2] {
+    match shape.fields.get("size").map(|field| &field.value) {
+        Some(Value::Point(point)) => point_um(point),
+        _ => [0.0; 2],
+    }
+}
+
+fn corners_um(shape: &ShapeValue) -> Vec<[f64; 2]> {
+    match shape.fields.get("points").map(|field| &field.value) {
+        Some(Value::List(list)) => list
+            .iter()
+            .filter_map(|corner| match &corner.value {
+                Value::Point(point) => Some(point_um(point)),
+                _ => None,
+            })
+            .collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// A place in micrometres; the point must be one of two lengths.
+pub fn point_um(point: &[Quantity]) -> [f64; 2] {
+    [point[0].in_unit("um"), point[1].in_unit("um")]
+}
+
+/// A shape of the plane; `None` for a block of cells, which has no size without a lattice.
+pub fn in_plane(shape: &ShapeValue) -> Option<Shape> {
+    match shape.form {
+        Form::Disc => Some(Shape::Disc { radius_um: length_um(shape, "radius") }),
+        Form::Box => Some(Shape::Box { size_um: size_um(shape) }),
+        Form::Polygon => Some(Shape::Polygon { points_um: corners_um(shape) }),
+        Form::Capsule => {
+            Some(Shape::Capsule { length_um: length_um(shape, "length"), radius_um: length_um(shape, "radius") })
+        }
+        Form::Cells => None,
+    }
+}
+
+/// Where something stands: `None` where the value is neither a place nor a pose.
+pub fn pose_of(at: &Value) -> Option<Pose> {
+    let pose = match at {
+        Value::Pose(pose) => *pose,
+        Value::Point(point) if point.len() == 2 && point[0].dimension == Dimension::LENGTH => {
+            unturned(point[0], point[1])
+        }
+        _ => return None,
+    };
+    let PoseValue { x, y, heading } = pose;
+    Some(Pose { x_um: x.in_unit("um"), y_um: y.in_unit("um"), heading_rad: heading.si })
+}
+
+/// Whether a shape and its pose are within what is counted with exactly.
+pub fn within_extent(shape: &Shape, pose: &Pose) -> bool {
+    pose.x_um.abs().max(pose.y_um.abs()) <= MAX_EXTENT_UM && shape.grown(pose, 0.0).is_ok()
+}

@@ -1,0 +1,449 @@
+//! Tasks: settings and steps, in the words of the kind of their device.
+
+use super::claims::{Job, Relation, Requirement};
+use super::devices::Facts;
+use super::errors::{self, Wanted};
+use super::fields::{Accepted, Given, Owner};
+use super::scope::{DeclarationSort, Place, Scope, nearest, path_text};
+use super::value::Value;
+use super::{Checker, dimibot};
+use crate::device::{self, Count, Vocabulary};
+use crate::quantity::Dimension;
+use crate::source::{Span, Spanned};
+use crate::syntax::tree::{self, Entry, Expr, ExprKind, Item, Operator};
+use std::collections::BTreeMap;
+
+/// A run of a task: what its parameters are worth, and where it is run.
+pub struct Run {
+    pub task: Place,
+    pub arguments: Vec<Value>,
+    pub span: Span,
+}
+
+/// A task's body, checked as far as the vocabulary goes.
+pub struct Parts {
+    pub objective: Option<&'static str>,
+    pub planner: Option<(Spanned<&'static device::Planner>, Accepted)>,
+    pub start: Option<Spanned<Value>>,
+    pub settings: Accepted,
+    pub requirements: Vec<Requirement>,
+    pub steps: Vec<Step>,
+    /// Whether nothing had to be left out.
+    pub is_whole: bool,
+}
+
+/// A step in the vocabulary's words.
+pub struct Step {
+    pub action: Action,
+    pub span: Span,
+}
+
+/// What a step does.
+pub enum Action {
+    Verb {
+        verb: &'static device::Verb,
+        object: Option<Spanned<Value>>,
+        phrases: Vec<(&'static str, Spanned<Value>)>,
+    },
+    /// In nanoseconds.
+    Wait(u64),
+}
+
+/// The body while it is being read.
+struct Reading<'a> {
+    vocabulary: &'static Vocabulary,
+    task: &'a tree::Task,
+    parts: Parts,
+    given: Vec<Given<'a>>,
+    seen: BTreeMap<String, Span>,
+    nesting: Nesting,
+}
+
+/// Whether the entries stand in the task itself or in a `for` of it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Nesting {
+    Task,
+    Loop,
+}
+
+impl<'a> Checker<'a> {
+    /// Checks every task that no program runs, with unknown values for its parameters.
+    pub fn check_unrun_tasks(&mut self) {
+        for (place, declaration) in self.own_places(DeclarationSort::Task) {
+            if self.run_tasks.contains(&place) {
+                continue;
+            }
+            let Item::Task(item) = self.item(place) else { continue };
+            let arguments = vec![Value::Unknown; item.parameters.len()];
+            self.job(&Run { task: place, arguments, span: declaration.span });
+            let diagnostic = if item.parameters.is_empty() {
+                errors::never_run(declaration.span, &item.name.text)
+            } else {
+                errors::never_run_with_parameters(declaration.span, &item.name.text)
+            };
+            self.sink.push(diagnostic);
+        }
+    }
+
+    /// One run of a task; `None` after an error, or where a parameter is unknown.
+    pub fn job(&mut self, run: &Run) -> Option<Job> {
+        let Item::Task(item) = self.item(run.task) else { return None };
+        let scope = self.task_scope(run.task, item, &run.arguments);
+        let device = self.resolve(&item.device, &self.top(run.task), DeclarationSort::Device);
+        let scene = item.scene.as_ref().map(|path| self.resolve(path, &self.top(run.task), DeclarationSort::Scene));
+        let device = device?;
+        let kind = self.device(device, 0)?.kind;
+        // The words are checked even where the device's own figures cannot be made out.
+        let mut parts = self.parts(item, kind.vocabulary(), scope);
+        let facts = self.facts(device)?;
+        let objects = match scene {
+            None => Some(None),
+            Some(None) => None,
+            Some(Some(place)) => self.scene(place, 0).map(|objects| Some((place, objects))),
+        };
+        let is_whole = parts.is_whole;
+        let requirements = std::mem::take(&mut parts.requirements);
+        let Item::Device(item_of_device) = self.item(device) else { return None };
+        let name = item_of_device.name.text.clone();
+        let order = match &facts {
+            Facts::Dimibot(facts) => {
+                let obstacles = self.obstacles(device, objects.as_ref().and_then(Option::as_ref), facts);
+                dimibot::order(facts, &obstacles, parts, &name, self.sink)
+            }
+        };
+        let order = order.filter(|_| is_whole && objects.is_some())?;
+        Some(Job {
+            task: item.name.text.clone(),
+            device: name,
+            requirements,
+            order,
+            span: item.name.span,
+            run_span: run.span,
+        })
+    }
+
+    fn task_scope(&mut self, place: Place, item: &tree::Task, arguments: &[Value]) -> Scope {
+        let mut scope = self.top(place);
+        self.bind(&item.parameters, arguments, &mut scope);
+        scope
+    }
+
+    fn parts(&mut self, task: &'a tree::Task, vocabulary: &'static Vocabulary, mut scope: Scope) -> Parts {
+        let parts = Parts {
+            objective: None,
+            planner: None,
+            start: None,
+            settings: Accepted::new(),
+            requirements: Vec::new(),
+            steps: Vec::new(),
+            is_whole: true,
+        };
+        let mut reading =
+            Reading { vocabulary, task, parts, given: Vec::new(), seen: BTreeMap::new(), nesting: Nesting::Task };
+        self.entries(&task.entries, &mut scope, &mut reading);
+        let owner = Owner { name: format!("task `{}`", task.name.text), declared: None };
+        reading.parts.settings = self.read_fields(&owner, &reading.given, vocabulary.settings);
+        reading.parts
+    }
+
+    fn entries(&mut self, entries: &'a [Entry], scope: &mut Scope, reading: &mut Reading<'a>) {
+        for entry in entries {
+            match entry {
+                Entry::Field(field) => {
+                    self.settings_come_first(&field.name, reading);
+                    reading.given.push(Given { field, scope: scope.clone() });
+                }
+                Entry::Step(step) => self.entry(step, scope, reading),
+                Entry::For(each) => {
+                    let outer = std::mem::replace(&mut reading.nesting, Nesting::Loop);
+                    self.repeat(each, scope, &mut |checker, scope| checker.entries(&each.entries, scope, reading));
+                    reading.nesting = outer;
+                }
+                Entry::Error(_) => reading.parts.is_whole = false,
+            }
+        }
+    }
+
+    fn entry(&mut self, step: &'a tree::Step, scope: &Scope, reading: &mut Reading<'a>) {
+        let is_setting = matches!(step.head.text.as_str(), "minimize" | "using" | "require")
+            || (step.head.text == "start" && step.object.is_none());
+        if is_setting {
+            self.settings_come_first(&step.head, reading);
+            self.setting(step, scope, reading);
+            return;
+        }
+        match self.step(step, scope, reading) {
+            Some(action) => reading.parts.steps.push(Step { action, span: step.span }),
+            None => reading.parts.is_whole = false,
+        }
+    }
+
+    fn settings_come_first(&mut self, name: &tree::Ident, reading: &Reading) {
+        match reading.parts.steps.first() {
+            Some(first) => self.sink.push(errors::setting_after_step(name, first.span)),
+            None if reading.nesting == Nesting::Loop => self.sink.push(errors::setting_in_loop(name)),
+            None => {}
+        }
+    }
+
+    fn setting(&mut self, step: &'a tree::Step, scope: &Scope, reading: &mut Reading<'a>) {
+        let head = &step.head;
+        let repeats = head.text != "require";
+        if let Some(earlier) = reading.seen.insert(head.text.clone(), head.span).filter(|_| repeats) {
+            self.sink.push(errors::setting_twice(head, earlier));
+        }
+        match head.text.as_str() {
+            "minimize" => reading.parts.objective = self.objective(step, reading.vocabulary),
+            "using" => reading.parts.planner = self.planner(step, scope, reading.vocabulary),
+            "require" => match self.requirement(step, scope, reading.vocabulary) {
+                Some(requirement) => reading.parts.requirements.push(requirement),
+                None => reading.parts.is_whole = false,
+            },
+            _ => reading.parts.start = self.start(step, scope, reading),
+        }
+    }
+
+    fn objective(&mut self, step: &tree::Step, vocabulary: &'static Vocabulary) -> Option<&'static str> {
+        let wanted = Wanted { name: "`minimize`".to_owned(), doc: String::new(), declared: None };
+        let expr = self.only_object(step, "distance")?;
+        let Value::Text(word) =
+            self.accept(device::Sort::Word(vocabulary.objectives), expr, &self.nowhere(), &wanted)?
+        else {
+            return None;
+        };
+        vocabulary.objectives.iter().find(|choice| choice.name == word).map(|choice| choice.name)
+    }
+
+    /// A scope for words, which are looked up in tables and not among names.
+    fn nowhere(&self) -> Scope {
+        Scope::top(0, self.modules[0].tree.file)
+    }
+
+    fn planner(
+        &mut self,
+        step: &'a tree::Step,
+        scope: &Scope,
+        vocabulary: &'static Vocabulary,
+    ) -> Option<(Spanned<&'static device::Planner>, Accepted)> {
+        let expr = self.only_object(step, vocabulary.planners[0].name)?;
+        let (path, fields) = match &expr.kind {
+            ExprKind::Path(path) => (path, [].as_slice()),
+            ExprKind::With { base, fields } => (base, fields.as_slice()),
+            _ => {
+                self.sink.push(errors::unknown_planner(expr.span, "this", None, vocabulary));
+                return None;
+            }
+        };
+        let name = path_text(path);
+        let Some(planner) = vocabulary.planners.iter().find(|planner| planner.name == name) else {
+            let near = nearest(&name, vocabulary.planners.iter().map(|planner| planner.name));
+            self.sink.push(errors::unknown_planner(path.span, &name, near, vocabulary));
+            return None;
+        };
+        let owner = Owner { name: format!("planner `{name}`"), declared: None };
+        let given: Vec<Given> = fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
+        Some((Spanned::new(planner, path.span), self.read_fields(&owner, &given, planner.options)))
+    }
+
+    fn start(&mut self, step: &tree::Step, scope: &Scope, reading: &Reading) -> Option<Spanned<Value>> {
+        let [phrase] = step.phrases.as_slice() else {
+            self.sink.push(errors::bad_start(step.span));
+            return None;
+        };
+        if phrase.preposition.text != "at" || step.block.is_some() {
+            self.sink.push(errors::bad_start(step.span));
+            return None;
+        }
+        let wanted = Wanted { name: "`start at`".to_owned(), doc: String::new(), declared: None };
+        let value = self.accept(reading.vocabulary.state, &phrase.value, scope, &wanted)?;
+        Some(Spanned::new(value, phrase.value.span))
+    }
+
+    /// The object of a setting that takes nothing else.
+    fn only_object<'s>(&mut self, step: &'s tree::Step, example: &str) -> Option<&'s Expr> {
+        let alone = step.phrases.is_empty() && step.block.is_none() && step.noun.is_none();
+        match &step.object {
+            Some(expr) if alone => Some(expr),
+            _ => {
+                self.sink.push(errors::bad_setting_form(step.span, &step.head.text, example));
+                None
+            }
+        }
+    }
+
+    fn requirement(
+        &mut self,
+        step: &tree::Step,
+        scope: &Scope,
+        vocabulary: &'static Vocabulary,
+    ) -> Option<Requirement> {
+        let expr = self.only_object(step, "time <= 400 ms")?;
+        let (outcome, relation, limit) = match &expr.kind {
+            ExprKind::Binary { left, operator, right, .. } => {
+                let names = (self.outcome_name(left, scope), self.outcome_name(right, scope));
+                match (names, relation(*operator)) {
+                    ((Some(name), _), Some(relation)) => (name, relation, right),
+                    ((None, Some(name)), Some(relation)) => (name, mirrored(relation), left),
+                    _ => return self.bad_requirement(expr, vocabulary),
+                }
+            }
+            ExprKind::Error => return None,
+            _ => return self.bad_requirement(expr, vocabulary),
+        };
+        let (name, span) = outcome;
+        let Some(outcome) = vocabulary.outcomes.iter().find(|outcome| outcome.name == name) else {
+            let near = nearest(name, vocabulary.outcomes.iter().map(|outcome| outcome.name));
+            self.sink.push(errors::unknown_outcome(span, name, near, vocabulary));
+            return None;
+        };
+        let sort = device::Sort::Quantity { dimension: outcome.dimension, range: device::Range::NotNegative };
+        let wanted = Wanted { name: format!("the limit of `{name}`"), doc: outcome.doc.to_owned(), declared: None };
+        let Value::Quantity(limit) = self.accept(sort, limit, scope, &wanted)? else { return None };
+        Some(Requirement { outcome: name.to_owned(), relation, limit: limit.si, span: expr.span })
+    }
+
+    /// A bare word that names no value is meant as an outcome.
+    fn outcome_name<'e>(&self, expr: &'e Expr, scope: &Scope) -> Option<(&'e str, Span)> {
+        let ExprKind::Path(path) = &expr.kind else { return None };
+        let name = path.segments[0].name.text.as_str();
+        let bare = path.segments.len() == 1 && path.segments[0].indices.is_empty();
+        let is_value = scope.local(name).is_some() || self.find(path, scope).is_some();
+        (bare && !is_value).then_some((name, path.span))
+    }
+
+    fn bad_requirement(&mut self, expr: &Expr, vocabulary: &'static Vocabulary) -> Option<Requirement> {
+        self.sink.push(errors::bad_requirement(expr.span, vocabulary));
+        None
+    }
+
+    fn step(&mut self, step: &tree::Step, scope: &Scope, reading: &Reading) -> Option<Action> {
+        match step.head.text.as_str() {
+            "wait" => self.wait(step, scope).map(Action::Wait),
+            "together" => {
+                self.sink.push(errors::together_in_task(step.head.span, reading.vocabulary.name));
+                None
+            }
+            "run" => {
+                self.sink.push(errors::run_in_task(step.head.span, &reading.task.name.text));
+                None
+            }
+            _ => self.verb(step, scope, reading.vocabulary),
+        }
+    }
+
+    /// The nanoseconds of `wait 10 ms`.
+    pub fn wait(&mut self, step: &tree::Step, scope: &Scope) -> Option<u64> {
+        let expr = self.only_object(step, "10 ms")?;
+        let sort = device::Sort::Quantity { dimension: Dimension::TIME, range: device::Range::NotNegative };
+        let wanted = Wanted { name: "`wait`".to_owned(), doc: String::new(), declared: None };
+        let Value::Quantity(time) = self.accept(sort, expr, scope, &wanted)? else { return None };
+        super::clock_ns(time, expr.span, "`wait`", self.sink)
+    }
+
+    fn verb(&mut self, step: &tree::Step, scope: &Scope, vocabulary: &'static Vocabulary) -> Option<Action> {
+        let Some(verb) = vocabulary.verb(&step.head.text) else {
+            let verbs: Vec<&str> = vocabulary.verbs.iter().map(|verb| verb.name).collect();
+            let near = nearest(&step.head.text, verbs.iter().copied().chain(STEP_WORDS));
+            self.sink.push(errors::unknown_verb(step.head.span, &step.head.text, vocabulary.name, near, &verbs));
+            return None;
+        };
+        if let Some(noun) = &step.noun {
+            self.sink.push(errors::unexpected_part(noun.span, verb, "a noun"));
+            return None;
+        }
+        if step.block.is_some() {
+            self.sink.push(errors::unexpected_part(step.head.span, verb, "a block"));
+            return None;
+        }
+        let object = self.verb_object(step, verb, scope);
+        let phrases = self.phrases(step, verb, scope);
+        Some(Action::Verb { verb, object: object?, phrases: phrases? })
+    }
+
+    fn verb_object(
+        &mut self,
+        step: &tree::Step,
+        verb: &'static device::Verb,
+        scope: &Scope,
+    ) -> Option<Option<Spanned<Value>>> {
+        match (&step.object, verb.object) {
+            (None, None) => Some(None),
+            (Some(expr), Some(sort)) => {
+                let wanted = Wanted { name: format!("`{}`", verb.name), doc: verb.doc.to_owned(), declared: None };
+                let value = self.accept(sort, expr, scope, &wanted)?;
+                Some(Some(Spanned::new(value, expr.span)))
+            }
+            (Some(expr), None) => {
+                self.sink.push(errors::unexpected_part(expr.span, verb, "an object"));
+                None
+            }
+            (None, Some(_)) => {
+                self.sink.push(errors::missing_part(step.span, verb, "an object"));
+                None
+            }
+        }
+    }
+
+    fn phrases(
+        &mut self,
+        step: &tree::Step,
+        verb: &'static device::Verb,
+        scope: &Scope,
+    ) -> Option<Vec<(&'static str, Spanned<Value>)>> {
+        let mut accepted = Vec::new();
+        let mut is_whole = true;
+        let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
+        for phrase in &step.phrases {
+            let name = phrase.preposition.text.as_str();
+            let Some(entry) = verb.phrases.iter().find(|entry| entry.preposition == name) else {
+                self.sink.push(errors::unknown_preposition(&phrase.preposition, verb));
+                is_whole = false;
+                continue;
+            };
+            if let Some(earlier) = seen.insert(name, phrase.preposition.span).filter(|_| entry.count == Count::Once) {
+                self.sink.push(errors::preposition_twice(&phrase.preposition, earlier, verb));
+                is_whole = false;
+            }
+            let wanted = Wanted { name: format!("`{name}` of `{}`", verb.name), doc: String::new(), declared: None };
+            match self.accept(entry.sort, &phrase.value, scope, &wanted) {
+                Some(value) => accepted.push((entry.preposition, Spanned::new(value, phrase.value.span))),
+                None => is_whole = false,
+            }
+        }
+        let needed = verb.phrases.iter().filter(|entry| entry.count == Count::Once);
+        for entry in needed.filter(|entry| !seen.contains_key(entry.preposition)) {
+            self.sink.push(errors::missing_part(step.span, verb, &format!("`{}`", entry.preposition)));
+            is_whole = false;
+        }
+        is_whole.then_some(accepted)
+    }
+}
+
+/// The words that stand where a verb may, whatever the kind.
+const STEP_WORDS: [&str; 5] = ["wait", "minimize", "using", "require", "start"];
+
+fn relation(operator: Operator) -> Option<Relation> {
+    match operator {
+        Operator::Less => Some(Relation::Less),
+        Operator::LessEqual => Some(Relation::AtMost),
+        Operator::Equal => Some(Relation::Equal),
+        Operator::GreaterEqual => Some(Relation::AtLeast),
+        Operator::Greater => Some(Relation::More),
+        Operator::NotEqual
+        | Operator::Add
+        | Operator::Subtract
+        | Operator::Multiply
+        | Operator::Divide
+        | Operator::Power => None,
+    }
+}
+
+fn mirrored(relation: Relation) -> Relation {
+    match relation {
+        Relation::Less => Relation::More,
+        Relation::AtMost => Relation::AtLeast,
+        Relation::Equal => Relation::Equal,
+        Relation::AtLeast => Relation::AtMost,
+        Relation::More => Relation::Less,
+    }
+}

@@ -1,0 +1,28 @@
+//! Warnings for what is declared and never used.
+
+use super::scope::{DeclarationSort, Place};
+use super::{Checker, errors};
+use crate::diagnostic::Code;
+
+impl Checker<'_> {
+    /// Warns of unused names of the program's own file; other files are there to be used by several.
+    pub fn warn_of_unused(&mut self) {
+        let module = &self.modules[0];
+        for (name, declaration) in &module.names {
+            let what = match declaration.sort {
+                DeclarationSort::Let => "value",
+                DeclarationSort::Device => "device",
+                DeclarationSort::Scene => "scene",
+                DeclarationSort::Task | DeclarationSort::Program => continue,
+            };
+            if !self.used.contains(&Place { module: 0, item: declaration.item }) {
+                self.sink.push(errors::unused(Code::W0201, declaration.span, what, name));
+            }
+        }
+        for (alias, import) in &module.imports {
+            if !self.used_imports.contains(&(0, alias.clone())) {
+                self.sink.push(errors::unused(Code::W0202, import.span, "the used file", alias));
+            }
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! What an expression is worth.
+
+use crate::device::shape::Form;
+use crate::quantity::{Dimension, Quantity};
+use crate::source::{Span, Spanned};
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// A constant value. [`Value::Unknown`] stands where a diagnostic was pushed, or for a parameter without an argument;
+/// whatever is made of it is unknown too, so that one mistake is told once.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    Quantity(Quantity),
+    Bool(bool),
+    Text(String),
+    Word(ModuleWord),
+    /// Two or three coordinates of one dimension: numbers make a cell, lengths a place.
+    Point(Vec<Quantity>),
+    Pose(PoseValue),
+    List(Rc<Vec<Spanned<Value>>>),
+    /// Whole numbers, the end not included.
+    Range {
+        from: i64,
+        to: i64,
+    },
+    Shape(ShapeValue),
+    Table(Rc<TableValue>),
+    Unknown,
+}
+
+/// The digits of a word, one for each module.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ModuleWord {
+    pub bits: u64,
+    pub width: u32,
+}
+
+/// A place and a heading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PoseValue {
+    pub x: Quantity,
+    pub y: Quantity,
+    pub heading: Quantity,
+}
+
+/// A form with the fields that were given so far.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapeValue {
+    pub form: Form,
+    pub fields: BTreeMap<&'static str, Spanned<Value>>,
+}
+
+/// The columns of a table, each cell with its place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableValue {
+    pub columns: Vec<(String, Span)>,
+    pub rows: Vec<Vec<Spanned<Value>>>,
+}
+
+impl Value {
+    /// What it is, with its article: `a length`, `a cell`, `a list`.
+    pub fn describe(&self) -> String {
+        match self {
+            Value::Quantity(quantity) => quantity.dimension.with_article(),
+            Value::Bool(_) => "true or false".to_owned(),
+            Value::Text(_) => "a string".to_owned(),
+            Value::Word(word) => format!("a word of {} digits", word.width),
+            Value::Point(coordinates) => describe_point(coordinates),
+            Value::Pose(_) => "a pose".to_owned(),
+            Value::List(_) => "a list".to_owned(),
+            Value::Range { .. } => "a range".to_owned(),
+            Value::Shape(shape) => format!("a {}", shape.form.name()),
+            Value::Table(_) => "a table".to_owned(),
+            Value::Unknown => "an unknown value".to_owned(),
+        }
+    }
+
+    /// What it is, and how much where that helps: `a voltage (35 V)`.
+    pub fn describe_fully(&self) -> String {
+        match self {
+            Value::Quantity(quantity) if quantity.dimension == Dimension::NUMBER => {
+                format!("the plain number {quantity}")
+            }
+            Value::Quantity(quantity) => format!("{} ({quantity})", quantity.dimension.with_article()),
+            Value::Bool(_)
+            | Value::Text(_)
+            | Value::Word(_)
+            | Value::Point(_)
+            | Value::Pose(_)
+            | Value::List(_)
+            | Value::Range { .. }
+            | Value::Shape(_)
+            | Value::Table(_)
+            | Value::Unknown => self.describe(),
+        }
+    }
+
+    /// A plain number.
+    pub fn number(value: f64) -> Value {
+        Value::Quantity(Quantity::number(value))
+    }
+
+    /// Whether nothing is known of it.
+    pub fn is_unknown(&self) -> bool {
+        matches!(self, Value::Unknown)
+    }
+}
+
+fn describe_point(coordinates: &[Quantity]) -> String {
+    let dimension = coordinates.first().map_or(Dimension::NUMBER, |quantity| quantity.dimension);
+    match (dimension, coordinates.len()) {
+        (Dimension::NUMBER, 2) => "a cell".to_owned(),
+        (Dimension::LENGTH, 2) => "a place".to_owned(),
+        (Dimension::LENGTH, 3) => "a place in space".to_owned(),
+        (_, count) => format!("a point of {count} {}s", dimension.name()),
+    }
+}
+
+/// The largest whole number that a double counts exactly.
+const MAX_WHOLE: f64 = 9_007_199_254_740_992.0;
+
+/// The whole number that a quantity is, if it is a plain one.
+pub fn whole(quantity: Quantity) -> Option<i64> {
+    let whole = quantity.dimension == Dimension::NUMBER && quantity.si.fract() == 0.0 && quantity.si.abs() <= MAX_WHOLE;
+    whole.then_some(quantity.si as i64)
+}

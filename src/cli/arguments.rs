@@ -1,0 +1,131 @@
+//! What may be said on the command line.
+
+use crate::emit::Format;
+use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser, builder::TypedValueParser};
+use std::path::PathBuf;
+
+/// Compiles micro-manipulation programs: says what cannot work before the hardware moves, finds the best plan, has it
+/// verified, and writes it for instruments, simulators and viewers.
+#[derive(Debug, Parser)]
+#[command(name = "tweeze", version, max_term_width = 100, after_help = EXIT_STATUS)]
+pub struct Invocation {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_STATUS: &str = "\
+Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3 verification refused a schedule; 4 a file could not be
+read or written.
+
+Begin with `tweeze build FILE.twz`; `tweeze devices` lists what can be programmed.";
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Report every error of programs, each once, without planning
+    #[command(after_help = "Example: tweeze check fetch.twz --set pitch=80um")]
+    Check(CheckArguments),
+    /// Check, plan, verify and write a program
+    #[command(
+        after_help = "Examples:\n  tweeze build fetch.twz\n  tweeze build fetch.twz --emit mcap,csv,scpi -o out --task fetch"
+    )]
+    Build(BuildArguments),
+    /// Replay a written log against the device models, trusting nothing of the planner
+    #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz")]
+    Verify(VerifyArguments),
+    /// Show what a diagnostic means, with an example and the mend
+    #[command(after_help = "Example: tweeze explain E0503")]
+    Explain(ExplainArguments),
+    /// List the device kinds, or what one of them offers: fields, units, verbs, shapes, planners
+    #[command(after_help = "Example: tweeze devices dimibot")]
+    Devices(DevicesArguments),
+    /// Write a completion script for a shell
+    #[command(after_help = "Example: tweeze completions bash > ~/.local/share/bash-completion/completions/tweeze")]
+    Completions(CompletionsArguments),
+}
+
+/// How diagnostics are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ReportFormat {
+    /// The source with every place labelled, and how to mend it
+    Human,
+    /// One JSON object on each line
+    Json,
+}
+
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    /// Programs to check
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub report: Report,
+}
+
+#[derive(Debug, Args)]
+pub struct BuildArguments {
+    /// The program to build
+    pub file: PathBuf,
+    /// Build this task or program alone
+    #[arg(long, value_name = "NAME")]
+    pub task: Option<String>,
+    /// What to write, several at once with commas
+    #[arg(long, value_delimiter = ',', default_value = "mcap", value_parser = formats())]
+    pub emit: Vec<Format>,
+    /// Where to write; made if it is not there
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub report: Report,
+}
+
+fn formats() -> impl TypedValueParser<Value = Format> {
+    let names = PossibleValuesParser::new(Format::ALL.iter().map(|format| format.name()));
+    names.try_map(|name| Format::find(&name).ok_or("no such format"))
+}
+
+#[derive(Debug, Args)]
+pub struct VerifyArguments {
+    /// The log to replay
+    #[arg(value_name = "FILE.mcap")]
+    pub file: PathBuf,
+    /// Hold the log against this program, and not only against the one that it carries
+    #[arg(long, value_name = "FILE.twz")]
+    pub against: Option<PathBuf>,
+    #[command(flatten)]
+    pub report: Report,
+}
+
+#[derive(Debug, Args)]
+pub struct ExplainArguments {
+    /// A code, as E0503; without one all codes are listed
+    pub code: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct DevicesArguments {
+    /// A device kind; without one all kinds are listed
+    pub kind: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct CompletionsArguments {
+    pub shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub struct Settings {
+    /// Replace a top-level `let`, as pitch=80um, or lab.pitch=80um in a used file
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct Report {
+    /// How diagnostics are written to standard error
+    #[arg(long, value_enum, default_value = "human")]
+    pub format: ReportFormat,
+}

@@ -1,0 +1,197 @@
+//! `tweeze build`.
+
+use super::arguments::BuildArguments;
+use super::disk::{self, Disk};
+use super::waiting::Waiting;
+use super::{Exit, terminal};
+use crate::check::claims::{Action, Asked, Claims, Order};
+use crate::check::{Options, Tally};
+use crate::compile::{self, Compiled, Outcome, Program};
+use crate::device::dimibot::Side;
+use crate::diagnostic::Sink;
+use crate::emit::{self, Format, OutputFile, Provenance};
+use crate::quantity::{Dimension, Quantity, digits};
+use crate::schedule::{PlanRecord, Schedule};
+use crate::source::Sources;
+use crate::verify::Verified;
+use std::collections::BTreeSet;
+
+/// Runs of one schedule that the report shows; the rest is counted.
+const MAX_PLAN_LINES: usize = 20;
+
+/// Builds a program and writes the whole set of its files, or nothing.
+pub fn run(arguments: &BuildArguments) -> Exit {
+    let format = arguments.report.format;
+    let text = match disk::read_program(&arguments.file) {
+        Ok(text) => text,
+        Err(diagnostic) => {
+            terminal::report_one(*diagnostic, format);
+            return Exit::Files;
+        }
+    };
+    let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
+    let name = arguments.file.to_string_lossy();
+    let program = Program { name: &name, text: &text, library: &Disk, options: &options };
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let waiting = Waiting::begin();
+    let outcome =
+        compile::compile(&program, &mut sources, &mut sink, &mut |index, count, task| waiting.at(index, count, task));
+    drop(waiting);
+    terminal::report(&sink, &sources, format);
+    match outcome {
+        Outcome::Errors => Exit::Errors,
+        Outcome::Refused => Exit::Refused,
+        Outcome::Compiled(compiled) => write(arguments, &compiled, &provenance(&sources, &options)),
+    }
+}
+
+/// The user's files of a program; the standard library comes with the compiler, and settings are no files.
+pub fn provenance(sources: &Sources, options: &Options) -> Provenance {
+    let is_own = |name: &str| !name.starts_with("std.") && !name.starts_with("--set ");
+    let own = sources.files().filter(|(_, file)| is_own(&file.name));
+    let files = own.map(|(_, file)| (file.name.clone(), file.text.to_string())).collect();
+    Provenance { files, settings: options.settings.clone() }
+}
+
+fn write(arguments: &BuildArguments, compiled: &Compiled, provenance: &Provenance) -> Exit {
+    let formats: BTreeSet<Format> = arguments.emit.iter().copied().collect();
+    let mut files: Vec<OutputFile> = Vec::new();
+    let mut written: Vec<Vec<String>> = Vec::new();
+    for verified in &compiled.schedules {
+        let mut names = Vec::new();
+        for format in &formats {
+            match emit::emit(*format, verified, provenance) {
+                Ok(set) => {
+                    names.extend(set.iter().map(|file| file.name.clone()));
+                    files.extend(set);
+                }
+                Err(error) => {
+                    terminal::report_one(error.diagnostic(), arguments.report.format);
+                    return Exit::Errors;
+                }
+            }
+        }
+        written.push(names);
+    }
+    if let Err(diagnostic) = disk::write_all(&arguments.output, &files) {
+        terminal::report_one(*diagnostic, arguments.report.format);
+        return Exit::Files;
+    }
+    terminal::answer(&report(arguments, compiled, &written))
+}
+
+/// What was done, line by line.
+fn report(arguments: &BuildArguments, compiled: &Compiled, written: &[Vec<String>]) -> String {
+    let file = arguments.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let names = written.iter().flatten().map(String::as_str).chain([file.as_str()]);
+    let width = names.map(str::len).max().unwrap_or(0);
+    let mut text = terminal::line("Checked", &file, width, &tally(compiled.tally));
+    for verified in &compiled.schedules {
+        planned(verified, width, &mut text);
+    }
+    for verified in &compiled.schedules {
+        let schedule = verified.schedule();
+        let replayed = format!("{} replayed, 0 violations", count(schedule.actuations.len(), "actuation"));
+        text.push_str(&terminal::line("Verified", &schedule.name, width, &replayed));
+    }
+    for (verified, names) in compiled.schedules.iter().zip(written) {
+        let figures = figures(verified.schedule());
+        for name in names {
+            text.push_str(&terminal::line("Wrote", name, width, &figures));
+        }
+    }
+    text
+}
+
+fn planned(verified: &Verified, width: usize, text: &mut String) {
+    let (schedule, claims) = (verified.schedule(), verified.claims());
+    for (plan, job) in schedule.plans.iter().zip(&claims.jobs).take(MAX_PLAN_LINES) {
+        let Order::Dimibot(order) = &job.order;
+        let pitch_um = order.facts.pitch_um(Side::Left).min(order.facts.pitch_um(Side::Right));
+        text.push_str(&terminal::line("Planned", &plan.task, width, &cost(plan, pitch_um)));
+    }
+    let more = schedule.plans.len().saturating_sub(MAX_PLAN_LINES);
+    if more > 0 {
+        text.push_str(&terminal::line("", "", width, &format!("and {} more", count(more, "run"))));
+    }
+    for line in nearest(claims) {
+        text.push_str(&terminal::line("Nearest", "", width, &line));
+    }
+}
+
+/// `29.88 um (70 r) in 9 switches, optimal (bound 29.88 um)`.
+fn cost(plan: &PlanRecord, pitch_um: f64) -> String {
+    let figure = |value: f64| match plan.unit.as_str() {
+        "" => digits(value),
+        unit => format!("{} {unit}", rounded(value)),
+    };
+    let switches = plan.outcomes.get("switches").copied().unwrap_or_default();
+    let cells =
+        if plan.objective == "distance" { format!(" ({} r)", (plan.cost / pitch_um).round()) } else { String::new() };
+    let proof = match plan.optimal {
+        true => format!("optimal (bound {})", figure(plan.bound)),
+        false => format!("not proven optimal (bound {})", figure(plan.bound)),
+    };
+    let switches = count(switches as usize, "switch");
+    match plan.objective.as_str() {
+        "switches" => format!("{switches}, {proof}"),
+        _ => format!("{}{cells} in {switches}, {proof}", figure(plan.cost)),
+    }
+}
+
+/// A figure for the report: two decimals, more where the value is small.
+fn rounded(value: f64) -> String {
+    if value.abs() >= 1.0 { digits((value * 100.0).round() / 100.0) } else { digits(value) }
+}
+
+/// How far the cells that were taken for places lie from them.
+fn nearest(claims: &Claims) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for job in &claims.jobs {
+        let Order::Dimibot(order) = &job.order;
+        let stops = order.steps.iter().flat_map(|step| match &step.action {
+            Action::Move(stops) | Action::Visit(stops) => stops.as_slice(),
+            Action::Wait(_) => &[],
+        });
+        for stop in stops {
+            let Asked::Place([x_um, y_um]) = stop.asked else { continue };
+            let [cell_x_um, cell_y_um] = order.facts.place_um(stop.cell);
+            let off = length((cell_x_um - x_um).hypot(cell_y_um - y_um));
+            let line = format!("({}, {}) is cell {}, {off} off", length(x_um), length(y_um), stop.cell);
+            if !lines.contains(&line) && lines.len() < MAX_PLAN_LINES {
+                lines.push(line);
+            }
+        }
+    }
+    lines
+}
+
+fn length(um: f64) -> String {
+    let rounded = (um * 1e4).round() / 1e4;
+    Quantity::new(rounded / 1e6, Dimension::LENGTH).to_string()
+}
+
+/// `20 channels, 9 actuations, 135 ms, 270 mJ`.
+fn figures(schedule: &Schedule) -> String {
+    let energy_j: f64 = schedule.plans.iter().filter_map(|plan| plan.outcomes.get("energy")).sum();
+    format!(
+        "{}, {}, {}, {}",
+        count(schedule.channels.len(), "channel"),
+        count(schedule.actuations.len(), "actuation"),
+        Quantity::new(schedule.duration_ns as f64 / 1e9, Dimension::TIME),
+        Quantity::new(energy_j, Dimension::ENERGY),
+    )
+}
+
+/// `1 device, 1 scene, 2 tasks`.
+pub fn tally(tally: Tally) -> String {
+    let parts =
+        [(tally.devices, "device"), (tally.scenes, "scene"), (tally.tasks, "task"), (tally.programs, "program")];
+    let parts: Vec<String> = parts.into_iter().filter(|part| part.0 > 0).map(|(n, noun)| count(n, noun)).collect();
+    if parts.is_empty() { "nothing declared".to_owned() } else { parts.join(", ") }
+}
+
+fn count(number: usize, noun: &str) -> String {
+    let plural = if noun.ends_with("ch") { "es" } else { "s" };
+    format!("{number} {noun}{}", if number == 1 { "" } else { plural })
+}

@@ -1,0 +1,160 @@
+//! `tweeze devices`: the tables that the checker reads, for people.
+
+use super::arguments::DevicesArguments;
+use super::{Exit, terminal};
+use crate::check::scope::nearest;
+use crate::device::{Choice, Count, Field, Kind, Need, Sort, Vocabulary, shape::Form};
+use crate::quantity::Dimension;
+use std::fmt::Write;
+
+/// Lists the kinds, or all that one offers.
+pub fn run(arguments: &DevicesArguments) -> Exit {
+    let Some(name) = &arguments.kind else { return terminal::answer(&kinds()) };
+    match Kind::find(name) {
+        Some(kind) => terminal::answer(&page(kind.vocabulary())),
+        None => {
+            let near = nearest(name, Kind::ALL.iter().map(|kind| kind.name()));
+            let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+            eprintln!("no device kind is named `{name}`{near}\n`tweeze devices` lists them all");
+            Exit::Usage
+        }
+    }
+}
+
+fn kinds() -> String {
+    let mut text = String::new();
+    for kind in Kind::ALL {
+        let vocabulary = kind.vocabulary();
+        let (file, device) = vocabulary.library;
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{:<12} {}\n{:<12} use {file}, then `device bot : {device} {{ … }}`",
+            vocabulary.name, vocabulary.summary, ""
+        );
+    }
+    text.push_str("\n`tweeze devices KIND` lists fields, verbs, shapes and planners.\n");
+    text
+}
+
+fn page(vocabulary: &'static Vocabulary) -> String {
+    let mut page = Page::default();
+    page.text(&format!("{}: {}", vocabulary.name, vocabulary.summary));
+    page.section("Fields of a device", vocabulary.fields.iter().map(field));
+    page.section(
+        "Settings of a task",
+        common_settings(vocabulary).into_iter().chain(vocabulary.settings.iter().map(field)),
+    );
+    page.section(
+        "Steps of a task",
+        vocabulary.verbs.iter().map(|verb| (verb.example.to_owned(), verb_doc(verb))).chain([wait()]),
+    );
+    page.section("minimize", vocabulary.objectives.iter().map(choice));
+    page.section(
+        "require",
+        vocabulary
+            .outcomes
+            .iter()
+            .map(|outcome| (outcome.name.to_owned(), format!("{}: {}", outcome.dimension.name(), outcome.doc))),
+    );
+    page.section("using", vocabulary.planners.iter().map(|planner| (planner.name.to_owned(), planner.doc.to_owned())));
+    page.section("In a scene", vocabulary.nouns.iter().map(|noun| (noun.name.to_owned(), noun.doc.to_owned())));
+    page.section("Shapes", Form::ALL.iter().map(|form| (shape(*form), form.doc().to_owned())));
+    page.section("Channels", [(String::new(), vocabulary.channels.to_owned())]);
+    page.text
+}
+
+/// A page of sections, each a list of terms and what they mean.
+#[derive(Default)]
+struct Page {
+    text: String,
+}
+
+/// Terms longer than this get a line of their own.
+const TERM_WIDTH: usize = 30;
+
+impl Page {
+    fn text(&mut self, text: &str) {
+        self.text.push_str(text);
+        self.text.push('\n');
+    }
+
+    fn section(&mut self, title: &str, entries: impl IntoIterator<Item = (String, String)>) {
+        self.text(&format!("\n{title}"));
+        for (term, meaning) in entries {
+            if term.chars().count() > TERM_WIDTH {
+                self.text(&format!("  {term}\n  {:TERM_WIDTH$}  {meaning}", ""));
+            } else {
+                self.text(&format!("  {term:TERM_WIDTH$}  {meaning}"));
+            }
+        }
+    }
+}
+
+fn field(field: &Field) -> (String, String) {
+    let need = match field.need {
+        Need::Required => String::new(),
+        Need::Optional(otherwise) => format!(" (else {otherwise})"),
+    };
+    (format!("{}: {}", field.name, sort(field.sort)), format!("{}{need}", field.doc))
+}
+
+fn choice(choice: &Choice) -> (String, String) {
+    (choice.name.to_owned(), choice.doc.to_owned())
+}
+
+fn sort(sort: Sort) -> String {
+    match sort {
+        Sort::Count { least, most } if most == u32::MAX => format!("a count from {least}"),
+        Sort::Count { least, most } => format!("{least} to {most}"),
+        Sort::Quantity { dimension, .. } if dimension == Dimension::NUMBER => "a number".to_owned(),
+        Sort::Quantity { dimension, range } => {
+            format!("{} [{}], {}", dimension.name(), dimension.example_unit(), range.text())
+        }
+        Sort::Word(choices) => choices.iter().map(|choice| choice.name).collect::<Vec<_>>().join(" | "),
+        Sort::State => "word, cell or place".to_owned(),
+        Sort::Target => "cell, place or word".to_owned(),
+        Sort::Targets => "list of cells and places".to_owned(),
+        Sort::Cell => "cell".to_owned(),
+        Sort::Size => "(length, length)".to_owned(),
+        Sort::Places => "list of places".to_owned(),
+    }
+}
+
+fn verb_doc(verb: &crate::device::Verb) -> String {
+    let phrases = verb.phrases.iter().map(|phrase| {
+        let often = match phrase.count {
+            Count::Once => "once",
+            Count::AnyNumber => "any number of times",
+        };
+        format!("`{}` {} {often}", phrase.preposition, sort(phrase.sort))
+    });
+    let phrases: Vec<String> = phrases.collect();
+    if phrases.is_empty() { verb.doc.to_owned() } else { format!("{} ({})", verb.doc, phrases.join(", ")) }
+}
+
+fn wait() -> (String, String) {
+    ("wait 10 ms".to_owned(), "nothing is switched for so long".to_owned())
+}
+
+fn common_settings(vocabulary: &Vocabulary) -> Vec<(String, String)> {
+    let default = vocabulary.objectives.first().map_or("", |objective| objective.name);
+    vec![
+        ("minimize WHAT".to_owned(), format!("what the plan is best in (else {default})")),
+        (
+            "using PLANNER".to_owned(),
+            "how the plan is searched; `using astar { expansions: 5000000 }` sets its budget".to_owned(),
+        ),
+        (
+            "start at STATE".to_owned(),
+            "where the device stands (else where its last task left it, or its home)".to_owned(),
+        ),
+        ("require CONDITION".to_owned(), "a limit that the plan must keep, as `require time <= 400 ms`".to_owned()),
+    ]
+}
+
+fn shape(form: Form) -> String {
+    let fields: Vec<String> =
+        form.fields().iter().map(|field| format!("{}: {}", field.name, sort(field.sort))).collect();
+    format!("{} {{ {} }}", form.name(), fields.join(", "))
+}

@@ -1,0 +1,67 @@
+//! The command line: the only place that touches files, clock and terminal.
+
+mod arguments;
+mod build;
+mod check;
+mod devices;
+mod disk;
+mod errors;
+mod explain;
+mod terminal;
+mod verify;
+mod waiting;
+
+use arguments::{Command, Invocation};
+use clap::{CommandFactory, Parser};
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+/// How a command ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Exit {
+    Done = 0,
+    /// The program has errors.
+    Errors = 1,
+    /// Wrong usage.
+    Usage = 2,
+    /// Verification refused a schedule.
+    Refused = 3,
+    /// A file could not be read or written.
+    Files = 4,
+}
+
+/// The stack of the thread that does the work, in bytes: several times what the deepest nesting that is let through needs.
+const STACK_BYTES: usize = 64 * 1024 * 1024;
+
+/// Runs a command line and answers with its exit status.
+pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
+    let invocation = match Invocation::try_parse_from(arguments) {
+        Ok(invocation) => invocation,
+        Err(error) => {
+            // Help and version are answers, everything else is wrong usage; a closed pipe is nobody's business.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { Exit::Usage as u8 } else { Exit::Done as u8 });
+        }
+    };
+    let worker = std::thread::Builder::new().stack_size(STACK_BYTES).spawn(move || dispatch(invocation.command));
+    let exit = worker.ok().and_then(|worker| worker.join().ok());
+    ExitCode::from(exit.map_or(PANICKED, |exit| exit as u8))
+}
+
+/// What the system uses for a program that came to grief.
+const PANICKED: u8 = 101;
+
+fn dispatch(command: Command) -> Exit {
+    match command {
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Build(arguments) => build::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
+        Command::Explain(arguments) => explain::run(&arguments),
+        Command::Devices(arguments) => devices::run(&arguments),
+        Command::Completions(arguments) => {
+            let mut script = Vec::new();
+            clap_complete::generate(arguments.shell, &mut Invocation::command(), "tweeze", &mut script);
+            terminal::answer(&String::from_utf8_lossy(&script))
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! What is written to the terminal: diagnostics, report lines, answers.
+
+use super::Exit;
+use super::arguments::ReportFormat;
+use crate::diagnostic::render::{self, Characters, Colour, Look};
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::source::Sources;
+use std::io::{self, IsTerminal, Write};
+
+/// The columns of a report that goes to no terminal.
+const PIPE_WIDTH: usize = 100;
+
+/// Writes every diagnostic of a sink to standard error.
+pub fn report(sink: &Sink, sources: &Sources, format: ReportFormat) {
+    let mut text = String::new();
+    let look = look();
+    for diagnostic in sink.sorted() {
+        match format {
+            ReportFormat::Human => {
+                text.push_str(&render::human(diagnostic, sources, look));
+                text.push('\n');
+            }
+            ReportFormat::Json => {
+                text.push_str(&render::json_line(diagnostic, sources));
+                text.push('\n');
+            }
+        }
+    }
+    if sink.dropped() > 0 && format == ReportFormat::Human {
+        text.push_str(&format!("and {} more\n", sink.dropped()));
+    }
+    to_stderr(&text);
+}
+
+/// Writes one diagnostic that belongs to no program.
+pub fn report_one(diagnostic: Diagnostic, format: ReportFormat) {
+    let mut sink = Sink::default();
+    sink.push(diagnostic);
+    report(&sink, &Sources::default(), format);
+}
+
+fn look() -> Look {
+    let to_terminal = io::stderr().is_terminal();
+    let plain = !to_terminal || std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty()) || is_dumb();
+    let width = if to_terminal { columns().unwrap_or(PIPE_WIDTH) } else { PIPE_WIDTH };
+    Look {
+        colour: if plain { Colour::Plain } else { Colour::Ansi },
+        characters: if is_dumb() { Characters::Ascii } else { Characters::Unicode },
+        width,
+    }
+}
+
+fn is_dumb() -> bool {
+    std::env::var_os("TERM").is_some_and(|term| term == "dumb")
+}
+
+fn columns() -> Option<usize> {
+    let from_environment = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
+    from_environment.or_else(|| console::Term::stderr().size_checked().map(|(_, columns)| usize::from(columns)))
+}
+
+fn to_stderr(text: &str) {
+    // Nobody is left to be told when standard error is gone.
+    let _ = io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Writes an answer to standard output; a reader that has gone away, as `head` does, is no error.
+pub fn answer(text: &str) -> Exit {
+    match io::stdout().lock().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
+        Ok(()) => Exit::Done,
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Exit::Done,
+        Err(_) => Exit::Files,
+    }
+}
+
+/// A line of the report of a build: what was done, to what, and how it went.
+pub fn line(verb: &str, subject: &str, subject_width: usize, text: &str) -> String {
+    let colour = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    let verb = format!("{verb:>9}");
+    let verb = if colour && !is_dumb() { format!("\x1b[1;32m{verb}\x1b[0m") } else { verb };
+    format!("{verb}  {subject:<subject_width$}  {text}\n")
+}

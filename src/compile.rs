@@ -1,0 +1,67 @@
+//! From a program's text to verified schedules: the stages in their order.
+
+use crate::check::imports::{self, Library};
+use crate::check::{self, Checked, Options, Tally};
+use crate::diagnostic::Sink;
+use crate::plan::{self, Progress};
+use crate::schedule;
+use crate::source::Sources;
+use crate::verify::{self, Verdict, Verified};
+
+/// A program as it is handed to the compiler.
+pub struct Program<'a> {
+    /// The name that messages and outputs show, and from which used files are looked up.
+    pub name: &'a str,
+    pub text: &'a str,
+    pub library: &'a dyn Library,
+    pub options: &'a Options,
+}
+
+/// What became of a program.
+pub struct Compiled {
+    pub tally: Tally,
+    /// In the order of declaration.
+    pub schedules: Vec<Verified>,
+}
+
+/// How far a program came.
+pub enum Outcome {
+    Compiled(Compiled),
+    /// The program has errors, which were pushed.
+    Errors,
+    /// The verifier refused a schedule: the planner, and not the program, is at fault. The violations were pushed.
+    Refused,
+}
+
+/// Reads and checks a program; `None` after an error.
+pub fn check(program: &Program, sources: &mut Sources, sink: &mut Sink) -> Option<Checked> {
+    let modules = imports::load(sources, program.name, program.text, program.library, sink);
+    check::check(sources, &modules, program.options, sink)
+}
+
+/// Reads, checks, plans, schedules and verifies a program.
+pub fn compile(program: &Program, sources: &mut Sources, sink: &mut Sink, progress: Progress) -> Outcome {
+    let Some(checked) = check(program, sources, sink) else { return Outcome::Errors };
+    let mut drafts = Vec::with_capacity(checked.claims.len());
+    for claims in &checked.claims {
+        let plans = plan::plan(claims, sink, progress);
+        drafts.extend(
+            plans.and_then(|plans| schedule::schedule(claims, &plans, sources, sink)).map(|draft| (draft, claims)),
+        );
+    }
+    if drafts.len() < checked.claims.len() {
+        return Outcome::Errors;
+    }
+    let mut schedules = Vec::with_capacity(drafts.len());
+    for (schedule, claims) in drafts {
+        match verify::verify(schedule, claims) {
+            Verdict::Accepted(verified) => schedules.push(verified),
+            Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
+            Verdict::Inconclusive { why } => sink.push(verify::inconclusive(&why)),
+        }
+    }
+    if schedules.len() < checked.claims.len() {
+        return Outcome::Refused;
+    }
+    Outcome::Compiled(Compiled { tally: checked.tally, schedules })
+}

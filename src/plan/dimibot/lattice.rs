@@ -1,0 +1,124 @@
+//! The cells a DiMiBot reaches, the flips between them and what a flip costs.
+//!
+//! The left modules move along x, the right ones along y (frame R1 of the paper); module `i` moves 2^i pitches of its axis.
+
+pub use crate::device::dimibot::{Cell, Flip, MAX_MODULES, MAX_REACH_UM, Side};
+
+/// The lattice of reachable places.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattice {
+    /// Number of modules: left (x) and right (y), 1 to [`MAX_MODULES`] each.
+    pub modules: [u32; 2],
+    /// Distance of neighbouring cells in µm: along x and along y. Cell (0, 0) lies at the origin.
+    pub pitch_um: [f64; 2],
+}
+
+/// Why a lattice is not accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LatticeError {
+    /// The number of modules of that side is not in 1..=[`MAX_MODULES`].
+    Modules(Side),
+    /// The pitch of that side is not positive, not finite, or spans more than [`MAX_REACH_UM`].
+    Pitch(Side),
+}
+
+impl Lattice {
+    /// A lattice from its numbers of modules and pitches (µm), left before right.
+    ///
+    /// # Errors
+    /// See [`LatticeError`].
+    pub fn new(modules: [u32; 2], pitch_um: [f64; 2]) -> Result<Self, LatticeError> {
+        for side in Side::BOTH {
+            let (n, pitch) = (modules[side.index()], pitch_um[side.index()]);
+            if !(1..=MAX_MODULES).contains(&n) {
+                return Err(LatticeError::Modules(side));
+            }
+            let reach = pitch * f64::from(1_u32 << n);
+            if !(pitch > 0.0 && reach <= MAX_REACH_UM) {
+                return Err(LatticeError::Pitch(side));
+            }
+        }
+        Ok(Lattice { modules, pitch_um })
+    }
+
+    /// The lattice of a DiMiBot whose modules stroke by `stroke_um` with transmission `gain`: pitch = gain·stroke·√2 / 2^(N−1)
+    /// (Eq. 2 and 6 of Chalvet, Haddab and Lutz 2016).
+    ///
+    /// # Errors
+    /// See [`LatticeError`].
+    pub fn of_strokes(modules: [u32; 2], gain: f64, stroke_um: f64) -> Result<Self, LatticeError> {
+        let full = 2.0 * gain * stroke_um * std::f64::consts::SQRT_2;
+        Lattice::new(modules, modules.map(|n| full / 2_f64.powi(n.min(64) as i32)))
+    }
+
+    /// Largest coordinate of that side's axis, 2^N − 1.
+    pub const fn last(&self, side: Side) -> u32 {
+        (1 << self.modules[side.index()]) - 1
+    }
+
+    /// Whether the cell belongs to the lattice.
+    pub const fn contains(&self, cell: Cell) -> bool {
+        cell.x <= self.last(Side::Left) && cell.y <= self.last(Side::Right)
+    }
+
+    /// Position of a cell in µm.
+    pub fn position_um(&self, cell: Cell) -> [f64; 2] {
+        [f64::from(cell.x) * self.pitch_um[0], f64::from(cell.y) * self.pitch_um[1]]
+    }
+}
+
+/// What switching each module costs, in integer units of the objective.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Weights {
+    pub(crate) of: [[u32; MAX_MODULES as usize]; 2],
+    pub(crate) modules: [u32; 2],
+}
+
+impl Weights {
+    /// Distance travelled by the end-effector, in units of the finer pitch: 2^i, times 2^(difference of modules) on the coarser axis.
+    pub fn distance(lattice: &Lattice) -> Self {
+        let [left, right] = lattice.modules;
+        let finest = left.max(right);
+        Weights::from_fn(lattice, |side, i| 1 << (i + finest - lattice.modules[side.index()]))
+    }
+
+    /// Number of switches; time and energy of one-at-a-time switching are multiples of it.
+    pub fn switches(lattice: &Lattice) -> Self {
+        Weights::from_fn(lattice, |_, _| 1)
+    }
+
+    fn from_fn(lattice: &Lattice, weight: impl Fn(Side, u32) -> u32) -> Self {
+        let mut of = [[0; MAX_MODULES as usize]; 2];
+        for side in Side::BOTH {
+            for i in 0..lattice.modules[side.index()] {
+                of[side.index()][i as usize] = weight(side, i);
+            }
+        }
+        let modules = lattice.modules;
+        Weights { of, modules }
+    }
+
+    /// Cost of one flip.
+    pub fn of(&self, flip: Flip) -> u64 {
+        u64::from(self.of[flip.side.index()][usize::from(flip.module)])
+    }
+
+    /// The least cost between two cells when nothing is in the way: every module whose state differs switches once.
+    pub fn between(&self, a: Cell, b: Cell) -> u64 {
+        self.of_masks([a.x ^ b.x, a.y ^ b.y])
+    }
+
+    pub(crate) fn of_masks(&self, masks: [u32; 2]) -> u64 {
+        let sum = |k: usize| bits(masks[k]).map(move |b| self.of[k][b.trailing_zeros() as usize]);
+        sum(0).chain(sum(1)).map(u64::from).sum()
+    }
+}
+
+/// The set bits of a mask, each as a mask of its own, lowest first.
+pub(crate) fn bits(mut mask: u32) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(move || {
+        let bit = mask & mask.wrapping_neg();
+        mask ^= bit;
+        (bit != 0).then_some(bit)
+    })
+}

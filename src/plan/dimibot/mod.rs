@@ -1,0 +1,33 @@
+//! The planner of the digital microrobot (DiMiBot): from a cell of the lattice to another, one bistable module at a time or several in one pulse.
+//!
+//! Input: a [`Field`] (lattice and obstacles), cells, [`Weights`] and a budget. Output: an [`Outcome`]. Promise: a plan never touches an
+//! obstacle grown by its growth and [`SAFETY_MARGIN_UM`]; `Impossible` is a proof; costs are optimal where `cost == bound`.
+
+mod bands;
+mod blocks;
+mod closed;
+mod field;
+mod guided;
+mod job;
+mod lattice;
+mod layers;
+mod outcome;
+pub mod published;
+mod pulses;
+mod queue;
+mod seen;
+mod shortest;
+mod tour;
+mod why;
+
+pub use field::{Field, FieldError, Obstacle, SAFETY_MARGIN_UM};
+pub use job::{Fields, Motion, StepMotion, plan};
+pub use lattice::{Cell, Flip, Lattice, LatticeError, MAX_MODULES, Side, Weights};
+pub use outcome::{Impossible, Outcome, Path, Proof};
+pub use pulses::{Pulse, Train, pulse_is_safe, pulses};
+pub use shortest::shortest;
+pub use tour::{EXACT_PLACES, Leg, MAX_PLACES, Measure, Tour, TourOutcome, tour};
+pub use why::{Opening, Why, why};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,324 @@
+//! Several modules in one pulse: the fewest pulses from a cell to another.
+//!
+//! Problem: a set of modules may switch in one pulse if the closed rectangle between the cell before and the cell after (their bitwise AND and OR) touches no
+//! obstacle, since all orders of switching and all mixtures of partial strokes stay within it and reach each of its points. Find the shortest
+//! sequence of such pulses. Method: up to [`TABLE_MODULES`] modules in all, breadth-first search with rectangle queries from a summed-area table; above, a path
+//! of single flips is compressed, and ever longer sequences are sought by branch and bound on the bits of the cells between, highest bits first:
+//! known high bits fix an inner part of every rectangle, which must be free. Guaranteed: optimal where `cost() == bound`; always so for small robots.
+//! Cost: 4^N rectangle queries for small robots; else at most [`TRIES`] per length. One step of the budget is one rectangle query.
+
+use super::field::Field;
+use super::lattice::{Cell, Side, Weights};
+use super::outcome::{Outcome, Path, Proof};
+use super::shortest::{outside, shortest};
+use crate::plan::search::{Budget, GaveUp, Meter};
+
+/// Up to this many modules (left and right together) the search runs over all cells.
+const TABLE_MODULES: u32 = 12;
+/// Rectangle queries spent on finding or refuting a sequence of one length.
+const TRIES: u64 = 1 << 18;
+/// Sequences longer than this are not sought by branch and bound: a node would have 4^4 children and more.
+const MAX_SOUGHT: usize = 4;
+
+/// Modules that switch together, as bit masks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pulse {
+    /// Left modules.
+    pub left: u32,
+    /// Right modules.
+    pub right: u32,
+}
+
+/// A sequence of pulses.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Train {
+    /// Pulses in their order; none is empty.
+    pub pulses: Vec<Pulse>,
+    /// No sequence has fewer pulses; equal to [`Train::cost`] when the train is proven optimal.
+    pub bound: u64,
+    /// Rectangles examined.
+    pub expanded: u64,
+}
+
+impl Train {
+    /// The number of pulses.
+    pub fn cost(&self) -> u64 {
+        self.pulses.len() as u64
+    }
+}
+
+/// Whether all modules that differ between the two cells may switch in one pulse.
+pub fn pulse_is_safe(field: &Field, from: Cell, to: Cell) -> bool {
+    field.rectangle_free([from.x & to.x, from.x | to.x], [from.y & to.y, from.y | to.y])
+}
+
+/// The fewest pulses from `start` to `goal`.
+pub fn pulses(field: &Field, start: Cell, goal: Cell, budget: Budget) -> Outcome<Train> {
+    let mut meter = Meter::new(budget);
+    if let Some(proof) = refused(field, start, goal) {
+        return Outcome::impossible(proof, 0);
+    }
+    let modules = field.lattice().modules;
+    if pulse_is_safe(field, start, goal) {
+        let cells = if start == goal { vec![start] } else { vec![start, goal] };
+        meter.charge(1);
+        return found(&cells, cells.len() as u64 - 1, &meter);
+    }
+    match modules[0] + modules[1] <= TABLE_MODULES {
+        true => over_all_cells(field, start, goal, &mut meter),
+        false => by_length(field, start, goal, &mut meter),
+    }
+}
+
+fn refused(field: &Field, start: Cell, goal: Cell) -> Option<Proof> {
+    let covered = |cell: Cell| !field.rectangle_free([cell.x; 2], [cell.y; 2]);
+    outside(field, start, goal)
+        .or_else(|| covered(start).then_some(Proof::StartCovered))
+        .or_else(|| covered(goal).then_some(Proof::GoalCovered))
+}
+
+fn found(cells: &[Cell], bound: u64, meter: &Meter) -> Outcome<Train> {
+    let pulse = |pair: &[Cell]| Pulse { left: pair[0].x ^ pair[1].x, right: pair[0].y ^ pair[1].y };
+    let pulses = cells.windows(2).map(pulse).collect();
+    Outcome::Found(Train { pulses, bound, expanded: meter.spent() })
+}
+
+/// How many slots (cells and gaps) below and left of a slot are touched by an obstacle.
+struct Table {
+    width: usize,
+    sums: Vec<u32>,
+}
+
+impl Table {
+    fn new(field: &Field) -> Self {
+        let slots = Side::BOTH.map(|side| 2 * field.lattice().last(side) + 1);
+        let width = slots[0] as usize + 1;
+        let mut sums = vec![0; width * (slots[1] as usize + 1)];
+        for sy in 0..slots[1] {
+            for sx in 0..slots[0] {
+                let touched = !field.rectangle_free([sx / 2, sx.div_ceil(2)], [sy / 2, sy.div_ceil(2)]);
+                let at = (sy as usize + 1) * width + sx as usize + 1;
+                sums[at] = u32::from(touched) + sums[at - 1] + sums[at - width] - sums[at - width - 1];
+            }
+        }
+        Table { width, sums }
+    }
+
+    fn safe(&self, a: Cell, b: Cell) -> bool {
+        let [x0, x1] = [a.x & b.x, a.x | b.x].map(|v| 2 * v as usize);
+        let [y0, y1] = [a.y & b.y, a.y | b.y].map(|v| 2 * v as usize * self.width);
+        let (right, top) = (x1 + 1, y1 + self.width);
+        self.sums[top + right] + self.sums[y0 + x0] == self.sums[top + x0] + self.sums[y0 + right]
+    }
+}
+
+fn over_all_cells(field: &Field, start: Cell, goal: Cell, meter: &mut Meter) -> Outcome<Train> {
+    let table = Table::new(field);
+    let columns = 0..=field.lattice().last(Side::Left);
+    let rows = |x| (0..=field.lattice().last(Side::Right)).map(move |y| Cell::new(x, y));
+    let mut unseen: Vec<Cell> = columns.flat_map(rows).filter(|cell| *cell != start).collect();
+    // Cells in the order of discovery, with the position of the cell before.
+    let mut seen = vec![(start, 0)];
+    let (mut next, mut layer_end, mut count) = (0, 1, 0);
+    while next < seen.len() {
+        if next == layer_end {
+            (layer_end, count) = (seen.len(), count + 1);
+        }
+        let from = seen[next].0;
+        if meter.left().steps < unseen.len() as u64 {
+            return Outcome::GaveUp(meter.gave_up(count + 1));
+        }
+        meter.charge(unseen.len() as u64);
+        unseen.retain(|to| {
+            let safe = table.safe(from, *to);
+            if safe {
+                seen.push((*to, next));
+            }
+            !safe
+        });
+        if let Some(at) = seen.iter().skip(layer_end).position(|(cell, _)| *cell == goal) {
+            let cells = trail(&seen, at + layer_end);
+            return found(&cells, cells.len() as u64 - 1, meter);
+        }
+        next += 1;
+    }
+    let cells = seen.len() as u64;
+    Outcome::impossible(Proof::StartShut { cells }, meter.spent())
+}
+
+fn trail(seen: &[(Cell, usize)], mut at: usize) -> Vec<Cell> {
+    let mut cells = vec![seen[at].0];
+    while at != 0 {
+        at = seen[at].1;
+        cells.push(seen[at].0);
+    }
+    cells.reverse();
+    cells
+}
+
+fn by_length(field: &Field, start: Cell, goal: Cell, meter: &mut Meter) -> Outcome<Train> {
+    let weights = Weights::switches(field.lattice());
+    let path = match shortest(field, start, goal, &weights, meter.left()) {
+        Outcome::Found(path) => path,
+        Outcome::Impossible(proof) => return Outcome::Impossible(proof),
+        // Not one pulse, so two at least.
+        Outcome::GaveUp(report) => return Outcome::GaveUp(GaveUp { bound: 2, ..report }),
+    };
+    meter.charge(path.expanded);
+    let best = compress(field, start, &path, meter);
+    for length in 2..best.len() - 1 {
+        let tries = TRIES.min(meter.left().steps);
+        if length > MAX_SOUGHT || tries == 0 {
+            return found(&best, length as u64, meter);
+        }
+        let mut sought = Sought::new(field, start, goal, length, Meter::new(Budget::of(tries)));
+        let answer = sought.branch(0);
+        meter.charge(sought.meter.spent());
+        match answer {
+            Branch::Found(cells) => return found(&cells, length as u64, meter),
+            Branch::None => {}
+            Branch::OutOfBudget => return found(&best, length as u64, meter),
+        }
+    }
+    found(&best, best.len() as u64 - 1, meter)
+}
+
+/// The fewest pulses that visit only cells of the path, in its order.
+fn compress(field: &Field, start: Cell, path: &Path, meter: &mut Meter) -> Vec<Cell> {
+    let mut cells = vec![start];
+    for flip in &path.flips {
+        cells.extend(cells.last().map(|cell| cell.after(*flip)));
+    }
+    // For each cell the fewest pulses to it and the cell before.
+    let mut best = vec![(0, 0); cells.len()];
+    for to in 1..cells.len() {
+        best[to] = (best[to - 1].0 + 1, to - 1);
+        for from in (0..to - 1).rev() {
+            if best[from].0 + 1 >= best[to].0 {
+                continue;
+            }
+            meter.charge(1);
+            if pulse_is_safe(field, cells[from], cells[to]) {
+                best[to] = (best[from].0 + 1, from);
+            }
+        }
+    }
+    let link = |k: usize| (cells[k], best[k].1);
+    trail(&(0..cells.len()).map(link).collect::<Vec<_>>(), cells.len() - 1)
+}
+
+/// Branch and bound on the cells of a sequence of fixed length.
+struct Sought<'a> {
+    field: &'a Field,
+    /// All cells of the sequence; of those between the ends only the decided high bits are set.
+    cells: Vec<Cell>,
+    meter: Meter,
+}
+
+enum Branch {
+    Found(Vec<Cell>),
+    None,
+    OutOfBudget,
+}
+
+impl<'a> Sought<'a> {
+    fn new(field: &'a Field, start: Cell, goal: Cell, length: usize, meter: Meter) -> Self {
+        let mut cells = vec![Cell::new(0, 0); length + 1];
+        cells[0] = start;
+        cells[length] = goal;
+        Sought { field, cells, meter }
+    }
+
+    /// Bits not yet decided after `depth` decisions, by side.
+    fn open(&self, depth: u32) -> [u32; 2] {
+        self.field.lattice().modules.map(|n| (1 << n.saturating_sub(depth)) - 1)
+    }
+
+    /// Decides the `depth`-th highest bits of all cells between; recursion ends at the number of modules of the larger side, 20 at most.
+    fn branch(&mut self, depth: u32) -> Branch {
+        let open = self.open(depth);
+        for pulse in 1..self.cells.len() {
+            match self.inner_is_free(pulse, open) {
+                Some(true) => {}
+                Some(false) => return Branch::None,
+                None => return Branch::OutOfBudget,
+            }
+        }
+        if let Some(cells) = self.completed(open) {
+            return Branch::Found(cells);
+        }
+        if open == [0, 0] {
+            return Branch::None;
+        }
+        let between = self.cells.len() as u32 - 2;
+        let decided = self.cells.clone();
+        let bits = [open[0] & !(open[0] >> 1), open[1] & !(open[1] >> 1)];
+        for choice in 0..1_u32 << (2 * between) {
+            self.cells.clone_from(&decided);
+            if !self.choose(choice, bits) {
+                continue;
+            }
+            match self.branch(depth + 1) {
+                Branch::None => {}
+                ended @ (Branch::Found(_) | Branch::OutOfBudget) => return ended,
+            }
+        }
+        self.cells = decided;
+        Branch::None
+    }
+
+    /// Sets the next bits; choice 0 repeats the start's bits in every cell. `false` if the choice differs from an earlier one in absent bits only.
+    fn choose(&mut self, mut choice: u32, bits: [u32; 2]) -> bool {
+        let last = self.cells.len() - 1;
+        let start = self.cells[0];
+        for cell in &mut self.cells[1..last] {
+            if (choice & 1 != 0 && bits[0] == 0) || (choice & 2 != 0 && bits[1] == 0) {
+                return false;
+            }
+            let turned = |k: u32| if choice >> k & 1 == 0 { 0 } else { u32::MAX };
+            cell.x |= bits[0] & (start.x ^ turned(0));
+            cell.y |= bits[1] & (start.y ^ turned(1));
+            choice >>= 2;
+        }
+        true
+    }
+
+    /// Whether the part of the rectangle that the decided bits fix is free. The open bits of an end are known, those of a cell between are not.
+    fn inner_is_free(&mut self, pulse: usize, open: [u32; 2]) -> Option<bool> {
+        let ends = [pulse - 1, pulse].map(|k| (self.cells[k].pair(), k == 0 || k == self.cells.len() - 1));
+        let mut ranges = [[0; 2]; 2];
+        for k in 0..2 {
+            // Unknown bits leave the AND as high as all ones and the OR as low as all zeros would.
+            let value = |fill: u32| ends.map(|(at, known)| if known { at[k] } else { at[k] & !open[k] | fill });
+            let (high, low) = (value(open[k]), value(0));
+            ranges[k] = [high[0] & high[1], low[0] | low[1]];
+            if ranges[k][0] > ranges[k][1] {
+                return Some(true);
+            }
+        }
+        self.meter.step()?;
+        Some(self.field.rectangle_free(ranges[0], ranges[1]))
+    }
+
+    /// The decided bits completed with the start's or the goal's low bits, if that is a free sequence.
+    fn completed(&mut self, open: [u32; 2]) -> Option<Vec<Cell>> {
+        let last = self.cells.len() - 1;
+        let (start, goal) = (self.cells[0], self.cells[last]);
+        let fills = [[start.x, start.y], [goal.x, goal.y], [start.x, goal.y], [goal.x, start.y]];
+        for fill in fills {
+            let mut cells = self.cells.clone();
+            for cell in &mut cells[1..last] {
+                cell.x = cell.x & !open[0] | fill[0] & open[0];
+                cell.y = cell.y & !open[1] | fill[1] & open[1];
+            }
+            self.meter.charge(1);
+            if cells.windows(2).all(|pair| pulse_is_safe(self.field, pair[0], pair[1])) {
+                return Some(cells);
+            }
+            if open == [0, 0] {
+                break;
+            }
+        }
+        None
+    }
+}

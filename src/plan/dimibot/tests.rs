@@ -1,0 +1,6 @@
+//! Golden cases of the paper and random scenes against a brute-force oracle that shares no predicate with the planner.
+
+mod golden;
+mod many;
+pub(super) mod oracle;
+mod scenes;

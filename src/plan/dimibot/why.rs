@@ -1,0 +1,308 @@
+//! Which obstacles are to blame when there is no path.
+//!
+//! Problem: the smallest set of obstacles whose removal opens a path (minimum constraint removal, NP-hard; Hauser 2014). Method: obstacles that cover
+//! an end must go in any case; then every single obstacle that borders the smaller component is tried exactly; then a search whose cost is the
+//! number of distinct obstacles crossed, one set kept per cell, and a deletion filter on its result. Guaranteed: what [`Opening`] says. One step of the
+//! budget is one flip examined.
+
+use super::field::{Field, Obstacle};
+use super::lattice::{Cell, Flip, Side, Weights, bits};
+use super::outcome::{Outcome, Proof};
+use super::shortest::{outside, shortest};
+use crate::plan::search::{Budget, Meter};
+use rustc_hash::FxHashMap;
+use std::collections::BTreeSet;
+
+/// Obstacles named when no opening set was found within the budget.
+const MAX_BORDER: usize = 32;
+/// Cells expanded when a path is looked for with some obstacles removed.
+const TRIAL: Budget = Budget::of(1 << 20);
+/// Obstacles rebuilt per step of the budget when a field is built without some of them.
+const REBUILT_PER_STEP: u64 = 8;
+
+/// The obstacles to blame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Why {
+    /// Indices of the obstacles, ascending; never empty.
+    pub obstacles: Vec<usize>,
+    /// What is known about their removal.
+    pub opening: Opening,
+}
+
+/// What is known about the removal of a set of obstacles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Opening {
+    /// It opens a path, and no smaller set does.
+    Smallest,
+    /// It opens a path, and each of them has to go as long as only obstacles of this set may.
+    Irreducible,
+    /// It opens a path; a smaller part of the set may do.
+    Opens,
+    /// They border the cells that can be reached from one end (or cover it); whether their removal is enough was not found out within the budget.
+    Unknown,
+}
+
+/// Why there is no path from `start` to `goal`: `None` if there is one, or if one of the two is not a cell of the lattice.
+///
+/// `obstacles` must be the list from which `field` was built.
+pub fn why(field: &Field, obstacles: &[Obstacle], start: Cell, goal: Cell, budget: Budget) -> Option<Why> {
+    if outside(field, start, goal).is_some() {
+        return None;
+    }
+    let scene = Scene { field, obstacles, start, goal };
+    let covering: BTreeSet<usize> = field.covering(start).into_iter().chain(field.covering(goal)).collect();
+    let mut meter = Meter::new(budget);
+    match scene.trial(&covering, &mut meter) {
+        Trial::Open if covering.is_empty() => None,
+        Trial::Open => Some(blame(covering, Opening::Smallest)),
+        Trial::Shut(side) => Some(scene.search(side, covering, &mut meter)),
+        Trial::Unknown => (!covering.is_empty()).then(|| blame(covering, Opening::Unknown)),
+    }
+}
+
+fn blame(set: BTreeSet<usize>, opening: Opening) -> Why {
+    let obstacles = set.into_iter().collect();
+    Why { obstacles, opening }
+}
+
+struct Scene<'a> {
+    field: &'a Field,
+    obstacles: &'a [Obstacle],
+    start: Cell,
+    goal: Cell,
+}
+
+enum Trial {
+    Open,
+    Shut(End),
+    Unknown,
+}
+
+#[derive(Clone, Copy)]
+enum End {
+    Start,
+    Goal,
+}
+
+impl Scene<'_> {
+    fn search(&self, smaller: End, covering: BTreeSet<usize>, meter: &mut Meter) -> Why {
+        let (from, to) = match smaller {
+            End::Start => (self.start, self.goal),
+            End::Goal => (self.goal, self.start),
+        };
+        let border = self.border(from, &covering, meter);
+        if let Some(border) = &border {
+            if let Some(set) = self.single(border, &covering, meter) {
+                return blame(set, Opening::Smallest);
+            }
+        }
+        let tried_singles = border.is_some() && meter.left().steps > 0;
+        match Crossing::new(self.field, &covering).run(from, to, meter) {
+            Some(set) => self.filter(set, &covering, tried_singles, meter),
+            None => {
+                let named = border.unwrap_or_default().into_iter().take(MAX_BORDER);
+                blame(covering.into_iter().chain(named).collect(), Opening::Unknown)
+            }
+        }
+    }
+
+    /// Whether a path exists without these obstacles.
+    fn trial(&self, removed: &BTreeSet<usize>, meter: &mut Meter) -> Trial {
+        if meter.left().steps == 0 {
+            return Trial::Unknown;
+        }
+        let rest: Vec<Obstacle>;
+        let built;
+        let field = match removed.is_empty() {
+            true => self.field,
+            false => {
+                meter.charge(self.obstacles.len() as u64 / REBUILT_PER_STEP);
+                let kept = |(k, _): &(usize, &Obstacle)| !removed.contains(k);
+                let list = self.obstacles.iter().enumerate().filter(kept);
+                rest = list.map(|(_, o)| o.clone()).collect();
+                match Field::new(*self.field.lattice(), &rest) {
+                    Ok(field) => built = field,
+                    Err(_) => return Trial::Unknown,
+                }
+                &built
+            }
+        };
+        let weights = Weights::switches(field.lattice());
+        let budget = Budget::of(TRIAL.steps.min(meter.left().steps));
+        match shortest(field, self.start, self.goal, &weights, budget) {
+            Outcome::Found(path) => {
+                meter.charge(path.expanded);
+                Trial::Open
+            }
+            Outcome::Impossible(proof) => {
+                meter.charge(proof.expanded);
+                match proof.proof {
+                    Proof::StartShut { .. } | Proof::StartCovered | Proof::StartOutside => Trial::Shut(End::Start),
+                    Proof::GoalShut { .. } | Proof::GoalCovered | Proof::GoalOutside => Trial::Shut(End::Goal),
+                }
+            }
+            Outcome::GaveUp(gave_up) => {
+                meter.charge(gave_up.spent);
+                Trial::Unknown
+            }
+        }
+    }
+
+    /// Obstacles that block a flip out of the component of `from`, once `removed` is gone; `None` if the budget runs out.
+    fn border(&self, from: Cell, removed: &BTreeSet<usize>, meter: &mut Meter) -> Option<BTreeSet<usize>> {
+        let mut border = BTreeSet::new();
+        let mut seen = rustc_hash::FxHashSet::from_iter([from]);
+        let mut stack = vec![from];
+        while let Some(cell) = stack.pop() {
+            for flip in flips(self.field) {
+                meter.step()?;
+                let next = cell.after(flip);
+                if seen.contains(&next) {
+                    continue;
+                }
+                let mut blocking = self.field.blocking(cell, flip);
+                blocking.retain(|k| !removed.contains(k));
+                if blocking.is_empty() {
+                    seen.insert(next);
+                    stack.push(next);
+                }
+                border.extend(blocking);
+            }
+        }
+        Some(border)
+    }
+
+    /// The first single obstacle whose removal, on top of those that must go, opens a path.
+    fn single(
+        &self,
+        border: &BTreeSet<usize>,
+        covering: &BTreeSet<usize>,
+        meter: &mut Meter,
+    ) -> Option<BTreeSet<usize>> {
+        let with = |k: &usize| covering.iter().chain([k]).copied().collect::<BTreeSet<usize>>();
+        let mut sets = border.iter().map(with);
+        sets.find(|set| matches!(self.trial(set, meter), Trial::Open))
+    }
+
+    /// Leaves out what is not needed.
+    fn filter(
+        &self,
+        mut set: BTreeSet<usize>,
+        covering: &BTreeSet<usize>,
+        tried_singles: bool,
+        meter: &mut Meter,
+    ) -> Why {
+        let mut opening = Opening::Irreducible;
+        for candidate in set.difference(covering).copied().collect::<Vec<_>>() {
+            let mut fewer = set.clone();
+            fewer.remove(&candidate);
+            match self.trial(&fewer, meter) {
+                Trial::Open => set = fewer,
+                Trial::Shut(_) => {}
+                Trial::Unknown => opening = Opening::Opens,
+            }
+        }
+        // No single one opens a path, so two are the least.
+        if tried_singles && set.len() == covering.len() + 2 && meter.left().steps > 0 {
+            opening = Opening::Smallest;
+        }
+        blame(set, opening)
+    }
+}
+
+fn flips(field: &Field) -> impl Iterator<Item = Flip> + use<> {
+    let of = |side| bits(field.lattice().last(side)).map(move |bit| Flip::of_bit(side, bit));
+    of(Side::Left).chain(of(Side::Right)).collect::<Vec<_>>().into_iter()
+}
+
+/// A search in order of the number of distinct obstacles crossed.
+struct Crossing<'a> {
+    field: &'a Field,
+    /// Sets of obstacles, ascending, and their numbers.
+    sets: Vec<Vec<usize>>,
+    numbers: FxHashMap<Vec<usize>, usize>,
+    settled: FxHashMap<Cell, usize>,
+    /// By size of the set: cells with the number of their set.
+    queue: Vec<Vec<(Cell, usize)>>,
+}
+
+impl<'a> Crossing<'a> {
+    fn new(field: &'a Field, removed: &BTreeSet<usize>) -> Self {
+        let first: Vec<usize> = removed.iter().copied().collect();
+        Crossing {
+            field,
+            numbers: FxHashMap::from_iter([(first.clone(), 0)]),
+            sets: vec![first],
+            settled: FxHashMap::default(),
+            queue: Vec::new(),
+        }
+    }
+
+    /// The obstacles on a path that crosses few of them; `None` if the budget runs out.
+    fn run(&mut self, from: Cell, to: Cell, meter: &mut Meter) -> Option<BTreeSet<usize>> {
+        self.push(from, 0);
+        let mut size = 0;
+        while size < self.queue.len() {
+            let Some((cell, set)) = self.queue[size].pop() else {
+                size += 1;
+                continue;
+            };
+            if cell == to {
+                return Some(self.sets[set].iter().copied().collect());
+            }
+            if self.settled.contains_key(&cell) {
+                continue;
+            }
+            self.settled.insert(cell, set);
+            self.spread(cell, set, to, meter)?;
+        }
+        None
+    }
+
+    /// Queues the neighbours; those toward the goal last, the longest stroke at the very end, since the queue is taken from its end.
+    fn spread(&mut self, cell: Cell, set: usize, to: Cell, meter: &mut Meter) -> Option<()> {
+        let toward = |flip: &Flip| {
+            let bit = 1_u32 << flip.module;
+            match flip.side {
+                Side::Left => (cell.x ^ to.x) & bit,
+                Side::Right => (cell.y ^ to.y) & bit,
+            }
+        };
+        let mut flips: Vec<Flip> = flips(self.field).collect();
+        flips.sort_by_key(toward);
+        for flip in flips {
+            meter.step()?;
+            let next = cell.after(flip);
+            if !self.settled.contains_key(&next) {
+                let blocking = self.field.blocking(cell, flip);
+                let union = self.union(set, blocking);
+                self.push(next, union);
+            }
+        }
+        Some(())
+    }
+
+    fn union(&mut self, set: usize, more: Vec<usize>) -> usize {
+        if more.iter().all(|k| self.sets[set].binary_search(k).is_ok()) {
+            return set;
+        }
+        let mut union = self.sets[set].clone();
+        union.extend(more);
+        union.sort_unstable();
+        union.dedup();
+        let fresh = self.sets.len();
+        let number = *self.numbers.entry(union.clone()).or_insert(fresh);
+        if number == fresh {
+            self.sets.push(union);
+        }
+        number
+    }
+
+    fn push(&mut self, cell: Cell, set: usize) {
+        let size = self.sets[set].len();
+        if self.queue.len() <= size {
+            self.queue.resize_with(size + 1, Vec::new);
+        }
+        self.queue[size].push((cell, set));
+    }
+}

@@ -1,0 +1,80 @@
+//! What planning says: E06xx.
+
+use crate::check::claims::{Relation, Requirement};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::source::Span;
+
+/// The most obstacles that one report labels.
+const MAX_LABELS: usize = 8;
+
+/// What the removal of the blamed obstacles is known to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Removal {
+    OpensAndIsSmallest,
+    Opens,
+    Unknown,
+}
+
+pub fn impossible(
+    (step, from, to): (Span, &str, &str),
+    proof: &str,
+    blamed: &[(&str, Span)],
+    removal: Removal,
+) -> Diagnostic {
+    let mut diagnostic =
+        Diagnostic::new(Code::E0601, format!("no plan leads from {from} to {to}")).label(step, proof.to_owned());
+    let mut said: Vec<Span> = vec![step];
+    for (_, span) in blamed {
+        if !said.contains(span) && said.len() <= MAX_LABELS {
+            diagnostic = diagnostic.label(*span, "in the way");
+            said.push(*span);
+        }
+    }
+    diagnostic.help_if(removal_help(blamed, removal))
+}
+
+fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
+    let names: Vec<String> = blamed.iter().take(MAX_LABELS).map(|(name, _)| format!("`{name}`")).collect();
+    let more = blamed.len().saturating_sub(MAX_LABELS);
+    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let names = format!("{}{rest}", names.join(", "));
+    match (removal, blamed.len()) {
+        (_, 0) => None,
+        (Removal::OpensAndIsSmallest, 1) => Some(format!("without {names} there is a way")),
+        (Removal::OpensAndIsSmallest, _) => Some(format!("without {names} there is a way; no fewer will do")),
+        (Removal::Opens, _) => Some(format!("without {names} there is a way; this is the smallest set that was found")),
+        (Removal::Unknown, _) => {
+            Some(format!("{names} hold the way shut; whether others do as well was not found out"))
+        }
+    }
+}
+
+pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, planner: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0602, format!("{what} gave up after {budget} expansions"))
+        .label(step, format!("the way to {to} is neither found nor disproved; none costs less than {bound}"))
+        .help(format!("allow more: `using {planner} {{ expansions: {} }}`", budget.saturating_mul(8)))
+}
+
+pub fn start_disagrees(span: Span, start: &str, stands: &str, device: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0507, format!("the task starts at {start}, but `{device}` stands at {stands} by then"))
+        .label(span, "not where the robot stands")
+        .help("leave `start at` out: a task begins where the device's last one ended")
+}
+
+pub fn start_covered(span: Span, task: &str, at: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0505, format!("task `{task}` begins at {at}, which lies on an obstacle"))
+        .label(span, "run here")
+        .help("say where it begins with `start at`, or give the device another `home`")
+}
+
+pub fn requirement_missed(requirement: &Requirement, reached: &str, limit: &str, help: Option<String>) -> Diagnostic {
+    let relation = match requirement.relation {
+        Relation::Less => "less than",
+        Relation::AtMost => "at most",
+        Relation::Equal => "exactly",
+        Relation::AtLeast => "at least",
+        Relation::More => "more than",
+    };
+    let title = format!("{} of {reached}, {relation} {limit} is required", requirement.outcome);
+    Diagnostic::new(Code::E0603, title).label(requirement.span, format!("the plan reaches {reached}")).help_if(help)
+}

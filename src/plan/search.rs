@@ -1,0 +1,92 @@
+//! What all planners share: a budget counted in steps, never in time, so that a plan does not depend on the machine.
+
+/// The steps a planner may take before it gives up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// Number of steps. What one step is, each planner's documentation says.
+    pub steps: u64,
+}
+
+impl Budget {
+    /// Enough for every scene of the benchmarks; a few seconds and some hundred megabytes at most.
+    pub const DEFAULT: Budget = Budget { steps: 16_000_000 };
+
+    /// A budget of that many steps.
+    pub const fn of(steps: u64) -> Self {
+        Budget { steps }
+    }
+}
+
+impl Default for Budget {
+    fn default() -> Self {
+        Budget::DEFAULT
+    }
+}
+
+/// A budget ran out before a plan or a proof was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GaveUp {
+    /// The budget that was given.
+    pub budget: Budget,
+    /// Steps spent.
+    pub spent: u64,
+    /// No plan costs less than this, in the units of the objective.
+    pub bound: u64,
+}
+
+/// Counts steps against a budget.
+#[derive(Clone, Copy, Debug)]
+pub struct Meter {
+    budget: Budget,
+    spent: u64,
+}
+
+impl Meter {
+    /// A meter that has spent nothing.
+    pub const fn new(budget: Budget) -> Self {
+        Meter { budget, spent: 0 }
+    }
+
+    /// Takes one step, or reports that none is left.
+    #[inline]
+    pub fn step(&mut self) -> Option<()> {
+        if self.spent >= self.budget.steps {
+            return None;
+        }
+        self.spent += 1;
+        Some(())
+    }
+
+    /// Takes `steps` steps at once; the last of them may overdraw the budget.
+    pub fn charge(&mut self, steps: u64) {
+        self.spent = self.spent.saturating_add(steps);
+    }
+
+    /// Steps taken so far.
+    pub const fn spent(&self) -> u64 {
+        self.spent
+    }
+
+    /// What is left.
+    pub const fn left(&self) -> Budget {
+        Budget::of(self.budget.steps.saturating_sub(self.spent))
+    }
+
+    /// The report for a budget that ran out, when no plan can cost less than `bound`.
+    pub const fn gave_up(&self, bound: u64) -> GaveUp {
+        GaveUp { budget: self.budget, spent: self.spent, bound }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_meter_stops_exactly_at_its_budget() {
+        let mut meter = Meter::new(Budget::of(2));
+        assert_eq!((meter.step(), meter.step()), (Some(()), Some(())));
+        assert_eq!(meter.step(), None);
+        assert_eq!(meter.gave_up(7).spent, 2);
+    }
+}

@@ -1,0 +1,13 @@
+//! The standard library: published devices, written in the language, embedded in the program.
+
+const FILES: &[(&str, &str)] = &[("dimibot", include_str!("../stdlib/dimibot.twz"))];
+
+/// The text of `std.<name>`.
+pub fn file(name: &str) -> Option<&'static str> {
+    FILES.iter().find(|file| file.0 == name).map(|file| file.1)
+}
+
+/// The names of its files, without `std.`.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    FILES.iter().map(|file| file.0)
+}

@@ -1,0 +1,171 @@
+//! What stands in braces: fields, objects, steps, wires, and the loops over them.
+
+use super::errors;
+use super::grammar::{Node, Rule};
+use super::reader::Reader;
+use super::tree::{
+    Doc, Entry, Expr, ExprKind, Field, For, Object, Phrase, SceneEntry, Step, TextPart, Wire, WiringEntry,
+};
+
+impl Reader<'_> {
+    /// Reads the entries of a block; `read` gets each with the doc comment before it.
+    fn block<E>(&mut self, node: Node, read: impl Fn(&mut Self, Node, Doc) -> Option<E>) -> Vec<E> {
+        let mut entries = Vec::new();
+        let mut doc = None;
+        for child in self.children(node) {
+            if child.as_rule() == Rule::docs {
+                doc = Some(child);
+                continue;
+            }
+            let takes_doc = matches!(child.as_rule(), Rule::field | Rule::object | Rule::bad_entry);
+            let doc = doc.take().filter(|_| takes_doc).and_then(|docs| self.doc(docs));
+            entries.extend(read(self, child, doc));
+        }
+        entries
+    }
+
+    /// The fields of a device, a shape or a planner.
+    pub fn fields(&mut self, node: Node) -> Vec<Field> {
+        self.block(node, |reader, child, doc| match child.as_rule() {
+            Rule::field => Some(reader.field(child, doc)),
+            _ => {
+                reader.bad_entry(&child, errors::Place::Fields);
+                None
+            }
+        })
+    }
+
+    /// What stands in a scene.
+    pub fn scene_entries(&mut self, node: Node) -> Vec<SceneEntry> {
+        self.block(node, |reader, child, doc| {
+            let span = reader.span(&child);
+            Some(match child.as_rule() {
+                Rule::object => reader.object(child, doc).map_or(SceneEntry::Error(span), SceneEntry::Object),
+                Rule::scene_loop => SceneEntry::For(reader.each(child, Self::scene_entries)),
+                _ => {
+                    reader.bad_entry(&child, errors::Place::Scene);
+                    SceneEntry::Error(span)
+                }
+            })
+        })
+    }
+
+    /// What stands in a task, a program, or a block of one.
+    pub fn entries(&mut self, node: Node) -> Vec<Entry> {
+        self.block(node, |reader, child, doc| {
+            let span = reader.span(&child);
+            Some(match child.as_rule() {
+                Rule::field => Entry::Field(reader.field(child, doc)),
+                Rule::step => reader.step(child).map_or(Entry::Error(span), Entry::Step),
+                Rule::loop_ => Entry::For(reader.each(child, Self::entries)),
+                _ => {
+                    reader.bad_entry(&child, errors::Place::Steps);
+                    Entry::Error(span)
+                }
+            })
+        })
+    }
+
+    /// What stands in a wiring.
+    pub fn wires(&mut self, node: Node) -> Vec<WiringEntry> {
+        self.block(node, |reader, child, _| {
+            let span = reader.span(&child);
+            Some(match child.as_rule() {
+                Rule::wire => reader.wire(child).map_or(WiringEntry::Error(span), WiringEntry::Wire),
+                Rule::wire_loop => WiringEntry::For(reader.each(child, Self::wires)),
+                _ => {
+                    reader.bad_entry(&child, errors::Place::Wires);
+                    WiringEntry::Error(span)
+                }
+            })
+        })
+    }
+
+    fn each<E>(&mut self, node: Node, read: impl Fn(&mut Self, Node) -> Vec<E>) -> For<E> {
+        let span = self.span(&node);
+        let mut names = Vec::new();
+        let mut over = None;
+        let mut entries = Vec::new();
+        for part in self.children(node) {
+            match part.as_rule() {
+                Rule::name => names.push(self.declared(&part)),
+                Rule::flat_expr => over = Some(self.expr(part)),
+                Rule::kw_for | Rule::kw_in => {}
+                _ => entries = read(self, part),
+            }
+        }
+        let nowhere = super::tree::Ident { text: String::new(), span };
+        let element = names.pop().unwrap_or(nowhere);
+        let over = over.unwrap_or(Expr { kind: ExprKind::Error, span });
+        For { counter: names.pop(), element, over, entries, span }
+    }
+
+    fn object(&mut self, node: Node, doc: Doc) -> Option<Object> {
+        let span = self.span(&node);
+        let mut parts = self.children(node).into_iter();
+        let noun = parts.next().map(|word| self.ident(&word))?;
+        let (mut name, mut shape, mut at) = (None, None, None);
+        for part in parts {
+            match part.as_rule() {
+                Rule::indexed => name = Some(self.indexed(part)),
+                Rule::no_name => self.report(errors::object_without_name(&noun)),
+                Rule::place => at = self.children(part).pop().map(|value| self.value(Some(value), span)),
+                _ => shape = Some(self.value(Some(part), span)),
+            }
+        }
+        let name = name?;
+        if super::RESERVED.contains(&name.name.text.as_str()) {
+            self.report(errors::reserved_name(&name.name));
+        }
+        Some(Object { doc, noun, name, shape, at, span })
+    }
+
+    fn step(&mut self, node: Node) -> Option<Step> {
+        let span = self.span(&node);
+        let mut parts = self.children(node).into_iter();
+        let head = parts.next().map(|word| self.ident(&word))?;
+        if super::foreign::help(&head.text).is_some() {
+            self.foreign_word(head.text.len(), span);
+            return None;
+        }
+        let mut step =
+            Step { head, indices: Vec::new(), noun: None, object: None, phrases: Vec::new(), block: None, span };
+        for part in parts {
+            match part.as_rule() {
+                Rule::head_index => step.indices = self.indices(part),
+                Rule::noun => step.noun = part.into_inner().next().map(|word| self.ident(&word)),
+                Rule::step_expr => step.object = Some(self.expr(part)),
+                Rule::phrase => step.phrases.extend(self.phrase(part)),
+                _ => step.block = Some(self.entries(part)),
+            }
+        }
+        Some(step)
+    }
+
+    fn phrase(&mut self, node: Node) -> Option<Phrase> {
+        let span = self.span(&node);
+        let mut parts = self.children(node).into_iter();
+        let preposition = parts.next().map(|word| self.ident(&word))?;
+        let value = self.value(parts.next(), span);
+        Some(Phrase { preposition, value, span })
+    }
+
+    fn wire(&mut self, node: Node) -> Option<Wire> {
+        let span = self.span(&node);
+        let mut parts = self.children(node).into_iter();
+        let channel = parts.next().map(|path| self.path(path))?;
+        let output = parts.next()?;
+        match output.as_rule() {
+            Rule::text => {
+                let output = self.text(output);
+                let broken = |part: &TextPart| matches!(part, TextPart::Hole(Expr { kind: ExprKind::Error, .. }));
+                (!output.parts.iter().any(broken)).then_some(Wire { channel, output, span })
+            }
+            Rule::missing => {
+                self.missing(&output);
+                None
+            }
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,557 @@
+//! What the parser has to say: one function for each mistake.
+
+use super::grammar::Rule;
+use super::tree::{Column, Ident};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::source::Span;
+
+/// Where a list of entries stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Place {
+    Fields,
+    Scene,
+    Steps,
+    Wires,
+}
+
+impl Place {
+    /// What may stand there, with an example.
+    pub fn wants(self) -> &'static str {
+        match self {
+            Place::Fields => "a field, such as `left: 5`",
+            Place::Scene => "an object, such as `obstacle dust at (12, 7)`",
+            Place::Steps => "a step or a setting, such as `move to (19, 28)`",
+            Place::Wires => "a wire, such as `bl0.set -> \"Dev1/port0/line0\"`",
+        }
+    }
+}
+
+/// The span of the bytes `start..end` of the file of `span`.
+pub(super) fn part(span: Span, start: usize, end: usize) -> Span {
+    Span::new(span.file, start, end)
+}
+
+/// The first word, number or sign at an offset; empty only at the end of the text.
+pub(super) fn token_at(text: &str, offset: usize) -> &str {
+    let rest = &text[offset..];
+    let Some(first) = rest.chars().next() else { return "" };
+    let in_word = |c: char| c.is_alphanumeric() || c == '_';
+    let in_sign = |c: char| "+-*/^<>=!.:".contains(c);
+    let length = if in_word(first) {
+        rest.find(|c| !in_word(c))
+    } else if in_sign(first) {
+        rest.find(|c| !in_sign(c))
+    } else {
+        Some(first.len_utf8())
+    };
+    &rest[..length.unwrap_or(rest.len())]
+}
+
+/// Where the last code before an offset ends: blanks, line ends and comments are passed by.
+pub(super) fn code_end_before(text: &str, offset: usize) -> usize {
+    let mut end = offset;
+    loop {
+        end = text[..end].trim_end().len();
+        let line = text[..end].rfind('\n').map_or(0, |at| at + 1);
+        match text[line..end].find("//") {
+            Some(at) => end = line + at,
+            None => return end,
+        }
+    }
+}
+
+/// The line of an offset up to that offset, without its indentation.
+fn line_before(text: &str, offset: usize) -> &str {
+    let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
+    text[start..offset].trim()
+}
+
+/// The line of an offset from that offset on, without a comment.
+fn line_after(text: &str, offset: usize) -> &str {
+    let line = text[offset..].lines().next().unwrap_or("");
+    line.split("//").next().unwrap_or("").trim()
+}
+
+/// The longest piece of the user's text that a message repeats, in characters.
+const LONGEST_QUOTE: usize = 60;
+
+/// A piece of the user's text for a message, cut where it is long.
+pub(super) fn quote(text: &str) -> String {
+    let mut quoted: String = text.chars().take(LONGEST_QUOTE).collect();
+    if text.chars().nth(LONGEST_QUOTE).is_some() {
+        quoted.push('…');
+    }
+    quoted
+}
+
+pub(super) fn late_brace(mark: Span, text: &str) -> Diagnostic {
+    let brace = mark.end as usize;
+    let line = quote(line_before(text, code_end_before(text, brace)));
+    Diagnostic::new(Code::E0105, "`{` on a line of its own")
+        .label(part(mark, brace, brace + 1), "this opens the block of the line above")
+        .help(format!("write it at the end of that line: `{line} {{`"))
+}
+
+pub(super) fn leading_operator(mark: Span, text: &str) -> Diagnostic {
+    let start = mark.end as usize;
+    let operator = token_at(text, start);
+    let line = quote(line_before(text, code_end_before(text, start)));
+    Diagnostic::new(Code::E0106, format!("a line begins with `{operator}`"))
+        .label(part(mark, start, start + operator.len()), "the value of the line above was complete without this")
+        .help(format!("a line goes on after an operator, not before it: end the line above with `{line} {operator}`"))
+}
+
+pub(super) fn leading_preposition(mark: Span, text: &str) -> Diagnostic {
+    let start = mark.end as usize;
+    let word = token_at(text, start);
+    let line = line_before(text, code_end_before(text, start));
+    let joined = quote(&format!("{line} {}", line_after(text, start)));
+    Diagnostic::new(Code::E0107, format!("a line begins with `{word}`"))
+        .label(part(mark, start, start + word.len()), "this belongs to the line above")
+        .help(format!("a step stands on one line: `{joined}`"))
+}
+
+pub(super) fn blank_before_bracket(mark: Span, text: &str) -> Diagnostic {
+    let start = code_end_before(text, mark.start as usize);
+    let name_start = text[..start].rfind(|c: char| !c.is_alphanumeric() && c != '_');
+    let name = &text[name_start.map_or(0, |at| at + text[at..].chars().next().map_or(1, char::len_utf8))..start];
+    let bracket = token_at(text, mark.end as usize);
+    let place = part(mark, mark.start as usize, mark.end as usize + 1);
+    Diagnostic::new(Code::E0108, format!("a blank between `{name}` and `{bracket}`"))
+        .label(place, "no blank here")
+        .help(format!("write `{name}{bracket}…`: an index or an argument joins its name"))
+}
+
+pub(super) fn wrong_colon(mark: Span, text: &str) -> Diagnostic {
+    let sign = &text[mark.range()];
+    let name = token_before(text, mark.start as usize);
+    Diagnostic::new(Code::E0119, format!("`{sign}` where `:` belongs"))
+        .label(mark, "between a name and its value stands `:`")
+        .help(format!("write `{name}: {}`", quote(line_after(text, mark.end as usize))))
+}
+
+pub(super) fn wrong_equals(mark: Span, text: &str) -> Diagnostic {
+    let sign = &text[mark.range()];
+    let name = token_before(text, mark.start as usize);
+    Diagnostic::new(Code::E0119, format!("`{sign}` where `=` belongs"))
+        .label(mark, "`let` takes `=`")
+        .help(format!("write `let {name} = {}`", quote(line_after(text, mark.end as usize))))
+}
+
+/// The word that ends before an offset.
+fn token_before(text: &str, offset: usize) -> &str {
+    let head = text[..offset].trim_end();
+    let start = head.char_indices().rev().find(|(_, c)| !c.is_alphanumeric() && *c != '_');
+    &head[start.map_or(0, |(at, c)| at + c.len_utf8())..]
+}
+
+pub(super) fn joined(mark: Span, text: &str) -> Diagnostic {
+    let start = mark.end as usize;
+    let word = token_at(text, start);
+    Diagnostic::new(Code::E0103, format!("`{word}` begins anew on the same line"))
+        .label(part(mark, start, start + word.len()), "what stands before this was complete")
+        .help(format!("put a comma or a line end before `{word}`"))
+}
+
+pub(super) fn reserved_name(name: &Ident) -> Diagnostic {
+    Diagnostic::new(Code::E0110, format!("`{}` is a reserved word", name.text))
+        .label(name.span, "a name is declared here")
+        .help(format!("take another name, such as `{}_1`", name.text))
+}
+
+pub(super) fn missing_value(at: Span, text: &str) -> Diagnostic {
+    let end = code_end_before(text, at.start as usize);
+    let mut start = end - token_before_sign(&text[..end]).len();
+    if text[start..end].starts_with(':') {
+        start -= text[..start].len() - text[..start].trim_end().len();
+        start -= token_before(text, start).len();
+    }
+    let before = &text[start..end];
+    Diagnostic::new(Code::E0102, format!("a value is missing after `{before}`"))
+        .label(part(at, start, end), "a value belongs behind this")
+        .help("write a number with its unit, such as `35 um`, a place, such as `(4 um, 2 um)`, or a name")
+}
+
+/// The last word or sign of a text.
+fn token_before_sign(text: &str) -> &str {
+    let Some(last) = text.chars().next_back() else { return "" };
+    let in_word = |c: char| c.is_alphanumeric() || c == '_';
+    let in_sign = |c: char| "+-*/^<>=!.".contains(c);
+    let start = if in_word(last) {
+        text.char_indices().rev().find(|(_, c)| !in_word(*c))
+    } else if in_sign(last) {
+        text.char_indices().rev().find(|(_, c)| !in_sign(*c))
+    } else {
+        return &text[text.len() - last.len_utf8()..];
+    };
+    &text[start.map_or(0, |(at, c)| at + c.len_utf8())..]
+}
+
+pub(super) fn too_many_operators(span: Span, count: usize) -> Diagnostic {
+    let limit = super::values::MAX_OPERATORS;
+    Diagnostic::new(Code::E0121, format!("{count} operators in one expression, at most {limit} are read"))
+        .label(span, "this expression")
+        .help("name parts of it with `let`")
+}
+
+pub(super) fn tuple_length(span: Span, count: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0127, format!("a place of {count} coordinates, it has 2 or 3"))
+        .label(span, "this")
+        .help("write `(x, y)` or `(x, y, z)` for a place, and `[a, b, c, d]` for a list")
+}
+
+pub(super) fn number_too_large(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0116, "a number beyond 1.8e308")
+        .label(span, "no quantity is as large as this")
+        .help("write the number with a unit of the right size, such as `5 km`")
+}
+
+pub(super) fn text_hole(span: Span, source: &str) -> Diagnostic {
+    let title = if source.trim().is_empty() {
+        "nothing in the braces of a string"
+    } else {
+        "no value in the braces of a string"
+    };
+    Diagnostic::new(Code::E0126, title)
+        .label(span, "braces in a string hold a value")
+        .help("write a value, as in `\"line{2*i}\"`, or `{{` for a brace")
+}
+
+pub(super) fn bad_row(span: Span, text: &str) -> Diagnostic {
+    let row = text[span.range()].trim_end();
+    Diagnostic::new(Code::E0128, "a line of a table that is no row")
+        .label(span, "expected values with `|` between them")
+        .help(format!("a row is one line, such as `D1 | 92 | 31`; this is `{}`", quote(row)))
+}
+
+pub(super) fn bad_header(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0128, "a table without a header")
+        .label(span, "expected the names of the columns")
+        .help("a table begins with its columns and their units, such as `robot | snap_down [V] | speed [um/s]`")
+}
+
+pub(super) fn row_length(span: Span, count: usize, columns: &[Column]) -> Diagnostic {
+    let names: Vec<&str> = columns.iter().map(|column| column.name.text.as_str()).collect();
+    let help = match names.get(count) {
+        Some(missing) => format!("the value for `{missing}` is missing"),
+        None => format!("the columns are `{}`", quote(&names.join(" | "))),
+    };
+    Diagnostic::new(Code::E0117, format!("a row of {count} cells in a table of {} columns", names.len()))
+        .label(span, "every row fills every column")
+        .help(help)
+}
+
+pub(super) fn object_without_name(noun: &Ident) -> Diagnostic {
+    Diagnostic::new(Code::E0110, format!("this `{}` has no name", noun.text))
+        .label(noun.span, "a name belongs behind this")
+        .help(format!("write `{} NAME at …`", noun.text))
+}
+
+pub(super) fn loop_at_top(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0101, "`for` outside of a block")
+        .label(part(span, span.start as usize, span.start as usize + 3), "nothing here can be repeated")
+        .help("`for` stands inside a scene, a task, a program or a wiring")
+}
+
+pub(super) fn bad_head(rest: Span, rule: Rule, item: Span, text: &str) -> Diagnostic {
+    let form = match rule {
+        Rule::device_rest => "device NAME : KIND { … }",
+        Rule::scene_rest => "scene NAME { … }` or `scene NAME : SCENE { … }",
+        Rule::task_rest => "task NAME on DEVICE in SCENE { … }",
+        Rule::program_rest => "program NAME { … }",
+        _ => "wiring DEVICE { … }",
+    };
+    let end = rest.start as usize + text[rest.range()].trim_end().len();
+    let start = end - text[rest.start as usize..end].trim_start().len();
+    let word = token_at(text, item.start as usize);
+    Diagnostic::new(Code::E0124, format!("this `{word}` does not say what it is about"))
+        .label(part(rest, start, end), "expected otherwise here")
+        .help(format!("write `{form}`"))
+}
+
+pub(super) fn too_deep(span: Span) -> Diagnostic {
+    let limit = super::scan::MAX_NESTING;
+    Diagnostic::new(Code::E0120, format!("brackets or blocks nested more than {limit} deep"))
+        .label(span, format!("this is number {}", limit + 1))
+        .help("name the inner parts with `let`")
+}
+
+pub(super) fn stray_bracket(span: Span, text: &str) -> Diagnostic {
+    let bracket = &text[span.range()];
+    Diagnostic::new(Code::E0112, format!("`{bracket}` closes nothing"))
+        .label(span, "no bracket is open here")
+        .help("remove it, or write the bracket that it should close")
+}
+
+pub(super) fn unclosed_bracket(span: Span, text: &str, closing: u8) -> Diagnostic {
+    let (bracket, closing) = (&text[span.range()], closing as char);
+    Diagnostic::new(Code::E0114, format!("`{bracket}` is not closed"))
+        .label(span, "opened here")
+        .help(format!("write `{closing}` where its contents end; without it the line ends it"))
+}
+
+pub(super) fn unclosed_brace(span: Span, text: &str, item: Option<Span>) -> Diagnostic {
+    let opener = quote(line_before(text, span.end as usize));
+    let finding = Diagnostic::new(Code::E0113, "`{` is not closed").label(span, "opened here");
+    match item {
+        Some(item) => {
+            let word = token_at(text, item.start as usize);
+            finding
+                .label(part(item, item.start as usize, item.start as usize + word.len()), "taken as closed before this")
+                .help(format!("write `}}` where the block `{opener}` ends"))
+        }
+        None => finding.help(format!("write `}}` where the block `{opener}` ends; the file ends before it")),
+    }
+}
+
+pub(super) fn unterminated_string(span: Span, text: &str) -> Diagnostic {
+    let written = quote(&text[span.range()]);
+    Diagnostic::new(Code::E0115, "a string does not end on its line")
+        .label(span, "opened here")
+        .help(format!("close it: `{written}\"`"))
+}
+
+pub(super) fn open_text_hole(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0126, "a brace in a string is not closed")
+        .label(span, "this opens a value")
+        .help("write `{{` for a brace, or close the value with `}`")
+}
+
+pub(super) fn block_comment(span: Span, comment: &str) -> Diagnostic {
+    let words = comment.trim_start_matches("/*").trim_end_matches("*/").trim();
+    let first = words.lines().next().unwrap_or("").trim();
+    Diagnostic::new(Code::E0125, "a comment in `/* */`")
+        .label(span, "comments begin with `//` and end with their line")
+        .help(format!("write `// {}`", quote(first)))
+}
+
+pub(super) fn hash_comment(span: Span, comment: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0125, "a comment behind `#`")
+        .label(span, "comments begin with `//`")
+        .help(format!("write `// {}`", quote(comment.trim_start_matches('#').trim())))
+}
+
+pub(super) fn semicolon(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0104, "a `;`")
+        .label(span, "nothing ends with this")
+        .help("remove it: a field, a step or a declaration ends at the line end or at a comma")
+}
+
+pub(super) fn foreign_sign(span: Span, theirs: char, ours: &str) -> Diagnostic {
+    let (title, help) = match ours {
+        " " => ("a blank that must not break".to_owned(), "write a plain blank".to_owned()),
+        _ => (format!("`{theirs}` is not a sign of the language"), format!("write `{ours}`")),
+    };
+    Diagnostic::new(Code::E0118, title).label(span, "this character").help(help)
+}
+
+pub(super) fn foreign_quotes(span: Span, inside: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0118, "quotes that are not of the language")
+        .label(span, "strings stand in plain double quotes")
+        .help(format!("write `\"{}\"`", quote(inside)))
+}
+
+pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
+    let written = &text[span.range()];
+    let help = match written.chars().next() {
+        Some('°') => "write `deg`, as in `80 deg`",
+        Some('&') => "join conditions by two `require` lines",
+        Some('\\') => "a line goes on after an operator or inside of brackets, without a sign",
+        _ => "remove it: names are letters, digits and `_`",
+    };
+    let shown: String = written.chars().flat_map(|c| if c.is_control() { c.escape_unicode().collect() } else { vec![c] }).collect();
+    Diagnostic::new(Code::E0118, format!("`{}` is not of the language", quote(&shown)))
+        .label(span, "this character")
+        .help(help)
+}
+
+fn bad_number(span: Span, title: String, help: String) -> Diagnostic {
+    Diagnostic::new(Code::E0116, title).label(span, "this number").help(help)
+}
+
+pub(super) fn bad_bits(span: Span, written: &str) -> Diagnostic {
+    let is_word = written.starts_with("0b") || written.starts_with("0B");
+    let help = if is_word {
+        "a word has the digits 0 and 1, one for each module, as in `0b10001_00010`"
+    } else {
+        "numbers are decimal, such as `35` or `1e-3`; words begin with `0b`"
+    };
+    bad_number(span, format!("`{}` is no number and no word", quote(written)), help.to_owned())
+}
+
+pub(super) fn two_points(span: Span, written: &str) -> Diagnostic {
+    let help = "a number has one point, such as `1.5`; a range has two together, such as `0..4`";
+    bad_number(span, format!("`{}` has more than one decimal point", quote(written)), help.to_owned())
+}
+
+pub(super) fn bare_point(span: Span, written: &str) -> Diagnostic {
+    let digits = quote(written.trim_end_matches('.'));
+    bad_number(span, format!("`{}` ends with its point", quote(written)), format!("write `{digits}` or `{digits}.0`"))
+}
+
+pub(super) fn bare_fraction(span: Span, written: &str) -> Diagnostic {
+    bad_number(span, format!("`{}` begins with its point", quote(written)), format!("write `0{}`", quote(written)))
+}
+
+pub(super) fn no_exponent(span: Span, written: &str) -> Diagnostic {
+    let digits = written.trim_end_matches(['e', 'E', '+', '-']);
+    let help = format!("write `{0}` or an exponent, such as `{0}e-3`", quote(digits));
+    bad_number(span, format!("`{}` has no exponent", quote(written)), help)
+}
+
+pub(super) fn misplaced_doc(span: Span, text: &str) -> Diagnostic {
+    let comment = &text[span.range()];
+    let words = comment[3..].trim();
+    let before = line_before(text, span.start as usize);
+    let finding = Diagnostic::new(Code::E0109, "a doc comment that documents nothing");
+    if comment.starts_with("//!") {
+        return finding
+            .label(span, "`//!` documents the file and stands at its top")
+            .help(format!("write `// {}`, or move it to the top of the file", quote(words)));
+    }
+    if before.is_empty() {
+        return finding
+            .label(span, "no declaration, field or object follows")
+            .help(format!("write `// {}`", quote(words)));
+    }
+    finding
+        .label(span, "`///` documents what follows, not what stands before it")
+        .help(format!("put it on a line of its own above `{}`, or write `// {}`", quote(before), quote(words)))
+}
+
+pub(super) fn foreign_word(word: Span, text: &str) -> Diagnostic {
+    let written = &text[word.range()];
+    Diagnostic::new(Code::E0122, format!("`{written}` is not a word of the language"))
+        .label(word, "of another language")
+        .help(super::foreign::help(written).unwrap_or_default())
+}
+
+/// The first word of a span.
+fn first_word(span: Span, length: usize) -> Span {
+    part(span, span.start as usize, span.start as usize + length)
+}
+
+pub(super) fn bad_loop(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0122, "a `for` in the manner of another language")
+        .label(first_word(span, "for".len()), "expected names, `in`, and what to repeat over")
+        .help("write `for i in 0..4 { … }` for 0 to 3, or `for p in list { … }`")
+}
+
+pub(super) fn let_in_block(span: Span, text: &str) -> Diagnostic {
+    let line = text.lines().next().unwrap_or("");
+    Diagnostic::new(Code::E0123, "`let` inside a block")
+        .label(first_word(span, "let".len()), "names are given to values at the top of a file")
+        .help(format!("move `{}` out of the braces", quote(line.trim_end())))
+}
+
+pub(super) fn item_in_block(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0123, format!("`{word}` inside a block"))
+        .label(first_word(span, word.len()), "declarations stand at the top of a file")
+        .help(format!("move this `{word}` out of the braces, or close the block above it with `}}`"))
+}
+
+pub(super) fn lonely_preposition(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0107, format!("a line begins with `{word}`"))
+        .label(first_word(span, word.len()), "no step stands before this that could take it")
+        .help(format!("begin with the step's verb, as in `move {word} …`"))
+}
+
+pub(super) fn lonely_operator(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0106, format!("a line begins with `{word}`"))
+        .label(first_word(span, word.len()), "nothing here begins with an operator")
+        .help("a line goes on after an operator: end the line above with it")
+}
+
+pub(super) fn missing_colon(span: Span, name: &str, text: &str) -> Diagnostic {
+    let value = text[name.len()..].lines().next().unwrap_or("").trim();
+    Diagnostic::new(Code::E0119, format!("`:` is missing after `{name}`"))
+        .label(first_word(span, name.len()), "a field takes `:` before its value")
+        .help(format!("write `{name}: {}`", quote(value)))
+}
+
+/// Reading stopped at `at`, inside of the bracket `open` if there is one.
+pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<char>, text: &str) -> Diagnostic {
+    let token = token_at(&text[..span.end as usize], at);
+    let wanted = match (wants_value, open) {
+        (true, _) => "expected a value",
+        (false, Some('(')) => "expected `,` or `)`",
+        (false, Some('[')) => "expected `,` or `]`",
+        (false, _) => "expected a line end",
+    };
+    if token.is_empty() {
+        let before = code_end_before(text, span.end as usize);
+        let start = before - token_before_sign(&text[..before]).len();
+        return Diagnostic::new(Code::E0101, "this ends too early")
+            .label(part(span, start, before), format!("{wanted} behind this"));
+    }
+    let line = quote(line_before(text, at));
+    Diagnostic::new(Code::E0101, format!("`{token}` does not belong here"))
+        .label(part(span, at, at + token.len()), wanted)
+        .help(format!("`{line}` was read; remove what follows, or begin a new line for it"))
+}
+
+pub(super) fn not_an_entry(span: Span, place: Place, text: &str) -> Diagnostic {
+    let line = text[span.range()].lines().next().unwrap_or("");
+    Diagnostic::new(Code::E0101, format!("`{}` does not belong here", quote(line)))
+        .label(part(span, span.start as usize, span.start as usize + line.len()), "this could not be read")
+        .help(format!("expected {}", place.wants()))
+}
+
+pub(super) fn bad_short_item(rest: Span, rule: Rule, text: &str) -> Diagnostic {
+    let form = match rule {
+        Rule::use_rest => "use std.dimibot` or `use \"bench.twz\" as lab",
+        _ => "let pitch = 70 um",
+    };
+    let start = rest.start as usize;
+    let token = token_at(&text[..rest.end as usize], start);
+    let end = start + token.len();
+    let start = if token.is_empty() { end - token_before_sign(&text[..end]).len() } else { start };
+    Diagnostic::new(Code::E0124, "this declaration cannot be read to its end")
+        .label(part(rest, start, end), "reading stopped here")
+        .help(format!("write it as `{form}`"))
+}
+
+pub(super) fn misspelt_item(span: Span, text: &str, right: &str) -> Diagnostic {
+    let word = token_at(text, 0);
+    let line = text.lines().next().unwrap_or("").trim_end();
+    Diagnostic::new(Code::E0111, format!("no declaration begins with `{word}`"))
+        .label(first_word(span, word.len()), format!("did you mean `{right}`?"))
+        .help(format!("write `{right}{}`", quote(&line[word.len()..])))
+}
+
+const ITEM_WORDS: &str = "`use`, `let`, `device`, `scene`, `task`, `program` or `wiring`";
+
+pub(super) fn unknown_item(span: Span, text: &str) -> Diagnostic {
+    let word = token_at(text, 0);
+    Diagnostic::new(Code::E0111, format!("no declaration begins with `{word}`"))
+        .label(first_word(span, word.len()), "unknown here")
+        .help(format!("a declaration begins with {ITEM_WORDS}"))
+}
+
+pub(super) fn value_without_let(span: Span, text: &str) -> Diagnostic {
+    let line = text.lines().next().unwrap_or("").trim_end();
+    let word = token_at(text, 0);
+    let value = line[word.len()..].trim_start_matches([' ', '\t', ':', '=']);
+    Diagnostic::new(Code::E0111, format!("`{word}` is given a value without `let`"))
+        .label(first_word(span, word.len()), "a declaration begins with its own word")
+        .help(format!("write `let {word} = {}`", quote(value)))
+}
+
+pub(super) fn not_an_item(span: Span, text: &str) -> Diagnostic {
+    let line = text.lines().next().unwrap_or("").trim_end();
+    Diagnostic::new(Code::E0101, format!("`{}` stands outside of every block", quote(line)))
+        .label(first_word(span, line.len()), "expected a declaration")
+        .help(format!("a declaration begins with {ITEM_WORDS}; steps stand in a task, objects in a scene"))
+}
+
+pub(super) fn unreadable(whole: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0120, "this file is nested too deep to be read")
+        .label(whole, "the whole file")
+        .help("name the inner parts with `let`")
+}
+
+pub(super) fn not_a_value(whole: Span, text: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0102, format!("`{}` is not a value", quote(text)))
+        .label(whole, "expected a value")
+        .help("write a number with its unit, such as `80um`, a place, such as `(4 um, 2 um)`, or a list")
+}

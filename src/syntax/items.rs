@@ -1,0 +1,184 @@
+//! What stands at the top of a file.
+
+use super::errors;
+use super::grammar::{Node, Rule};
+use super::reader::Reader;
+use super::tree::{Device, Doc, Ident, Item, Let, Parameter, Path, Program, Scene, Task, Use, UsePath, Wiring};
+use crate::source::Span;
+
+/// The parts of a declaration, in whatever order they were met.
+#[derive(Default)]
+struct Head<'i> {
+    name: Option<Ident>,
+    paths: Vec<Path>,
+    scene: Option<Path>,
+    parameters: Vec<Parameter>,
+    block: Option<Node<'i>>,
+    is_broken: bool,
+}
+
+impl Reader<'_> {
+    /// The items of a file, and its own doc comment.
+    pub fn file(&mut self, node: Node) -> (Doc, Vec<Item>) {
+        let file_doc = node.clone().into_inner().find(|child| child.as_rule() == Rule::file_docs);
+        let file_doc = file_doc.and_then(|docs| self.doc(docs));
+        let mut items = Vec::new();
+        let mut doc = None;
+        for child in self.children(node) {
+            match child.as_rule() {
+                Rule::docs => doc = Some(child),
+                Rule::EOI => {}
+                _ => {
+                    let takes_doc = child.as_rule() != Rule::use_item;
+                    let doc = doc.take().filter(|_| takes_doc).and_then(|docs| self.doc(docs));
+                    items.push(self.item(child, doc));
+                }
+            }
+        }
+        (file_doc, items)
+    }
+
+    fn item(&mut self, node: Node, doc: Doc) -> Item {
+        let span = self.span(&node);
+        let item = match node.as_rule() {
+            Rule::use_item
+            | Rule::let_item
+            | Rule::device
+            | Rule::scene
+            | Rule::task
+            | Rule::program
+            | Rule::wiring => {
+                let rest = self.children(node).pop();
+                rest.and_then(|rest| self.declaration(rest, doc, span))
+            }
+            Rule::stray_loop => {
+                self.report(errors::loop_at_top(span));
+                None
+            }
+            _ => self.bad_item(&node, doc),
+        };
+        item.unwrap_or(Item::Error(span))
+    }
+
+    /// A declaration from behind its first word on.
+    pub fn declaration(&mut self, rest: Node, doc: Doc, span: Span) -> Option<Item> {
+        let rule = rest.as_rule();
+        match rule {
+            Rule::use_rest => return self.use_item(rest, span).map(Item::Use),
+            Rule::let_rest => return self.let_item(rest, doc, span).map(Item::Let),
+            _ => {}
+        }
+        let head = self.head(rest, span);
+        match rule {
+            Rule::device_rest => self.device(head, doc, span).map(Item::Device),
+            Rule::scene_rest => self.scene(head, doc, span).map(Item::Scene),
+            Rule::task_rest => self.task(head, doc, span).map(Item::Task),
+            Rule::program_rest => self.program(head, doc, span).map(Item::Program),
+            _ => self.wiring(head, doc, span).map(Item::Wiring),
+        }
+    }
+
+    fn head<'i>(&mut self, rest: Node<'i>, span: Span) -> Head<'i> {
+        let mut head = Head::default();
+        let rule = rest.as_rule();
+        for part in self.children(rest) {
+            match part.as_rule() {
+                Rule::name => head.name = Some(self.declared(&part)),
+                Rule::path => {
+                    let path = self.path(part);
+                    head.paths.push(path);
+                }
+                Rule::scene_path => {
+                    head.scene = self.children(part).pop().map(|path| self.path(path));
+                }
+                Rule::parameters => {
+                    let parameters = self.children(part);
+                    head.parameters = parameters.into_iter().filter_map(|part| self.parameter(part)).collect();
+                }
+                Rule::fields | Rule::scene_block | Rule::block | Rule::wiring_block => head.block = Some(part),
+                Rule::kw_on | Rule::kw_in => {}
+                _ => {
+                    head.is_broken = true;
+                    if !Self::has_hole(&part) {
+                        let finding = errors::bad_head(self.span(&part), rule, span, self.source);
+                        self.report(finding);
+                    }
+                }
+            }
+        }
+        head
+    }
+
+    fn parameter(&mut self, node: Node) -> Option<Parameter> {
+        let span = self.span(&node);
+        let mut parts = self.children(node).into_iter();
+        let name = parts.next().map(|name| self.declared(&name))?;
+        let sort = parts.next().map(|sort| self.ident(&sort))?;
+        Some(Parameter { name, sort, span })
+    }
+
+    /// The name of a sound declaration; that of a broken one is kept aside, so that nobody calls it unknown.
+    fn name_of(&mut self, head: &mut Head) -> Option<Ident> {
+        let name = head.name.take()?;
+        if head.is_broken {
+            self.broken_names.push(name);
+            return None;
+        }
+        Some(name)
+    }
+
+    fn device(&mut self, mut head: Head, doc: Doc, span: Span) -> Option<Device> {
+        let fields = head.block.take().map(|block| self.fields(block)).unwrap_or_default();
+        let name = self.name_of(&mut head)?;
+        Some(Device { doc, name, base: head.paths.pop()?, fields, span })
+    }
+
+    fn scene(&mut self, mut head: Head, doc: Doc, span: Span) -> Option<Scene> {
+        let entries = head.block.take().map(|block| self.scene_entries(block)).unwrap_or_default();
+        let name = self.name_of(&mut head)?;
+        Some(Scene { doc, name, base: head.paths.pop(), entries, span })
+    }
+
+    fn task(&mut self, mut head: Head, doc: Doc, span: Span) -> Option<Task> {
+        let entries = head.block.take().map(|block| self.entries(block)).unwrap_or_default();
+        let name = self.name_of(&mut head)?;
+        let device = head.paths.pop()?;
+        Some(Task { doc, name, parameters: head.parameters, device, scene: head.scene, entries, span })
+    }
+
+    fn program(&mut self, mut head: Head, doc: Doc, span: Span) -> Option<Program> {
+        let entries = head.block.take().map(|block| self.entries(block)).unwrap_or_default();
+        let name = self.name_of(&mut head)?;
+        Some(Program { doc, name, parameters: head.parameters, entries, span })
+    }
+
+    fn wiring(&mut self, mut head: Head, doc: Doc, span: Span) -> Option<Wiring> {
+        let entries = head.block.take().map(|block| self.wires(block)).unwrap_or_default();
+        Some(Wiring { doc, device: head.paths.pop()?, entries, span })
+    }
+
+    fn use_item(&mut self, node: Node, span: Span) -> Option<Use> {
+        let mut path = None;
+        let mut alias = None;
+        for part in self.children(node) {
+            match part.as_rule() {
+                Rule::library => {
+                    let span = self.span(&part);
+                    let words = part.into_inner().map(|word| self.ident(&word)).collect();
+                    path = Some(UsePath::Library { words, span });
+                }
+                Rule::text => path = Some(UsePath::File(self.text(part))),
+                Rule::name => alias = Some(self.declared(&part)),
+                _ => {}
+            }
+        }
+        Some(Use { path: path?, alias, span })
+    }
+
+    fn let_item(&mut self, node: Node, doc: Doc, span: Span) -> Option<Let> {
+        let mut parts = self.children(node).into_iter();
+        let name = parts.next().map(|name| self.declared(&name))?;
+        let value = self.value(parts.next(), name.span);
+        Some(Let { doc, name, value, span })
+    }
+}

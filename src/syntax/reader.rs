@@ -1,0 +1,156 @@
+//! From pest's pairs to the tree: what every part of the walk shares.
+//!
+//! Input: the pairs of one text. Output: nodes of the tree with owned spans, and findings. Promise: a finding for every
+//! mark that the grammar left where it mended a mistake, and none for what `scan` has put a hole over.
+
+use super::errors;
+use super::grammar::{Node, Rule};
+use super::tree::{Doc, Expr, ExprKind, Ident};
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::source::{FileId, Span};
+
+/// Where a parsed fragment comes from.
+#[derive(Clone, Copy)]
+pub(super) struct Origin<'s> {
+    file: FileId,
+    source: &'s str,
+    /// Where in the text the fragment begins.
+    pub base: usize,
+}
+
+impl Origin<'_> {
+    /// The place of a node, widened to whole characters: the scan may have put a short spelling over a long character.
+    pub fn span(self, node: &Node) -> Span {
+        let span = node.as_span();
+        let start = self.source.floor_char_boundary(self.base + span.start());
+        let end = self.source.ceil_char_boundary(self.base + span.end());
+        Span::new(self.file, start, end)
+    }
+}
+
+/// Walks the pairs of one text.
+pub(super) struct Reader<'s> {
+    pub file: FileId,
+    /// The whole text as it was written, for messages.
+    pub source: &'s str,
+    /// The whole text, with holes over what could not be read.
+    pub text: &'s str,
+    pub origin: Origin<'s>,
+    pub findings: Vec<Diagnostic>,
+    /// Where the doc comments begin that belong to a declaration, in order.
+    pub attached_docs: Vec<usize>,
+    /// The names that unreadable declarations would have declared.
+    pub broken_names: Vec<Ident>,
+    /// The operators of the expressions that are open.
+    pub operators: usize,
+}
+
+impl<'s> Reader<'s> {
+    pub fn new(file: FileId, source: &'s str, text: &'s str, findings: Vec<Diagnostic>) -> Self {
+        Reader {
+            file,
+            source,
+            text,
+            origin: Origin { file, source, base: 0 },
+            findings,
+            attached_docs: Vec::new(),
+            broken_names: Vec::new(),
+            operators: 0,
+        }
+    }
+
+    pub fn report(&mut self, finding: Diagnostic) {
+        self.findings.push(finding);
+    }
+
+    pub fn span(&self, node: &Node) -> Span {
+        self.origin.span(node)
+    }
+
+    /// The node's children without comments and marks; marks are reported on the way.
+    pub fn children<'i>(&mut self, node: Node<'i>) -> Vec<Node<'i>> {
+        let mut children: Vec<Node> = node.into_inner().collect();
+        children.retain(|child| !self.is_mark(child));
+        children
+    }
+
+    fn is_mark(&mut self, node: &Node) -> bool {
+        let finding: fn(Span, &str) -> Diagnostic = match node.as_rule() {
+            Rule::comment | Rule::unclosed | Rule::stray_docs | Rule::file_docs => return true,
+            Rule::late => errors::late_brace,
+            Rule::late_operator => errors::leading_operator,
+            Rule::late_preposition => errors::leading_preposition,
+            Rule::blank_before => errors::blank_before_bracket,
+            Rule::wrong_colon => errors::wrong_colon,
+            Rule::wrong_equals => errors::wrong_equals,
+            Rule::joined | Rule::joined_item => errors::joined,
+            _ => return false,
+        };
+        let finding = finding(self.span(node), self.source);
+        self.report(finding);
+        true
+    }
+
+    pub fn ident(&self, node: &Node) -> Ident {
+        Ident { text: node.as_str().to_owned(), span: self.span(node) }
+    }
+
+    /// A word that gets a name here, and so must not be a reserved one.
+    pub fn declared(&mut self, node: &Node) -> Ident {
+        let ident = self.ident(node);
+        if super::RESERVED.contains(&ident.text.as_str()) {
+            self.report(errors::reserved_name(&ident));
+        }
+        ident
+    }
+
+    /// The text of doc comments that belong to what follows.
+    pub fn doc(&mut self, node: Node) -> Doc {
+        let mut lines = Vec::new();
+        for line in node.into_inner() {
+            match line.as_rule() {
+                Rule::doc | Rule::file_doc => {
+                    self.attached_docs.push(self.origin.base + line.as_span().start());
+                    let words = line.as_str()[3..].trim_end();
+                    lines.push(words.strip_prefix(' ').unwrap_or(words).to_owned());
+                }
+                _ => {}
+            }
+        }
+        (!lines.is_empty()).then(|| lines.join("\n"))
+    }
+
+    /// A place where a value should stand and none does.
+    pub fn missing(&mut self, node: &Node) -> Expr {
+        let span = self.span(node);
+        let finding = errors::missing_value(span, self.source);
+        self.report(finding);
+        Expr { kind: ExprKind::Error, span }
+    }
+
+    /// The doc comments that belong to no declaration.
+    pub fn misplaced_docs(&mut self, docs: &[Span]) {
+        self.attached_docs.sort_unstable();
+        for &doc in docs {
+            if self.attached_docs.binary_search(&(doc.start as usize)).is_err() {
+                self.report(errors::misplaced_doc(doc, self.source));
+            }
+        }
+    }
+
+    /// Hands the findings on; whether there is an error among them.
+    pub fn tell(self, sink: &mut Sink) -> bool {
+        let mut findings = self.findings;
+        findings.sort_by_key(|finding| finding.span().map(|span| span.start));
+        let has_error = findings.iter().any(Diagnostic::is_error);
+        for finding in findings {
+            sink.push(finding);
+        }
+        has_error
+    }
+
+    /// Whether the scan has already reported something in this node.
+    pub fn has_hole(node: &Node) -> bool {
+        node.as_str().contains(super::scan::HOLE)
+    }
+}

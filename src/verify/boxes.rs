@@ -1,0 +1,75 @@
+//! Which of many boxes meet a box: a two-level list that spares most comparisons.
+//!
+//! Input: axis-aligned boxes. Output: those that meet an area, touching included, in the order of their indices. Cost of a query: the number of groups
+//! plus the members of the groups that meet the area.
+
+use nalgebra::Point2;
+
+/// How many boxes share one outer box.
+const GROUP: usize = 32;
+
+/// An axis-aligned box, borders included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Extent {
+    pub low: [f64; 2],
+    pub high: [f64; 2],
+}
+
+impl Extent {
+    /// The least box about some points; of no points, a box that meets none.
+    pub fn of(points: &[Point2<f64>]) -> Extent {
+        let none = Extent { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
+        points.iter().fold(none, |all, point| all.with(Extent { low: [point.x, point.y], high: [point.x, point.y] }))
+    }
+
+    /// The same, wider on all sides.
+    pub fn grown(self, by: f64) -> Extent {
+        Extent { low: self.low.map(|value| value - by), high: self.high.map(|value| value + by) }
+    }
+
+    fn with(self, other: Extent) -> Extent {
+        let axis = |pick: fn(f64, f64) -> f64, a: [f64; 2], b: [f64; 2]| [pick(a[0], b[0]), pick(a[1], b[1])];
+        Extent { low: axis(f64::min, self.low, other.low), high: axis(f64::max, self.high, other.high) }
+    }
+
+    fn meets(&self, other: &Extent) -> bool {
+        (0..2).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
+    }
+
+    fn centre(&self, axis: usize) -> f64 {
+        self.low[axis] / 2.0 + self.high[axis] / 2.0
+    }
+}
+
+/// Boxes, each with the index under which it was given, in groups of neighbours.
+#[derive(Debug, Default)]
+pub(super) struct Boxes {
+    groups: Vec<(Extent, Vec<(Extent, usize)>)>,
+}
+
+impl Boxes {
+    /// Sorts boxes into groups: strips by x, within a strip runs by y.
+    pub fn new(extents: impl Iterator<Item = Extent>) -> Boxes {
+        let mut all: Vec<(Extent, usize)> = extents.enumerate().map(|(index, extent)| (extent, index)).collect();
+        let strips = (all.len() as f64 / GROUP as f64).sqrt().ceil().max(1.0) as usize;
+        let strip = all.len().div_ceil(strips).max(1);
+        all.sort_by(|a, b| a.0.centre(0).total_cmp(&b.0.centre(0)));
+        let mut groups = Vec::new();
+        for strip in all.chunks_mut(strip) {
+            strip.sort_by(|a, b| a.0.centre(1).total_cmp(&b.0.centre(1)));
+            groups.extend(strip.chunks(GROUP).map(|group| {
+                let outer = group.iter().skip(1).fold(group[0].0, |outer, (extent, _)| outer.with(*extent));
+                (outer, group.to_vec())
+            }));
+        }
+        Boxes { groups }
+    }
+
+    /// The indices of the boxes that meet an area, ascending.
+    pub fn meeting(&self, area: &Extent) -> Vec<usize> {
+        let near = self.groups.iter().filter(|(outer, _)| outer.meets(area)).flat_map(|(_, group)| group);
+        let mut found: Vec<usize> = near.filter(|(extent, _)| extent.meets(area)).map(|(_, index)| *index).collect();
+        found.sort_unstable();
+        found
+    }
+}

@@ -1,0 +1,211 @@
+//! Second round: the runs and steps of the schedule are those of the claims; and the timeline of the claims.
+//!
+//! Input: a schedule that `form` found nothing in. Output: a [`Run`] for each job, and the jobs in the order in which
+//! devices meet them. Promise: if [`runs`] finds nothing, the steps of a run are those of its task, follow each other without a gap
+//! from the run's start to its end, and hold all their actuations.
+
+use super::rule::{Findings, Rule, Violation, ms};
+use crate::check::claims::{Claims, Job, Order, Timeline};
+use crate::schedule::{Actuation, PlanRecord, Schedule, Step};
+use std::collections::BTreeMap;
+
+/// A job, and what the schedule makes of it.
+#[derive(Debug)]
+pub(super) struct Run<'a> {
+    pub schedule: &'a Schedule,
+    pub job: &'a Job,
+    pub plan: &'a PlanRecord,
+    /// Indices of the schedule's steps, in order.
+    pub steps: Vec<usize>,
+    /// By start, then channel.
+    pub actuations: Vec<&'a Actuation>,
+}
+
+impl<'a> Run<'a> {
+    /// The step of a place in the run.
+    pub fn step(&self, nth: usize) -> &'a Step {
+        &self.schedule.steps[self.steps[nth]]
+    }
+
+    /// The first instant after the run.
+    pub fn end_ns(&self) -> u64 {
+        self.plan.start_ns + self.plan.duration_ns
+    }
+}
+
+/// Pairs jobs with plans, steps and actuations.
+pub(super) fn runs<'a>(schedule: &'a Schedule, claims: &'a Claims, findings: &mut Findings) -> Vec<Run<'a>> {
+    plans(schedule, claims, findings);
+    if !findings.is_empty() {
+        return Vec::new();
+    }
+    let runs = paired(schedule, claims);
+    for run in &runs {
+        steps(run, findings);
+    }
+    intervals(schedule, findings);
+    devices(schedule, findings);
+    runs
+}
+
+fn plans(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    let mut find = |time_ns, title| findings.push(Violation::new(Rule::Plan, time_ns, title));
+    if schedule.name != claims.name {
+        find(0, format!("the schedule is of `{}`, not of `{}`", schedule.name, claims.name));
+    }
+    if schedule.plans.len() != claims.jobs.len() {
+        let (plans, jobs) = (schedule.plans.len(), claims.jobs.len());
+        find(0, format!("the schedule holds {plans} plans, but the program runs {jobs} tasks"));
+    }
+    for (index, (plan, job)) in schedule.plans.iter().zip(&claims.jobs).enumerate() {
+        let (kind, claimed) = (plan.kind.name(), job.kind().name());
+        let pairs = [("task", &*plan.task, &*job.task), ("device", &plan.device, &job.device), ("kind", kind, claimed)];
+        for (what, recorded, claimed) in pairs.into_iter().filter(|(_, recorded, claimed)| recorded != claimed) {
+            find(plan.start_ns, format!("plan {index} has the {what} `{recorded}`, the program says `{claimed}`"));
+        }
+    }
+}
+
+fn paired<'a>(schedule: &'a Schedule, claims: &'a Claims) -> Vec<Run<'a>> {
+    let pair = |(plan, job)| Run { schedule, job, plan, steps: Vec::new(), actuations: Vec::new() };
+    let mut runs: Vec<Run> = schedule.plans.iter().zip(&claims.jobs).map(pair).collect();
+    for (index, step) in schedule.steps.iter().enumerate() {
+        runs[step.plan as usize].steps.push(index);
+    }
+    for actuation in &schedule.actuations {
+        let step = &schedule.steps[actuation.step as usize];
+        runs[step.plan as usize].actuations.push(actuation);
+    }
+    runs
+}
+
+fn steps(run: &Run, findings: &mut Findings) {
+    let Order::Dimibot(order) = &run.job.order;
+    let (recorded, claimed) = (run.steps.len(), order.steps.len());
+    if recorded != claimed {
+        let title = format!("the run of `{}` has {recorded} steps, but the task has {claimed}", run.job.task);
+        findings.push(Violation::new(Rule::Step, run.plan.start_ns, title).label(run.job.span, "this task"));
+        return;
+    }
+    let mut due_ns = run.plan.start_ns;
+    for index in &run.steps {
+        let step = &run.schedule.steps[*index];
+        if step.task != run.job.task {
+            let title = format!("step {index} is of the task `{}`, in a run of `{}`", step.task, run.job.task);
+            findings.push(Violation::new(Rule::Step, step.start_ns, title).step(*index));
+        }
+        if step.start_ns != due_ns {
+            let title = format!("step {index} starts at {}, but is due at {}", ms(step.start_ns), ms(due_ns));
+            findings.push(Violation::new(Rule::Step, step.start_ns, title).step(*index));
+        }
+        due_ns = step.start_ns + step.duration_ns;
+    }
+    if due_ns != run.end_ns() {
+        let title =
+            format!("the run of `{}` ends at {}, but its steps end at {}", run.job.task, ms(run.end_ns()), ms(due_ns));
+        findings.push(Violation::new(Rule::Step, run.end_ns(), title).label(run.job.run_span, "this run"));
+    }
+}
+
+fn intervals(schedule: &Schedule, findings: &mut Findings) {
+    for (index, actuation) in schedule.actuations.iter().enumerate() {
+        let step = &schedule.steps[actuation.step as usize];
+        let end_ns = step.start_ns + step.duration_ns;
+        if actuation.start_ns < step.start_ns || actuation.end_ns() > end_ns {
+            let title = format!(
+                "actuation {index} lasts from {} to {}, outside its step from {} to {}",
+                ms(actuation.start_ns),
+                ms(actuation.end_ns()),
+                ms(step.start_ns),
+                ms(end_ns)
+            );
+            let violation = Violation::new(Rule::Interval, actuation.start_ns, title);
+            findings.push(violation.step(actuation.step as usize));
+        }
+    }
+}
+
+fn devices(schedule: &Schedule, findings: &mut Findings) {
+    for (index, actuation) in schedule.actuations.iter().enumerate() {
+        let channel = &schedule.channels[actuation.channel as usize];
+        let plan = &schedule.plans[schedule.steps[actuation.step as usize].plan as usize];
+        if channel.device != plan.device {
+            let title = format!(
+                "actuation {index} is on `{}` of the device `{}`, in a run on `{}`",
+                channel.name, channel.device, plan.device
+            );
+            let violation = Violation::new(Rule::Interval, actuation.start_ns, title);
+            findings.push(violation.step(actuation.step as usize));
+        }
+    }
+}
+
+/// Checks when runs begin and end. Returns all jobs, those of one device in the order in which it meets them.
+pub(super) fn timeline(schedule: &Schedule, claims: &Claims, findings: &mut Findings) -> Vec<usize> {
+    let mut order = Vec::with_capacity(claims.jobs.len());
+    let end_ns = walk(&claims.timeline, 0, (schedule, claims), &mut order, findings);
+    if schedule.duration_ns != end_ns {
+        let title = format!("the schedule lasts {}, but its last run ends at {}", ms(schedule.duration_ns), ms(end_ns));
+        findings.push(Violation::new(Rule::Timeline, end_ns, title).label(claims.span, "this program"));
+    }
+    busy(schedule, claims, findings);
+    order
+}
+
+/// The end of a part of the timeline that starts at an instant. Saturates: the end of the clock is no end that a schedule can reach.
+fn walk(
+    part: &Timeline,
+    start_ns: u64,
+    (schedule, claims): (&Schedule, &Claims),
+    order: &mut Vec<usize>,
+    findings: &mut Findings,
+) -> u64 {
+    match part {
+        Timeline::Wait(duration_ns) => start_ns.saturating_add(*duration_ns),
+        Timeline::Sequence(parts) => {
+            parts.iter().fold(start_ns, |at_ns, part| walk(part, at_ns, (schedule, claims), order, findings))
+        }
+        Timeline::Together(parts) => parts
+            .iter()
+            .fold(start_ns, |end_ns, part| end_ns.max(walk(part, start_ns, (schedule, claims), order, findings))),
+        Timeline::Run(job) => {
+            order.push(*job);
+            let (plan, job) = (&schedule.plans[*job], &claims.jobs[*job]);
+            if plan.start_ns != start_ns {
+                let title = format!(
+                    "the run of `{}` starts at {}, but is due at {}",
+                    job.task,
+                    ms(plan.start_ns),
+                    ms(start_ns)
+                );
+                findings.push(Violation::new(Rule::Timeline, plan.start_ns, title).label(job.run_span, "this run"));
+            }
+            start_ns.saturating_add(plan.duration_ns)
+        }
+    }
+}
+
+fn busy(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    let mut by_device: BTreeMap<&str, Vec<(&PlanRecord, &Job)>> = BTreeMap::new();
+    for (plan, job) in schedule.plans.iter().zip(&claims.jobs).filter(|(plan, _)| plan.duration_ns > 0) {
+        by_device.entry(&job.device).or_default().push((plan, job));
+    }
+    for (device, mut runs) in by_device {
+        runs.sort_by_key(|(plan, _)| plan.start_ns);
+        for pair in runs.windows(2) {
+            let ((first, one), (second, other)) = (pair[0], pair[1]);
+            let end_ns = first.start_ns + first.duration_ns;
+            if second.start_ns < end_ns {
+                let title = format!(
+                    "`{device}` begins `{}` at {}, but runs `{}` until {}",
+                    other.task,
+                    ms(second.start_ns),
+                    one.task,
+                    ms(end_ns)
+                );
+                let violation = Violation::new(Rule::Busy, second.start_ns, title);
+                findings.push(violation.label(other.run_span, "this run").label(one.run_span, "overlaps this one"));
+            }
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! Where the tip of a DiMiBot is, and what it touches there.
+//!
+//! Input: cells and the order's obstacles. Places come from the kinematic matrix, never from the lattice formula; bodies are
+//! grown by tip radius and repeatability, lattice cells are not. Promise: a body is touched exactly if its distance is no larger than
+//! its growth, up to the rounding of [`crate::geometry::distance`].
+
+use super::super::Unfit;
+use super::super::boxes::{Boxes, Extent};
+use crate::check::claims::{Action, Asked, Body, DimibotOrder, Stop};
+use crate::device::dimibot::{Cell, Facts, MAX_MODULES};
+use crate::geometry::distance::{quadrilateral_core, segment_core};
+use crate::geometry::shape::{Core, MAX_EXTENT_UM, Rounded};
+use crate::quantity::digits;
+use nalgebra::{Point2, Vector2};
+
+/// How much wider than it is a body counts when boxes are compared, so that rounding hides none.
+const BOX_MARGIN_UM: f64 = 1e-6;
+
+/// Share of a length by which a place may be off its limit, for the rounding of the checker.
+const TOLERANCE: f64 = 1e-9;
+
+/// Asks what the replay takes for granted of claims.
+pub(in super::super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> {
+    let facts = &order.facts;
+    let unfit = |why: &str| Err(Unfit(format!("the claims of a dimibot {why}")));
+    if ![facts.left, facts.right].iter().all(|modules| (1..=MAX_MODULES).contains(modules)) {
+        return unfit("give it no module on a side, or too many");
+    }
+    let positive = [facts.stroke_um, facts.gain, facts.pulse_voltage_v, facts.pulse_current_a];
+    let others = [facts.repeatability_um, facts.tip_radius_um];
+    if !positive.iter().all(|value| value.is_finite() && *value > 0.0)
+        || !others.iter().all(|value| value.is_finite() && *value >= 0.0)
+        || facts.gain * facts.stroke_um > MAX_EXTENT_UM
+        || !(facts.pulse_voltage_v * facts.pulse_current_a).is_finite()
+    {
+        return unfit("hold a field out of its range");
+    }
+    if facts.pulse_duration_ns == 0 || facts.pulse_duration_ns.checked_add(facts.rest_ns).is_none() {
+        return unfit("hold a pulse without length or a rest without end");
+    }
+    let stops = order.steps.iter().flat_map(|step| match &step.action {
+        Action::Move(stops) | Action::Visit(stops) => stops.as_slice(),
+        Action::Wait(_) => &[],
+    });
+    let start = order.start.as_ref().map(|start| start.value);
+    if !stops.map(|stop| stop.cell).chain(start).chain([facts.home]).all(|cell| facts.holds(cell)) {
+        return unfit("name a cell that it does not have");
+    }
+    Ok(())
+}
+
+/// Nominal place of the end-effector in the frame R1.
+pub(super) fn place(facts: &Facts, cell: Cell) -> Point2<f64> {
+    Point2::from(Facts::workspace_frame() * facts.displacement_um(cell))
+}
+
+/// The obstacles of an order, ready to be asked.
+pub(super) struct Scene<'a> {
+    facts: &'a Facts,
+    solids: Vec<(usize, Rounded)>,
+    solid_boxes: Boxes,
+    blocks: Vec<(usize, [Cell; 2])>,
+    block_boxes: Boxes,
+}
+
+/// What is touched.
+pub(super) struct Touch {
+    /// Index of the order's obstacles: the first one touched.
+    pub obstacle: usize,
+    /// How many more are touched.
+    others: usize,
+    /// Distance from the first one's own surface, negative never; without it for cells.
+    gap_um: Option<f64>,
+}
+
+impl Touch {
+    /// The end of a title.
+    pub fn told(&self, order: &DimibotOrder) -> String {
+        let name = &order.obstacles[self.obstacle].name;
+        let others = match self.others {
+            0 => String::new(),
+            others => format!(" and {others} more"),
+        };
+        match self.gap_um {
+            None => format!("which touches the cells of `{name}`{others}"),
+            Some(gap_um) => {
+                let (gap, growth) = (digits(gap_um), digits(order.facts.growth_um()));
+                format!("with a gap of {gap} um to `{name}`{others}, more than {growth} um is needed")
+            }
+        }
+    }
+}
+
+impl<'a> Scene<'a> {
+    /// Places and grows the obstacles.
+    ///
+    /// # Errors
+    /// When a shape is none.
+    pub fn new(order: &'a DimibotOrder) -> Result<Scene<'a>, Unfit> {
+        let (mut solids, mut blocks) = (Vec::new(), Vec::new());
+        for (index, obstacle) in order.obstacles.iter().enumerate() {
+            match &obstacle.body {
+                Body::Cells { from, to } => blocks.push((index, [*from, *to])),
+                Body::Solid { shape, pose } => {
+                    let body = shape.grown(pose, order.facts.growth_um());
+                    let unfit = |why| Unfit(format!("the claims' obstacle `{}` has no shape: {why:?}", obstacle.name));
+                    solids.push((index, body.map_err(unfit)?));
+                }
+            }
+        }
+        let solid_boxes = Boxes::new(solids.iter().map(|(_, body)| extent(body)));
+        let block_boxes = Boxes::new(blocks.iter().map(|(_, corners)| Extent::of(&corners.map(lattice_point))));
+        Ok(Scene { facts: &order.facts, solids, solid_boxes, blocks, block_boxes })
+    }
+
+    /// What the tip touches in the rectangle between two cells, `low` the lower one in both axes; a rectangle without width
+    /// is the way of a single module, one without any extent a place.
+    pub fn touch(&self, low: Cell, high: Cell) -> Option<Touch> {
+        let solids = self.touched_solids(low, high);
+        let blocks = self.touched_blocks(low, high);
+        let others = (solids.len() + blocks.len()).checked_sub(1)?;
+        let first = solids.iter().copied().chain(blocks.iter().map(|index| (*index, None)));
+        let (obstacle, gap_um) = first.min_by_key(|(index, _)| *index)?;
+        Some(Touch { obstacle, others, gap_um })
+    }
+
+    fn touched_solids(&self, low: Cell, high: Cell) -> Vec<(usize, Option<f64>)> {
+        let corners = [low, Cell { x: high.x, ..low }, high, Cell { y: high.y, ..low }].map(|c| place(self.facts, c));
+        let distance = |core: &Core| match low.x == high.x || low.y == high.y {
+            true => segment_core([corners[0], corners[2]], core),
+            false => quadrilateral_core(corners, core),
+        };
+        let area = Extent::of(&corners).grown(BOX_MARGIN_UM);
+        let near = self.solid_boxes.meeting(&area).into_iter().map(|at| &self.solids[at]);
+        let measured = near.map(|(index, body)| (*index, body.radius_um, distance(&body.core)));
+        let gap_um = |radius_um: f64, distance_um: f64| (distance_um - (radius_um - self.facts.growth_um())).max(0.0);
+        measured
+            .filter(|(_, radius_um, distance_um)| distance_um <= radius_um)
+            .map(|(index, radius_um, distance_um)| (index, Some(gap_um(radius_um, distance_um))))
+            .collect()
+    }
+
+    /// The paper's rule: a row or column of cells is touched if one of its cells is, the two ends included.
+    fn touched_blocks(&self, low: Cell, high: Cell) -> Vec<usize> {
+        let area = Extent::of(&[low, high].map(lattice_point));
+        let near = self.block_boxes.meeting(&area).into_iter().map(|at| &self.blocks[at]);
+        let meets = |[from, to]: &[Cell; 2]| from.x <= high.x && low.x <= to.x && from.y <= high.y && low.y <= to.y;
+        near.filter(|(_, corners)| meets(corners)).map(|(index, _)| *index).collect()
+    }
+}
+
+fn lattice_point(cell: Cell) -> Point2<f64> {
+    Point2::new(f64::from(cell.x), f64::from(cell.y))
+}
+
+fn extent(body: &Rounded) -> Extent {
+    let core = match &body.core {
+        Core::Point(point) => Extent::of(&[*point]),
+        Core::Segment(ends) => Extent::of(ends),
+        Core::Polygon(corners) => Extent::of(corners),
+    };
+    core.grown(body.radius_um + BOX_MARGIN_UM)
+}
+
+/// Why a cell is not the one to be taken for a place, if it is not: the place lies more than half a pitch off along an axis, or
+/// farther than the precision.
+pub(super) fn misplaced(order: &DimibotOrder, stop: &Stop) -> Option<String> {
+    let Asked::Place([x_um, y_um]) = stop.asked else { return None };
+    let (facts, cell) = (&order.facts, stop.cell);
+    let origin = place(facts, Cell { x: 0, y: 0 });
+    let pitch_um = Vector2::new(
+        (place(facts, Cell { x: 1, y: 0 }) - origin).norm(),
+        (place(facts, Cell { x: 0, y: 1 }) - origin).norm(),
+    );
+    let off_um = Point2::new(x_um, y_um) - place(facts, cell);
+    let half = |axis: usize| pitch_um[axis] / 2.0 + TOLERANCE * (1.0 + facts.gain * facts.stroke_um);
+    let near = (0..2).all(|axis| off_um[axis].abs() <= half(axis));
+    let (x, y, off) = (digits(x_um), digits(y_um), digits(off_um.norm()));
+    if !near {
+        return Some(format!("cell {cell} stands for ({x}, {y}) um, {off} um off, but is not the nearest to it"));
+    }
+    let limit_um = order.precision_um?;
+    let precise = off_um.norm() <= limit_um * (1.0 + TOLERANCE);
+    (!precise).then(|| {
+        let limit = digits(limit_um);
+        format!("cell {cell} is {off} um off the place ({x}, {y}) um, at most {limit} um is demanded")
+    })
+}

@@ -1,0 +1,169 @@
+//! First round: is it a schedule at all, and for these devices.
+//!
+//! Input: a schedule as it was read, and the claims. Promise: if nothing is found, every index names something, no sum of a
+//! start and a duration overflows, every number is finite, and every channel is one of a claimed device.
+
+use super::dimibot;
+use super::rule::{Findings, Rule, Violation, ms};
+use crate::check::claims::{Claims, Order};
+use crate::schedule::{Actuation, Schedule, State, Unit};
+use std::collections::{BTreeMap, BTreeSet};
+
+pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    references(schedule, findings);
+    actuation_numbers(schedule, findings);
+    clock_numbers(schedule, findings);
+    figures(schedule, findings);
+    channels(schedule, claims, findings);
+    wires(schedule, claims, findings);
+    if findings.is_empty() {
+        order(schedule, findings);
+        overlaps(schedule, findings);
+    }
+}
+
+fn references(schedule: &Schedule, findings: &mut Findings) {
+    let mut find = |what: &str, index: usize, of: &str, named: u32, known: usize, time_ns: u64| {
+        if named as usize >= known {
+            let title = format!("{what} {index} names {of} {named}, but there are {known}");
+            findings.push(Violation::new(Rule::Reference, time_ns, title));
+        }
+    };
+    for (index, actuation) in schedule.actuations.iter().enumerate() {
+        find("actuation", index, "channel", actuation.channel, schedule.channels.len(), actuation.start_ns);
+        find("actuation", index, "step", actuation.step, schedule.steps.len(), actuation.start_ns);
+    }
+    for (index, step) in schedule.steps.iter().enumerate() {
+        find("step", index, "plan", step.plan, schedule.plans.len(), step.start_ns);
+    }
+}
+
+fn actuation_numbers(schedule: &Schedule, findings: &mut Findings) {
+    for (index, actuation) in schedule.actuations.iter().enumerate() {
+        let Actuation { start_ns, duration_ns, from, to, .. } = *actuation;
+        let fault = if duration_ns == 0 {
+            "lasts 0 ns, more than 0 ns is needed".to_owned()
+        } else if start_ns.checked_add(duration_ns).is_none() {
+            past_the_clock(start_ns, duration_ns)
+        } else if !from.is_finite() || !to.is_finite() {
+            format!("goes from {from} to {to}, but both must be finite")
+        } else {
+            continue;
+        };
+        findings.push(Violation::new(Rule::Number, start_ns, format!("actuation {index} {fault}")));
+    }
+}
+
+fn past_the_clock(start_ns: u64, duration_ns: u64) -> String {
+    format!("starts at {start_ns} ns and lasts {duration_ns} ns, but the clock ends at {} ns", u64::MAX)
+}
+
+fn clock_numbers(schedule: &Schedule, findings: &mut Findings) {
+    let steps = schedule.steps.iter().map(|step| ("step", step.start_ns, step.duration_ns)).enumerate();
+    let plans = schedule.plans.iter().map(|plan| ("plan", plan.start_ns, plan.duration_ns)).enumerate();
+    for (index, (what, start_ns, duration_ns)) in steps.chain(plans) {
+        if start_ns.checked_add(duration_ns).is_none() {
+            let title = format!("{what} {index} {}", past_the_clock(start_ns, duration_ns));
+            findings.push(Violation::new(Rule::Number, start_ns, title));
+        }
+    }
+}
+
+fn figures(schedule: &Schedule, findings: &mut Findings) {
+    for (index, plan) in schedule.plans.iter().enumerate() {
+        let named = [("cost", plan.cost), ("bound", plan.bound)].into_iter();
+        let outcomes = plan.outcomes.iter().map(|(name, value)| (name.as_str(), *value));
+        for (name, value) in named.chain(outcomes).filter(|(_, value)| !value.is_finite() || *value < 0.0) {
+            let title = format!("`{name}` of plan {index} is {value}, but must be finite and 0 or above");
+            findings.push(Violation::new(Rule::Number, plan.start_ns, title));
+        }
+        for (at, timed) in plan.states.iter().enumerate() {
+            let State::Dimibot { position_um, .. } = &timed.state;
+            if !position_um.iter().all(|value| value.is_finite()) {
+                let title = format!("state {at} of plan {index} stands at {position_um:?}, but both must be finite");
+                findings.push(Violation::new(Rule::Number, timed.t_ns, title));
+            }
+        }
+    }
+}
+
+fn channels(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    let known = known_channels(claims);
+    let mut met = BTreeSet::new();
+    for channel in &schedule.channels {
+        let fault = match known.get(&channel.name) {
+            None => format!("channel `{}` is none of the devices of this program", channel.name),
+            Some((device, _)) if *device != channel.device => {
+                format!("channel `{}` is of the device `{device}`, not of `{}`", channel.name, channel.device)
+            }
+            Some((_, unit)) if *unit != channel.unit => {
+                format!("channel `{}` is in {}, not in {}", channel.name, unit.symbol(), channel.unit.symbol())
+            }
+            Some(_) if !met.insert(channel.name.as_str()) => format!("channel `{}` is listed twice", channel.name),
+            Some(_) => continue,
+        };
+        findings.push(Violation::new(Rule::Channel, 0, fault));
+    }
+}
+
+/// Every channel that a claimed device has, with the device and what its numbers are.
+fn known_channels(claims: &Claims) -> BTreeMap<String, (&str, Unit)> {
+    let orders: BTreeMap<&str, &Order> = claims.jobs.iter().map(|job| (job.device.as_str(), &job.order)).collect();
+    let of_device = |(device, order): (&'_ str, &Order)| match order {
+        Order::Dimibot(order) => dimibot::actuators(device, &order.facts).into_keys().map(|name| (name, Unit::Volt)),
+    };
+    orders
+        .into_iter()
+        .flat_map(|(device, order)| of_device((device, order)).map(move |(n, u)| (n, (device, u))))
+        .collect()
+}
+
+fn wires(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    let shown = |wire: Option<&String>| wire.map_or("none".to_owned(), |wire| format!("`{wire}`"));
+    for channel in &schedule.channels {
+        let (recorded, claimed) = (channel.wire.as_ref(), claims.wires.get(&channel.name));
+        if recorded != claimed {
+            let title = format!(
+                "channel `{}` has {} as its wire, the program says {}",
+                channel.name,
+                shown(recorded),
+                shown(claimed)
+            );
+            findings.push(Violation::new(Rule::Wire, 0, title));
+        }
+    }
+}
+
+fn order(schedule: &Schedule, findings: &mut Findings) {
+    let key = |actuation: &Actuation| (actuation.start_ns, actuation.channel);
+    for (index, pair) in schedule.actuations.windows(2).enumerate() {
+        if key(&pair[0]) > key(&pair[1]) {
+            let title = format!(
+                "actuation {} starts at {} on channel {}, but stands after one at {} on channel {}",
+                index + 1,
+                ms(pair[1].start_ns),
+                pair[1].channel,
+                ms(pair[0].start_ns),
+                pair[0].channel
+            );
+            findings.push(Violation::new(Rule::Order, pair[1].start_ns, title).step(pair[1].step as usize));
+        }
+    }
+}
+
+fn overlaps(schedule: &Schedule, findings: &mut Findings) {
+    let mut by_channel: Vec<&Actuation> = schedule.actuations.iter().collect();
+    by_channel.sort_by_key(|actuation| (actuation.channel, actuation.start_ns));
+    for pair in by_channel.windows(2) {
+        let (first, second) = (pair[0], pair[1]);
+        if first.channel == second.channel && second.start_ns < first.end_ns() {
+            let title = format!(
+                "channel `{}` has a second value from {} on, but the first one lasts until {}",
+                schedule.channels[first.channel as usize].name,
+                ms(second.start_ns),
+                ms(first.end_ns())
+            );
+            findings.push(Violation::new(Rule::Overlap, second.start_ns, title).step(second.step as usize));
+        }
+    }
+}

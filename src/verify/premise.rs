@@ -1,0 +1,69 @@
+//! Whether the claims are such that a schedule can be held against them at all.
+//!
+//! Input: claims. Output: nothing, or why not. Claims that the checker made always pass; those of a hostile log may not,
+//! and the rules rely on what is asked here.
+
+use super::{Unfit, dimibot};
+use crate::check::claims::{Claims, Job, Order, Timeline};
+use std::collections::BTreeMap;
+
+/// How deep a timeline may nest.
+const MAX_DEPTH: usize = 256;
+
+/// Asks what every rule takes for granted.
+pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
+    let mut runs = vec![0; claims.jobs.len()];
+    count_runs(&claims.timeline, MAX_DEPTH, &mut runs)?;
+    if let Some(job) = runs.iter().position(|runs| *runs != 1) {
+        return Err(Unfit(format!("the claims run job {job} {} times in their timeline, not once", runs[job])));
+    }
+    let mut devices = BTreeMap::new();
+    for job in &claims.jobs {
+        requirements(job)?;
+        match &job.order {
+            Order::Dimibot(order) => dimibot::check_claims(order)?,
+        }
+        let first = devices.entry(job.device.as_str()).or_insert(job);
+        if !same_facts(first, job) {
+            return Err(Unfit(format!("the claims hold two sets of facts about the device `{}`", job.device)));
+        }
+    }
+    Ok(())
+}
+
+fn count_runs(timeline: &Timeline, depth: usize, runs: &mut [u64]) -> Result<(), Unfit> {
+    if depth == 0 {
+        return Err(Unfit(format!("the claims' timeline nests deeper than {MAX_DEPTH} levels")));
+    }
+    match timeline {
+        Timeline::Wait(_) => Ok(()),
+        Timeline::Sequence(parts) | Timeline::Together(parts) => {
+            parts.iter().try_for_each(|part| count_runs(part, depth - 1, runs))
+        }
+        Timeline::Run(job) => {
+            let known = runs.len();
+            let count = runs.get_mut(*job).ok_or_else(|| Unfit(format!("the claims run job {job} of {known} jobs")))?;
+            *count += 1;
+            Ok(())
+        }
+    }
+}
+
+fn requirements(job: &Job) -> Result<(), Unfit> {
+    let outcomes = job.kind().vocabulary().outcomes;
+    for requirement in &job.requirements {
+        if !outcomes.iter().any(|outcome| outcome.name == requirement.outcome) {
+            return Err(Unfit(format!("the claims limit `{}`, which is no outcome", requirement.outcome)));
+        }
+        if !requirement.limit.is_finite() {
+            return Err(Unfit(format!("the claims' limit of `{}` is not finite", requirement.outcome)));
+        }
+    }
+    Ok(())
+}
+
+fn same_facts(one: &Job, other: &Job) -> bool {
+    match (&one.order, &other.order) {
+        (Order::Dimibot(one), Order::Dimibot(other)) => one.facts == other.facts,
+    }
+}

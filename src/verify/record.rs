@@ -1,0 +1,232 @@
+//! Third round: what a plan's record says of itself, and what the task requires of the outcome.
+//!
+//! Input: a run and its replay. Figures agree when they differ by no more than [`TOLERANCE`], since the planner may add up in
+//! another order; counts and times then agree exactly, being far from that limit.
+
+use super::Replay;
+use super::clock::Run;
+use super::rule::{Findings, Rule, Violation, ms};
+use crate::check::claims::{Method, Objective, Order, Relation, Requirement};
+use crate::device::Outcome;
+use crate::quantity::{Dimension, Quantity, digits};
+use crate::schedule::{State, TimedState};
+
+/// Share of the larger one by which two figures may differ.
+const TOLERANCE: f64 = 1e-9;
+
+pub(super) fn check(run: &Run, replay: &Replay, findings: &mut Findings) {
+    names(run, findings);
+    cost(run, replay, findings);
+    bound(run, findings);
+    outcomes(run, replay, findings);
+    states(run, replay, findings);
+    requirements(run, replay, findings);
+}
+
+/// The name of the objective's outcome, the unit of its cost, and how many of that unit one SI unit is.
+fn measure(objective: Objective) -> (&'static str, &'static str, f64) {
+    match objective {
+        Objective::Distance => ("distance", "um", 1e6),
+        Objective::Switches => ("switches", "", 1.0),
+        Objective::Time => ("time", "ms", 1e3),
+        Objective::Energy => ("energy", "mJ", 1e3),
+    }
+}
+
+fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::LayeredAstar => "layered_astar",
+        Method::Dijkstra => "dijkstra",
+        Method::BidirectionalDijkstra => "bidirectional_dijkstra",
+        Method::Astar => "astar",
+        Method::HypercubeAstar => "hypercube_astar",
+    }
+}
+
+fn alike(one: f64, other: f64) -> bool {
+    (one - other).abs() <= TOLERANCE * one.abs().max(other.abs())
+}
+
+fn figure(run: &Run, title: String) -> Violation {
+    Violation::new(Rule::Figure, run.plan.start_ns, title).label(run.job.run_span, "this run")
+}
+
+fn names(run: &Run, findings: &mut Findings) {
+    let Order::Dimibot(order) = &run.job.order;
+    let (objective, unit, _) = measure(order.objective);
+    let named = [
+        ("planner", &run.plan.planner, method_name(order.planner.method)),
+        ("objective", &run.plan.objective, objective),
+        ("unit", &run.plan.unit, unit),
+    ];
+    for (what, recorded, claimed) in named.into_iter().filter(|(_, recorded, claimed)| recorded != claimed) {
+        let title = format!("the plan of `{}` has the {what} `{recorded}`, but `{claimed}` is due", run.job.task);
+        findings.push(figure(run, title));
+    }
+}
+
+fn cost(run: &Run, replay: &Replay, findings: &mut Findings) {
+    let Order::Dimibot(order) = &run.job.order;
+    let (objective, unit, scale) = measure(order.objective);
+    let replayed = replay.outcomes[objective] * scale;
+    if !alike(run.plan.cost, replayed) {
+        let (recorded, replayed) = apart(run.plan.cost, replayed);
+        let title =
+            format!("the cost of `{}` is said to be {recorded} {unit}, the replay gives {replayed}", run.job.task);
+        findings.push(figure(run, title));
+    }
+}
+
+fn bound(run: &Run, findings: &mut Findings) {
+    let (cost, bound, unit) = (run.plan.cost, run.plan.bound, &run.plan.unit);
+    let title = if alike(cost, bound) {
+        return;
+    } else if bound > cost {
+        let (bound, cost) = apart(bound, cost);
+        format!("the lower bound of `{}` is {bound} {unit}, above its cost of {cost} {unit}", run.job.task)
+    } else if run.plan.optimal {
+        let (bound, cost) = apart(bound, cost);
+        format!("`{}` is called optimal at {cost} {unit}, but its lower bound is only {bound} {unit}", run.job.task)
+    } else {
+        return;
+    };
+    findings.push(figure(run, title));
+}
+
+/// Two numbers that differ, so that they look different.
+fn apart(one: f64, other: f64) -> (String, String) {
+    let (short_one, short_other) = (digits(one), digits(other));
+    if short_one == short_other { (one.to_string(), other.to_string()) } else { (short_one, short_other) }
+}
+
+fn outcomes(run: &Run, replay: &Replay, findings: &mut Findings) {
+    let recorded = &run.plan.outcomes;
+    for Outcome { name, dimension, .. } in run.job.kind().vocabulary().outcomes {
+        let replayed = replay.outcomes[name];
+        let (recorded, replayed) = match recorded.get(*name) {
+            Some(value) if alike(*value, replayed) => continue,
+            Some(value) => quantities_apart(*value, replayed, *dimension),
+            None => ("unknown".to_owned(), Quantity::new(replayed, *dimension).to_string()),
+        };
+        let title = format!("the {name} of `{}` is said to be {recorded}, the replay gives {replayed}", run.job.task);
+        findings.push(figure(run, title));
+    }
+    for name in recorded.keys().filter(|name| !replay.outcomes.contains_key(name.as_str())) {
+        findings.push(figure(run, format!("the plan of `{}` has an unknown outcome `{name}`", run.job.task)));
+    }
+}
+
+fn states(run: &Run, replay: &Replay, findings: &mut Findings) {
+    let (recorded, replayed) = (&run.plan.states, &replay.states);
+    let differs = |(one, other): (&TimedState, &TimedState)| one.t_ns != other.t_ns || !same(&one.state, &other.state);
+    let first = recorded.iter().zip(replayed).position(differs);
+    let violation = match first {
+        Some(0) if recorded[0].t_ns == replayed[0].t_ns => {
+            let (recorded, replayed) = (shown(&recorded[0].state), shown(&replayed[0].state));
+            let title =
+                format!("the run of `{}` is said to start at {recorded}, but starts at {replayed}", run.job.task);
+            Violation::new(Rule::Start, run.plan.start_ns, title)
+        }
+        Some(at) => {
+            let (one, other) = (&recorded[at], &replayed[at]);
+            let title = format!(
+                "state {at} of `{}` is said to be {} from {} on, the replay gives {} from {} on",
+                run.job.task,
+                shown(&one.state),
+                ms(one.t_ns),
+                shown(&other.state),
+                ms(other.t_ns)
+            );
+            Violation::new(Rule::State, other.t_ns, title)
+        }
+        None if recorded.len() != replayed.len() => {
+            let (recorded, replayed) = (recorded.len(), replayed.len());
+            let title =
+                format!("the run of `{}` has {recorded} recorded states, the replay gives {replayed}", run.job.task);
+            Violation::new(Rule::State, run.end_ns(), title)
+        }
+        None => return,
+    };
+    findings.push(violation.label(run.job.run_span, "this run"));
+}
+
+fn same(recorded: &State, replayed: &State) -> bool {
+    let State::Dimibot { word, cell, position_um } = recorded;
+    let State::Dimibot { word: true_word, cell: true_cell, position_um: true_um } = replayed;
+    let near = |(one, other): (&f64, &f64)| (one - other).abs() <= TOLERANCE * other.abs().max(1.0);
+    word == true_word && cell == true_cell && position_um.iter().zip(true_um).all(near)
+}
+
+fn shown(state: &State) -> String {
+    let State::Dimibot { word, cell: [x, y], position_um: [x_um, y_um] } = state;
+    format!("cell ({x}, {y}), word {word}, at ({}, {}) um", digits(*x_um), digits(*y_um))
+}
+
+fn requirements(run: &Run, replay: &Replay, findings: &mut Findings) {
+    for requirement in &run.job.requirements {
+        let outcomes = run.job.kind().vocabulary().outcomes;
+        let outcome = outcomes.iter().find(|outcome| outcome.name == requirement.outcome);
+        let outcome = outcome.expect("the premise knows every limited outcome");
+        let value = replay.outcomes[outcome.name];
+        if !holds(value, requirement) {
+            findings.push(broken(run, requirement, outcome, value));
+        }
+    }
+}
+
+fn holds(value: f64, Requirement { relation, limit, .. }: &Requirement) -> bool {
+    let equal = alike(value, *limit);
+    match relation {
+        Relation::Less => value < *limit && !equal,
+        Relation::AtMost => value < *limit || equal,
+        Relation::Equal => equal,
+        Relation::AtLeast => value > *limit || equal,
+        Relation::More => value > *limit && !equal,
+    }
+}
+
+fn broken(run: &Run, requirement: &Requirement, outcome: &Outcome, value: f64) -> Violation {
+    let name = outcome.name;
+    let words = match requirement.relation {
+        Relation::Less => "less than",
+        Relation::AtMost => "at most",
+        Relation::Equal => "exactly",
+        Relation::AtLeast => "at least",
+        Relation::More => "more than",
+    };
+    let (value, limit) = quantities_apart(value, requirement.limit, outcome.dimension);
+    let title = format!("{name} of {value} in `{}`, {words} {limit} is required", run.job.task);
+    Violation::new(Rule::Requirement, run.end_ns(), title)
+        .label(requirement.span, format!("this limit; the plan takes {value}"))
+        .label(run.job.run_span, "in this run")
+        .help(mend(run, requirement.relation, name, &value))
+}
+
+fn mend(run: &Run, relation: Relation, name: &str, value: &str) -> String {
+    let limit = match relation {
+        Relation::AtMost | Relation::AtLeast | Relation::Equal => format!("a limit of {value} would hold"),
+        Relation::Less => format!("a limit above {value} would hold"),
+        Relation::More => format!("a limit below {value} would hold"),
+    };
+    match relation {
+        Relation::AtMost | Relation::Less if run.plan.objective == name => {
+            format!("{limit}; the plan is already made with `minimize {name}`")
+        }
+        Relation::AtMost | Relation::Less => format!("{limit}; `minimize {name}` may bring it down"),
+        Relation::Equal | Relation::AtLeast | Relation::More => limit,
+    }
+}
+
+/// Two quantities of one dimension, with all their digits where fewer would look alike.
+fn quantities_apart(one: f64, other: f64, dimension: Dimension) -> (String, String) {
+    let short = |si| Quantity::new(si, dimension).to_string();
+    if short(one) != short(other) || one == other {
+        return (short(one), short(other));
+    }
+    let unit = dimension.example_unit();
+    let long = |si| match unit.as_str() {
+        "" => format!("{si}"),
+        unit => format!("{} {unit}", Quantity::new(si, dimension).in_unit(unit)),
+    };
+    (long(one), long(other))
+}

@@ -1,0 +1,188 @@
+//! The rules, and what is said when one is broken.
+
+use crate::diagnostic::{Code, Diagnostic, Label};
+use crate::source::Span;
+
+/// What a schedule must keep: each rule has one function that checks it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Rule {
+    /// Every index names something.
+    Reference,
+    /// Numbers are finite, durations above zero, instants within the clock.
+    Number,
+    /// Actuations stand by start, then channel.
+    Order,
+    /// A channel has one value at a time.
+    Overlap,
+    /// Channels are those of the devices, each once.
+    Channel,
+    /// Wires are those of the claims.
+    Wire,
+    /// An actuation lies within its step, on its device.
+    Interval,
+    /// There is one plan for each job, of its task, device and kind.
+    Plan,
+    /// The steps of a run are those of its task, without a gap.
+    Step,
+    /// Runs begin and the schedule ends when the claims say so.
+    Timeline,
+    /// A device is in one run at a time.
+    Busy,
+    /// A wait lasts as long as claimed, and nothing is switched in it.
+    Wait,
+    /// The recorded planner, objective and figures are those of the claims and of the replay.
+    Figure,
+    /// The recorded states are those of the replay.
+    State,
+    /// Conditions on the outcome hold.
+    Requirement,
+    /// A device starts where it stands and where the task says.
+    Start,
+    /// Stops are reached, in their order where there is one.
+    Goal,
+    /// The cell taken for a place is its nearest, within the precision.
+    Place,
+    /// A pulse has the voltage and the duration of the device.
+    Pulse,
+    /// No module is switched before the rest after a pulse is over.
+    Rest,
+    /// No time is lost between the pulses of a step.
+    Idle,
+    /// A pulse changes the state of its module.
+    Switch,
+    /// A module is not set and reset at once.
+    Opposed,
+    /// Several modules are switched at once only where that is allowed.
+    Simultaneous,
+    /// The way of the tip is clear.
+    Sweep,
+    /// Every way that modules switched at once can take is clear.
+    Mixture,
+}
+
+impl Rule {
+    /// The code under which a violation is shown and explained.
+    pub fn code(self) -> Code {
+        match self {
+            Rule::Reference => Code::E0701,
+            Rule::Number => Code::E0702,
+            Rule::Order => Code::E0703,
+            Rule::Overlap => Code::E0704,
+            Rule::Channel => Code::E0705,
+            Rule::Wire => Code::E0706,
+            Rule::Interval => Code::E0707,
+            Rule::Plan => Code::E0708,
+            Rule::Step => Code::E0709,
+            Rule::Timeline => Code::E0710,
+            Rule::Busy => Code::E0711,
+            Rule::Wait => Code::E0712,
+            Rule::Figure => Code::E0713,
+            Rule::State => Code::E0714,
+            Rule::Requirement => Code::E0715,
+            Rule::Start => Code::E0716,
+            Rule::Goal => Code::E0717,
+            Rule::Place => Code::E0718,
+            Rule::Pulse => Code::E0721,
+            Rule::Rest => Code::E0722,
+            Rule::Idle => Code::E0723,
+            Rule::Switch => Code::E0724,
+            Rule::Opposed => Code::E0725,
+            Rule::Simultaneous => Code::E0726,
+            Rule::Sweep => Code::E0727,
+            Rule::Mixture => Code::E0728,
+        }
+    }
+}
+
+/// One breach of a rule.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Violation {
+    pub rule: Rule,
+    /// When it happens, from the schedule's beginning.
+    pub time_ns: u64,
+    pub title: String,
+    /// Index of the schedule's steps.
+    pub step: Option<u32>,
+    /// Places in the source that the claims know; without them where the claims were read without spans.
+    pub labels: Vec<Label>,
+    /// The mend, where it is in the user's hands.
+    pub help: Option<String>,
+}
+
+/// What remains to be said where the program is not to blame.
+const NOT_THE_PROGRAM: &str = "a schedule fresh from `tweeze build` never breaks this rule, so report it as a bug with the \
+     program; a log that breaks it was edited, or made for another device";
+
+impl Violation {
+    pub(super) fn new(rule: Rule, time_ns: u64, title: impl Into<String>) -> Self {
+        Violation { rule, time_ns, title: title.into(), step: None, labels: Vec::new(), help: None }
+    }
+
+    #[must_use]
+    pub(super) fn step(mut self, step: usize) -> Self {
+        self.step = u32::try_from(step).ok();
+        self
+    }
+
+    /// Adds a place, if it is known.
+    #[must_use]
+    pub(super) fn label(mut self, span: Span, text: impl Into<String>) -> Self {
+        if span != Span::default() {
+            self.labels.push(Label { span, text: text.into() });
+        }
+        self
+    }
+
+    #[must_use]
+    pub(super) fn help(mut self, text: impl Into<String>) -> Self {
+        self.help = Some(text.into());
+        self
+    }
+}
+
+impl From<Violation> for Diagnostic {
+    fn from(violation: Violation) -> Diagnostic {
+        Diagnostic {
+            code: violation.rule.code(),
+            title: violation.title,
+            labels: violation.labels,
+            help: violation.help.or_else(|| Some(NOT_THE_PROGRAM.to_owned())),
+        }
+    }
+}
+
+/// The most violations that are kept: one is enough to refuse, and a hostile log could hold millions.
+pub const MAX_VIOLATIONS: usize = 100;
+
+/// Collects violations, the first [`MAX_VIOLATIONS`] of them.
+#[derive(Debug, Default)]
+pub(super) struct Findings {
+    list: Vec<Violation>,
+}
+
+impl Findings {
+    pub fn push(&mut self, violation: Violation) {
+        if self.list.len() < MAX_VIOLATIONS {
+            self.list.push(violation);
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// By time, then rule, then the order of finding.
+    pub fn sorted(mut self) -> Vec<Violation> {
+        self.list.sort_by_key(|violation| (violation.time_ns, violation.rule));
+        self.list
+    }
+}
+
+/// A time in milliseconds to the last nanosecond: two times that differ never print alike.
+pub(super) fn ms(time_ns: u64) -> String {
+    let (whole, rest) = (time_ns / 1_000_000, time_ns % 1_000_000);
+    match rest {
+        0 => format!("{whole} ms"),
+        rest => format!("{whole}.{} ms", format!("{rest:06}").trim_end_matches('0')),
+    }
+}

@@ -1,0 +1,39 @@
+//! The sceptic: every rule is broken by hand in a way that it alone catches, and nearly broken in a way that passes.
+
+mod build;
+mod dimibot;
+mod garbage;
+mod general;
+mod mutants;
+
+use super::*;
+use build::*;
+
+/// The rules that a schedule breaks, each once, in the order of the ledger.
+fn rules(schedule: &Schedule, claims: &Claims) -> Vec<Rule> {
+    match verify(schedule.clone(), claims) {
+        Verdict::Accepted(_) => Vec::new(),
+        Verdict::Rejected(violations) => {
+            let mut rules: Vec<Rule> = violations.into_iter().map(|violation| violation.rule).collect();
+            rules.sort_unstable();
+            rules.dedup();
+            rules
+        }
+        Verdict::Inconclusive { why } => panic!("inconclusive: {why}"),
+    }
+}
+
+/// Asserts that exactly one rule is broken.
+#[track_caller]
+fn only(rule: Rule, schedule: &Schedule, claims: &Claims) {
+    assert_eq!(rules(schedule, claims), [rule]);
+}
+
+/// Asserts that nothing is broken.
+#[track_caller]
+fn passes(schedule: &Schedule, claims: &Claims) {
+    if let Verdict::Rejected(violations) = verify(schedule.clone(), claims) {
+        panic!("{violations:#?}");
+    }
+    assert!(rules(schedule, claims).is_empty());
+}
