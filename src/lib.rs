@@ -1,4 +1,37 @@
 //! Tweeze: a declarative language and a verifying compiler for micro-manipulation programs.
+//!
+//! A `.twz` program says which devices there are, what stands in their way and what has to get done. The compiler finds out how,
+//! proves how good its plan is, has an independent verifier replay it, and writes it for instruments, simulators and viewers.
+//!
+//! # How the house is built
+//!
+//! Reading the modules in this order is reading the flow of data:
+//!
+//! | module | turns | into |
+//! |---|---|---|
+//! | [`syntax`] | text | a [tree](syntax::tree::Tree) per file; it cannot fail, broken parts are error nodes |
+//! | [`check`] | trees | [`Claims`](check::claims::Claims): every name, dimension and value made out; devices, scenes and goals judged |
+//! | [`plan`] | claims | a [`Plan`](plan::Plan) for each job, or a proof that there is none, or the budget that ran out |
+//! | [`schedule`] | plans | one [`Schedule`](schedule::Schedule): channels and actuations in integer nanoseconds |
+//! | [`verify`] | a schedule and the claims | a [`Verified`](verify::Verified) schedule, replayed by geometry of its own |
+//! | [`emit`] | a verified schedule | MCAP, JSON, CSV, VCD, SPICE and SCPI files |
+//!
+//! They stand on a base that knows nothing of them: [`source`] (files and spans), [`quantity`] (units and dimensions),
+//! [`geometry`], [`diagnostic`] (what is said to people), [`device`] (the vocabulary and facts of each kind) and [`stdlib`] (published
+//! devices, in the language itself). [`compile`] calls the stages in their order; [`cli`] is the only place that touches files, clock and
+//! terminal.
+//!
+//! # What holds it together
+//!
+//! - **The type is the ticket.** Only `verify` makes a `Verified` value, and only a `Verified` value can be emitted.
+//! - **The claims come from the program, never from a planner,** and no predicate is shared between a planner and the verifier.
+//! - **A device kind is vocabulary.** It is one file of facts in `device`, one of judgements in `check`, a planner in `plan`, a lowering in
+//!   `schedule`, a judge in `verify`, and a file of published devices in `stdlib/`. It adds no syntax.
+//! - **Nothing is silent.** All errors of a stage are reported in one run, each with a code, the user's own text labelled, and the
+//!   mend. "No plan" is a proof; a search that gave up says so.
+//! - **Same input, same bytes.** Budgets count steps and not seconds; no clock, hash order or thread reaches the output.
+//!
+//! `tests/tidy.rs` holds the rules that can be executed.
 
 pub mod check;
 pub mod cli;

@@ -90,15 +90,17 @@ impl<'a> Checker<'a> {
         let Item::Task(item) = self.item(run.task) else { return None };
         let scope = self.task_scope(run.task, item, &run.arguments);
         let device = self.resolve(&item.device, &self.top(run.task), DeclarationSort::Device);
-        let facts = device.and_then(|device| Some((device, self.facts(device)?)));
         let scene = item.scene.as_ref().map(|path| self.resolve(path, &self.top(run.task), DeclarationSort::Scene));
-        let Some((device, facts)) = facts else { return None };
+        let device = device?;
+        let kind = self.device(device, 0)?.kind;
+        // The words are checked even where the device's own figures cannot be made out.
+        let mut parts = self.parts(item, kind.vocabulary(), scope);
+        let facts = self.facts(device)?;
         let objects = match scene {
             None => Some(None),
             Some(None) => None,
             Some(Some(place)) => self.scene(place, 0).map(|objects| Some((place, objects))),
         };
-        let mut parts = self.parts(item, facts.kind().vocabulary(), scope);
         let is_whole = parts.is_whole;
         let requirements = std::mem::take(&mut parts.requirements);
         let Item::Device(item_of_device) = self.item(device) else { return None };

@@ -49,11 +49,27 @@ pub struct Disk;
 
 impl Library for Disk {
     fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
-        let folder = Path::new(from).parent().unwrap_or(Path::new(""));
-        let path = folder.join(path);
-        let text = read_program(&path).map_err(|diagnostic| diagnostic.title)?;
-        Ok((plain(&path), text))
+        let name = beside(from, path);
+        let text = read_program(Path::new(&name)).map_err(|diagnostic| diagnostic.title)?;
+        Ok((name, text))
     }
+}
+
+/// The files that a log carries.
+pub struct Embedded<'a>(pub &'a [(String, String)]);
+
+impl Library for Embedded<'_> {
+    fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
+        let name = beside(from, path);
+        let text = self.0.iter().find(|file| file.0 == name).map(|file| file.1.clone());
+        text.map(|text| (name, text)).ok_or_else(|| "the log does not carry it".to_owned())
+    }
+}
+
+/// The name of the file that `path` names in the file `from`.
+fn beside(from: &str, path: &str) -> String {
+    let folder = Path::new(from).parent().unwrap_or(Path::new(""));
+    plain(&folder.join(path))
 }
 
 /// A path without `.` and without `folder/..`, so that one file has one name.

@@ -35,3 +35,19 @@ fn reason(error: &io::Error) -> String {
     let first = characters.next().map(|first| first.to_lowercase().to_string()).unwrap_or_default();
     format!("{first}{}", characters.as_str())
 }
+
+pub fn parts_disagree(log: &Path, what: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0741, format!("{what} of `{}` is not that of the program in it", log.display()))
+        .help("the log was edited after it was written, or written by another version: build the program again")
+}
+
+pub fn other_program(log: &Path, program: &Path) -> Diagnostic {
+    let title =
+        format!("`{}` was built from a program that claims something else than `{}`", log.display(), program.display());
+    Diagnostic::new(Code::E0742, title).help("build the trusted program again and use that log")
+}
+
+pub fn program_in_log_has_errors(log: &Path) -> Diagnostic {
+    Diagnostic::new(Code::E0743, format!("the program in `{}` has errors", log.display()))
+        .help("the log was edited after it was written, or written by another version: build the program again")
+}

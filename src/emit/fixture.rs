@@ -11,6 +11,7 @@ use crate::geometry::shape::{Pose, Shape};
 use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, State, Step, TimedState, Unit};
 use crate::source::Span;
 use crate::verify::Verified;
+use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 
 /// A robot of 5 + 5 modules that goes through every sort of obstacle: nine pulses of 15 ms without rests.
@@ -70,9 +71,11 @@ fn facts(left: u32, right: u32, rest_ns: u64) -> Facts {
 }
 
 fn build(name: &str, runs: &[(Robot, Vec<Cell>, u64)]) -> (Verified, Provenance) {
+    let text = format!("// {name} µ\ntask {name} on bot {{ }}\n");
+    let sha256 = Sha256::digest(&text).iter().map(|byte| format!("{byte:02x}")).collect();
     let mut schedule = Schedule {
         name: name.to_owned(),
-        source: SourceRef { file: format!("{name}.twz"), sha256: "0f".repeat(32) },
+        source: SourceRef { file: format!("{name}.twz"), sha256 },
         duration_ns: 0,
         channels: Vec::new(),
         actuations: Vec::new(),
@@ -92,7 +95,6 @@ fn build(name: &str, runs: &[(Robot, Vec<Cell>, u64)]) -> (Verified, Provenance)
         add_plan(&mut schedule, robot, way, *start_ns);
     }
     schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
-    let text = format!("// {name} µ\ntask {name} on bot {{ }}\n");
     let files = vec![(format!("{name}.twz"), text), ("lab/bench.twz".to_owned(), "scene bench { }\n".to_owned())];
     let provenance = Provenance { files, settings: vec!["pitch=80um".to_owned()] };
     (Verified::assume(schedule, claims), provenance)
@@ -211,4 +213,35 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[Cell], start_ns: u64)
 fn timed(facts: &Facts, cell: Cell, t_ns: u64) -> TimedState {
     let state = State::Dimibot { word: facts.word(cell), cell: [cell.x, cell.y], position_um: facts.place_um(cell) };
     TimedState { t_ns, state }
+}
+
+/// One device of 301 channels, too many for a field each, three of which change, on slopes too.
+pub fn crowd() -> (Verified, Provenance) {
+    let (verified, provenance) = idle();
+    let crowd = changed(&verified, |schedule| {
+        schedule.name = "crowd".to_owned();
+        schedule.duration_ns = 1000;
+        let channel = |i| Channel { name: format!("bot.e{i}"), device: "bot".into(), unit: Unit::Volt, wire: None };
+        schedule.channels = (0..301).map(channel).collect();
+        schedule.steps = vec![Step {
+            task: "go_bot".to_owned(),
+            plan: 0,
+            text: "wait 1 us".to_owned(),
+            file: "crowd.twz".to_owned(),
+            line: 1,
+            column: 1,
+            start_ns: 0,
+            duration_ns: 1000,
+            span: Span::default(),
+        }];
+        let pulse = |channel, start_ns, from, to| Actuation { channel, start_ns, duration_ns: 300, from, to, step: 0 };
+        schedule.actuations = vec![
+            pulse(0, 0, 1.0, 2.0),
+            pulse(7, 100, -0.1, 0.3),
+            pulse(0, 300, 2.0, 5.0),
+            pulse(300, 500, 7.0, 7.0),
+            pulse(0, 601, 3.0, 3.0),
+        ];
+    });
+    (crowd, provenance)
 }

@@ -6,7 +6,7 @@
 pub mod csv;
 mod error;
 #[cfg(test)]
-mod fixture;
+pub(crate) mod fixture;
 mod identifier;
 pub mod mcap;
 pub mod pwl;

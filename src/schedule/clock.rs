@@ -184,9 +184,10 @@ impl<'a> Builder<'a> {
 
     fn finish(mut self, duration_ns: u64) -> Schedule {
         self.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+        let own = self.sources.file(FileId(0));
         Schedule {
             name: self.claims.name.clone(),
-            source: self.source(),
+            source: source_ref(&own.name, &own.text),
             duration_ns,
             channels: self.channels,
             actuations: self.actuations,
@@ -194,11 +195,11 @@ impl<'a> Builder<'a> {
             plans: self.plans,
         }
     }
+}
 
-    fn source(&self) -> SourceRef {
-        let file = self.sources.file(FileId(0));
-        let digest = Sha256::digest(file.text.as_bytes());
-        let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-        SourceRef { file: file.name.clone(), sha256 }
-    }
+/// A file with the fingerprint of its text.
+pub fn source_ref(name: &str, text: &str) -> SourceRef {
+    let digest = Sha256::digest(text.as_bytes());
+    let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+    SourceRef { file: name.to_owned(), sha256 }
 }

@@ -7,7 +7,7 @@
 pub mod clock;
 mod dimibot;
 
-pub use clock::schedule;
+pub use clock::{schedule, source_ref};
 pub mod json;
 
 use crate::source::Span;

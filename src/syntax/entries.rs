@@ -114,7 +114,7 @@ impl Reader<'_> {
             }
         }
         let name = name?;
-        if super::is_reserved(&name.name.text) {
+        if super::RESERVED.contains(&name.name.text.as_str()) {
             self.report(errors::reserved_name(&name.name));
         }
         Some(Object { doc, noun, name, shape, at, span })
@@ -124,6 +124,10 @@ impl Reader<'_> {
         let span = self.span(&node);
         let mut parts = self.children(node).into_iter();
         let head = parts.next().map(|word| self.ident(&word))?;
+        if super::foreign::help(&head.text).is_some() {
+            self.foreign_word(head.text.len(), span);
+            return None;
+        }
         let mut step =
             Step { head, indices: Vec::new(), noun: None, object: None, phrases: Vec::new(), block: None, span };
         for part in parts {

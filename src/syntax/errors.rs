@@ -8,7 +8,6 @@ use crate::source::Span;
 /// Where a list of entries stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
-    Top,
     Fields,
     Scene,
     Steps,
@@ -19,7 +18,6 @@ impl Place {
     /// What may stand there, with an example.
     pub fn wants(self) -> &'static str {
         match self {
-            Place::Top => "a declaration, such as `let pitch = 70 um`",
             Place::Fields => "a field, such as `left: 5`",
             Place::Scene => "an object, such as `obstacle dust at (12, 7)`",
             Place::Steps => "a step or a setting, such as `move to (19, 28)`",
@@ -77,13 +75,13 @@ fn line_after(text: &str, offset: usize) -> &str {
 /// The longest piece of the user's text that a message repeats, in characters.
 const LONGEST_QUOTE: usize = 60;
 
-/// A piece of the user's text for a message, cut where it is long; holes of the scan show as `…`.
+/// A piece of the user's text for a message, cut where it is long.
 pub(super) fn quote(text: &str) -> String {
     let mut quoted: String = text.chars().take(LONGEST_QUOTE).collect();
     if text.chars().nth(LONGEST_QUOTE).is_some() {
         quoted.push('…');
     }
-    quoted.replace([super::scan::HOLE, super::scan::CUT], "…")
+    quoted
 }
 
 pub(super) fn late_brace(mark: Span, text: &str) -> Diagnostic {
@@ -127,15 +125,15 @@ pub(super) fn blank_before_bracket(mark: Span, text: &str) -> Diagnostic {
 pub(super) fn wrong_colon(mark: Span, text: &str) -> Diagnostic {
     let sign = &text[mark.range()];
     let name = token_before(text, mark.start as usize);
-    Diagnostic::new(Code::E0119, format!("`{sign}` between a field and its value"))
-        .label(mark, "a field takes `:`")
+    Diagnostic::new(Code::E0119, format!("`{sign}` where `:` belongs"))
+        .label(mark, "between a name and its value stands `:`")
         .help(format!("write `{name}: {}`", quote(line_after(text, mark.end as usize))))
 }
 
 pub(super) fn wrong_equals(mark: Span, text: &str) -> Diagnostic {
     let sign = &text[mark.range()];
     let name = token_before(text, mark.start as usize);
-    Diagnostic::new(Code::E0119, format!("`{sign}` between a name and its value"))
+    Diagnostic::new(Code::E0119, format!("`{sign}` where `=` belongs"))
         .label(mark, "`let` takes `=`")
         .help(format!("write `let {name} = {}`", quote(line_after(text, mark.end as usize))))
 }
@@ -219,10 +217,11 @@ pub(super) fn text_hole(span: Span, source: &str) -> Diagnostic {
         .help("write a value, as in `\"line{2*i}\"`, or `{{` for a brace")
 }
 
-pub(super) fn bad_row(span: Span, row: &str) -> Diagnostic {
+pub(super) fn bad_row(span: Span, text: &str) -> Diagnostic {
+    let row = text[span.range()].trim_end();
     Diagnostic::new(Code::E0128, "a line of a table that is no row")
         .label(span, "expected values with `|` between them")
-        .help(format!("a row is one line, such as `D1 | 92 | 31`; this is `{}`", quote(row.trim_end())))
+        .help(format!("a row is one line, such as `D1 | 92 | 31`; this is `{}`", quote(row)))
 }
 
 pub(super) fn bad_header(span: Span) -> Diagnostic {
@@ -268,4 +267,291 @@ pub(super) fn bad_head(rest: Span, rule: Rule, item: Span, text: &str) -> Diagno
     Diagnostic::new(Code::E0124, format!("this `{word}` does not say what it is about"))
         .label(part(rest, start, end), "expected otherwise here")
         .help(format!("write `{form}`"))
+}
+
+pub(super) fn too_deep(span: Span) -> Diagnostic {
+    let limit = super::scan::MAX_NESTING;
+    Diagnostic::new(Code::E0120, format!("brackets or blocks nested more than {limit} deep"))
+        .label(span, format!("this is number {}", limit + 1))
+        .help("name the inner parts with `let`")
+}
+
+pub(super) fn stray_bracket(span: Span, text: &str) -> Diagnostic {
+    let bracket = &text[span.range()];
+    Diagnostic::new(Code::E0112, format!("`{bracket}` closes nothing"))
+        .label(span, "no bracket is open here")
+        .help("remove it, or write the bracket that it should close")
+}
+
+pub(super) fn unclosed_bracket(span: Span, text: &str, closing: u8) -> Diagnostic {
+    let (bracket, closing) = (&text[span.range()], closing as char);
+    Diagnostic::new(Code::E0114, format!("`{bracket}` is not closed"))
+        .label(span, "opened here")
+        .help(format!("write `{closing}` where its contents end; without it the line ends it"))
+}
+
+pub(super) fn unclosed_brace(span: Span, text: &str, item: Option<Span>) -> Diagnostic {
+    let opener = quote(line_before(text, span.end as usize));
+    let finding = Diagnostic::new(Code::E0113, "`{` is not closed").label(span, "opened here");
+    match item {
+        Some(item) => {
+            let word = token_at(text, item.start as usize);
+            finding
+                .label(part(item, item.start as usize, item.start as usize + word.len()), "taken as closed before this")
+                .help(format!("write `}}` where the block `{opener}` ends"))
+        }
+        None => finding.help(format!("write `}}` where the block `{opener}` ends; the file ends before it")),
+    }
+}
+
+pub(super) fn unterminated_string(span: Span, text: &str) -> Diagnostic {
+    let written = quote(&text[span.range()]);
+    Diagnostic::new(Code::E0115, "a string does not end on its line")
+        .label(span, "opened here")
+        .help(format!("close it: `{written}\"`"))
+}
+
+pub(super) fn open_text_hole(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0126, "a brace in a string is not closed")
+        .label(span, "this opens a value")
+        .help("write `{{` for a brace, or close the value with `}`")
+}
+
+pub(super) fn block_comment(span: Span, comment: &str) -> Diagnostic {
+    let words = comment.trim_start_matches("/*").trim_end_matches("*/").trim();
+    let first = words.lines().next().unwrap_or("").trim();
+    Diagnostic::new(Code::E0125, "a comment in `/* */`")
+        .label(span, "comments begin with `//` and end with their line")
+        .help(format!("write `// {}`", quote(first)))
+}
+
+pub(super) fn hash_comment(span: Span, comment: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0125, "a comment behind `#`")
+        .label(span, "comments begin with `//`")
+        .help(format!("write `// {}`", quote(comment.trim_start_matches('#').trim())))
+}
+
+pub(super) fn semicolon(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0104, "a `;`")
+        .label(span, "nothing ends with this")
+        .help("remove it: a field, a step or a declaration ends at the line end or at a comma")
+}
+
+pub(super) fn foreign_sign(span: Span, theirs: char, ours: &str) -> Diagnostic {
+    let (title, help) = match ours {
+        " " => ("a blank that must not break".to_owned(), "write a plain blank".to_owned()),
+        _ => (format!("`{theirs}` is not a sign of the language"), format!("write `{ours}`")),
+    };
+    Diagnostic::new(Code::E0118, title).label(span, "this character").help(help)
+}
+
+pub(super) fn foreign_quotes(span: Span, inside: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0118, "quotes that are not of the language")
+        .label(span, "strings stand in plain double quotes")
+        .help(format!("write `\"{}\"`", quote(inside)))
+}
+
+pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
+    let written = &text[span.range()];
+    let help = match written.chars().next() {
+        Some('°') => "write `deg`, as in `80 deg`",
+        Some('&') => "join conditions by two `require` lines",
+        Some('\\') => "a line goes on after an operator or inside of brackets, without a sign",
+        _ => "remove it: names are letters, digits and `_`",
+    };
+    let shown: String = written.chars().flat_map(|c| if c.is_control() { c.escape_unicode().collect() } else { vec![c] }).collect();
+    Diagnostic::new(Code::E0118, format!("`{}` is not of the language", quote(&shown)))
+        .label(span, "this character")
+        .help(help)
+}
+
+fn bad_number(span: Span, title: String, help: String) -> Diagnostic {
+    Diagnostic::new(Code::E0116, title).label(span, "this number").help(help)
+}
+
+pub(super) fn bad_bits(span: Span, written: &str) -> Diagnostic {
+    let is_word = written.starts_with("0b") || written.starts_with("0B");
+    let help = if is_word {
+        "a word has the digits 0 and 1, one for each module, as in `0b10001_00010`"
+    } else {
+        "numbers are decimal, such as `35` or `1e-3`; words begin with `0b`"
+    };
+    bad_number(span, format!("`{}` is no number and no word", quote(written)), help.to_owned())
+}
+
+pub(super) fn two_points(span: Span, written: &str) -> Diagnostic {
+    let help = "a number has one point, such as `1.5`; a range has two together, such as `0..4`";
+    bad_number(span, format!("`{}` has more than one decimal point", quote(written)), help.to_owned())
+}
+
+pub(super) fn bare_point(span: Span, written: &str) -> Diagnostic {
+    let digits = quote(written.trim_end_matches('.'));
+    bad_number(span, format!("`{}` ends with its point", quote(written)), format!("write `{digits}` or `{digits}.0`"))
+}
+
+pub(super) fn bare_fraction(span: Span, written: &str) -> Diagnostic {
+    bad_number(span, format!("`{}` begins with its point", quote(written)), format!("write `0{}`", quote(written)))
+}
+
+pub(super) fn no_exponent(span: Span, written: &str) -> Diagnostic {
+    let digits = written.trim_end_matches(['e', 'E', '+', '-']);
+    let help = format!("write `{0}` or an exponent, such as `{0}e-3`", quote(digits));
+    bad_number(span, format!("`{}` has no exponent", quote(written)), help)
+}
+
+pub(super) fn misplaced_doc(span: Span, text: &str) -> Diagnostic {
+    let comment = &text[span.range()];
+    let words = comment[3..].trim();
+    let before = line_before(text, span.start as usize);
+    let finding = Diagnostic::new(Code::E0109, "a doc comment that documents nothing");
+    if comment.starts_with("//!") {
+        return finding
+            .label(span, "`//!` documents the file and stands at its top")
+            .help(format!("write `// {}`, or move it to the top of the file", quote(words)));
+    }
+    if before.is_empty() {
+        return finding
+            .label(span, "no declaration, field or object follows")
+            .help(format!("write `// {}`", quote(words)));
+    }
+    finding
+        .label(span, "`///` documents what follows, not what stands before it")
+        .help(format!("put it on a line of its own above `{}`, or write `// {}`", quote(before), quote(words)))
+}
+
+pub(super) fn foreign_word(word: Span, text: &str) -> Diagnostic {
+    let written = &text[word.range()];
+    Diagnostic::new(Code::E0122, format!("`{written}` is not a word of the language"))
+        .label(word, "of another language")
+        .help(super::foreign::help(written).unwrap_or_default())
+}
+
+/// The first word of a span.
+fn first_word(span: Span, length: usize) -> Span {
+    part(span, span.start as usize, span.start as usize + length)
+}
+
+pub(super) fn bad_loop(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0122, "a `for` in the manner of another language")
+        .label(first_word(span, "for".len()), "expected names, `in`, and what to repeat over")
+        .help("write `for i in 0..4 { … }` for 0 to 3, or `for p in list { … }`")
+}
+
+pub(super) fn let_in_block(span: Span, text: &str) -> Diagnostic {
+    let line = text.lines().next().unwrap_or("");
+    Diagnostic::new(Code::E0123, "`let` inside a block")
+        .label(first_word(span, "let".len()), "names are given to values at the top of a file")
+        .help(format!("move `{}` out of the braces", quote(line.trim_end())))
+}
+
+pub(super) fn item_in_block(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0123, format!("`{word}` inside a block"))
+        .label(first_word(span, word.len()), "declarations stand at the top of a file")
+        .help(format!("move this `{word}` out of the braces, or close the block above it with `}}`"))
+}
+
+pub(super) fn lonely_preposition(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0107, format!("a line begins with `{word}`"))
+        .label(first_word(span, word.len()), "no step stands before this that could take it")
+        .help(format!("begin with the step's verb, as in `move {word} …`"))
+}
+
+pub(super) fn lonely_operator(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0106, format!("a line begins with `{word}`"))
+        .label(first_word(span, word.len()), "nothing here begins with an operator")
+        .help("a line goes on after an operator: end the line above with it")
+}
+
+pub(super) fn missing_colon(span: Span, name: &str, text: &str) -> Diagnostic {
+    let value = text[name.len()..].lines().next().unwrap_or("").trim();
+    Diagnostic::new(Code::E0119, format!("`:` is missing after `{name}`"))
+        .label(first_word(span, name.len()), "a field takes `:` before its value")
+        .help(format!("write `{name}: {}`", quote(value)))
+}
+
+/// Reading stopped at `at`, inside of the bracket `open` if there is one.
+pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<char>, text: &str) -> Diagnostic {
+    let token = token_at(&text[..span.end as usize], at);
+    let wanted = match (wants_value, open) {
+        (true, _) => "expected a value",
+        (false, Some('(')) => "expected `,` or `)`",
+        (false, Some('[')) => "expected `,` or `]`",
+        (false, _) => "expected a line end",
+    };
+    if token.is_empty() {
+        let before = code_end_before(text, span.end as usize);
+        let start = before - token_before_sign(&text[..before]).len();
+        return Diagnostic::new(Code::E0101, "this ends too early")
+            .label(part(span, start, before), format!("{wanted} behind this"));
+    }
+    let line = quote(line_before(text, at));
+    Diagnostic::new(Code::E0101, format!("`{token}` does not belong here"))
+        .label(part(span, at, at + token.len()), wanted)
+        .help(format!("`{line}` was read; remove what follows, or begin a new line for it"))
+}
+
+pub(super) fn not_an_entry(span: Span, place: Place, text: &str) -> Diagnostic {
+    let line = text[span.range()].lines().next().unwrap_or("");
+    Diagnostic::new(Code::E0101, format!("`{}` does not belong here", quote(line)))
+        .label(part(span, span.start as usize, span.start as usize + line.len()), "this could not be read")
+        .help(format!("expected {}", place.wants()))
+}
+
+pub(super) fn bad_short_item(rest: Span, rule: Rule, text: &str) -> Diagnostic {
+    let form = match rule {
+        Rule::use_rest => "use std.dimibot` or `use \"bench.twz\" as lab",
+        _ => "let pitch = 70 um",
+    };
+    let start = rest.start as usize;
+    let token = token_at(&text[..rest.end as usize], start);
+    let end = start + token.len();
+    let start = if token.is_empty() { end - token_before_sign(&text[..end]).len() } else { start };
+    Diagnostic::new(Code::E0124, "this declaration cannot be read to its end")
+        .label(part(rest, start, end), "reading stopped here")
+        .help(format!("write it as `{form}`"))
+}
+
+pub(super) fn misspelt_item(span: Span, text: &str, right: &str) -> Diagnostic {
+    let word = token_at(text, 0);
+    let line = text.lines().next().unwrap_or("").trim_end();
+    Diagnostic::new(Code::E0111, format!("no declaration begins with `{word}`"))
+        .label(first_word(span, word.len()), format!("did you mean `{right}`?"))
+        .help(format!("write `{right}{}`", quote(&line[word.len()..])))
+}
+
+const ITEM_WORDS: &str = "`use`, `let`, `device`, `scene`, `task`, `program` or `wiring`";
+
+pub(super) fn unknown_item(span: Span, text: &str) -> Diagnostic {
+    let word = token_at(text, 0);
+    Diagnostic::new(Code::E0111, format!("no declaration begins with `{word}`"))
+        .label(first_word(span, word.len()), "unknown here")
+        .help(format!("a declaration begins with {ITEM_WORDS}"))
+}
+
+pub(super) fn value_without_let(span: Span, text: &str) -> Diagnostic {
+    let line = text.lines().next().unwrap_or("").trim_end();
+    let word = token_at(text, 0);
+    let value = line[word.len()..].trim_start_matches([' ', '\t', ':', '=']);
+    Diagnostic::new(Code::E0111, format!("`{word}` is given a value without `let`"))
+        .label(first_word(span, word.len()), "a declaration begins with its own word")
+        .help(format!("write `let {word} = {}`", quote(value)))
+}
+
+pub(super) fn not_an_item(span: Span, text: &str) -> Diagnostic {
+    let line = text.lines().next().unwrap_or("").trim_end();
+    Diagnostic::new(Code::E0101, format!("`{}` stands outside of every block", quote(line)))
+        .label(first_word(span, line.len()), "expected a declaration")
+        .help(format!("a declaration begins with {ITEM_WORDS}; steps stand in a task, objects in a scene"))
+}
+
+pub(super) fn unreadable(whole: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0120, "this file is nested too deep to be read")
+        .label(whole, "the whole file")
+        .help("name the inner parts with `let`")
+}
+
+pub(super) fn not_a_value(whole: Span, text: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0102, format!("`{}` is not a value", quote(text)))
+        .label(whole, "expected a value")
+        .help("write a number with its unit, such as `80um`, a place, such as `(4 um, 2 um)`, or a list")
 }

@@ -41,9 +41,13 @@ impl Reader<'_> {
     fn item(&mut self, node: Node, doc: Doc) -> Item {
         let span = self.span(&node);
         let item = match node.as_rule() {
-            Rule::use_item => self.use_item(node).map(Item::Use),
-            Rule::let_item => self.let_item(node, doc).map(Item::Let),
-            Rule::device | Rule::scene | Rule::task | Rule::program | Rule::wiring => {
+            Rule::use_item
+            | Rule::let_item
+            | Rule::device
+            | Rule::scene
+            | Rule::task
+            | Rule::program
+            | Rule::wiring => {
                 let rest = self.children(node).pop();
                 rest.and_then(|rest| self.declaration(rest, doc, span))
             }
@@ -59,6 +63,11 @@ impl Reader<'_> {
     /// A declaration from behind its first word on.
     pub fn declaration(&mut self, rest: Node, doc: Doc, span: Span) -> Option<Item> {
         let rule = rest.as_rule();
+        match rule {
+            Rule::use_rest => return self.use_item(rest, span).map(Item::Use),
+            Rule::let_rest => return self.let_item(rest, doc, span).map(Item::Let),
+            _ => {}
+        }
         let head = self.head(rest, span);
         match rule {
             Rule::device_rest => self.device(head, doc, span).map(Item::Device),
@@ -91,7 +100,7 @@ impl Reader<'_> {
                 _ => {
                     head.is_broken = true;
                     if !Self::has_hole(&part) {
-                        let finding = errors::bad_head(self.span(&part), rule, span, self.text);
+                        let finding = errors::bad_head(self.span(&part), rule, span, self.source);
                         self.report(finding);
                     }
                 }
@@ -148,8 +157,7 @@ impl Reader<'_> {
         Some(Wiring { doc, device: head.paths.pop()?, entries, span })
     }
 
-    fn use_item(&mut self, node: Node) -> Option<Use> {
-        let span = self.span(&node);
+    fn use_item(&mut self, node: Node, span: Span) -> Option<Use> {
         let mut path = None;
         let mut alias = None;
         for part in self.children(node) {
@@ -167,9 +175,8 @@ impl Reader<'_> {
         Some(Use { path: path?, alias, span })
     }
 
-    fn let_item(&mut self, node: Node, doc: Doc) -> Option<Let> {
-        let span = self.span(&node);
-        let mut parts = self.children(node).into_iter().skip(1);
+    fn let_item(&mut self, node: Node, doc: Doc, span: Span) -> Option<Let> {
+        let mut parts = self.children(node).into_iter();
         let name = parts.next().map(|name| self.declared(&name))?;
         let value = self.value(parts.next(), name.span);
         Some(Let { doc, name, value, span })

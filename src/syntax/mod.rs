@@ -7,16 +7,20 @@
 //! what is left by `grammar/*.pest`, whose lists end in rules that take everything. The `Reader` turns pest's pairs into the
 //! tree and says what was wrong with the parts that only those rules could take.
 
+mod brackets;
 mod entries;
 mod errors;
+mod foreign;
 mod grammar;
 mod items;
+mod lexical;
 mod reader;
 mod recover;
 mod scan;
 pub mod tree;
 mod values;
 
+pub use scan::MAX_NESTING;
 pub use values::MAX_OPERATORS;
 
 use crate::diagnostic::Sink;
@@ -27,39 +31,36 @@ use reader::Reader;
 use tree::{Expr, Tree};
 
 /// The words that cannot be names.
-pub const RESERVED: [&str; 20] = [
+pub const RESERVED: [&str; 21] = [
     "use", "as", "let", "device", "scene", "task", "program", "wiring", "table", "true", "false", "to", "from", "by",
-    "about", "for", "at", "via", "with", "in",
+    "about", "for", "at", "via", "with", "in", "on",
 ];
-
-fn is_reserved(word: &str) -> bool {
-    RESERVED.contains(&word) || word == "on"
-}
 
 /// Reads one file.
 pub fn parse(file: FileId, text: &str, sink: &mut Sink) -> Tree {
-    let mut reader = Reader::new(file, text);
-    let mut tree = Tree { file, doc: None, items: Vec::new() };
-    if let Ok(mut nodes) = Grammar::parse(Rule::file, text) {
-        if let Some(node) = nodes.next() {
-            (tree.doc, tree.items) = reader.file(node);
-        }
-    }
-    for finding in reader.findings {
-        sink.push(finding);
-    }
-    tree
+    let scanned = scan::scan(file, text);
+    let mut reader = Reader::new(file, text, &scanned.text, scanned.findings);
+    let node = Grammar::parse(Rule::file, &scanned.text).ok().and_then(|mut nodes| nodes.next());
+    let (doc, items) = match node {
+        Some(node) => reader.file(node),
+        None => reader.unreadable(),
+    };
+    reader.misplaced_docs(&scanned.docs);
+    let broken_names = std::mem::take(&mut reader.broken_names);
+    reader.tell(sink);
+    Tree { file, doc, items, broken_names }
 }
 
 /// Reads one value, as in `--set pitch=80um`; `None` if a diagnostic was pushed.
 pub fn parse_value(file: FileId, text: &str, sink: &mut Sink) -> Option<Expr> {
-    let mut reader = Reader::new(file, text);
-    let node = Grammar::parse(Rule::one_value, text).ok().and_then(|mut nodes| nodes.next());
-    let value = node.and_then(|node| reader.only_value(node));
-    for finding in reader.findings {
-        sink.push(finding);
-    }
-    value
+    let scanned = scan::scan(file, text);
+    let mut reader = Reader::new(file, text, &scanned.text, scanned.findings);
+    let node = Grammar::parse(Rule::one_value, &scanned.text).ok().and_then(|mut nodes| nodes.next());
+    let value = match node {
+        Some(node) => reader.only_value(node),
+        None => reader.no_value(),
+    };
+    if reader.tell(sink) { None } else { value }
 }
 
 #[cfg(test)]

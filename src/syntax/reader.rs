@@ -6,16 +6,36 @@
 use super::errors;
 use super::grammar::{Node, Rule};
 use super::tree::{Doc, Expr, ExprKind, Ident};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::{FileId, Span};
+
+/// Where a parsed fragment comes from.
+#[derive(Clone, Copy)]
+pub(super) struct Origin<'s> {
+    file: FileId,
+    source: &'s str,
+    /// Where in the text the fragment begins.
+    pub base: usize,
+}
+
+impl Origin<'_> {
+    /// The place of a node, widened to whole characters: the scan may have put a short spelling over a long character.
+    pub fn span(self, node: &Node) -> Span {
+        let span = node.as_span();
+        let start = self.source.floor_char_boundary(self.base + span.start());
+        let end = self.source.ceil_char_boundary(self.base + span.end());
+        Span::new(self.file, start, end)
+    }
+}
 
 /// Walks the pairs of one text.
 pub(super) struct Reader<'s> {
     pub file: FileId,
+    /// The whole text as it was written, for messages.
+    pub source: &'s str,
     /// The whole text, with holes over what could not be read.
     pub text: &'s str,
-    /// Where in the text the parsed fragment begins.
-    pub base: usize,
+    pub origin: Origin<'s>,
     pub findings: Vec<Diagnostic>,
     /// Where the doc comments begin that belong to a declaration, in order.
     pub attached_docs: Vec<usize>,
@@ -26,12 +46,13 @@ pub(super) struct Reader<'s> {
 }
 
 impl<'s> Reader<'s> {
-    pub fn new(file: FileId, text: &'s str) -> Self {
+    pub fn new(file: FileId, source: &'s str, text: &'s str, findings: Vec<Diagnostic>) -> Self {
         Reader {
             file,
+            source,
             text,
-            base: 0,
-            findings: Vec::new(),
+            origin: Origin { file, source, base: 0 },
+            findings,
             attached_docs: Vec::new(),
             broken_names: Vec::new(),
             operators: 0,
@@ -43,8 +64,7 @@ impl<'s> Reader<'s> {
     }
 
     pub fn span(&self, node: &Node) -> Span {
-        let span = node.as_span();
-        Span::new(self.file, self.base + span.start(), self.base + span.end())
+        self.origin.span(node)
     }
 
     /// The node's children without comments and marks; marks are reported on the way.
@@ -66,7 +86,7 @@ impl<'s> Reader<'s> {
             Rule::joined | Rule::joined_item => errors::joined,
             _ => return false,
         };
-        let finding = finding(self.span(node), self.text);
+        let finding = finding(self.span(node), self.source);
         self.report(finding);
         true
     }
@@ -78,7 +98,7 @@ impl<'s> Reader<'s> {
     /// A word that gets a name here, and so must not be a reserved one.
     pub fn declared(&mut self, node: &Node) -> Ident {
         let ident = self.ident(node);
-        if super::is_reserved(&ident.text) {
+        if super::RESERVED.contains(&ident.text.as_str()) {
             self.report(errors::reserved_name(&ident));
         }
         ident
@@ -90,7 +110,7 @@ impl<'s> Reader<'s> {
         for line in node.into_inner() {
             match line.as_rule() {
                 Rule::doc | Rule::file_doc => {
-                    self.attached_docs.push(self.base + line.as_span().start());
+                    self.attached_docs.push(self.origin.base + line.as_span().start());
                     let words = line.as_str()[3..].trim_end();
                     lines.push(words.strip_prefix(' ').unwrap_or(words).to_owned());
                 }
@@ -103,9 +123,30 @@ impl<'s> Reader<'s> {
     /// A place where a value should stand and none does.
     pub fn missing(&mut self, node: &Node) -> Expr {
         let span = self.span(node);
-        let finding = errors::missing_value(span, self.text);
+        let finding = errors::missing_value(span, self.source);
         self.report(finding);
         Expr { kind: ExprKind::Error, span }
+    }
+
+    /// The doc comments that belong to no declaration.
+    pub fn misplaced_docs(&mut self, docs: &[Span]) {
+        self.attached_docs.sort_unstable();
+        for &doc in docs {
+            if self.attached_docs.binary_search(&(doc.start as usize)).is_err() {
+                self.report(errors::misplaced_doc(doc, self.source));
+            }
+        }
+    }
+
+    /// Hands the findings on; whether there is an error among them.
+    pub fn tell(self, sink: &mut Sink) -> bool {
+        let mut findings = self.findings;
+        findings.sort_by_key(|finding| finding.span().map(|span| span.start));
+        let has_error = findings.iter().any(Diagnostic::is_error);
+        for finding in findings {
+            sink.push(finding);
+        }
+        has_error
     }
 
     /// Whether the scan has already reported something in this node.

@@ -1,25 +1,280 @@
-//! Fragments that no rule could read: what to say of them.
+//! Fragments that no rule could read: what to say of them, and what can be saved.
 
 use super::errors::{self, Place};
-use super::grammar::Node;
+use super::foreign;
+use super::grammar::{Grammar, Node, Rule};
 use super::reader::Reader;
-use super::tree::{Doc, Item};
-use crate::diagnostic::{Code, Diagnostic};
+use super::tree::{Doc, Expr, Ident, Item};
+use crate::source::Span;
+use pest::Parser;
+use pest::error::{ErrorVariant, InputLocation};
+
+/// The words that begin a declaration, and the rule for what follows each.
+const ITEMS: [(&str, Rule); 7] = [
+    ("use", Rule::use_rest),
+    ("let", Rule::let_rest),
+    ("device", Rule::device_rest),
+    ("scene", Rule::scene_rest),
+    ("task", Rule::task_rest),
+    ("program", Rule::program_rest),
+    ("wiring", Rule::wiring_rest),
+];
+
+const PREPOSITIONS: [&str; 10] = ["to", "from", "by", "about", "for", "at", "via", "with", "in", "on"];
+
+/// Steps that every kind of device knows: a second one of them on a line is a second step.
+const COMMON_HEADS: [&str; 7] = ["run", "wait", "together", "minimize", "require", "using", "start"];
+
+/// How many letters a misspelt word may be off.
+const MISSPELT: usize = 2;
+
+/// The declaration's word that someone may have meant.
+fn meant(word: &str) -> Option<(&'static str, Rule)> {
+    let word = word.to_lowercase();
+    let distance = |item: &(&str, Rule)| strsim::osa_distance(&word, item.0);
+    let near = ITEMS.into_iter().min_by_key(distance)?;
+    let limit = MISSPELT.min(near.0.len() / 2);
+    (distance(&near) <= limit).then_some(near)
+}
 
 impl Reader<'_> {
+    /// Reports an entry of a block that could not be read.
     pub fn bad_entry(&mut self, node: &Node, place: Place) {
+        let span = self.trimmed(node);
+        let text = &self.source[span.range()];
+        let word = errors::token_at(text, 0);
+        if ITEMS.iter().any(|item| item.0 == word) {
+            self.keep_name(span);
+        }
+        if foreign::help(word).is_some() {
+            return self.foreign_word(word.len(), span);
+        }
         if Self::has_hole(node) {
             return;
         }
-        let span = self.span(node);
-        self.report(
-            Diagnostic::new(Code::E0101, format!("`{}` cannot be read", errors::quote(node.as_str().trim_end())))
-                .label(span, format!("expected {}", place.wants())),
-        );
+        let finding = match word {
+            "for" if place != Place::Fields => {
+                self.forget_within(span);
+                errors::bad_loop(span)
+            }
+            "let" => errors::let_in_block(span, text),
+            _ if ITEMS.iter().any(|item| item.0 == word) => errors::item_in_block(span, word),
+            _ if PREPOSITIONS.contains(&word) => errors::lonely_preposition(span, word),
+            _ if word.starts_with(['+', '-', '*', '/', '^', '<', '>', '=']) => errors::lonely_operator(span, word),
+            _ => self.diagnose(span, place),
+        };
+        self.report(finding);
     }
 
-    pub fn bad_item(&mut self, node: &Node, _doc: Doc) -> Option<Item> {
-        self.bad_entry(node, Place::Top);
+    /// Reports words that no declaration begins with; a declaration whose first word is misspelt is read all the same.
+    pub fn bad_item(&mut self, node: &Node, doc: Doc) -> Option<Item> {
+        let span = self.trimmed(node);
+        let text = &self.source[span.range()];
+        let word = errors::token_at(text, 0);
+        let known = ITEMS.iter().find(|item| item.0 == word);
+        if known.is_some() || Self::has_hole(node) {
+            self.keep_name(span);
+        }
+        if foreign::help(word).is_some() {
+            self.foreign_word(word.len(), span);
+            return None;
+        }
+        if Self::has_hole(node) {
+            return None;
+        }
+        if let Some((_, rule)) = known {
+            let place = self.stop(Rule::one_item, span).map_or(span.start as usize, |(at, _)| at);
+            let rest = errors::part(span, place, span.end as usize);
+            let finding = match rule {
+                Rule::use_rest | Rule::let_rest => errors::bad_short_item(rest, *rule, self.source),
+                _ => errors::bad_head(rest, *rule, span, self.source),
+            };
+            self.report(finding);
+            return None;
+        }
+        match meant(word) {
+            Some((right, rule)) if text[word.len()..].starts_with([' ', '\t']) => {
+                let finding = errors::misspelt_item(span, text, right);
+                self.report(finding);
+                self.read_rest(rule, span, word.len(), doc)
+            }
+            _ => {
+                self.unknown_item(span);
+                None
+            }
+        }
+    }
+
+    fn unknown_item(&mut self, span: Span) {
+        let text = &self.text[span.range()];
+        let mut words = text.split([' ', '\t']).filter(|word| !word.is_empty()).skip(1);
+        let finding = match words.next() {
+            Some("=" | ":=") => errors::value_without_let(span, text),
+            Some(second) if text.contains('{') && second.starts_with(super::lexical::is_word) => {
+                errors::unknown_item(span, text)
+            }
+            _ => errors::not_an_item(span, text),
+        };
+        if matches!(finding.code, crate::diagnostic::Code::E0111) {
+            self.keep_name(span);
+        }
+        self.report(finding);
+    }
+
+    /// What follows a misspelt first word, if it is a whole declaration.
+    fn read_rest(&mut self, rule: Rule, span: Span, skip: usize, doc: Doc) -> Option<Item> {
+        let start = span.start as usize + skip;
+        let rest = &self.text[start..span.end as usize];
+        let node = Grammar::parse(rule, rest).ok().and_then(|mut nodes| nodes.next());
+        let Some(node) = node.filter(|node| node.as_span().end() == rest.len()) else {
+            self.keep_name(span);
+            return None;
+        };
+        let outer = std::mem::replace(&mut self.origin.base, start);
+        let item = self.declaration(node, doc, span);
+        self.origin.base = outer;
+        item
+    }
+
+    /// Keeps the name that a broken declaration would have declared: its second word, or its first before a `=`.
+    fn keep_name(&mut self, span: Span) {
+        let text = &self.text[span.range()];
+        let first = errors::token_at(text, 0);
+        let second = first.len() + (text[first.len()..].len() - text[first.len()..].trim_start_matches([' ', '\t']).len());
+        let word = errors::token_at(text, second);
+        let (at, name) = if word.starts_with(super::lexical::is_word) { (second, word) } else { (0, first) };
+        if name.starts_with(super::lexical::is_word) {
+            let start = span.start as usize + at;
+            let place = errors::part(span, start, start + name.len());
+            self.broken_names.push(Ident { text: name.to_owned(), span: place });
+        }
+    }
+
+    /// Reports a construct of another language as one mistake, whatever else is wrong inside of it.
+    pub fn foreign_word(&mut self, length: usize, span: Span) {
+        self.forget_within(span);
+        let start = span.start as usize;
+        let word = errors::part(span, start, start + length);
+        let finding = errors::foreign_word(word, self.source);
+        self.report(finding);
+    }
+
+    fn forget_within(&mut self, span: Span) {
+        self.findings.retain(|finding| !finding.span().is_some_and(|place| span.contains(place)));
+    }
+
+    /// The finding for a fragment of which only its place is known: where reading stopped and what was wanted there.
+    fn diagnose(&mut self, span: Span, place: Place) -> crate::diagnostic::Diagnostic {
+        let text = &self.text[span.range()];
+        if place == Place::Steps
+            && let Some(at) = second_step(text)
+        {
+            let mark = errors::part(span, span.start as usize + at, span.start as usize + at);
+            return errors::joined(mark, self.source);
+        }
+        if place == Place::Fields
+            && let Some(name) = field_without_colon(text)
+        {
+            return errors::missing_colon(span, name, text);
+        }
+        let rule = match place {
+            Place::Fields => Rule::one_field,
+            Place::Scene => Rule::one_object,
+            Place::Steps => Rule::one_step,
+            Place::Wires => Rule::one_wire,
+        };
+        match self.stop(rule, span) {
+            Some((at, wants_value)) if at > span.start as usize => {
+                let open = open_bracket(&self.text[span.start as usize..at]);
+                errors::stopped(span, at, wants_value, open, self.source)
+            }
+            _ => errors::not_an_entry(span, place, self.source),
+        }
+    }
+
+    /// Where reading a fragment stops, and whether a value is wanted there.
+    fn stop(&self, rule: Rule, span: Span) -> Option<(usize, bool)> {
+        let text = &self.text[span.range()];
+        let error = Grammar::parse(rule, text).err()?;
+        let at = match error.location {
+            InputLocation::Pos(at) | InputLocation::Span((at, _)) => at,
+        };
+        let wants_value = match &error.variant {
+            ErrorVariant::ParsingError { positives, .. } => {
+                positives.iter().any(|rule| matches!(rule, Rule::quantity | Rule::number | Rule::tuple | Rule::expr))
+            }
+            ErrorVariant::CustomError { .. } => false,
+        };
+        let at = at + (text[at..].len() - text[at..].trim_start().len());
+        Some((self.source.floor_char_boundary(span.start as usize + at), wants_value))
+    }
+
+    fn trimmed(&self, node: &Node) -> Span {
+        let span = self.span(node);
+        let text = &self.text[span.range()];
+        let start = span.start as usize + (text.len() - text.trim_start().len());
+        let code = errors::code_end_before(self.text, span.end as usize);
+        errors::part(span, self.source.floor_char_boundary(start), self.source.ceil_char_boundary(code.max(start)))
+    }
+
+    /// For a text that pest gave up on.
+    pub fn unreadable(&mut self) -> (Doc, Vec<Item>) {
+        let whole = Span::new(self.file, 0, self.text.len());
+        if self.findings.is_empty() {
+            self.report(errors::unreadable(whole));
+        }
+        (None, vec![Item::Error(whole)])
+    }
+
+    /// For a value that is none.
+    pub fn no_value(&mut self) -> Option<Expr> {
+        if self.findings.is_empty() {
+            let whole = Span::new(self.file, 0, self.text.len());
+            self.report(errors::not_a_value(whole, self.source));
+        }
         None
     }
+}
+
+/// Where a second step begins on a line: at a word that began the first, or that begins one on every device.
+fn second_step(text: &str) -> Option<usize> {
+    let head = errors::token_at(text, 0);
+    let line = text.lines().next().unwrap_or("");
+    let mut depth = 0_i32;
+    let mut at = head.len();
+    while at < line.len() {
+        let token = errors::token_at(line, at);
+        match token {
+            "(" | "[" | "{" => depth += 1,
+            ")" | "]" | "}" => depth -= 1,
+            _ if depth == 0 && (token == head || COMMON_HEADS.contains(&token)) && line[..at].ends_with(' ') => {
+                return Some(at);
+            }
+            _ => {}
+        }
+        at += token.len();
+    }
+    None
+}
+
+/// The name of a field whose colon is missing: a word, blanks, and a value.
+fn field_without_colon(text: &str) -> Option<&str> {
+    let name = errors::token_at(text, 0);
+    let rest = &text[name.len()..];
+    let value = rest.trim_start_matches([' ', '\t']);
+    let is_value = value.starts_with(|c: char| super::lexical::is_word(c) || matches!(c, '(' | '[' | '"' | '-'));
+    (name.starts_with(super::lexical::is_word) && value.len() < rest.len() && is_value).then_some(name)
+}
+
+/// The bracket that is open at the end of a text.
+fn open_bracket(text: &str) -> Option<char> {
+    let mut open = Vec::new();
+    for c in text.chars() {
+        match c {
+            '(' | '[' | '{' => open.push(c),
+            ')' | ']' | '}' => drop(open.pop()),
+            _ => {}
+        }
+    }
+    open.pop()
 }

@@ -1,2 +1,182 @@
+//! Characters, before the grammar reads them.
+//!
+//! Input: the text of a file. Output: the same text, as long and in the same places, in which what no rule can mend is
+//! covered with [`HOLE`], what another language spells otherwise is spelt our way, and a line end after which a forgotten
+//! `}` is assumed is a [`CUT`]; with it the findings and the places of the doc comments. Promise: brackets in the returned
+//! text pair up, apart from braces that a cut or the end closes, and nest at most [`MAX_NESTING`] deep.
+
+use super::brackets::Brackets;
+use super::lexical;
+use crate::diagnostic::Diagnostic;
+use crate::source::{FileId, Span};
+use std::borrow::Cow;
+
+/// Stands where something could not be read and was reported; the grammar takes a run of it for a value.
 pub(super) const HOLE: char = '\u{1}';
+
+/// Stands for a line end that closes every open block.
 pub(super) const CUT: char = '\u{2}';
+
+/// The deepest that brackets, braces and blocks may nest.
+pub const MAX_NESTING: usize = 64;
+
+/// What the scan found.
+pub(super) struct Scanned<'t> {
+    pub text: Cow<'t, str>,
+    pub findings: Vec<Diagnostic>,
+    /// The doc comments, in order.
+    pub docs: Vec<Span>,
+}
+
+/// Reads the characters of a text.
+pub(super) fn scan(file: FileId, text: &str) -> Scanned<'_> {
+    let mut scan = Scan::new(file, text);
+    scan.byte_order_mark();
+    while scan.at < text.len() {
+        scan.token();
+    }
+    scan.end_of_text();
+    let text = match scan.covered {
+        Some(bytes) => String::from_utf8(bytes).map_or(Cow::Borrowed(text), Cow::Owned),
+        None => Cow::Borrowed(text),
+    };
+    Scanned { text, findings: scan.findings, docs: scan.docs }
+}
+
+/// Walks over a text.
+pub(super) struct Scan<'t> {
+    file: FileId,
+    pub text: &'t str,
+    pub at: usize,
+    covered: Option<Vec<u8>>,
+    findings: Vec<Diagnostic>,
+    docs: Vec<Span>,
+    pub brackets: Brackets,
+    /// The last byte of code, and where the line of that code ends, if a line end has been met since.
+    pub last: u8,
+    pub line_end: Option<usize>,
+    /// Where the line begins.
+    pub line_start: usize,
+    /// Whether the line has had no code yet.
+    pub is_line_start: bool,
+}
+
+impl<'t> Scan<'t> {
+    fn new(file: FileId, text: &'t str) -> Self {
+        Scan {
+            file,
+            text,
+            at: 0,
+            covered: None,
+            findings: Vec::new(),
+            docs: Vec::new(),
+            brackets: Brackets::default(),
+            last: b'\n',
+            line_end: None,
+            line_start: 0,
+            is_line_start: true,
+        }
+    }
+
+    pub fn span(&self, start: usize, end: usize) -> Span {
+        Span::new(self.file, start, end)
+    }
+
+    pub fn report(&mut self, finding: Diagnostic) {
+        self.findings.push(finding);
+    }
+
+    /// Puts bytes in the place of others: `with`, filled up with blanks.
+    pub fn replace(&mut self, start: usize, end: usize, with: &str) {
+        let bytes = self.covered.get_or_insert_with(|| self.text.as_bytes().to_vec());
+        bytes[start..end].fill(b' ');
+        bytes[start..start + with.len()].copy_from_slice(with.as_bytes());
+    }
+
+    /// Covers what has been reported.
+    pub fn cover(&mut self, start: usize, end: usize) {
+        let bytes = self.covered.get_or_insert_with(|| self.text.as_bytes().to_vec());
+        bytes[start..end].fill(HOLE as u8);
+    }
+
+    /// Closes every block at a line end.
+    pub fn cut(&mut self, at: usize) {
+        let bytes = self.covered.get_or_insert_with(|| self.text.as_bytes().to_vec());
+        bytes[at] = CUT as u8;
+    }
+
+    pub fn rest(&self) -> &'t str {
+        &self.text[self.at..]
+    }
+
+    /// Where the line at an offset ends.
+    pub fn end_of_line(&self, from: usize) -> usize {
+        self.text[from..].find('\n').map_or(self.text.len(), |length| from + length)
+    }
+
+    fn byte_order_mark(&mut self) {
+        if self.text.starts_with('\u{feff}') {
+            self.replace(0, 3, "");
+            self.at = 3;
+        }
+    }
+
+    fn token(&mut self) {
+        let Some(first) = self.rest().chars().next() else { return };
+        match first {
+            '\n' => return self.newline(),
+            ' ' | '\t' | '\r' => {
+                self.at += 1;
+                return;
+            }
+            '/' if self.rest().starts_with("//") => return self.comment(),
+            '/' if self.rest().starts_with("/*") => return lexical::block_comment(self),
+            '#' => return lexical::hash_comment(self),
+            _ => {}
+        }
+        if self.is_line_start {
+            self.is_line_start = false;
+            if super::brackets::starts_item(self.rest()) {
+                self.item_begins();
+            }
+        }
+        match first {
+            '"' => lexical::string(self),
+            '0'..='9' => lexical::number(self),
+            '.' if lexical::is_bare_fraction(self) => lexical::bare_fraction(self),
+            '(' | '[' | '{' => self.opening(first as u8),
+            ')' | ']' | '}' => self.closing(first as u8),
+            ';' => lexical::semicolon(self),
+            _ if lexical::is_word(first) => self.at = lexical::end_of_word(self.text, self.at),
+            _ => lexical::sign(self, first),
+        }
+        self.last = self.text.as_bytes()[self.at - 1];
+        self.line_end = None;
+    }
+
+    pub fn newline(&mut self) {
+        self.line_end.get_or_insert(self.at);
+        if !self.goes_on() {
+            self.brackets.line_ended(self.at);
+        }
+        self.at += 1;
+        self.line_start = self.at;
+        self.is_line_start = true;
+    }
+
+    /// Whether the last code demands a next line.
+    fn goes_on(&self) -> bool {
+        matches!(self.last, b'(' | b'[' | b',' | b':' | b'=' | b'<' | b'>' | b'+' | b'-' | b'*' | b'/' | b'^')
+    }
+
+    fn comment(&mut self) {
+        let end = self.end_of_line(self.at);
+        let comment = &self.text[self.at..end];
+        let is_doc = comment.starts_with("//!") || (comment.starts_with("///") && !comment.starts_with("////"));
+        if is_doc {
+            let span = self.span(self.at, end);
+            self.docs.push(span);
+        }
+        self.at = end;
+    }
+}

@@ -23,6 +23,8 @@ pub struct Tree {
     /// The `//!` lines at the top.
     pub doc: Doc,
     pub items: Vec<Item>,
+    /// The names that unreadable declarations would have declared: no later stage should call them unknown.
+    pub broken_names: Vec<Ident>,
 }
 
 /// What stands at the top of a file.

@@ -33,18 +33,14 @@ impl Reader<'_> {
     }
 
     fn combine(&mut self, parts: Vec<Node>) -> Expr {
-        let (file, base) = (self.file, self.base);
-        let place = move |node: &Node| {
-            let span = node.as_span();
-            Span::new(file, base + span.start(), base + span.end())
-        };
+        let origin = self.origin;
         STRENGTHS
             .map_primary(|node| self.primary(node))
             .map_prefix(|sign, value| {
-                let span = place(&sign).to(value.span);
+                let span = origin.span(&sign).to(value.span);
                 Expr { kind: ExprKind::Negative(Box::new(value)), span }
             })
-            .map_infix(|left, node, right| join(left, &node, place(&node), right))
+            .map_infix(|left, node, right| join(left, &node, origin.span(&node), right))
             .parse(parts.into_iter())
     }
 
@@ -169,12 +165,12 @@ impl Reader<'_> {
         let span = self.span(&node);
         let source = &self.text[span.range()];
         let source = &source[1..source.len() - 1];
-        let outer = std::mem::replace(&mut self.base, span.start as usize + 1);
+        let outer = std::mem::replace(&mut self.origin.base, span.start as usize + 1);
         let expr = match Grammar::parse(Rule::one_value, source) {
             Ok(mut nodes) => nodes.next().and_then(|node| self.only_value(node)),
             Err(_) => None,
         };
-        self.base = outer;
+        self.origin.base = outer;
         expr.unwrap_or_else(|| {
             if !source.contains(super::scan::HOLE) {
                 self.report(errors::text_hole(span, source));
@@ -205,7 +201,7 @@ impl Reader<'_> {
                 Rule::bad_row => {
                     if !Self::has_hole(&part) {
                         let span = self.span(&part);
-                        self.report(errors::bad_row(span, part.as_str()));
+                        self.report(errors::bad_row(span, self.source));
                     }
                 }
                 _ => {}

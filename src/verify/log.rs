@@ -1,7 +1,37 @@
 //! Reads a written log back, trusting nothing in it.
+//!
+//! Input: the bytes of an MCAP file. Output: a [`Log`] with what the verifier needs, or a [`LogError`] that says what is wrong
+//! and where. Promise: every checksum is there and right; no input makes it panic or hang; memory stays within a small multiple
+//! of the limits below and of the file's own size. What the log says is not judged here, but for [`Log::voltage_fault`], which
+//! holds the recorded voltages against the recorded schedule.
+//!
+//! The records are taken apart by hand (MCAP specification, version 0): the usual reader takes lengths on trust.
+
+mod error;
+mod records;
+mod series;
+
+pub use error::LogError;
+pub use series::{Series, VoltageFault};
+
+use crate::schedule::{Schedule, json};
+use crate::source::MAX_FILE_BYTES;
+use records::{Attachment, Contents};
 
 /// The largest sum of uncompressed messages that a log may hold, in bytes.
 pub const MAX_DATA_BYTES: u64 = 512 * 1024 * 1024;
+
+/// The largest message that a log may hold, in bytes.
+pub const MAX_MESSAGE_BYTES: u64 = 64 * 1024 * 1024;
+
+/// The most messages that a log may hold.
+pub const MAX_MESSAGES: u64 = 4_000_000;
+
+/// The largest schedule that a log may carry, in bytes of JSON.
+pub const MAX_SCHEDULE_BYTES: u64 = 256 * 1024 * 1024;
+
+/// The largest claims that a log may carry, in bytes of JSON.
+pub const MAX_CLAIMS_BYTES: u64 = 64 * 1024 * 1024;
 
 /// Name of the attachment that holds the schedule.
 pub const SCHEDULE: &str = "schedule.json";
@@ -14,3 +44,107 @@ pub const SOURCE_PREFIX: &str = "source/";
 
 /// Name of the metadata record that says where the log comes from.
 pub const METADATA: &str = "tweeze";
+
+/// What the topics of voltages end with; the device stands before it.
+pub const VOLTAGES_SUFFIX: &str = "/voltages";
+
+/// What a log says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Log {
+    pub schedule: Schedule,
+    /// The claims as they were recorded; those that count are derived again from `files`.
+    pub claims_json: serde_json::Value,
+    /// Name and text of every source file, the program's own first.
+    pub files: Vec<(String, String)>,
+    /// The `--set` values.
+    pub settings: Vec<String>,
+    /// The version of Tweeze that wrote it.
+    pub version: String,
+    /// What the recorded pictures and plots show of the channels, one series for each device.
+    pub voltages: Vec<Series>,
+}
+
+/// Takes a log apart.
+///
+/// # Errors
+/// See [`LogError`].
+pub fn read(bytes: &[u8]) -> Result<Log, LogError> {
+    read_with(bytes, &mut |_, _, _| ())
+}
+
+/// Takes a log apart, and calls `visit` with the topic, the instant in nanoseconds and the bytes of every message, in the order
+/// of the file.
+///
+/// # Errors
+/// See [`LogError`]; messages before the fault were visited.
+pub fn read_with<'v>(bytes: &[u8], visit: &'v mut (dyn FnMut(&str, u64, &[u8]) + 'v)) -> Result<Log, LogError> {
+    let contents = records::read(bytes, visit)?;
+    let schedule = attached(&contents, SCHEDULE, MAX_SCHEDULE_BYTES)?;
+    let schedule = json::read(schedule).map_err(|error| LogError::content(SCHEDULE, error.to_string()))?;
+    let claims = attached(&contents, CLAIMS, MAX_CLAIMS_BYTES)?;
+    let claims_json = serde_json::from_slice(claims).map_err(|error| LogError::content(CLAIMS, error.to_string()))?;
+    let version = provenance(&contents, "version")?.to_owned();
+    let settings = serde_json::from_str(provenance(&contents, "settings")?)
+        .map_err(|error| LogError::content(format!("metadata `{METADATA}`, entry `settings`"), error.to_string()))?;
+    let program = provenance(&contents, "program")?;
+    if program != schedule.name {
+        let what = format!("is of `{}`, the metadata say `{program}`", schedule.name);
+        return Err(LogError::content(SCHEDULE, what));
+    }
+    let files = files(&contents)?;
+    Ok(Log { schedule, claims_json, files, settings, version, voltages: contents.voltages })
+}
+
+/// The data of the one attachment of a name.
+fn attached<'a>(contents: &Contents<'a>, name: &str, limit: u64) -> Result<&'a [u8], LogError> {
+    let mut found = contents.attachments.iter().filter(|attachment| attachment.name == name);
+    match (found.next(), found.next()) {
+        (None, _) => Err(LogError::Missing { what: format!("attachment `{name}`") }),
+        (Some(_), Some(second)) => Err(LogError::damaged(second.offset, format!("a second attachment `{name}`"))),
+        (Some(attachment), None) => within(attachment, limit),
+    }
+}
+
+fn within<'a>(attachment: &Attachment<'a>, limit: u64) -> Result<&'a [u8], LogError> {
+    let bytes = attachment.data.len() as u64;
+    if bytes > limit {
+        let what = format!("attachment `{}`", attachment.name);
+        return Err(LogError::TooLarge { offset: attachment.offset, what, bytes, limit });
+    }
+    Ok(attachment.data)
+}
+
+fn provenance<'a>(contents: &'a Contents, key: &str) -> Result<&'a str, LogError> {
+    let missing = || LogError::Missing { what: format!("entry `{key}` of the metadata record `{METADATA}`") };
+    let metadata = contents.metadata.as_ref().ok_or_else(missing)?;
+    metadata.get(key).map(String::as_str).ok_or_else(missing)
+}
+
+fn files(contents: &Contents) -> Result<Vec<(String, String)>, LogError> {
+    let mut names = std::collections::BTreeSet::new();
+    let mut files = Vec::new();
+    for attachment in &contents.attachments {
+        let Some(name) = attachment.name.strip_prefix(SOURCE_PREFIX) else { continue };
+        let data = within(attachment, MAX_FILE_BYTES as u64)?;
+        let text = std::str::from_utf8(data)
+            .map_err(|error| LogError::content(attachment.name.clone(), format!("is no UTF-8: {error}")))?;
+        if !names.insert(name) {
+            return Err(LogError::damaged(attachment.offset, format!("a second attachment `{}`", attachment.name)));
+        }
+        files.push((name.to_owned(), text.to_owned()));
+    }
+    match files.is_empty() {
+        true => Err(LogError::Missing { what: format!("attachment `{SOURCE_PREFIX}…` with the program's source") }),
+        false => Ok(files),
+    }
+}
+
+impl Log {
+    /// The first place at which the recorded voltages are not those of the recorded schedule.
+    pub fn voltage_fault(&self) -> Option<VoltageFault> {
+        series::fault(&self.schedule, &self.voltages)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,13 +1,96 @@
-//! Holds a log against the one that its schedule would give.
+//! Holds a log against the one that its schedule gives: whatever was edited shows up here.
 
-use super::Provenance;
-use crate::verify::Verified;
+use super::{LIBRARY, Provenance, Signals, Topic};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::verify::{Verified, log};
 
-/// What differs between a log and the one written from a schedule: topic and time of the first message that differs, is
-/// missing or too many.
+/// What differs between a log and the one written from a schedule, or nothing if they are the same byte for byte.
+///
+/// Names the first message that differs, is missing or is one too many, by topic and time; or else the part that differs. The
+/// log may be anything: what cannot be read differs too.
 pub fn difference(log_bytes: &[u8], verified: &Verified, provenance: &Provenance) -> Option<String> {
     match super::write(verified, provenance) {
         Ok(bytes) if bytes == log_bytes => None,
-        Ok(_) | Err(_) => Some("the log differs".into()),
+        Ok(_) => {
+            let mut search = Search::new(super::topics(verified, &Signals::new(verified.schedule())));
+            let read = log::read_with(log_bytes, &mut |topic, t_ns, data| search.compare(topic, t_ns, data));
+            Some(match read {
+                Ok(log) if log.version != env!("CARGO_PKG_VERSION") => {
+                    format!("it was written by tweeze {}, this is {LIBRARY}", log.version)
+                }
+                Ok(log) => search.found().unwrap_or_else(|| part(&log, verified, provenance)),
+                Err(error) => error.diagnostic().title,
+            })
+        }
+        Err(error) => Some(error.diagnostic().title),
     }
+}
+
+/// For the person at the terminal.
+pub fn difference_diagnostic(difference: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0847, format!("the log shows something else than its schedule: {difference}"))
+        .help("the log was changed, or written by another version of Tweeze; build the program again")
+}
+
+/// The messages that should come, and what was found wrong so far.
+struct Search {
+    topics: Vec<Topic>,
+    /// How many messages of each topic were seen.
+    seen: Vec<usize>,
+    found: Option<String>,
+}
+
+impl Search {
+    fn new(topics: Vec<Topic>) -> Self {
+        let seen = vec![0; topics.len()];
+        Search { topics, seen, found: None }
+    }
+
+    fn compare(&mut self, topic: &str, t_ns: u64, data: &[u8]) {
+        if self.found.is_some() {
+            return;
+        }
+        let Some(index) = self.topics.iter().position(|expected| expected.name == topic) else {
+            self.found = Some(format!("`{topic}` at {t_ns} ns is no topic of this schedule"));
+            return;
+        };
+        let expected = self.topics[index].messages.get(self.seen[index]);
+        self.seen[index] += 1;
+        self.found = match expected {
+            Some((expected_ns, bytes)) if *expected_ns == t_ns && bytes == data => None,
+            Some((expected_ns, _)) if *expected_ns < t_ns => Some(missing(topic, *expected_ns)),
+            Some((expected_ns, _)) if *expected_ns == t_ns => {
+                Some(format!("`{topic}` at {t_ns} ns is another message"))
+            }
+            Some(_) | None => Some(format!("`{topic}` has a message too many at {t_ns} ns")),
+        };
+    }
+
+    /// The first difference, all messages of the log having been compared.
+    fn found(self) -> Option<String> {
+        let rest = self.topics.iter().zip(&self.seen);
+        let missing =
+            rest.filter_map(|(topic, seen)| Some((topic.messages.get(*seen)?.0, topic))).min_by_key(|(t_ns, _)| *t_ns);
+        self.found.or_else(|| missing.map(|(t_ns, topic)| self::missing(&topic.name, t_ns)))
+    }
+}
+
+fn missing(topic: &str, t_ns: u64) -> String {
+    format!("`{topic}` lacks its message at {t_ns} ns")
+}
+
+/// What differs besides the messages.
+fn part(log: &log::Log, verified: &Verified, provenance: &Provenance) -> String {
+    let claims = serde_json::to_value(verified.claims()).ok();
+    let parts = [
+        (log.schedule != *verified.schedule(), "the attached schedule is another"),
+        (Some(&log.claims_json) != claims.as_ref(), "the attached claims are others"),
+        (log.files != provenance.files, "the attached source files are others"),
+        (log.settings != provenance.settings, "the recorded settings are others"),
+    ];
+    let differing = parts.iter().find(|(differs, _)| *differs);
+    differing.map_or_else(
+        || format!("names, index or packing of the file are not as {LIBRARY} writes them"),
+        |(_, what)| (*what).to_owned(),
+    )
 }

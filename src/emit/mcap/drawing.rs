@@ -55,6 +55,16 @@ pub fn body(entity: &mut SceneEntity, body: &Rounded, slab: Slab) {
     }
 }
 
+/// The largest y of a body.
+pub fn top_um(body: &Rounded) -> f64 {
+    let points = match &body.core {
+        Core::Point(point) => std::slice::from_ref(point),
+        Core::Segment(ends) => ends.as_slice(),
+        Core::Polygon(corners) => corners.as_slice(),
+    };
+    points.iter().map(|point| point.y).fold(f64::NEG_INFINITY, f64::max) + body.radius_um
+}
+
 /// Adds a cylinder that stands upright.
 pub fn disc(entity: &mut SceneEntity, centre: Point2<f64>, radius_um: f64, slab: Slab) {
     if radius_um <= 0.0 {

@@ -1,25 +1,29 @@
 //! MCAP: a log that viewers play without set-up, and that `tweeze verify` judges without any other file.
 //!
 //! All messages are protobuf. For each device: `/<device>/voltages` (SI units), `/<device>/pose` and `/<device>/path` (where the
-//! end-effector is, and its whole way). For all: `/scene` (obstacles, lattice, path and stops in three dimensions), `/tf` and
+//! end-effector is, and its whole way), `/<device>/points` (the scene as points, for viewers without `/scene`). For all: `/scene` (obstacles, lattice, path and stops in three dimensions), `/tf` and
 //! `/log` (each step at its start, with its source line). Attachments: `schedule.json`, `claims.json`, every source file as
 //! `source/<name>`. The metadata record `tweeze` says which version wrote the log and from what. The clock begins at 0.
 //!
 //! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one micrometre.
 
+mod cloud;
 mod difference;
 mod drawing;
 mod foxglove;
 mod motion;
 mod scene;
+#[cfg(test)]
+mod tests;
 mod voltages;
 
-pub use difference::difference;
+pub use difference::{difference, difference_diagnostic};
 
 use super::{EmitError, Format, Provenance, Signals};
 use crate::schedule::json;
+use crate::source::MAX_FILE_BYTES;
 use crate::verify::Verified;
-use crate::verify::log::{CLAIMS, MAX_DATA_BYTES, METADATA, SCHEDULE, SOURCE_PREFIX};
+use crate::verify::log::{self, CLAIMS, METADATA, SCHEDULE, SOURCE_PREFIX};
 use ::mcap::{Attachment, Compression, McapError, WriteOptions, records};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -35,6 +39,12 @@ pub const LIBRARY: &str = concat!("tweeze ", env!("CARGO_PKG_VERSION"));
 const CHUNK_BYTES: u64 = 768 * 1024;
 
 const ZSTD_LEVEL: u32 = 3;
+
+/// What stands before the bytes of a message in the file.
+const MESSAGE_HEAD_BYTES: u64 = 31;
+
+/// About what the name and the metadata of a topic take, which its chunks repeat.
+const DEFINITION_BYTES: u64 = 64 * 1024;
 
 /// The frame that all devices stand in.
 const WORLD: &str = "world";
@@ -61,11 +71,32 @@ impl Topic {
 /// [`EmitError::TooLarge`] past what the log's reader takes; [`EmitError::Failed`] if the library gives up.
 pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
     let signals = Signals::new(verified.schedule());
-    let bytes = voltages::estimated_bytes(&signals);
-    EmitError::refuse_size(Format::Mcap, bytes, MAX_DATA_BYTES)?;
+    EmitError::refuse_size(Format::Mcap, voltages::estimated_bytes(&signals), log::MAX_DATA_BYTES)?;
     let topics = topics(verified, &signals);
-    compose(&topics, &attachments(verified, provenance), metadata(verified, provenance))
+    let attachments = attachments(verified, provenance);
+    refuse_what_is_not_read(&topics, &attachments)?;
+    compose(&topics, &attachments, metadata(verified, provenance))
         .map_err(|error| EmitError::Failed { format: Format::Mcap, detail: error.to_string() })
+}
+
+/// An error if the log's reader would refuse the log for its size.
+fn refuse_what_is_not_read(topics: &[Topic], attachments: &[Attachment]) -> Result<(), EmitError> {
+    let lengths =
+        || topics.iter().flat_map(|topic| &topic.messages).map(|(_, data)| data.len() as u64 + MESSAGE_HEAD_BYTES);
+    let refuse = |bytes, limit| EmitError::refuse_size(Format::Mcap, bytes, limit);
+    let definitions: u64 = topics.iter().map(|topic| topic.schema.descriptor.len() as u64 + DEFINITION_BYTES).sum();
+    refuse(lengths().max().unwrap_or(0), log::MAX_MESSAGE_BYTES)?;
+    refuse(lengths().sum::<u64>() + definitions, log::MAX_DATA_BYTES)?;
+    refuse(lengths().count() as u64, log::MAX_MESSAGES)?;
+    for attachment in attachments {
+        let limit = match attachment.name.as_str() {
+            SCHEDULE => log::MAX_SCHEDULE_BYTES,
+            CLAIMS => log::MAX_CLAIMS_BYTES,
+            _ => MAX_FILE_BYTES as u64,
+        };
+        refuse(attachment.data.len() as u64, limit)?;
+    }
+    Ok(())
 }
 
 fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
@@ -74,12 +105,14 @@ fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
         topics.push(voltages::topic(signals, device, &channels));
     }
     topics.extend(motion::topics(verified, signals));
+    topics.extend(cloud::topics(verified));
     topics.push(scene::topic(verified));
-    topics.push(log(verified));
+    topics.push(lines(verified));
     topics
 }
 
-fn log(verified: &Verified) -> Topic {
+/// `/log`: the source line of every step.
+fn lines(verified: &Verified) -> Topic {
     let messages = verified.schedule().steps.iter().map(|step| {
         let line = foxglove::Log {
             timestamp: foxglove::timestamp(step.start_ns),
@@ -105,7 +138,7 @@ fn attachments<'a>(verified: &Verified, provenance: &'a Provenance) -> Vec<Attac
         data,
     };
     let schedule = json::write(verified.schedule());
-    let claims = serde_json::to_vec_pretty(verified.claims()).expect("claims have string keys only");
+    let claims = serde_json::to_vec(verified.claims()).expect("claims have string keys only");
     let own = [
         attach(SCHEDULE.to_owned(), "application/json", Cow::Owned(schedule)),
         attach(CLAIMS.to_owned(), "application/json", Cow::Owned(claims)),

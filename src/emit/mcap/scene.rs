@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 
 /// What the parts of a picture look like; chosen to be told apart by the colour-blind (after Okabe and Ito) and on dark as on
 /// light ground.
-mod color {
+pub mod color {
     use super::Color;
 
     pub const OBSTACLE: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
@@ -36,6 +36,12 @@ const OBSTACLE_HEIGHT_UM: f64 = 0.4;
 const GROWN_HEIGHT_UM: f64 = 0.02;
 const PATH_HEIGHT_UM: f64 = 0.05;
 const LABEL_HEIGHT_UM: f64 = 0.6;
+
+/// Distance of a label from what it names.
+const LABEL_GAP_UM: f64 = 0.3;
+
+/// Diameter of the mark of a stop.
+pub const STOP_UM: f64 = 0.12;
 
 /// Part of a cell that a blocked one fills, so that neighbours are seen apart from cells.
 const CELL_PART: f64 = 0.8;
@@ -65,14 +71,35 @@ impl<'a> Bench<'a> {
     }
 }
 
-fn order(job: &Job) -> &DimibotOrder {
+/// The order of a job.
+pub fn order(job: &Job) -> &DimibotOrder {
     match &job.order {
         Order::Dimibot(order) => order,
     }
 }
 
+/// The cell of all modules at 1.
+pub fn last_cell(facts: &Facts) -> Cell {
+    Cell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 }
+}
+
 fn extent_um(facts: &Facts) -> [f64; 2] {
-    facts.place_um(Cell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 })
+    facts.place_um(last_cell(facts))
+}
+
+/// The places that a task asks for, in the order of writing.
+pub fn stops(order: &DimibotOrder) -> impl Iterator<Item = &Stop> {
+    order.steps.iter().flat_map(|step| match &step.action {
+        Action::Move(stops) | Action::Visit(stops) => stops.as_slice(),
+        Action::Wait(_) => &[],
+    })
+}
+
+/// The lower and the upper corner of a block of cells, each cell being a tile.
+pub fn tiles_um(facts: &Facts, from: Cell, to: Cell) -> ([f64; 2], [f64; 2]) {
+    let half = [Side::Left, Side::Right].map(|side| facts.pitch_um(side) * CELL_PART / 2.0);
+    let ([x0, y0], [x1, y1]) = (facts.place_um(from), facts.place_um(to));
+    ([x0 - half[0], y0 - half[1]], [x1 + half[0], y1 + half[1]])
 }
 
 /// The topic `/scene`.
@@ -98,7 +125,7 @@ pub fn topic(verified: &Verified) -> Topic {
 }
 
 /// The jobs of a device with their plans, in order of time.
-fn jobs<'a>(verified: &'a Verified, device: &str) -> Vec<(&'a Job, &'a PlanRecord)> {
+pub fn jobs<'a>(verified: &'a Verified, device: &str) -> Vec<(&'a Job, &'a PlanRecord)> {
     let all = verified.claims().jobs.iter().zip(&verified.schedule().plans);
     let mut jobs: Vec<_> = all.filter(|(job, _)| job.device == device).collect();
     jobs.sort_by_key(|(_, plan)| plan.start_ns);
@@ -109,12 +136,8 @@ fn entities(order: &DimibotOrder, plan: &PlanRecord) -> Vec<SceneEntity> {
     let (device, t_ns) = (plan.device.as_str(), plan.start_ns);
     let new = |what: &str| drawing::entity(format!("{device}/{what}"), device, t_ns);
     let mut entities = vec![lattice(new("lattice"), &order.facts, device), path(new("path"), plan)];
-    entities.extend(tip(device, t_ns, &order.facts));
-    let stops = order.steps.iter().flat_map(|step| match &step.action {
-        Action::Move(stops) | Action::Visit(stops) => stops.as_slice(),
-        Action::Wait(_) => &[],
-    });
-    entities.push(mark_stops(new("stops"), &order.facts, stops));
+    entities.push(tip(device, t_ns, &order.facts));
+    entities.push(mark_stops(new("stops"), order));
     let labelled = order.obstacles.len() <= MAX_LABELS;
     for obstacle in order.obstacles.iter() {
         let mut entity = new(&format!("obstacle/{}", obstacle.name));
@@ -150,27 +173,27 @@ fn path(mut entity: SceneEntity, plan: &PlanRecord) -> SceneEntity {
     drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color::PATH);
     if let Some(first) = plan.states.first() {
         let [x, y, _] = motion::place(first);
-        drawing::sphere(&mut entity, [x, y, PATH_HEIGHT_UM], 0.12, color::START);
-        drawing::text(&mut entity, [x, y, LABEL_HEIGHT_UM], "start".into(), color::START);
+        drawing::sphere(&mut entity, [x, y, PATH_HEIGHT_UM], STOP_UM, color::START);
+        drawing::text(&mut entity, [x, y - LABEL_GAP_UM, LABEL_HEIGHT_UM], "start".into(), color::START);
     }
     entity
 }
 
 /// The tip as wide as it is, in the frame that goes with it, with a mark that is seen when it is narrow.
-fn tip(device: &str, t_ns: u64, facts: &Facts) -> Option<SceneEntity> {
+fn tip(device: &str, t_ns: u64, facts: &Facts) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/tip"), &motion::tip_frame(device), t_ns);
     let slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT_UM, color: color::TIP };
     drawing::disc(&mut entity, nalgebra::Point2::origin(), facts.tip_radius_um, slab);
     drawing::sphere(&mut entity, [0.0, 0.0, OBSTACLE_HEIGHT_UM], 0.1, color::TIP);
-    Some(entity)
+    entity
 }
 
-fn mark_stops<'a>(mut entity: SceneEntity, facts: &Facts, stops: impl Iterator<Item = &'a Stop>) -> SceneEntity {
-    for (index, stop) in stops.enumerate() {
-        let [x, y] = facts.place_um(stop.cell);
-        drawing::sphere(&mut entity, [x, y, PATH_HEIGHT_UM], 0.12, color::STOP);
+fn mark_stops(mut entity: SceneEntity, order: &DimibotOrder) -> SceneEntity {
+    for (index, stop) in stops(order).enumerate() {
+        let [x, y] = order.facts.place_um(stop.cell);
+        drawing::sphere(&mut entity, [x, y, PATH_HEIGHT_UM], STOP_UM, color::STOP);
         if index < MAX_LABELS {
-            drawing::text(&mut entity, [x, y, LABEL_HEIGHT_UM], stop.cell.to_string(), color::STOP);
+            drawing::text(&mut entity, [x, y + LABEL_GAP_UM, LABEL_HEIGHT_UM], stop.cell.to_string(), color::STOP);
         }
     }
     entity
@@ -182,19 +205,20 @@ fn draw_obstacle(entity: &mut SceneEntity, facts: &Facts, obstacle: &Obstacle) -
     let grown_slab = Slab { bottom_um: 0.0, height_um: GROWN_HEIGHT_UM, color: color::GROWN };
     match &obstacle.body {
         Body::Cells { from, to } => {
-            let half = [Side::Left, Side::Right].map(|side| facts.pitch_um(side) * CELL_PART / 2.0);
-            let ([x0, y0], [x1, y1]) = (facts.place_um(*from), facts.place_um(*to));
-            drawing::cuboid(entity, [x0 - half[0], y0 - half[1]], [x1 + half[0], y1 + half[1]], true_slab);
-            [(x0 + x1) / 2.0, (y0 + y1) / 2.0, LABEL_HEIGHT_UM]
+            let (low, high) = tiles_um(facts, *from, *to);
+            drawing::cuboid(entity, low, high, true_slab);
+            [(low[0] + high[0]) / 2.0, high[1] + LABEL_GAP_UM, LABEL_HEIGHT_UM]
         }
         Body::Solid { shape, pose } => {
+            let mut top_um = pose.y_um;
             for (growth_um, slab) in [(0.0, true_slab), (facts.growth_um(), grown_slab)] {
                 // The checker refuses shapes that cannot be placed; one that slips through is only not drawn.
                 if let Ok(body) = shape.grown(pose, growth_um) {
                     drawing::body(entity, &body, slab);
+                    top_um = drawing::top_um(&body);
                 }
             }
-            [pose.x_um, pose.y_um, LABEL_HEIGHT_UM]
+            [pose.x_um, top_um + LABEL_GAP_UM, LABEL_HEIGHT_UM]
         }
     }
 }

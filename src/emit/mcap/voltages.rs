@@ -15,6 +15,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The most channels that get a field each.
 pub const MAX_FIELDS: usize = 300;
 
+/// The most bytes of names that get a field each: readers limit the size of a message type.
+const MAX_NAME_BYTES: usize = 16 * 1024;
+
 /// The name of the field that lists many channels.
 const LIST: &str = "volts";
 
@@ -35,7 +38,7 @@ pub fn topic(signals: &Signals, device: &str, channels: &[usize]) -> Topic {
         None => all[channel].name.as_str(),
     });
     let names = identifier::distinct(short);
-    let fields = names.len() <= MAX_FIELDS;
+    let fields = names.len() <= MAX_FIELDS && names.iter().map(String::len).sum::<usize>() <= MAX_NAME_BYTES;
     let paths =
         names.iter().enumerate().map(|(index, name)| if fields { name.clone() } else { format!("{LIST}[{index}]") });
     let mut metadata = BTreeMap::new();

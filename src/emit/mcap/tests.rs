@@ -1,0 +1,139 @@
+use super::*;
+use crate::emit::fixture;
+use prost::Message as _;
+
+type Edit<'a> = &'a mut dyn FnMut(&str, u64, Vec<u8>) -> Vec<Vec<u8>>;
+
+/// The log packed anew, every message being replaced by what `edit` makes of it, and the attachments by what `attach` does.
+fn edited(bytes: &[u8], edit: Edit, attach: impl Fn(&mut Attachment)) -> Vec<u8> {
+    let mut writer = WriteOptions::new().library(LIBRARY).compression(None).create(Cursor::new(Vec::new())).unwrap();
+    for message in ::mcap::MessageStream::new(bytes).unwrap() {
+        let message = message.unwrap();
+        for data in edit(&message.channel.topic, message.log_time, message.data.to_vec()) {
+            writer.write(&::mcap::Message { data: data.into(), ..message.clone() }).unwrap();
+        }
+    }
+    for record in ::mcap::read::LinearReader::new(bytes).unwrap() {
+        match record.unwrap() {
+            records::Record::Attachment { header, data, .. } => {
+                let records::AttachmentHeader { log_time, create_time, name, media_type } = header;
+                let mut attachment = Attachment { log_time, create_time, name, media_type, data };
+                attach(&mut attachment);
+                writer.attach(&attachment).unwrap();
+            }
+            records::Record::Metadata(metadata) => writer.write_metadata(&metadata).unwrap(),
+            _ => {}
+        }
+    }
+    writer.finish().unwrap();
+    writer.into_inner().into_inner()
+}
+
+fn found(edit: Edit, attach: impl Fn(&mut Attachment)) -> String {
+    let (verified, provenance) = fixture::pair();
+    let bytes = write(&verified, &provenance).unwrap();
+    difference(&edited(&bytes, edit, attach), &verified, &provenance).expect("an edited log differs")
+}
+
+#[test]
+fn a_log_is_no_different_from_itself() {
+    for make in [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::crowd] {
+        let (verified, provenance) = make();
+        let bytes = write(&verified, &provenance).unwrap();
+        assert_eq!(difference(&bytes, &verified, &provenance), None);
+    }
+}
+
+#[test]
+fn packing_alone_is_named_as_such() {
+    let found = found(&mut |_, _, data| vec![data], |_| ());
+    assert!(found.starts_with("names, index or packing"), "{found}");
+}
+
+#[test]
+fn any_edited_message_is_found() {
+    let cases = [
+        ("/scene", 0, "`/scene` at 0 ns is another message"),
+        ("/log", 7_500_000, "`/log` at 7500000 ns is another message"),
+        ("/tf", 25_000_000, "`/tf` at 25000000 ns is another message"),
+        ("/bot/voltages", 14_999_999, "`/bot/voltages` at 14999999 ns is another message"),
+        ("/bot/path", 0, "`/bot/path` at 0 ns is another message"),
+        ("/Aid/pose", 22_500_000, "`/Aid/pose` at 22500000 ns is another message"),
+    ];
+    for (topic, t_ns, expected) in cases {
+        let mut flip = |of: &str, at: u64, mut data: Vec<u8>| {
+            if of == topic && at == t_ns {
+                // The last byte of a message is inside a number or a text, so the message can still be read.
+                *data.last_mut().unwrap() ^= 1;
+            }
+            vec![data]
+        };
+        assert_eq!(found(&mut flip, |_| ()), expected);
+    }
+}
+
+#[test]
+fn a_missing_and_an_extra_message_are_found() {
+    let drop = |topic: &'static str, at: u64| {
+        move |of: &str, t_ns: u64, data: Vec<u8>| if (of, t_ns) == (topic, at) { vec![] } else { vec![data] }
+    };
+    assert_eq!(found(&mut drop("/log", 0), |_| ()), "`/log` lacks its message at 0 ns");
+    assert_eq!(found(&mut drop("/Aid/pose", 110_000_000), |_| ()), "`/Aid/pose` lacks its message at 110000000 ns");
+    let mut twice =
+        |of: &str, _: u64, data: Vec<u8>| if of == "/scene" { vec![data.clone(), data] } else { vec![data] };
+    assert!(found(&mut twice, |_| ()).starts_with("`/scene` has a message too many at 0 ns"));
+}
+
+#[test]
+fn edited_attachments_are_found() {
+    let replace = |name: &'static str, from: &'static str, to: &'static str| {
+        move |attachment: &mut Attachment| {
+            if attachment.name == name {
+                let text = String::from_utf8(attachment.data.to_vec()).unwrap();
+                assert!(text.contains(from));
+                attachment.data = text.replacen(from, to, 1).into_bytes().into();
+            }
+        }
+    };
+    let same: Edit = &mut |_, _, data| vec![data];
+    assert_eq!(found(same, replace("source/Pair.twz", "task", "tusk")), "the attached source files are others");
+    assert_eq!(
+        found(same, replace("claims.json", "\"gain\":0.138", "\"gain\":0.139")),
+        "the attached claims are others"
+    );
+    assert_eq!(found(same, replace("schedule.json", "\"line\": 3", "\"line\": 4")), "the attached schedule is another");
+    let broken = found(same, replace("schedule.json", "tweeze-schedule", "breeze-schedule"));
+    assert!(broken.contains("format `breeze-schedule` version 1"), "{broken}");
+}
+
+#[test]
+fn something_that_is_no_log_differs() {
+    let (verified, provenance) = fixture::idle();
+    assert!(difference(b"nothing", &verified, &provenance).unwrap().contains("does not begin like"));
+}
+
+#[test]
+fn the_scene_shows_every_obstacle_twice_and_takes_away_what_is_gone() {
+    let (verified, _) = fixture::fetch();
+    let topic = scene::topic(&verified);
+    let update = foxglove::SceneUpdate::decode(topic.messages[0].1.as_slice()).unwrap();
+    let entity = |id: &str| update.entities.iter().find(|entity| entity.id == id).unwrap();
+    let bead = entity("bot/obstacle/bead");
+    let diameters: Vec<f64> = bead.cylinders.iter().map(|cylinder| cylinder.size.unwrap().x).collect();
+    assert_eq!(diameters, [1.6, 1.6 + 2.0 * 0.15000000000000002]);
+    assert_eq!(entity("bot/obstacle/dust").cubes.len(), 1);
+    assert_eq!(entity("bot/path").lines[0].points.len(), verified.schedule().plans[0].states.len());
+    assert_eq!(entity("bot/tip").frame_id, "bot/tip");
+    assert!(update.deletions.is_empty());
+}
+
+#[test]
+fn the_pose_stays_until_the_pulse_begins_and_is_new_when_it_ends() {
+    let (verified, _) = fixture::pair();
+    let topics = motion::topics(&verified, &Signals::new(verified.schedule()));
+    let poses = topics.iter().find(|topic| topic.name == "/Aid/pose").unwrap();
+    let x = |data: &[u8]| foxglove::PoseInFrame::decode(data).unwrap().pose.unwrap().position.unwrap().x;
+    let first: Vec<(u64, bool)> = poses.messages.iter().take(5).map(|(t_ns, data)| (*t_ns, x(data) > 0.0)).collect();
+    let expected = [(0, false), (7_500_000, false), (22_500_000, true), (25_000_000, true), (40_000_000, true)];
+    assert_eq!(first, expected);
+}

@@ -1,0 +1,178 @@
+//! Brackets that pair up: what is open, what was forgotten, and where a forgotten one is taken as closed.
+
+use super::errors;
+use super::lexical;
+use super::scan::{MAX_NESTING, Scan};
+use crate::source::Span;
+
+/// An opening bracket.
+#[derive(Debug, Clone, Copy)]
+struct Open {
+    bracket: u8,
+    at: usize,
+    /// The blanks at the head of its line.
+    indent: usize,
+    /// The first line end inside that neither the code before it nor a closing bracket after it explains.
+    line_end: Option<usize>,
+}
+
+/// The brackets that are open.
+#[derive(Debug, Default)]
+pub(super) struct Brackets {
+    open: Vec<Open>,
+    /// A brace that was closed by a `}` further left than its own line: what is missing is missing there.
+    suspect: Option<usize>,
+    is_too_deep: bool,
+}
+
+impl Brackets {
+    /// A line ended where an open `(` or `[` has no reason to go on.
+    pub fn line_ended(&mut self, at: usize) {
+        for open in self.open.iter_mut().rev().take_while(|open| open.bracket != b'{') {
+            open.line_end.get_or_insert(at);
+        }
+    }
+}
+
+/// Whether a line begins a declaration: a reserved word and something of its own behind it, but no field's colon.
+pub(super) fn starts_item(line: &str) -> bool {
+    let words = ["use", "let", "device", "scene", "task", "program", "wiring"];
+    words.iter().any(|word| {
+        line.strip_prefix(word).is_some_and(|rest| {
+            let name = rest.trim_start_matches([' ', '\t']);
+            name.len() < rest.len() && name.starts_with(|c| lexical::is_word(c) || c == '"')
+        })
+    })
+}
+
+fn counterpart(bracket: u8) -> u8 {
+    match bracket {
+        b'(' => b')',
+        b'[' => b']',
+        b'{' => b'}',
+        b')' => b'(',
+        b']' => b'[',
+        _ => b'{',
+    }
+}
+
+impl Scan<'_> {
+    pub fn opening(&mut self, bracket: u8) {
+        let at = self.at;
+        if self.brackets.open.len() >= MAX_NESTING {
+            self.too_deep();
+            return;
+        }
+        let line = &self.text[self.line_start..];
+        let indent = line.len() - line.trim_start_matches([' ', '\t']).len();
+        self.brackets.open.push(Open { bracket, at, indent, line_end: None });
+        self.at += 1;
+    }
+
+    /// Passes by everything inside of a bracket that is nested too deep.
+    fn too_deep(&mut self) {
+        let start = self.at;
+        let mut depth = 0_usize;
+        let mut end = self.text.len();
+        for (offset, byte) in self.rest().bytes().enumerate() {
+            match byte {
+                b'(' | b'[' | b'{' => depth += 1,
+                b')' | b']' | b'}' => depth -= 1,
+                _ => continue,
+            }
+            if depth == 0 {
+                end = start + offset + 1;
+                break;
+            }
+        }
+        if !std::mem::replace(&mut self.brackets.is_too_deep, true) {
+            let span = self.span(start, start + 1);
+            self.report(errors::too_deep(span));
+        }
+        self.cover(start, end);
+        self.at = end;
+    }
+
+    pub fn closing(&mut self, bracket: u8) {
+        let opening = counterpart(bracket);
+        let at = self.at;
+        self.at += 1;
+        let reach = |open: &Open| open.bracket == opening || (opening != b'{' && open.bracket == b'{');
+        let Some(place) = self.brackets.open.iter().rposition(reach) else { return self.stray(at) };
+        if self.brackets.open[place].bracket != opening {
+            return self.stray(at);
+        }
+        if opening == b'{' || place + 1 < self.brackets.open.len() {
+            self.unclosed_brackets(place + 1, at);
+        }
+        if let Some(open) = self.brackets.open.pop() {
+            let is_first = self.text[self.line_start..at].trim().is_empty();
+            if bracket == b'}' && is_first && at - self.line_start < open.indent {
+                self.brackets.suspect.get_or_insert(open.at);
+            }
+        }
+        if self.brackets.open.is_empty() {
+            self.brackets.suspect = None;
+        }
+    }
+
+    fn stray(&mut self, at: usize) {
+        let span = self.span(at, at + 1);
+        self.report(errors::stray_bracket(span, self.text));
+        if self.text.as_bytes()[at] == b'}' {
+            self.replace(at, at + 1, "");
+        } else {
+            self.cover(at, at + 1);
+        }
+    }
+
+    /// Reports the `(` and `[` from `first` on as one mistake and covers them, up to their line's end or to `limit`.
+    fn unclosed_brackets(&mut self, first: usize, limit: usize) {
+        let lost: Vec<Open> = self.brackets.open.drain(first..).collect();
+        let (Some(outer), Some(inner)) = (lost.first(), lost.last()) else { return };
+        if !self.brackets.is_too_deep {
+            let span = self.span(inner.at, inner.at + 1);
+            self.report(errors::unclosed_bracket(span, self.text, counterpart(inner.bracket)));
+        }
+        let holds_block = lost.iter().any(|open| open.bracket == b'{');
+        let line_end = outer.line_end.filter(|_| !holds_block);
+        let end = line_end.map_or(limit, |end| end.min(limit));
+        let code = errors::code_end_before(self.text, end).max(outer.at + 1);
+        self.cover(outer.at, code);
+    }
+
+    /// A declaration begins: what is open here and stands no further right was forgotten.
+    pub fn item_begins(&mut self) {
+        let indent = self.at - self.line_start;
+        let Some(first) = self.brackets.open.first() else { return };
+        if indent > first.indent {
+            return;
+        }
+        let next = self.end_of_line(self.at);
+        let item = self.span(self.at, next);
+        let limit = self.line_end.unwrap_or(self.line_start);
+        self.close_all(limit, Some(item));
+    }
+
+    pub fn end_of_text(&mut self) {
+        self.close_all(self.text.len(), None);
+    }
+
+    /// Closes whatever is open: brackets by a hole, braces by a cut.
+    fn close_all(&mut self, limit: usize, item: Option<Span>) {
+        if let Some(first) = self.brackets.open.iter().position(|open| open.bracket != b'{') {
+            self.unclosed_brackets(first, limit);
+        }
+        if let Some(innermost) = self.brackets.open.last() {
+            let at = self.brackets.suspect.unwrap_or(innermost.at);
+            if !self.brackets.is_too_deep {
+                let span = self.span(at, at + 1);
+                self.report(errors::unclosed_brace(span, self.text, item));
+            }
+            if item.is_some() {
+                self.cut(limit);
+            }
+        }
+        self.brackets = Brackets { is_too_deep: self.brackets.is_too_deep, ..Brackets::default() };
+    }
+}

@@ -1,0 +1,21 @@
+//! Words of other languages that newcomers bring, and what Tweeze has for them.
+
+/// What to write for a word of another language; `None` for any other word.
+pub(super) fn help(word: &str) -> Option<&'static str> {
+    Some(match word {
+        "if" | "else" | "elif" | "elseif" | "unless" | "switch" => {
+            "there is no choice in a program: write a task for each case and pick one by `--task`"
+        }
+        "while" | "loop" | "repeat" | "until" | "foreach" => "`for i in 0..4 { … }` repeats what stands in its braces",
+        "import" | "include" => "`use std.dimibot` takes a library, `use \"bench.twz\" as lab` another file",
+        "fn" | "def" | "func" | "function" | "fun" | "void" => {
+            "a task takes parameters: `task go(goal: cell) on bot { move to goal }`"
+        }
+        "const" | "var" | "val" | "define" | "int" | "float" | "double" => {
+            "`let pitch = 70 um` at the top of the file names a value"
+        }
+        "return" | "break" | "continue" => "steps are carried out in their order, to the last",
+        "class" | "struct" => "`device NAME : KIND { … }` declares a machine, `scene NAME { … }` what stands around it",
+        _ => return None,
+    })
+}

@@ -1,0 +1,65 @@
+//! What is wrong with a log.
+
+use super::VoltageFault;
+use crate::diagnostic::{Code, Diagnostic};
+
+/// Why a file is not a log that can be judged.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum LogError {
+    /// It does not begin like an MCAP file.
+    NotALog,
+    /// It ends in the middle; `offset` is where something should follow.
+    Truncated { offset: u64 },
+    /// A checksum is wrong or missing, or records contradict each other; `offset` is where the record begins.
+    Damaged { offset: u64, what: String },
+    /// A part is larger than is read.
+    TooLarge { offset: u64, what: String, bytes: u64, limit: u64 },
+    /// A part that every log of Tweeze has is not there.
+    Missing { what: String },
+    /// A part is whole but does not hold what it should.
+    Content { place: String, what: String },
+}
+
+impl LogError {
+    pub(super) fn damaged(offset: u64, what: impl Into<String>) -> LogError {
+        LogError::Damaged { offset, what: what.into() }
+    }
+
+    pub(super) fn content(place: impl Into<String>, what: impl Into<String>) -> LogError {
+        LogError::Content { place: place.into(), what: what.into() }
+    }
+
+    /// For the person at the terminal.
+    pub fn diagnostic(&self) -> Diagnostic {
+        const AGAIN: &str = "build the program again, or fetch another copy of the log";
+        match self {
+            LogError::NotALog => Diagnostic::new(Code::E0840, "the file does not begin like an MCAP log")
+                .help("`tweeze verify` reads the `.mcap` file that `tweeze build` writes"),
+            LogError::Truncated { offset } => {
+                Diagnostic::new(Code::E0841, format!("the log breaks off: something should follow byte {offset}"))
+                    .help(AGAIN)
+            }
+            LogError::Damaged { offset, what } => {
+                Diagnostic::new(Code::E0842, format!("the log is damaged at byte {offset}: {what}")).help(AGAIN)
+            }
+            LogError::TooLarge { offset, what, bytes, limit } => Diagnostic::new(
+                Code::E0843,
+                format!("{what} at byte {offset} of the log says {bytes}, at most {limit} is read"),
+            )
+            .help("no log of Tweeze is as large; build the program again"),
+            LogError::Missing { what } => Diagnostic::new(Code::E0844, format!("the log has no {what}"))
+                .help("`tweeze verify` reads the `.mcap` file that `tweeze build` writes, not logs of other programs"),
+            LogError::Content { place, what } => {
+                Diagnostic::new(Code::E0845, format!("{place} of the log cannot be read: {what}")).help(AGAIN)
+            }
+        }
+    }
+}
+
+impl VoltageFault {
+    /// For the person at the terminal.
+    pub fn diagnostic(&self) -> Diagnostic {
+        Diagnostic::new(Code::E0846, format!("the voltages in the log are not those of its schedule: {self}"))
+            .help("the log was changed after it was written; build the program again")
+    }
+}

@@ -1,0 +1,241 @@
+//! Recorded voltages: how their messages are read, and whether they are those of the schedule.
+
+use super::VOLTAGES_SUFFIX;
+use crate::schedule::{Actuation, Schedule};
+use prost::Message;
+use prost_types::field_descriptor_proto::{Label, Type};
+use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorSet};
+use std::collections::BTreeMap;
+
+/// The largest message type that is read, in bytes; decoding one takes some hundred times as much memory.
+pub const MAX_DESCRIPTOR_BYTES: usize = 64 * 1024;
+
+/// By how much a value on a slope may differ from its straight line, of the larger end's size: the rounding of few operations.
+const SLOPE_ROUNDING: f64 = 1e-12;
+
+/// The recorded voltages of a device.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    pub device: String,
+    /// Full names of the channels: `bot.bl4.set`.
+    pub channels: Vec<String>,
+    /// Instants in rising order, with a value for each channel.
+    pub samples: Vec<(u64, Vec<f64>)>,
+}
+
+impl Series {
+    /// The topic that it stands in.
+    pub fn topic(&self) -> String {
+        format!("/{}{VOLTAGES_SUFFIX}", self.device)
+    }
+}
+
+/// The device of a topic of voltages.
+pub fn device(topic: &str) -> Option<&str> {
+    topic.strip_prefix('/')?.strip_suffix(VOLTAGES_SUFFIX)
+}
+
+/// How the values of a message are found.
+#[derive(Debug)]
+pub enum Decoder {
+    /// One field for each channel; the index of a field's channel by its number.
+    Fields(BTreeMap<u64, usize>),
+    /// All channels as one packed list of this field.
+    List { number: u64, count: usize },
+}
+
+/// The decoder of a message type, and the names of the channels, which the topic's metadata give for each field.
+pub fn decoder(
+    name: &str,
+    descriptor: &[u8],
+    metadata: &BTreeMap<String, String>,
+) -> Result<(Decoder, Vec<String>), String> {
+    if descriptor.len() > MAX_DESCRIPTOR_BYTES {
+        return Err(format!(
+            "has a message type of {} bytes, at most {MAX_DESCRIPTOR_BYTES} are read",
+            descriptor.len()
+        ));
+    }
+    let set = FileDescriptorSet::decode(descriptor).map_err(|error| format!("has no message type: {error}"))?;
+    let message = find(&set, name).ok_or_else(|| format!("has no message type `{name}`"))?;
+    if let [field] = message.field.as_slice()
+        && field.label() == Label::Repeated
+    {
+        let number = number(field)?;
+        let channels: Vec<String> =
+            (0..).map_while(|index| metadata.get(&format!("{}[{index}]", field.name())).cloned()).collect();
+        return Ok((Decoder::List { number, count: channels.len() }, channels));
+    }
+    let mut fields = BTreeMap::new();
+    let mut channels = Vec::new();
+    for field in &message.field {
+        let channel = metadata.get(field.name());
+        channels.push(channel.ok_or_else(|| format!("does not say which channel `{}` is", field.name()))?.clone());
+        if field.label() != Label::Optional || fields.insert(number(field)?, channels.len() - 1).is_some() {
+            return Err(format!("has a field `{}` that holds no single value", field.name()));
+        }
+    }
+    Ok((Decoder::Fields(fields), channels))
+}
+
+fn find<'a>(set: &'a FileDescriptorSet, name: &str) -> Option<&'a DescriptorProto> {
+    set.file.iter().find_map(|file| {
+        let short = name.strip_prefix(file.package())?.strip_prefix('.')?;
+        file.message_type.iter().find(|message| message.name() == short)
+    })
+}
+
+fn number(field: &FieldDescriptorProto) -> Result<u64, String> {
+    match u64::try_from(field.number()) {
+        Ok(number) if number > 0 && field.r#type() == Type::Double => Ok(number),
+        Ok(_) | Err(_) => Err(format!("has a field `{}` that is no double", field.name())),
+    }
+}
+
+/// Wire types of protobuf.
+const FIXED64: u64 = 1;
+const LENGTH_DELIMITED: u64 = 2;
+
+impl Decoder {
+    /// The values of a message. Every channel must be said, once.
+    pub fn decode(&self, mut bytes: &[u8]) -> Result<Vec<f64>, String> {
+        match self {
+            Decoder::Fields(fields) => {
+                let mut values = vec![None; fields.len()];
+                while !bytes.is_empty() {
+                    let key = varint(&mut bytes)?;
+                    let field = fields.get(&(key >> 3)).filter(|_| key & 7 == FIXED64);
+                    let value = &mut values[*field.ok_or_else(|| format!("has an unknown field {}", key >> 3))?];
+                    if value.replace(double(&mut bytes)?).is_some() {
+                        return Err(format!("says field {} twice", key >> 3));
+                    }
+                }
+                values.into_iter().collect::<Option<_>>().ok_or_else(|| "does not say every channel".to_owned())
+            }
+            Decoder::List { number, count } => {
+                if *count == 0 && bytes.is_empty() {
+                    return Ok(Vec::new());
+                }
+                let key = varint(&mut bytes)?;
+                let length = varint(&mut bytes)?;
+                if key != number << 3 | LENGTH_DELIMITED || length != 8 * *count as u64 || bytes.len() as u64 != length
+                {
+                    return Err(format!("is no list of {count} values"));
+                }
+                (0..*count).map(|_| double(&mut bytes)).collect()
+            }
+        }
+    }
+}
+
+fn varint(bytes: &mut &[u8]) -> Result<u64, String> {
+    prost::encoding::decode_varint(bytes).map_err(|error| error.to_string())
+}
+
+fn double(bytes: &mut &[u8]) -> Result<f64, String> {
+    let (value, rest) = bytes.split_first_chunk::<8>().ok_or("breaks off within a value")?;
+    *bytes = rest;
+    Ok(f64::from_le_bytes(*value))
+}
+
+/// Where the recorded voltages depart from the schedule.
+#[derive(Debug, Clone, PartialEq)]
+pub enum VoltageFault {
+    /// A device's voltages are not recorded, or are recorded without being in the schedule.
+    Topic { topic: String },
+    /// The channels of a topic are not those of the device, in their order.
+    Channels { topic: String },
+    /// A value is another.
+    Value { channel: String, t_ns: u64, recorded: f64, scheduled: f64 },
+    /// A jump or an end is not recorded, so that a plot would show something else.
+    Gap { topic: String, t_ns: u64 },
+}
+
+impl std::fmt::Display for VoltageFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            VoltageFault::Topic { topic } => write!(f, "`{topic}` is missing or too many"),
+            VoltageFault::Channels { topic } => write!(f, "`{topic}` has other channels"),
+            VoltageFault::Value { channel, t_ns, recorded, scheduled } => {
+                write!(f, "`{channel}` at {t_ns} ns has {recorded} V instead of {scheduled} V")
+            }
+            VoltageFault::Gap { topic, t_ns } => write!(f, "`{topic}` has no message at {t_ns} ns"),
+        }
+    }
+}
+
+/// The first departure of recorded voltages from a schedule.
+///
+/// If there is none, the straight lines between the messages of a topic are the channels of its device at every nanosecond:
+/// every instant at which something jumps or bends is there, and the one before it, and 0, and the end.
+pub fn fault(schedule: &Schedule, voltages: &[Series]) -> Option<VoltageFault> {
+    let mut devices: Vec<&str> = schedule.channels.iter().map(|channel| channel.device.as_str()).collect();
+    devices.sort_unstable();
+    devices.dedup();
+    let mut by_channel = vec![Vec::new(); schedule.channels.len()];
+    for actuation in &schedule.actuations {
+        by_channel[actuation.channel as usize].push(actuation);
+    }
+    by_channel.iter_mut().for_each(|list| list.sort_by_key(|actuation| actuation.start_ns));
+    for device in &devices {
+        match voltages.iter().find(|series| series.device == *device) {
+            Some(series) => {
+                if let Some(fault) = device_fault(schedule, &by_channel, series) {
+                    return Some(fault);
+                }
+            }
+            None => return Some(VoltageFault::Topic { topic: format!("/{device}{VOLTAGES_SUFFIX}") }),
+        }
+    }
+    let extra = voltages.iter().find(|series| !devices.contains(&series.device.as_str()))?;
+    Some(VoltageFault::Topic { topic: extra.topic() })
+}
+
+fn device_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Series) -> Option<VoltageFault> {
+    let channels = schedule.channels.iter().enumerate().filter(|(_, channel)| channel.device == series.device);
+    let channels: Vec<(usize, &str)> = channels.map(|(index, channel)| (index, channel.name.as_str())).collect();
+    if !channels.iter().map(|(_, name)| *name).eq(series.channels.iter().map(String::as_str)) {
+        return Some(VoltageFault::Channels { topic: series.topic() });
+    }
+    for (column, (index, name)) in channels.iter().enumerate() {
+        let actuations = &by_channel[*index];
+        if let Some(fault) = gap(schedule.duration_ns, series, actuations) {
+            return Some(fault);
+        }
+        let mut next = 0;
+        for (t_ns, values) in &series.samples {
+            while actuations.get(next).is_some_and(|actuation| actuation.end_ns() <= *t_ns) {
+                next += 1;
+            }
+            let scheduled = actuations.get(next).map_or((0.0, 0.0), |actuation| voltage(actuation, *t_ns));
+            let recorded = values[column];
+            if !((recorded - scheduled.0).abs() <= scheduled.1) {
+                let (channel, t_ns, scheduled) = ((*name).to_owned(), *t_ns, scheduled.0);
+                return Some(VoltageFault::Value { channel, t_ns, recorded, scheduled });
+            }
+        }
+    }
+    None
+}
+
+/// The voltage that an actuation, the first that has not ended, asks for at an instant, and how exact it has to be.
+fn voltage(actuation: &Actuation, t_ns: u64) -> (f64, f64) {
+    let Actuation { start_ns, duration_ns, from, to, .. } = *actuation;
+    if t_ns < start_ns {
+        return (0.0, 0.0);
+    }
+    if from == to {
+        return (from, 0.0);
+    }
+    let passed = (t_ns - start_ns) as f64 / duration_ns as f64;
+    (from * (1.0 - passed) + to * passed, SLOPE_ROUNDING * from.abs().max(to.abs()))
+}
+
+/// The first instant that has to be recorded and is not.
+fn gap(duration_ns: u64, series: &Series, actuations: &[&Actuation]) -> Option<VoltageFault> {
+    let edges = actuations.iter().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);
+    let times = edges.flat_map(|t_ns| [t_ns.saturating_sub(1), t_ns]).chain([0, duration_ns]);
+    let recorded = |t_ns: &u64| series.samples.binary_search_by_key(t_ns, |(t_ns, _)| *t_ns).is_ok();
+    let missing = times.into_iter().find(|t_ns| !recorded(t_ns));
+    missing.map(|t_ns| VoltageFault::Gap { topic: series.topic(), t_ns })
+}

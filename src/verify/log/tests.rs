@@ -1,0 +1,256 @@
+use super::*;
+use crate::diagnostic::Code;
+use crate::emit::{Format, Provenance, emit, fixture};
+use crate::verify::Verified;
+use mcap::records::op;
+use proptest::prelude::*;
+
+fn written((verified, provenance): &(Verified, Provenance)) -> Vec<u8> {
+    emit(Format::Mcap, verified, provenance).expect("the fixture can be written").remove(0).bytes
+}
+
+fn code(bytes: &[u8]) -> Code {
+    read(bytes).expect_err("the log is broken").diagnostic().code
+}
+
+#[test]
+fn a_log_comes_back_as_it_was() {
+    for make in [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::crowd] {
+        let (verified, provenance) = make();
+        let log = read(&written(&(verified.clone(), provenance.clone()))).unwrap();
+        assert_eq!(&log.schedule, verified.schedule());
+        assert_eq!(log.claims_json, serde_json::to_value(verified.claims()).unwrap());
+        assert_eq!((log.files.clone(), log.settings.clone()), (provenance.files, provenance.settings));
+        assert_eq!(log.version, env!("CARGO_PKG_VERSION"));
+        assert_eq!(log.voltage_fault(), None);
+    }
+}
+
+#[test]
+fn the_log_of_many_messages_has_several_chunks() {
+    let bytes = written(&fixture::large());
+    let chunks = mcap::read::LinearReader::new(&bytes).unwrap();
+    let chunks = chunks.filter(|record| matches!(record, Ok(mcap::records::Record::Chunk { .. }))).count();
+    assert!(chunks > 1, "{chunks} chunks: the fixture is too small for this test");
+}
+
+#[test]
+fn a_log_cut_anywhere_breaks_off() {
+    let bytes = written(&fixture::idle());
+    for end in (0..bytes.len()).filter(|end| *end < 64 || end % 97 == 0 || *end > bytes.len() - 64) {
+        let expected = if end < mcap::MAGIC.len() { Code::E0840 } else { Code::E0841 };
+        assert_eq!(code(&bytes[..end]), expected, "cut at {end}");
+    }
+}
+
+#[test]
+fn any_changed_byte_is_found() {
+    let good = written(&fixture::idle());
+    for at in (0..good.len()).filter(|at| *at < 64 || at % 61 == 0 || *at > good.len() - 256) {
+        let mut bytes = good.clone();
+        bytes[at] ^= 1 << (at % 8);
+        assert!(read(&bytes).is_err(), "byte {at}");
+    }
+}
+
+#[test]
+fn more_bytes_after_the_end_are_damage() {
+    let mut bytes = written(&fixture::idle());
+    bytes.push(0);
+    assert_eq!(code(&bytes), Code::E0842);
+}
+
+/// A record with its head.
+fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
+    [&[opcode], (body.len() as u64).to_le_bytes().as_slice(), body].concat()
+}
+
+/// A whole file around the records of a data section, with right checksums.
+fn file(records: &[Vec<u8>]) -> Vec<u8> {
+    let mut bytes = [mcap::MAGIC, &record(op::HEADER, &[0; 8]), &records.concat()].concat();
+    let crc = crc32fast::hash(&bytes);
+    bytes.extend(record(op::DATA_END, &crc.to_le_bytes()));
+    let footer = record(op::FOOTER, &[0; 20]);
+    let crc = crc32fast::hash(&footer[..footer.len() - 4]);
+    bytes.extend(&footer[..footer.len() - 4]);
+    bytes.extend(crc.to_le_bytes());
+    bytes.extend(mcap::MAGIC);
+    bytes
+}
+
+fn chunk(size: u64, crc: u32, compression: &str, data: &[u8]) -> Vec<u8> {
+    let mut body = vec![0; 16];
+    body.extend(size.to_le_bytes());
+    body.extend(crc.to_le_bytes());
+    body.extend((compression.len() as u32).to_le_bytes());
+    body.extend(compression.as_bytes());
+    body.extend((data.len() as u64).to_le_bytes());
+    body.extend(data);
+    record(op::CHUNK, &body)
+}
+
+#[test]
+fn a_file_of_nothing_lacks_the_schedule() {
+    assert_eq!(read(&file(&[])), Err(LogError::Missing { what: "attachment `schedule.json`".into() }));
+    assert_eq!(code(&file(&[])), Code::E0844);
+}
+
+#[test]
+fn bombs_are_refused_before_they_are_unpacked() {
+    const LIMIT: u64 = MAX_MESSAGE_BYTES + MAX_MESSAGE_BYTES / 4;
+    let zeros = zstd::bulk::compress(&vec![0; 1 << 20], 3).unwrap();
+    assert!(zeros.len() < 200);
+    for size in [LIMIT + 1, u64::MAX] {
+        assert_eq!(code(&file(&[chunk(size, 1, "zstd", &zeros)])), Code::E0843);
+    }
+    for size in [LIMIT, (1 << 20) + 1, (1 << 20) - 1, 0] {
+        assert_eq!(code(&file(&[chunk(size, 1, "zstd", &zeros)])), Code::E0842);
+    }
+    let empty = crc32fast::hash(&vec![0; 1 << 20]);
+    let many = vec![chunk(1 << 20, empty, "zstd", &zeros); 600];
+    assert_eq!(code(&file(&many)), Code::E0842, "the first chunk holds no records");
+}
+
+#[test]
+fn the_sum_of_the_chunks_is_limited() {
+    // A message of an unknown topic would be damage, so the chunks hold message types only.
+    let schema = |name: &str| {
+        let mut body = vec![1, 0];
+        for text in [name, "protobuf"] {
+            body.extend((text.len() as u32).to_le_bytes());
+            body.extend(text.as_bytes());
+        }
+        let descriptor = vec![0; 60 << 20];
+        body.extend((descriptor.len() as u32).to_le_bytes());
+        body.extend(descriptor);
+        record(op::SCHEMA, &body)
+    };
+    let data = schema("a");
+    let packed = zstd::bulk::compress(&data, 1).unwrap();
+    let chunk = chunk(data.len() as u64, crc32fast::hash(&data), "zstd", &packed);
+    assert_eq!(code(&file(&vec![chunk.clone(); 8])), Code::E0844, "480 MiB are read");
+    assert_eq!(code(&file(&vec![chunk; 9])), Code::E0843, "540 MiB are not");
+}
+
+#[test]
+fn lengths_that_reach_beyond_are_damage() {
+    let huge = u32::MAX.to_le_bytes();
+    let attachment = [&[0; 16], huge.as_slice()].concat();
+    let long = [vec![0; 24], u64::MAX.to_le_bytes().to_vec(), vec![0; 4]].concat();
+    let topic = [&[1, 0, 0, 0], huge.as_slice()].concat();
+    let cases = [
+        record(op::ATTACHMENT, &attachment),
+        record(op::ATTACHMENT, &long),
+        record(op::ATTACHMENT, &[]),
+        record(op::METADATA, &huge),
+        record(op::CHANNEL, &topic),
+        record(op::SCHEMA, &[]),
+        record(op::MESSAGE, &[9; 22]),
+        chunk(9, 0, "", &[9; 9]),
+        chunk(4, 1, "lz4", &[9; 4]),
+        chunk(4, crc32fast::hash(&[9; 4]), "", &[9; 4]),
+    ];
+    for case in cases {
+        assert_eq!(code(&file(std::slice::from_ref(&case))), Code::E0842, "{case:?}");
+    }
+    let mut bytes = file(&[]);
+    let at = mcap::MAGIC.len() + 1;
+    bytes[at..at + 8].fill(0xff);
+    assert_eq!(code(&bytes), Code::E0841);
+}
+
+#[test]
+fn parts_without_a_checksum_are_damage() {
+    let mut bytes = written(&fixture::idle());
+    let end = bytes.len() - mcap::MAGIC.len();
+    bytes[end - 4..end].fill(0);
+    let Err(LogError::Damaged { what, .. }) = read(&bytes) else { panic!("a missing checksum is damage") };
+    assert_eq!(what, "the summary has no checksum");
+}
+
+fn fault(change: impl FnOnce(&mut Log)) -> Option<VoltageFault> {
+    let mut log = read(&written(&fixture::pair())).unwrap();
+    change(&mut log);
+    log.voltage_fault()
+}
+
+#[test]
+fn every_recorded_voltage_counts() {
+    let value = |log: &mut Log, volts: f64| log.voltages[0].samples[2].1[0] = volts;
+    assert_eq!(fault(|log| value(log, 0.0)), None);
+    let Some(VoltageFault::Value { channel, t_ns, recorded, scheduled }) = fault(|log| value(log, 1e-300)) else {
+        panic!("a value that is not in the schedule is found")
+    };
+    assert_eq!((channel.as_str(), t_ns, recorded, scheduled), ("bot.bl0.set", 15_000_000, 1e-300, 0.0));
+    assert!(matches!(fault(|log| value(log, f64::NAN)), Some(VoltageFault::Value { .. })));
+}
+
+#[test]
+fn every_jump_is_recorded() {
+    for at in 0..26 {
+        let fault = fault(|log| drop(log.voltages[1].samples.remove(at)));
+        assert!(matches!(fault, Some(VoltageFault::Gap { .. })), "sample {at}: {fault:?}");
+    }
+    let again = |log: &mut Log| {
+        let values = log.voltages[0].samples[0].1.clone();
+        log.voltages[0].samples.insert(1, (1, values));
+    };
+    assert_eq!(fault(again), None, "more messages than needed do no harm");
+}
+
+#[test]
+fn every_device_and_channel_is_recorded() {
+    assert!(matches!(fault(|log| drop(log.voltages.pop())), Some(VoltageFault::Topic { .. })));
+    assert!(matches!(fault(|log| log.voltages[0].device.push('x')), Some(VoltageFault::Topic { .. })));
+    assert!(matches!(fault(|log| log.voltages[0].channels.swap(0, 1)), Some(VoltageFault::Channels { .. })));
+    let twice = fault(|log| log.voltages.push(Series { device: "ghost".into(), ..log.voltages[0].clone() }));
+    assert_eq!(twice, Some(VoltageFault::Topic { topic: "/ghost/voltages".into() }));
+}
+
+#[test]
+fn a_slope_may_be_rounded_but_not_bent() {
+    let log = read(&written(&fixture::crowd())).unwrap();
+    let bent = |by: f64| {
+        let mut log = log.clone();
+        let sample = log.voltages[0].samples.iter_mut().find(|(t_ns, _)| *t_ns == 99).unwrap();
+        sample.1[0] += by;
+        log.voltage_fault()
+    };
+    assert_eq!(bent(1e-13), None);
+    assert!(matches!(bent(1e-10), Some(VoltageFault::Value { t_ns: 99, .. })));
+}
+
+#[test]
+fn a_message_says_every_channel_once() {
+    let fields = series::Decoder::Fields([(1, 0), (2, 1)].into());
+    let value = |number: u8, volts: f64| [vec![number << 3 | 1], volts.to_le_bytes().to_vec()].concat();
+    let (a, b) = (value(1, 5.0), value(2, 0.0));
+    assert_eq!(fields.decode(&[b.clone(), a.clone()].concat()), Ok(vec![5.0, 0.0]));
+    for bad in [vec![], a.clone(), [a.clone(), a.clone(), b.clone()].concat(), [a.clone(), b, value(3, 1.0)].concat()] {
+        assert!(fields.decode(&bad).is_err());
+    }
+    assert!(fields.decode(&a[..5]).is_err());
+    let list = series::Decoder::List { number: 1, count: 2 };
+    let packed = [vec![1 << 3 | 2, 16], 1f64.to_le_bytes().to_vec(), 2f64.to_le_bytes().to_vec()].concat();
+    assert_eq!(list.decode(&packed), Ok(vec![1.0, 2.0]));
+    assert!(list.decode(&packed[..17]).is_err());
+    assert!(list.decode(&[]).is_err());
+}
+
+proptest! {
+    #[test]
+    fn no_bytes_make_it_panic(records in prop::collection::vec((1u8..17, prop::collection::vec(any::<u8>(), 0..60)), 0..6)) {
+        let records: Vec<Vec<u8>> = records.iter().map(|(opcode, body)| record(*opcode, body)).collect();
+        prop_assert!(read(&file(&records)).is_err());
+        prop_assert!(read(&records.concat()).is_err());
+    }
+
+    #[test]
+    fn no_change_inside_a_chunk_makes_it_panic(at in any::<prop::sample::Index>(), bytes in prop::collection::vec(any::<u8>(), 1..9)) {
+        let good = written(&fixture::idle());
+        let mut bad = good.clone();
+        let at = at.index(bad.len() - bytes.len());
+        bad[at..at + bytes.len()].copy_from_slice(&bytes);
+        prop_assert_eq!(read(&bad).is_ok(), bad == good);
+    }
+}

@@ -1,0 +1,68 @@
+"""Writes the description of a simulated arbitrary-waveform generator for pyvisa-sim.
+
+It takes the messages below and nothing else; everything that it is told can be asked back.
+"""
+
+import yaml
+
+OUTPUTS = 128
+
+NUMBER = {"min": 0, "max": 1000, "type": "float"}
+
+
+def properties():
+    """The settings of one output: header, default, and what values it takes."""
+    settings = {
+        "segment": (":SOUR{ch_id}:FUNC:ARB", "NONE", None),
+        "period": (":SOUR{ch_id}:FUNC:ARB:PER", "1.0", {"min": 1e-9, "max": 1e6, "type": "float"}),
+        "load": (":OUTP{ch_id}:LOAD", "50", {"valid": ["INF", "50"], "type": "str"}),
+        "span": (":SOUR{ch_id}:VOLT", "0.1", NUMBER),
+        "offset": (":SOUR{ch_id}:VOLT:OFFS", "0", {"min": -1000, "max": 1000, "type": "float"}),
+        "function": (":SOUR{ch_id}:FUNC", "SIN", {"valid": ["SIN", "DC", "ARB"], "type": "str"}),
+        "burst_mode": (":SOUR{ch_id}:BURS:MODE", "GAT", {"valid": ["TRIG", "GAT"], "type": "str"}),
+        "cycles": (":SOUR{ch_id}:BURS:NCYC", "5", {"min": 1, "max": 100000, "type": "int"}),
+        "trigger": (":TRIG{ch_id}:SOUR", "IMM", {"valid": ["IMM", "EXT", "BUS"], "type": "str"}),
+        "burst": (":SOUR{ch_id}:BURS:STAT", "OFF", {"valid": ["ON", "OFF"], "type": "str"}),
+        "output": (":OUTP{ch_id}", "OFF", {"valid": ["ON", "OFF"], "type": "str"}),
+        "data": (":SOUR{ch_id}:DATA:ARB:DAC", "none", None),
+    }
+    described = {}
+    for name, (header, default, specs) in settings.items():
+        described[name] = {
+            "default": default,
+            "getter": {"q": f"{header}?", "r": "{}"},
+            "setter": {"q": f"{header} {{}}"},
+        }
+        if specs:
+            described[name]["specs"] = specs
+    return described
+
+
+def write(path):
+    """Writes the description; the instrument is then `TCPIP::awg::INSTR` of `<path>@sim`."""
+    silent = ["*RST", "*CLS", ":FORM:BORD NORM", "*TRG"]
+    device = {
+        "eom": {"TCPIP INSTR": {"q": "\n", "r": "\n"}},
+        "error": {
+            "status_register": [{"q": "*ESR?", "command_error": 32, "query_error": 4}],
+            "error_queue": [
+                {
+                    "q": ":SYST:ERR?",
+                    "default": '0,"No error"',
+                    "command_error": '-100,"Command error"',
+                    "query_error": '-400,"Query error"',
+                }
+            ],
+        },
+        "dialogues": [{"q": message} for message in silent],
+        "channels": {
+            "output": {
+                "ids": list(range(1, OUTPUTS + 1)),
+                "can_select": True,
+                "dialogues": [{"q": ":SOUR{ch_id}:DATA:VOL:CLE"}],
+                "properties": properties(),
+            }
+        },
+    }
+    document = {"spec": "1.1", "devices": {"awg": device}, "resources": {"TCPIP::awg::INSTR": {"device": "awg"}}}
+    path.write_text(yaml.safe_dump(document))

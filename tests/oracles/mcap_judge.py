@@ -1,0 +1,100 @@
+"""MCAP, read by the `mcap` package with the descriptors in the file and all checksums."""
+
+import hashlib
+
+from mcap.reader import make_reader
+from mcap.stream_reader import StreamReader
+from mcap_protobuf.decoder import DecoderFactory
+
+import csv_judge
+from schedule import held
+from verdict import demand
+
+
+def judge(path, schedule):
+    with open(path, "rb") as file:
+        reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
+        messages = [(channel, message.log_time, proto) for _, channel, message, proto in reader.iter_decoded_messages()]
+        attachments = {attachment.name: attachment.data for attachment in reader.iter_attachments()}
+        metadata = {record.name: record.metadata for record in reader.iter_metadata()}
+    with open(path, "rb") as file:
+        # From end to end: the checksum of the whole data section, which the reader above jumps over.
+        records = sum(1 for _ in StreamReader(file, validate_crcs=True).records)
+    demand(records >= len(messages), "the file is shorter than its index")
+    topics = {}
+    for channel, t_ns, proto in messages:
+        topics.setdefault(channel.topic, (channel, []))[1].append((t_ns, proto))
+    devices = {channel["device"] for channel in schedule.document["channels"]}
+    csv_path = path.with_suffix(".csv")
+    table = csv_judge.read(csv_path) if csv_path.exists() else None
+    compared = sum(voltages(*topics[f"/{device}/voltages"], device, schedule, table) for device in sorted(devices))
+    log_lines(topics.get("/log", (None, []))[1], schedule)
+    motion(topics, schedule)
+    provenance(attachments, metadata, schedule)
+    return f"{compared} voltages, {len(messages)} messages on {len(topics)} topics, {len(attachments)} attachments agree"
+
+
+def voltages(channel, messages, device, schedule, table):
+    """Every value against the JSON, and against the CSV where there is one; and no edge may be left out."""
+    fields = {path: name for path, name in channel.metadata.items() if not path.endswith(".wire")}
+    expected = {entry["name"] for entry in schedule.document["channels"] if entry["device"] == device}
+    demand(set(fields.values()) == expected, f"/{device}/voltages has other channels")
+    for path, name in fields.items():
+        demand(channel.metadata.get(f"{path}.wire") == schedule.wires[name], f"the wire of {name} is another")
+    for t_ns, proto in messages:
+        for path, name in fields.items():
+            found, wanted = field(proto, path), schedule.value(name, t_ns)
+            demand(abs(found - wanted) <= 1e-12 * abs(wanted), f"{name} is {found} V at {t_ns} ns, not {wanted} V")
+            if table:
+                in_csv = held(table[1], table[2][:, table[0].index(header(table[0], name))], t_ns)
+                demand(found == in_csv, f"{name} is {found} V at {t_ns} ns, and {in_csv} V in the CSV file")
+    times = {t_ns for t_ns, _ in messages}
+    own = {t for name in expected for edge in schedule.edges(name) for t in (edge, edge - 1) if t >= 0}
+    demand(own | {0, schedule.duration_ns} <= times, f"/{device}/voltages leaves out an edge")
+    return len(messages) * len(fields)
+
+
+def field(proto, path):
+    name, _, index = path.partition("[")
+    value = getattr(proto, name)
+    return value[int(index.rstrip("]"))] if index else value
+
+
+def header(columns, name):
+    return next(column for column in columns if column.startswith(f"{name} ["))
+
+
+def log_lines(messages, schedule):
+    found = [(t, m.name, m.message, m.file, m.line) for t, m in messages]
+    steps = schedule.document["steps"]
+    wanted = [(s["start_ns"], s["task"], s["text"], s["file"], s["line"]) for s in steps]
+    demand(sorted(found) == sorted(wanted), "/log is not the steps")
+
+
+def motion(topics, schedule):
+    """Poses, path and scene against the states of the plans."""
+    entities = {e.id: e for _, update in topics["/scene"][1] for e in update.entities}
+    for plan in schedule.document["plans"]:
+        device, states = plan["device"], plan["states"]
+        poses = dict((t, m.pose.position) for t, m in topics[f"/{device}/pose"][1])
+        for state in states:
+            at = poses[state["t_ns"]]
+            demand([at.x, at.y] == state["position_um"], f"/{device}/pose is elsewhere at {state['t_ns']} ns")
+        paths = [[[p.position.x, p.position.y] for p in m.poses] for _, m in topics[f"/{device}/path"][1]]
+        demand([s["position_um"] for s in states] in paths, f"/{device}/path is another")
+        ids = {f"{device}/{what}" for what in ("lattice", "path", "tip", "stops")}
+        demand(ids <= entities.keys(), f"/scene lacks {ids - entities.keys()}")
+        demand(entities[f"{device}/lattice"].frame_id == device, "the lattice stands in another frame")
+    frames = {f.child_frame_id for _, m in topics["/tf"][1] for f in m.transforms}
+    demand({plan["device"] for plan in schedule.document["plans"]} <= frames, "/tf lacks a device")
+
+
+def provenance(attachments, metadata, schedule):
+    demand(attachments["schedule.json"] == schedule.bytes, "the attached schedule is not the JSON file")
+    demand("claims.json" in attachments, "the claims are not attached")
+    source = schedule.document["source"]
+    text = attachments.get(f"source/{source['file']}")
+    demand(text is not None, "the program's source is not attached")
+    demand(hashlib.sha256(text).hexdigest() == source["sha256"], "the attached source is another")
+    demand(metadata["tweeze"].keys() >= {"version", "program", "settings", "scale"}, "the metadata lack an entry")
+    demand(metadata["tweeze"]["program"] == schedule.document["name"], "the metadata name another program")

@@ -1,0 +1,81 @@
+"""Judges a folder of files that `tweeze build --emit mcap,json,csv,vcd,pwl,scpi` wrote, by programs that are not Tweeze's.
+
+    python tests/oracles/run.py DIR
+
+Every `*.json` schedule in the folder is the measure for the files beside it. Exit status 0: all that was judged is right; 1:
+something is wrong. A judge that is not installed is said aloud; with TWEEZE_REQUIRE_ORACLES=1 it counts as wrong, and so does
+a format that is not there.
+"""
+
+import importlib
+import os
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from verdict import Skipped, Wrong  # noqa: E402
+
+JUDGES = {
+    ".json": "schedule",
+    ".csv": "csv_judge",
+    ".mcap": "mcap_judge",
+    ".vcd": "vcd_judge",
+    ".cir": "spice_judge",
+    ".scpi": "scpi_judge",
+}
+
+
+def judge(path, module, schedule):
+    """What is said of one file: a word for the outcome, and the reason."""
+    if not path.exists():
+        return "MISSING", "was not written"
+    try:
+        return "right", importlib.import_module(module).judge(path, schedule)
+    except ImportError as error:
+        return "SKIPPED", f"{error}; see requirements.txt"
+    except Skipped as error:
+        return "SKIPPED", str(error)
+    except Wrong as error:
+        return "WRONG", str(error)
+    except Exception as error:  # a reader that gives up is a verdict too
+        return "WRONG", f"{type(error).__name__}: {error}"
+
+
+def judge_folder(folder):
+    """All verdicts: file name, outcome, reason."""
+    from schedule import Schedule
+
+    verdicts = []
+    for path in sorted(Path(folder).glob("*.json")):
+        try:
+            schedule = Schedule(path)
+        except Exception as error:
+            verdicts.append((path.name, "WRONG", f"{type(error).__name__}: {error}"))
+            continue
+        for ending, module in JUDGES.items():
+            file = path.with_suffix(ending)
+            verdicts.append((file.name, *judge(file, module, schedule)))
+    return verdicts
+
+
+def main(arguments):
+    if len(arguments) != 1:
+        print(__doc__, file=sys.stderr)
+        return 2
+    required = os.environ.get("TWEEZE_REQUIRE_ORACLES") == "1"
+    verdicts = judge_folder(arguments[0])
+    for name, outcome, reason in verdicts:
+        print(f"{outcome:>7}  {name}: {reason}")
+    outcomes = [outcome for _, outcome, _ in verdicts]
+    counts = ", ".join(f"{outcomes.count(word)} {word.lower()}" for word in ("right", "WRONG", "SKIPPED", "MISSING"))
+    print(f"{len(outcomes)} files: {counts}")
+    if "right" not in outcomes:
+        print("nothing was judged", file=sys.stderr)
+        return 1
+    bad = {"WRONG", "SKIPPED", "MISSING"} if required else {"WRONG"}
+    return 1 if bad & set(outcomes) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

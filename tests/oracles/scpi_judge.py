@@ -1,0 +1,96 @@
+"""SCPI, sent to a simulated instrument; what it then holds against the schedule.
+
+The simulation speaks text only, so blocks are taken apart by pyvisa, put together again by it, and sent as numbers.
+"""
+
+import tempfile
+from pathlib import Path
+
+import pyvisa
+from pyvisa import util
+
+import instrument
+from verdict import demand
+
+NO_ERROR = '0,"No error"'
+FULL_SCALE = 32767
+
+
+def messages(data):
+    """The messages of a script: up to a line feed that is not inside a block."""
+    found, start, at = [], 0, 0
+    while at < len(data):
+        if data[at : at + 1] == b"#" and data[at + 1 : at + 2].isdigit():
+            offset, length = util.parse_ieee_block_header(data[at:])
+            at += offset + length
+        elif data[at : at + 1] == b"\n":
+            found.append(data[start:at])
+            start = at = at + 1
+        else:
+            at += 1
+    demand(start == len(data), "the last message has no end")
+    return found
+
+
+def as_text(message):
+    """A message whose block, if it has one, is written as numbers."""
+    at = message.find(b",#")
+    if at < 0:
+        return message.decode("ascii")
+    block = message[at + 1 :]
+    codes = util.from_ieee_block(block, "h", is_big_endian=True)
+    demand(util.to_ieee_block(codes, "h", is_big_endian=True) == block, "a block is not what pyvisa would write")
+    return message[:at].decode("ascii") + "," + " ".join(map(str, codes))
+
+
+def judge(path, schedule):
+    sent = messages(path.read_bytes())
+    demand(len(schedule.channels) <= instrument.OUTPUTS, "the simulated instrument has too few outputs")
+    with tempfile.TemporaryDirectory() as folder:
+        description = Path(folder) / "instrument.yaml"
+        instrument.write(description)
+        manager = pyvisa.ResourceManager(f"{description}@sim")
+        awg = manager.open_resource("TCPIP::awg::INSTR", read_termination="\n", write_termination="\n")
+        try:
+            for message in sent:
+                send(awg, as_text(message))
+            points = [compare(awg, output, channel, schedule) for output, channel in enumerate(schedule.channels, 1)]
+        finally:
+            awg.close()
+            manager.close()
+    asked = sent.count(b":SYST:ERR?")
+    demand(asked == len(schedule.channels) + 1, f"errors are asked for {asked} times")
+    demand(sent[-1] == b"*TRG", "it does not end with the trigger")
+    return f"{len(sent)} messages taken without error, {sum(points)} samples of {len(points)} outputs are the schedule"
+
+
+def send(awg, text):
+    if text.endswith("?"):
+        demand(awg.query(text) == NO_ERROR, f"{text} tells of an error")
+        return
+    awg.write(text)
+    error = awg.query(":SYST:ERR?")
+    demand(error == NO_ERROR, f"{error} after {text[:80]}")
+
+
+def compare(awg, output, channel, schedule):
+    """What an output would play: samples times scale, at their times."""
+    ask = lambda header: awg.query(header.replace("{}", str(output)) + "?")
+    wanted = {":OUTP{}": "ON", ":SOUR{}:FUNC": "ARB", ":SOUR{}:BURS:STAT": "ON", ":TRIG{}:SOUR": "BUS", ":OUTP{}:LOAD": "INF"}
+    for header, value in wanted.items():
+        demand(ask(header) == value, f"output {output}: {header} is {ask(header)}")
+    name, _, text = ask(":SOUR{}:DATA:ARB:DAC").partition(",")
+    demand(name == ask(":SOUR{}:FUNC:ARB"), f"output {output} plays another segment")
+    codes = [int(code) for code in text.split(" ")]
+    demand(codes[0] == codes[-1] == 0, f"output {output} waits or rests under voltage")
+    period_ns = float(ask(":SOUR{}:FUNC:ARB:PER")) * 1e9 / len(codes)
+    demand(abs(period_ns - round(period_ns)) < 1e-6 * period_ns, f"a sample lasts {period_ns} ns")
+    period_ns = round(period_ns)
+    for edge in schedule.edges(channel):
+        demand(edge % period_ns == 0, f"{channel} has an edge at {edge} ns, between samples")
+    scale = float(ask(":SOUR{}:VOLT")) / 2 / FULL_SCALE
+    demand((len(codes) - 2) * period_ns >= schedule.duration_ns, f"output {output} ends too early")
+    for index, code in enumerate(codes[1:]):
+        found, expected = code * scale, schedule.value(channel, index * period_ns)
+        demand(abs(found - expected) <= scale / 2 + 1e-12, f"{channel} is {found} V at {index * period_ns} ns, not {expected} V")
+    return len(codes)

@@ -1,0 +1,133 @@
+"""The judges themselves: each finds the fault that is put into a good file.
+
+    TWEEZE_FIXTURES=DIR cargo test --lib emit::tests::write_fixtures -- --ignored
+    TWEEZE_FIXTURES=DIR pytest tests/oracles
+"""
+
+import json
+import os
+import shutil
+import struct
+from pathlib import Path
+
+import pytest
+
+import run
+import scpi_judge
+from schedule import Schedule
+
+FIXTURES = Path(os.environ.get("TWEEZE_FIXTURES", "/nonexistent"))
+
+pytestmark = pytest.mark.skipif(not FIXTURES.exists(), reason="TWEEZE_FIXTURES names no folder")
+
+
+def verdict(folder, ending):
+    path = folder / f"Pair{ending}"
+    return run.judge(path, run.JUDGES[ending], Schedule(folder / "Pair.json"))
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for file in FIXTURES.glob("Pair.*"):
+        shutil.copy(file, tmp_path)
+    return tmp_path
+
+
+def replace(path, old, new):
+    data = path.read_bytes()
+    assert old in data
+    path.write_bytes(data.replace(old, new, 1))
+
+
+@pytest.mark.parametrize("ending", run.JUDGES)
+def test_a_good_file_is_right(folder, ending):
+    outcome, reason = verdict(folder, ending)
+    assert outcome in ("right", "SKIPPED"), reason
+
+
+def test_slopes_are_right():
+    outcomes = {name: outcome for name, outcome, _ in run.judge_folder(FIXTURES / "slopes")}
+    expected = {"crowd.json": "right", "crowd.mcap": "right", "crowd.cir": "right"}
+    expected |= {"crowd.csv": "MISSING", "crowd.vcd": "MISSING", "crowd.scpi": "MISSING"}
+    assert outcomes == expected
+
+
+FAULTS = [
+    (".json", ".json", b'"unit": "V"', b'"unit": "A"'),
+    (".csv", ".csv", b"\n15000000,", b"\n15000001,"),
+    (".csv", ".csv", b"bot.bl0.set [V]", b"bot.bl0.set [mV]"),
+    (".csv", ".csv", b"Dev1/port0/line0", b"Dev1/port0/line1"),
+    (".csv", ".csv", b",20,", b",19.999999999,"),
+    (".vcd", ".vcd", b"#15000000\n", b"#15000001\n"),
+    (".vcd", ".vcd", b"r20 a\n", b"r19 a\n"),
+    (".vcd", ".vcd", b"1 ns", b"1 us"),
+    (".vcd", ".vcd", b"$var real 64 a Dev1", b"$var real 64 b Dev1"),
+    (".cir", ".pwl.inc", b"+ 0.015 20\n", b"+ 0.014 20\n"),
+    (".cir", ".pwl.inc", b"+ 0.015 20\n", b"+ 0.015 20.00000001\n"),
+    (".cir", ".pwl.inc", b"Vbot_bl0_set bot_bl0_set 0", b"Vbot_bl0_set bot_bl0_set 1"),
+    (".cir", ".cir", b"0.1125\n", b"0.1\n"),
+    (".scpi", ".scpi", b":FUNC:ARB:PER 0.1175", b":FUNC:ARB:PER 0.1180"),
+    (".scpi", ".scpi", b":SOUR1:VOLT 40", b":SOUR1:VOLT 41"),
+    (".scpi", ".scpi", b":SOUR1:VOLT 40", b":SOUR1:VLT 40"),
+    (".scpi", ".scpi", b":OUTP1:LOAD INF\n", b""),
+    (".scpi", ".scpi", b",#294\x00\x00\x7f\xff", b",#294\x7f\xff\x7f\xff"),
+    (".scpi", ".scpi", b"\x7f\xff\x00\x00", b"\x00\x00\x00\x00"),
+    (".mcap", ".csv", b",20,", b",19.5,"),
+]
+
+
+@pytest.mark.parametrize("judged,broken,old,new", FAULTS)
+def test_a_fault_is_found(folder, judged, broken, old, new):
+    if verdict(folder, judged)[0] == "SKIPPED":
+        pytest.skip("the judge is not here")
+    replace(folder / f"Pair{broken}", old, new)
+    outcome, reason = verdict(folder, judged)
+    assert outcome == "WRONG", reason
+
+
+def test_damage_of_a_log_is_found(folder):
+    path = folder / "Pair.mcap"
+    data = path.read_bytes()
+    # The footer says where the summary begins, whose checksum this reader does not look at.
+    (summary,) = struct.unpack("<Q", data[-28:-20])
+    for at in range(8, summary - 13, summary // 40):
+        broken = bytearray(data)
+        broken[at] ^= 4
+        path.write_bytes(broken)
+        assert verdict(folder, ".mcap")[0] == "WRONG", f"byte {at}"
+
+
+@pytest.mark.parametrize("change", [{"from": 21.0, "to": 21.0}, {"start_ns": 1}, {"duration_ns": 14_999_999}])
+def test_a_log_of_another_schedule_is_found(folder, change):
+    other = folder / "other.json"
+    document = json.loads((folder / "Pair.json").read_bytes())
+    document["actuations"][0].update(change)
+    other.write_text(json.dumps(document))
+    (folder / "Pair.csv").unlink()
+    outcome, reason = run.judge(folder / "Pair.mcap", "mcap_judge", Schedule(other))
+    assert outcome == "WRONG" and "bot.bl0.set" in reason, reason
+
+
+def test_a_missing_file_is_said_and_counts_where_all_is_required(folder, capsys, monkeypatch):
+    (folder / "Pair.vcd").unlink()
+    assert run.main([str(folder)]) == 0
+    assert "MISSING  Pair.vcd: was not written" in capsys.readouterr().out
+    monkeypatch.setenv("TWEEZE_REQUIRE_ORACLES", "1")
+    assert run.main([str(folder)]) == 1
+
+
+def test_a_missing_judge_is_said_and_counts_where_all_is_required(folder, capsys, monkeypatch):
+    monkeypatch.setattr("shutil.which", lambda name: None)
+    assert run.main([str(folder)]) == 0
+    assert "SKIPPED  Pair.cir: ngspice is not installed" in capsys.readouterr().out
+    monkeypatch.setenv("TWEEZE_REQUIRE_ORACLES", "1")
+    assert run.main([str(folder)]) == 1
+
+
+def test_an_empty_folder_is_no_success(tmp_path):
+    assert run.main([str(tmp_path)]) == 1
+
+
+def test_blocks_may_hold_line_feeds():
+    assert scpi_judge.messages(b"*CLS\nA B,#14\n\n\n\n\n*TRG\n") == [b"*CLS", b"A B,#14\n\n\n\n", b"*TRG"]
+    assert scpi_judge.as_text(b"A B,#14\x00\x0a\xff\xff") == "A B,10 -1"
