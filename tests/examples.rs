@@ -1,0 +1,57 @@
+//! Every example with something to build: checked without a word, built, verified, written in every format.
+
+mod support;
+
+use std::path::{Path, PathBuf};
+use support::{build, build_in};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")
+}
+
+/// The examples' names and texts, by name.
+fn examples() -> Vec<(String, String)> {
+    let entries = std::fs::read_dir(folder()).expect("the examples are there").flatten();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|ending| ending == "twz"));
+    paths.sort();
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    paths.iter().map(|path| (name(path), std::fs::read_to_string(path).expect("an example is text"))).collect()
+}
+
+fn has_tasks(text: &str) -> bool {
+    text.lines().any(|line| line.starts_with("task "))
+}
+
+#[test]
+fn every_example_builds_without_a_word_and_is_written_in_every_format() {
+    let programs: Vec<_> = examples().into_iter().filter(|(_, text)| has_tasks(text)).collect();
+    assert!(programs.len() >= 6);
+    for (name, text) in programs {
+        let built = build_in(&folder(), &text);
+        assert!(built.codes.is_empty() && !built.schedules.is_empty(), "{name}: {:?}", built.codes);
+        let files = built.files();
+        assert_eq!(files.len(), 8 * built.schedules.len(), "{name}");
+        assert!(files.iter().all(|file| !file.bytes.is_empty()), "{name}");
+        let proven = |plan: &tweeze::schedule::PlanRecord| plan.optimal && plan.cost == plan.bound;
+        assert!(built.schedules.iter().all(|verified| verified.schedule().plans.iter().all(proven)), "{name}");
+    }
+}
+
+#[test]
+fn every_example_begins_with_what_it_shows() {
+    for (name, text) in examples() {
+        assert!(text.starts_with("//! "), "{name}");
+        assert!(text.lines().all(|line| line.chars().count() <= 130), "{name}");
+    }
+}
+
+#[test]
+fn a_file_without_tasks_is_only_there_to_be_used() {
+    let examples = examples();
+    for (name, text) in examples.iter().filter(|(_, text)| !has_tasks(text)) {
+        let used = examples.iter().any(|(_, other)| other.contains(&format!("use \"{name}\"")));
+        assert!(used, "{name} has no tasks, and no example uses it");
+        assert!(build(text).codes.iter().all(|code| code.starts_with('W')), "{name}");
+    }
+}

@@ -1,0 +1,70 @@
+//! Programs as text through the compiler's own door, for the tests of its outcome.
+
+#![allow(dead_code, reason = "each test uses the part that it needs")]
+
+use std::path::Path;
+use tweeze::check::Options;
+use tweeze::check::imports::Library;
+use tweeze::compile::{self, Outcome, Program};
+use tweeze::diagnostic::Sink;
+use tweeze::emit::{self, Format, OutputFile, Provenance};
+use tweeze::source::Sources;
+use tweeze::verify::Verified;
+
+/// What became of a program.
+#[derive(Debug)]
+pub struct Built {
+    /// Every schedule in the order of declaration; empty after an error.
+    pub schedules: Vec<Verified>,
+    /// The codes of everything that was reported, warnings too, by place.
+    pub codes: Vec<&'static str>,
+    /// Whether the verifier, and not the checker or a planner, stopped it.
+    pub refused: bool,
+    provenance: Provenance,
+}
+
+/// The files in a folder of the project.
+struct Folder<'a>(&'a Path);
+
+impl Library for Folder<'_> {
+    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
+        let text = std::fs::read_to_string(self.0.join(path)).map_err(|error| error.to_string())?;
+        Ok((path.to_owned(), text))
+    }
+}
+
+/// Compiles a text, whose used files lie in a folder.
+pub fn build_in(folder: &Path, text: &str) -> Built {
+    let options = Options::default();
+    let program = Program { name: "test.twz", text, library: &Folder(folder), options: &options };
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let outcome = compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
+    let (schedules, refused) = match outcome {
+        Outcome::Compiled(compiled) => (compiled.schedules, false),
+        Outcome::Errors => (Vec::new(), false),
+        Outcome::Refused => (Vec::new(), true),
+    };
+    let codes = sink.sorted().into_iter().map(|diagnostic| diagnostic.code.name()).collect();
+    let own = sources.files().filter(|(_, file)| !file.name.starts_with("std."));
+    let files = own.map(|(_, file)| (file.name.clone(), file.text.to_string())).collect();
+    Built { schedules, codes, refused, provenance: Provenance { files, settings: Vec::new() } }
+}
+
+/// Compiles a text that uses no file beside it.
+pub fn build(text: &str) -> Built {
+    build_in(Path::new("."), text)
+}
+
+impl Built {
+    /// Every file of every format.
+    pub fn files(&self) -> Vec<OutputFile> {
+        let mut files = Vec::new();
+        for verified in &self.schedules {
+            for format in Format::ALL {
+                let set = emit::emit(*format, verified, &self.provenance);
+                files.extend(set.unwrap_or_else(|error| panic!("{}: {error:?}", format.name())));
+            }
+        }
+        files
+    }
+}
