@@ -26,6 +26,11 @@ pub(super) struct Brackets {
 }
 
 impl Brackets {
+    /// Whether the innermost bracket is a brace that stands at or after an offset.
+    pub fn opened_after(&self, offset: usize) -> bool {
+        self.open.last().is_some_and(|open| open.bracket == b'{' && open.at >= offset)
+    }
+
     /// A line ended where an open `(` or `[` has no reason to go on.
     pub fn line_ended(&mut self, at: usize) {
         for open in self.open.iter_mut().rev().take_while(|open| open.bracket != b'{') {

@@ -135,7 +135,7 @@ impl Reader<'_> {
                 Rule::head_index => step.indices = self.indices(part),
                 Rule::noun => step.noun = part.into_inner().next().map(|word| self.ident(&word)),
                 Rule::step_expr => step.object = Some(self.expr(part)),
-                Rule::phrase => step.phrases.extend(self.phrase(part)),
+                Rule::phrase | Rule::late_phrase => step.phrases.extend(self.phrase(part)),
                 _ => step.block = Some(self.entries(part)),
             }
         }

@@ -37,7 +37,9 @@ pub(super) fn token_at(text: &str, offset: usize) -> &str {
     let Some(first) = rest.chars().next() else { return "" };
     let in_word = |c: char| c.is_alphanumeric() || c == '_';
     let in_sign = |c: char| "+-*/^<>=!.:".contains(c);
-    let length = if in_word(first) {
+    let length = if first == '"' {
+        rest[1..].find(['"', '\n']).map(|length| length + 2)
+    } else if in_word(first) {
         rest.find(|c| !in_word(c))
     } else if in_sign(first) {
         rest.find(|c| !in_sign(c))
@@ -253,6 +255,18 @@ pub(super) fn loop_at_top(span: Span) -> Diagnostic {
         .help("`for` stands inside a scene, a task, a program or a wiring")
 }
 
+/// A span without the blanks around it; the word or sign before it, if nothing else is in it.
+fn visible(span: Span, text: &str) -> Span {
+    let inside = &text[span.range()];
+    let end = span.start as usize + inside.trim_end().len();
+    let start = end - text[span.start as usize..end].trim_start().len();
+    if start < end {
+        return part(span, start, end);
+    }
+    let before = code_end_before(text, span.start as usize);
+    part(span, before - token_before_sign(&text[..before]).len(), before)
+}
+
 pub(super) fn bad_head(rest: Span, rule: Rule, item: Span, text: &str) -> Diagnostic {
     let form = match rule {
         Rule::device_rest => "device NAME : KIND { … }",
@@ -261,11 +275,10 @@ pub(super) fn bad_head(rest: Span, rule: Rule, item: Span, text: &str) -> Diagno
         Rule::program_rest => "program NAME { … }",
         _ => "wiring DEVICE { … }",
     };
-    let end = rest.start as usize + text[rest.range()].trim_end().len();
-    let start = end - text[rest.start as usize..end].trim_start().len();
+    let place = visible(rest, text);
     let word = token_at(text, item.start as usize);
     Diagnostic::new(Code::E0124, format!("this `{word}` does not say what it is about"))
-        .label(part(rest, start, end), "expected otherwise here")
+        .label(place, "reading stopped here")
         .help(format!("write `{form}`"))
 }
 
@@ -502,12 +515,8 @@ pub(super) fn bad_short_item(rest: Span, rule: Rule, text: &str) -> Diagnostic {
         Rule::use_rest => "use std.dimibot` or `use \"bench.twz\" as lab",
         _ => "let pitch = 70 um",
     };
-    let start = rest.start as usize;
-    let token = token_at(&text[..rest.end as usize], start);
-    let end = start + token.len();
-    let start = if token.is_empty() { end - token_before_sign(&text[..end]).len() } else { start };
     Diagnostic::new(Code::E0124, "this declaration cannot be read to its end")
-        .label(part(rest, start, end), "reading stopped here")
+        .label(visible(rest, text), "reading stopped here")
         .help(format!("write it as `{form}`"))
 }
 

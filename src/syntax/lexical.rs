@@ -52,7 +52,10 @@ pub(super) fn string(scan: &mut Scan) {
     let start = scan.at;
     let line_end = scan.end_of_line(start);
     let Some(length) = scan.text[start + 1..line_end].find('"') else {
-        let end = start + scan.text[start..line_end].trim_end().len();
+        let mut end = start + scan.text[start..line_end].trim_end().len();
+        if scan.text[start..end].ends_with(" }") && scan.brackets.opened_after(scan.line_start) {
+            end = start + scan.text[start..end - 1].trim_end().len();
+        }
         let span = scan.span(start, end);
         scan.report(errors::unterminated_string(span, scan.text));
         scan.cover(start, end);
