@@ -6,8 +6,11 @@
 use super::errors;
 use super::grammar::{Node, Rule};
 use super::tree::{Doc, Expr, ExprKind, Ident};
-use crate::diagnostic::{Diagnostic, Sink};
+use crate::diagnostic::{Diagnostic, MAX_DIAGNOSTICS, Sink};
 use crate::source::{FileId, Span};
+
+/// The most findings that a pass keeps of one text; the sink shows fewer.
+pub(super) const MAX_FINDINGS: usize = 4 * MAX_DIAGNOSTICS;
 
 /// Where a parsed fragment comes from.
 #[derive(Clone, Copy)]
@@ -60,7 +63,9 @@ impl<'s> Reader<'s> {
     }
 
     pub fn report(&mut self, finding: Diagnostic) {
-        self.findings.push(finding);
+        if self.findings.len() < MAX_FINDINGS {
+            self.findings.push(finding);
+        }
     }
 
     pub fn span(&self, node: &Node) -> Span {

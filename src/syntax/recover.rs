@@ -113,10 +113,10 @@ impl Reader<'_> {
     }
 
     fn unknown_item(&mut self, span: Span) {
-        let text = &self.text[span.range()];
+        let text = &self.source[span.range()];
         let mut words = text.split([' ', '\t']).filter(|word| !word.is_empty()).skip(1);
         let finding = match words.next() {
-            Some("=" | ":=") => errors::value_without_let(span, text),
+            Some("=" | ":=") if text.starts_with(super::lexical::is_word) => errors::value_without_let(span, text),
             Some(second) if text.contains('{') && second.starts_with(super::lexical::is_word) => {
                 errors::unknown_item(span, text)
             }
@@ -145,7 +145,7 @@ impl Reader<'_> {
 
     /// Keeps the name that a broken declaration would have declared: its second word, or its first before a `=`.
     fn keep_name(&mut self, span: Span) {
-        let text = &self.text[span.range()];
+        let text = &self.source[span.range()];
         let first = errors::token_at(text, 0);
         let second = first.len() + (text[first.len()..].len() - text[first.len()..].trim_start_matches([' ', '\t']).len());
         let word = errors::token_at(text, second);
@@ -181,7 +181,7 @@ impl Reader<'_> {
 
     /// The finding for a fragment of which only its place is known: where reading stopped and what was wanted there.
     fn diagnose(&mut self, span: Span, place: Place) -> Diagnostic {
-        let text = &self.text[span.range()];
+        let text = &self.source[span.range()];
         if place == Place::Steps
             && let Some(at) = second_step(text)
         {

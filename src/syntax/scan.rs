@@ -7,6 +7,7 @@
 
 use super::brackets::Brackets;
 use super::lexical;
+use super::reader::MAX_FINDINGS;
 use crate::diagnostic::Diagnostic;
 use crate::source::{FileId, Span};
 use std::borrow::Cow;
@@ -83,7 +84,9 @@ impl<'t> Scan<'t> {
     }
 
     pub fn report(&mut self, finding: Diagnostic) {
-        self.findings.push(finding);
+        if self.findings.len() < MAX_FINDINGS {
+            self.findings.push(finding);
+        }
     }
 
     /// Puts bytes in the place of others: `with`, filled up with blanks.
