@@ -90,7 +90,6 @@ impl Reader<'_> {
             match part.as_rule() {
                 Rule::name => names.push(self.declared(&part)),
                 Rule::flat_expr => over = Some(self.expr(part)),
-                Rule::kw_for | Rule::kw_in => {}
                 _ => entries = read(self, part),
             }
         }

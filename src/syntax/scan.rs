@@ -58,6 +58,10 @@ pub(super) struct Scan<'t> {
     pub line_end: Option<usize>,
     /// Where the line begins.
     pub line_start: usize,
+    /// Where it ends; known once, because a line may be a megabyte long.
+    line_limit: usize,
+    /// The blanks at its head.
+    pub indent: usize,
     /// Whether the line has had no code yet.
     pub is_line_start: bool,
 }
@@ -75,6 +79,8 @@ impl<'t> Scan<'t> {
             last: b'\n',
             line_end: None,
             line_start: 0,
+            line_limit: end_of_line(text, 0),
+            indent: 0,
             is_line_start: true,
         }
     }
@@ -112,9 +118,9 @@ impl<'t> Scan<'t> {
         &self.text[self.at..]
     }
 
-    /// Where the line at an offset ends.
-    pub fn end_of_line(&self, from: usize) -> usize {
-        self.text[from..].find('\n').map_or(self.text.len(), |length| from + length)
+    /// Where the line ends.
+    pub fn end_of_line(&self) -> usize {
+        self.line_limit
     }
 
     fn byte_order_mark(&mut self) {
@@ -139,6 +145,7 @@ impl<'t> Scan<'t> {
         }
         if self.is_line_start {
             self.is_line_start = false;
+            self.indent = self.at - self.line_start;
             if super::brackets::starts_item(self.rest()) {
                 self.item_begins();
             }
@@ -164,6 +171,7 @@ impl<'t> Scan<'t> {
         }
         self.at += 1;
         self.line_start = self.at;
+        self.line_limit = end_of_line(self.text, self.at);
         self.is_line_start = true;
     }
 
@@ -173,7 +181,7 @@ impl<'t> Scan<'t> {
     }
 
     fn comment(&mut self) {
-        let end = self.end_of_line(self.at);
+        let end = self.end_of_line();
         let comment = &self.text[self.at..end];
         let is_doc = comment.starts_with("//!") || (comment.starts_with("///") && !comment.starts_with("////"));
         if is_doc {
@@ -182,4 +190,8 @@ impl<'t> Scan<'t> {
         }
         self.at = end;
     }
+}
+
+fn end_of_line(text: &str, from: usize) -> usize {
+    text[from..].find('\n').map_or(text.len(), |length| from + length)
 }

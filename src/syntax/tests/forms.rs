@@ -92,10 +92,14 @@ fn shown(expr: &Expr) -> String {
         ExprKind::Number(number) => number.clone(),
         ExprKind::Quantity { number, unit } => format!("{number}_{}", unit.text),
         ExprKind::Word(word) => format!("word {word}"),
-        ExprKind::Text(text) => text.parts.iter().map(|part| match part {
-            TextPart::Plain(plain) => plain.clone(),
-            TextPart::Hole(value) => format!("<{}>", shown(value)),
-        }).collect(),
+        ExprKind::Text(text) => text
+            .parts
+            .iter()
+            .map(|part| match part {
+                TextPart::Plain(plain) => plain.clone(),
+                TextPart::Hole(value) => format!("<{}>", shown(value)),
+            })
+            .collect(),
         ExprKind::Bool(value) => value.to_string(),
         ExprKind::Path(path) => shown_path(path),
         ExprKind::Tuple(values) => format!("({})", list(values)),
@@ -118,7 +122,11 @@ fn shown(expr: &Expr) -> String {
 fn shown_path(path: &Path) -> String {
     let segment = |segment: &IndexedName| {
         let indices: Vec<_> = segment.indices.iter().map(shown).collect();
-        if indices.is_empty() { segment.name.text.clone() } else { format!("{}[{}]", segment.name.text, indices.join(", ")) }
+        if indices.is_empty() {
+            segment.name.text.clone()
+        } else {
+            format!("{}[{}]", segment.name.text, indices.join(", "))
+        }
     };
     path.segments.iter().map(segment).collect::<Vec<_>>().join(".")
 }
@@ -247,15 +255,19 @@ fn a_loop_takes_its_braces_for_itself() {
 #[test]
 fn docs_go_to_what_follows() {
     let tree = sound(EVERYTHING);
-    let docs: Vec<_> = tree.items.iter().filter_map(|item| match item {
-        Item::Let(item) => item.doc.clone(),
-        Item::Device(item) => item.fields.iter().find_map(|field| field.doc.clone()),
-        Item::Scene(item) => item.entries.iter().find_map(|entry| match entry {
-            SceneEntry::Object(object) => object.doc.clone(),
-            SceneEntry::For(_) | SceneEntry::Error(_) => None,
-        }),
-        Item::Use(_) | Item::Task(_) | Item::Program(_) | Item::Wiring(_) | Item::Error(_) => None,
-    }).collect();
+    let docs: Vec<_> = tree
+        .items
+        .iter()
+        .filter_map(|item| match item {
+            Item::Let(item) => item.doc.clone(),
+            Item::Device(item) => item.fields.iter().find_map(|field| field.doc.clone()),
+            Item::Scene(item) => item.entries.iter().find_map(|entry| match entry {
+                SceneEntry::Object(object) => object.doc.clone(),
+                SceneEntry::For(_) | SceneEntry::Error(_) => None,
+            }),
+            Item::Use(_) | Item::Task(_) | Item::Program(_) | Item::Wiring(_) | Item::Error(_) => None,
+        })
+        .collect();
     assert_eq!(docs, ["The pitch.\n\nIn two parts.", "Five as well.", "A point."]);
 }
 

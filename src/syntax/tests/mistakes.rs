@@ -98,7 +98,8 @@ const ENTRIES: &[(&str, &str, &str)] = &[
 #[test]
 fn a_mistake_in_a_task_is_found_once_and_leaves_its_neighbours() {
     for (entry, code, place) in ENTRIES {
-        let text = format!("task t on bot {{\n  minimize time\n  {entry}\n  wait 7 ms\n}}\ntask u on bot {{ wait 1 s }}\n");
+        let text =
+            format!("task t on bot {{\n  minimize time\n  {entry}\n  wait 7 ms\n}}\ntask u on bot {{ wait 1 s }}\n");
         let expected: Vec<_> = (!code.is_empty()).then(|| (*code, (*place).to_owned())).into_iter().collect();
         assert_eq!(found(&text), expected, "{text}");
         let (tree, _) = read(&text);
@@ -258,8 +259,15 @@ fn mistakes_of_eleven_sorts_are_eleven_findings_in_order() {
 #[test]
 fn what_stands_around_the_mistakes_is_in_the_tree() {
     let (tree, _) = read(ELEVEN);
-    let [Item::Use(_), Item::Device(bot), Item::Device(fleet), Item::Scene(bench), Item::Task(fetch), Item::Task(back), Item::Wiring(wiring)] =
-        tree.items.as_slice()
+    let [
+        Item::Use(_),
+        Item::Device(bot),
+        Item::Device(fleet),
+        Item::Scene(bench),
+        Item::Task(fetch),
+        Item::Task(back),
+        Item::Wiring(wiring),
+    ] = tree.items.as_slice()
     else {
         panic!("{:#?}", tree.items)
     };
@@ -283,7 +291,8 @@ fn what_stands_around_the_mistakes_is_in_the_tree() {
 fn no_rule_of_the_grammar_is_shown() {
     let texts = ENTRIES.iter().map(|(entry, ..)| format!("task t on bot {{\n  {entry}\n}}\n"));
     let texts = texts.chain(FILES.iter().map(|(text, ..)| (*text).to_owned())).chain([ELEVEN.to_owned()]);
-    let rules: Vec<String> = Rule::all_rules().iter().map(|rule| format!("{rule:?}")).filter(|name| name.contains('_')).collect();
+    let rules: Vec<String> =
+        Rule::all_rules().iter().map(|rule| format!("{rule:?}")).filter(|name| name.contains('_')).collect();
     for text in texts {
         for finding in read(&text).1 {
             let words = [finding.title.clone(), finding.help.clone().unwrap_or_default()];
@@ -291,7 +300,10 @@ fn no_rule_of_the_grammar_is_shown() {
             for words in words.into_iter().chain(labels) {
                 assert!(!words.is_empty() && !rules.iter().any(|rule| words.contains(rule.as_str())), "{finding:?}");
             }
-            assert!(finding.title.starts_with(|c: char| !c.is_uppercase()) && !finding.title.ends_with('.'), "{finding:?}");
+            assert!(
+                finding.title.starts_with(|c: char| !c.is_uppercase()) && !finding.title.ends_with('.'),
+                "{finding:?}"
+            );
         }
     }
 }

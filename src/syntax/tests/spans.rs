@@ -217,7 +217,10 @@ fn holds(text: &str) {
     for finding in &findings {
         assert!(!finding.labels.is_empty() && finding.help.is_some(), "{finding:?}");
         for label in &finding.labels {
-            assert!(text.is_char_boundary(label.span.start as usize) && text.is_char_boundary(label.span.end as usize), "{finding:?}");
+            assert!(
+                text.is_char_boundary(label.span.start as usize) && text.is_char_boundary(label.span.end as usize),
+                "{finding:?}"
+            );
             within(Span::new(FileId(0), 0, text.len()), label.span, text);
         }
     }
@@ -227,11 +230,12 @@ fn holds(text: &str) {
 }
 
 const TOKENS: &[&str] = &[
-    "use", "as", "let", "device", "scene", "task", "program", "wiring", "table", "true", "for", "in", "on", "at", "to", "via",
-    "a", "b1", "move", "run", "together", "if", "else", "std.x", "0", "35", "1e-3", ".5", "5.", "0b101", "0b2", "um", "um/s", "%",
-    "(", ")", "[", "]", "{", "}", "{", "}", ",", ",", ":", ":", "=", ":=", "==", "<=", "<", "+", "-", "*", "/", "^", "..", "->", "|", ";",
-    "\n", "\n", "\n", " ", " ", " ", "\"", "\"a{b}\"", "\"{", "“", "”", "'", "// c\n", "/// d\n", "//! e\n", "/*", "*/", "#", "µm", "°", "≤",
-    "→", "\u{a0}", "\u{1}", "\u{2}", "\u{feff}", "\r\n", "\t", "@", "…", "é", "🤖",
+    "use", "as", "let", "device", "scene", "task", "program", "wiring", "table", "true", "for", "in", "on", "at", "to",
+    "via", "a", "b1", "move", "run", "together", "if", "else", "std.x", "0", "35", "1e-3", ".5", "5.", "0b101", "0b2",
+    "um", "um/s", "%", "(", ")", "[", "]", "{", "}", "{", "}", ",", ",", ":", ":", "=", ":=", "==", "<=", "<", "+",
+    "-", "*", "/", "^", "..", "->", "|", ";", "\n", "\n", "\n", " ", " ", " ", "\"", "\"a{b}\"", "\"{", "“", "”", "'",
+    "// c\n", "/// d\n", "//! e\n", "/*", "*/", "#", "µm", "°", "≤", "→", "\u{a0}", "\u{1}", "\u{2}", "\u{feff}",
+    "\r\n", "\t", "@", "…", "é", "🤖",
 ];
 
 fn soup() -> impl Strategy<Value = String> {
@@ -300,7 +304,15 @@ fn on_a_small_stack(texts: Vec<String>) {
 #[test]
 fn deep_nesting_and_long_chains_are_refused_without_a_crash() {
     let nest = |open: &str, close: &str| format!("let a = {}1{}\n", open.repeat(100_000), close.repeat(100_000));
-    let mut texts = vec![nest("(", ")"), nest("[", "]"), nest("a[", "]"), nest("f(", ")"), nest("a { b: ", "}"), nest("(", ""), nest("{", "")];
+    let mut texts = vec![
+        nest("(", ")"),
+        nest("[", "]"),
+        nest("a[", "]"),
+        nest("f(", ")"),
+        nest("a { b: ", "}"),
+        nest("(", ""),
+        nest("{", ""),
+    ];
     texts.push(format!("task t on b {{ {} }}", "a { ".repeat(100_000)));
     texts.push(format!("let a = \"{{{}1{}}}\"\n", "(".repeat(100_000), ")".repeat(100_000)));
     texts.push(format!("let a = {}1\n", "-".repeat(20_000)));
@@ -319,9 +331,11 @@ fn the_tallest_tree_that_is_allowed_fits_a_small_stack() {
     let heights = MAX_OPERATORS / MAX_NESTING;
     let brackets = format!("let a = {}1{}\n", level(heights).repeat(MAX_NESTING), ")".repeat(MAX_NESTING));
     assert_eq!(found(&brackets), []);
-    let blocks = format!("task t on b {{ {}wait 1 s{} }}\n", "a { ".repeat(MAX_NESTING - 1), " }".repeat(MAX_NESTING - 1));
+    let blocks =
+        format!("task t on b {{ {}wait 1 s{} }}\n", "a { ".repeat(MAX_NESTING - 1), " }".repeat(MAX_NESTING - 1));
     assert_eq!(found(&blocks), []);
-    let failing = format!("task t on b {{ {}$ {}$ }}\n", "a { x: ".repeat(MAX_NESTING - 1), "} $ ".repeat(MAX_NESTING - 1));
+    let failing =
+        format!("task t on b {{ {}$ {}$ }}\n", "a { x: ".repeat(MAX_NESTING - 1), "} $ ".repeat(MAX_NESTING - 1));
     on_a_small_stack(vec![brackets, blocks, failing]);
 }
 
@@ -349,7 +363,13 @@ fn a_line_of_a_megabyte_is_read() {
 
 #[test]
 fn failing_levels_do_not_double_the_work() {
-    let nests = [("a { x: (", ") $ }"), ("(a { x: ", "} $)"), ("a[b { x: 1 z[", "] to"), ("table {\n a\n (", ") $\n}"), ("[a {\n x:\n ", "} $ ]")];
+    let nests = [
+        ("a { x: (", ") $ }"),
+        ("(a { x: ", "} $)"),
+        ("a[b { x: 1 z[", "] to"),
+        ("table {\n a\n (", ") $\n}"),
+        ("[a {\n x:\n ", "} $ ]"),
+    ];
     for (open, close) in nests {
         let levels = MAX_NESTING / open.matches(['(', '[', '{']).count();
         holds(&format!("let a = {}1{}\n", open.repeat(levels), close.repeat(levels)));
