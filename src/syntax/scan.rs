@@ -134,10 +134,11 @@ impl<'t> Scan<'t> {
         let Some(first) = self.rest().chars().next() else { return };
         match first {
             '\n' => return self.newline(),
-            ' ' | '\t' | '\r' => {
+            ' ' | '\t' => {
                 self.at += 1;
                 return;
             }
+            '\r' => return self.carriage_return(),
             '/' if self.rest().starts_with("//") => return self.comment(),
             '/' if self.rest().starts_with("/*") => return lexical::block_comment(self),
             '#' => return lexical::hash_comment(self),
@@ -162,6 +163,12 @@ impl<'t> Scan<'t> {
         }
         self.last = self.text.as_bytes()[self.at - 1];
         self.line_end = None;
+    }
+
+    /// A blank to the grammar, wherever it stands.
+    fn carriage_return(&mut self) {
+        self.replace(self.at, self.at + 1, "");
+        self.at += 1;
     }
 
     pub fn newline(&mut self) {
