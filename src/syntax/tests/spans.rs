@@ -10,9 +10,14 @@ fn within(parent: Span, child: Span, text: &str) -> Span {
     child
 }
 
+/// Goes over a tree with the text it was read from.
 struct Walk<'t>(&'t str);
 
 impl Walk<'_> {
+    fn place(&self, parent: Span, child: Span) {
+        within(parent, child, self.0);
+    }
+
     fn tree(&self, tree: &Tree) {
         let whole = Span::new(tree.file, 0, self.0.len());
         for item in &tree.items {
@@ -30,11 +35,11 @@ impl Walk<'_> {
                 match &item.path {
                     UsePath::Library { words, span: path } => {
                         let path = within(span, *path, self.0);
-                        words.iter().for_each(|word| drop(within(path, word.span, self.0)));
+                        words.iter().for_each(|word| self.place(path, word.span));
                     }
                     UsePath::File(text) => self.text(span, text),
                 }
-                item.alias.iter().for_each(|alias| drop(within(span, alias.span, self.0)));
+                item.alias.iter().for_each(|alias| self.place(span, alias.span));
             }
             Item::Let(item) => {
                 let span = within(whole, item.span, self.0);
@@ -72,7 +77,7 @@ impl Walk<'_> {
                 self.path(span, &item.device);
                 item.entries.iter().for_each(|entry| self.wiring_entry(span, entry));
             }
-            Item::Error(span) => drop(within(whole, *span, self.0)),
+            Item::Error(span) => self.place(whole, *span),
         }
     }
 
@@ -86,7 +91,7 @@ impl Walk<'_> {
 
     fn each<E>(&self, parent: Span, each: &For<E>, entry: impl Fn(Span, &E)) {
         let span = within(parent, each.span, self.0);
-        each.counter.iter().for_each(|counter| drop(within(span, counter.span, self.0)));
+        each.counter.iter().for_each(|counter| self.place(span, counter.span));
         within(span, each.element.span, self.0);
         self.expr(span, &each.over);
         each.entries.iter().for_each(|inner| entry(span, inner));
@@ -101,7 +106,7 @@ impl Walk<'_> {
                 object.shape.iter().chain(&object.at).for_each(|value| self.expr(span, value));
             }
             SceneEntry::For(each) => self.each(parent, each, |span, entry| self.scene_entry(span, entry)),
-            SceneEntry::Error(span) => drop(within(parent, *span, self.0)),
+            SceneEntry::Error(span) => self.place(parent, *span),
         }
     }
 
@@ -111,7 +116,7 @@ impl Walk<'_> {
             Entry::Step(step) => {
                 let span = within(parent, step.span, self.0);
                 within(span, step.head.span, self.0);
-                step.noun.iter().for_each(|noun| drop(within(span, noun.span, self.0)));
+                step.noun.iter().for_each(|noun| self.place(span, noun.span));
                 step.indices.iter().chain(&step.object).for_each(|value| self.expr(span, value));
                 for phrase in &step.phrases {
                     let span = within(span, phrase.span, self.0);
@@ -121,7 +126,7 @@ impl Walk<'_> {
                 step.block.iter().flatten().for_each(|entry| self.entry(span, entry));
             }
             Entry::For(each) => self.each(parent, each, |span, entry| self.entry(span, entry)),
-            Entry::Error(span) => drop(within(parent, *span, self.0)),
+            Entry::Error(span) => self.place(parent, *span),
         }
     }
 
@@ -133,7 +138,7 @@ impl Walk<'_> {
                 self.text(span, &wire.output);
             }
             WiringEntry::For(each) => self.each(parent, each, |span, entry| self.wiring_entry(span, entry)),
-            WiringEntry::Error(span) => drop(within(parent, *span, self.0)),
+            WiringEntry::Error(span) => self.place(parent, *span),
         }
     }
 
@@ -198,7 +203,7 @@ impl Walk<'_> {
             ExprKind::Table(table) => {
                 for column in &table.columns {
                     within(span, column.name.span, self.0);
-                    column.unit.iter().for_each(|unit| drop(within(span, unit.span, self.0)));
+                    column.unit.iter().for_each(|unit| self.place(span, unit.span));
                 }
                 for row in &table.rows {
                     let span = within(span, row.span, self.0);
