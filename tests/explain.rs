@@ -10,8 +10,8 @@ mod support;
 use std::fs;
 use std::path::Path;
 use support::Case;
-use tweeze::diagnostic::{Code, Diagnostic};
 use tweeze::diagnostic::render::{Characters, Colour, Look, human};
+use tweeze::diagnostic::{Code, Diagnostic};
 
 /// Codes that other means test, or whose pages come with their stages.
 const WITHOUT_PROGRAMS: [&str; 3] = ["E01", "E07", "E08"];

@@ -359,7 +359,8 @@ pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
         Some('\\') => "a line goes on after an operator or inside of brackets, without a sign",
         _ => "remove it: names are letters, digits and `_`",
     };
-    let shown: String = written.chars().flat_map(|c| if c.is_control() { c.escape_unicode().collect() } else { vec![c] }).collect();
+    let shown: String =
+        written.chars().flat_map(|c| if c.is_control() { c.escape_unicode().collect() } else { vec![c] }).collect();
     Diagnostic::new(Code::E0118, format!("`{}` is not of the language", quote(&shown)))
         .label(span, "this character")
         .help(help)
@@ -414,9 +415,11 @@ pub(super) fn misplaced_doc(span: Span, text: &str) -> Diagnostic {
             .label(span, "no declaration, field or object follows")
             .help(format!("write `// {}`", quote(words)));
     }
-    finding
-        .label(span, "`///` documents what follows, not what stands before it")
-        .help(format!("put it on a line of its own above `{}`, or write `// {}`", quote(before), quote(words)))
+    finding.label(span, "`///` documents what follows, not what stands before it").help(format!(
+        "put it on a line of its own above `{}`, or write `// {}`",
+        quote(before),
+        quote(words)
+    ))
 }
 
 pub(super) fn foreign_word(word: Span, text: &str) -> Diagnostic {

@@ -140,7 +140,8 @@ impl Reader<'_> {
     fn keep_name(&mut self, span: Span) {
         let text = &self.text[span.range()];
         let first = errors::token_at(text, 0);
-        let second = first.len() + (text[first.len()..].len() - text[first.len()..].trim_start_matches([' ', '\t']).len());
+        let second =
+            first.len() + (text[first.len()..].len() - text[first.len()..].trim_start_matches([' ', '\t']).len());
         let word = errors::token_at(text, second);
         let (at, name) = if word.starts_with(super::lexical::is_word) { (second, word) } else { (0, first) };
         if name.starts_with(super::lexical::is_word) {
