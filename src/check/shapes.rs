@@ -46,6 +46,11 @@ pub fn impossible(shape: &ShapeValue, span: Span) -> Option<Diagnostic> {
                 polygon::Fault::NoArea => {
                     Some(errors::bad_shape(at, "a polygon without area", "its corners lie on one line"))
                 }
+                polygon::Fault::RepeatedCorner(corner) => Some(errors::bad_shape(
+                    at,
+                    "a polygon with a corner given twice",
+                    &format!("corner {corner} and the next are one place: leave one out"),
+                )),
                 polygon::Fault::Crossing(a, b) => Some(errors::bad_shape(
                     at,
                     "a polygon that crosses itself",

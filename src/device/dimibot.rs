@@ -39,14 +39,10 @@ impl Cell {
         [self.x, self.y]
     }
 
-    /// The cell of two numbers.
-    pub const fn of([x, y]: [u32; 2]) -> Self {
-        Cell { x, y }
-    }
-
     /// The cell after one module has switched.
     pub const fn after(self, flip: Flip) -> Self {
-        let bit = 1 << flip.module;
+        // A module that no robot has moves nothing.
+        let bit = if (flip.module as u32) < MAX_MODULES { 1 << flip.module } else { 0 };
         match flip.side {
             Side::Left => Cell::new(self.x ^ bit, self.y),
             Side::Right => Cell::new(self.x, self.y ^ bit),

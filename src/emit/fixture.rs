@@ -122,7 +122,7 @@ fn job(robot: &Robot, way: &[Cell]) -> Job {
     let step = |cell: &Cell| Claim { action: Action::Move(vec![stop(cell)]), span: Span::default() };
     let order = DimibotOrder {
         facts: robot.facts.clone(),
-        obstacles: obstacles(),
+        obstacles: std::sync::Arc::new(obstacles()),
         objective: Objective::Distance,
         planner: Planner { method: Method::LayeredAstar, expansions: 1000 },
         simultaneous: Simultaneous::Never,

@@ -284,6 +284,7 @@ fn proof_text(proof: Proof) -> String {
         Proof::StartOutside | Proof::GoalOutside => "not a cell of the lattice".to_owned(),
         Proof::StartCovered => "begins on an obstacle".to_owned(),
         Proof::GoalCovered => "ends on an obstacle".to_owned(),
+        Proof::BlocksApart => "cannot be reached: whole regions of the lattice are cut off from one another".to_owned(),
         Proof::StartShut { cells: 1 } => "not one switch is free where it begins".to_owned(),
         Proof::GoalShut { cells: 1 } => "no switch leads to it".to_owned(),
         Proof::StartShut { cells } => format!("only {cells} cells can be reached, all were searched"),

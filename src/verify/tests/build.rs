@@ -48,7 +48,7 @@ pub fn go(cells: &[(u32, u32)]) -> Action {
 pub fn order(facts: Facts, actions: Vec<Action>) -> DimibotOrder {
     DimibotOrder {
         facts,
-        obstacles: Vec::new(),
+        obstacles: Default::default(),
         objective: Objective::Distance,
         planner: Planner { method: Method::LayeredAstar, expansions: 1000 },
         simultaneous: Simultaneous::Never,
