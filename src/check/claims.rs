@@ -56,6 +56,13 @@ pub struct Job {
 }
 
 impl Job {
+    /// How many steps it has.
+    pub fn steps(&self) -> usize {
+        match &self.order {
+            Order::Dimibot(order) => order.steps.len(),
+        }
+    }
+
     /// The kind of the job's device.
     pub fn kind(&self) -> Kind {
         match &self.order {

@@ -57,7 +57,8 @@ impl Loader<'_> {
         let mut imports: BTreeMap<String, Import> = BTreeMap::new();
         for item in &tree.items {
             let tree::Item::Use(item) = item else { continue };
-            let Some((module, alias, span)) = self.import(item, tree.file) else { continue };
+            let Some((alias, span)) = self.name_of(item) else { continue };
+            let module = self.import(item, tree.file);
             match imports.get(&alias) {
                 Some(earlier) => self.sink.push(errors::declared_twice(&alias, span, earlier.span)),
                 None => {
@@ -68,22 +69,41 @@ impl Loader<'_> {
         imports
     }
 
-    /// The module of a `use`, the name it has here, and where that name stands.
-    fn import(&mut self, item: &tree::Use, from: FileId) -> Option<(usize, String, Span)> {
-        let (module, own_name, span) = match &item.path {
-            tree::UsePath::Library { words, span } => {
-                let last = words.last()?;
-                (self.library_file(words, *span)?, last.text.clone(), last.span)
-            }
+    /// The name that a used file has here, and where that name stands; `None` if the path was reported.
+    fn name_of(&mut self, item: &tree::Use) -> Option<(String, Span)> {
+        if let Some(alias) = &item.alias {
+            return Some((self.file_name(&alias.text, alias.span), alias.span));
+        }
+        match &item.path {
+            // A file of the standard library is named after its kind.
+            tree::UsePath::Library { words, .. } => words.last().map(|last| (last.text.clone(), last.span)),
             tree::UsePath::File(text) => {
-                let path = plain(text)?;
+                let Some(path) = plain(text) else {
+                    self.sink.push(errors::braces_in_use(text.span));
+                    return None;
+                };
                 let stem = path.rsplit('/').next().unwrap_or(&path).trim_end_matches(".twz").to_owned();
-                (self.disk_file(&path, text.span, from)?, stem, text.span)
+                if !is_name(&stem) {
+                    self.sink.push(errors::file_without_name(text.span, &path, &stem));
+                }
+                Some((self.file_name(&stem, text.span), text.span))
             }
-        };
-        match &item.alias {
-            Some(alias) => Some((module, alias.text.clone(), alias.span)),
-            None => Some((module, own_name, span)),
+        }
+    }
+
+    fn file_name(&mut self, name: &str, span: Span) -> String {
+        let is_kind = crate::device::Kind::find(name).is_some();
+        if let Some(keeper) = super::scope::keeper(name).filter(|_| !is_kind) {
+            self.sink.push(errors::kept_file_name(span, name, keeper));
+        }
+        name.to_owned()
+    }
+
+    /// The module of a `use`; `None` after an error.
+    fn import(&mut self, item: &tree::Use, from: FileId) -> Option<usize> {
+        match &item.path {
+            tree::UsePath::Library { words, span } => self.library_file(words, *span),
+            tree::UsePath::File(text) => self.disk_file(&plain(text)?, text.span, from),
         }
     }
 
@@ -127,7 +147,7 @@ impl Loader<'_> {
     }
 }
 
-/// The characters of a string without holes; a hole in a path was reported by nobody yet, and is just kept out.
+/// The characters of a string; `None` if there are holes in it.
 fn plain(text: &tree::Text) -> Option<String> {
     text.parts
         .iter()
@@ -136,4 +156,11 @@ fn plain(text: &tree::Text) -> Option<String> {
             tree::TextPart::Hole(_) => None,
         })
         .collect()
+}
+
+/// Whether a file's own name can stand before a dot.
+fn is_name(stem: &str) -> bool {
+    let mut characters = stem.chars();
+    let begins = characters.next().is_some_and(|first| first.is_alphabetic() || first == '_');
+    begins && characters.all(|c| c.is_alphanumeric() || c == '_') && !syntax::RESERVED.contains(&stem)
 }

@@ -6,8 +6,15 @@ use crate::diagnostic::Code;
 
 impl Checker<'_> {
     /// Warns of unused names of the program's own file; other files are there to be used by several.
+    ///
+    /// Next to an error they would mislead: what stands where it could not be read may well use the name. A file that builds
+    /// nothing is there to be used as well.
     pub fn warn_of_unused(&mut self) {
         let module = &self.modules[0];
+        let builds = self.declares(DeclarationSort::Task) || self.declares(DeclarationSort::Program);
+        if self.sink.errors() > 0 || !builds {
+            return;
+        }
         for (name, declaration) in &module.names {
             let what = match declaration.sort {
                 DeclarationSort::Let => "value",

@@ -190,7 +190,11 @@ impl Facts {
 
     /// The nearest cell that exists, for any finite place.
     pub fn clamped_cell(&self, place_um: [f64; 2]) -> Cell {
-        let [x, y] = self.nearest_indices(place_um);
+        self.clamped_cell_of(self.nearest_indices(place_um))
+    }
+
+    /// The cell that exists nearest to two indices.
+    pub fn clamped_cell_of(&self, [x, y]: [f64; 2]) -> Cell {
         let clamp = |value: f64, side| value.clamp(0.0, f64::from(self.cells(side) - 1)) as u32;
         Cell { x: clamp(x, Side::Left), y: clamp(y, Side::Right) }
     }

@@ -55,12 +55,6 @@ pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, plann
         .help(format!("allow more: `using {planner} {{ expansions: {} }}`", budget.saturating_mul(8)))
 }
 
-pub fn start_disagrees(span: Span, start: &str, stands: &str, device: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0507, format!("the task starts at {start}, but `{device}` stands at {stands} by then"))
-        .label(span, "not where the robot stands")
-        .help("leave `start at` out: a task begins where the device's last one ended")
-}
-
 pub fn start_covered(span: Span, task: &str, at: &str) -> Diagnostic {
     Diagnostic::new(Code::E0505, format!("task `{task}` begins at {at}, which lies on an obstacle"))
         .label(span, "run here")

@@ -8,6 +8,7 @@ use super::{
     Weights, published, pulses, shortest, tour, why,
 };
 use crate::check::claims::{self, Action, Body, DimibotOrder, Job, Method, Objective, Requirement, Step, Stop};
+use crate::check::start_disagrees;
 use crate::device::dimibot::{Facts, Flip, Simultaneous, VOCABULARY};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
@@ -110,8 +111,7 @@ pub fn plan(
 fn start(job: &Job, order: &DimibotOrder, stands: Option<Cell>, sink: &mut Sink) -> Cell {
     match (order.start, stands) {
         (Some(start), Some(stands)) if start.value != stands => {
-            let show = |cell: Cell| format!("{cell}, {}", order.facts.word_text(cell));
-            sink.push(errors::start_disagrees(start.span, &show(start.value), &show(stands), &job.device));
+            sink.push(start_disagrees(order, start, stands, job));
             start.value
         }
         (Some(start), _) => start.value,
