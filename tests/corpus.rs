@@ -39,7 +39,8 @@ fn report(case: &Case) -> String {
 
 fn hold(stage: &str, least: usize) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").join(stage);
-    let entries = fs::read_dir(&folder).expect("the corpus is there").map(|entry| entry.expect("it can be listed").path());
+    let entries =
+        fs::read_dir(&folder).expect("the corpus is there").map(|entry| entry.expect("it can be listed").path());
     let is_program = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "twz");
     let mut programs: Vec<PathBuf> = entries.filter(is_program).collect();
     programs.sort();
