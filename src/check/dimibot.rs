@@ -104,6 +104,9 @@ fn warn_of_coarseness(facts: &dimibot::Facts, device: &Device, sink: &mut Sink) 
 
 /// A length for a message.
 fn length(um: f64) -> String {
+    if um == 0.0 {
+        return "0 um".to_owned();
+    }
     Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
 }
 

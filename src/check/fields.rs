@@ -94,7 +94,7 @@ impl Checker<'_> {
         let found = choices.iter().find(|choice| choice.name == text);
         if found.is_none() {
             let near = nearest(&text, choices.iter().map(|choice| choice.name));
-            self.sink.push(errors::wrong_word(wanted, choices, expr.span, near));
+            self.sink.push(errors::wrong_word(wanted, choices, (expr.span, &text), near));
         }
         found.map(|choice| Value::Text(choice.name.to_owned()))
     }

@@ -24,7 +24,7 @@ pub trait Library {
 /// Reads a program's own file and every file that it uses, each once. The first module is the program's own.
 pub fn load(sources: &mut Sources, name: &str, text: &str, library: &dyn Library, sink: &mut Sink) -> Vec<Module> {
     let mut loader = Loader { sources, library, sink, modules: Vec::new(), known: BTreeMap::new(), open: Vec::new() };
-    loader.file(name, text, Origin::User);
+    loader.file((name, Span::default()), text, Origin::User);
     loader.modules.into_iter().flatten().collect()
 }
 
@@ -35,16 +35,16 @@ struct Loader<'a> {
     /// A module is `None` while the files that it uses are being read.
     modules: Vec<Option<Module>>,
     known: BTreeMap<String, usize>,
-    /// The names of the files that are being read, the outermost first.
-    open: Vec<String>,
+    /// The files that are being read, the outermost first, with the `use` that asked for each.
+    open: Vec<(String, Span)>,
 }
 
 impl Loader<'_> {
-    fn file(&mut self, name: &str, text: &str, origin: Origin) -> usize {
+    fn file(&mut self, (name, asked): (&str, Span), text: &str, origin: Origin) -> usize {
         let index = self.modules.len();
         self.modules.push(None);
         self.known.insert(name.to_owned(), index);
-        self.open.push(name.to_owned());
+        self.open.push((name.to_owned(), asked));
         let file = self.sources.add(name, text);
         let tree = syntax::parse(file, text, self.sink);
         let imports = self.imports(&tree);
@@ -123,17 +123,18 @@ impl Loader<'_> {
         match self.library.read(&from, path) {
             Ok((name, text)) => self.module(&name, &text, Origin::User, span),
             Err(why) => {
-                self.sink.push(errors::missing_file(span, &format!("`{path}`"), &why, &self.open));
+                let chain: Vec<String> = self.open.iter().map(|(name, _)| name.clone()).collect();
+                self.sink.push(errors::missing_file(span, &format!("`{path}`"), &why, &chain));
                 None
             }
         }
     }
 
     fn module(&mut self, name: &str, text: &str, origin: Origin, span: Span) -> Option<usize> {
-        if let Some(start) = self.open.iter().position(|open| open == name) {
-            let mut chain = self.open[start..].to_vec();
-            chain.push(name.to_owned());
-            self.sink.push(errors::import_cycle(span, &chain));
+        if let Some(start) = self.open.iter().position(|(open, _)| open == name) {
+            let uses: Vec<(Span, &str)> =
+                self.open[start + 1..].iter().map(|(name, at)| (*at, name.as_str())).collect();
+            self.sink.push(errors::import_cycle((span, name), &uses));
             return None;
         }
         if let Some(&index) = self.known.get(name) {
@@ -143,7 +144,7 @@ impl Loader<'_> {
             self.sink.push(errors::too_many_files(span, MAX_FILES));
             return None;
         }
-        Some(self.file(name, text, origin))
+        Some(self.file((name, span), text, origin))
     }
 }
 

@@ -47,7 +47,8 @@ impl Checker<'_> {
     /// The value of a `let`; `asked` is where its name stands.
     pub fn value_of_let(&mut self, place: Place, asked: Span) -> Value {
         if let Some(LetState::Open) = self.lets.get(&place) {
-            return self.unknown(errors::defined_by_itself(asked, self.declaration(place).span));
+            let name = self.named(place);
+            return self.unknown(errors::defined_by_itself(name, asked));
         }
         self.make_out(place);
         match self.lets.get(&place) {

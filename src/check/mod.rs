@@ -114,6 +114,8 @@ pub(crate) struct Checker<'a> {
     used_imports: BTreeSet<(usize, String)>,
     /// The tasks and programs that some schedule runs.
     run: BTreeSet<Place>,
+    /// The programs that run themselves, which was said.
+    circular: BTreeSet<Place>,
     jobs: BTreeMap<Place, Option<Rc<claims::Job>>>,
     judged_scenes: BTreeMap<(Place, Place), dimibot::Judged>,
     repetitions: usize,
@@ -131,6 +133,7 @@ impl<'a> Checker<'a> {
             used: BTreeSet::new(),
             used_imports: BTreeSet::new(),
             run: BTreeSet::new(),
+            circular: BTreeSet::new(),
             jobs: BTreeMap::new(),
             judged_scenes: BTreeMap::new(),
             repetitions: 0,
@@ -168,6 +171,11 @@ impl<'a> Checker<'a> {
     fn declaration(&self, place: Place) -> Declaration {
         let (name, sort) = scope::declared(self.item(place)).expect("every place comes from a declaration");
         Declaration { sort, item: place.item, span: name.span }
+    }
+
+    /// The name of a declaration and where it stands.
+    fn named(&self, place: Place) -> (&'a str, Span) {
+        scope::declared(self.item(place)).map_or(("", Span::default()), |(name, _)| (&name.text, name.span))
     }
 
     fn use_place(&mut self, place: Place) {
@@ -319,3 +327,6 @@ impl<'a> Checker<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

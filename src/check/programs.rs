@@ -3,7 +3,7 @@
 use super::claims::{Claims, Job, Timeline};
 use super::errors::{self, Wanted};
 use super::lets::Argument;
-use super::scope::{Declaration, DeclarationSort, Place, Scope, declared, nearest};
+use super::scope::{Declaration, DeclarationSort, Place, Scope, nearest};
 use super::tasks::Run;
 use super::value::Value;
 use super::{Checker, dimibot};
@@ -27,9 +27,10 @@ pub type Wires = BTreeMap<Place, BTreeMap<String, String>>;
 /// A schedule in the making.
 #[derive(Default)]
 struct Draft {
+    /// As many as `runs`, if the draft is whole.
     jobs: Vec<Job>,
-    /// The device of each job.
-    devices: Vec<Place>,
+    /// The device of each run of a task, and where it is run.
+    runs: Vec<(Place, Span)>,
     /// The programs that are being read, the outermost first.
     open: Vec<Place>,
     /// Runs and waits so far.
@@ -103,11 +104,11 @@ impl<'a> Checker<'a> {
     }
 
     fn warn_of_unrun(&mut self, place: Place, declaration: Declaration) {
-        let Some((name, _)) = declared(self.item(place)) else { return };
+        let (name, _) = self.named(place);
         let diagnostic = if self.parameters(place).is_empty() {
-            errors::never_run(declaration.span, declaration.sort, &name.text)
+            errors::never_run(declaration.span, declaration.sort, name)
         } else {
-            errors::never_run_with_parameters(declaration.span, declaration.sort, &name.text)
+            errors::never_run_with_parameters(declaration.span, declaration.sort, name)
         };
         self.sink.push(diagnostic);
     }
@@ -150,18 +151,18 @@ impl<'a> Checker<'a> {
 
     fn schedule(&mut self, root: Place, wires: &Wires) -> Option<Claims> {
         let declaration = self.declaration(root);
-        let (name, _) = declared(self.item(root))?;
+        let (name, _) = self.named(root);
         let mut draft = Draft::default();
         let timeline = self.run(root, Vec::new(), declaration.span, &mut draft);
+        self.one_thing_at_a_time(&timeline, &draft);
+        self.names_apart(&draft);
         if draft.state != State::Whole {
             return None;
         }
-        self.one_thing_at_a_time(&timeline, &draft);
-        self.names_apart(&draft);
         dimibot::starts_agree(&draft.jobs, self.sink);
-        let used = draft.devices.iter().filter_map(|device| wires.get(device)).flatten();
+        let used = draft.runs.iter().filter_map(|(device, _)| wires.get(device)).flatten();
         let wires = used.map(|(channel, output)| (channel.clone(), output.clone())).collect();
-        Some(Claims { name: name.text.clone(), timeline, jobs: draft.jobs, wires, span: declaration.span })
+        Some(Claims { name: name.to_owned(), timeline, jobs: draft.jobs, wires, span: declaration.span })
     }
 
     /// Runs a task or a program with its arguments; `span` is where it is run.
@@ -178,9 +179,16 @@ impl<'a> Checker<'a> {
 
     fn run_task(&mut self, run: Run, item: &tree::Task, draft: &mut Draft) -> Timeline {
         let device = self.find(&item.device, &self.top(run.task)).map(|(device, _)| device);
-        let (Some(job), Some(device)) = (self.job(&run), device) else {
+        let job = self.job(&run);
+        let Some(device) = device.filter(|device| matches!(self.item(*device), Item::Device(_))) else {
             draft.become_at_least(State::Broken);
             return Timeline::Sequence(Vec::new());
+        };
+        draft.runs.push((device, run.span));
+        let timeline = Timeline::Run(draft.runs.len() - 1);
+        let Some(job) = job else {
+            draft.become_at_least(State::Broken);
+            return timeline;
         };
         draft.steps += job.steps();
         if draft.steps > MAX_STEPS {
@@ -189,8 +197,7 @@ impl<'a> Checker<'a> {
             return Timeline::Sequence(Vec::new());
         }
         draft.jobs.push(job);
-        draft.devices.push(device);
-        Timeline::Run(draft.jobs.len() - 1)
+        timeline
     }
 
     fn run_program(
@@ -201,8 +208,11 @@ impl<'a> Checker<'a> {
         span: Span,
         draft: &mut Draft,
     ) -> Timeline {
-        if draft.open.contains(&place) {
-            self.sink.push(errors::defined_by_itself(span, item.name.span));
+        if let Some(first) = draft.open.iter().position(|open| *open == place) {
+            if !self.circular.contains(&place) {
+                self.sink.push(errors::defined_by_itself((&item.name.text, item.name.span), span));
+            }
+            self.circular.extend(&draft.open[first..]);
             draft.become_at_least(State::Broken);
             return Timeline::Sequence(Vec::new());
         }
@@ -321,7 +331,7 @@ impl<'a> Checker<'a> {
 
     /// `go(goal: cell)`.
     fn call_form(&self, place: Place) -> String {
-        let name = declared(self.item(place)).map_or("", |(name, _)| name.text.as_str());
+        let (name, _) = self.named(place);
         let parameters = self.parameters(place);
         if parameters.is_empty() {
             return name.to_owned();
@@ -372,7 +382,7 @@ impl<'a> Checker<'a> {
     /// A device in two runs at a time is an error at both places.
     fn one_thing_at_a_time(&mut self, timeline: &Timeline, draft: &Draft) -> BTreeMap<Place, Span> {
         match timeline {
-            Timeline::Run(job) => BTreeMap::from([(draft.devices[*job], draft.jobs[*job].run_span)]),
+            Timeline::Run(job) => BTreeMap::from([draft.runs[*job]]),
             Timeline::Wait(_) => BTreeMap::new(),
             Timeline::Sequence(parts) => parts.iter().flat_map(|part| self.one_thing_at_a_time(part, draft)).collect(),
             Timeline::Together(parts) => {
@@ -380,8 +390,8 @@ impl<'a> Checker<'a> {
                 for part in parts {
                     for (device, span) in self.one_thing_at_a_time(part, draft) {
                         if let Some(earlier) = busy.insert(device, span) {
-                            let name = self.device_name(device);
-                            self.sink.push(errors::two_things_at_once(&name, earlier, span));
+                            let (name, _) = self.named(device);
+                            self.sink.push(errors::two_things_at_once(name, earlier, span));
                         }
                     }
                 }
@@ -390,17 +400,14 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn device_name(&self, device: Place) -> String {
-        declared(self.item(device)).map(|(name, _)| name.text.clone()).unwrap_or_default()
-    }
-
     /// Channels carry the device's name alone, so two devices of one name cannot share a schedule.
     fn names_apart(&mut self, draft: &Draft) {
         let mut seen: BTreeMap<&str, (Place, Span)> = BTreeMap::new();
-        for (job, device) in draft.jobs.iter().zip(&draft.devices) {
-            let entry = seen.entry(&job.device).or_insert((*device, job.run_span));
-            if entry.0 != *device {
-                self.sink.push(errors::devices_of_one_name(&job.device, entry.1, job.run_span));
+        for (device, span) in &draft.runs {
+            let (name, _) = self.named(*device);
+            let (first, earlier) = *seen.entry(name).or_insert((*device, *span));
+            if first != *device {
+                self.sink.push(errors::devices_of_one_name(name, earlier, *span));
             }
         }
     }

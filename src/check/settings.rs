@@ -76,7 +76,13 @@ impl Checker<'_> {
             return Some(value);
         }
         let why = format!("is {}, the value is declared as {}", value.describe_fully(), declared.describe_fully());
-        let help = format!("write {}", declared.describe());
+        let help = match &declared {
+            Value::Quantity(quantity) => {
+                let unit = quantity.dimension.example_unit();
+                format!("write {}, as `--set {}=1{unit}`", declared.describe(), setting.name)
+            }
+            _ => format!("write {}", declared.describe()),
+        };
         self.sink.push(errors::bad_setting(Some(span), &setting.name, &why, &help));
         None
     }

@@ -367,7 +367,13 @@ impl<'a> Checker<'a> {
                 Some(Some(self.argument_of(expr, value, scope)))
             }
             (Some(expr), None) => {
-                self.sink.push(errors::unexpected_part(expr.span, verb, "an object"));
+                let lacking = verb.phrases.iter().find(|entry| {
+                    entry.count == Count::Once && step.phrases.iter().all(|p| p.preposition.text != entry.preposition)
+                });
+                self.sink.push(match lacking {
+                    Some(lacking) => errors::missing_preposition(expr.span, verb, lacking.preposition),
+                    None => errors::unexpected_part(expr.span, verb, "an object"),
+                });
                 None
             }
             (None, Some(_)) => {
@@ -403,7 +409,9 @@ impl<'a> Checker<'a> {
                 None => is_whole = false,
             }
         }
-        let needed = verb.phrases.iter().filter(|entry| entry.count == Count::Once);
+        // An object where there should be none stands for the phrase that is lacking, and was reported.
+        let is_told = step.object.is_some() && verb.object.is_none();
+        let needed = verb.phrases.iter().filter(|entry| entry.count == Count::Once && !is_told);
         for entry in needed.filter(|entry| !seen.contains_key(entry.preposition)) {
             self.sink.push(errors::missing_part(step.span, verb, &format!("`{}`", entry.preposition)));
             is_whole = false;

@@ -2,7 +2,6 @@
 
 use super::scope::{DeclarationSort, Place};
 use super::{Checker, errors};
-use crate::diagnostic::Code;
 
 impl Checker<'_> {
     /// Warns of unused names of the program's own file; other files are there to be used by several.
@@ -16,19 +15,17 @@ impl Checker<'_> {
             return;
         }
         for (name, declaration) in &module.names {
-            let what = match declaration.sort {
-                DeclarationSort::Let => "value",
-                DeclarationSort::Device => "device",
-                DeclarationSort::Scene => "scene",
+            match declaration.sort {
+                DeclarationSort::Let | DeclarationSort::Device | DeclarationSort::Scene => {}
                 DeclarationSort::Task | DeclarationSort::Program => continue,
-            };
+            }
             if !self.used.contains(&Place { module: 0, item: declaration.item }) {
-                self.sink.push(errors::unused(Code::W0201, declaration.span, what, name));
+                self.sink.push(errors::unused(declaration.span, declaration.sort, name));
             }
         }
         for (alias, import) in &module.imports {
             if !self.used_imports.contains(&(0, alias.clone())) {
-                self.sink.push(errors::unused(Code::W0202, import.span, "the used file", alias));
+                self.sink.push(errors::unused_file(import.span, alias));
             }
         }
     }

@@ -222,11 +222,11 @@ impl<'a> Judge<'a> {
         let obstacle = &self.cover.obstacles[index];
         let what = match stop.asked {
             Asked::Cell => format!("cell {}", stop.cell),
-            Asked::Place(place_um) => format!("place {} (cell {})", place(place_um), stop.cell),
+            Asked::Place(place_um) => format!("place {}, cell {},", place(place_um), stop.cell),
         };
         let growth = length(self.facts.growth_um());
         let why = match &obstacle.body {
-            Body::Cells { .. } => "a covered cell".to_owned(),
+            Body::Cells { .. } => "this cell is covered".to_owned(),
             Body::Solid { shape, pose } => match clearance_um(shape, pose, stop.cell, self.facts) {
                 inside if inside <= 0.0 => format!("{} inside its rim", length(-inside)),
                 clear => format!("{} from its rim, tip and repeatability need more than {growth}", length(clear)),

@@ -9,7 +9,7 @@ use crate::syntax::tree::{Ident, Path};
 
 pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<&str>) -> Diagnostic {
     Diagnostic::new(Code::E0201, format!("no {} is named `{name}`", sort.name()))
-        .label(span, "not declared in this file")
+        .label(span, if name.contains('.') { "not declared in that file" } else { "not declared in this file" })
         .help_if(meant(near))
 }
 
@@ -70,10 +70,12 @@ pub fn kept_name(name: &Ident, keeper: &str) -> Diagnostic {
         .help(format!("choose another name, as `my_{}`", name.text))
 }
 
+/// `chain` are the files that led here, the program's own first.
 pub fn missing_file(span: Span, what: &str, why: &str, chain: &[String]) -> Diagnostic {
+    let start = "the path starts at the folder of this file".to_owned();
     Diagnostic::new(Code::E0204, format!("{what} cannot be used: {why}"))
         .label(span, "used here")
-        .help_if((chain.len() > 1).then(|| format!("imported by {}", chain.join(" → "))))
+        .help(if chain.len() > 1 { format!("it is used by {}", chain.join(" → ")) } else { start })
 }
 
 pub fn unknown_library(span: Span, name: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {
@@ -102,10 +104,15 @@ pub fn kept_file_name(span: Span, name: &str, keeper: &str) -> Diagnostic {
         .help(format!("give the file another name with `as`, as `as my_{name}`"))
 }
 
-pub fn import_cycle(span: Span, chain: &[String]) -> Diagnostic {
-    Diagnostic::new(Code::E0205, "files use each other in a circle")
-        .label(span, "this closes the circle")
-        .help(format!("the circle is {}; move what both need into a third file", chain.join(" → ")))
+/// `uses` are the other `use`s of the circle in their order, each with the file that it names.
+pub fn import_cycle((span, name): (Span, &str), uses: &[(Span, &str)]) -> Diagnostic {
+    let names = uses.iter().map(|(_, name)| *name);
+    let chain: Vec<&str> = std::iter::once(name).chain(names).chain([name]).collect();
+    let diagnostic = Diagnostic::new(Code::E0205, format!("`{name}` uses itself: {}", chain.join(" → ")))
+        .label(span, "this closes the circle");
+    let labelled =
+        uses.iter().fold(diagnostic, |told, (span, name)| told.label(*span, format!("`{name}` is used here")));
+    labelled.help("move what the files need of each other into one that uses none of them")
 }
 
 pub fn too_many_files(span: Span, limit: usize) -> Diagnostic {
@@ -125,10 +132,12 @@ pub fn indexed_name(span: Span) -> Diagnostic {
         .help("declare it under a name of its own")
 }
 
-pub fn defined_by_itself(span: Span, declared: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0207, "a name that is defined by itself")
-        .label(span, "asked for while it is being made out")
-        .label(declared, "declared here")
+/// `at` is where it is asked for while it is being made out.
+pub fn defined_by_itself((name, declared): (&str, Span), at: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0207, format!("`{name}` is defined by itself"))
+        .label(at, format!("this needs `{name}` again"))
+        .label_elsewhere(declared, at, format!("`{name}` is declared here"))
+        .help("break the circle: one of its members must do without the others")
 }
 
 pub fn too_deep(span: Span, what: &str, limit: usize) -> Diagnostic {
@@ -161,8 +170,16 @@ pub fn unknown_noun(span: Span, noun: &str, near: Option<&str>, known: &[&str]) 
         .help(meant(near).unwrap_or(list))
 }
 
-pub fn unused(code: Code, span: Span, what: &str, name: &str) -> Diagnostic {
-    Diagnostic::new(code, format!("{what} `{name}` is never used")).label(span, "declared here")
+pub fn unused(span: Span, sort: DeclarationSort, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::W0201, format!("{} `{name}` is never used", sort.name()))
+        .label(span, "declared here")
+        .help("use it or take it out")
+}
+
+pub fn unused_file(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::W0202, format!("nothing of file `{name}` is used"))
+        .label(span, "used here")
+        .help("take the `use` out")
 }
 
 pub fn never_run(span: Span, sort: DeclarationSort, name: &str) -> Diagnostic {

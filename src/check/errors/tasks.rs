@@ -59,7 +59,7 @@ pub fn start_disagrees((start, run): (Span, Span), asked: &str, stands: &str, de
     Diagnostic::new(Code::E0507, format!("the task starts at {asked}, but `{device}` stands at {stands} by then"))
         .label(start, "not where the robot stands")
         .label_elsewhere(run, start, "run here")
-        .help("leave `start at` out: a task begins where the device's last one ended")
+        .help(format!("leave `start at` out, or start where the last task of `{device}` ended: {stands}"))
 }
 
 pub fn two_things_at_once(device: &str, first: Span, second: Span) -> Diagnostic {
@@ -83,6 +83,12 @@ pub fn missing_part(span: Span, verb: &Verb, part: &str) -> Diagnostic {
         .help(format!("write `{}`", verb.example))
 }
 
+pub fn missing_preposition(span: Span, verb: &Verb, preposition: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0509, format!("`{}` lacks `{preposition}`", verb.name))
+        .label(span, format!("write `{preposition}` before this"))
+        .help(format!("as in `{}`", verb.example))
+}
+
 pub fn unexpected_part(span: Span, verb: &Verb, part: &str) -> Diagnostic {
     Diagnostic::new(
         Code::E0509,
@@ -96,7 +102,10 @@ pub fn unknown_preposition(preposition: &Ident, verb: &Verb) -> Diagnostic {
     let known = listed(verb.phrases.iter().map(|phrase| phrase.preposition));
     Diagnostic::new(Code::E0509, format!("`{}` does not go with `{}`", verb.name, preposition.text))
         .label(preposition.span, "not understood here")
-        .help(format!("it takes {known}, as in `{}`", verb.example))
+        .help(match verb.phrases {
+            [] => format!("write it as in `{}`", verb.example),
+            _ => format!("it takes {known}, as in `{}`", verb.example),
+        })
 }
 
 pub fn preposition_twice(preposition: &Ident, earlier: Span, verb: &Verb) -> Diagnostic {
@@ -196,8 +205,8 @@ pub fn shape_wanted(span: Span, found: &Value) -> Diagnostic {
         .help("write `disc { radius: 0.8 um }`, or leave `: shape` out for a point")
 }
 
-pub fn bad_shape(span: Span, what: &str, why: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0514, what).label(span, why)
+pub fn bad_shape(span: Span, what: &str, why: &str, help: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0514, what).label(span, why).help(help)
 }
 
 pub fn shape_too_large(span: Span, limit: &str) -> Diagnostic {

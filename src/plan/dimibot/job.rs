@@ -93,7 +93,9 @@ pub fn plan(
     fields: &mut Fields,
     sink: &mut Sink,
 ) -> (Option<Plan>, Cell) {
-    let start = start(job, order, stands, sink);
+    let Some(start) = start(job, order, stands, sink) else {
+        return (None, end_of(order).or(stands).unwrap_or(order.facts.home));
+    };
     let scene = fields.scene(order);
     let mut search = Search { job, order, scene: &scene, at: start, tally: Tally::default(), sink };
     if !search.begins_clear() {
@@ -108,15 +110,16 @@ pub fn plan(
     (kept.then_some(plan), at)
 }
 
-fn start(job: &Job, order: &DimibotOrder, stands: Option<Cell>, sink: &mut Sink) -> Cell {
+/// Where a job begins; `None` if it says another place than where its device stands, which was reported.
+fn start(job: &Job, order: &DimibotOrder, stands: Option<Cell>, sink: &mut Sink) -> Option<Cell> {
     match (order.start, stands) {
         (Some(start), Some(stands)) if start.value != stands => {
             sink.push(start_disagrees(order, start, stands, job));
-            start.value
+            None
         }
-        (Some(start), _) => start.value,
-        (None, Some(stands)) => stands,
-        (None, None) => order.facts.home,
+        (Some(start), _) => Some(start.value),
+        (None, Some(stands)) => Some(stands),
+        (None, None) => Some(order.facts.home),
     }
 }
 
@@ -146,11 +149,17 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn begins_clear(&mut self) -> bool {
-        let covered = !self.scene.field.covering(self.at).is_empty();
-        if covered {
-            self.sink.push(errors::start_covered(self.job.run_span, &self.job.task, &self.at.to_string()));
+        let covering = self.scene.field.covering(self.at);
+        let obstacles: Vec<(&str, Span)> = covering
+            .iter()
+            .map(|index| &self.order.obstacles[*index])
+            .map(|obstacle| (obstacle.name.as_str(), obstacle.span))
+            .collect();
+        if !obstacles.is_empty() {
+            let (task, at) = (&self.job.task, self.at.to_string());
+            self.sink.push(errors::start_covered(self.job.run_span, task, &at, &obstacles));
         }
-        !covered
+        covering.is_empty()
     }
 
     fn step(&mut self, step: &Step) -> Option<StepMotion> {
@@ -434,7 +443,7 @@ fn best_instead(
     let name = &requirement.outcome;
     Some(match (keeps(requirement, reached), best.proof) {
         (Kept::Yes, _) => format!("`minimize {name}` finds a plan of {text}"),
-        (Kept::No, Optimality::Proven) => format!("no plan does better than {text}: raise the limit"),
+        (Kept::No, Optimality::Proven) => format!("no plan does better: raise the limit to {text}"),
         (Kept::No, Optimality::Open) => format!("the best plan found for `minimize {name}` has {text}"),
     })
 }
