@@ -161,7 +161,7 @@ pub struct Planner {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    LayeredAstar,
+    StagedAstar,
     Dijkstra,
     BidirectionalDijkstra,
     Astar,
@@ -172,7 +172,7 @@ impl Method {
     /// Its word in the language.
     pub fn name(self) -> &'static str {
         match self {
-            Method::LayeredAstar => "layered_astar",
+            Method::StagedAstar => "staged_astar",
             Method::Dijkstra => "dijkstra",
             Method::BidirectionalDijkstra => "bidirectional_dijkstra",
             Method::Astar => "astar",

@@ -102,6 +102,9 @@ impl Checker<'_> {
 
     fn report_unknown_base(&mut self, item: &tree::Device, place: Place) {
         let text = path_text(&item.base);
+        if self.modules[place.module].is_broken(&text) {
+            return;
+        }
         let kinds: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
         let mut known = self.names_in_reach(&self.top(place), DeclarationSort::Device);
         known.retain(|name| *name != item.name.text);

@@ -325,12 +325,12 @@ fn planner(
     sink: &mut Sink,
 ) -> Option<Planner> {
     let Some((planner, options)) = chosen else {
-        return Some(Planner { method: Method::LayeredAstar, expansions: DEFAULT_EXPANSIONS });
+        return Some(Planner { method: Method::StagedAstar, expansions: DEFAULT_EXPANSIONS });
     };
     let method = method(planner.value.name);
     let visit =
         steps.iter().find(|step| matches!(&step.action, tasks::Action::Verb { verb, .. } if verb.name == "visit"));
-    if let Some(visit) = visit.filter(|_| method != Method::LayeredAstar) {
+    if let Some(visit) = visit.filter(|_| method != Method::StagedAstar) {
         sink.push(errors::planner_cannot(
             planner.span,
             planner.value.name,
@@ -352,7 +352,7 @@ fn method(name: &str) -> Method {
         "bidirectional_dijkstra" => Method::BidirectionalDijkstra,
         "astar" => Method::Astar,
         "hypercube_astar" => Method::HypercubeAstar,
-        _ => Method::LayeredAstar,
+        _ => Method::StagedAstar,
     }
 }
 

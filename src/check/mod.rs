@@ -226,12 +226,20 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Says that a name names nothing, unless it is one of a file that could not be used, which was said.
+    /// Says that a name names nothing, unless it is one that could not be read, or of a file that could not be used, which
+    /// was said.
     fn report_unknown(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort) {
         let file = &self.modules[scope.module];
         let first = &path.segments[0];
         let import = file.imports.get(&first.name.text);
         let is_alone = path.segments.len() == 1;
+        let is_broken = match import.and_then(|import| import.module) {
+            Some(used) => path.segments.get(1).is_some_and(|word| self.modules[used].is_broken(&word.name.text)),
+            None => file.is_broken(&first.name.text),
+        };
+        if is_broken {
+            return;
+        }
         match import {
             Some(Import { module: None, .. }) => {}
             Some(import) if is_alone => {

@@ -108,6 +108,11 @@ impl Module {
         Module { tree, imports, names, origin }
     }
 
+    /// Whether a name would be declared here by a part that could not be read: to miss it would tell one mistake twice.
+    pub fn is_broken(&self, name: &str) -> bool {
+        self.tree.broken_names.iter().any(|broken| broken.text == name)
+    }
+
     /// Whether it belongs to the standard library.
     pub fn is_library(&self) -> bool {
         self.origin == Origin::Library

@@ -381,7 +381,10 @@ const fn planner(name: &'static str, doc: &'static str) -> Planner {
 
 /// The names of the planners, as `using` takes them and reports show them.
 pub const PLANNERS: &[Planner] = &[
-    planner("layered_astar", "Tweeze's own: A* over layers of equal cost with the exact distance of the free lattice"),
+    planner(
+        "staged_astar",
+        "Tweeze's own: a greedy walk; where it is blocked, A* with the exact distance of the free lattice, then A* led by distances between blocks of cells",
+    ),
     planner("dijkstra", "the paper's section 4.2"),
     planner("bidirectional_dijkstra", "the paper's section 4.2, from both ends"),
     planner("astar", "the paper's section 4.3: A* with the distance in the frame R1"),

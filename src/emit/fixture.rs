@@ -124,7 +124,7 @@ fn job(robot: &Robot, way: &[Cell]) -> Job {
         facts: robot.facts.clone(),
         obstacles: std::sync::Arc::new(obstacles()),
         objective: Objective::Distance,
-        planner: Planner { method: Method::LayeredAstar, expansions: 1000 },
+        planner: Planner { method: Method::StagedAstar, expansions: 1000 },
         simultaneous: Simultaneous::Never,
         precision_um: Some(0.25),
         start: None,

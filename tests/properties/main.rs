@@ -14,7 +14,7 @@ use scene::{Random, Scene};
 use support::{Built, build};
 use tweeze::schedule::PlanRecord;
 
-const PLANNERS: [&str; 5] = ["layered_astar", "dijkstra", "bidirectional_dijkstra", "astar", "hypercube_astar"];
+const PLANNERS: [&str; 5] = ["staged_astar", "dijkstra", "bidirectional_dijkstra", "astar", "hypercube_astar"];
 
 const OBJECTIVES: [&str; 4] = ["distance", "switches", "time", "energy"];
 

@@ -191,7 +191,7 @@ impl Search<'_> {
 
     fn path(&self, from: Cell, to: Cell) -> Outcome<Path> {
         let method = match self.order.planner.method {
-            Method::LayeredAstar => shortest,
+            Method::StagedAstar => shortest,
             Method::Dijkstra => published::dijkstra,
             Method::BidirectionalDijkstra => published::bidirectional_dijkstra,
             Method::Astar => published::astar,
@@ -304,7 +304,7 @@ fn proof_text(proof: Proof) -> String {
 fn uses_pulses(order: &DimibotOrder) -> bool {
     order.simultaneous == Simultaneous::Safe
         && order.objective == Objective::Time
-        && order.planner.method == Method::LayeredAstar
+        && order.planner.method == Method::StagedAstar
 }
 
 fn single(flip: Flip) -> Pulse {

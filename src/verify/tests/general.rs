@@ -261,7 +261,7 @@ fn the_cost_is_that_of_the_objective() {
 #[test]
 fn every_planner_has_its_name() {
     use Method::*;
-    let methods = [LayeredAstar, Dijkstra, BidirectionalDijkstra, Astar, HypercubeAstar];
+    let methods = [StagedAstar, Dijkstra, BidirectionalDijkstra, Astar, HypercubeAstar];
     for (method, planner) in methods.into_iter().zip(PLANNERS) {
         let mut claims = day();
         order_of(&mut claims, 0).planner.method = method;
