@@ -82,7 +82,7 @@ impl Checker<'_> {
     /// Puts a scene's own objects to those of its base.
     fn furnish(&mut self, place: Place, base: Option<Rc<Scene>>) -> Option<Scene> {
         let Item::Scene(item) = self.item(place) else { return None };
-        let depth = base.as_ref().map_or(0, |base| base.depth + 1);
+        let depth = item.base.as_ref().and(base.as_ref()).map_or(0, |base| base.depth + 1);
         let is_too_deep = depth > MAX_BASES;
         if let Some(path) = item.base.as_ref().filter(|_| is_too_deep) {
             self.sink.push(errors::too_deep(path.span, "scenes", MAX_BASES));
