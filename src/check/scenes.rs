@@ -151,10 +151,7 @@ impl Checker<'_> {
     fn object(&mut self, object: &tree::Object, scope: &Scope) -> Option<Object> {
         let is_known = self.known_noun(&object.noun);
         let name = self.object_name(&object.name, scope);
-        let shape = match &object.shape {
-            Some(expr) => Some(self.shape_expr(expr, scope)),
-            None => None,
-        };
+        let shape = object.shape.as_ref().map(|expr| self.shape_expr(expr, scope));
         let at = object.at.as_ref().map(|expr| self.evaluate_spanned(expr, scope));
         let is_whole = is_known && !at.as_ref().is_some_and(|at| at.value.is_unknown());
         let shape = match shape {
