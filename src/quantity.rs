@@ -354,11 +354,14 @@ fn prefixed(f: &mut fmt::Formatter<'_>, si: f64, symbol: &str) -> fmt::Result {
     let own_ten = PREFIXED.iter().find(|unit| unit.0 == symbol).map_or(0, |unit| unit.1);
     let value = shift(si, -own_ten);
     if value == 0.0 {
-        return write!(f, "0 {symbol}");
+        let example = NAMED.iter().find(|named| named.symbol == symbol).map_or(symbol, |named| named.example);
+        return write!(f, "0 {example}");
     }
     const PRINTED: [(&str, i32); 9] =
         [("f", -15), ("p", -12), ("n", -9), ("u", -6), ("m", -3), ("", 0), ("k", 3), ("M", 6), ("G", 9)];
-    let fits = |&&(_, ten): &&(&str, i32)| shift(value.abs(), -ten) >= 0.999_999_5;
+    // Nobody speaks of kiloseconds.
+    let greatest = if symbol == "s" { 0 } else { 9 };
+    let fits = |&&(_, ten): &&(&str, i32)| ten <= greatest && shift(value.abs(), -ten) >= 0.999_999_5;
     let (prefix, ten) = PRINTED.iter().rev().find(fits).copied().unwrap_or(PRINTED[0]);
     write!(f, "{} {prefix}{symbol}", digits(shift(value, -ten)))
 }

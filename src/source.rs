@@ -88,6 +88,17 @@ impl SourceFile {
     }
 }
 
+impl SourceFile {
+    /// The bytes of a line, counted from 1, without its line end; `None` past the last line.
+    pub fn line(&self, number: u32) -> Option<std::ops::Range<usize>> {
+        let index = (number as usize).checked_sub(1)?;
+        let start = *self.line_starts.get(index)? as usize;
+        let end = self.line_starts.get(index + 1).map_or(self.text.len(), |next| *next as usize - 1);
+        let is_crlf = end > start && self.text.as_bytes()[end - 1] == b'\r';
+        Some(start..end - usize::from(is_crlf))
+    }
+}
+
 /// All files of one compilation, in the order in which they were met; the first is the program's own.
 #[derive(Debug, Clone, Default)]
 pub struct Sources {

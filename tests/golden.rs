@@ -48,7 +48,7 @@ fn cost_r(plan: &PlanRecord, modules: i32) -> u32 {
     cost.round() as u32
 }
 
-const PLANNERS: [&str; 5] = ["layered_astar", "dijkstra", "bidirectional_dijkstra", "astar", "hypercube_astar"];
+const PLANNERS: [&str; 5] = ["staged_astar", "dijkstra", "bidirectional_dijkstra", "astar", "hypercube_astar"];
 
 #[test]
 fn from_six_to_ten_with_two_modules_a_side() {

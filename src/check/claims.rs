@@ -56,6 +56,13 @@ pub struct Job {
 }
 
 impl Job {
+    /// How many steps it has.
+    pub fn steps(&self) -> usize {
+        match &self.order {
+            Order::Dimibot(order) => order.steps.len(),
+        }
+    }
+
     /// The kind of the job's device.
     pub fn kind(&self) -> Kind {
         match &self.order {
@@ -154,7 +161,7 @@ pub struct Planner {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    LayeredAstar,
+    StagedAstar,
     Dijkstra,
     BidirectionalDijkstra,
     Astar,
@@ -165,7 +172,7 @@ impl Method {
     /// Its word in the language.
     pub fn name(self) -> &'static str {
         match self {
-            Method::LayeredAstar => "layered_astar",
+            Method::StagedAstar => "staged_astar",
             Method::Dijkstra => "dijkstra",
             Method::BidirectionalDijkstra => "bidirectional_dijkstra",
             Method::Astar => "astar",

@@ -1,6 +1,7 @@
 //! Devices: bases, fields, and what the kind makes of them.
 
 use super::fields::{Accepted, Given, Owner};
+use super::lineage::Base;
 use super::scope::{DeclarationSort, Place, nearest, path_text};
 use super::{Checker, dimibot, errors};
 use crate::device::{self, Kind};
@@ -8,9 +9,6 @@ use crate::source::Span;
 use crate::syntax::tree::{self, Item};
 use std::collections::BTreeSet;
 use std::rc::Rc;
-
-/// How many devices may stand on one another as bases.
-pub const MAX_BASES: usize = 32;
 
 /// A device with its own fields and those of its bases.
 #[derive(Debug, Clone)]
@@ -39,15 +37,6 @@ pub enum Facts {
     Dimibot(Rc<device::dimibot::Facts>),
 }
 
-impl Facts {
-    /// The kind that these are facts of.
-    pub fn kind(&self) -> Kind {
-        match self {
-            Facts::Dimibot(_) => Kind::Dimibot,
-        }
-    }
-}
-
 impl Checker<'_> {
     /// Checks every device of the user's files; one that only serves as a base may lack fields.
     pub fn check_devices(&mut self) {
@@ -57,7 +46,7 @@ impl Checker<'_> {
             let Item::Device(item) = self.item(*place) else { continue };
             let base = self.find(&item.base, &self.top(*place)).map(|(base, _)| base);
             bases.extend(base);
-            self.device(*place, 0);
+            self.device(*place);
         }
         for (place, _) in own {
             if !bases.contains(&place) {
@@ -67,21 +56,27 @@ impl Checker<'_> {
     }
 
     /// A device with all that it inherits; `None` after an error.
-    pub fn device(&mut self, place: Place, depth: usize) -> Option<Device> {
-        if let Some(known) = self.devices.get(&place) {
-            return known.clone();
+    pub fn device(&mut self, place: Place) -> Option<Rc<Device>> {
+        let chain = self.lineage(place, &|checker, at| checker.devices.contains_key(&at), &Checker::base);
+        for (at, base) in chain.into_iter().rev() {
+            let inherited = match base {
+                Base::Root(kind) => Some((kind, Accepted::new())),
+                Base::Of(base) => {
+                    let known = self.devices.get(&base).and_then(Option::as_ref);
+                    known.map(|device| (device.kind, device.fields.clone()))
+                }
+                Base::Broken => None,
+            };
+            let device = self.inherit(at, inherited).map(Rc::new);
+            self.devices.insert(at, device);
         }
-        let Item::Device(item) = self.item(place) else { return None };
-        // An entry that stands before it is made out ends a circle of bases.
-        self.devices.insert(place, None);
-        let device = self.inherit(place, item, depth);
-        self.devices.insert(place, device.clone());
-        device
+        self.devices.get(&place).cloned().flatten()
     }
 
-    fn inherit(&mut self, place: Place, item: &tree::Device, depth: usize) -> Option<Device> {
+    fn inherit(&mut self, place: Place, inherited: Option<(Kind, Accepted)>) -> Option<Device> {
+        let Item::Device(item) = self.item(place) else { return None };
         let scope = self.top(place);
-        let Some((kind, mut fields)) = self.base(place, item, depth) else {
+        let Some((kind, mut fields)) = inherited else {
             self.read_for_errors(&item.fields, &scope);
             return None;
         };
@@ -91,32 +86,25 @@ impl Checker<'_> {
         Some(Device { kind, name: item.name.text.clone(), span: item.name.span, fields })
     }
 
-    fn base(&mut self, place: Place, item: &tree::Device, depth: usize) -> Option<(Kind, Accepted)> {
-        let text = path_text(&item.base);
-        if let Some(kind) = Kind::find(&text).filter(|_| item.base.segments.len() == 1) {
-            return Some((kind, Accepted::new()));
+    fn base(&mut self, place: Place) -> Base<Kind> {
+        let Item::Device(item) = self.item(place) else { return Base::Broken };
+        let is_plain_name = item.base.segments.len() == 1;
+        if let Some(kind) = Kind::find(&path_text(&item.base)).filter(|_| is_plain_name) {
+            return Base::Root(kind);
         }
         let scope = self.top(place);
-        let is_plain_name = item.base.segments.len() == 1;
         if is_plain_name && self.find(&item.base, &scope).is_none() {
             self.report_unknown_base(item, place);
-            return None;
+            return Base::Broken;
         }
-        let base = self.resolve(&item.base, &scope, DeclarationSort::Device)?;
-        if self.is_own_base(place, base) {
-            self.sink.push(errors::defined_by_itself(item.base.span, item.name.span));
-            return None;
-        }
-        if depth >= MAX_BASES {
-            self.sink.push(errors::too_deep(item.base.span, "devices", MAX_BASES));
-            return None;
-        }
-        let base = self.device(base, depth + 1)?;
-        Some((base.kind, base.fields))
+        self.resolve(&item.base, &scope, DeclarationSort::Device).map_or(Base::Broken, Base::Of)
     }
 
     fn report_unknown_base(&mut self, item: &tree::Device, place: Place) {
         let text = path_text(&item.base);
+        if self.modules[place.module].is_broken(&text) {
+            return;
+        }
         let kinds: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
         let mut known = self.names_in_reach(&self.top(place), DeclarationSort::Device);
         known.retain(|name| *name != item.name.text);
@@ -124,26 +112,17 @@ impl Checker<'_> {
         self.sink.push(errors::unknown_kind(item.base.span, &text, near, &kinds));
     }
 
-    /// Whether following the bases from `base` leads back to `place`.
-    fn is_own_base(&self, place: Place, base: Place) -> bool {
-        let mut seen = BTreeSet::new();
-        let mut at = base;
-        while seen.insert(at) {
-            if at == place {
-                return true;
-            }
-            let Item::Device(item) = self.item(at) else { return false };
-            match self.find(&item.base, &self.top(at)) {
-                Some((next, _)) => at = next,
-                None => return false,
-            }
-        }
-        false
-    }
-
     /// The facts of a complete device; `None` after an error.
     pub fn facts(&mut self, place: Place) -> Option<Facts> {
-        let device = self.device(place, 0)?;
+        if let Some(known) = self.facts.get(&place) {
+            return known.clone();
+        }
+        let facts = self.device(place).and_then(|device| self.facts_of(&device));
+        self.facts.insert(place, facts.clone());
+        facts
+    }
+
+    fn facts_of(&mut self, device: &Device) -> Option<Facts> {
         let missing = Self::missing(&device.fields, device.kind.vocabulary().fields);
         if !missing.is_empty() {
             let library = device.kind.vocabulary().library;
@@ -151,7 +130,7 @@ impl Checker<'_> {
             return None;
         }
         match device.kind {
-            Kind::Dimibot => dimibot::facts(&device, self.sink).map(|facts| Facts::Dimibot(Rc::new(facts))),
+            Kind::Dimibot => dimibot::facts(device, self.sink).map(|facts| Facts::Dimibot(Rc::new(facts))),
         }
     }
 }

@@ -3,22 +3,28 @@
 use super::claims::{Action, Asked, Body, DimibotOrder, Job, Method, Objective, Obstacle, Order, Planner, Step, Stop};
 use super::devices::Device;
 use super::fields::Accepted;
-use super::scenes::Object;
+use super::lets::Argument;
+use super::scenes::{Object, Scene};
 use super::scope::Place;
 use super::tasks::{self, Parts};
 use super::value::{ModuleWord, Value, whole};
 use super::{Checker, errors, shapes};
 use crate::device::dimibot::{self, Cell, Side, Simultaneous};
 use crate::device::shape::Form;
-use crate::diagnostic::Sink;
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::geometry::distance;
 use crate::geometry::shape::{Core, MAX_EXTENT_UM, Pose, Shape};
 use crate::quantity::{Dimension, Quantity};
 use crate::source::{Span, Spanned};
+use nalgebra::Point2;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
+mod cover;
 mod stops;
+
+pub use cover::Cover;
 
 /// States that one search may expand where the task does not say.
 pub const DEFAULT_EXPANSIONS: u64 = 20_000_000;
@@ -47,7 +53,7 @@ pub fn facts(device: &Device, sink: &mut Sink) -> Option<dimibot::Facts> {
         return None;
     }
     if let Some(home) = fields.get("home") {
-        facts.home = stops::state(home, &facts, &device.name, sink)?;
+        facts.home = stops::state(&Argument::plain(home), &facts, &device.name, sink)?;
     }
     warn_of_coarseness(&facts, device, sink);
     Some(facts)
@@ -98,6 +104,9 @@ fn warn_of_coarseness(facts: &dimibot::Facts, device: &Device, sink: &mut Sink) 
 
 /// A length for a message.
 fn length(um: f64) -> String {
+    if um == 0.0 {
+        return "0 um".to_owned();
+    }
     Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
 }
 
@@ -105,20 +114,31 @@ impl Checker<'_> {
     /// What a scene's objects are to a device; each scene is judged once with each device.
     pub fn obstacles(
         &mut self,
-        device: Place,
-        scene: Option<&(Place, Rc<Vec<Object>>)>,
+        device: (Place, &str),
+        scene: Option<&(Place, Rc<Scene>)>,
         facts: &dimibot::Facts,
-    ) -> Arc<Vec<Obstacle>> {
-        let Some((place, objects)) = scene else { return Arc::default() };
-        if let Some(known) = self.judged_scenes.get(&(*place, device)) {
+    ) -> Judged {
+        let Some((place, scene)) = scene else {
+            return Judged { cover: Cover::of(Vec::new(), facts), is_whole: true };
+        };
+        if let Some(known) = self.judged_scenes.get(&(*place, device.0)) {
             return known.clone();
         }
-        let name = self.device(device, 0).map(|device| device.name).unwrap_or_default();
-        let obstacles = objects.iter().filter_map(|object| obstacle(object, facts, &name, self.sink)).collect();
-        let obstacles = Arc::new(obstacles);
-        self.judged_scenes.insert((*place, device), Arc::clone(&obstacles));
-        obstacles
+        let before = self.sink.errors();
+        let obstacles = scene.objects.iter().filter_map(|object| obstacle(object, facts, device.1, self.sink));
+        let cover = Cover::of(obstacles.collect(), facts);
+        let judged = Judged { cover, is_whole: self.sink.errors() == before };
+        self.judged_scenes.insert((*place, device.0), judged.clone());
+        judged
     }
+}
+
+/// A scene as one device meets it.
+#[derive(Clone)]
+pub struct Judged {
+    pub cover: Cover,
+    /// Whether none of its objects is impossible.
+    pub is_whole: bool,
 }
 
 fn obstacle(object: &Object, facts: &dimibot::Facts, device: &str, sink: &mut Sink) -> Option<Obstacle> {
@@ -217,33 +237,45 @@ fn is_outside(body: &Body, facts: &dimibot::Facts) -> bool {
     match body {
         Body::Cells { from, to } => from.x > to.x,
         Body::Solid { shape, pose } => {
-            let Ok(grown) = shape.grown(pose, facts.growth_um()) else { return false };
-            let corners = match &grown.core {
-                Core::Point(point) => vec![*point],
-                Core::Segment(ends) => ends.to_vec(),
-                Core::Polygon(corners) => corners.clone(),
-            };
-            let last = facts.place_um(Cell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 });
-            (0..2).any(|axis| {
-                let low = corners.iter().map(|corner| corner[axis]).fold(f64::INFINITY, f64::min);
-                let high = corners.iter().map(|corner| corner[axis]).fold(f64::NEG_INFINITY, f64::max);
-                low - grown.radius_um > last[axis] || high + grown.radius_um < 0.0
-            })
+            let Some([low_um, high_um]) = bounds_um(shape, pose, facts.growth_um()) else { return false };
+            let last_um = facts.place_um(last_cell(facts));
+            (0..2).any(|axis| low_um[axis] > last_um[axis] || high_um[axis] < 0.0)
         }
     }
 }
 
+/// The cell of all modules at 1.
+fn last_cell(facts: &dimibot::Facts) -> Cell {
+    Cell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 }
+}
+
+/// The lower and the upper corner of the box round a grown body; `None` for a shape that cannot be.
+fn bounds_um(shape: &Shape, pose: &Pose, growth_um: f64) -> Option<[[f64; 2]; 2]> {
+    let grown = shape.grown(pose, growth_um).ok()?;
+    let corners = match &grown.core {
+        Core::Point(point) => std::slice::from_ref(point),
+        Core::Segment(ends) => ends.as_slice(),
+        Core::Polygon(corners) => corners.as_slice(),
+    };
+    let axis = |axis: usize| corners.iter().map(move |corner| corner[axis]);
+    let low_um = [0, 1].map(|at| axis(at).fold(f64::INFINITY, f64::min) - grown.radius_um);
+    let high_um = [0, 1].map(|at| axis(at).fold(f64::NEG_INFINITY, f64::max) + grown.radius_um);
+    Some([low_um, high_um])
+}
+
+/// How far the place of a cell lies from a body's rim; negative inside.
+fn clearance_um(shape: &Shape, pose: &Pose, cell: Cell, facts: &dimibot::Facts) -> f64 {
+    let [x_um, y_um] = facts.place_um(cell);
+    let at = Point2::new(x_um, y_um);
+    let body = shape.grown(pose, 0.0);
+    body.map_or(f64::INFINITY, |body| distance::segment_core([at, at], &body.core) - body.radius_um)
+}
+
 /// A task's body in the kind's own terms; `None` after an error.
-pub fn order(
-    facts: &dimibot::Facts,
-    obstacles: &Arc<Vec<Obstacle>>,
-    parts: Parts,
-    device: &str,
-    sink: &mut Sink,
-) -> Option<Order> {
+pub fn order(facts: &dimibot::Facts, cover: &Cover, parts: Parts, device: &str, sink: &mut Sink) -> Option<Order> {
     let precision = precision(&parts.settings, facts, sink);
     let planner = planner(parts.planner.as_ref(), &parts.steps, sink);
-    let mut judge = stops::Judge::new(facts, obstacles, device, precision.flatten(), sink);
+    let mut judge = stops::Judge::new(facts, cover, device, precision.flatten(), sink);
     let start = match &parts.start {
         Some(start) => Some(judge.start(start)),
         None => None,
@@ -252,7 +284,7 @@ pub fn order(
     let steps: Option<Vec<Step>> = steps.into_iter().collect();
     Some(Order::Dimibot(DimibotOrder {
         facts: facts.clone(),
-        obstacles: Arc::clone(obstacles),
+        obstacles: Arc::clone(&cover.obstacles),
         objective: objective(parts.objective),
         planner: planner?,
         simultaneous: simultaneous(&parts.settings).unwrap_or(facts.simultaneous),
@@ -293,12 +325,12 @@ fn planner(
     sink: &mut Sink,
 ) -> Option<Planner> {
     let Some((planner, options)) = chosen else {
-        return Some(Planner { method: Method::LayeredAstar, expansions: DEFAULT_EXPANSIONS });
+        return Some(Planner { method: Method::StagedAstar, expansions: DEFAULT_EXPANSIONS });
     };
     let method = method(planner.value.name);
     let visit =
         steps.iter().find(|step| matches!(&step.action, tasks::Action::Verb { verb, .. } if verb.name == "visit"));
-    if let Some(visit) = visit.filter(|_| method != Method::LayeredAstar) {
+    if let Some(visit) = visit.filter(|_| method != Method::StagedAstar) {
         sink.push(errors::planner_cannot(
             planner.span,
             planner.value.name,
@@ -320,7 +352,7 @@ fn method(name: &str) -> Method {
         "bidirectional_dijkstra" => Method::BidirectionalDijkstra,
         "astar" => Method::Astar,
         "hypercube_astar" => Method::HypercubeAstar,
-        _ => Method::LayeredAstar,
+        _ => Method::StagedAstar,
     }
 }
 
@@ -341,7 +373,7 @@ pub fn starts_agree(jobs: &[Job], sink: &mut Sink) {
         if let (Some(start), Some(Stand::At(cell))) = (order.start, before)
             && start.value != cell
         {
-            sink.push(disagreement(order, start, cell, &job.device));
+            sink.push(start_disagrees(order, start, cell, job));
         }
         let begins = order.start.map(|start| Stand::At(start.value)).or(before);
         let ends = end_of(order).or(begins).unwrap_or(Stand::At(order.facts.home));
@@ -358,13 +390,11 @@ fn end_of(order: &DimibotOrder) -> Option<Stand> {
     })
 }
 
-/// The diagnostic of a `start at` that is not where the device stands.
-pub fn disagreement(
-    order: &DimibotOrder,
-    start: Spanned<Cell>,
-    stands: Cell,
-    device: &str,
-) -> crate::diagnostic::Diagnostic {
+/// What is said of a `start at` that is not where the device stands, whether that is known before planning or after.
+pub fn start_disagrees(order: &DimibotOrder, start: Spanned<Cell>, stands: Cell, job: &Job) -> Diagnostic {
     let show = |cell: Cell| format!("{cell}, {}", order.facts.word_text(cell));
-    errors::start_disagrees(start.span, &show(start.value), &show(stands), device)
+    errors::start_disagrees((start.span, job.run_span), &show(start.value), &show(stands), &job.device)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,29 +1,19 @@
 //! Expressions to values: every operator and function checked for the dimensions of its operands.
 
-use super::scope::{DeclarationSort, Place, Scope, nearest, path_text};
+use super::scope::{DeclarationSort, Scope, nearest, path_text};
 use super::value::{ModuleWord, PoseValue, TableValue, Value, whole};
 use super::{Checker, errors, functions};
 use crate::device::shape::Form;
 use crate::quantity::{Dimension, Quantity, Unit, UnitError};
 use crate::source::{Span, Spanned};
-use crate::syntax::tree::{Expr, ExprKind, Field, Ident, Item, Operator, Path, Table, Text, TextPart};
+use crate::syntax::tree::{Expr, ExprKind, Field, Ident, Operator, Path, Table, Text, TextPart};
 use std::rc::Rc;
-
-/// How many `let`s may wait for one another's values.
-pub const MAX_LET_DEPTH: usize = 128;
 
 /// The most elements of a list and the widest range.
 pub const MAX_ELEMENTS: usize = 1_000_000;
 
 /// The most digits of a word: twice the modules that a side may have.
 pub const MAX_WORD_DIGITS: u32 = 2 * crate::device::dimibot::MAX_MODULES;
-
-/// What is known of a `let` so far.
-pub enum LetState {
-    /// Being evaluated: to ask for it now is a cycle.
-    Open,
-    Done(Value),
-}
 
 impl Checker<'_> {
     /// The value of an expression; [`Value::Unknown`] after an error, which has then been pushed.
@@ -123,27 +113,25 @@ impl Checker<'_> {
             let value = local.value.clone();
             return self.element_of(value, path, 0, scope);
         }
+        self.use_import(path, scope);
         let Some((place, segment)) = self.find(path, scope) else {
             return self.unknown_value_name(path, scope);
         };
+        self.use_place(place);
         let declaration = self.declaration(place);
         if declaration.sort != DeclarationSort::Let {
             return self.unknown(errors::wrong_sort(path, declaration, "a value"));
         }
-        self.use_place(place);
         let value = self.value_of_let(place, path.span);
         self.element_of(value, path, segment, scope)
     }
 
     fn unknown_value_name(&mut self, path: &Path, scope: &Scope) -> Value {
-        let known = self.names_in_reach(scope, DeclarationSort::Let);
-        let text = path_text(path);
-        let near = nearest(&text, known.iter().map(String::as_str)).map(str::to_owned);
-        let diagnostic = match Form::find(&text) {
-            Some(form) => errors::shape_without_fields(path.span, form),
-            None => errors::unknown_name(path.span, &text, "value", near.as_deref()),
-        };
-        self.unknown(diagnostic)
+        match Form::find(&path_text(path)) {
+            Some(form) => self.sink.push(errors::shape_without_fields(path.span, form)),
+            None => self.report_unknown(path, scope, DeclarationSort::Let),
+        }
+        Value::Unknown
     }
 
     /// The element that the indices of a path's segment take out of a list.
@@ -178,28 +166,6 @@ impl Checker<'_> {
             self.sink.push(errors::bad_index(expr.span, &value));
         }
         number
-    }
-
-    /// The value of a `let`, evaluated at most once; `asked` is where its name stands.
-    pub fn value_of_let(&mut self, place: Place, asked: Span) -> Value {
-        match self.lets.get(&place) {
-            Some(LetState::Done(value)) => return value.clone(),
-            Some(LetState::Open) => {
-                return self.unknown(errors::defined_by_itself(asked, self.declaration(place).span));
-            }
-            None => {}
-        }
-        if self.let_depth >= MAX_LET_DEPTH {
-            return self.unknown(errors::lets_too_deep(asked));
-        }
-        let module = &self.modules[place.module];
-        let Item::Let(item) = &module.tree.items[place.item] else { return Value::Unknown };
-        self.lets.insert(place, LetState::Open);
-        self.let_depth += 1;
-        let value = self.evaluate(&item.value, &Scope::top(place.module, module.tree.file));
-        self.let_depth -= 1;
-        self.lets.insert(place, LetState::Done(value.clone()));
-        value
     }
 
     fn tuple(&mut self, parts: &[Expr], scope: &Scope) -> Value {
@@ -276,7 +242,7 @@ impl Checker<'_> {
             arguments.iter().map(|argument| self.evaluate_spanned(argument, scope)).collect();
         if !super::scope::FUNCTIONS.contains(&name.as_str()) {
             let near = nearest(&name, super::scope::FUNCTIONS.iter().copied());
-            return self.unknown(errors::unknown_name(function.span, &name, "function", near));
+            return self.unknown(errors::unknown_function(function.span, &name, near));
         }
         match functions::apply_function(&name, span, &values) {
             Ok(value) => value,
@@ -299,11 +265,11 @@ impl Checker<'_> {
     }
 
     fn shape_base(&mut self, base: &Path, scope: &Scope) -> Option<super::value::ShapeValue> {
-        let known_value = scope.local(&base.segments[0].name.text).is_some() || self.find(base, scope).is_some();
-        if !known_value {
+        let is_known = scope.local(&base.segments[0].name.text).is_some() || self.find(base, scope).is_some();
+        if !is_known && is_word(base) {
             let text = path_text(base);
             let near = nearest(&text, Form::ALL.iter().map(|form| form.name()));
-            self.sink.push(errors::unknown_name(base.span, &text, "shape", near));
+            self.sink.push(errors::unknown_shape(base.span, &text, near));
             return None;
         }
         match self.path(base, scope) {
@@ -345,16 +311,12 @@ impl Checker<'_> {
 
     /// A table's cell: a bare number takes the unit of its column, a bare word is that word.
     fn cell(&mut self, cell: &Expr, unit: Option<Unit>, header: Option<&Ident>, scope: &Scope) -> Spanned<Value> {
-        let bare_word = |path: &Path| path.segments.len() == 1 && path.segments[0].indices.is_empty();
-        let value = match (&cell.kind, unit) {
-            (ExprKind::Number(digits), Some(unit)) => match unit.of(digits) {
-                Some(quantity) => Value::Quantity(quantity),
+        let value = match (bare_number(cell), unit) {
+            (Some((sign, digits)), Some(unit)) => match unit.of(digits) {
+                Some(quantity) => Value::Quantity(Quantity { si: sign * quantity.si, ..quantity }),
                 None => self.unknown(errors::not_finite(cell.span)),
             },
-            (ExprKind::Path(path), None) if bare_word(path) && header.is_none() && self.find(path, scope).is_none() => {
-                Value::Text(path_text(path))
-            }
-            _ => self.evaluate(cell, scope),
+            _ => self.cell_value(cell, header, scope),
         };
         if let (Value::Quantity(quantity), Some(unit), Some(header)) = (&value, unit, header) {
             if quantity.dimension != unit.dimension {
@@ -365,11 +327,33 @@ impl Checker<'_> {
         Spanned::new(value, cell.span)
     }
 
+    fn cell_value(&mut self, cell: &Expr, header: Option<&Ident>, scope: &Scope) -> Value {
+        match &cell.kind {
+            ExprKind::Path(path) if header.is_none() && is_word(path) && self.find(path, scope).is_none() => {
+                Value::Text(path_text(path))
+            }
+            _ => self.evaluate(cell, scope),
+        }
+    }
+
     /// Pushes an error and answers with the unknown value.
     pub fn unknown(&mut self, diagnostic: crate::diagnostic::Diagnostic) -> Value {
         self.sink.push(diagnostic);
         Value::Unknown
     }
+}
+
+/// The sign and the digits of a number without a unit.
+fn bare_number(expr: &Expr) -> Option<(f64, &str)> {
+    match &expr.kind {
+        ExprKind::Number(digits) => Some((1.0, digits)),
+        ExprKind::Negative(inner) => bare_number(inner).map(|(sign, digits)| (-sign, digits)),
+        _ => None,
+    }
+}
+
+fn is_word(path: &Path) -> bool {
+    path.segments.len() == 1 && path.segments[0].indices.is_empty()
 }
 
 /// A pose from a place without a heading: it faces along x.

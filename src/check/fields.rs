@@ -94,20 +94,15 @@ impl Checker<'_> {
         let found = choices.iter().find(|choice| choice.name == text);
         if found.is_none() {
             let near = nearest(&text, choices.iter().map(|choice| choice.name));
-            self.sink.push(errors::wrong_word(wanted, choices, expr.span, near));
+            self.sink.push(errors::wrong_word(wanted, choices, (expr.span, &text), near));
         }
         found.map(|choice| Value::Text(choice.name.to_owned()))
     }
 
-    /// Where a value has a name, its declaration says more than the owner's.
-    fn with_origin(&self, wanted: &Wanted, expr: &Expr, scope: &Scope) -> Wanted {
-        let ExprKind::Path(path) = &expr.kind else { return wanted.clone() };
-        let local = scope.local(&path.segments[0].name.text).map(|local| local.span);
-        let origin = local.or_else(|| self.find(path, scope).map(|(place, _)| self.declaration(place).span));
-        match origin {
-            Some(span) => {
-                Wanted { declared: Some((span, format!("`{}` is declared here", path_text(path)))), ..wanted.clone() }
-            }
+    /// Where a value has a name, the place where it was given says more than the owner's declaration.
+    fn with_origin(&mut self, wanted: &Wanted, expr: &Expr, scope: &Scope) -> Wanted {
+        match self.origin(expr, scope) {
+            Some(origin) => Wanted { declared: Some((origin.span, origin.text)), ..wanted.clone() },
             None => wanted.clone(),
         }
     }

@@ -24,7 +24,7 @@ pub trait Library {
 /// Reads a program's own file and every file that it uses, each once. The first module is the program's own.
 pub fn load(sources: &mut Sources, name: &str, text: &str, library: &dyn Library, sink: &mut Sink) -> Vec<Module> {
     let mut loader = Loader { sources, library, sink, modules: Vec::new(), known: BTreeMap::new(), open: Vec::new() };
-    loader.file(name, text, Origin::User);
+    loader.file((name, Span::default()), text, Origin::User);
     loader.modules.into_iter().flatten().collect()
 }
 
@@ -35,16 +35,16 @@ struct Loader<'a> {
     /// A module is `None` while the files that it uses are being read.
     modules: Vec<Option<Module>>,
     known: BTreeMap<String, usize>,
-    /// The names of the files that are being read, the outermost first.
-    open: Vec<String>,
+    /// The files that are being read, the outermost first, with the `use` that asked for each.
+    open: Vec<(String, Span)>,
 }
 
 impl Loader<'_> {
-    fn file(&mut self, name: &str, text: &str, origin: Origin) -> usize {
+    fn file(&mut self, (name, asked): (&str, Span), text: &str, origin: Origin) -> usize {
         let index = self.modules.len();
         self.modules.push(None);
         self.known.insert(name.to_owned(), index);
-        self.open.push(name.to_owned());
+        self.open.push((name.to_owned(), asked));
         let file = self.sources.add(name, text);
         let tree = syntax::parse(file, text, self.sink);
         let imports = self.imports(&tree);
@@ -57,7 +57,8 @@ impl Loader<'_> {
         let mut imports: BTreeMap<String, Import> = BTreeMap::new();
         for item in &tree.items {
             let tree::Item::Use(item) = item else { continue };
-            let Some((module, alias, span)) = self.import(item, tree.file) else { continue };
+            let Some((alias, span)) = self.name_of(item) else { continue };
+            let module = self.import(item, tree.file);
             match imports.get(&alias) {
                 Some(earlier) => self.sink.push(errors::declared_twice(&alias, span, earlier.span)),
                 None => {
@@ -68,22 +69,41 @@ impl Loader<'_> {
         imports
     }
 
-    /// The module of a `use`, the name it has here, and where that name stands.
-    fn import(&mut self, item: &tree::Use, from: FileId) -> Option<(usize, String, Span)> {
-        let (module, own_name, span) = match &item.path {
-            tree::UsePath::Library { words, span } => {
-                let last = words.last()?;
-                (self.library_file(words, *span)?, last.text.clone(), last.span)
-            }
+    /// The name that a used file has here, and where that name stands; `None` if the path was reported.
+    fn name_of(&mut self, item: &tree::Use) -> Option<(String, Span)> {
+        if let Some(alias) = &item.alias {
+            return Some((self.file_name(&alias.text, alias.span), alias.span));
+        }
+        match &item.path {
+            // A file of the standard library is named after its kind.
+            tree::UsePath::Library { words, .. } => words.last().map(|last| (last.text.clone(), last.span)),
             tree::UsePath::File(text) => {
-                let path = plain(text)?;
+                let Some(path) = plain(text) else {
+                    self.sink.push(errors::braces_in_use(text.span));
+                    return None;
+                };
                 let stem = path.rsplit('/').next().unwrap_or(&path).trim_end_matches(".twz").to_owned();
-                (self.disk_file(&path, text.span, from)?, stem, text.span)
+                if !is_name(&stem) {
+                    self.sink.push(errors::file_without_name(text.span, &path, &stem));
+                }
+                Some((self.file_name(&stem, text.span), text.span))
             }
-        };
-        match &item.alias {
-            Some(alias) => Some((module, alias.text.clone(), alias.span)),
-            None => Some((module, own_name, span)),
+        }
+    }
+
+    fn file_name(&mut self, name: &str, span: Span) -> String {
+        let is_kind = crate::device::Kind::find(name).is_some();
+        if let Some(keeper) = super::scope::keeper(name).filter(|_| !is_kind) {
+            self.sink.push(errors::kept_file_name(span, name, keeper));
+        }
+        name.to_owned()
+    }
+
+    /// The module of a `use`; `None` after an error.
+    fn import(&mut self, item: &tree::Use, from: FileId) -> Option<usize> {
+        match &item.path {
+            tree::UsePath::Library { words, span } => self.library_file(words, *span),
+            tree::UsePath::File(text) => self.disk_file(&plain(text)?, text.span, from),
         }
     }
 
@@ -103,17 +123,18 @@ impl Loader<'_> {
         match self.library.read(&from, path) {
             Ok((name, text)) => self.module(&name, &text, Origin::User, span),
             Err(why) => {
-                self.sink.push(errors::missing_file(span, &format!("`{path}`"), &why, &self.open));
+                let chain: Vec<String> = self.open.iter().map(|(name, _)| name.clone()).collect();
+                self.sink.push(errors::missing_file(span, &format!("`{path}`"), &why, &chain));
                 None
             }
         }
     }
 
     fn module(&mut self, name: &str, text: &str, origin: Origin, span: Span) -> Option<usize> {
-        if let Some(start) = self.open.iter().position(|open| open == name) {
-            let mut chain = self.open[start..].to_vec();
-            chain.push(name.to_owned());
-            self.sink.push(errors::import_cycle(span, &chain));
+        if let Some(start) = self.open.iter().position(|(open, _)| open == name) {
+            let uses: Vec<(Span, &str)> =
+                self.open[start + 1..].iter().map(|(name, at)| (*at, name.as_str())).collect();
+            self.sink.push(errors::import_cycle((span, name), &uses));
             return None;
         }
         if let Some(&index) = self.known.get(name) {
@@ -123,11 +144,11 @@ impl Loader<'_> {
             self.sink.push(errors::too_many_files(span, MAX_FILES));
             return None;
         }
-        Some(self.file(name, text, origin))
+        Some(self.file((name, span), text, origin))
     }
 }
 
-/// The characters of a string without holes; a hole in a path was reported by nobody yet, and is just kept out.
+/// The characters of a string; `None` if there are holes in it.
 fn plain(text: &tree::Text) -> Option<String> {
     text.parts
         .iter()
@@ -136,4 +157,11 @@ fn plain(text: &tree::Text) -> Option<String> {
             tree::TextPart::Hole(_) => None,
         })
         .collect()
+}
+
+/// Whether a file's own name can stand before a dot.
+fn is_name(stem: &str) -> bool {
+    let mut characters = stem.chars();
+    let begins = characters.next().is_some_and(|first| first.is_alphabetic() || first == '_');
+    begins && characters.all(|c| c.is_alphanumeric() || c == '_') && !syntax::RESERVED.contains(&stem)
 }

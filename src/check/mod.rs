@@ -12,6 +12,8 @@ pub mod evaluate;
 mod fields;
 mod functions;
 pub mod imports;
+pub mod lets;
+mod lineage;
 mod programs;
 mod scenes;
 pub mod scope;
@@ -22,14 +24,17 @@ mod unused;
 pub mod value;
 mod wiring;
 
+pub use dimibot::start_disagrees;
+
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity};
-use crate::source::{Sources, Span};
-use crate::syntax::tree::{For, Item, Path};
+use crate::source::{Sources, Span, Spanned};
+use crate::syntax::tree::{Expr, For, Item, Path};
 use claims::Claims;
-use evaluate::LetState;
-use scope::{Declaration, DeclarationSort, Module, Place, Scope};
+use lets::LetState;
+use scope::{Declaration, DeclarationSort, Import, Module, Place, Scope};
 use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 use value::Value;
 
 /// How often all `for`s of a program may repeat together.
@@ -73,7 +78,7 @@ pub fn check(sources: &mut Sources, modules: &[Module], options: &Options, sink:
     checker.check_scenes();
     let wires = checker.wires();
     let claims = checker.schedules(options.only.as_deref(), &wires);
-    checker.check_unrun_tasks();
+    checker.check_unrun();
     checker.warn_of_unused();
     let tally = checker.tally();
     (sink.errors() == 0).then_some(Checked { claims, tally })
@@ -102,13 +107,17 @@ pub(crate) struct Checker<'a> {
     modules: &'a [Module],
     sink: &'a mut Sink,
     lets: BTreeMap<Place, LetState>,
-    let_depth: usize,
-    devices: BTreeMap<Place, Option<devices::Device>>,
-    scenes: BTreeMap<Place, Option<std::rc::Rc<Vec<scenes::Object>>>>,
+    devices: BTreeMap<Place, Option<Rc<devices::Device>>>,
+    facts: BTreeMap<Place, Option<devices::Facts>>,
+    scenes: BTreeMap<Place, Option<Rc<scenes::Scene>>>,
     used: BTreeSet<Place>,
     used_imports: BTreeSet<(usize, String)>,
-    run_tasks: BTreeSet<Place>,
-    judged_scenes: BTreeMap<(Place, Place), std::sync::Arc<Vec<claims::Obstacle>>>,
+    /// The tasks and programs that some schedule runs.
+    run: BTreeSet<Place>,
+    /// The programs that run themselves, which was said.
+    circular: BTreeSet<Place>,
+    jobs: BTreeMap<Place, Option<Rc<claims::Job>>>,
+    judged_scenes: BTreeMap<(Place, Place), dimibot::Judged>,
     repetitions: usize,
 }
 
@@ -118,12 +127,14 @@ impl<'a> Checker<'a> {
             modules,
             sink,
             lets: BTreeMap::new(),
-            let_depth: 0,
             devices: BTreeMap::new(),
+            facts: BTreeMap::new(),
             scenes: BTreeMap::new(),
             used: BTreeSet::new(),
             used_imports: BTreeSet::new(),
-            run_tasks: BTreeSet::new(),
+            run: BTreeSet::new(),
+            circular: BTreeSet::new(),
+            jobs: BTreeMap::new(),
             judged_scenes: BTreeMap::new(),
             repetitions: 0,
         }
@@ -158,8 +169,13 @@ impl<'a> Checker<'a> {
 
     /// The declaration at a place.
     fn declaration(&self, place: Place) -> Declaration {
-        let names = self.modules[place.module].names.values();
-        names.copied().find(|d| d.item == place.item).expect("every place comes from a declaration")
+        let (name, sort) = scope::declared(self.item(place)).expect("every place comes from a declaration");
+        Declaration { sort, item: place.item, span: name.span }
+    }
+
+    /// The name of a declaration and where it stands.
+    fn named(&self, place: Place) -> (&'a str, Span) {
+        scope::declared(self.item(place)).map_or(("", Span::default()), |(name, _)| (&name.text, name.span))
     }
 
     fn use_place(&mut self, place: Place) {
@@ -175,22 +191,23 @@ impl<'a> Checker<'a> {
         }
         let import = file.imports.get(first)?;
         let second = &path.segments.get(1)?.name.text;
-        let declaration = self.modules[import.module].names.get(second)?;
-        Some((Place { module: import.module, item: declaration.item }, 1))
+        let module = import.module?;
+        let declaration = self.modules[module].names.get(second)?;
+        Some((Place { module, item: declaration.item }, 1))
     }
 
     /// The declaration of a sort that a path names; what is wrong with it is reported.
     fn resolve(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort) -> Option<Place> {
-        let wanted = sort.describe().trim_start_matches("a ").to_owned();
         if let Some(segment) = path.segments.iter().find(|segment| !segment.indices.is_empty()) {
             self.sink.push(errors::indexed_name(segment.span));
             return None;
         }
         self.use_import(path, scope);
         let Some((place, segment)) = self.find(path, scope) else {
-            self.report_unknown(path, scope, sort, &wanted);
+            self.report_unknown(path, scope, sort);
             return None;
         };
+        self.use_place(place);
         let declaration = self.declaration(place);
         if declaration.sort != sort {
             self.sink.push(errors::wrong_sort(path, declaration, sort.describe()));
@@ -200,7 +217,6 @@ impl<'a> Checker<'a> {
             self.sink.push(errors::no_fields_on_values(extra.span));
             return None;
         }
-        self.use_place(place);
         Some(place)
     }
 
@@ -210,18 +226,36 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn report_unknown(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort, wanted: &str) {
+    /// Says that a name names nothing, unless it is one that could not be read, or of a file that could not be used, which
+    /// was said.
+    fn report_unknown(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort) {
         let file = &self.modules[scope.module];
-        let alias = &path.segments[0].name.text;
-        if path.segments.len() > 1 && !file.imports.contains_key(alias) {
-            let near = scope::nearest(alias, file.imports.keys().map(String::as_str));
-            self.sink.push(errors::unknown_file(path.segments[0].span, alias, near));
+        let first = &path.segments[0];
+        let import = file.imports.get(&first.name.text);
+        let is_alone = path.segments.len() == 1;
+        let is_broken = match import.and_then(|import| import.module) {
+            Some(used) => path.segments.get(1).is_some_and(|word| self.modules[used].is_broken(&word.name.text)),
+            None => file.is_broken(&first.name.text),
+        };
+        if is_broken {
             return;
         }
-        let known = self.names_in_reach(scope, sort);
-        let text = scope::path_text(path);
-        let near = scope::nearest(&text, known.iter().map(String::as_str));
-        self.sink.push(errors::unknown_name(path.span, &text, wanted, near));
+        match import {
+            Some(Import { module: None, .. }) => {}
+            Some(import) if is_alone => {
+                self.sink.push(errors::file_for_value(path.span, &first.name.text, import.span, sort));
+            }
+            None if !is_alone => {
+                let near = scope::nearest(&first.name.text, file.imports.keys().map(String::as_str));
+                self.sink.push(errors::unknown_file(first.span, &first.name.text, near));
+            }
+            Some(_) | None => {
+                let known = self.names_in_reach(scope, sort);
+                let text = scope::path_text(path);
+                let near = scope::nearest(&text, known.iter().map(String::as_str));
+                self.sink.push(errors::unknown_name(path.span, &text, sort, near));
+            }
+        }
     }
 
     /// The names of a sort that may be written here.
@@ -233,8 +267,9 @@ impl<'a> Checker<'a> {
         if sort == DeclarationSort::Let {
             known.extend(scope.local_names().map(str::to_owned));
         }
-        for (alias, import) in &file.imports {
-            known.extend(of_sort(&self.modules[import.module]).map(|name| format!("{alias}.{name}")));
+        let used = file.imports.iter().filter_map(|(alias, import)| Some((alias, &self.modules[import.module?])));
+        for (alias, module) in used {
+            known.extend(of_sort(module).map(|name| format!("{alias}.{name}")));
         }
         known
     }
@@ -251,15 +286,7 @@ impl<'a> Checker<'a> {
                 return;
             }
         }
-        let elements: Vec<Value> = match self.evaluate(&each.over, scope) {
-            Value::Range { from, to } => (from..to).map(|number| Value::number(number as f64)).collect(),
-            Value::List(list) => list.iter().map(|element| element.value.clone()).collect(),
-            Value::Unknown => vec![Value::Unknown],
-            other => {
-                self.sink.push(errors::not_to_repeat(each.over.span, &other));
-                vec![Value::Unknown]
-            }
-        };
+        let elements = self.elements(&each.over, scope);
         for (number, element) in elements.into_iter().enumerate() {
             self.repetitions += 1;
             if self.repetitions > MAX_REPETITIONS {
@@ -267,9 +294,27 @@ impl<'a> Checker<'a> {
                 return;
             }
             scope.with(&each.element, element, |scope| match &each.counter {
-                Some(counter) => scope.with(counter, Value::number(number as f64), |scope| inside(self, scope)),
+                Some(counter) => {
+                    let number = Spanned::new(Value::number(number as f64), each.over.span);
+                    scope.with(counter, number, |scope| inside(self, scope))
+                }
                 None => inside(self, scope),
             });
+        }
+    }
+
+    /// What a `for` runs over; once over the unknown value if that cannot be said.
+    fn elements(&mut self, over: &Expr, scope: &Scope) -> Vec<Spanned<Value>> {
+        match self.evaluate(over, scope) {
+            Value::Range { from, to } => {
+                (from..to).map(|number| Spanned::new(Value::number(number as f64), over.span)).collect()
+            }
+            Value::List(list) => list.to_vec(),
+            Value::Unknown => vec![Spanned::new(Value::Unknown, over.span)],
+            other => {
+                self.sink.push(errors::not_to_repeat(over.span, &other));
+                vec![Spanned::new(Value::Unknown, over.span)]
+            }
         }
     }
 
@@ -290,3 +335,6 @@ impl<'a> Checker<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,7 +2,8 @@
 
 use super::claims::{Claims, Job, Timeline};
 use super::errors::{self, Wanted};
-use super::scope::{DeclarationSort, Place, Scope, nearest};
+use super::lets::Argument;
+use super::scope::{Declaration, DeclarationSort, Place, Scope, nearest};
 use super::tasks::Run;
 use super::value::Value;
 use super::{Checker, dimibot};
@@ -11,8 +12,11 @@ use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Entry, Expr, ExprKind, Item};
 use std::collections::BTreeMap;
 
-/// How many runs of tasks one schedule may hold.
+/// How many runs and waits one schedule may hold.
 pub const MAX_RUNS: usize = 10_000;
+
+/// How many steps the tasks of one schedule may have together.
+pub const MAX_STEPS: usize = 1_000_000;
 
 /// How deep programs may run one another.
 pub const MAX_PROGRAM_DEPTH: usize = 64;
@@ -23,37 +27,94 @@ pub type Wires = BTreeMap<Place, BTreeMap<String, String>>;
 /// A schedule in the making.
 #[derive(Default)]
 struct Draft {
+    /// As many as `runs`, if the draft is whole.
     jobs: Vec<Job>,
-    /// The device of each job.
-    devices: Vec<Place>,
+    /// The device of each run of a task, and where it is run.
+    runs: Vec<(Place, Span)>,
     /// The programs that are being read, the outermost first.
     open: Vec<Place>,
-    is_broken: bool,
+    /// Runs and waits so far.
+    parts: usize,
+    /// Steps of tasks so far.
+    steps: usize,
+    state: State,
+}
+
+/// Whether a draft can still become a schedule.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+enum State {
+    #[default]
+    Whole,
+    /// There are errors; what follows is read for more of them.
+    Broken,
+    /// A limit is passed; nothing more is read.
+    Full,
+}
+
+impl Draft {
+    fn become_at_least(&mut self, state: State) {
+        self.state = self.state.max(state);
+    }
 }
 
 impl<'a> Checker<'a> {
-    /// The claims of every schedule to be built.
+    /// The claims of every schedule to be built. All that a build without `--task` would make is checked in any case.
     pub fn schedules(&mut self, only: Option<&str>, wires: &Wires) -> Vec<Claims> {
-        let roots = self.roots(only);
-        roots.into_iter().filter_map(|root| self.schedule(root, wires)).collect()
+        let chosen = only.map(|name| self.root_named(name));
+        let mut roots = self.roots();
+        let extra = chosen.flatten().filter(|place| !roots.contains(place));
+        roots.extend(extra);
+        let mut schedules = Vec::with_capacity(roots.len());
+        for root in roots {
+            let claims = self.schedule(root, wires);
+            schedules.extend(claims.filter(|_| chosen.is_none_or(|chosen| chosen == Some(root))));
+        }
+        schedules
     }
 
-    fn roots(&mut self, only: Option<&str>) -> Vec<Place> {
-        match only {
-            Some(name) => self.root_named(name).into_iter().collect(),
-            None => {
-                let programs = self.roots_of(DeclarationSort::Program);
-                let roots = if programs.is_empty() { self.roots_of(DeclarationSort::Task) } else { programs };
-                if roots.is_empty() && !self.declares(DeclarationSort::Task) {
-                    let file = self.modules[0].tree.file;
-                    self.sink.push(errors::nothing_to_build(Span::new(file, 0, 0)));
-                }
-                roots
+    fn roots(&mut self) -> Vec<Place> {
+        let programs = self.roots_of(DeclarationSort::Program);
+        let roots = if programs.is_empty() { self.roots_of(DeclarationSort::Task) } else { programs };
+        if roots.is_empty() && !self.declares(DeclarationSort::Task) && !self.declares(DeclarationSort::Program) {
+            let file = self.modules[0].tree.file;
+            self.sink.push(errors::nothing_to_build(Span::new(file, 0, 0)));
+        }
+        roots
+    }
+
+    /// Checks every task and program that no schedule runs, with unknown values for their parameters.
+    pub fn check_unrun(&mut self) {
+        let sorts = [DeclarationSort::Program, DeclarationSort::Task];
+        let unrun: Vec<(Place, Declaration)> = sorts.into_iter().flat_map(|sort| self.own_places(sort)).collect();
+        let mut told = Vec::new();
+        for (place, declaration) in unrun {
+            if self.run.contains(&place) {
+                continue;
             }
+            let unknown = |parameter: &tree::Parameter| Spanned::new(Value::Unknown, parameter.span);
+            let arguments: Vec<Spanned<Value>> = self.parameters(place).iter().map(unknown).collect();
+            if place.module == 0 {
+                told.push((place, declaration));
+            }
+            self.run(place, arguments, declaration.span, &mut Draft::default());
+        }
+        if self.sink.errors() == 0 {
+            told.into_iter().for_each(|(place, declaration)| self.warn_of_unrun(place, declaration));
         }
     }
 
-    fn declares(&self, sort: DeclarationSort) -> bool {
+    fn warn_of_unrun(&mut self, place: Place, declaration: Declaration) {
+        let (name, _) = self.named(place);
+        let diagnostic = if self.parameters(place).is_empty() {
+            errors::never_run(declaration.span, declaration.sort, name)
+        } else {
+            errors::never_run_with_parameters(declaration.span, declaration.sort, name)
+        };
+        self.sink.push(diagnostic);
+    }
+
+    /// Whether the program's own file declares something of a sort.
+    pub fn declares(&self, sort: DeclarationSort) -> bool {
         self.modules[0].names.values().any(|declaration| declaration.sort == sort)
     }
 
@@ -90,24 +151,25 @@ impl<'a> Checker<'a> {
 
     fn schedule(&mut self, root: Place, wires: &Wires) -> Option<Claims> {
         let declaration = self.declaration(root);
-        let (name, _) = self.modules[root.module].names.iter().find(|(_, d)| d.item == root.item)?;
+        let (name, _) = self.named(root);
         let mut draft = Draft::default();
         let timeline = self.run(root, Vec::new(), declaration.span, &mut draft);
-        if draft.is_broken {
-            return None;
-        }
         self.one_thing_at_a_time(&timeline, &draft);
         self.names_apart(&draft);
+        if draft.state != State::Whole {
+            return None;
+        }
         dimibot::starts_agree(&draft.jobs, self.sink);
-        let used = draft.devices.iter().filter_map(|device| wires.get(device)).flatten();
+        let used = draft.runs.iter().filter_map(|(device, _)| wires.get(device)).flatten();
         let wires = used.map(|(channel, output)| (channel.clone(), output.clone())).collect();
-        Some(Claims { name: name.clone(), timeline, jobs: draft.jobs, wires, span: declaration.span })
+        Some(Claims { name: name.to_owned(), timeline, jobs: draft.jobs, wires, span: declaration.span })
     }
 
     /// Runs a task or a program with its arguments; `span` is where it is run.
-    fn run(&mut self, place: Place, arguments: Vec<Value>, span: Span, draft: &mut Draft) -> Timeline {
+    fn run(&mut self, place: Place, arguments: Vec<Spanned<Value>>, span: Span, draft: &mut Draft) -> Timeline {
+        self.run.insert(place);
         match self.item(place) {
-            Item::Task(item) => self.run_task(place, item, arguments, span, draft),
+            Item::Task(item) => self.run_task(Run { task: place, arguments, span }, item, draft),
             Item::Program(item) => self.run_program(place, item, &arguments, span, draft),
             Item::Use(_) | Item::Let(_) | Item::Device(_) | Item::Scene(_) | Item::Wiring(_) | Item::Error(_) => {
                 Timeline::Sequence(Vec::new())
@@ -115,50 +177,48 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn run_task(
-        &mut self,
-        place: Place,
-        item: &tree::Task,
-        arguments: Vec<Value>,
-        span: Span,
-        draft: &mut Draft,
-    ) -> Timeline {
-        self.run_tasks.insert(place);
-        if draft.jobs.len() >= MAX_RUNS {
-            self.sink.push(errors::too_many_runs(span, MAX_RUNS));
-            draft.is_broken = true;
+    fn run_task(&mut self, run: Run, item: &tree::Task, draft: &mut Draft) -> Timeline {
+        let device = self.find(&item.device, &self.top(run.task)).map(|(device, _)| device);
+        let job = self.job(&run);
+        let Some(device) = device.filter(|device| matches!(self.item(*device), Item::Device(_))) else {
+            draft.become_at_least(State::Broken);
+            return Timeline::Sequence(Vec::new());
+        };
+        draft.runs.push((device, run.span));
+        let timeline = Timeline::Run(draft.runs.len() - 1);
+        let Some(job) = job else {
+            draft.become_at_least(State::Broken);
+            return timeline;
+        };
+        draft.steps += job.steps();
+        if draft.steps > MAX_STEPS {
+            self.sink.push(errors::too_many_steps(run.span, MAX_STEPS));
+            draft.become_at_least(State::Full);
             return Timeline::Sequence(Vec::new());
         }
-        let device = self.find(&item.device, &self.top(place)).map(|(device, _)| device);
-        match (self.job(&Run { task: place, arguments, span }), device) {
-            (Some(job), Some(device)) => {
-                draft.jobs.push(job);
-                draft.devices.push(device);
-                Timeline::Run(draft.jobs.len() - 1)
-            }
-            _ => {
-                draft.is_broken = true;
-                Timeline::Sequence(Vec::new())
-            }
-        }
+        draft.jobs.push(job);
+        timeline
     }
 
     fn run_program(
         &mut self,
         place: Place,
         item: &'a tree::Program,
-        arguments: &[Value],
+        arguments: &[Spanned<Value>],
         span: Span,
         draft: &mut Draft,
     ) -> Timeline {
-        if draft.open.contains(&place) {
-            self.sink.push(errors::defined_by_itself(span, item.name.span));
-            draft.is_broken = true;
+        if let Some(first) = draft.open.iter().position(|open| *open == place) {
+            if !self.circular.contains(&place) {
+                self.sink.push(errors::defined_by_itself((&item.name.text, item.name.span), span));
+            }
+            self.circular.extend(&draft.open[first..]);
+            draft.become_at_least(State::Broken);
             return Timeline::Sequence(Vec::new());
         }
         if draft.open.len() >= MAX_PROGRAM_DEPTH {
             self.sink.push(errors::too_deep(span, "programs", MAX_PROGRAM_DEPTH));
-            draft.is_broken = true;
+            draft.become_at_least(State::Broken);
             return Timeline::Sequence(Vec::new());
         }
         draft.open.push(place);
@@ -172,6 +232,9 @@ impl<'a> Checker<'a> {
     fn program_entries(&mut self, entries: &'a [Entry], scope: &mut Scope, draft: &mut Draft) -> Vec<Timeline> {
         let mut parts = Vec::new();
         for entry in entries {
+            if draft.state == State::Full {
+                break;
+            }
             match entry {
                 Entry::Step(step) => parts.extend(self.program_step(step, scope, draft)),
                 Entry::For(each) => {
@@ -181,15 +244,21 @@ impl<'a> Checker<'a> {
                 }
                 Entry::Field(field) => {
                     self.sink.push(errors::field_in_program(&field.name));
-                    draft.is_broken = true;
+                    draft.become_at_least(State::Broken);
                 }
-                Entry::Error(_) => draft.is_broken = true,
+                Entry::Error(_) => draft.become_at_least(State::Broken),
             }
         }
         parts
     }
 
     fn program_step(&mut self, step: &'a tree::Step, scope: &mut Scope, draft: &mut Draft) -> Option<Timeline> {
+        draft.parts += 1;
+        if draft.parts > MAX_RUNS {
+            self.sink.push(errors::too_many_runs(step.span, MAX_RUNS));
+            draft.become_at_least(State::Full);
+            return None;
+        }
         let timeline = match step.head.text.as_str() {
             "run" => self.run_step(step, scope, draft),
             "wait" => self.wait(step, scope).map(Timeline::Wait),
@@ -200,12 +269,15 @@ impl<'a> Checker<'a> {
                 None
             }
         };
-        draft.is_broken |= timeline.is_none();
+        if timeline.is_none() {
+            draft.become_at_least(State::Broken);
+        }
         timeline
     }
 
     fn together(&mut self, step: &'a tree::Step, scope: &mut Scope, draft: &mut Draft) -> Option<Timeline> {
-        let (Some(block), None) = (&step.block, &step.object) else {
+        let alone = step.phrases.is_empty() && step.object.is_none() && step.noun.is_none();
+        let Some(block) = step.block.as_ref().filter(|_| alone) else {
             self.sink.push(errors::bad_together(step.span));
             return None;
         };
@@ -223,30 +295,52 @@ impl<'a> Checker<'a> {
                 return None;
             }
         };
-        let is_program =
-            self.find(path, scope).is_some_and(|(place, _)| self.declaration(place).sort == DeclarationSort::Program);
-        let sort = if is_program { DeclarationSort::Program } else { DeclarationSort::Task };
+        let named = self.find(path, scope).map(|(place, _)| self.declaration(place).sort);
+        let sort = match named {
+            Some(DeclarationSort::Program) => DeclarationSort::Program,
+            Some(_) | None => DeclarationSort::Task,
+        };
         let place = self.resolve(path, scope, sort)?;
         let values = self.arguments(place, path.span, arguments, scope)?;
         Some(self.run(place, values, step.span, draft))
     }
 
-    fn arguments(&mut self, place: Place, span: Span, arguments: &[Expr], scope: &Scope) -> Option<Vec<Value>> {
+    fn arguments(
+        &mut self,
+        place: Place,
+        span: Span,
+        arguments: &[Expr],
+        scope: &Scope,
+    ) -> Option<Vec<Spanned<Value>>> {
         let parameters = self.parameters(place);
         if parameters.len() != arguments.len() {
+            let counts = (parameters.len(), arguments.len());
             let declared = self.declaration(place).span;
-            self.sink.push(errors::wrong_argument_count(span, parameters.len(), arguments.len(), declared));
+            self.sink.push(errors::wrong_argument_count(span, &self.call_form(place), counts, declared));
             return None;
         }
         let mut values = Vec::with_capacity(arguments.len());
         for (parameter, argument) in parameters.iter().zip(arguments) {
-            let value = self.evaluate_spanned(argument, scope);
-            values.push(self.argument(parameter, value));
+            let value = self.evaluate(argument, scope);
+            let argument = self.argument_of(argument, value, scope);
+            let given = argument.origin.as_ref().map_or(argument.span, |origin| origin.span);
+            values.push(Spanned::new(self.argument(parameter, argument), given));
         }
         Some(values)
     }
 
-    fn argument(&mut self, parameter: &tree::Parameter, value: Spanned<Value>) -> Value {
+    /// `go(goal: cell)`.
+    fn call_form(&self, place: Place) -> String {
+        let (name, _) = self.named(place);
+        let parameters = self.parameters(place);
+        if parameters.is_empty() {
+            return name.to_owned();
+        }
+        let list: Vec<String> = parameters.iter().map(|p| format!("{}: {}", p.name.text, p.sort.text)).collect();
+        format!("{name}({})", list.join(", "))
+    }
+
+    fn argument(&mut self, parameter: &tree::Parameter, value: Argument) -> Value {
         let Some(sort) = ParameterSort::find(&parameter.sort.text) else { return Value::Unknown };
         if value.value.is_unknown() || sort.holds(&value.value) {
             return value.value;
@@ -256,16 +350,17 @@ impl<'a> Checker<'a> {
             doc: String::new(),
             declared: Some((parameter.span, format!("declared as {}", sort.describe()))),
         };
-        self.unknown(match sort {
+        let diagnostic = match sort {
             ParameterSort::Quantity(dimension) => errors::wrong_dimension(&wanted, dimension, value.span, &value.value),
             ParameterSort::Cell | ParameterSort::Place | ParameterSort::Pose | ParameterSort::Word => {
                 errors::wrong_value(&wanted, &sort.describe(), sort.example(), value.span, &value.value)
             }
-        })
+        };
+        self.unknown(errors::given_at(diagnostic, &value))
     }
 
     /// Puts parameters into scope; their names and sorts are checked.
-    pub fn bind(&mut self, parameters: &[tree::Parameter], arguments: &[Value], scope: &mut Scope) {
+    pub fn bind(&mut self, parameters: &[tree::Parameter], arguments: &[Spanned<Value>], scope: &mut Scope) {
         for (index, parameter) in parameters.iter().enumerate() {
             if let Some(earlier) = self.taken(&parameter.name.text, scope) {
                 self.sink.push(errors::declared_twice(&parameter.name.text, parameter.name.span, earlier));
@@ -279,14 +374,15 @@ impl<'a> Checker<'a> {
                 let near = nearest(&parameter.sort.text, ParameterSort::NAMES.iter().copied());
                 self.sink.push(errors::unknown_parameter_sort(&parameter.sort, near, ParameterSort::NAMES));
             }
-            scope.push(&parameter.name, arguments.get(index).cloned().unwrap_or(Value::Unknown));
+            let unknown = || Spanned::new(Value::Unknown, parameter.span);
+            scope.push(&parameter.name, arguments.get(index).cloned().unwrap_or_else(unknown));
         }
     }
 
     /// A device in two runs at a time is an error at both places.
     fn one_thing_at_a_time(&mut self, timeline: &Timeline, draft: &Draft) -> BTreeMap<Place, Span> {
         match timeline {
-            Timeline::Run(job) => BTreeMap::from([(draft.devices[*job], draft.jobs[*job].run_span)]),
+            Timeline::Run(job) => BTreeMap::from([draft.runs[*job]]),
             Timeline::Wait(_) => BTreeMap::new(),
             Timeline::Sequence(parts) => parts.iter().flat_map(|part| self.one_thing_at_a_time(part, draft)).collect(),
             Timeline::Together(parts) => {
@@ -294,8 +390,8 @@ impl<'a> Checker<'a> {
                 for part in parts {
                     for (device, span) in self.one_thing_at_a_time(part, draft) {
                         if let Some(earlier) = busy.insert(device, span) {
-                            let name = self.device_name(device);
-                            self.sink.push(errors::two_things_at_once(&name, earlier, span));
+                            let (name, _) = self.named(device);
+                            self.sink.push(errors::two_things_at_once(name, earlier, span));
                         }
                     }
                 }
@@ -304,20 +400,14 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn device_name(&self, device: Place) -> String {
-        match self.item(device) {
-            Item::Device(item) => item.name.text.clone(),
-            _ => String::new(),
-        }
-    }
-
     /// Channels carry the device's name alone, so two devices of one name cannot share a schedule.
     fn names_apart(&mut self, draft: &Draft) {
         let mut seen: BTreeMap<&str, (Place, Span)> = BTreeMap::new();
-        for (job, device) in draft.jobs.iter().zip(&draft.devices) {
-            let entry = seen.entry(&job.device).or_insert((*device, job.run_span));
-            if entry.0 != *device {
-                self.sink.push(errors::devices_of_one_name(&job.device, entry.1, job.run_span));
+        for (device, span) in &draft.runs {
+            let (name, _) = self.named(*device);
+            let (first, earlier) = *seen.entry(name).or_insert((*device, *span));
+            if first != *device {
+                self.sink.push(errors::devices_of_one_name(name, earlier, *span));
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Scenes: their objects, unrolled and inherited. What an object means is for the kind of a task's device to say.
 
-use super::scope::{DeclarationSort, Place, Scope, nearest};
+use super::lineage::Base;
+use super::scope::{DeclarationSort, Place, Scope, keeper, nearest};
 use super::value::{ShapeValue, Value};
 use super::{Checker, errors};
 use crate::device::Kind;
@@ -24,9 +25,17 @@ pub struct Object {
     pub span: Span,
 }
 
+/// What stands in a scene, its bases' objects first.
+#[derive(Debug, Clone, Default)]
+pub struct Scene {
+    pub objects: Vec<Rc<Object>>,
+    /// How many scenes it stands on.
+    depth: usize,
+}
+
 /// The objects of a scene while it is being made out.
 struct Collected {
-    objects: Vec<Object>,
+    objects: Vec<Rc<Object>>,
     /// Index and origin of each name.
     index: BTreeMap<String, (usize, Layer)>,
     is_whole: bool,
@@ -43,66 +52,68 @@ impl Checker<'_> {
     /// Checks every scene of the user's files.
     pub fn check_scenes(&mut self) {
         for (place, _) in self.own_places(DeclarationSort::Scene) {
-            self.scene(place, 0);
+            self.scene(place);
         }
     }
 
     /// The objects of a scene, its bases' first; `None` after an error.
-    pub fn scene(&mut self, place: Place, depth: usize) -> Option<Rc<Vec<Object>>> {
-        if let Some(known) = self.scenes.get(&place) {
-            return known.clone();
+    pub fn scene(&mut self, place: Place) -> Option<Rc<Scene>> {
+        let chain = self.lineage(place, &|checker, at| checker.scenes.contains_key(&at), &Checker::base_scene);
+        for (at, base) in chain.into_iter().rev() {
+            let base = match base {
+                Base::Root(()) => Some(Rc::default()),
+                Base::Of(base) => self.scenes.get(&base).cloned().flatten(),
+                Base::Broken => None,
+            };
+            let scene = self.furnish(at, base).map(Rc::new);
+            self.scenes.insert(at, scene);
         }
+        self.scenes.get(&place).cloned().flatten()
+    }
+
+    fn base_scene(&mut self, place: Place) -> Base<()> {
+        let Item::Scene(item) = self.item(place) else { return Base::Broken };
+        match &item.base {
+            None => Base::Root(()),
+            Some(path) => self.resolve(path, &self.top(place), DeclarationSort::Scene).map_or(Base::Broken, Base::Of),
+        }
+    }
+
+    /// Puts a scene's own objects to those of its base.
+    fn furnish(&mut self, place: Place, base: Option<Rc<Scene>>) -> Option<Scene> {
         let Item::Scene(item) = self.item(place) else { return None };
-        self.scenes.insert(place, None);
-        let base = match &item.base {
-            Some(path) => self.base_scene(place, item, path, depth),
-            None => Some(Rc::new(Vec::new())),
-        };
-        let mut collected = Collected::on(base.as_deref().map_or(&[], Vec::as_slice));
+        let depth = base.as_ref().map_or(0, |base| base.depth + 1);
+        let is_too_deep = depth > MAX_BASES;
+        if let Some(path) = item.base.as_ref().filter(|_| is_too_deep) {
+            self.sink.push(errors::too_deep(path.span, "scenes", MAX_BASES));
+        }
+        let mut collected = Collected::on(base.as_ref().map_or(&[], |base| base.objects.as_slice()));
         let mut scope = self.top(place);
         self.scene_entries(&item.entries, &mut scope, &mut collected);
-        let scene = (base.is_some() && collected.is_whole).then(|| Rc::new(collected.objects));
-        self.scenes.insert(place, scene.clone());
-        scene
+        self.variables_apart(&item.entries, &collected);
+        let is_whole = base.is_some() && collected.is_whole && !is_too_deep;
+        is_whole.then_some(Scene { objects: collected.objects, depth })
     }
 
-    fn base_scene(
-        &mut self,
-        place: Place,
-        item: &tree::Scene,
-        path: &tree::Path,
-        depth: usize,
-    ) -> Option<Rc<Vec<Object>>> {
-        let base = self.resolve(path, &self.top(place), DeclarationSort::Scene)?;
-        if self.scene_stands_on(base, place) {
-            self.sink.push(errors::defined_by_itself(path.span, item.name.span));
-            return None;
-        }
-        if depth >= MAX_BASES {
-            self.sink.push(errors::too_deep(path.span, "scenes", MAX_BASES));
-            return None;
-        }
-        self.scene(base, depth + 1)
-    }
-
-    fn scene_stands_on(&self, scene: Place, wanted: Place) -> bool {
-        let mut at = scene;
-        for _ in 0..=self.modules.iter().map(|module| module.names.len()).sum() {
-            if at == wanted {
-                return true;
+    /// An object stands in all of its scene, so no loop variable of the scene may have its name.
+    fn variables_apart(&mut self, entries: &[SceneEntry], collected: &Collected) {
+        for entry in entries {
+            let SceneEntry::For(each) = entry else { continue };
+            for name in each.counter.iter().chain([&each.element]) {
+                if let Some((index, _)) = collected.index.get(&name.text) {
+                    let object = collected.objects[*index].span;
+                    self.sink.push(errors::declared_twice(&name.text, name.span, object));
+                }
             }
-            let Item::Scene(item) = self.item(at) else { return false };
-            let Some(base) = item.base.as_ref().and_then(|path| self.find(path, &self.top(at))) else { return false };
-            at = base.0;
+            self.variables_apart(&each.entries, collected);
         }
-        false
     }
 
     fn scene_entries(&mut self, entries: &'_ [SceneEntry], scope: &mut Scope, collected: &mut Collected) {
         for entry in entries {
             match entry {
                 SceneEntry::Object(object) => match self.object(object, scope) {
-                    Some(object) => self.collect(object, collected),
+                    Some(object) => self.collect(Rc::new(object), collected),
                     None => collected.is_whole = false,
                 },
                 SceneEntry::For(each) => {
@@ -115,7 +126,7 @@ impl Checker<'_> {
         }
     }
 
-    fn collect(&mut self, object: Object, collected: &mut Collected) {
+    fn collect(&mut self, object: Rc<Object>, collected: &mut Collected) {
         match collected.index.get_mut(&object.name) {
             Some((index, layer)) if *layer == Layer::Base => {
                 *layer = Layer::Own;
@@ -139,7 +150,7 @@ impl Checker<'_> {
 
     fn object(&mut self, object: &tree::Object, scope: &Scope) -> Option<Object> {
         let is_known = self.known_noun(&object.noun);
-        let name = self.joined(&object.name, scope);
+        let name = self.object_name(&object.name, scope);
         let shape = match &object.shape {
             Some(expr) => Some(self.shape_expr(expr, scope)),
             None => None,
@@ -181,20 +192,27 @@ impl Checker<'_> {
         is_known
     }
 
-    /// A name with its indices joined: `d[3]` is `d3`, `e[5, 2]` is `e5_2`.
-    pub fn joined(&mut self, name: &tree::IndexedName, scope: &Scope) -> Option<String> {
-        if let Some(earlier) = self.taken(&name.name.text, scope).filter(|_| name.indices.is_empty()) {
-            self.sink.push(errors::declared_twice(&name.name.text, name.name.span, earlier));
+    /// The name of an object, its indices joined: `d[3]` is `d3`, `e[5, 2]` is `e5_2`.
+    fn object_name(&mut self, name: &tree::IndexedName, scope: &Scope) -> Option<String> {
+        let mut indices = Vec::with_capacity(name.indices.len());
+        for index in &name.indices {
+            indices.push(self.index(index, scope)?.to_string());
+        }
+        let joined = format!("{}{}", name.name.text, indices.join("_"));
+        if let Some(earlier) = self.taken(&joined, scope) {
+            self.sink.push(errors::declared_twice(&joined, name.span, earlier));
             return None;
         }
-        let indices: Option<Vec<String>> =
-            name.indices.iter().map(|index| self.index(index, scope).map(|number| number.to_string())).collect();
-        Some(format!("{}{}", name.name.text, indices?.join("_")))
+        if let Some(keeper) = keeper(&joined) {
+            self.sink.push(errors::kept_name(&tree::Ident { text: joined, span: name.span }, keeper));
+            return None;
+        }
+        Some(joined)
     }
 }
 
 impl Collected {
-    fn on(base: &[Object]) -> Collected {
+    fn on(base: &[Rc<Object>]) -> Collected {
         let index =
             base.iter().enumerate().map(|(index, object)| (object.name.clone(), (index, Layer::Base))).collect();
         Collected { objects: base.to_vec(), index, is_whole: true }

@@ -4,7 +4,7 @@ use super::errors;
 use super::value::Value;
 use crate::device::{Kind, shape::Form};
 use crate::diagnostic::Sink;
-use crate::source::{FileId, Span};
+use crate::source::{FileId, Span, Spanned};
 use crate::syntax::tree::{self, Ident, Item, Tree};
 use std::collections::BTreeMap;
 
@@ -32,7 +32,8 @@ pub enum Origin {
 /// A used file.
 #[derive(Debug, Clone, Copy)]
 pub struct Import {
-    pub module: usize,
+    /// `None` if the file could not be used, which was reported.
+    pub module: Option<usize>,
     pub span: Span,
 }
 
@@ -57,6 +58,17 @@ pub enum DeclarationSort {
 }
 
 impl DeclarationSort {
+    /// Without an article.
+    pub fn name(self) -> &'static str {
+        match self {
+            DeclarationSort::Let => "value",
+            DeclarationSort::Device => "device",
+            DeclarationSort::Scene => "scene",
+            DeclarationSort::Task => "task",
+            DeclarationSort::Program => "program",
+        }
+    }
+
     /// With its article.
     pub fn describe(self) -> &'static str {
         match self {
@@ -80,12 +92,10 @@ impl Module {
     /// Collects what a file declares; names declared twice and names that the language keeps are reported.
     pub fn new(tree: Tree, imports: BTreeMap<String, Import>, origin: Origin, sink: &mut Sink) -> Module {
         let mut names: BTreeMap<String, Declaration> = BTreeMap::new();
-        for (item, (name, sort)) in
-            tree.items.iter().enumerate().filter_map(|(index, item)| Some((index, declared(item)?)))
-        {
+        let declared = tree.items.iter().enumerate().filter_map(|(index, item)| Some((index, declared(item)?)));
+        for (item, (name, sort)) in declared {
             if let Some(keeper) = keeper(&name.text) {
                 sink.push(errors::kept_name(name, keeper));
-                continue;
             }
             let earlier = names.get(&name.text).map(|d| d.span).or(imports.get(&name.text).map(|i| i.span));
             match earlier {
@@ -98,13 +108,19 @@ impl Module {
         Module { tree, imports, names, origin }
     }
 
+    /// Whether a name would be declared here by a part that could not be read: to miss it would tell one mistake twice.
+    pub fn is_broken(&self, name: &str) -> bool {
+        self.tree.broken_names.iter().any(|broken| broken.text == name)
+    }
+
     /// Whether it belongs to the standard library.
     pub fn is_library(&self) -> bool {
         self.origin == Origin::Library
     }
 }
 
-fn declared(item: &Item) -> Option<(&Ident, DeclarationSort)> {
+/// The name that an item declares, and what it names.
+pub fn declared(item: &Item) -> Option<(&Ident, DeclarationSort)> {
     match item {
         Item::Let(item) => Some((&item.name, DeclarationSort::Let)),
         Item::Device(item) => Some((&item.name, DeclarationSort::Device)),
@@ -144,6 +160,8 @@ pub struct Local {
     pub name: String,
     pub value: Value,
     pub span: Span,
+    /// Where the value was given: the argument of a run, the element of a list.
+    pub given: Span,
 }
 
 impl Scope {
@@ -163,7 +181,7 @@ impl Scope {
     }
 
     /// Runs `inside` with one more local, and takes it away again.
-    pub fn with<T>(&mut self, name: &Ident, value: Value, inside: impl FnOnce(&mut Scope) -> T) -> T {
+    pub fn with<T>(&mut self, name: &Ident, value: Spanned<Value>, inside: impl FnOnce(&mut Scope) -> T) -> T {
         self.push(name, value);
         let result = inside(self);
         self.locals.pop();
@@ -171,8 +189,9 @@ impl Scope {
     }
 
     /// Adds a local for good.
-    pub fn push(&mut self, name: &Ident, value: Value) {
-        self.locals.push(Local { name: name.text.clone(), value, span: name.span });
+    pub fn push(&mut self, name: &Ident, value: Spanned<Value>) {
+        let Spanned { value, span: given } = value;
+        self.locals.push(Local { name: name.text.clone(), value, span: name.span, given });
     }
 }
 
@@ -186,7 +205,7 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         .map(|(_, candidate)| candidate)
 }
 
-/// The last words of a path, joined by dots, for messages.
+/// The words of a path, joined by dots, for messages.
 pub fn path_text(path: &tree::Path) -> String {
     let words: Vec<&str> = path.segments.iter().map(|segment| segment.name.text.as_str()).collect();
     words.join(".")

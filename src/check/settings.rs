@@ -1,6 +1,6 @@
 //! `--set name=value`: a top-level value replaced from the command line.
 
-use super::evaluate::LetState;
+use super::lets::LetState;
 use super::scope::{DeclarationSort, Place, Scope, nearest};
 use super::value::Value;
 use super::{Checker, errors};
@@ -51,7 +51,7 @@ impl Checker<'_> {
     fn setting_place(&mut self, name: &str) -> Option<Place> {
         let own = &self.modules[0];
         let (module, word) = match name.split_once('.') {
-            Some((alias, word)) => (own.imports.get(alias).map(|import| import.module), word),
+            Some((alias, word)) => (own.imports.get(alias).and_then(|import| import.module), word),
             None => (Some(0), name),
         };
         let declared = module.and_then(|module| Some((module, self.modules[module].names.get(word)?)));
@@ -76,7 +76,13 @@ impl Checker<'_> {
             return Some(value);
         }
         let why = format!("is {}, the value is declared as {}", value.describe_fully(), declared.describe_fully());
-        let help = format!("write {}", declared.describe());
+        let help = match &declared {
+            Value::Quantity(quantity) => {
+                let unit = quantity.dimension.example_unit();
+                format!("write {}, as `--set {}=1{unit}`", declared.describe(), setting.name)
+            }
+            _ => format!("write {}", declared.describe()),
+        };
         self.sink.push(errors::bad_setting(Some(span), &setting.name, &why, &help));
         None
     }

@@ -18,44 +18,40 @@ pub fn impossible(shape: &ShapeValue, span: Span) -> Option<Diagnostic> {
     match shape.form {
         Form::Disc | Form::Capsule | Form::Cells => None,
         Form::Box => {
-            let [width, height] = size_um(shape);
-            (width <= 0.0 || height <= 0.0).then(|| {
-                errors::bad_shape(
-                    field_span(shape, "size", span),
-                    "a box without width or height",
-                    "both must be above 0",
-                )
-            })
+            let at = field_span(shape, "size", span);
+            let is_flat = size_um(shape).iter().any(|side| *side <= 0.0);
+            let help = "a wall without width is a `capsule` with a small radius";
+            is_flat.then(|| errors::bad_shape(at, "a box without width or height", "both must be above 0", help))
         }
-        Form::Polygon => {
-            let corners = corners_um(shape);
-            let at = field_span(shape, "points", span);
-            if corners.len() > MAX_CORNERS {
-                return Some(errors::bad_shape(
-                    at,
-                    &format!("a polygon of {} corners", corners.len()),
-                    &format!("at most {MAX_CORNERS} are taken"),
-                ));
-            }
-            match polygon::fault(&corners)? {
-                polygon::Fault::TooFewCorners => Some(errors::bad_shape(
-                    at,
-                    &format!("a polygon of {} corners", corners.len()),
-                    "at least 3 are needed",
-                )),
-                polygon::Fault::NoArea => {
-                    Some(errors::bad_shape(at, "a polygon without area", "its corners lie on one line"))
-                }
-                polygon::Fault::Crossing(a, b) => Some(errors::bad_shape(
-                    at,
-                    "a polygon that crosses itself",
-                    &format!(
-                        "the side from corner {a} meets the side from corner {b}: give the corners in order round the outline"
-                    ),
-                )),
-            }
-        }
+        Form::Polygon => impossible_polygon(&corners_um(shape), field_span(shape, "points", span)),
     }
+}
+
+fn impossible_polygon(corners: &[[f64; 2]], at: Span) -> Option<Diagnostic> {
+    let count = format!("a polygon of {} corners", corners.len());
+    if corners.len() > MAX_CORNERS {
+        let why = format!("at most {MAX_CORNERS} are taken");
+        return Some(errors::bad_shape(at, &count, &why, "make several polygons of it"));
+    }
+    Some(match polygon::fault(corners)? {
+        polygon::Fault::TooFewCorners => {
+            errors::bad_shape(at, &count, "at least 3 are needed", "a line is a `capsule` with a small radius")
+        }
+        polygon::Fault::NoArea => errors::bad_shape(
+            at,
+            "a polygon without area",
+            "its corners lie on one line",
+            "a line is a `capsule` with a small radius",
+        ),
+        polygon::Fault::RepeatedCorner(corner) => {
+            let why = format!("corner {corner} and the next are one place");
+            errors::bad_shape(at, "a polygon with a corner given twice", &why, "leave one of the two out")
+        }
+        polygon::Fault::Crossing(a, b) => {
+            let why = format!("the sides from corners {a} and {b} meet");
+            errors::bad_shape(at, "a polygon that crosses itself", &why, "give the corners in order round the outline")
+        }
+    })
 }
 
 fn field_span(shape: &ShapeValue, field: &str, otherwise: Span) -> Span {

@@ -4,6 +4,7 @@ use super::claims::{Job, Relation, Requirement};
 use super::devices::Facts;
 use super::errors::{self, Wanted};
 use super::fields::{Accepted, Given, Owner};
+use super::lets::Argument;
 use super::scope::{DeclarationSort, Place, Scope, nearest, path_text};
 use super::value::Value;
 use super::{Checker, dimibot};
@@ -12,11 +13,12 @@ use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Entry, Expr, ExprKind, Item, Operator};
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// A run of a task: what its parameters are worth, and where it is run.
 pub struct Run {
     pub task: Place,
-    pub arguments: Vec<Value>,
+    pub arguments: Vec<Spanned<Value>>,
     pub span: Span,
 }
 
@@ -24,7 +26,7 @@ pub struct Run {
 pub struct Parts {
     pub objective: Option<&'static str>,
     pub planner: Option<(Spanned<&'static device::Planner>, Accepted)>,
-    pub start: Option<Spanned<Value>>,
+    pub start: Option<Argument>,
     pub settings: Accepted,
     pub requirements: Vec<Requirement>,
     pub steps: Vec<Step>,
@@ -42,8 +44,8 @@ pub struct Step {
 pub enum Action {
     Verb {
         verb: &'static device::Verb,
-        object: Option<Spanned<Value>>,
-        phrases: Vec<(&'static str, Spanned<Value>)>,
+        object: Option<Argument>,
+        phrases: Vec<(&'static str, Argument)>,
     },
     /// In nanoseconds.
     Wait(u64),
@@ -67,62 +69,53 @@ enum Nesting {
 }
 
 impl<'a> Checker<'a> {
-    /// Checks every task that no program runs, with unknown values for its parameters.
-    pub fn check_unrun_tasks(&mut self) {
-        for (place, declaration) in self.own_places(DeclarationSort::Task) {
-            if self.run_tasks.contains(&place) {
-                continue;
-            }
-            let Item::Task(item) = self.item(place) else { continue };
-            let arguments = vec![Value::Unknown; item.parameters.len()];
-            self.job(&Run { task: place, arguments, span: declaration.span });
-            let diagnostic = if item.parameters.is_empty() {
-                errors::never_run(declaration.span, &item.name.text)
-            } else {
-                errors::never_run_with_parameters(declaration.span, &item.name.text)
-            };
-            self.sink.push(diagnostic);
+    /// One run of a task; `None` after an error, or where a parameter is unknown. Without parameters all runs are alike.
+    pub fn job(&mut self, run: &Run) -> Option<Job> {
+        if !run.arguments.is_empty() {
+            return self.job_of(run);
         }
+        if !self.jobs.contains_key(&run.task) {
+            let job = self.job_of(run).map(Rc::new);
+            self.jobs.insert(run.task, job);
+        }
+        let known = self.jobs.get(&run.task).and_then(Option::as_ref)?;
+        Some(Job { run_span: run.span, ..Job::clone(known) })
     }
 
-    /// One run of a task; `None` after an error, or where a parameter is unknown.
-    pub fn job(&mut self, run: &Run) -> Option<Job> {
+    fn job_of(&mut self, run: &Run) -> Option<Job> {
         let Item::Task(item) = self.item(run.task) else { return None };
         let scope = self.task_scope(run.task, item, &run.arguments);
-        let device = self.resolve(&item.device, &self.top(run.task), DeclarationSort::Device);
-        let scene = item.scene.as_ref().map(|path| self.resolve(path, &self.top(run.task), DeclarationSort::Scene));
-        let device = device?;
-        let kind = self.device(device, 0)?.kind;
+        let top = self.top(run.task);
+        let place = self.resolve(&item.device, &top, DeclarationSort::Device);
+        let scene = item.scene.as_ref().map(|path| self.resolve(path, &top, DeclarationSort::Scene));
+        let place = place?;
+        let device = self.device(place)?;
         // The words are checked even where the device's own figures cannot be made out.
-        let mut parts = self.parts(item, kind.vocabulary(), scope);
-        let facts = self.facts(device)?;
-        let objects = match scene {
-            None => Some(None),
-            Some(None) => None,
-            Some(Some(place)) => self.scene(place, 0).map(|objects| Some((place, objects))),
-        };
+        let mut parts = self.parts(item, device.kind.vocabulary(), scope);
         let is_whole = parts.is_whole;
         let requirements = std::mem::take(&mut parts.requirements);
-        let Item::Device(item_of_device) = self.item(device) else { return None };
-        let name = item_of_device.name.text.clone();
-        let order = match &facts {
+        let scene = match scene {
+            None => None,
+            Some(place) => Some(place.and_then(|place| Some((place, self.scene(place)?)))?),
+        };
+        let order = match self.facts(place)? {
             Facts::Dimibot(facts) => {
-                let obstacles = self.obstacles(device, objects.as_ref().and_then(Option::as_ref), facts);
-                dimibot::order(facts, &obstacles, parts, &name, self.sink)
+                let judged = self.obstacles((place, &device.name), scene.as_ref(), &facts);
+                let order = dimibot::order(&facts, &judged.cover, parts, &device.name, self.sink);
+                order.filter(|_| judged.is_whole)
             }
         };
-        let order = order.filter(|_| is_whole && objects.is_some())?;
         Some(Job {
             task: item.name.text.clone(),
-            device: name,
+            device: device.name.clone(),
             requirements,
-            order,
+            order: order.filter(|_| is_whole)?,
             span: item.name.span,
             run_span: run.span,
         })
     }
 
-    fn task_scope(&mut self, place: Place, item: &tree::Task, arguments: &[Value]) -> Scope {
+    fn task_scope(&mut self, place: Place, item: &tree::Task, arguments: &[Spanned<Value>]) -> Scope {
         let mut scope = self.top(place);
         self.bind(&item.parameters, arguments, &mut scope);
         scope
@@ -245,7 +238,7 @@ impl<'a> Checker<'a> {
         Some((Spanned::new(planner, path.span), self.read_fields(&owner, &given, planner.options)))
     }
 
-    fn start(&mut self, step: &tree::Step, scope: &Scope, reading: &Reading) -> Option<Spanned<Value>> {
+    fn start(&mut self, step: &tree::Step, scope: &Scope, reading: &Reading) -> Option<Argument> {
         let [phrase] = step.phrases.as_slice() else {
             self.sink.push(errors::bad_start(step.span));
             return None;
@@ -256,7 +249,7 @@ impl<'a> Checker<'a> {
         }
         let wanted = Wanted { name: "`start at`".to_owned(), doc: String::new(), declared: None };
         let value = self.accept(reading.vocabulary.state, &phrase.value, scope, &wanted)?;
-        Some(Spanned::new(value, phrase.value.span))
+        Some(self.argument_of(&phrase.value, value, scope))
     }
 
     /// The object of a setting that takes nothing else.
@@ -365,16 +358,22 @@ impl<'a> Checker<'a> {
         step: &tree::Step,
         verb: &'static device::Verb,
         scope: &Scope,
-    ) -> Option<Option<Spanned<Value>>> {
+    ) -> Option<Option<Argument>> {
         match (&step.object, verb.object) {
             (None, None) => Some(None),
             (Some(expr), Some(sort)) => {
                 let wanted = Wanted { name: format!("`{}`", verb.name), doc: verb.doc.to_owned(), declared: None };
                 let value = self.accept(sort, expr, scope, &wanted)?;
-                Some(Some(Spanned::new(value, expr.span)))
+                Some(Some(self.argument_of(expr, value, scope)))
             }
             (Some(expr), None) => {
-                self.sink.push(errors::unexpected_part(expr.span, verb, "an object"));
+                let lacking = verb.phrases.iter().find(|entry| {
+                    entry.count == Count::Once && step.phrases.iter().all(|p| p.preposition.text != entry.preposition)
+                });
+                self.sink.push(match lacking {
+                    Some(lacking) => errors::missing_preposition(expr.span, verb, lacking.preposition),
+                    None => errors::unexpected_part(expr.span, verb, "an object"),
+                });
                 None
             }
             (None, Some(_)) => {
@@ -389,7 +388,7 @@ impl<'a> Checker<'a> {
         step: &tree::Step,
         verb: &'static device::Verb,
         scope: &Scope,
-    ) -> Option<Vec<(&'static str, Spanned<Value>)>> {
+    ) -> Option<Vec<(&'static str, Argument)>> {
         let mut accepted = Vec::new();
         let mut is_whole = true;
         let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
@@ -406,11 +405,13 @@ impl<'a> Checker<'a> {
             }
             let wanted = Wanted { name: format!("`{name}` of `{}`", verb.name), doc: String::new(), declared: None };
             match self.accept(entry.sort, &phrase.value, scope, &wanted) {
-                Some(value) => accepted.push((entry.preposition, Spanned::new(value, phrase.value.span))),
+                Some(value) => accepted.push((entry.preposition, self.argument_of(&phrase.value, value, scope))),
                 None => is_whole = false,
             }
         }
-        let needed = verb.phrases.iter().filter(|entry| entry.count == Count::Once);
+        // An object where there should be none stands for the phrase that is lacking, and was reported.
+        let is_told = step.object.is_some() && verb.object.is_none();
+        let needed = verb.phrases.iter().filter(|entry| entry.count == Count::Once && !is_told);
         for entry in needed.filter(|entry| !seen.contains_key(entry.preposition)) {
             self.sink.push(errors::missing_part(step.span, verb, &format!("`{}`", entry.preposition)));
             is_whole = false;

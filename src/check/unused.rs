@@ -2,26 +2,30 @@
 
 use super::scope::{DeclarationSort, Place};
 use super::{Checker, errors};
-use crate::diagnostic::Code;
 
 impl Checker<'_> {
     /// Warns of unused names of the program's own file; other files are there to be used by several.
+    ///
+    /// Next to an error they would mislead: what stands where it could not be read may well use the name. A file that builds
+    /// nothing is there to be used as well.
     pub fn warn_of_unused(&mut self) {
         let module = &self.modules[0];
+        let builds = self.declares(DeclarationSort::Task) || self.declares(DeclarationSort::Program);
+        if self.sink.errors() > 0 || !builds {
+            return;
+        }
         for (name, declaration) in &module.names {
-            let what = match declaration.sort {
-                DeclarationSort::Let => "value",
-                DeclarationSort::Device => "device",
-                DeclarationSort::Scene => "scene",
+            match declaration.sort {
+                DeclarationSort::Let | DeclarationSort::Device | DeclarationSort::Scene => {}
                 DeclarationSort::Task | DeclarationSort::Program => continue,
-            };
+            }
             if !self.used.contains(&Place { module: 0, item: declaration.item }) {
-                self.sink.push(errors::unused(Code::W0201, declaration.span, what, name));
+                self.sink.push(errors::unused(declaration.span, declaration.sort, name));
             }
         }
         for (alias, import) in &module.imports {
             if !self.used_imports.contains(&(0, alias.clone())) {
-                self.sink.push(errors::unused(Code::W0202, import.span, "the used file", alias));
+                self.sink.push(errors::unused_file(import.span, alias));
             }
         }
     }

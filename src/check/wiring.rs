@@ -4,7 +4,7 @@ use super::Checker;
 use super::devices::Facts;
 use super::errors;
 use super::programs::Wires;
-use super::scope::{DeclarationSort, Place, Scope, nearest};
+use super::scope::{DeclarationSort, Place, Scope};
 use crate::source::Span;
 use crate::syntax::tree::{self, Item, WiringEntry};
 use std::collections::BTreeMap;
@@ -82,8 +82,7 @@ impl<'a> Checker<'a> {
         let channel = channel?;
         let channels = panel.channels.as_ref()?;
         if !channels.contains(&channel) {
-            let near = nearest(&channel, channels.iter().map(String::as_str));
-            self.sink.push(errors::unknown_channel(wire.channel.span, &panel.name, &channel, near));
+            self.sink.push(errors::unknown_channel(wire.channel.span, &panel.name, &channel, channels));
             return None;
         }
         if let Some((_, earlier)) = panel.wired.get(&channel) {

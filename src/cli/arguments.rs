@@ -14,8 +14,8 @@ pub struct Invocation {
 }
 
 const EXIT_STATUS: &str = "\
-Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3 verification refused a schedule; 4 a file could not be
-read or written.
+Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3 verification refused a schedule; 4 a file \
+could not be read or written.
 
 Begin with `tweeze build FILE.twz`; `tweeze devices` lists what can be programmed.";
 

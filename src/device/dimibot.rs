@@ -39,14 +39,10 @@ impl Cell {
         [self.x, self.y]
     }
 
-    /// The cell of two numbers.
-    pub const fn of([x, y]: [u32; 2]) -> Self {
-        Cell { x, y }
-    }
-
     /// The cell after one module has switched.
     pub const fn after(self, flip: Flip) -> Self {
-        let bit = 1 << flip.module;
+        // A module that no robot has moves nothing.
+        let bit = if (flip.module as u32) < MAX_MODULES { 1 << flip.module } else { 0 };
         match flip.side {
             Side::Left => Cell::new(self.x ^ bit, self.y),
             Side::Right => Cell::new(self.x, self.y ^ bit),
@@ -194,7 +190,11 @@ impl Facts {
 
     /// The nearest cell that exists, for any finite place.
     pub fn clamped_cell(&self, place_um: [f64; 2]) -> Cell {
-        let [x, y] = self.nearest_indices(place_um);
+        self.clamped_cell_of(self.nearest_indices(place_um))
+    }
+
+    /// The cell that exists nearest to two indices.
+    pub fn clamped_cell_of(&self, [x, y]: [f64; 2]) -> Cell {
         let clamp = |value: f64, side| value.clamp(0.0, f64::from(self.cells(side) - 1)) as u32;
         Cell { x: clamp(x, Side::Left), y: clamp(y, Side::Right) }
     }
@@ -381,7 +381,10 @@ const fn planner(name: &'static str, doc: &'static str) -> Planner {
 
 /// The names of the planners, as `using` takes them and reports show them.
 pub const PLANNERS: &[Planner] = &[
-    planner("layered_astar", "Tweeze's own: A* over layers of equal cost with the exact distance of the free lattice"),
+    planner(
+        "staged_astar",
+        "Tweeze's own: a greedy walk; where it is blocked, A* with the exact distance of the free lattice, then A* led by distances between blocks of cells",
+    ),
     planner("dijkstra", "the paper's section 4.2"),
     planner("bidirectional_dijkstra", "the paper's section 4.2, from both ends"),
     planner("astar", "the paper's section 4.3: A* with the distance in the frame R1"),

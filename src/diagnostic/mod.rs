@@ -4,6 +4,7 @@
 //! knows how a diagnostic becomes text.
 
 pub mod code;
+mod excerpt;
 pub mod render;
 
 pub use code::{Code, Severity};
@@ -68,6 +69,13 @@ impl Diagnostic {
         self.labels.first().map(|label| label.span)
     }
 
+    /// Whether another one says the same of the same places.
+    fn repeats(&self, other: &Diagnostic) -> bool {
+        let same_places =
+            || !self.labels.is_empty() && self.labels.iter().map(|l| l.span).eq(other.labels.iter().map(|l| l.span));
+        self.code == other.code && (self == other || same_places())
+    }
+
     /// Whether it stops the build.
     pub fn is_error(&self) -> bool {
         self.code.severity() == Severity::Error
@@ -86,9 +94,10 @@ pub struct Sink {
 }
 
 impl Sink {
-    /// Adds a diagnostic. The same finding at the same place is kept once; beyond [`MAX_DIAGNOSTICS`] it is only counted.
+    /// Adds a diagnostic. A finding is kept once: what a `for` or a further run repeats at the same places, with other figures
+    /// perhaps, adds nothing. Beyond [`MAX_DIAGNOSTICS`] it is only counted.
     pub fn push(&mut self, diagnostic: Diagnostic) {
-        if self.diagnostics.contains(&diagnostic) {
+        if self.diagnostics.iter().any(|known| known.repeats(&diagnostic)) {
             return;
         }
         self.errors += usize::from(diagnostic.is_error());

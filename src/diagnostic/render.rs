@@ -1,8 +1,9 @@
 //! Turns diagnostics into text: the only place that knows miette.
 
+use super::excerpt::{CONTEXT_LINES, Excerpt};
 use super::{Diagnostic, Label, Severity};
-use crate::source::{FileId, SourceFile, Sources};
-use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, ThemeCharacters, ThemeStyles};
+use crate::source::{FileId, Sources};
+use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, ThemeCharacters, ThemeStyles};
 use serde_json::json;
 use std::fmt;
 
@@ -54,7 +55,7 @@ fn handler(look: Look) -> GraphicalReportHandler {
     GraphicalReportHandler::new_themed(GraphicalTheme { characters, styles })
         .with_width(look.width.max(MIN_WIDTH))
         .with_links(false)
-        .with_context_lines(1)
+        .with_context_lines(CONTEXT_LINES)
 }
 
 /// One diagnostic as a line of JSON: code, severity, title, labels with line and column, help.
@@ -85,7 +86,7 @@ struct Report {
     head: Option<(String, Severity)>,
     title: String,
     help: Option<String>,
-    source: Option<NamedSource<String>>,
+    source: Option<Excerpt>,
     labels: Vec<LabeledSpan>,
     related: Vec<Report>,
 }
@@ -99,15 +100,15 @@ fn report(diagnostic: &Diagnostic, sources: &Sources) -> Report {
     }
     let mut parts = files.into_iter().map(|file| {
         let labels: Vec<&Label> = diagnostic.labels.iter().filter(|label| label.span.file == file).collect();
-        (sources.file(file), labels)
+        Excerpt::of(sources.file(file), &labels)
     });
-    let first = parts.next();
-    let related = parts.map(|(file, labels)| Report {
+    let (source, labels) = parts.next().unzip();
+    let related = parts.map(|(source, labels)| Report {
         head: None,
-        title: format!("see also {}", file.name),
+        title: format!("see also {}", source.name()),
         help: None,
-        source: Some(named(file)),
-        labels: labelled(&labels, file),
+        source: Some(source),
+        labels,
         related: Vec::new(),
     });
     Report {
@@ -115,31 +116,9 @@ fn report(diagnostic: &Diagnostic, sources: &Sources) -> Report {
         title: diagnostic.title.clone(),
         help: diagnostic.help.clone(),
         related: related.collect(),
-        source: first.as_ref().map(|(file, _)| named(file)),
-        labels: first.map(|(file, labels)| labelled(&labels, file)).unwrap_or_default(),
+        source,
+        labels: labels.unwrap_or_default(),
     }
-}
-
-fn named(file: &SourceFile) -> NamedSource<String> {
-    NamedSource::new(&file.name, file.text.to_string())
-}
-
-/// An empty span draws nothing, and one at the end of the file neither: both are widened to the nearest character.
-fn labelled(labels: &[&Label], file: &SourceFile) -> Vec<LabeledSpan> {
-    let widen = |label: &&Label| {
-        let text = &file.text;
-        let (mut start, end) = (label.span.start as usize, label.span.end as usize);
-        let first_line = text[start..end].find('\n').map_or(end, |at| start + at);
-        let mut end = first_line.max(start);
-        if start == end {
-            end += text[start..].chars().next().filter(|next| *next != '\n').map_or(0, char::len_utf8);
-        }
-        if start == end {
-            start -= text[..start].chars().next_back().map_or(0, char::len_utf8);
-        }
-        LabeledSpan::new(Some(label.text.clone()), start, end - start)
-    };
-    labels.iter().map(widen).collect()
 }
 
 impl fmt::Display for Report {

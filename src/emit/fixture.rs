@@ -122,9 +122,9 @@ fn job(robot: &Robot, way: &[Cell]) -> Job {
     let step = |cell: &Cell| Claim { action: Action::Move(vec![stop(cell)]), span: Span::default() };
     let order = DimibotOrder {
         facts: robot.facts.clone(),
-        obstacles: obstacles(),
+        obstacles: std::sync::Arc::new(obstacles()),
         objective: Objective::Distance,
-        planner: Planner { method: Method::LayeredAstar, expansions: 1000 },
+        planner: Planner { method: Method::StagedAstar, expansions: 1000 },
         simultaneous: Simultaneous::Never,
         precision_um: Some(0.25),
         start: None,

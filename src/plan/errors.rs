@@ -55,16 +55,16 @@ pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, plann
         .help(format!("allow more: `using {planner} {{ expansions: {} }}`", budget.saturating_mul(8)))
 }
 
-pub fn start_disagrees(span: Span, start: &str, stands: &str, device: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0507, format!("the task starts at {start}, but `{device}` stands at {stands} by then"))
-        .label(span, "not where the robot stands")
-        .help("leave `start at` out: a task begins where the device's last one ended")
-}
-
-pub fn start_covered(span: Span, task: &str, at: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0505, format!("task `{task}` begins at {at}, which lies on an obstacle"))
-        .label(span, "run here")
-        .help("say where it begins with `start at`, or give the device another `home`")
+/// `begins` is where the start is said: the run, or the task itself.
+pub fn start_covered(begins: Span, task: &str, at: &str, obstacles: &[(&str, Span)]) -> Diagnostic {
+    let names: Vec<String> = obstacles.iter().take(MAX_LABELS).map(|(name, _)| format!("`{name}`")).collect();
+    let title = format!("task `{task}` begins at {at}, which lies on obstacle {}", names.join(", "));
+    let diagnostic = Diagnostic::new(Code::E0505, title).label(begins, format!("begins at {at}"));
+    let labelled = obstacles
+        .iter()
+        .take(MAX_LABELS)
+        .fold(diagnostic, |told, (_, span)| told.label_elsewhere(*span, begins, "the obstacle"));
+    labelled.help("say where it begins with `start at`, or give the device another `home`")
 }
 
 pub fn requirement_missed(requirement: &Requirement, reached: &str, limit: &str, help: Option<String>) -> Diagnostic {

@@ -56,6 +56,8 @@ fn printing_takes_the_prefix_that_fits() {
     assert_eq!(quantity("1000", "um").to_string(), "1 mm");
     assert_eq!(quantity("999.9999999", "um").to_string(), "1 mm");
     assert_eq!(quantity("0", "V").to_string(), "0 V");
+    assert_eq!(quantity("0", "m").to_string(), "0 um");
+    assert_eq!(quantity("1497.3", "s").to_string(), "1497.3 s");
     assert_eq!(quantity("80", "deg").to_string(), "80 deg");
     assert_eq!(Quantity::number(0.138).to_string(), "0.138");
     assert_eq!(quantity("3", "m^2").to_string(), "3 m^2");

@@ -26,6 +26,11 @@ pub(super) struct Brackets {
 }
 
 impl Brackets {
+    /// Whether the innermost bracket is a brace that stands at or after an offset.
+    pub fn opened_after(&self, offset: usize) -> bool {
+        self.open.last().is_some_and(|open| open.bracket == b'{' && open.at >= offset)
+    }
+
     /// A line ended where an open `(` or `[` has no reason to go on.
     pub fn line_ended(&mut self, at: usize) {
         for open in self.open.iter_mut().rev().take_while(|open| open.bracket != b'{') {
@@ -63,9 +68,7 @@ impl Scan<'_> {
             self.too_deep();
             return;
         }
-        let line = &self.text[self.line_start..];
-        let indent = line.len() - line.trim_start_matches([' ', '\t']).len();
-        self.brackets.open.push(Open { bracket, at, indent, line_end: None });
+        self.brackets.open.push(Open { bracket, at, indent: self.indent, line_end: None });
         self.at += 1;
     }
 
@@ -106,8 +109,8 @@ impl Scan<'_> {
             self.unclosed_brackets(place + 1, at);
         }
         if let Some(open) = self.brackets.open.pop() {
-            let is_first = self.text[self.line_start..at].trim().is_empty();
-            if bracket == b'}' && is_first && at - self.line_start < open.indent {
+            let is_first = at == self.line_start + self.indent;
+            if bracket == b'}' && is_first && self.indent < open.indent {
                 self.brackets.suspect.get_or_insert(open.at);
             }
         }
@@ -143,12 +146,11 @@ impl Scan<'_> {
 
     /// A declaration begins: what is open here and stands no further right was forgotten.
     pub fn item_begins(&mut self) {
-        let indent = self.at - self.line_start;
         let Some(first) = self.brackets.open.first() else { return };
-        if indent > first.indent {
+        if self.indent > first.indent {
             return;
         }
-        let next = self.end_of_line(self.at);
+        let next = self.end_of_line();
         let item = self.span(self.at, next);
         let limit = self.line_end.unwrap_or(self.line_start);
         self.close_all(limit, Some(item));

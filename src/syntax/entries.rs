@@ -90,7 +90,6 @@ impl Reader<'_> {
             match part.as_rule() {
                 Rule::name => names.push(self.declared(&part)),
                 Rule::flat_expr => over = Some(self.expr(part)),
-                Rule::kw_for | Rule::kw_in => {}
                 _ => entries = read(self, part),
             }
         }
@@ -135,7 +134,7 @@ impl Reader<'_> {
                 Rule::head_index => step.indices = self.indices(part),
                 Rule::noun => step.noun = part.into_inner().next().map(|word| self.ident(&word)),
                 Rule::step_expr => step.object = Some(self.expr(part)),
-                Rule::phrase => step.phrases.extend(self.phrase(part)),
+                Rule::phrase | Rule::late_phrase => step.phrases.extend(self.phrase(part)),
                 _ => step.block = Some(self.entries(part)),
             }
         }

@@ -33,11 +33,13 @@ pub(super) fn part(span: Span, start: usize, end: usize) -> Span {
 
 /// The first word, number or sign at an offset; empty only at the end of the text.
 pub(super) fn token_at(text: &str, offset: usize) -> &str {
-    let rest = &text[offset..];
+    let rest = after(text, offset);
     let Some(first) = rest.chars().next() else { return "" };
     let in_word = |c: char| c.is_alphanumeric() || c == '_';
     let in_sign = |c: char| "+-*/^<>=!.:".contains(c);
-    let length = if in_word(first) {
+    let length = if first == '"' {
+        rest[1..].find(['"', '\n']).map(|length| length + 2)
+    } else if in_word(first) {
         rest.find(|c| !in_word(c))
     } else if in_sign(first) {
         rest.find(|c| !in_sign(c))
@@ -47,14 +49,28 @@ pub(super) fn token_at(text: &str, offset: usize) -> &str {
     &rest[..length.unwrap_or(rest.len())]
 }
 
+/// How far a message looks around its place for words to repeat, in bytes: a line may be a megabyte long.
+const SIGHT_BYTES: usize = 512;
+
+/// The text before an offset, as far as a message looks.
+fn before(text: &str, offset: usize) -> &str {
+    &text[text.floor_char_boundary(offset.saturating_sub(SIGHT_BYTES))..offset]
+}
+
+/// The text from an offset on, as far as a message looks.
+fn after(text: &str, offset: usize) -> &str {
+    &text[offset..text.ceil_char_boundary((offset + SIGHT_BYTES).min(text.len()))]
+}
+
 /// Where the last code before an offset ends: blanks, line ends and comments are passed by.
 pub(super) fn code_end_before(text: &str, offset: usize) -> usize {
     let mut end = offset;
     loop {
         end = text[..end].trim_end().len();
-        let line = text[..end].rfind('\n').map_or(0, |at| at + 1);
-        match text[line..end].find("//") {
-            Some(at) => end = line + at,
+        let seen = before(text, end);
+        let line = seen.rfind('\n').map_or(seen, |at| &seen[at + 1..]);
+        match line.find("//") {
+            Some(at) => end -= line.len() - at,
             None => return end,
         }
     }
@@ -62,13 +78,13 @@ pub(super) fn code_end_before(text: &str, offset: usize) -> usize {
 
 /// The line of an offset up to that offset, without its indentation.
 fn line_before(text: &str, offset: usize) -> &str {
-    let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
-    text[start..offset].trim()
+    let seen = before(text, offset);
+    seen.rfind('\n').map_or(seen, |at| &seen[at + 1..]).trim()
 }
 
 /// The line of an offset from that offset on, without a comment.
 fn line_after(text: &str, offset: usize) -> &str {
-    let line = text[offset..].lines().next().unwrap_or("");
+    let line = after(text, offset).lines().next().unwrap_or("");
     line.split("//").next().unwrap_or("").trim()
 }
 
@@ -113,8 +129,7 @@ pub(super) fn leading_preposition(mark: Span, text: &str) -> Diagnostic {
 
 pub(super) fn blank_before_bracket(mark: Span, text: &str) -> Diagnostic {
     let start = code_end_before(text, mark.start as usize);
-    let name_start = text[..start].rfind(|c: char| !c.is_alphanumeric() && c != '_');
-    let name = &text[name_start.map_or(0, |at| at + text[at..].chars().next().map_or(1, char::len_utf8))..start];
+    let name = token_before(text, start);
     let bracket = token_at(text, mark.end as usize);
     let place = part(mark, mark.start as usize, mark.end as usize + 1);
     Diagnostic::new(Code::E0108, format!("a blank between `{name}` and `{bracket}`"))
@@ -140,7 +155,7 @@ pub(super) fn wrong_equals(mark: Span, text: &str) -> Diagnostic {
 
 /// The word that ends before an offset.
 fn token_before(text: &str, offset: usize) -> &str {
-    let head = text[..offset].trim_end();
+    let head = before(text, offset).trim_end();
     let start = head.char_indices().rev().find(|(_, c)| !c.is_alphanumeric() && *c != '_');
     &head[start.map_or(0, |(at, c)| at + c.len_utf8())..]
 }
@@ -174,6 +189,7 @@ pub(super) fn missing_value(at: Span, text: &str) -> Diagnostic {
 
 /// The last word or sign of a text.
 fn token_before_sign(text: &str) -> &str {
+    let text = before(text, text.len());
     let Some(last) = text.chars().next_back() else { return "" };
     let in_word = |c: char| c.is_alphanumeric() || c == '_';
     let in_sign = |c: char| "+-*/^<>=!.".contains(c);
@@ -253,6 +269,18 @@ pub(super) fn loop_at_top(span: Span) -> Diagnostic {
         .help("`for` stands inside a scene, a task, a program or a wiring")
 }
 
+/// A span without the blanks around it; the word or sign before it, if nothing else is in it.
+fn visible(span: Span, text: &str) -> Span {
+    let inside = &text[span.range()];
+    let end = span.start as usize + inside.trim_end().len();
+    let start = end - text[span.start as usize..end].trim_start().len();
+    if start < end {
+        return part(span, start, end);
+    }
+    let before = code_end_before(text, span.start as usize);
+    part(span, before - token_before_sign(&text[..before]).len(), before)
+}
+
 pub(super) fn bad_head(rest: Span, rule: Rule, item: Span, text: &str) -> Diagnostic {
     let form = match rule {
         Rule::device_rest => "device NAME : KIND { … }",
@@ -261,11 +289,10 @@ pub(super) fn bad_head(rest: Span, rule: Rule, item: Span, text: &str) -> Diagno
         Rule::program_rest => "program NAME { … }",
         _ => "wiring DEVICE { … }",
     };
-    let end = rest.start as usize + text[rest.range()].trim_end().len();
-    let start = end - text[rest.start as usize..end].trim_start().len();
+    let place = visible(rest, text);
     let word = token_at(text, item.start as usize);
     Diagnostic::new(Code::E0124, format!("this `{word}` does not say what it is about"))
-        .label(part(rest, start, end), "expected otherwise here")
+        .label(place, "reading stopped here")
         .help(format!("write `{form}`"))
 }
 
@@ -485,7 +512,8 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
         let before = code_end_before(text, span.end as usize);
         let start = before - token_before_sign(&text[..before]).len();
         return Diagnostic::new(Code::E0101, "this ends too early")
-            .label(part(span, start, before), format!("{wanted} behind this"));
+            .label(part(span, start, before), "more belongs behind this")
+            .help("complete the line, or remove it");
     }
     let line = quote(line_before(text, at));
     Diagnostic::new(Code::E0101, format!("`{token}` does not belong here"))
@@ -505,12 +533,8 @@ pub(super) fn bad_short_item(rest: Span, rule: Rule, text: &str) -> Diagnostic {
         Rule::use_rest => "use std.dimibot` or `use \"bench.twz\" as lab",
         _ => "let pitch = 70 um",
     };
-    let start = rest.start as usize;
-    let token = token_at(&text[..rest.end as usize], start);
-    let end = start + token.len();
-    let start = if token.is_empty() { end - token_before_sign(&text[..end]).len() } else { start };
     Diagnostic::new(Code::E0124, "this declaration cannot be read to its end")
-        .label(part(rest, start, end), "reading stopped here")
+        .label(visible(rest, text), "reading stopped here")
         .help(format!("write it as `{form}`"))
 }
 

@@ -96,7 +96,6 @@ impl Reader<'_> {
                     head.parameters = parameters.into_iter().filter_map(|part| self.parameter(part)).collect();
                 }
                 Rule::fields | Rule::scene_block | Rule::block | Rule::wiring_block => head.block = Some(part),
-                Rule::kw_on | Rule::kw_in => {}
                 _ => {
                     head.is_broken = true;
                     if !Self::has_hole(&part) {

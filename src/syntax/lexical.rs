@@ -24,7 +24,7 @@ fn is_digit_at(text: &str, at: usize) -> bool {
 /// `/* … */`, which is blank to the grammar.
 pub(super) fn block_comment(scan: &mut Scan) {
     let start = scan.at;
-    let end = scan.rest().find("*/").map_or_else(|| scan.end_of_line(start), |length| start + length + 2);
+    let end = scan.rest().find("*/").map_or_else(|| scan.end_of_line(), |length| start + length + 2);
     let span = scan.span(start, start + 2);
     scan.report(errors::block_comment(span, &scan.text[start..end]));
     let mut line = start;
@@ -40,7 +40,7 @@ pub(super) fn block_comment(scan: &mut Scan) {
 
 /// `# …`, which is blank to the grammar.
 pub(super) fn hash_comment(scan: &mut Scan) {
-    let (start, end) = (scan.at, scan.end_of_line(scan.at));
+    let (start, end) = (scan.at, scan.end_of_line());
     let span = scan.span(start, start + 1);
     scan.report(errors::hash_comment(span, &scan.text[start..end]));
     scan.replace(start, end, "");
@@ -50,9 +50,12 @@ pub(super) fn hash_comment(scan: &mut Scan) {
 /// A string up to its closing quote, which must stand on the same line.
 pub(super) fn string(scan: &mut Scan) {
     let start = scan.at;
-    let line_end = scan.end_of_line(start);
+    let line_end = scan.end_of_line();
     let Some(length) = scan.text[start + 1..line_end].find('"') else {
-        let end = start + scan.text[start..line_end].trim_end().len();
+        let mut end = start + scan.text[start..line_end].trim_end().len();
+        if scan.text[start..end].ends_with(" }") && scan.brackets.opened_after(scan.line_start) {
+            end = start + scan.text[start..end - 1].trim_end().len();
+        }
         let span = scan.span(start, end);
         scan.report(errors::unterminated_string(span, scan.text));
         scan.cover(start, end);
@@ -153,7 +156,7 @@ pub(super) fn bare_fraction(scan: &mut Scan) {
 /// `;`: at a line's end it is blank to the grammar, elsewhere a comma.
 pub(super) fn semicolon(scan: &mut Scan) {
     let start = scan.at;
-    let rest = scan.text[start + 1..scan.end_of_line(start)].trim_start();
+    let rest = scan.text[start + 1..scan.end_of_line()].trim_start();
     let is_last = rest.is_empty() || rest.starts_with("//") || rest.starts_with('}');
     let span = scan.span(start, start + 1);
     scan.report(errors::semicolon(span));
@@ -213,7 +216,7 @@ fn is_quote(c: char) -> bool {
 
 /// A string in other quotes; the grammar reads it in ours.
 fn quoted(scan: &mut Scan, start: usize, inside: usize) {
-    let line_end = scan.end_of_line(start);
+    let line_end = scan.end_of_line();
     let rest = &scan.text[inside..line_end];
     let close = rest.char_indices().find(|(_, c)| is_quote(*c) || *c == '"');
     let (close, end) = close.map_or((line_end, line_end), |(at, c)| (inside + at, inside + at + c.len_utf8()));

@@ -6,8 +6,14 @@
 use super::errors;
 use super::grammar::{Node, Rule};
 use super::tree::{Doc, Expr, ExprKind, Ident};
-use crate::diagnostic::{Diagnostic, Sink};
+use crate::diagnostic::{Diagnostic, MAX_DIAGNOSTICS, Sink};
 use crate::source::{FileId, Span};
+
+/// The most findings that a pass keeps of one text; the sink shows fewer.
+pub(super) const MAX_FINDINGS: usize = 4 * MAX_DIAGNOSTICS;
+
+/// The length of `///` and of `//!`.
+const DOC_MARK_BYTES: usize = 3;
 
 /// Where a parsed fragment comes from.
 #[derive(Clone, Copy)]
@@ -60,7 +66,9 @@ impl<'s> Reader<'s> {
     }
 
     pub fn report(&mut self, finding: Diagnostic) {
-        self.findings.push(finding);
+        if self.findings.len() < MAX_FINDINGS {
+            self.findings.push(finding);
+        }
     }
 
     pub fn span(&self, node: &Node) -> Span {
@@ -76,10 +84,10 @@ impl<'s> Reader<'s> {
 
     fn is_mark(&mut self, node: &Node) -> bool {
         let finding: fn(Span, &str) -> Diagnostic = match node.as_rule() {
-            Rule::comment | Rule::unclosed | Rule::stray_docs | Rule::file_docs => return true,
+            Rule::comment_text | Rule::stray_doc | Rule::file_docs => return true,
             Rule::late => errors::late_brace,
-            Rule::late_operator => errors::leading_operator,
-            Rule::late_preposition => errors::leading_preposition,
+            Rule::leading_operator => errors::leading_operator,
+            Rule::leading_preposition => errors::leading_preposition,
             Rule::blank_before => errors::blank_before_bracket,
             Rule::wrong_colon => errors::wrong_colon,
             Rule::wrong_equals => errors::wrong_equals,
@@ -107,15 +115,10 @@ impl<'s> Reader<'s> {
     /// The text of doc comments that belong to what follows.
     pub fn doc(&mut self, node: Node) -> Doc {
         let mut lines = Vec::new();
-        for line in node.into_inner() {
-            match line.as_rule() {
-                Rule::doc | Rule::file_doc => {
-                    self.attached_docs.push(self.origin.base + line.as_span().start());
-                    let words = line.as_str()[3..].trim_end();
-                    lines.push(words.strip_prefix(' ').unwrap_or(words).to_owned());
-                }
-                _ => {}
-            }
+        for line in node.into_inner().filter(|line| line.as_rule() == Rule::doc_text) {
+            self.attached_docs.push(self.origin.base + line.as_span().start() - DOC_MARK_BYTES);
+            let words = line.as_str().trim_end();
+            lines.push(words.strip_prefix(' ').unwrap_or(words).to_owned());
         }
         (!lines.is_empty()).then(|| lines.join("\n"))
     }

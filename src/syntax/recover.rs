@@ -5,6 +5,7 @@ use super::foreign;
 use super::grammar::{Grammar, Node, Rule};
 use super::reader::Reader;
 use super::tree::{Doc, Expr, Ident, Item};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
@@ -61,6 +62,7 @@ impl Reader<'_> {
             _ if ITEMS.iter().any(|item| item.0 == word) => errors::item_in_block(span, word),
             _ if PREPOSITIONS.contains(&word) => errors::lonely_preposition(span, word),
             _ if word.starts_with(['+', '-', '*', '/', '^', '<', '>', '=']) => errors::lonely_operator(span, word),
+            _ if wants_more(text) => errors::missing_value(span.after(), self.source),
             _ => self.diagnose(span, place),
         };
         self.report(finding);
@@ -83,8 +85,13 @@ impl Reader<'_> {
             return None;
         }
         if let Some((_, rule)) = known {
+            if wants_more(text) {
+                self.report(errors::missing_value(span.after(), self.source));
+                return None;
+            }
             let place = self.stop(Rule::one_item, span).map_or(span.start as usize, |(at, _)| at);
-            let rest = errors::part(span, place, span.end as usize);
+            let token = errors::token_at(&self.source[..span.end as usize], place);
+            let rest = errors::part(span, place, place + token.len());
             let finding = match rule {
                 Rule::use_rest | Rule::let_rest => errors::bad_short_item(rest, *rule, self.source),
                 _ => errors::bad_head(rest, *rule, span, self.source),
@@ -106,16 +113,16 @@ impl Reader<'_> {
     }
 
     fn unknown_item(&mut self, span: Span) {
-        let text = &self.text[span.range()];
+        let text = &self.source[span.range()];
         let mut words = text.split([' ', '\t']).filter(|word| !word.is_empty()).skip(1);
         let finding = match words.next() {
-            Some("=" | ":=") => errors::value_without_let(span, text),
+            Some("=" | ":=") if text.starts_with(super::lexical::is_word) => errors::value_without_let(span, text),
             Some(second) if text.contains('{') && second.starts_with(super::lexical::is_word) => {
                 errors::unknown_item(span, text)
             }
             _ => errors::not_an_item(span, text),
         };
-        if matches!(finding.code, crate::diagnostic::Code::E0111) {
+        if matches!(finding.code, Code::E0111) {
             self.keep_name(span);
         }
         self.report(finding);
@@ -138,7 +145,7 @@ impl Reader<'_> {
 
     /// Keeps the name that a broken declaration would have declared: its second word, or its first before a `=`.
     fn keep_name(&mut self, span: Span) {
-        let text = &self.text[span.range()];
+        let text = &self.source[span.range()];
         let first = errors::token_at(text, 0);
         let second =
             first.len() + (text[first.len()..].len() - text[first.len()..].trim_start_matches([' ', '\t']).len());
@@ -154,19 +161,28 @@ impl Reader<'_> {
     /// Reports a construct of another language as one mistake, whatever else is wrong inside of it.
     pub fn foreign_word(&mut self, length: usize, span: Span) {
         self.forget_within(span);
+        let word = &self.source[span.range()][..length];
+        let follows_if = self.findings.iter().any(|finding| finding.code == Code::E0122);
+        if matches!(word, "else" | "elif" | "elseif") && follows_if {
+            return;
+        }
         let start = span.start as usize;
         let word = errors::part(span, start, start + length);
         let finding = errors::foreign_word(word, self.source);
         self.report(finding);
     }
 
+    /// Drops the findings inside of a span, and of the `;` behind it.
     fn forget_within(&mut self, span: Span) {
+        let rest = &self.source[span.end as usize..];
+        let behind = rest.len() - rest.trim_start_matches([' ', '\t', ';']).len();
+        let span = errors::part(span, span.start as usize, span.end as usize + behind);
         self.findings.retain(|finding| !finding.span().is_some_and(|place| span.contains(place)));
     }
 
     /// The finding for a fragment of which only its place is known: where reading stopped and what was wanted there.
-    fn diagnose(&mut self, span: Span, place: Place) -> crate::diagnostic::Diagnostic {
-        let text = &self.text[span.range()];
+    fn diagnose(&mut self, span: Span, place: Place) -> Diagnostic {
+        let text = &self.source[span.range()];
         if place == Place::Steps
             && let Some(at) = second_step(text)
         {
@@ -235,6 +251,11 @@ impl Reader<'_> {
         }
         None
     }
+}
+
+/// Whether a text ends with a sign that demands a value.
+fn wants_more(text: &str) -> bool {
+    text.ends_with(['+', '-', '*', '/', '^', '<', '>', '=', ':'])
 }
 
 /// Where a second step begins on a line: at a word that began the first, or that begins one on every device.

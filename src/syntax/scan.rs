@@ -7,6 +7,7 @@
 
 use super::brackets::Brackets;
 use super::lexical;
+use super::reader::MAX_FINDINGS;
 use crate::diagnostic::Diagnostic;
 use crate::source::{FileId, Span};
 use std::borrow::Cow;
@@ -57,6 +58,10 @@ pub(super) struct Scan<'t> {
     pub line_end: Option<usize>,
     /// Where the line begins.
     pub line_start: usize,
+    /// Where it ends; known once, because a line may be a megabyte long.
+    line_limit: usize,
+    /// The blanks at its head.
+    pub indent: usize,
     /// Whether the line has had no code yet.
     pub is_line_start: bool,
 }
@@ -74,6 +79,8 @@ impl<'t> Scan<'t> {
             last: b'\n',
             line_end: None,
             line_start: 0,
+            line_limit: end_of_line(text, 0),
+            indent: 0,
             is_line_start: true,
         }
     }
@@ -83,7 +90,9 @@ impl<'t> Scan<'t> {
     }
 
     pub fn report(&mut self, finding: Diagnostic) {
-        self.findings.push(finding);
+        if self.findings.len() < MAX_FINDINGS {
+            self.findings.push(finding);
+        }
     }
 
     /// Puts bytes in the place of others: `with`, filled up with blanks.
@@ -109,9 +118,9 @@ impl<'t> Scan<'t> {
         &self.text[self.at..]
     }
 
-    /// Where the line at an offset ends.
-    pub fn end_of_line(&self, from: usize) -> usize {
-        self.text[from..].find('\n').map_or(self.text.len(), |length| from + length)
+    /// Where the line ends.
+    pub fn end_of_line(&self) -> usize {
+        self.line_limit
     }
 
     fn byte_order_mark(&mut self) {
@@ -125,10 +134,11 @@ impl<'t> Scan<'t> {
         let Some(first) = self.rest().chars().next() else { return };
         match first {
             '\n' => return self.newline(),
-            ' ' | '\t' | '\r' => {
+            ' ' | '\t' => {
                 self.at += 1;
                 return;
             }
+            '\r' => return self.carriage_return(),
             '/' if self.rest().starts_with("//") => return self.comment(),
             '/' if self.rest().starts_with("/*") => return lexical::block_comment(self),
             '#' => return lexical::hash_comment(self),
@@ -136,6 +146,7 @@ impl<'t> Scan<'t> {
         }
         if self.is_line_start {
             self.is_line_start = false;
+            self.indent = self.at - self.line_start;
             if super::brackets::starts_item(self.rest()) {
                 self.item_begins();
             }
@@ -154,6 +165,12 @@ impl<'t> Scan<'t> {
         self.line_end = None;
     }
 
+    /// A blank to the grammar, wherever it stands.
+    fn carriage_return(&mut self) {
+        self.replace(self.at, self.at + 1, "");
+        self.at += 1;
+    }
+
     pub fn newline(&mut self) {
         self.line_end.get_or_insert(self.at);
         if !self.goes_on() {
@@ -161,6 +178,7 @@ impl<'t> Scan<'t> {
         }
         self.at += 1;
         self.line_start = self.at;
+        self.line_limit = end_of_line(self.text, self.at);
         self.is_line_start = true;
     }
 
@@ -170,7 +188,7 @@ impl<'t> Scan<'t> {
     }
 
     fn comment(&mut self) {
-        let end = self.end_of_line(self.at);
+        let end = self.end_of_line();
         let comment = &self.text[self.at..end];
         let is_doc = comment.starts_with("//!") || (comment.starts_with("///") && !comment.starts_with("////"));
         if is_doc {
@@ -179,4 +197,8 @@ impl<'t> Scan<'t> {
         }
         self.at = end;
     }
+}
+
+fn end_of_line(text: &str, from: usize) -> usize {
+    text[from..].find('\n').map_or(text.len(), |length| from + length)
 }

@@ -198,11 +198,9 @@ impl Reader<'_> {
                     let row = self.row(part, &columns);
                     rows.push(row);
                 }
-                Rule::bad_row => {
-                    if !Self::has_hole(&part) {
-                        let span = self.span(&part);
-                        self.report(errors::bad_row(span, self.source));
-                    }
+                Rule::bad_row if !Self::has_hole(&part) => {
+                    let span = self.span(&part);
+                    self.report(errors::bad_row(span, self.source));
                 }
                 _ => {}
             }

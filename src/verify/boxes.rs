@@ -73,3 +73,29 @@ impl Boxes {
         found
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn extent() -> impl Strategy<Value = Extent> {
+        (-9..9i32, -9..9i32, 0..4i32, 0..4i32).prop_map(|(x, y, wide, high)| {
+            let [x, y, wide, high] = [x, y, wide, high].map(f64::from);
+            Extent { low: [x, y], high: [x + wide, y + high] }
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn none_is_missed(all in prop::collection::vec(extent(), 0..300), area in extent()) {
+            let meets = |one: &Extent| {
+                (0..2).all(|axis| one.low[axis].max(area.low[axis]) <= one.high[axis].min(area.high[axis]))
+            };
+            let expected: Vec<usize> = (0..all.len()).filter(|index| meets(&all[*index])).collect();
+            prop_assert_eq!(Boxes::new(all.into_iter()).meeting(&area), expected);
+        }
+    }
+}

@@ -47,6 +47,11 @@ impl Actuator {
         }
     }
 
+    /// The cell in which its module alone is at 1.
+    fn own_cell(self) -> Cell {
+        Actuator { switch: Switch::Set, ..self }.applied(Cell { x: 0, y: 0 })
+    }
+
     fn is_opposite(self, other: Actuator) -> bool {
         (self.side, self.module) == (other.side, other.module) && self.switch != other.switch
     }
@@ -183,8 +188,8 @@ impl Task<'_> {
 
     /// The cells in which the tip rests during a step, the one before its first pulse included.
     fn cells(&self, nth: usize) -> Vec<Cell> {
-        let before = self.pulses.iter().take_while(|pulse| pulse.nth < nth).last();
-        let first = before.map_or(self.start, |pulse| pulse.after);
+        let before = self.pulses.partition_point(|pulse| pulse.nth < nth);
+        let first = self.pulses[..before].last().map_or(self.start, |pulse| pulse.after);
         std::iter::once(first).chain(self.of_step(nth).map(|pulse| pulse.after)).collect()
     }
 
@@ -218,13 +223,11 @@ impl Task<'_> {
         std::iter::once(first).chain(later).collect()
     }
 
-    /// Every module that snaps carries the tip along its own axis, in whatever order they do.
+    /// Every module that snaps carries the tip along its own axis by its own column of the matrix, in whatever order they do.
     fn outcomes(&self) -> BTreeMap<&'static str, f64> {
         let facts = self.facts();
-        let strokes = || self.pulses.iter().flat_map(|pulse| pulse.strokes.iter().map(move |stroke| (pulse, stroke)));
-        let way = |(pulse, stroke): (&Pulse, &Actuator)| {
-            (place(facts, stroke.applied(pulse.before)) - place(facts, pulse.before)).norm()
-        };
+        let strokes = || self.pulses.iter().flat_map(|pulse| &pulse.strokes);
+        let way = |stroke: &Actuator| facts.displacement_um(stroke.own_cell()).norm();
         let parts: usize = self.pulses.iter().map(|pulse| pulse.parts.len()).sum();
         let pulse_j = facts.pulse_voltage_v * facts.pulse_current_a * (facts.pulse_duration_ns as f64 * 1e-9);
         BTreeMap::from([

@@ -27,6 +27,9 @@ pub const MAX_MESSAGE_BYTES: u64 = 64 * 1024 * 1024;
 /// The most messages that a log may hold.
 pub const MAX_MESSAGES: u64 = 4_000_000;
 
+/// The most devices whose voltages a log may hold.
+pub const MAX_DEVICES: u64 = 1000;
+
 /// The largest schedule that a log may carry, in bytes of JSON.
 pub const MAX_SCHEDULE_BYTES: u64 = 256 * 1024 * 1024;
 

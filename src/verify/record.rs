@@ -35,7 +35,7 @@ fn measure(objective: Objective) -> (&'static str, &'static str, f64) {
 
 fn method_name(method: Method) -> &'static str {
     match method {
-        Method::LayeredAstar => "layered_astar",
+        Method::StagedAstar => "staged_astar",
         Method::Dijkstra => "dijkstra",
         Method::BidirectionalDijkstra => "bidirectional_dijkstra",
         Method::Astar => "astar",

@@ -73,7 +73,6 @@ def log_lines(messages, schedule):
 
 def motion(topics, schedule):
     """Poses, path and scene against the states of the plans."""
-    entities = {e.id: e for _, update in topics["/scene"][1] for e in update.entities}
     for plan in schedule.document["plans"]:
         device, states = plan["device"], plan["states"]
         poses = dict((t, m.pose.position) for t, m in topics[f"/{device}/pose"][1])
@@ -82,8 +81,10 @@ def motion(topics, schedule):
             demand([at.x, at.y] == state["position_um"], f"/{device}/pose is elsewhere at {state['t_ns']} ns")
         paths = [[[p.position.x, p.position.y] for p in m.poses] for _, m in topics[f"/{device}/path"][1]]
         demand([s["position_um"] for s in states] in paths, f"/{device}/path is another")
+        updates = [m for what in ("scene", "plan") for _, m in topics[f"/{device}/{what}"][1]]
+        entities = {entity.id: entity for update in updates for entity in update.entities}
         ids = {f"{device}/{what}" for what in ("lattice", "path", "tip", "stops")}
-        demand(ids <= entities.keys(), f"/scene lacks {ids - entities.keys()}")
+        demand(ids <= entities.keys(), f"the pictures of {device} lack {ids - entities.keys()}")
         demand(entities[f"{device}/lattice"].frame_id == device, "the lattice stands in another frame")
     frames = {f.child_frame_id for _, m in topics["/tf"][1] for f in m.transforms}
     demand({plan["device"] for plan in schedule.document["plans"]} <= frames, "/tf lacks a device")

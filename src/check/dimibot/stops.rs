@@ -1,8 +1,8 @@
 //! Goals and starts: within the workspace, on the lattice, clear of obstacles.
 
 use super::*;
-use crate::geometry::distance;
-use nalgebra::Point2;
+use crate::check::lets::Origin;
+use crate::diagnostic::Code;
 
 /// How many rings of cells round a covered goal are searched for a free one.
 const MAX_RINGS: u32 = 64;
@@ -10,35 +10,40 @@ const MAX_RINGS: u32 = 64;
 /// Judges the stops of one task.
 pub struct Judge<'a> {
     facts: &'a dimibot::Facts,
-    obstacles: &'a [Obstacle],
+    cover: &'a Cover,
     device: &'a str,
     precision_um: Option<f64>,
     sink: &'a mut Sink,
-    covering: BTreeMap<Cell, Option<usize>>,
 }
 
 impl<'a> Judge<'a> {
     /// A judge for one device in one scene.
     pub fn new(
         facts: &'a dimibot::Facts,
-        obstacles: &'a [Obstacle],
+        cover: &'a Cover,
         device: &'a str,
         precision_um: Option<f64>,
         sink: &'a mut Sink,
     ) -> Self {
-        Judge { facts, obstacles, device, precision_um, sink, covering: BTreeMap::new() }
+        Judge { facts, cover, device, precision_um, sink }
     }
 
     /// The cell of `start at`.
-    pub fn start(&mut self, start: &Spanned<Value>) -> Option<Spanned<Cell>> {
+    pub fn start(&mut self, start: &Argument) -> Option<Spanned<Cell>> {
         let stop = self.reach(start)?;
-        match self.covering(stop.cell) {
-            Some(index) => {
-                let (what, obstacle, why, free) = self.covered(&stop, index);
-                self.sink.push(errors::start_on_obstacle(stop.span, &what, obstacle, &why, free));
+        let covered = self.covering(stop.cell).map(|index| self.covered(&stop, index, Code::E0505));
+        self.unless(covered, start)?;
+        Some(Spanned::new(stop.cell, stop.span))
+    }
+
+    /// Pushes what is wrong with a target, if anything is.
+    fn unless(&mut self, wrong: Option<Diagnostic>, target: &Argument) -> Option<()> {
+        match wrong {
+            Some(diagnostic) => {
+                self.sink.push(errors::given_at(diagnostic, target));
                 None
             }
-            None => Some(Spanned::new(stop.cell, stop.span)),
+            None => Some(()),
         }
     }
 
@@ -55,52 +60,48 @@ impl<'a> Judge<'a> {
     }
 
     /// The stops of a `move`: those of `via` in the order of writing, then the goal.
-    fn moves(&mut self, phrases: Vec<(&'static str, Spanned<Value>)>) -> Option<Vec<Stop>> {
+    fn moves(&mut self, phrases: Vec<(&'static str, Argument)>) -> Option<Vec<Stop>> {
         let (via, to): (Vec<_>, Vec<_>) = phrases.into_iter().partition(|(preposition, _)| *preposition == "via");
         let stops: Vec<Option<Stop>> = via.iter().chain(&to).map(|(_, target)| self.stop(target)).collect();
         stops.into_iter().collect()
     }
 
-    fn visits(&mut self, object: &Spanned<Value>) -> Option<Vec<Stop>> {
+    fn visits(&mut self, object: &Argument) -> Option<Vec<Stop>> {
         let Value::List(list) = &object.value else { return None };
         if list.len() > dimibot::MAX_VISITS {
             self.sink.push(errors::too_many_visits(object.span, list.len(), dimibot::MAX_VISITS));
             return None;
         }
-        let stops: Vec<Option<Stop>> = list.iter().map(|target| self.stop(target)).collect();
+        let stops: Vec<Option<Stop>> = list.iter().map(|target| self.stop(&element(target, object.span))).collect();
         stops.into_iter().collect()
     }
 
     /// A goal, clear of obstacles.
-    fn stop(&mut self, target: &Spanned<Value>) -> Option<Stop> {
+    fn stop(&mut self, target: &Argument) -> Option<Stop> {
         let stop = self.reach(target)?;
-        match self.covering(stop.cell) {
-            Some(index) => {
-                let (what, obstacle, why, free) = self.covered(&stop, index);
-                self.sink.push(errors::on_obstacle(stop.span, &what, obstacle, &why, free));
-                None
-            }
-            None => Some(stop),
-        }
+        let covered = self.covering(stop.cell).map(|index| self.covered(&stop, index, Code::E0502));
+        self.unless(covered, target)?;
+        Some(stop)
     }
 
     /// The cell of a target, within the workspace and the precision.
-    fn reach(&mut self, target: &Spanned<Value>) -> Option<Stop> {
+    fn reach(&mut self, target: &Argument) -> Option<Stop> {
         let (asked, cell) = match &target.value {
-            Value::Word(word) => (Asked::Cell, word_cell(*word, target.span, self.facts, self.device, self.sink)?),
+            Value::Word(word) => (Asked::Cell, self.word_cell(*word, target)?),
             Value::Point(point) if point[0].dimension == Dimension::NUMBER => (Asked::Cell, self.cell(target)?),
             Value::Point(point) => {
                 let place_um = shapes::point_um(point);
-                (Asked::Place(place_um), self.nearest(place_um, target.span)?)
+                (Asked::Place(place_um), self.nearest(place_um, target)?)
             }
             _ => return None,
         };
         Some(Stop { asked, cell, span: target.span })
     }
 
-    fn cell(&mut self, target: &Spanned<Value>) -> Option<Cell> {
+    fn cell(&mut self, target: &Argument) -> Option<Cell> {
         let Some([x, y]) = whole_cell(&target.value) else {
-            self.sink.push(errors::wrong_place(target.span, &target.value, "whole cells"));
+            let wrong = errors::wrong_place(target.span, &target.value, "whole cells");
+            self.unless(Some(wrong), target)?;
             return None;
         };
         let inside = (0..i64::from(self.facts.cells(Side::Left))).contains(&x)
@@ -108,32 +109,31 @@ impl<'a> Judge<'a> {
         if inside {
             return Some(Cell { x: x as u32, y: y as u32 });
         }
-        let (last_x, last_y) = (self.facts.cells(Side::Left) - 1, self.facts.cells(Side::Right) - 1);
-        let extent = format!("(0, 0) to ({last_x}, {last_y})");
-        let nearest = Cell { x: x.clamp(0, last_x.into()) as u32, y: y.clamp(0, last_y.into()) as u32 };
-        let help = format!("the nearest cell is {nearest}{}", modules_for_cell(x.max(y), x.min(y)));
-        self.sink.push(errors::outside_workspace(target.span, &format!("cell ({x}, {y})"), &extent, help));
+        let last = last_cell(self.facts);
+        let extent = format!("(0, 0) to {last}");
+        let nearest = Cell { x: x.clamp(0, last.x.into()) as u32, y: y.clamp(0, last.y.into()) as u32 };
+        let help = format!("the nearest cell is {nearest}{}", self.modules_for_cell(x, y));
+        let wrong = errors::outside_workspace(target.span, &format!("cell ({x}, {y})"), &extent, help);
+        self.unless(Some(wrong), target)?;
         None
     }
 
-    fn nearest(&mut self, place_um: [f64; 2], span: Span) -> Option<Cell> {
-        let Some(cell) = self.facts.nearest_cell(place_um) else {
-            self.outside(place_um, span);
-            return None;
-        };
-        let off_um = self.off_um(cell, place_um);
-        match self.precision_um {
-            Some(precision_um) if off_um > precision_um => {
-                self.sink.push(errors::off_lattice(
-                    span,
-                    &length(off_um),
-                    &length(precision_um),
-                    self.finer(place_um, cell),
-                ));
-                None
+    fn nearest(&mut self, place_um: [f64; 2], target: &Argument) -> Option<Cell> {
+        let cell = self.facts.nearest_cell(place_um);
+        let wrong = match (cell, self.precision_um) {
+            (None, _) => Some(self.outside(place_um, target.span)),
+            (Some(cell), Some(precision_um)) if self.off_um(cell, place_um) > precision_um => {
+                Some(self.off_lattice(place_um, cell, precision_um, target.span))
             }
-            _ => Some(cell),
-        }
+            (Some(_), _) => None,
+        };
+        self.unless(wrong, target)?;
+        cell
+    }
+
+    fn off_lattice(&self, place_um: [f64; 2], cell: Cell, precision_um: f64, span: Span) -> Diagnostic {
+        let off = length(self.off_um(cell, place_um));
+        errors::off_lattice(span, &off, &length(precision_um), self.finer(place_um, cell, precision_um))
     }
 
     fn off_um(&self, cell: Cell, place_um: [f64; 2]) -> f64 {
@@ -141,20 +141,17 @@ impl<'a> Judge<'a> {
         (x_um - place_um[0]).hypot(y_um - place_um[1])
     }
 
-    fn outside(&mut self, place_um: [f64; 2], span: Span) {
-        let last = Cell { x: self.facts.cells(Side::Left) - 1, y: self.facts.cells(Side::Right) - 1 };
-        let [width_um, height_um] = self.facts.place_um(last);
-        let extent = format!("(0 um, 0 um) to {}", place(width_um, height_um));
+    fn outside(&self, place_um: [f64; 2], span: Span) -> Diagnostic {
+        let extent = format!("(0 um, 0 um) to {}", place(self.facts.place_um(last_cell(self.facts))));
         let cell = self.facts.clamped_cell(place_um);
-        let [x_um, y_um] = self.facts.place_um(cell);
-        let nearest = format!("the nearest reachable place is {}, cell {cell}", place(x_um, y_um));
-        let help = format!("{nearest}{}", self.modules_to_reach(place_um));
-        self.sink.push(errors::outside_workspace(
-            span,
-            &format!("place {}", place(place_um[0], place_um[1])),
-            &extent,
-            help,
-        ));
+        let nearest = self.place_of(cell);
+        let help = format!("the nearest reachable place is {nearest}{}", self.modules_to_reach(place_um));
+        errors::outside_workspace(span, &format!("place {}", place(place_um)), &extent, help)
+    }
+
+    /// A cell's place for a message.
+    fn place_of(&self, cell: Cell) -> String {
+        format!("{}, cell {cell}", place(self.facts.place_um(cell)))
     }
 
     /// How many modules would bring a place into the workspace, if any number does.
@@ -171,10 +168,8 @@ impl<'a> Judge<'a> {
         }
     }
 
-    fn finer(&self, place_um: [f64; 2], cell: Cell) -> String {
-        let [x_um, y_um] = self.facts.place_um(cell);
-        let nearest = format!("the nearest reachable place is {}, cell {cell}", place(x_um, y_um));
-        let precision_um = self.precision_um.unwrap_or(f64::INFINITY);
+    fn finer(&self, place_um: [f64; 2], cell: Cell, precision_um: f64) -> String {
+        let nearest = format!("the nearest reachable place is {}", self.place_of(cell));
         let close = |facts: &dimibot::Facts| {
             facts.nearest_cell(place_um).is_some_and(|cell| {
                 let [x_um, y_um] = facts.place_um(cell);
@@ -187,61 +182,64 @@ impl<'a> Judge<'a> {
         }
     }
 
+    /// How many modules would make a cell exist, on the sides that have too few.
+    fn modules_for_cell(&self, x: i64, y: i64) -> String {
+        if x < 0 || y < 0 {
+            return "; cells count from 0".to_owned();
+        }
+        let needed = |index: i64| (1..=dimibot::MAX_MODULES).find(|modules| index < 1 << modules);
+        let sides = [(x, self.facts.left, "left"), (y, self.facts.right, "right")];
+        let short = sides.into_iter().filter(|(index, has, _)| needed(*index).is_none_or(|modules| modules > *has));
+        let parts: Option<Vec<String>> = short
+            .map(|(index, _, side)| needed(index).map(|modules| format!("{modules} modules on the {side}")))
+            .collect();
+        match parts {
+            Some(parts) => format!("; {} would reach it", parts.join(" and ")),
+            None => format!("; a side has at most {} modules", dimibot::MAX_MODULES),
+        }
+    }
+
+    fn word_cell(&mut self, word: ModuleWord, target: &Argument) -> Option<Cell> {
+        let (left, right) = (self.facts.left, self.facts.right);
+        let wrong = (word.width != left + right)
+            .then(|| errors::word_of_wrong_width(target.span, word.width, left, right, self.device));
+        self.unless(wrong, target)?;
+        Some(self.facts.cell(word.bits))
+    }
+
     /// The least number of modules on both sides for which a robot like this one passes a test.
     fn fewest_modules(&self, test: impl Fn(&dimibot::Facts) -> bool) -> Option<u32> {
         (1..=dimibot::MAX_MODULES)
             .find(|modules| test(&dimibot::Facts { left: *modules, right: *modules, ..self.facts.clone() }))
     }
 
-    /// The first obstacle that covers a cell.
-    fn covering(&mut self, cell: Cell) -> Option<usize> {
-        if let Some(known) = self.covering.get(&cell) {
-            return *known;
-        }
-        let found = (0..self.obstacles.len()).find(|index| self.covers(&self.obstacles[*index].body, cell));
-        self.covering.insert(cell, found);
-        found
+    fn covering(&self, cell: Cell) -> Option<usize> {
+        self.cover.covering(cell, self.facts)
     }
 
-    fn covers(&self, body: &Body, cell: Cell) -> bool {
-        match body {
-            Body::Cells { from, to } => (from.x..=to.x).contains(&cell.x) && (from.y..=to.y).contains(&cell.y),
-            Body::Solid { shape, pose } => self.clearance_um(shape, pose, cell) <= self.facts.growth_um(),
-        }
-    }
-
-    fn clearance_um(&self, shape: &Shape, pose: &Pose, cell: Cell) -> f64 {
-        let [x_um, y_um] = self.facts.place_um(cell);
-        let at = Point2::new(x_um, y_um);
-        let body = shape.grown(pose, 0.0);
-        body.map_or(f64::INFINITY, |body| distance::segment_core([at, at], &body.core) - body.radius_um)
-    }
-
-    /// What, on which obstacle, why, and what is free instead.
-    fn covered(&mut self, stop: &Stop, index: usize) -> (String, (&'a str, Span), String, Option<String>) {
-        let obstacle = &self.obstacles[index];
+    /// What lies on which obstacle, why, and what is free instead.
+    fn covered(&self, stop: &Stop, index: usize, code: Code) -> Diagnostic {
+        let obstacle = &self.cover.obstacles[index];
         let what = match stop.asked {
             Asked::Cell => format!("cell {}", stop.cell),
-            Asked::Place([x_um, y_um]) => format!("place {} (cell {})", place(x_um, y_um), stop.cell),
+            Asked::Place(place_um) => format!("place {}, cell {},", place(place_um), stop.cell),
         };
+        let growth = length(self.facts.growth_um());
         let why = match &obstacle.body {
-            Body::Cells { .. } => "a covered cell".to_owned(),
-            Body::Solid { shape, pose } => {
-                let clearance = length(self.clearance_um(shape, pose, stop.cell));
-                format!(
-                    "{clearance} from its rim, tip and repeatability need more than {}",
-                    length(self.facts.growth_um())
-                )
-            }
+            Body::Cells { .. } => "this cell is covered".to_owned(),
+            Body::Solid { shape, pose } => match clearance_um(shape, pose, stop.cell, self.facts) {
+                inside if inside <= 0.0 => format!("{} inside its rim", length(-inside)),
+                clear => format!("{} from its rim, tip and repeatability need more than {growth}", length(clear)),
+            },
         };
         let free = self.nearest_free(stop.cell).map(|cell| {
-            let [x_um, y_um] = self.facts.place_um(cell);
-            format!("the nearest free cell is {cell}, at {}", place(x_um, y_um))
+            let place = place(self.facts.place_um(cell));
+            format!("the nearest free cell is {cell}, at {place}")
         });
-        (what, (&obstacle.name, obstacle.span), why, free)
+        errors::on_obstacle((code, stop.span), &what, (&obstacle.name, obstacle.span), &why, free)
     }
 
-    fn nearest_free(&mut self, cell: Cell) -> Option<Cell> {
+    fn nearest_free(&self, cell: Cell) -> Option<Cell> {
         for ring in 1..=MAX_RINGS {
             let free: Vec<Cell> = ring_of(cell, ring, self.facts).filter(|at| self.covering(*at).is_none()).collect();
             let squared = |at: &Cell| u64::from(at.x.abs_diff(cell.x)).pow(2) + u64::from(at.y.abs_diff(cell.y)).pow(2);
@@ -268,29 +266,18 @@ fn ring_of(cell: Cell, ring: u32, facts: &dimibot::Facts) -> impl Iterator<Item 
 }
 
 /// A place for a message.
-fn place(x_um: f64, y_um: f64) -> String {
+fn place([x_um, y_um]: [f64; 2]) -> String {
     format!("({}, {})", length(x_um), length(y_um))
 }
 
-fn modules_for_cell(largest: i64, least: i64) -> String {
-    if least < 0 {
-        return "; cells count from 0".to_owned();
-    }
-    match (1..=dimibot::MAX_MODULES).find(|modules| largest < 1 << modules) {
-        Some(modules) => format!("; {modules} modules on that side would reach it"),
-        None => format!("; a side has at most {} modules", dimibot::MAX_MODULES),
-    }
-}
-
-fn word_cell(word: ModuleWord, span: Span, facts: &dimibot::Facts, device: &str, sink: &mut Sink) -> Option<Cell> {
-    if word.width != facts.left + facts.right {
-        sink.push(errors::word_of_wrong_width(span, word.width, facts.left, facts.right, device));
-        return None;
-    }
-    Some(facts.cell(word.bits))
+/// An element of a list that is visited, with the step where its list is given elsewhere.
+fn element(target: &Spanned<Value>, list: Span) -> Argument {
+    let origin = (!list.contains(target.span)).then(|| Origin { span: list, text: "visited here".to_owned() });
+    Argument { value: target.value.clone(), span: target.span, origin }
 }
 
 /// The cell of a state that no scene is known for: a device's home.
-pub fn state(value: &Spanned<Value>, facts: &dimibot::Facts, device: &str, sink: &mut Sink) -> Option<Cell> {
-    Judge::new(facts, &[], device, None, sink).start(value).map(|cell| cell.value)
+pub fn state(value: &Argument, facts: &dimibot::Facts, device: &str, sink: &mut Sink) -> Option<Cell> {
+    let nothing = Cover::of(Vec::new(), facts);
+    Judge::new(facts, &nothing, device, None, sink).start(value).map(|cell| cell.value)
 }

@@ -5,7 +5,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::syntax::tree::Ident;
 
-use super::meant;
+use super::listed;
 
 /// `library` is a published device to start from: its file and its name.
 pub fn missing_fields(span: Span, owner: &str, missing: &[&Field], library: Option<(&str, &str)>) -> Diagnostic {
@@ -13,7 +13,7 @@ pub fn missing_fields(span: Span, owner: &str, missing: &[&Field], library: Opti
     let list: Vec<String> = missing.iter().map(|field| format!("`{}` ({})", field.name, field.doc)).collect();
     let start =
         library.map(|(file, device)| format!("; or start from a published device: `use {file}` and `: {device}`"));
-    Diagnostic::new(Code::E0401, format!("{owner} lacks {}", super::listed(names)))
+    Diagnostic::new(Code::E0401, format!("{owner} lacks {}", listed(names)))
         .label(span, "not all fields are given")
         .help(format!("add {}{}", list.join(", "), start.unwrap_or_default()))
 }
@@ -42,10 +42,20 @@ pub fn cells_indistinguishable(span: Span, repeatability: &str, pitch: &str) -> 
         .help("more modules refine the lattice, not the robot: places are no better than the repeatability")
 }
 
-pub fn unknown_channel(span: Span, device: &str, channel: &str, near: Option<&str>) -> Diagnostic {
+/// Of one module each channel is told apart by what follows the dot; of a module that is not there the range is told.
+pub fn unknown_channel(span: Span, device: &str, channel: &str, known: &[String]) -> Diagnostic {
+    let module = |channel: &str| channel.split('.').next().unwrap_or_default().to_owned();
+    let of_module = known.iter().filter(|known| module(known) == module(channel)).map(String::as_str);
+    let help = match listed(of_module).as_str() {
+        "nothing" => {
+            let [first, last] = [known.first(), known.last()].map(|known| known.map_or("", String::as_str));
+            format!("its channels run from `{first}` to `{last}`; `tweeze devices` says how they are named")
+        }
+        list => format!("write {list}"),
+    };
     Diagnostic::new(Code::E0406, format!("device `{device}` has no channel `{channel}`"))
         .label(span, "no such channel")
-        .help(meant(near).unwrap_or_else(|| "`tweeze devices` lists the channels of each kind".to_owned()))
+        .help(help)
 }
 
 pub fn channel_wired_twice(channel: &str, span: Span, earlier: Span) -> Diagnostic {

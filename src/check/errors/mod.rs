@@ -20,6 +20,15 @@ fn listed<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     }
 }
 
+/// A choice of words for a message: "`a`, `b` or `c`".
+fn either(words: &[&str]) -> String {
+    let list = listed(words.iter().copied());
+    match list.rsplit_once(" and ") {
+        Some((rest, last)) => format!("{rest} or {last}"),
+        None => list,
+    }
+}
+
 /// "did you mean `x`?", where something is near.
 fn meant(near: Option<&str>) -> Option<String> {
     near.map(|near| format!("did you mean `{near}`?"))

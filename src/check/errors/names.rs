@@ -1,15 +1,38 @@
 //! Names: E02xx.
 
 use super::{listed, meant};
-use crate::check::scope::{Declaration, path_text};
+use crate::check::scope::{Declaration, DeclarationSort, FUNCTIONS, path_text};
+use crate::device::shape::Form;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::syntax::tree::{Ident, Path};
 
-pub fn unknown_name(span: Span, name: &str, sort: &str, near: Option<&str>) -> Diagnostic {
-    Diagnostic::new(Code::E0201, format!("no {sort} is named `{name}`"))
-        .label(span, "not declared in this file")
+pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<&str>) -> Diagnostic {
+    Diagnostic::new(Code::E0201, format!("no {} is named `{name}`", sort.name()))
+        .label(span, if name.contains('.') { "not declared in that file" } else { "not declared in this file" })
         .help_if(meant(near))
+}
+
+pub fn unknown_function(span: Span, name: &str, near: Option<&str>) -> Diagnostic {
+    let known = format!("the functions are {}", listed(FUNCTIONS.iter().copied()));
+    Diagnostic::new(Code::E0201, format!("no function is named `{name}`"))
+        .label(span, "not a function")
+        .help(meant(near).unwrap_or(known))
+}
+
+pub fn unknown_shape(span: Span, name: &str, near: Option<&str>) -> Diagnostic {
+    let known = format!("the shapes are {}", listed(Form::ALL.iter().map(|form| form.name())));
+    Diagnostic::new(Code::E0201, format!("no shape is named `{name}`"))
+        .label(span, "neither a shape nor a value of this file")
+        .help(meant(near).unwrap_or(known))
+}
+
+/// A file's name alone, where one of the names in the file belongs.
+pub fn file_for_value(span: Span, name: &str, used: Span, sort: DeclarationSort) -> Diagnostic {
+    Diagnostic::new(Code::E0206, format!("`{name}` is a used file, {} belongs here", sort.describe()))
+        .label(span, format!("{} belongs here", sort.describe()))
+        .label(used, "used here")
+        .help(format!("name one of that file, as `{name}.…`"))
 }
 
 pub fn unknown_kind(span: Span, name: &str, near: Option<&str>, kinds: &[&str]) -> Diagnostic {
@@ -27,7 +50,7 @@ pub fn unknown_file(span: Span, alias: &str, near: Option<&str>) -> Diagnostic {
         .help(meant(near).unwrap_or(mend))
 }
 
-pub fn shape_without_fields(span: Span, form: crate::device::shape::Form) -> Diagnostic {
+pub fn shape_without_fields(span: Span, form: Form) -> Diagnostic {
     let fields: Vec<String> = form.fields().iter().map(|field| format!("{}: …", field.name)).collect();
     Diagnostic::new(Code::E0401, format!("a {} without its fields", form.name()))
         .label(span, "how large?")
@@ -47,10 +70,12 @@ pub fn kept_name(name: &Ident, keeper: &str) -> Diagnostic {
         .help(format!("choose another name, as `my_{}`", name.text))
 }
 
+/// `chain` are the files that led here, the program's own first.
 pub fn missing_file(span: Span, what: &str, why: &str, chain: &[String]) -> Diagnostic {
+    let start = "the path starts at the folder of this file".to_owned();
     Diagnostic::new(Code::E0204, format!("{what} cannot be used: {why}"))
         .label(span, "used here")
-        .help_if((chain.len() > 1).then(|| format!("imported by {}", chain.join(" → "))))
+        .help(if chain.len() > 1 { format!("it is used by {}", chain.join(" → ")) } else { start })
 }
 
 pub fn unknown_library(span: Span, name: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {
@@ -60,10 +85,34 @@ pub fn unknown_library(span: Span, name: &str, near: Option<&str>, known: &[&str
         .help(meant(near).unwrap_or(list))
 }
 
-pub fn import_cycle(span: Span, chain: &[String]) -> Diagnostic {
-    Diagnostic::new(Code::E0205, "files use each other in a circle")
-        .label(span, "this closes the circle")
-        .help(format!("the circle is {}; move what both need into a third file", chain.join(" → ")))
+pub fn braces_in_use(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0204, "the file of a `use` is named by braces")
+        .label(span, "not known before the file is read")
+        .help("write the file's name out: `use \"bench.twz\"`")
+}
+
+pub fn file_without_name(span: Span, path: &str, stem: &str) -> Diagnostic {
+    let name: String = stem.chars().map(|c| if c.is_alphanumeric() || c == '_' { c } else { '_' }).collect();
+    Diagnostic::new(Code::E0110, format!("`{stem}` cannot be a name, and the file has no other"))
+        .label(span, "what is it called here?")
+        .help(format!("give it a name: `use \"{path}\" as my_{name}`"))
+}
+
+pub fn kept_file_name(span: Span, name: &str, keeper: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0203, format!("`{name}` is {keeper} and keeps its name"))
+        .label(span, "cannot name a file")
+        .help(format!("give the file another name with `as`, as `as my_{name}`"))
+}
+
+/// `uses` are the other `use`s of the circle in their order, each with the file that it names.
+pub fn import_cycle((span, name): (Span, &str), uses: &[(Span, &str)]) -> Diagnostic {
+    let names = uses.iter().map(|(_, name)| *name);
+    let chain: Vec<&str> = std::iter::once(name).chain(names).chain([name]).collect();
+    let diagnostic = Diagnostic::new(Code::E0205, format!("`{name}` uses itself: {}", chain.join(" → ")))
+        .label(span, "this closes the circle");
+    let labelled =
+        uses.iter().fold(diagnostic, |told, (span, name)| told.label(*span, format!("`{name}` is used here")));
+    labelled.help("move what the files need of each other into one that uses none of them")
 }
 
 pub fn too_many_files(span: Span, limit: usize) -> Diagnostic {
@@ -83,20 +132,18 @@ pub fn indexed_name(span: Span) -> Diagnostic {
         .help("declare it under a name of its own")
 }
 
-pub fn defined_by_itself(span: Span, declared: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0207, "a name that is defined by itself")
-        .label(span, "asked for while it is being made out")
-        .label(declared, "declared here")
+/// `at` is where it is asked for while it is being made out.
+pub fn defined_by_itself((name, declared): (&str, Span), at: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0207, format!("`{name}` is defined by itself"))
+        .label(at, format!("this needs `{name}` again"))
+        .label_elsewhere(declared, at, format!("`{name}` is declared here"))
+        .help("break the circle: one of its members must do without the others")
 }
 
 pub fn too_deep(span: Span, what: &str, limit: usize) -> Diagnostic {
     Diagnostic::new(Code::E0207, format!("more than {limit} {what} hang on one another"))
         .label(span, "one too many")
-        .help("declare them in the order in which they are needed, or shorten the chain")
-}
-
-pub fn lets_too_deep(span: Span) -> Diagnostic {
-    too_deep(span, "values", crate::check::evaluate::MAX_LET_DEPTH)
+        .help("let some of them start from one further up")
 }
 
 pub fn unknown_verb(span: Span, verb: &str, kind: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {
@@ -123,18 +170,26 @@ pub fn unknown_noun(span: Span, noun: &str, near: Option<&str>, known: &[&str]) 
         .help(meant(near).unwrap_or(list))
 }
 
-pub fn unused(code: Code, span: Span, what: &str, name: &str) -> Diagnostic {
-    Diagnostic::new(code, format!("{what} `{name}` is never used")).label(span, "declared here")
+pub fn unused(span: Span, sort: DeclarationSort, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::W0201, format!("{} `{name}` is never used", sort.name()))
+        .label(span, "declared here")
+        .help("use it or take it out")
 }
 
-pub fn never_run(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(Code::W0502, format!("task `{name}` is never run"))
+pub fn unused_file(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::W0202, format!("nothing of file `{name}` is used"))
+        .label(span, "used here")
+        .help("take the `use` out")
+}
+
+pub fn never_run(span: Span, sort: DeclarationSort, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::W0502, format!("{} `{name}` is never run", sort.name()))
         .label(span, "no program runs it")
         .help(format!("add `run {name}` to a program, or build it alone with `--task {name}`"))
 }
 
-pub fn never_run_with_parameters(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(Code::W0502, format!("task `{name}` has parameters and is never run"))
+pub fn never_run_with_parameters(span: Span, sort: DeclarationSort, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::W0502, format!("{} `{name}` has parameters and is never run", sort.name()))
         .label(span, "nothing gives it arguments")
         .help(format!("add a program: `program all {{ run {name}(…) }}`"))
 }

@@ -1,6 +1,7 @@
 //! Scenes, tasks and programs: E05xx.
 
 use super::{listed, meant};
+use crate::check::lets::Argument;
 use crate::check::value::Value;
 use crate::device::{Verb, Vocabulary};
 use crate::diagnostic::{Code, Diagnostic};
@@ -13,21 +14,26 @@ pub fn outside_workspace(span: Span, what: &str, extent: &str, help: String) -> 
         .help(help)
 }
 
-pub fn on_obstacle(span: Span, what: &str, obstacle: (&str, Span), why: &str, free: Option<String>) -> Diagnostic {
-    Diagnostic::new(Code::E0502, format!("{what} lies on obstacle `{}`", obstacle.0))
-        .label(span, why)
-        .label(obstacle.1, "the obstacle")
-        .help_if(free)
-}
-
-pub fn start_on_obstacle(
-    span: Span,
+/// A goal or a start, by its code, on an obstacle.
+pub fn on_obstacle(
+    (code, span): (Code, Span),
     what: &str,
-    obstacle: (&str, Span),
+    (name, obstacle): (&str, Span),
     why: &str,
     free: Option<String>,
 ) -> Diagnostic {
-    Diagnostic { code: Code::E0505, ..on_obstacle(span, what, obstacle, why, free) }
+    Diagnostic::new(code, format!("{what} lies on obstacle `{name}`"))
+        .label(span, why)
+        .label(obstacle, "the obstacle")
+        .help_if(free)
+}
+
+/// Adds the place where an argument's value was given, if it has a name.
+pub fn given_at(diagnostic: Diagnostic, argument: &Argument) -> Diagnostic {
+    match &argument.origin {
+        Some(origin) => diagnostic.label_elsewhere(origin.span, argument.span, origin.text.clone()),
+        None => diagnostic,
+    }
 }
 
 pub fn off_lattice(span: Span, off: &str, precision: &str, help: String) -> Diagnostic {
@@ -48,10 +54,12 @@ pub fn precision_beyond_robot(span: Span, precision: &str, repeatability: &str) 
         .help(format!("ask for {repeatability} or more, or give the device the repeatability that was measured"))
 }
 
-pub fn start_disagrees(span: Span, start: &str, stands: &str, device: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0507, format!("the task starts at {start}, but `{device}` stands at {stands} by then"))
-        .label(span, "not where the robot stands")
-        .help("leave `start at` out: a task begins where the device's last one ended")
+/// Of a start, and of the run that it is part of.
+pub fn start_disagrees((start, run): (Span, Span), asked: &str, stands: &str, device: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0507, format!("the task starts at {asked}, but `{device}` stands at {stands} by then"))
+        .label(start, "not where the robot stands")
+        .label_elsewhere(run, start, "run here")
+        .help(format!("leave `start at` out, or start where the last task of `{device}` ended: {stands}"))
 }
 
 pub fn two_things_at_once(device: &str, first: Span, second: Span) -> Diagnostic {
@@ -75,6 +83,12 @@ pub fn missing_part(span: Span, verb: &Verb, part: &str) -> Diagnostic {
         .help(format!("write `{}`", verb.example))
 }
 
+pub fn missing_preposition(span: Span, verb: &Verb, preposition: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0509, format!("`{}` lacks `{preposition}`", verb.name))
+        .label(span, format!("write `{preposition}` before this"))
+        .help(format!("as in `{}`", verb.example))
+}
+
 pub fn unexpected_part(span: Span, verb: &Verb, part: &str) -> Diagnostic {
     Diagnostic::new(
         Code::E0509,
@@ -88,7 +102,10 @@ pub fn unknown_preposition(preposition: &Ident, verb: &Verb) -> Diagnostic {
     let known = listed(verb.phrases.iter().map(|phrase| phrase.preposition));
     Diagnostic::new(Code::E0509, format!("`{}` does not go with `{}`", verb.name, preposition.text))
         .label(preposition.span, "not understood here")
-        .help(format!("it takes {known}, as in `{}`", verb.example))
+        .help(match verb.phrases {
+            [] => format!("write it as in `{}`", verb.example),
+            _ => format!("it takes {known}, as in `{}`", verb.example),
+        })
 }
 
 pub fn preposition_twice(preposition: &Ident, earlier: Span, verb: &Verb) -> Diagnostic {
@@ -129,10 +146,19 @@ pub fn bad_start(span: Span) -> Diagnostic {
         .help("write `start at 0b10001_00010` or `start at (17, 2)`")
 }
 
-pub fn wrong_argument_count(span: Span, wanted: usize, found: usize, declared: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0511, format!("{found} arguments, {wanted} are declared"))
+/// `form` is the call as it should be: `go(goal: cell)`.
+pub fn wrong_argument_count(span: Span, form: &str, (wanted, found): (usize, usize), declared: Span) -> Diagnostic {
+    let arguments = match wanted {
+        0 => "no arguments".to_owned(),
+        1 => "1 argument".to_owned(),
+        more => format!("{more} arguments"),
+    };
+    let given = if found == 1 { "1 is".to_owned() } else { format!("{found} are") };
+    let name = form.split('(').next().unwrap_or(form);
+    Diagnostic::new(Code::E0511, format!("`{name}` takes {arguments}, {given} given"))
         .label(span, "run here")
         .label(declared, "declared here")
+        .help(format!("write `run {form}`"))
 }
 
 pub fn unknown_parameter_sort(sort: &Ident, near: Option<&str>, known: &[&str]) -> Diagnostic {
@@ -142,7 +168,13 @@ pub fn unknown_parameter_sort(sort: &Ident, near: Option<&str>, known: &[&str]) 
 }
 
 pub fn too_many_runs(span: Span, limit: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0512, format!("more than {limit} runs of tasks in one schedule"))
+    Diagnostic::new(Code::E0512, format!("more than {limit} runs and waits in one schedule"))
+        .label(span, "the limit is passed here")
+        .help("split the program into several")
+}
+
+pub fn too_many_steps(span: Span, limit: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0512, format!("more than {limit} steps of tasks in one schedule"))
         .label(span, "the limit is passed here")
         .help("split the program into several")
 }
@@ -173,8 +205,8 @@ pub fn shape_wanted(span: Span, found: &Value) -> Diagnostic {
         .help("write `disc { radius: 0.8 um }`, or leave `: shape` out for a point")
 }
 
-pub fn bad_shape(span: Span, what: &str, why: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0514, what).label(span, why)
+pub fn bad_shape(span: Span, what: &str, why: &str, help: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0514, what).label(span, why).help(help)
 }
 
 pub fn shape_too_large(span: Span, limit: &str) -> Diagnostic {

@@ -1,6 +1,6 @@
 //! Units and values: E03xx.
 
-use super::{listed, meant};
+use super::{either, meant};
 use crate::check::value::Value;
 use crate::device;
 use crate::diagnostic::{Code, Diagnostic};
@@ -39,11 +39,22 @@ fn dimension_help(wanted: &Wanted, dimension: Dimension, found: &Value) -> Strin
     let about = if wanted.doc.is_empty() { String::new() } else { format!(" ({})", wanted.doc) };
     match found {
         Value::Quantity(quantity) if quantity.dimension == Dimension::NUMBER && !unit.is_empty() => {
-            format!("give the number its unit, as `{} {unit}`{about}", crate::quantity::digits(quantity.si))
+            format!("give the number its unit, as `{}`{about}", example(dimension, found))
         }
         _ if unit.is_empty() => format!("write a plain number without a unit{about}"),
-        _ => format!("write {} with its unit, as `1 {unit}`{about}", dimension.with_article()),
+        _ => format!("write {} with its unit, as `{}`{about}", dimension.with_article(), example(dimension, found)),
     }
+}
+
+/// The digits that were written, with a unit that fits; `1` where they would make no sense there.
+fn example(dimension: Dimension, found: &Value) -> String {
+    const PLAIN: std::ops::RangeInclusive<f64> = 0.001..=100_000.0;
+    let digits = match found {
+        Value::Quantity(quantity) => quantity.to_string().split(' ').next().unwrap_or_default().to_owned(),
+        _ => String::new(),
+    };
+    let is_plain = digits.parse().is_ok_and(|number: f64| PLAIN.contains(&number));
+    format!("{} {}", if is_plain { digits.as_str() } else { "1" }, dimension.example_unit())
 }
 
 pub fn wrong_value(wanted: &Wanted, what: &str, example: &str, span: Span, found: &Value) -> Diagnostic {
@@ -52,15 +63,25 @@ pub fn wrong_value(wanted: &Wanted, what: &str, example: &str, span: Span, found
     wanted.declared_on(diagnostic).help(format!("write {what}, as `{example}`"))
 }
 
-pub fn wrong_word(wanted: &Wanted, choices: &[device::Choice], span: Span, near: Option<&str>) -> Diagnostic {
-    let list = format!("write one of {}", listed(choices.iter().map(|choice| choice.name)));
-    let diagnostic = Diagnostic::new(Code::E0311, format!("{} wants one of its words", wanted.name));
-    wanted.declared_on(diagnostic.label(span, "not one of them")).help(meant(near).unwrap_or(list))
+/// `found` is the word as it was written, if it was one.
+pub fn wrong_word(
+    wanted: &Wanted,
+    choices: &[device::Choice],
+    (span, found): (Span, &str),
+    near: Option<&str>,
+) -> Diagnostic {
+    let words: Vec<&str> = choices.iter().map(|choice| choice.name).collect();
+    let found = if found.is_empty() { "no word".to_owned() } else { format!("`{found}`") };
+    let title = format!("{} wants {}, this is {found}", wanted.name, either(&words));
+    let list = choices.iter().map(|choice| format!("`{}` is {}", choice.name, choice.doc)).collect::<Vec<_>>();
+    let diagnostic = Diagnostic::new(Code::E0311, title);
+    wanted.declared_on(diagnostic.label(span, "not one of these words")).help(meant(near).unwrap_or(list.join("; ")))
 }
 
 pub fn out_of_range(wanted: &Wanted, span: Span, found: &str, limit: &str) -> Diagnostic {
     let diagnostic = Diagnostic::new(Code::E0403, format!("{} is {found}, it must be {limit}", wanted.name));
-    wanted.declared_on(diagnostic.label(span, format!("must be {limit}")))
+    let about = (!wanted.doc.is_empty()).then(|| format!("it is {}", wanted.doc));
+    wanted.declared_on(diagnostic.label(span, format!("must be {limit}"))).help_if(about)
 }
 
 pub fn unlike_operands(symbol: &str, left: (Span, &Value), right: (Span, &Value)) -> Diagnostic {
@@ -89,11 +110,40 @@ pub fn bad_exponent(span: Span, found: &Value) -> Diagnostic {
         .help("a quantity with a unit is raised to whole powers only; `sqrt(x)` takes the square root")
 }
 
+/// Units as people say them, with the unit that is meant.
+const SPELT_OUT: [(&str, &str); 24] = [
+    ("micron", "um"),
+    ("microns", "um"),
+    ("micrometer", "um"),
+    ("micrometers", "um"),
+    ("micrometre", "um"),
+    ("micrometres", "um"),
+    ("nanometer", "nm"),
+    ("nanometre", "nm"),
+    ("millimeter", "mm"),
+    ("millimetre", "mm"),
+    ("sec", "s"),
+    ("secs", "s"),
+    ("second", "s"),
+    ("seconds", "s"),
+    ("msec", "ms"),
+    ("minutes", "min"),
+    ("hour", "h"),
+    ("hours", "h"),
+    ("volt", "V"),
+    ("volts", "V"),
+    ("degree", "deg"),
+    ("degrees", "deg"),
+    ("radians", "rad"),
+    ("newton", "N"),
+];
+
 pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
     let list = "units are m s V A N J W Hz g F C Pa K with prefixes f p n u m c d k M G T, and deg rad turn min h %";
+    let spelt_out = SPELT_OUT.iter().find(|(word, _)| *word == part.to_lowercase()).map(|(_, unit)| *unit);
     Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
         .label(span, "unknown unit")
-        .help(meant(near).unwrap_or_else(|| list.to_owned()))
+        .help(meant(spelt_out.or(near)).unwrap_or_else(|| list.to_owned()))
 }
 
 pub fn exponent_too_large(span: Span) -> Diagnostic {

@@ -1,10 +1,10 @@
 //! The scene once more as coloured points: path, stops and the true outlines of obstacles.
 //!
-//! Rerun 0.41 shows clouds of points but no `SceneUpdate`, and without one it opens no view in three dimensions by itself.
+//! Rerun 0.41 shows clouds of points but no `SceneUpdate`, and without points it opens no view in three dimensions by itself.
 
 use super::foxglove::{self, Color, PackedElementField, PointCloud, packed_element_field::NumericType};
 use super::scene::{self, Bench, color};
-use super::{Topic, motion};
+use super::{Topic, drawing, motion};
 use crate::check::claims::{Body, DimibotOrder};
 use crate::geometry::shape::{Core, Rounded};
 use crate::schedule::PlanRecord;
@@ -20,16 +20,26 @@ const MAX_POINTS: f64 = 50_000.0;
 /// Corners of a polygon that stands for a circle.
 const CIRCLE_CORNERS: usize = 48;
 
-/// `/<device>/points` for each device.
+/// Among more obstacles than this a circle is small and gets fewer corners.
+const MANY_OBSTACLES: usize = 500;
+
+const COARSE_CORNERS: usize = 8;
+
+/// `/<device>/scene/points` and `/<device>/plan/points` for each device.
 pub fn topics(verified: &Verified) -> Vec<Topic> {
-    let topic = |bench: Bench| {
-        let cloud = |(job, plan): (&_, &PlanRecord)| {
-            (plan.start_ns, foxglove::encode(&cloud(&strokes(scene::order(job), plan), plan)))
+    let mut topics = Vec::new();
+    for Bench { device, .. } in Bench::all(verified) {
+        let scene = |(t_ns, order)| (t_ns, foxglove::encode(&cloud(&scenery(order), device, t_ns)));
+        let plan = |(job, plan): (&_, &PlanRecord)| {
+            let strokes = plan_strokes(scene::order(job), plan);
+            (plan.start_ns, foxglove::encode(&cloud(&strokes, device, plan.start_ns)))
         };
-        let messages = scene::jobs(verified, bench.device).into_iter().map(cloud).collect();
-        Topic::new::<PointCloud>(format!("/{}/points", bench.device), messages)
-    };
-    Bench::all(verified).into_iter().map(topic).collect()
+        let scenes = scene::sceneries(verified, device).into_iter().map(scene).collect();
+        let plans = scene::jobs(verified, device).into_iter().map(plan).collect();
+        topics.push(Topic::new::<PointCloud>(format!("/{device}/scene/points"), scenes));
+        topics.push(Topic::new::<PointCloud>(format!("/{device}/plan/points"), plans));
+    }
+    topics
 }
 
 /// A line through corners, of one colour.
@@ -38,54 +48,63 @@ struct Stroke {
     color: Color,
 }
 
-fn strokes(order: &DimibotOrder, plan: &PlanRecord) -> Vec<Stroke> {
+fn plan_strokes(order: &DimibotOrder, plan: &PlanRecord) -> Vec<Stroke> {
     let path = plan.states.iter().map(|state| {
         let [x, y, _] = motion::place(state);
         Point2::new(x, y)
     });
+    let stops = scene::stops(order).map(|stop| {
+        let centre = Point2::from(order.facts.place_um(stop.cell));
+        Stroke { corners: circle(centre, scene::STOP_UM / 2.0, CIRCLE_CORNERS), color: color::STOP }
+    });
+    std::iter::once(Stroke { corners: path.collect(), color: color::PATH }).chain(stops).collect()
+}
+
+fn scenery(order: &DimibotOrder) -> Vec<Stroke> {
     let facts = &order.facts;
-    let mut strokes = vec![Stroke { corners: path.collect(), color: color::PATH }];
-    strokes.extend(scene::stops(order).map(|stop| {
-        let [x, y] = facts.place_um(stop.cell);
-        Stroke { corners: circle(Point2::new(x, y), scene::STOP_UM / 2.0), color: color::STOP }
-    }));
-    for obstacle in order.obstacles.iter() {
-        let outlines = match &obstacle.body {
+    let [x, y] = facts.place_um(scene::last_cell(facts));
+    let mut strokes = vec![Stroke { corners: rectangle([0.0, 0.0], [x, y]), color: color::LATTICE }];
+    let corners = if order.obstacles.len() > MANY_OBSTACLES { COARSE_CORNERS } else { CIRCLE_CORNERS };
+    for obstacle in scene::drawn(order) {
+        let lines = match &obstacle.body {
             Body::Cells { from, to } => {
-                let ([x0, y0], [x1, y1]) = scene::tiles_um(facts, *from, *to);
-                vec![ring([(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(|(x, y)| Point2::new(x, y)).to_vec())]
+                let (low, high) = scene::tiles_um(facts, *from, *to);
+                vec![rectangle(low, high)]
             }
             // The checker refuses shapes that cannot be placed; one that slips through is only not drawn.
-            Body::Solid { shape, pose } => shape.grown(pose, 0.0).map_or_else(|_| Vec::new(), |body| outlines(&body)),
+            Body::Solid { shape, pose } => {
+                shape.grown(pose, 0.0).map_or_else(|_| Vec::new(), |body| outlines(&drawing::on_grid(body), corners))
+            }
         };
-        strokes.extend(outlines.into_iter().map(|corners| Stroke { corners, color: color::OBSTACLE }));
+        strokes.extend(lines.into_iter().map(|corners| Stroke { corners, color: color::OBSTACLE }));
     }
-    let corner = facts.place_um(scene::last_cell(facts));
-    let lattice = [[0.0, 0.0], [corner[0], 0.0], corner, [0.0, corner[1]]].map(Point2::from);
-    strokes.push(Stroke { corners: ring(lattice.to_vec()), color: color::LATTICE });
     strokes
 }
 
-fn outlines(body: &Rounded) -> Vec<Vec<Point2<f64>>> {
+fn rectangle([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> Vec<Point2<f64>> {
+    ring([[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(Point2::from).to_vec())
+}
+
+fn outlines(body: &Rounded, corners: usize) -> Vec<Vec<Point2<f64>>> {
     match &body.core {
-        Core::Point(centre) => vec![circle(*centre, body.radius_um)],
+        Core::Point(centre) => vec![circle(*centre, body.radius_um, corners)],
         Core::Segment([a, b]) => {
             let across = (b - a).try_normalize(0.0).map(|along| nalgebra::Vector2::new(-along.y, along.x));
             let across = across.unwrap_or_default() * body.radius_um;
             let sides = [vec![a + across, b + across], vec![a - across, b - across]];
-            let ends = [circle(*a, body.radius_um), circle(*b, body.radius_um)];
+            let ends = [circle(*a, body.radius_um, corners), circle(*b, body.radius_um, corners)];
             sides.into_iter().chain(ends).collect()
         }
-        Core::Polygon(corners) => vec![ring(corners.clone())],
+        Core::Polygon(core) => vec![ring(core.clone())],
     }
 }
 
-fn circle(centre: Point2<f64>, radius_um: f64) -> Vec<Point2<f64>> {
+fn circle(centre: Point2<f64>, radius_um: f64, corners: usize) -> Vec<Point2<f64>> {
     let corner = |index: usize| {
-        let angle = index as f64 * std::f64::consts::TAU / CIRCLE_CORNERS as f64;
-        centre + nalgebra::Vector2::new(angle.cos(), angle.sin()) * radius_um
+        let angle = index as f64 * std::f64::consts::TAU / corners as f64;
+        drawing::snap(centre + nalgebra::Vector2::new(angle.cos(), angle.sin()) * radius_um)
     };
-    ring((0..CIRCLE_CORNERS).map(corner).collect())
+    ring((0..corners).map(corner).collect())
 }
 
 /// Closes a line.
@@ -94,7 +113,7 @@ fn ring(mut corners: Vec<Point2<f64>>) -> Vec<Point2<f64>> {
     corners
 }
 
-fn cloud(strokes: &[Stroke], plan: &PlanRecord) -> PointCloud {
+fn cloud(strokes: &[Stroke], device: &str, t_ns: u64) -> PointCloud {
     let lengths =
         strokes.iter().flat_map(|stroke| stroke.corners.windows(2)).map(|pair| nalgebra::distance(&pair[0], &pair[1]));
     let step_um = (lengths.sum::<f64>() / MAX_POINTS).max(STEP_UM);
@@ -122,8 +141,8 @@ fn cloud(strokes: &[Stroke], plan: &PlanRecord) -> PointCloud {
     let colors = ["red", "green", "blue", "alpha"].into_iter().zip(12..);
     let colors = colors.map(|(name, at)| field(name, at, NumericType::Uint8));
     PointCloud {
-        timestamp: foxglove::timestamp(plan.start_ns),
-        frame_id: plan.device.clone(),
+        timestamp: foxglove::timestamp(t_ns),
+        frame_id: device.to_owned(),
         pose: foxglove::pose_at([0.0; 3]),
         point_stride: 16,
         fields: places.chain(colors).collect(),

@@ -55,6 +55,25 @@ pub fn body(entity: &mut SceneEntity, body: &Rounded, slab: Slab) {
     }
 }
 
+/// Steps of the grid that turned shapes are drawn on, for each micrometre. The last bits of sines differ between machines, and
+/// a log must not.
+const GRID_PER_UM: f64 = 1e6;
+
+/// A body with its points moved to the nearest point of a grid of one picometre.
+pub fn on_grid(body: Rounded) -> Rounded {
+    let core = match body.core {
+        Core::Point(point) => Core::Point(snap(point)),
+        Core::Segment(ends) => Core::Segment(ends.map(snap)),
+        Core::Polygon(corners) => Core::Polygon(corners.into_iter().map(snap).collect()),
+    };
+    Rounded { core, ..body }
+}
+
+/// The nearest point of the grid.
+pub fn snap(point: Point2<f64>) -> Point2<f64> {
+    point.map(|value| (value * GRID_PER_UM).round() / GRID_PER_UM)
+}
+
 /// The largest y of a body.
 pub fn top_um(body: &Rounded) -> f64 {
     let points = match &body.core {
@@ -89,7 +108,7 @@ fn bar(entity: &mut SceneEntity, a: Point2<f64>, b: Point2<f64>, radius_um: f64,
     entity.cubes.push(CubePrimitive {
         pose: foxglove::turned_pose(
             [middle.x, middle.y, slab.bottom_um + slab.height_um / 2.0],
-            along.y.atan2(along.x),
+            (along / along.norm()).into(),
         ),
         size: Some(Vector3 { x: along.norm(), y: 2.0 * radius_um, z: slab.height_um }),
         color: Some(slab.color),

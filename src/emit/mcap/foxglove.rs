@@ -29,15 +29,15 @@ pub fn timestamp(t_ns: u64) -> Option<Timestamp> {
 }
 
 /// A pose without rotation.
-pub fn pose_at([x, y, z]: [f64; 3]) -> Option<Pose> {
-    turned_pose([x, y, z], 0.0)
+pub fn pose_at(place: [f64; 3]) -> Option<Pose> {
+    turned_pose(place, [1.0, 0.0])
 }
 
-/// A pose turned about z, counter-clockwise.
-pub fn turned_pose([x, y, z]: [f64; 3], heading_rad: f64) -> Option<Pose> {
-    let half = heading_rad / 2.0;
-    Some(Pose {
-        position: Some(Vector3 { x, y, z }),
-        orientation: Some(Quaternion { x: 0.0, y: 0.0, z: half.sin(), w: half.cos() }),
-    })
+/// A pose turned about z, so that its x axis has the direction of a unit vector in the plane.
+///
+/// The half angle's sine and cosine come from square roots, which are the same on every machine; those of angles are not.
+pub fn turned_pose([x, y, z]: [f64; 3], [cos, sin]: [f64; 2]) -> Option<Pose> {
+    let half = |cos: f64| ((1.0 + cos) / 2.0).max(0.0).sqrt();
+    let orientation = Quaternion { x: 0.0, y: 0.0, z: half(-cos).copysign(sin), w: half(cos) };
+    Some(Pose { position: Some(Vector3 { x, y, z }), orientation: Some(orientation) })
 }

@@ -1,9 +1,10 @@
 //! MCAP: a log that viewers play without set-up, and that `tweeze verify` judges without any other file.
 //!
-//! All messages are protobuf. For each device: `/<device>/voltages` (SI units), `/<device>/pose` and `/<device>/path` (where the
-//! end-effector is, and its whole way), `/<device>/points` (the scene as points, for viewers without `/scene`). For all: `/scene` (obstacles, lattice, path and stops in three dimensions), `/tf` and
-//! `/log` (each step at its start, with its source line). Attachments: `schedule.json`, `claims.json`, every source file as
-//! `source/<name>`. The metadata record `tweeze` says which version wrote the log and from what. The clock begins at 0.
+//! All messages are protobuf. For each device: `/<device>/voltages` (SI units); `/<device>/pose` and `/<device>/path` (where the
+//! end-effector is, and its whole way); `/<device>/scene` and `/<device>/plan` (obstacles and lattice, way and stops, in three
+//! dimensions), and both as `…/points` for viewers that show no scenes. For all: `/tf` and `/log` (each step at its start, with
+//! its source line). Attachments: `schedule.json`, `claims.json`, every source file as `source/<name>`. The metadata record
+//! `tweeze` says which version wrote the log and from what. The clock begins at 0.
 //!
 //! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one micrometre.
 
@@ -88,6 +89,7 @@ fn refuse_what_is_not_read(topics: &[Topic], attachments: &[Attachment]) -> Resu
     refuse(lengths().max().unwrap_or(0), log::MAX_MESSAGE_BYTES)?;
     refuse(lengths().sum::<u64>() + definitions, log::MAX_DATA_BYTES)?;
     refuse(lengths().count() as u64, log::MAX_MESSAGES)?;
+    refuse(topics.iter().filter(|topic| topic.name.ends_with(log::VOLTAGES_SUFFIX)).count() as u64, log::MAX_DEVICES)?;
     for attachment in attachments {
         let limit = match attachment.name.as_str() {
             SCHEDULE => log::MAX_SCHEDULE_BYTES,
@@ -106,7 +108,7 @@ fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
     }
     topics.extend(motion::topics(verified, signals));
     topics.extend(cloud::topics(verified));
-    topics.push(scene::topic(verified));
+    topics.extend(scene::topics(verified));
     topics.push(lines(verified));
     topics
 }

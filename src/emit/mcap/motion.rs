@@ -7,6 +7,8 @@ use super::scene::Bench;
 use super::{Signals, Topic, WORLD, foxglove};
 use crate::schedule::{PlanRecord, State, TimedState};
 use crate::verify::Verified;
+use std::collections::{BTreeMap, BTreeSet};
+
 use foxglove::{FrameTransform, FrameTransforms, PoseInFrame, PosesInFrame, Quaternion, Vector3};
 
 /// The frame that goes with a device's end-effector.
@@ -18,10 +20,12 @@ pub fn tip_frame(device: &str) -> String {
 pub fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
     let benches = Bench::all(verified);
     let mut topics = Vec::new();
-    let mut frames = vec![(0, benches.iter().map(standing).collect::<Vec<_>>())];
-    for bench in &benches {
+    let mut moves: BTreeMap<u64, Vec<(usize, [f64; 3])>> = BTreeMap::new();
+    for (index, bench) in benches.iter().enumerate() {
         let poses = poses(verified, signals, bench.device);
-        frames.extend(poses.iter().map(|(t_ns, place)| (*t_ns, vec![moving(bench.device, *t_ns, *place)])));
+        for (t_ns, place) in &poses {
+            moves.entry(*t_ns).or_default().push((index, *place));
+        }
         let pose = |&(t_ns, place): &(u64, [f64; 3])| {
             let message = PoseInFrame {
                 timestamp: foxglove::timestamp(t_ns),
@@ -33,10 +37,28 @@ pub fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
         topics.push(Topic::new::<PoseInFrame>(format!("/{}/pose", bench.device), poses.iter().map(pose).collect()));
         topics.push(path(verified, bench.device));
     }
-    frames.sort_by_key(|(t_ns, _)| *t_ns);
-    let frames = frames.into_iter().map(|(t_ns, transforms)| (t_ns, foxglove::encode(&FrameTransforms { transforms })));
-    topics.push(Topic::new::<FrameTransforms>("/tf", frames.collect()));
+    topics.push(Topic::new::<FrameTransforms>("/tf", frames(&benches, &moves)));
     topics
+}
+
+/// All frames whenever one of them moves: a viewer that jumps in time reads the last message only.
+fn frames(benches: &[Bench], moves: &BTreeMap<u64, Vec<(usize, [f64; 3])>>) -> Vec<(u64, Vec<u8>)> {
+    let mut tips: Vec<Option<[f64; 3]>> = vec![None; benches.len()];
+    let mut messages = Vec::new();
+    for (t_ns, moved) in moves {
+        for (index, place) in moved {
+            tips[*index] = Some(*place);
+        }
+        let standing = benches
+            .iter()
+            .map(|bench| transform(*t_ns, WORLD.to_owned(), bench.device.to_owned(), [bench.offset_um, 0.0, 0.0]));
+        let tips = benches.iter().zip(&tips).filter_map(|(bench, tip)| {
+            Some(transform(*t_ns, bench.device.to_owned(), tip_frame(bench.device), (*tip)?))
+        });
+        let transforms = standing.chain(tips).collect();
+        messages.push((*t_ns, foxglove::encode(&FrameTransforms { transforms })));
+    }
+    messages
 }
 
 /// The plans of a device, in order of time.
@@ -59,7 +81,7 @@ fn poses(verified: &Verified, signals: &Signals, device: &str) -> Vec<(u64, [f64
     let channels = &signals.schedule.channels;
     let of_device = |channel: u32| channels.get(channel as usize).is_some_and(|channel| channel.device == device);
     let actuations = signals.schedule.actuations.iter().filter(|actuation| of_device(actuation.channel));
-    let starts: std::collections::BTreeSet<u64> = actuations.map(|actuation| actuation.start_ns).collect();
+    let starts: BTreeSet<u64> = actuations.map(|actuation| actuation.start_ns).collect();
     let mut poses: Vec<(u64, [f64; 3])> = Vec::new();
     for state in plans(verified, device).iter().flat_map(|plan| &plan.states) {
         if poses.is_empty() {
@@ -88,14 +110,6 @@ fn path(verified: &Verified, device: &str) -> Topic {
         (plan.start_ns, foxglove::encode(&message))
     };
     Topic::new::<PosesInFrame>(format!("/{device}/path"), plans(verified, device).iter().map(message).collect())
-}
-
-fn standing(bench: &Bench) -> FrameTransform {
-    transform(0, WORLD.to_owned(), bench.device.to_owned(), [bench.offset_um, 0.0, 0.0])
-}
-
-fn moving(device: &str, t_ns: u64, place: [f64; 3]) -> FrameTransform {
-    transform(t_ns, device.to_owned(), tip_frame(device), place)
 }
 
 fn transform(t_ns: u64, parent_frame_id: String, child_frame_id: String, [x, y, z]: [f64; 3]) -> FrameTransform {

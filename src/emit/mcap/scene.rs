@@ -1,6 +1,7 @@
-//! The scene in three dimensions: obstacles with their true and their grown shapes, the lattice, the way of the tip, the stops.
+//! The scene in three dimensions: obstacles with their true and their grown shapes, the lattice, the tip, the way, the stops.
 //!
-//! Each job of a device shows its own scene from its start on; what the next job does not show is taken away.
+//! What stands there and what is planned are two topics for each device, because a viewer that jumps in time reads the last
+//! message of each topic only: every message shows all there is to show. Scenery is said again when a job brings another.
 
 use super::drawing::{self, Slab};
 use super::foxglove::{
@@ -48,6 +49,9 @@ const CELL_PART: f64 = 0.8;
 
 /// The most stops and obstacles that get a label each.
 const MAX_LABELS: usize = 200;
+
+/// The most obstacles that are drawn.
+const MAX_DRAWN: usize = 20_000;
 
 /// Where a device stands in pictures.
 pub struct Bench<'a> {
@@ -102,26 +106,46 @@ pub fn tiles_um(facts: &Facts, from: Cell, to: Cell) -> ([f64; 2], [f64; 2]) {
     ([x0 - half[0], y0 - half[1]], [x1 + half[0], y1 + half[1]])
 }
 
-/// The topic `/scene`.
-pub fn topic(verified: &Verified) -> Topic {
-    let mut messages = Vec::new();
+/// `/<device>/scene` and `/<device>/plan` for each device.
+pub fn topics(verified: &Verified) -> Vec<Topic> {
+    let mut topics = Vec::new();
     for Bench { device, .. } in Bench::all(verified) {
         let mut shown = BTreeSet::new();
-        for (job, plan) in jobs(verified, device) {
-            let entities = entities(order(job), plan);
+        let mut scenes = Vec::new();
+        for (t_ns, order) in sceneries(verified, device) {
+            let entities = scenery(order, device, t_ns);
             let ids: BTreeSet<String> = entities.iter().map(|entity| entity.id.clone()).collect();
             let gone = shown.difference(&ids).map(|id: &String| SceneEntityDeletion {
-                timestamp: foxglove::timestamp(plan.start_ns),
+                timestamp: foxglove::timestamp(t_ns),
                 r#type: scene_entity_deletion::Type::MatchingId as i32,
                 id: id.clone(),
             });
-            let update = SceneUpdate { deletions: gone.collect(), entities };
-            messages.push((plan.start_ns, foxglove::encode(&update)));
+            scenes.push((t_ns, foxglove::encode(&SceneUpdate { deletions: gone.collect(), entities })));
             shown = ids;
         }
+        let plan = |(job, plan): (&Job, &PlanRecord)| {
+            let update = SceneUpdate { deletions: Vec::new(), entities: plan_entities(order(job), plan) };
+            (plan.start_ns, foxglove::encode(&update))
+        };
+        let plans = jobs(verified, device).into_iter().map(plan).collect();
+        topics.push(Topic::new::<SceneUpdate>(format!("/{device}/scene"), scenes));
+        topics.push(Topic::new::<SceneUpdate>(format!("/{device}/plan"), plans));
     }
-    messages.sort_by_key(|(t_ns, _)| *t_ns);
-    Topic::new::<SceneUpdate>("/scene", messages)
+    topics
+}
+
+/// What stands around a device, with the instant from which on; the first from the beginning on.
+pub fn sceneries<'a>(verified: &'a Verified, device: &str) -> Vec<(u64, &'a DimibotOrder)> {
+    let mut sceneries: Vec<(u64, &DimibotOrder)> = Vec::new();
+    for (job, plan) in jobs(verified, device) {
+        let order = order(job);
+        match sceneries.last() {
+            None => sceneries.push((0, order)),
+            Some((_, last)) if last.obstacles == order.obstacles && last.facts == order.facts => {}
+            Some(_) => sceneries.push((plan.start_ns, order)),
+        }
+    }
+    sceneries
 }
 
 /// The jobs of a device with their plans, in order of time.
@@ -132,36 +156,53 @@ pub fn jobs<'a>(verified: &'a Verified, device: &str) -> Vec<(&'a Job, &'a PlanR
     jobs
 }
 
-fn entities(order: &DimibotOrder, plan: &PlanRecord) -> Vec<SceneEntity> {
-    let (device, t_ns) = (plan.device.as_str(), plan.start_ns);
+/// The obstacles that are drawn: a viewer does not show more in useful time.
+pub fn drawn(order: &DimibotOrder) -> &[Obstacle] {
+    &order.obstacles[..order.obstacles.len().min(MAX_DRAWN)]
+}
+
+fn scenery(order: &DimibotOrder, device: &str, t_ns: u64) -> Vec<SceneEntity> {
     let new = |what: &str| drawing::entity(format!("{device}/{what}"), device, t_ns);
-    let mut entities = vec![lattice(new("lattice"), &order.facts, device), path(new("path"), plan)];
-    entities.push(tip(device, t_ns, &order.facts));
-    entities.push(mark_stops(new("stops"), order));
-    let labelled = order.obstacles.len() <= MAX_LABELS;
+    let mut entities = vec![lattice(new("lattice"), order, device), tip(device, t_ns, &order.facts)];
+    if order.obstacles.len() > MAX_LABELS {
+        let mut all = new("obstacles");
+        for obstacle in drawn(order) {
+            draw_obstacle(&mut all, &order.facts, obstacle);
+        }
+        entities.push(all);
+        return entities;
+    }
     for obstacle in order.obstacles.iter() {
         let mut entity = new(&format!("obstacle/{}", obstacle.name));
-        let top = draw_obstacle(&mut entity, &order.facts, obstacle);
-        if labelled {
-            drawing::text(&mut entity, top, obstacle.name.clone(), color::OBSTACLE);
-        }
+        let place = draw_obstacle(&mut entity, &order.facts, obstacle);
+        drawing::text(&mut entity, place, obstacle.name.clone(), color::OBSTACLE);
         entities.push(entity);
     }
     entities
 }
 
-fn lattice(mut entity: SceneEntity, facts: &Facts, device: &str) -> SceneEntity {
+fn plan_entities(order: &DimibotOrder, plan: &PlanRecord) -> Vec<SceneEntity> {
+    let new = |what: &str| drawing::entity(format!("{}/{what}", plan.device), &plan.device, plan.start_ns);
+    vec![path(new("path"), plan), mark_stops(new("stops"), order)]
+}
+
+fn lattice(mut entity: SceneEntity, order: &DimibotOrder, device: &str) -> SceneEntity {
+    let facts = &order.facts;
     let [x, y] = extent_um(facts);
     let corners = [[0.0, 0.0, 0.0], [x, 0.0, 0.0], [x, y, 0.0], [0.0, y, 0.0]];
     drawing::line(&mut entity, corners, line_primitive::Type::LineLoop, color::LATTICE);
-    let size = format!(
+    let mut title = format!(
         "{device}: {} x {} cells of {:.3} x {:.3} um",
         facts.cells(Side::Left),
         facts.cells(Side::Right),
         facts.pitch_um(Side::Left),
         facts.pitch_um(Side::Right)
     );
-    drawing::text(&mut entity, [x / 2.0, y + GAP_UM / 4.0, 0.0], size, color::LATTICE);
+    let (shown, all) = (drawn(order).len(), order.obstacles.len());
+    if shown < all {
+        title.push_str(&format!(", {shown} of {all} obstacles shown"));
+    }
+    drawing::text(&mut entity, [x / 2.0, y + GAP_UM / 4.0, 0.0], title, color::LATTICE);
     entity
 }
 
@@ -214,6 +255,7 @@ fn draw_obstacle(entity: &mut SceneEntity, facts: &Facts, obstacle: &Obstacle) -
             for (growth_um, slab) in [(0.0, true_slab), (facts.growth_um(), grown_slab)] {
                 // The checker refuses shapes that cannot be placed; one that slips through is only not drawn.
                 if let Ok(body) = shape.grown(pose, growth_um) {
+                    let body = drawing::on_grid(body);
                     drawing::body(entity, &body, slab);
                     top_um = drawing::top_um(&body);
                 }

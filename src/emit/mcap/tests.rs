@@ -53,7 +53,9 @@ fn packing_alone_is_named_as_such() {
 #[test]
 fn any_edited_message_is_found() {
     let cases = [
-        ("/scene", 0, "`/scene` at 0 ns is another message"),
+        ("/bot/scene", 0, "`/bot/scene` at 0 ns is another message"),
+        ("/Aid/plan", 7_500_000, "`/Aid/plan` at 7500000 ns is another message"),
+        ("/bot/scene/points", 0, "`/bot/scene/points` at 0 ns is another message"),
         ("/log", 7_500_000, "`/log` at 7500000 ns is another message"),
         ("/tf", 25_000_000, "`/tf` at 25000000 ns is another message"),
         ("/bot/voltages", 14_999_999, "`/bot/voltages` at 14999999 ns is another message"),
@@ -80,8 +82,8 @@ fn a_missing_and_an_extra_message_are_found() {
     assert_eq!(found(&mut drop("/log", 0), |_| ()), "`/log` lacks its message at 0 ns");
     assert_eq!(found(&mut drop("/Aid/pose", 110_000_000), |_| ()), "`/Aid/pose` lacks its message at 110000000 ns");
     let mut twice =
-        |of: &str, _: u64, data: Vec<u8>| if of == "/scene" { vec![data.clone(), data] } else { vec![data] };
-    assert!(found(&mut twice, |_| ()).starts_with("`/scene` has a message too many at 0 ns"));
+        |of: &str, _: u64, data: Vec<u8>| if of == "/bot/scene" { vec![data.clone(), data] } else { vec![data] };
+    assert!(found(&mut twice, |_| ()).starts_with("`/bot/scene` has a message too many at 0 ns"));
 }
 
 #[test]
@@ -115,16 +117,62 @@ fn something_that_is_no_log_differs() {
 #[test]
 fn the_scene_shows_every_obstacle_twice_and_takes_away_what_is_gone() {
     let (verified, _) = fixture::fetch();
-    let topic = scene::topic(&verified);
-    let update = foxglove::SceneUpdate::decode(topic.messages[0].1.as_slice()).unwrap();
-    let entity = |id: &str| update.entities.iter().find(|entity| entity.id == id).unwrap();
+    let topics = scene::topics(&verified);
+    let update = |topic: &Topic| foxglove::SceneUpdate::decode(topic.messages[0].1.as_slice()).unwrap();
+    let updates: Vec<_> = topics.iter().map(update).collect();
+    let entity = |id: &str| updates.iter().flat_map(|update| &update.entities).find(|entity| entity.id == id).unwrap();
     let bead = entity("bot/obstacle/bead");
     let diameters: Vec<f64> = bead.cylinders.iter().map(|cylinder| cylinder.size.unwrap().x).collect();
     assert_eq!(diameters, [1.6, 1.6 + 2.0 * 0.15000000000000002]);
     assert_eq!(entity("bot/obstacle/dust").cubes.len(), 1);
     assert_eq!(entity("bot/path").lines[0].points.len(), verified.schedule().plans[0].states.len());
     assert_eq!(entity("bot/tip").frame_id, "bot/tip");
-    assert!(update.deletions.is_empty());
+    assert!(updates.iter().all(|update| update.deletions.is_empty()));
+}
+
+/// A second run of the same task, with other obstacles.
+fn twice(change: impl FnOnce(&mut Vec<crate::check::claims::Obstacle>)) -> Verified {
+    let (verified, _) = fixture::fetch();
+    let (mut schedule, mut claims) = (verified.schedule().clone(), verified.claims().clone());
+    let mut job = claims.jobs[0].clone();
+    let crate::check::claims::Order::Dimibot(order) = &mut job.order;
+    change(std::sync::Arc::make_mut(&mut order.obstacles));
+    claims.jobs.push(job);
+    let mut plan = schedule.plans[0].clone();
+    plan.start_ns = 1_000_000_000;
+    plan.states.iter_mut().for_each(|state| state.t_ns += 1_000_000_000);
+    schedule.plans.push(plan);
+    schedule.duration_ns += 1_000_000_000;
+    Verified::assume(schedule, claims)
+}
+
+fn scenes(verified: &Verified) -> Vec<(u64, foxglove::SceneUpdate)> {
+    let topics = scene::topics(verified);
+    let decode = |(t_ns, data): &(u64, Vec<u8>)| (*t_ns, foxglove::SceneUpdate::decode(data.as_slice()).unwrap());
+    topics[0].messages.iter().map(decode).collect()
+}
+
+#[test]
+fn scenery_is_said_again_only_when_it_is_another() {
+    assert_eq!(scenes(&twice(|_| ())).len(), 1);
+    let scenes = scenes(&twice(|obstacles| drop(obstacles.remove(0))));
+    assert_eq!(scenes.iter().map(|(t_ns, _)| *t_ns).collect::<Vec<_>>(), [0, 1_000_000_000]);
+    assert_eq!(scenes[1].1.deletions.iter().map(|gone| gone.id.as_str()).collect::<Vec<_>>(), ["bot/obstacle/bead"]);
+}
+
+#[test]
+fn a_crowded_scene_is_drawn_in_part_and_says_so() {
+    let many = |count: usize| {
+        let scenes = scenes(&twice(|obstacles| {
+            let dust = obstacles[5].clone();
+            *obstacles = vec![dust; count];
+        }));
+        let lattice = scenes[1].1.entities.iter().find(|entity| entity.id == "bot/lattice").unwrap();
+        let all = scenes[1].1.entities.iter().find(|entity| entity.id == "bot/obstacles").unwrap();
+        (all.cubes.len(), lattice.texts[0].text.contains("20000 of 20001 obstacles shown"))
+    };
+    assert_eq!(many(20_000), (20_000, false));
+    assert_eq!(many(20_001), (20_000, true));
 }
 
 #[test]

@@ -54,8 +54,10 @@ impl Bands {
         &self.items[self.starts[band] as usize..self.starts[band + 1] as usize]
     }
 
-    /// Bands that meet the inclusive range of lines.
+    /// Bands that meet the inclusive range of lines, as far as it lies on the lattice.
     pub(super) fn between(&self, first: u32, last: u32) -> impl Iterator<Item = &[u32]> {
-        (first >> self.shift..=last >> self.shift).map(|band| self.candidates(band << self.shift))
+        let bands = (self.starts.len() - 1) as u32;
+        let meeting = first >> self.shift..(last >> self.shift).saturating_add(1).min(bands);
+        meeting.map(|band| self.candidates(band << self.shift))
     }
 }

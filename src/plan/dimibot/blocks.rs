@@ -1,16 +1,16 @@
-//! A coarse picture of a field: at most 64 by 64 blocks of cells, and between which blocks a flip exists.
+//! A coarse picture of a field: blocks of cells, and between which blocks a flip exists.
 //!
-//! A module with a stroke of a block or more leads from block to block, one with a smaller stroke stays within its block. The picture keeps a flip between two blocks if
-//! any of their cells has it. Distances between blocks, plus the weights of the small modules that differ, are therefore a lower bound on the cost
-//! between cells, and a consistent one; blocks that are not connected prove that there is no path. For up to 6 modules a side a block is a cell.
-//! Built once per field from the free runs of all lines; a block row is finished as soon as all its flips are known to exist.
+//! A module with a stroke of a block or more leads from block to block, one with a smaller stroke stays within its block. The picture keeps a flip between two
+//! blocks if any of their cells has it. A path between cells costs at least as much as one between their blocks plus the weights of
+//! the small modules that differ; blocks that are not connected prove that there is no path. Built once per field from the free
+//! runs of all lines; a row of blocks is finished as soon as all its flips are known to exist.
 
 use super::field::Reader;
-use super::lattice::{Flip, Side, Weights, bits};
+use super::lattice::{Side, Weights, bits};
 
-/// Modules of each side that lead from block to block.
-const COARSE_MODULES: u32 = 6;
-const BLOCKS: usize = 1 << (2 * COARSE_MODULES);
+/// Modules of each side of the finest picture: 1024 by 1024 blocks.
+const MAX_COARSE: u32 = 10;
+const WORDS: usize = 1 << (MAX_COARSE - 6);
 /// Lines computed for one field; all flips of blocks beyond that are taken to exist.
 const MAX_LINES: u64 = 1 << 22;
 
@@ -18,17 +18,23 @@ const MAX_LINES: u64 = 1 << 22;
 pub(super) struct Blocks {
     /// Modules whose stroke is smaller than a block, by side.
     pub(super) fine: [u32; 2],
-    coarse: [u32; 2],
+    /// The other modules, by side.
+    pub(super) coarse: [u32; 2],
     /// By block (y, x): the coarse modules of each side that may switch somewhere in it.
-    flips: Vec<[u8; 2]>,
+    flips: Vec<[u16; 2]>,
+    /// By block: the number of its component.
+    component: Vec<u32>,
 }
 
+/// For each coarse module, the set of blocks of a row in which it may switch.
+type Exist = [[u64; WORDS]; MAX_COARSE as usize];
+
 impl Blocks {
-    pub(super) fn new(reader: &mut Reader<'_>) -> Self {
+    /// The picture with at most 2^`coarse` blocks a side, `coarse` ≤ 10.
+    pub(super) fn new(reader: &mut Reader<'_>, coarse: u32) -> Self {
         let modules = reader.lattice().modules;
-        let fine = modules.map(|n| n.saturating_sub(COARSE_MODULES));
-        let coarse = [modules[0] - fine[0], modules[1] - fine[1]];
-        let mut blocks = Blocks { fine, coarse, flips: vec![[0; 2]; BLOCKS] };
+        let coarse = modules.map(|n| n.min(coarse));
+        let mut blocks = Blocks::without_flips(modules, coarse);
         let mut lines = MAX_LINES;
         for side in Side::BOTH {
             for across in 0..1 << coarse[side.other().index()] {
@@ -36,150 +42,233 @@ impl Blocks {
                 blocks.note(side, across, &exist);
             }
         }
+        blocks.label();
         blocks
     }
 
+    fn without_flips(modules: [u32; 2], coarse: [u32; 2]) -> Self {
+        let fine = [modules[0] - coarse[0], modules[1] - coarse[1]];
+        let flips = vec![[0; 2]; 1 << (coarse[0] + coarse[1])];
+        Blocks { fine, coarse, flips, component: Vec::new() }
+    }
+
     /// For each coarse module of `side` the set of blocks in the row (or column) `across` of blocks in which it may switch.
-    fn along(
-        &self,
-        reader: &mut Reader<'_>,
-        side: Side,
-        across: u32,
-        lines: &mut u64,
-    ) -> [u64; COARSE_MODULES as usize] {
+    fn along(&self, reader: &mut Reader<'_>, side: Side, across: u32, lines: &mut u64) -> Exist {
         let (fine, coarse) = (self.fine[side.index()], self.coarse[side.index()]);
-        let all = u64::MAX >> (64 - (1_u32 << coarse));
-        let mut exist = [0; COARSE_MODULES as usize];
+        let count = 1_u32 << coarse;
+        let mut all = [0; WORDS];
+        fill(&mut all, 0, count - 1);
+        let mut exist = [[0; WORDS]; MAX_COARSE as usize];
         let width = self.fine[side.other().index()];
+        let mut before = Vec::new();
+        let mut runs = Vec::new();
         for line in across << width..(across + 1) << width {
             if exist[..coarse as usize].iter().all(|set| *set == all) {
                 break;
             }
             if *lines == 0 {
-                return [all; COARSE_MODULES as usize];
+                return [all; MAX_COARSE as usize];
             }
             *lines -= 1;
-            reader.each_free_run(side, line, |[low, high]| {
-                for i in 0..coarse {
-                    let stroke = 1 << (fine + i);
-                    if high - low >= stroke {
-                        let from = range(low >> fine, (high - stroke) >> fine) & lower(i);
-                        exist[i as usize] |= from | from << (1 << i);
-                    }
-                }
-            });
+            runs.clear();
+            reader.each_free_run(side, line, |run| runs.extend(from_blocks(run, fine, coarse)));
+            // Neighbouring lines mostly look the same in blocks.
+            if runs != before {
+                runs.iter().for_each(|&(i, from)| add(&mut exist[i as usize], i, from));
+                std::mem::swap(&mut runs, &mut before);
+            }
         }
         exist
     }
 
-    fn note(&mut self, side: Side, across: u32, exist: &[u64; COARSE_MODULES as usize]) {
+    fn note(&mut self, side: Side, across: u32, exist: &Exist) {
         for along in 0..1_u32 << self.coarse[side.index()] {
             let mut at = [along; 2];
             at[side.other().index()] = across;
-            let mask = (0..COARSE_MODULES as usize).map(|i| ((exist[i] >> along & 1) as u8) << i);
-            self.flips[index(at)][side.index()] = mask.sum();
+            let (word, bit) = ((along / 64) as usize, along % 64);
+            let mask = (0..MAX_COARSE as usize).map(|i| ((exist[i][word] >> bit & 1) as u16) << i);
+            let at = self.index(at);
+            self.flips[at][side.index()] = mask.sum();
         }
     }
 
-    /// The number of the block of a cell.
+    fn label(&mut self) {
+        self.component = vec![u32::MAX; self.flips.len()];
+        let mut stack = Vec::new();
+        for origin in 0..self.flips.len() as u32 {
+            if self.component[origin as usize] != u32::MAX {
+                continue;
+            }
+            self.component[origin as usize] = origin;
+            stack.push(origin);
+            while let Some(block) = stack.pop() {
+                for bit in bits(self.all_flips(block)) {
+                    let next = block ^ bit;
+                    if self.component[next as usize] == u32::MAX {
+                        self.component[next as usize] = origin;
+                        stack.push(next);
+                    }
+                }
+            }
+        }
+    }
+
     #[inline]
-    pub(super) fn block(&self, [x, y]: [u32; 2]) -> usize {
-        index([x >> self.fine[0], y >> self.fine[1]])
+    fn index(&self, [x, y]: [u32; 2]) -> usize {
+        (y << self.coarse[0] | x) as usize
+    }
+
+    /// The number of the block of a cell, y above x.
+    #[inline]
+    pub(super) fn block(&self, [x, y]: [u32; 2]) -> u32 {
+        y >> self.fine[1] << self.coarse[0] | x >> self.fine[0]
+    }
+
+    /// The flips of both sides as one mask over the block's number.
+    #[inline]
+    fn all_flips(&self, block: u32) -> u32 {
+        let [left, right] = self.flips[block as usize];
+        u32::from(left) | u32::from(right) << self.coarse[0]
+    }
+
+    /// Whether a path between the two blocks exists.
+    pub(super) fn connected(&self, a: u32, b: u32) -> bool {
+        self.component[a as usize] == self.component[b as usize]
+    }
+
+    /// The coarse modules of each side that may switch in the block at these block coordinates.
+    #[inline]
+    pub(super) fn flips_at(&self, at: [u32; 2]) -> [u32; 2] {
+        self.flips[self.index(at)].map(u32::from)
     }
 }
 
-fn index([x, y]: [u32; 2]) -> usize {
-    (y << COARSE_MODULES | x) as usize
+/// For each coarse module that may switch in the free run, the blocks from which it leads upward, before those whose bit is 1 are left out.
+fn from_blocks([low, high]: [u32; 2], fine: u32, coarse: u32) -> impl Iterator<Item = (u32, [u32; 2])> {
+    let strokes = (0..coarse).map(move |i| (i, 1 << (fine + i)));
+    strokes
+        .take_while(move |(_, stroke)| high - low >= *stroke)
+        .map(move |(i, stroke)| (i, [low >> fine, (high - stroke) >> fine]))
 }
 
-fn range(first: u32, last: u32) -> u64 {
-    (u64::MAX << first) & (u64::MAX >> (63 - last))
+/// Adds the flips of module `i` upward from the blocks of the range whose bit is 0, and back.
+fn add(set: &mut [u64; WORDS], i: u32, [first, last]: [u32; 2]) {
+    let mut from = [0; WORDS];
+    fill(&mut from, first, last);
+    match i.checked_sub(6) {
+        None => {
+            // Blocks whose bit i is 0: …0101, …00110011 and so on.
+            let zero = u64::MAX / ((1_u64 << (1 << i)) + 1);
+            for (set, from) in set.iter_mut().zip(from) {
+                let from = from & zero;
+                *set |= from | from << (1 << i);
+            }
+        }
+        Some(j) => {
+            for word in (0..WORDS).filter(|word| word >> j & 1 == 0) {
+                set[word] |= from[word];
+                set[word | 1 << j] |= from[word];
+            }
+        }
+    }
 }
 
-/// Blocks whose bit `i` is 0.
-fn lower(i: u32) -> u64 {
-    // 0101…, 00110011…, and so on.
-    u64::MAX / ((1_u64 << (1 << i)) + 1)
+fn fill(set: &mut [u64; WORDS], first: u32, last: u32) {
+    for word in first / 64..=last / 64 {
+        let low = u64::MAX << if word == first / 64 { first % 64 } else { 0 };
+        let high = u64::MAX >> if word == last / 64 { 63 - last % 64 } else { 0 };
+        set[word as usize] |= low & high;
+    }
 }
 
-/// Distances of blocks from one of them, found as far as they are asked for (Dijkstra's algorithm, with a cursor per distinct weight in place of a
-/// heap).
+/// Distances of all blocks to one of them: Dijkstra's algorithm, with a cursor per distinct weight through the settled blocks in place of a heap.
 #[derive(Default)]
 pub(super) struct BlockDistances {
+    /// By block: distance to the origin, or [`UNKNOWN`].
     distance: Vec<u64>,
-    order: Vec<u16>,
+    settled: Vec<Settled>,
     classes: Vec<Class>,
-    exhausted: bool,
+}
+
+#[derive(Clone, Copy)]
+struct Settled {
+    block: u32,
+    /// The coarse modules that may switch in it, as one mask over the block's number.
+    flips: u32,
+    distance: u64,
 }
 
 /// Coarse modules of equal weight.
 struct Class {
     weight: u64,
-    masks: [u8; 2],
-    /// The first block of the order whose flips of this weight have not been followed.
+    /// The modules, as a mask over a block's number.
+    mask: u32,
+    /// The first settled block whose flips of this weight have not been followed.
     cursor: usize,
 }
 
 const UNKNOWN: u64 = u64::MAX;
 
 impl BlockDistances {
-    pub(super) fn begin(&mut self, blocks: &Blocks, origin: usize, weights: &Weights) {
+    /// Finds all distances to the origin; `weights` are those of the lattice.
+    pub(super) fn find(&mut self, blocks: &Blocks, origin: u32, weights: &Weights) {
         self.distance.clear();
-        self.distance.resize(BLOCKS, UNKNOWN);
-        self.order.clear();
-        self.order.push(origin as u16);
-        self.distance[origin] = 0;
-        self.exhausted = false;
+        self.distance.resize(blocks.flips.len(), UNKNOWN);
+        self.settled.clear();
+        self.classify(blocks, weights);
+        self.reach(blocks, origin, 0);
+        while let Some((distance, class)) = self.next_layer() {
+            self.follow(blocks, distance, class);
+        }
+    }
+
+    fn classify(&mut self, blocks: &Blocks, weights: &Weights) {
         self.classes.clear();
+        let mut bit = 1;
         for side in Side::BOTH {
-            for i in 0..blocks.coarse[side.index()] {
-                self.classify(side, i, weights.of(Flip { side, module: (blocks.fine[side.index()] + i) as u8 }));
-            }
-        }
-    }
-
-    fn classify(&mut self, side: Side, module: u32, weight: u64) {
-        let at = match self.classes.iter().position(|class| class.weight == weight) {
-            Some(at) => at,
-            None => {
-                self.classes.push(Class { weight, masks: [0; 2], cursor: 0 });
-                self.classes.len() - 1
-            }
-        };
-        self.classes[at].masks[side.index()] |= 1 << module;
-    }
-
-    /// Distance of the block from the origin; `None` if it is not connected with it.
-    #[inline]
-    pub(super) fn of(&mut self, blocks: &Blocks, block: usize) -> Option<u64> {
-        while self.distance[block] == UNKNOWN {
-            if self.exhausted {
-                return None;
-            }
-            self.advance(blocks);
-        }
-        Some(self.distance[block])
-    }
-
-    fn advance(&mut self, blocks: &Blocks) {
-        let head = |class: &Class| Some(self.distance[*self.order.get(class.cursor)? as usize] + class.weight);
-        let heads = self.classes.iter().enumerate().filter_map(|(c, class)| Some((head(class)?, c)));
-        let Some((distance, c)) = heads.min() else {
-            self.exhausted = true;
-            return;
-        };
-        let class = &mut self.classes[c];
-        let block = self.order[class.cursor];
-        class.cursor += 1;
-        let flips = blocks.flips[block as usize];
-        for (k, shift) in [(0, 0), (1, COARSE_MODULES)] {
-            for bit in bits(u32::from(flips[k] & class.masks[k])) {
-                let next = block ^ (bit << shift) as u16;
-                if self.distance[next as usize] == UNKNOWN {
-                    self.distance[next as usize] = distance;
-                    self.order.push(next);
+            let k = side.index();
+            for module in blocks.fine[k]..blocks.fine[k] + blocks.coarse[k] {
+                let weight = u64::from(weights.of[k][module as usize]);
+                match self.classes.iter_mut().find(|class| class.weight == weight) {
+                    Some(class) => class.mask |= bit,
+                    None => self.classes.push(Class { weight, mask: bit, cursor: 0 }),
                 }
+                bit <<= 1;
             }
         }
+    }
+
+    fn next_layer(&self) -> Option<(u64, usize)> {
+        let head = |class: &Class| Some(self.settled.get(class.cursor)?.distance + class.weight);
+        let heads = self.classes.iter().enumerate();
+        heads.filter_map(|(c, class)| Some((head(class)?, c))).min()
+    }
+
+    /// Follows the flips of one weight that lead to blocks at this distance.
+    fn follow(&mut self, blocks: &Blocks, distance: u64, class: usize) {
+        let Class { weight, mask, mut cursor } = self.classes[class];
+        while let Some(&from) = self.settled.get(cursor).filter(|s| s.distance + weight == distance) {
+            for bit in bits(from.flips & mask) {
+                self.reach(blocks, from.block ^ bit, distance);
+            }
+            cursor += 1;
+        }
+        self.classes[class].cursor = cursor;
+    }
+
+    #[inline]
+    fn reach(&mut self, blocks: &Blocks, block: u32, distance: u64) {
+        if self.distance[block as usize] == UNKNOWN {
+            self.distance[block as usize] = distance;
+            let flips = blocks.all_flips(block);
+            self.settled.push(Settled { block, flips, distance });
+        }
+    }
+
+    /// Distance to the origin; `None` if the block is not connected with it.
+    #[inline]
+    pub(super) fn of(&self, block: u32) -> Option<u64> {
+        let distance = self.distance[block as usize];
+        (distance != UNKNOWN).then_some(distance)
     }
 }

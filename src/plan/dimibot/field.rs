@@ -5,8 +5,8 @@
 //! for; up to [`EAGER_MODULES`] modules they are kept in an array, above in a hash map.
 
 use super::bands::Bands;
-use super::lattice::{Cell, Flip, Lattice, Side, bits};
-use super::layers::Workspace;
+use super::journey::Workspace;
+use super::lattice::{Cell, Flip, Lattice, Side};
 use crate::geometry::section::Rectangle;
 use crate::geometry::{Pose, Rounded, Shape, ShapeError};
 use rustc_hash::FxHashMap;
@@ -73,7 +73,6 @@ pub struct Field {
 pub(super) struct Work {
     lines: [Lines; 2],
     pub(super) search: Workspace,
-    pub(super) guided: super::guided::Workspace,
 }
 
 /// A view of a field that may compute and remember lines.
@@ -99,8 +98,7 @@ impl Field {
         });
         let lines = Side::BOTH.map(|side| Lines::new(lattice.modules[side.other().index()]));
         let search = Workspace::default();
-        let guided = super::guided::Workspace::default();
-        let work = Mutex::new(Work { lines, search, guided });
+        let work = Mutex::new(Work { lines, search });
         Ok(Field { lattice, bodies, bands, work })
     }
 
@@ -140,7 +138,7 @@ impl Field {
 
     /// Obstacles that may touch the rectangle, from the index over its shorter side.
     fn near(&self, x: [u32; 2], y: [u32; 2]) -> impl Iterator<Item = usize> {
-        let (bands, range) = match y[1] - y[0] <= x[1] - x[0] {
+        let (bands, range) = match y[1].saturating_sub(y[0]) <= x[1].saturating_sub(x[0]) {
             true => (&self.bands[0], y),
             false => (&self.bands[1], x),
         };
@@ -158,8 +156,19 @@ impl Field {
         }
     }
 
-    /// The modules of each side that may switch alone in `cell`, as bit masks; `None` if an obstacle covers it.
+    /// Computes now what the first search that is not trivial would compute: the picture in blocks and, for up to 13 modules a side, all lines.
+    pub fn prepare(&self) {
+        let mut work = self.work();
+        let (mut reader, space) = work.open(self);
+        space.prepare(&mut reader);
+    }
+
+    /// The modules of each side that may switch alone in `cell`, as bit masks; `None` if an obstacle covers it or it is not
+    /// a cell of the lattice.
     pub fn legal(&self, cell: Cell) -> Option<[u32; 2]> {
+        if !self.lattice.contains(cell) {
+            return None;
+        }
         let mut work = self.work();
         work.open(self).0.legal(cell.pair())
     }
@@ -325,11 +334,6 @@ impl Work {
         let lines = &mut self.lines;
         (Reader { field, lines }, &mut self.search)
     }
-
-    pub(super) fn open_guided<'a>(&'a mut self, field: &'a Field) -> (Reader<'a>, &'a mut super::guided::Workspace) {
-        let lines = &mut self.lines;
-        (Reader { field, lines }, &mut self.guided)
-    }
 }
 
 impl Reader<'_> {
@@ -420,6 +424,19 @@ fn up_to(reach: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::dimibot::lattice::bits;
+
+    #[test]
+    fn cells_outside_the_lattice_are_answered() {
+        let lattice = Lattice::new([3, 3], [1.0, 1.0]).unwrap();
+        let obstacle = Obstacle::Cells { from: [0, 0], to: [u32::MAX, 7] };
+        let field = Field::new(lattice, &[obstacle]).unwrap();
+        assert_eq!(field.legal(Cell::new(8, 0)), None);
+        assert_eq!(field.legal(Cell::new(0, u32::MAX)), None);
+        assert_eq!(field.covering(Cell::new(7, 7)), [0]);
+        assert_eq!(field.covering(Cell::new(3, u32::MAX)), [0; 0]);
+        assert_eq!(field.touching([9, 1], [7, 2]), [0; 0]);
+    }
 
     #[test]
     fn slots_tell_cells_from_gaps() {
@@ -452,7 +469,9 @@ mod tests {
         for (x, y) in (0..16).flat_map(|x| (0..8).map(move |y| (x, y))) {
             let cell = Cell::new(x, y);
             assert_eq!(field.legal(cell).is_none(), !field.covering(cell).is_empty());
-            let Some(masks) = field.legal(cell) else { continue };
+            let Some(masks) = field.legal(cell) else {
+                continue;
+            };
             for side in Side::BOTH {
                 for bit in bits(lattice.last(side)) {
                     let free = field.blocking(cell, Flip::of_bit(side, bit)).is_empty();

@@ -1,35 +1,80 @@
-//! The shortest path between two cells, guided by the distances of blocks.
+//! Best-first search between two cells (or blocks), guided by the distances of blocks.
 //!
-//! Problem: least sum of weights from start to goal over legal flips. Method: A* whose estimate is the distance of the blocks (see [`super::blocks`]) plus the
-//! weights of the differing small modules; it is consistent, so cells are settled in order of their excess over the start's estimate, depth first
-//! within equal excess, from a radix queue. A flood from the goal runs beside it at a fraction of its pace, so that a goal in a small pocket is found to be
-//! shut without visiting the rest. Guaranteed: optimal cost, or a component visited in full, or blocks without connection, as a proof that there
-//! is no path. Cost: settled cells times modules.
+//! Problem: least sum of weights from one cell to another over legal flips. Method: A* with a consistent estimate made of a distance between blocks and the
+//! weights of the small modules that differ; cells are settled in order of their excess over the first estimate, depth first within equal excess.
+//! With a greed above one the estimate counts that many times (weighted A*), so that a path is found sooner but need not be optimal.
+//! Guaranteed: with a greed of one, the path is optimal; exhaustion proves that there is no path. Cost: settled cells times modules.
 
 use super::blocks::{BlockDistances, Blocks};
 use super::field::Reader;
 use super::lattice::{Flip, Side, Weights, bits};
 use super::queue::RadixQueue;
 use super::seen::Seen;
-use crate::plan::search::{GaveUp, Meter};
+use crate::plan::search::Meter;
 
-/// Cells settled from the start for each cell flooded from the goal.
-const PACE: u64 = 4;
-/// Parent of the start.
+/// Parent of the first cell.
 const NONE: u32 = u32::MAX;
 /// Cells settled; keeps indices within 32 bits.
 const MAX_ENTRIES: usize = 1 << 30;
 
-/// Lists kept between searches.
-#[derive(Default)]
-pub(super) struct Workspace {
-    pub(super) blocks: Option<Blocks>,
-    distances: BlockDistances,
-    queue: RadixQueue<Entry>,
-    entries: Vec<Entry>,
-    settled: Seen,
-    flooded: Seen,
-    flood: Vec<[u32; 2]>,
+/// Where a search moves.
+pub(super) trait Ground {
+    /// Number of modules of each side.
+    fn modules(&self) -> [u32; 2];
+    /// The modules of each side that may switch; none if the cell is covered.
+    fn legal(&mut self, at: [u32; 2]) -> [u32; 2];
+}
+
+impl Ground for Reader<'_> {
+    fn modules(&self) -> [u32; 2] {
+        self.lattice().modules
+    }
+
+    #[inline]
+    fn legal(&mut self, at: [u32; 2]) -> [u32; 2] {
+        Reader::legal(self, at).unwrap_or([0, 0])
+    }
+}
+
+/// The blocks of a picture as cells of a smaller lattice.
+impl Ground for &Blocks {
+    fn modules(&self) -> [u32; 2] {
+        self.coarse
+    }
+
+    #[inline]
+    fn legal(&mut self, at: [u32; 2]) -> [u32; 2] {
+        self.flips_at(at)
+    }
+}
+
+/// A consistent lower bound on the cost to the target, apart from the small modules that differ.
+pub(super) trait Guide {
+    /// Modules of each side that are small: those the bound knows nothing of.
+    fn fine(&self) -> [u32; 2];
+    /// The bound; `None` if the target cannot be reached.
+    fn coarse(&self, at: [u32; 2]) -> Option<u64>;
+}
+
+#[derive(Clone, Copy)]
+/// Distances of the blocks of a picture, for cells whose `shift` lowest modules the lattice of the search leaves out.
+pub(super) struct BlockGuide<'a> {
+    pub(super) blocks: &'a Blocks,
+    pub(super) distances: &'a BlockDistances,
+    pub(super) shift: [u32; 2],
+}
+
+impl Guide for BlockGuide<'_> {
+    #[inline]
+    fn fine(&self) -> [u32; 2] {
+        [self.blocks.fine[0] - self.shift[0], self.blocks.fine[1] - self.shift[1]]
+    }
+
+    #[inline]
+    fn coarse(&self, at: [u32; 2]) -> Option<u64> {
+        let block = self.blocks.block([at[0] << self.shift[0], at[1] << self.shift[1]]);
+        self.distances.of(block)
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -39,168 +84,171 @@ struct Entry {
     by: Flip,
 }
 
-/// How a guided search ends.
-pub(super) enum Guided {
-    /// An optimal path.
-    Path(Vec<Flip>),
-    /// The start's component was visited in full, or its part in the blocks that are connected with the goal's: that many cells.
-    StartShut(u64),
-    /// The goal's component was visited in full.
-    GoalShut(u64),
-    /// The budget ran out.
-    GaveUp(GaveUp),
+/// A settled cell and its excess: cost so far and estimates, less the estimate at the start. It may fall below zero with greed.
+#[derive(Clone, Copy)]
+struct Settled {
+    entry: Entry,
+    excess: i64,
 }
 
-pub(super) struct Search<'a, 'f> {
-    reader: Reader<'f>,
-    blocks: &'a Blocks,
-    distances: &'a mut BlockDistances,
-    queue: &'a mut RadixQueue<Entry>,
-    entries: &'a mut Vec<Entry>,
-    settled: &'a mut Seen,
-    flooded: &'a mut Seen,
-    flood: &'a mut Vec<[u32; 2]>,
-    /// Cells of `flood` whose neighbours have been added.
-    spread: usize,
-    weights: &'a Weights,
-    goal: [u32; 2],
+/// Lists kept between searches.
+#[derive(Default)]
+pub(super) struct Lists {
+    queue: RadixQueue<Entry>,
+    entries: Vec<Settled>,
+    settled: Seen,
 }
 
-impl Workspace {
-    /// Searches from the first cell to the second; both must be free and different.
-    pub(super) fn search(
+/// How a search ends.
+pub(super) enum Ended {
+    /// The target was reached.
+    Found,
+    /// All cells that can be reached were settled: that many.
+    Exhausted(u64),
+    /// The companion has shown that there is no path.
+    Stopped,
+    /// The budget ran out when this was the least excess left.
+    OutOfBudget(u64),
+}
+
+/// A search; one step of its meter is one cell queued.
+pub(super) struct Search<'a, G, H> {
+    pub(super) ground: &'a mut G,
+    pub(super) guide: &'a H,
+    pub(super) lists: &'a mut Lists,
+    pub(super) weights: &'a Weights,
+    pub(super) target: [u32; 2],
+    /// How many times the estimate counts.
+    pub(super) greed: i64,
+}
+
+impl<G: Ground, H: Guide> Search<'_, G, H> {
+    /// Runs from a cell that may differ from the target; `companion` is called for every cell settled and may stop the search.
+    pub(super) fn run(
         &mut self,
-        mut reader: Reader<'_>,
-        weights: &Weights,
-        ends: [[u32; 2]; 2],
+        start: [u32; 2],
         meter: &mut Meter,
-    ) -> Guided {
-        let modules = reader.lattice().modules;
-        let blocks = self.blocks.get_or_insert_with(|| Blocks::new(&mut reader));
-        self.distances.begin(blocks, blocks.block(ends[1]), weights);
-        self.settled.begin(modules);
-        self.flooded.begin(modules);
-        let mut search = Search {
-            reader,
-            blocks,
-            distances: &mut self.distances,
-            queue: &mut self.queue,
-            entries: &mut self.entries,
-            settled: &mut self.settled,
-            flooded: &mut self.flooded,
-            flood: &mut self.flood,
-            spread: 0,
-            weights,
-            goal: ends[1],
-        };
-        let answer = search.run(ends[0], meter);
-        self.queue.clear();
-        self.settled.clear(self.entries.drain(..).map(|entry| entry.at));
-        self.flooded.clear(self.flood.drain(..));
-        answer
-    }
-}
-
-impl Search<'_, '_> {
-    fn run(&mut self, start: [u32; 2], meter: &mut Meter) -> Guided {
-        let Some(base) = self.estimate(start) else {
-            return Guided::StartShut(0);
-        };
-        self.queue.push(0, Entry { at: start, parent: NONE, by: Flip::of_bit(Side::Left, 1) });
-        self.flooded.insert(self.goal);
-        self.flood.push(self.goal);
-        while let Some(entry) = self.queue.pop() {
-            if !self.settled.insert(entry.at) {
+        mut companion: impl FnMut(&mut G) -> bool,
+    ) -> Ended {
+        self.lists.begin(self.ground.modules());
+        self.lists.queue.push(0, Entry { at: start, parent: NONE, by: Flip::of_bit(Side::Left, 1) });
+        while let Some(entry) = self.lists.queue.pop() {
+            if !self.lists.settled.insert(entry.at) {
                 continue;
             }
-            if entry.at == self.goal {
-                self.entries.push(entry);
-                return Guided::Path(self.path());
+            let excess = self.excess(&entry);
+            self.lists.entries.push(Settled { entry, excess });
+            if entry.at == self.target {
+                return Ended::Found;
             }
-            if meter.step().is_none() || self.entries.len() >= MAX_ENTRIES {
-                self.settled_but_not_kept(entry.at);
-                return Guided::GaveUp(meter.gave_up(base + self.queue.last()));
+            if meter.left().steps == 0 || self.lists.entries.len() >= MAX_ENTRIES {
+                return Ended::OutOfBudget(self.lists.queue.last());
             }
-            self.entries.push(entry);
-            self.expand(entry.at);
-            if meter.spent() % PACE == 0 && !self.flood_one() {
-                return Guided::GoalShut(self.flood.len() as u64);
+            meter.charge(self.expand(entry.at, excess));
+            if !companion(self.ground) {
+                return Ended::Stopped;
             }
         }
-        Guided::StartShut(self.entries.len() as u64)
+        Ended::Exhausted(self.lists.entries.len() as u64)
     }
 
-    // The set is cleared by walking the entries, so that this cell must be among them.
-    fn settled_but_not_kept(&mut self, at: [u32; 2]) {
-        self.entries.push(Entry { at, parent: NONE, by: Flip::of_bit(Side::Left, 1) });
-    }
-
-    /// Lower bound on the cost to the goal; `None` if the blocks are not connected.
-    fn estimate(&mut self, at: [u32; 2]) -> Option<u64> {
-        let block = self.blocks.block(at);
-        let coarse = self.distances.of(self.blocks, block)?;
-        let small = |k: usize| (at[k] ^ self.goal[k]) & ((1 << self.blocks.fine[k]) - 1);
-        Some(coarse + self.weights.of_masks([small(0), small(1)]))
+    /// Lower bound on the cost from the cell to the target.
+    pub(super) fn estimate(&self, at: [u32; 2]) -> Option<u64> {
+        Some(self.guide.coarse(at)? + small_difference(self.guide, self.weights, at, self.target))
     }
 
     #[inline]
-    fn expand(&mut self, at: [u32; 2]) {
-        let Some(legal) = self.reader.legal(at) else { return };
-        let parent = self.entries.len() as u32 - 1;
-        let excess = self.queue.last();
-        let here = self.distances.of(self.blocks, self.blocks.block(at)).unwrap_or(0);
+    fn excess(&self, entry: &Entry) -> i64 {
+        if self.greed == 1 {
+            return self.lists.queue.last() as i64;
+        }
+        let Some(parent) = self.lists.entries.get(entry.parent as usize) else {
+            return 0;
+        };
+        let weight = self.weights.of(entry.by) as i64;
+        let estimate = |at| self.estimate(at).map_or(0, |e| e as i64);
+        parent.excess + weight + self.greed * (estimate(entry.at) - estimate(parent.entry.at))
+    }
+
+    #[inline]
+    fn expand(&mut self, at: [u32; 2], excess: i64) -> u64 {
+        let legal = self.ground.legal(at);
+        let parent = self.lists.entries.len() as u32 - 1;
+        let Some(here) = self.guide.coarse(at) else {
+            return 1;
+        };
+        let mut queued = 1;
         for side in Side::BOTH {
             let k = side.index();
-            let small = (1 << self.blocks.fine[k]) - 1;
-            for bit in bits(legal[k] & small) {
-                let weight = u64::from(self.weights.of[k][bit.trailing_zeros() as usize]);
-                let away = if (at[k] ^ self.goal[k]) & bit == 0 { 2 * weight } else { 0 };
-                self.offer(at, side, bit, parent, excess + away);
-            }
-            for bit in bits(legal[k] & !small) {
+            let small = (1 << self.guide.fine()[k]) - 1;
+            for bit in bits(legal[k]) {
                 let mut next = at;
                 next[k] ^= bit;
-                let weight = u64::from(self.weights.of[k][bit.trailing_zeros() as usize]);
-                if let Some(there) = self.distances.of(self.blocks, self.blocks.block(next)) {
-                    self.offer(at, side, bit, parent, excess + weight + there - here);
+                if self.lists.settled.contains(next) {
+                    continue;
                 }
+                let weight = i64::from(self.weights.of[k][bit.trailing_zeros() as usize]);
+                let closer = match bit & small {
+                    0 => match self.guide.coarse(next) {
+                        Some(there) => here as i64 - there as i64,
+                        None => continue,
+                    },
+                    _ if (at[k] ^ self.target[k]) & bit == 0 => -weight,
+                    _ => weight,
+                };
+                let entry = Entry { at: next, parent, by: Flip::of_bit(side, bit) };
+                // With greed the excess may fall; the queue then takes the cell as one of the present layer.
+                let excess = (excess + weight - self.greed * closer).max(self.lists.queue.last() as i64);
+                self.lists.queue.push(excess as u64, entry);
+                queued += 1;
             }
         }
+        queued
+    }
+}
+
+/// Knows nothing of obstacles: all modules are small.
+pub(super) struct NoBlocks {
+    pub(super) modules: [u32; 2],
+}
+
+impl Guide for NoBlocks {
+    #[inline]
+    fn fine(&self) -> [u32; 2] {
+        self.modules
     }
 
     #[inline]
-    fn offer(&mut self, mut at: [u32; 2], side: Side, bit: u32, parent: u32, excess: u64) {
-        at[side.index()] ^= bit;
-        if !self.settled.contains(at) {
-            self.queue.push(excess, Entry { at, parent, by: Flip::of_bit(side, bit) });
-        }
+    fn coarse(&self, _: [u32; 2]) -> Option<u64> {
+        Some(0)
+    }
+}
+
+/// Weights of the small modules by which two cells differ.
+pub(super) fn small_difference(guide: &impl Guide, weights: &Weights, a: [u32; 2], b: [u32; 2]) -> u64 {
+    let small = |k: usize| (a[k] ^ b[k]) & ((1 << guide.fine()[k]) - 1);
+    weights.of_masks([small(0), small(1)])
+}
+
+impl Lists {
+    fn begin(&mut self, modules: [u32; 2]) {
+        self.queue.clear();
+        self.settled.clear(self.entries.drain(..).map(|s| s.entry.at));
+        self.settled.begin(modules);
     }
 
-    /// Adds the neighbours of one more cell to the flood; `false` if there is none, so that the goal's component is known.
-    fn flood_one(&mut self) -> bool {
-        let Some(&at) = self.flood.get(self.spread) else {
-            return false;
-        };
-        self.spread += 1;
-        let legal = self.reader.legal(at).unwrap_or([0, 0]);
-        for side in Side::BOTH {
-            for bit in bits(legal[side.index()]) {
-                let mut next = at;
-                next[side.index()] ^= bit;
-                if self.flooded.insert(next) {
-                    self.flood.push(next);
-                }
-            }
-        }
-        true
+    /// Cells settled by the last search, without greed, with their excess, in ascending order of it.
+    pub(super) fn settled(&self) -> impl Iterator<Item = ([u32; 2], u64)> {
+        self.entries.iter().map(|s| (s.entry.at, s.excess as u64))
     }
 
-    fn path(&self) -> Vec<Flip> {
+    /// The flips to the cell settled last.
+    pub(super) fn path(&self) -> Vec<Flip> {
         let mut flips = Vec::new();
-        let mut index = self.entries.len() - 1;
-        while self.entries[index].parent != NONE {
-            flips.push(self.entries[index].by);
-            index = self.entries[index].parent as usize;
+        let mut at = self.entries.last();
+        while let Some(Settled { entry, .. }) = at.filter(|s| s.entry.parent != NONE) {
+            flips.push(entry.by);
+            at = self.entries.get(entry.parent as usize);
         }
         flips.reverse();
         flips

@@ -8,6 +8,7 @@ use super::{
     Weights, published, pulses, shortest, tour, why,
 };
 use crate::check::claims::{self, Action, Body, DimibotOrder, Job, Method, Objective, Requirement, Step, Stop};
+use crate::check::start_disagrees;
 use crate::device::dimibot::{Facts, Flip, Simultaneous, VOCABULARY};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
@@ -92,7 +93,9 @@ pub fn plan(
     fields: &mut Fields,
     sink: &mut Sink,
 ) -> (Option<Plan>, Cell) {
-    let start = start(job, order, stands, sink);
+    let Some(start) = start(job, order, stands, sink) else {
+        return (None, end_of(order).or(stands).unwrap_or(order.facts.home));
+    };
     let scene = fields.scene(order);
     let mut search = Search { job, order, scene: &scene, at: start, tally: Tally::default(), sink };
     if !search.begins_clear() {
@@ -107,16 +110,16 @@ pub fn plan(
     (kept.then_some(plan), at)
 }
 
-fn start(job: &Job, order: &DimibotOrder, stands: Option<Cell>, sink: &mut Sink) -> Cell {
+/// Where a job begins; `None` if it says another place than where its device stands, which was reported.
+fn start(job: &Job, order: &DimibotOrder, stands: Option<Cell>, sink: &mut Sink) -> Option<Cell> {
     match (order.start, stands) {
         (Some(start), Some(stands)) if start.value != stands => {
-            let show = |cell: Cell| format!("{cell}, {}", order.facts.word_text(cell));
-            sink.push(errors::start_disagrees(start.span, &show(start.value), &show(stands), &job.device));
-            start.value
+            sink.push(start_disagrees(order, start, stands, job));
+            None
         }
-        (Some(start), _) => start.value,
-        (None, Some(stands)) => stands,
-        (None, None) => order.facts.home,
+        (Some(start), _) => Some(start.value),
+        (None, Some(stands)) => Some(stands),
+        (None, None) => Some(order.facts.home),
     }
 }
 
@@ -146,11 +149,17 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn begins_clear(&mut self) -> bool {
-        let covered = !self.scene.field.covering(self.at).is_empty();
-        if covered {
-            self.sink.push(errors::start_covered(self.job.run_span, &self.job.task, &self.at.to_string()));
+        let covering = self.scene.field.covering(self.at);
+        let obstacles: Vec<(&str, Span)> = covering
+            .iter()
+            .map(|index| &self.order.obstacles[*index])
+            .map(|obstacle| (obstacle.name.as_str(), obstacle.span))
+            .collect();
+        if !obstacles.is_empty() {
+            let (task, at) = (&self.job.task, self.at.to_string());
+            self.sink.push(errors::start_covered(self.job.run_span, task, &at, &obstacles));
         }
-        !covered
+        covering.is_empty()
     }
 
     fn step(&mut self, step: &Step) -> Option<StepMotion> {
@@ -182,7 +191,7 @@ impl Search<'_> {
 
     fn path(&self, from: Cell, to: Cell) -> Outcome<Path> {
         let method = match self.order.planner.method {
-            Method::LayeredAstar => shortest,
+            Method::StagedAstar => shortest,
             Method::Dijkstra => published::dijkstra,
             Method::BidirectionalDijkstra => published::bidirectional_dijkstra,
             Method::Astar => published::astar,
@@ -284,6 +293,7 @@ fn proof_text(proof: Proof) -> String {
         Proof::StartOutside | Proof::GoalOutside => "not a cell of the lattice".to_owned(),
         Proof::StartCovered => "begins on an obstacle".to_owned(),
         Proof::GoalCovered => "ends on an obstacle".to_owned(),
+        Proof::BlocksApart => "cannot be reached: whole regions of the lattice are cut off from one another".to_owned(),
         Proof::StartShut { cells: 1 } => "not one switch is free where it begins".to_owned(),
         Proof::GoalShut { cells: 1 } => "no switch leads to it".to_owned(),
         Proof::StartShut { cells } => format!("only {cells} cells can be reached, all were searched"),
@@ -294,7 +304,7 @@ fn proof_text(proof: Proof) -> String {
 fn uses_pulses(order: &DimibotOrder) -> bool {
     order.simultaneous == Simultaneous::Safe
         && order.objective == Objective::Time
-        && order.planner.method == Method::LayeredAstar
+        && order.planner.method == Method::StagedAstar
 }
 
 fn single(flip: Flip) -> Pulse {
@@ -433,7 +443,7 @@ fn best_instead(
     let name = &requirement.outcome;
     Some(match (keeps(requirement, reached), best.proof) {
         (Kept::Yes, _) => format!("`minimize {name}` finds a plan of {text}"),
-        (Kept::No, Optimality::Proven) => format!("no plan does better than {text}: raise the limit"),
+        (Kept::No, Optimality::Proven) => format!("no plan does better: raise the limit to {text}"),
         (Kept::No, Optimality::Open) => format!("the best plan found for `minimize {name}` has {text}"),
     })
 }

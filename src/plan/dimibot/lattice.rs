@@ -98,14 +98,26 @@ impl Weights {
         Weights { of, modules }
     }
 
-    /// Cost of one flip.
+    /// Cost of one flip; 0 for a module that the robot does not have.
     pub fn of(&self, flip: Flip) -> u64 {
-        u64::from(self.of[flip.side.index()][usize::from(flip.module)])
+        let of = self.of[flip.side.index()];
+        of.get(usize::from(flip.module)).map_or(0, |w| u64::from(*w))
     }
 
     /// The least cost between two cells when nothing is in the way: every module whose state differs switches once.
     pub fn between(&self, a: Cell, b: Cell) -> u64 {
         self.of_masks([a.x ^ b.x, a.y ^ b.y])
+    }
+
+    /// The weights of the modules above the `fine` lowest of each side.
+    pub(crate) fn without(&self, fine: [u32; 2]) -> Self {
+        let mut of = [[0; MAX_MODULES as usize]; 2];
+        for k in 0..2 {
+            let kept = &self.of[k][fine[k] as usize..];
+            of[k][..kept.len()].copy_from_slice(kept);
+        }
+        let modules = [self.modules[0] - fine[0], self.modules[1] - fine[1]];
+        Weights { of, modules }
     }
 
     pub(crate) fn of_masks(&self, masks: [u32; 2]) -> u64 {

@@ -5,12 +5,11 @@
 
 mod bands;
 mod blocks;
-mod closed;
 mod field;
 mod guided;
 mod job;
+mod journey;
 mod lattice;
-mod layers;
 mod outcome;
 pub mod published;
 mod pulses;
@@ -30,4 +29,4 @@ pub use tour::{EXACT_PLACES, Leg, MAX_PLACES, Measure, Tour, TourOutcome, tour};
 pub use why::{Opening, Why, why};
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

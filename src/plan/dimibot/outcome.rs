@@ -23,7 +23,7 @@ pub struct Path {
     pub cost: u64,
     /// No path costs less; equal to `cost` when the path is proven optimal.
     pub bound: u64,
-    /// Cells expanded.
+    /// Steps of the search.
     pub expanded: u64,
 }
 
@@ -32,7 +32,7 @@ pub struct Path {
 pub struct Impossible {
     /// Why.
     pub proof: Proof,
-    /// Cells expanded.
+    /// Steps of the search.
     pub expanded: u64,
 }
 
@@ -47,6 +47,8 @@ pub enum Proof {
     StartCovered,
     /// An obstacle covers the goal.
     GoalCovered,
+    /// Already between blocks of cells, where a flip counts as free if any cell of the block has it, the start and the goal are not connected.
+    BlocksApart,
     /// All cells that can be reached from the start were visited: that many, and the goal is not among them.
     StartShut {
         /// Size of the start's component.

@@ -156,12 +156,16 @@ pub fn bidirectional_dijkstra(
     let (mut reader, _) = work.open(field);
     loop {
         let tops = [0, 1].map(|k: usize| queues[k].peek().map(|top| top.0.0));
-        let [Some(from_start), Some(from_goal)] = tops else { break };
+        let [Some(from_start), Some(from_goal)] = tops else {
+            break;
+        };
         if best.is_some_and(|(cost, _)| from_start + from_goal >= cost) {
             break;
         }
         let k = usize::from(from_goal < from_start);
-        let Some(Reverse((_, cost, cell))) = queues[k].pop() else { break };
+        let Some(Reverse((_, cost, cell))) = queues[k].pop() else {
+            break;
+        };
         if reached[k].get(&cell).is_some_and(|(known, _)| *known < cost) {
             continue;
         }

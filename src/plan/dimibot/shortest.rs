@@ -1,14 +1,14 @@
 //! The default search of the DiMiBot planner.
 //!
 //! Problem: the cheapest sequence of single flips between two cells. Method: a greedy walk that only switches modules toward the goal, whose cost is
-//! the XOR distance and therefore optimal when it arrives; then [`super::layers`]. Guaranteed: complete, and optimal unless the budget runs out.
-//! One step of the budget is one settled cell.
+//! the XOR distance and therefore optimal when it arrives; then [`super::journey`]. Guaranteed: complete, and optimal unless the budget runs out.
+//! One step of the budget is one cell queued.
 
 use super::field::{Field, Reader};
-use super::lattice::{Cell, Flip, Side, Weights};
-use super::layers::{Layered, Search};
+use super::journey::Journey;
+use super::lattice::{Cell, Flip, Side, Weights, bits};
 use super::outcome::{Outcome, Path, Proof};
-use crate::plan::search::{Budget, GaveUp, Meter};
+use crate::plan::search::Budget;
 
 /// The cheapest path of single flips from `start` to `goal`.
 pub fn shortest(field: &Field, start: Cell, goal: Cell, weights: &Weights, budget: Budget) -> Outcome<Path> {
@@ -18,49 +18,22 @@ pub fn shortest(field: &Field, start: Cell, goal: Cell, weights: &Weights, budge
     let mut work = field.work();
     let (mut reader, space) = work.open(field);
     let ends = [start.pair(), goal.pair()];
-    for (end, proof) in ends.iter().zip([Proof::StartCovered, Proof::GoalCovered]) {
-        if reader.legal(*end).is_none() {
-            return Outcome::impossible(proof, 0);
-        }
-    }
-    if let Some(flips) = walk(&mut reader, ends) {
+    if start != goal
+        && let Some(flips) = walk(&mut reader, ends)
+    {
         let cost = weights.between(start, goal);
         let expanded = flips.len() as u64;
         return Outcome::Found(Path { flips, cost, bound: cost, expanded });
     }
-    let mut meter = Meter::new(budget);
-    if std::env::var("ENGINE").is_err() {
-        let (reader, space) = work.open_guided(field);
-        let found = space.search(reader, weights, ends, &mut meter);
-        return guided(found, weights, meter.spent());
-    }
-    let found = Search::new(reader, space, weights, ends, &mut meter).run(ends);
-    let base = weights.between(start, goal);
-    outcome(found, base, meter.spent())
-}
-
-fn outcome(found: Layered, base: u64, expanded: u64) -> Outcome<Path> {
-    match found {
-        Layered::Path { flips, excess, bound } => {
-            Outcome::Found(Path { flips, cost: base + excess, bound: base + bound, expanded })
+    for (end, proof) in ends.into_iter().zip([Proof::StartCovered, Proof::GoalCovered]) {
+        if reader.legal(end).is_none() {
+            return Outcome::impossible(proof, 0);
         }
-        Layered::StartShut(cells) => Outcome::impossible(Proof::StartShut { cells }, expanded),
-        Layered::GoalShut(cells) => Outcome::impossible(Proof::GoalShut { cells }, expanded),
-        Layered::GaveUp(gave_up) => Outcome::GaveUp(GaveUp { bound: base + gave_up.bound, ..gave_up }),
     }
-}
-
-fn guided(found: super::guided::Guided, weights: &Weights, expanded: u64) -> Outcome<Path> {
-    use super::guided::Guided;
-    match found {
-        Guided::Path(flips) => {
-            let cost = flips.iter().map(|flip| weights.of(*flip)).sum();
-            Outcome::Found(Path { flips, cost, bound: cost, expanded })
-        }
-        Guided::StartShut(cells) => Outcome::impossible(Proof::StartShut { cells }, expanded),
-        Guided::GoalShut(cells) => Outcome::impossible(Proof::GoalShut { cells }, expanded),
-        Guided::GaveUp(report) => Outcome::GaveUp(report),
+    if start == goal {
+        return Outcome::Found(Path { flips: Vec::new(), cost: 0, bound: 0, expanded: 0 });
     }
+    Journey::new(reader, weights, ends, budget).run(space)
 }
 
 /// The proof that there is no plan when a cell does not belong to the lattice.
@@ -71,17 +44,39 @@ pub(super) fn outside(field: &Field, start: Cell, goal: Cell) -> Option<Proof> {
     (!field.lattice().contains(goal)).then_some(Proof::GoalOutside)
 }
 
-/// Switches the largest module that may switch and stands differently, until the goal is reached or none is left.
+/// A path that only switches modules that stand differently, so that no path is cheaper: all of one side, then all of the other, or else always
+/// the largest that may switch. Meets every cell it enters, so it fails if an end is covered, unless start and goal are the same.
 fn walk(reader: &mut Reader<'_>, [start, goal]: [[u32; 2]; 2]) -> Option<Vec<Flip>> {
+    let differing = [start[0] ^ goal[0], start[1] ^ goal[1]];
+    let mut flips = Vec::with_capacity((differing[0].count_ones() + differing[1].count_ones()) as usize);
+    for first in Side::BOTH {
+        let second = first.other();
+        let mut corner = start;
+        corner[first.index()] = goal[first.index()];
+        if stretch_is_free(reader, start, goal, first) && stretch_is_free(reader, corner, goal, second) {
+            for side in [first, second] {
+                flips.extend(bits(differing[side.index()]).map(|bit| Flip::of_bit(side, bit)));
+            }
+            return Some(flips);
+        }
+    }
     let mut at = start;
-    let mut flips = Vec::with_capacity(((at[0] ^ goal[0]).count_ones() + (at[1] ^ goal[1]).count_ones()) as usize);
     while at != goal {
         let legal = reader.legal(at)?;
         let toward = |k: usize| legal[k] & (at[k] ^ goal[k]);
         let side = if toward(0) >= toward(1) { Side::Left } else { Side::Right };
-        let module = toward(side.index()).checked_ilog2()?;
-        at[side.index()] ^= 1 << module;
-        flips.push(Flip { side, module: module as u8 });
+        let bit = 1 << toward(side.index()).checked_ilog2()?;
+        at[side.index()] ^= bit;
+        flips.push(Flip::of_bit(side, bit));
     }
     Some(flips)
+}
+
+/// Whether all differing modules of the side may switch from this cell, in any order.
+fn stretch_is_free(reader: &mut Reader<'_>, at: [u32; 2], goal: [u32; 2], side: Side) -> bool {
+    let (k, across) = (side.index(), side.other().index());
+    match reader.free_run(side, at[across], at[k]) {
+        Some([low, high]) => low <= at[k] & goal[k] && at[k] | goal[k] <= high,
+        None => false,
+    }
 }

@@ -2,5 +2,5 @@
 
 mod golden;
 mod many;
-pub(super) mod oracle;
+pub(in crate::plan::dimibot) mod oracle;
 mod scenes;

@@ -7,10 +7,10 @@
 
 use super::field::{Field, Obstacle};
 use super::lattice::{Cell, Flip, Side, Weights, bits};
-use super::outcome::{Outcome, Proof};
+use super::outcome::Outcome;
 use super::shortest::{outside, shortest};
 use crate::plan::search::{Budget, Meter};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeSet;
 
 /// Obstacles named when no opening set was found within the budget.
@@ -55,7 +55,7 @@ pub fn why(field: &Field, obstacles: &[Obstacle], start: Cell, goal: Cell, budge
     match scene.trial(&covering, &mut meter) {
         Trial::Open if covering.is_empty() => None,
         Trial::Open => Some(blame(covering, Opening::Smallest)),
-        Trial::Shut(side) => Some(scene.search(side, covering, &mut meter)),
+        Trial::Shut => Some(scene.search(covering, &mut meter)),
         Trial::Unknown => (!covering.is_empty()).then(|| blame(covering, Opening::Unknown)),
     }
 }
@@ -74,34 +74,45 @@ struct Scene<'a> {
 
 enum Trial {
     Open,
-    Shut(End),
+    Shut,
     Unknown,
 }
 
-#[derive(Clone, Copy)]
-enum End {
-    Start,
-    Goal,
-}
-
 impl Scene<'_> {
-    fn search(&self, smaller: End, covering: BTreeSet<usize>, meter: &mut Meter) -> Why {
-        let (from, to) = match smaller {
-            End::Start => (self.start, self.goal),
-            End::Goal => (self.goal, self.start),
+    fn search(&self, covering: BTreeSet<usize>, meter: &mut Meter) -> Why {
+        let (border, [from, to]) = self.smaller_border(&covering, meter);
+        let singles = match &border {
+            Some(border) => self.single(border, &covering, meter),
+            None => Singles::NotTried,
         };
-        let border = self.border(from, &covering, meter);
-        if let Some(border) = &border {
-            if let Some(set) = self.single(border, &covering, meter) {
-                return blame(set, Opening::Smallest);
-            }
+        if let Singles::Opens(set) = singles {
+            return blame(set, Opening::Smallest);
         }
-        let tried_singles = border.is_some() && meter.left().steps > 0;
+        // If no single one opens a path, two are the least.
+        let least = if matches!(singles, Singles::None) { 2 } else { 1 };
         match Crossing::new(self.field, &covering).run(from, to, meter) {
-            Some(set) => self.filter(set, &covering, tried_singles, meter),
+            Some(set) => self.filter(set, &covering, least, meter),
             None => {
                 let named = border.unwrap_or_default().into_iter().take(MAX_BORDER);
                 blame(covering.into_iter().chain(named).collect(), Opening::Unknown)
+            }
+        }
+    }
+
+    /// Obstacles around the smaller of the two components, once `removed` is gone, and the end within it before the other; the obstacles only if
+    /// the budget lasts.
+    fn smaller_border(&self, removed: &BTreeSet<usize>, meter: &mut Meter) -> (Option<BTreeSet<usize>>, [Cell; 2]) {
+        let mut sides = [self.start, self.goal].map(|end| Component::new(self.field, removed, end));
+        loop {
+            for (k, side) in sides.iter_mut().enumerate() {
+                match side.spread(meter) {
+                    Spread::More => {}
+                    Spread::Done => {
+                        let ends = if k == 0 { [self.start, self.goal] } else { [self.goal, self.start] };
+                        return (Some(std::mem::take(&mut side.border)), ends);
+                    }
+                    Spread::OutOfBudget => return (None, [self.goal, self.start]),
+                }
             }
         }
     }
@@ -136,10 +147,7 @@ impl Scene<'_> {
             }
             Outcome::Impossible(proof) => {
                 meter.charge(proof.expanded);
-                match proof.proof {
-                    Proof::StartShut { .. } | Proof::StartCovered | Proof::StartOutside => Trial::Shut(End::Start),
-                    Proof::GoalShut { .. } | Proof::GoalCovered | Proof::GoalOutside => Trial::Shut(End::Goal),
-                }
+                Trial::Shut
             }
             Outcome::GaveUp(gave_up) => {
                 meter.charge(gave_up.spent);
@@ -148,65 +156,93 @@ impl Scene<'_> {
         }
     }
 
-    /// Obstacles that block a flip out of the component of `from`, once `removed` is gone; `None` if the budget runs out.
-    fn border(&self, from: Cell, removed: &BTreeSet<usize>, meter: &mut Meter) -> Option<BTreeSet<usize>> {
-        let mut border = BTreeSet::new();
-        let mut seen = rustc_hash::FxHashSet::from_iter([from]);
-        let mut stack = vec![from];
-        while let Some(cell) = stack.pop() {
-            for flip in flips(self.field) {
-                meter.step()?;
-                let next = cell.after(flip);
-                if seen.contains(&next) {
-                    continue;
-                }
-                let mut blocking = self.field.blocking(cell, flip);
-                blocking.retain(|k| !removed.contains(k));
-                if blocking.is_empty() {
-                    seen.insert(next);
-                    stack.push(next);
-                }
-                border.extend(blocking);
+    /// The first single obstacle whose removal, on top of those that must go, opens a path.
+    fn single(&self, border: &BTreeSet<usize>, covering: &BTreeSet<usize>, meter: &mut Meter) -> Singles {
+        let mut answer = Singles::None;
+        for obstacle in border {
+            let mut set = covering.clone();
+            set.insert(*obstacle);
+            match self.trial(&set, meter) {
+                Trial::Open => return Singles::Opens(set),
+                Trial::Shut => {}
+                Trial::Unknown => answer = Singles::NotTried,
             }
         }
-        Some(border)
-    }
-
-    /// The first single obstacle whose removal, on top of those that must go, opens a path.
-    fn single(
-        &self,
-        border: &BTreeSet<usize>,
-        covering: &BTreeSet<usize>,
-        meter: &mut Meter,
-    ) -> Option<BTreeSet<usize>> {
-        let with = |k: &usize| covering.iter().chain([k]).copied().collect::<BTreeSet<usize>>();
-        let mut sets = border.iter().map(with);
-        sets.find(|set| matches!(self.trial(set, meter), Trial::Open))
+        answer
     }
 
     /// Leaves out what is not needed.
-    fn filter(
-        &self,
-        mut set: BTreeSet<usize>,
-        covering: &BTreeSet<usize>,
-        tried_singles: bool,
-        meter: &mut Meter,
-    ) -> Why {
+    fn filter(&self, mut set: BTreeSet<usize>, covering: &BTreeSet<usize>, least: usize, meter: &mut Meter) -> Why {
         let mut opening = Opening::Irreducible;
         for candidate in set.difference(covering).copied().collect::<Vec<_>>() {
             let mut fewer = set.clone();
             fewer.remove(&candidate);
             match self.trial(&fewer, meter) {
                 Trial::Open => set = fewer,
-                Trial::Shut(_) => {}
+                Trial::Shut => {}
                 Trial::Unknown => opening = Opening::Opens,
             }
         }
-        // No single one opens a path, so two are the least.
-        if tried_singles && set.len() == covering.len() + 2 && meter.left().steps > 0 {
+        if set.len() == covering.len() + least {
             opening = Opening::Smallest;
         }
         blame(set, opening)
+    }
+}
+
+enum Singles {
+    Opens(BTreeSet<usize>),
+    None,
+    NotTried,
+}
+
+/// The cells that can be reached from an end, as far as they are known, and the obstacles around them.
+struct Component<'a> {
+    field: &'a Field,
+    removed: &'a BTreeSet<usize>,
+    border: BTreeSet<usize>,
+    seen: FxHashSet<Cell>,
+    stack: Vec<Cell>,
+}
+
+enum Spread {
+    More,
+    Done,
+    OutOfBudget,
+}
+
+impl<'a> Component<'a> {
+    fn new(field: &'a Field, removed: &'a BTreeSet<usize>, end: Cell) -> Self {
+        let seen = FxHashSet::from_iter([end]);
+        let border = BTreeSet::new();
+        Component { field, removed, border, seen, stack: vec![end] }
+    }
+
+    fn spread(&mut self, meter: &mut Meter) -> Spread {
+        let Some(cell) = self.stack.pop() else {
+            return Spread::Done;
+        };
+        let legal = self.field.legal(cell).unwrap_or([0, 0]);
+        for flip in flips(self.field) {
+            if meter.step().is_none() {
+                return Spread::OutOfBudget;
+            }
+            let next = cell.after(flip);
+            if self.seen.contains(&next) {
+                continue;
+            }
+            let mut blocking = match legal[flip.side.index()] >> flip.module & 1 {
+                1 => Vec::new(),
+                _ => self.field.blocking(cell, flip),
+            };
+            blocking.retain(|k| !self.removed.contains(k));
+            if blocking.is_empty() {
+                self.seen.insert(next);
+                self.stack.push(next);
+            }
+            self.border.extend(blocking);
+        }
+        Spread::More
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::error::LogError;
 use super::series::{self, Decoder, Series};
-use super::{MAX_DATA_BYTES, MAX_MESSAGE_BYTES, MAX_MESSAGES, METADATA};
+use super::{MAX_DATA_BYTES, MAX_DEVICES, MAX_MESSAGE_BYTES, MAX_MESSAGES, METADATA};
 use mcap::records::op;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -235,6 +235,11 @@ fn topic(record: &Record, contents: &mut Contents, state: &mut State) -> Result<
             .map_err(|what| LogError::content(format!("topic `{name}`"), what))?;
         if contents.voltages.iter().any(|series| series.device == device) {
             return Err(LogError::damaged(record.offset(), format!("a second topic `{name}`")));
+        }
+        let (devices, limit) = (contents.voltages.len() as u64 + 1, MAX_DEVICES);
+        if devices > limit {
+            let what = "the number of topics of voltages".to_owned();
+            return Err(LogError::TooLarge { offset: record.offset(), what, bytes: devices, limit });
         }
         series = Some((contents.voltages.len(), decoder));
         contents.voltages.push(Series { device: device.to_owned(), channels, samples: Vec::new() });

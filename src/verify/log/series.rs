@@ -209,7 +209,8 @@ fn device_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Se
             }
             let scheduled = actuations.get(next).map_or((0.0, 0.0), |actuation| voltage(actuation, *t_ns));
             let recorded = values[column];
-            if !((recorded - scheduled.0).abs() <= scheduled.1) {
+            let agrees = (recorded - scheduled.0).abs() <= scheduled.1;
+            if !agrees {
                 let (channel, t_ns, scheduled) = ((*name).to_owned(), *t_ns, scheduled.0);
                 return Some(VoltageFault::Value { channel, t_ns, recorded, scheduled });
             }

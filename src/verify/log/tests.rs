@@ -4,6 +4,7 @@ use crate::emit::{Format, Provenance, emit, fixture};
 use crate::verify::Verified;
 use mcap::records::op;
 use proptest::prelude::*;
+use prost::Message;
 
 fn written((verified, provenance): &(Verified, Provenance)) -> Vec<u8> {
     emit(Format::Mcap, verified, provenance).expect("the fixture can be written").remove(0).bytes
@@ -133,6 +134,31 @@ fn the_sum_of_the_chunks_is_limited() {
 }
 
 #[test]
+fn the_number_of_devices_is_limited() {
+    let text = |text: &str| [(text.len() as u32).to_le_bytes().as_slice(), text.as_bytes()].concat();
+    let message = prost_types::DescriptorProto { name: Some("V".into()), ..Default::default() };
+    let proto = prost_types::FileDescriptorProto {
+        package: Some("a".into()),
+        message_type: vec![message],
+        ..Default::default()
+    };
+    let descriptor = prost_types::FileDescriptorSet { file: vec![proto] }.encode_to_vec();
+    let length = (descriptor.len() as u32).to_le_bytes().to_vec();
+    let schema = record(op::SCHEMA, &[vec![1, 0], text("a.V"), text("protobuf"), length, descriptor].concat());
+    let topic = |id: u16| {
+        let body =
+            [id.to_le_bytes().to_vec(), vec![1, 0], text(&format!("/d{id}/voltages")), text("protobuf"), vec![0; 4]];
+        record(op::CHANNEL, &body.concat())
+    };
+    let devices = |count: u64| {
+        let topics = (0..count as u16).map(topic);
+        code(&file(&std::iter::once(schema.clone()).chain(topics).collect::<Vec<_>>()))
+    };
+    assert_eq!(devices(MAX_DEVICES), Code::E0844);
+    assert_eq!(devices(MAX_DEVICES + 1), Code::E0843);
+}
+
+#[test]
 fn lengths_that_reach_beyond_are_damage() {
     let huge = u32::MAX.to_le_bytes();
     let attachment = [&[0; 16], huge.as_slice()].concat();
@@ -237,7 +263,83 @@ fn a_message_says_every_channel_once() {
     assert!(list.decode(&[]).is_err());
 }
 
+/// Messages; head and data of each attachment; metadata.
+type Parts = (Vec<u8>, Vec<(Vec<u8>, Vec<u8>)>, Vec<u8>);
+
+/// The records of a good log with the messages unpacked, the attachments and the metadata behind them.
+fn unpacked() -> Parts {
+    use mcap::records::Record;
+    let (mut messages, mut attachments, mut metadata) = (Vec::new(), Vec::new(), Vec::new());
+    for record in mcap::read::LinearReader::new(&written(&fixture::pair())).unwrap() {
+        match record.unwrap() {
+            Record::Chunk { header, data } => {
+                messages.extend(zstd::bulk::decompress(&data, header.uncompressed_size as usize).unwrap());
+            }
+            Record::Attachment { header, data, .. } => {
+                let mut head = vec![0; 16];
+                for text in [&header.name, &header.media_type] {
+                    head.extend((text.len() as u32).to_le_bytes());
+                    head.extend(text.as_bytes());
+                }
+                attachments.push((head, data.into_owned()));
+            }
+            Record::Metadata(record) => {
+                metadata.extend((record.name.len() as u32).to_le_bytes());
+                metadata.extend(record.name.as_bytes());
+                let entries = record.metadata.iter().flat_map(|(key, value)| [key, value]);
+                let entries: Vec<u8> = entries
+                    .flat_map(|text| [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat())
+                    .collect();
+                metadata.extend((entries.len() as u32).to_le_bytes());
+                metadata.extend(entries);
+            }
+            _ => {}
+        }
+    }
+    (messages, attachments, metadata)
+}
+
+/// The parts as a file with right checksums.
+fn packed((messages, attachments, metadata): &Parts) -> Vec<u8> {
+    let mut records = vec![chunk(messages.len() as u64, crc32fast::hash(messages), "", messages)];
+    for (head, data) in attachments {
+        let mut body = [head.as_slice(), &(data.len() as u64).to_le_bytes(), data].concat();
+        body.extend(crc32fast::hash(&body).to_le_bytes());
+        records.push(record(op::ATTACHMENT, &body));
+    }
+    records.push(record(op::METADATA, metadata));
+    file(&records)
+}
+
+#[test]
+fn a_log_packed_anew_is_read() {
+    assert_eq!(read(&packed(&unpacked())), read(&written(&fixture::pair())));
+}
+
 proptest! {
+    #[test]
+    fn no_forged_log_makes_it_panic(
+        part in 0usize..6,
+        at in any::<prop::sample::Index>(),
+        bytes in prop::collection::vec(any::<u8>(), 1..6),
+    ) {
+        static GOOD: std::sync::LazyLock<Parts> = std::sync::LazyLock::new(unpacked);
+        let mut parts = GOOD.clone();
+        let count = parts.1.len();
+        let place = match part {
+            0 | 1 => &mut parts.0,
+            2 => &mut parts.2,
+            _ => &mut parts.1[part % count].1,
+        };
+        let at = at.index(place.len());
+        let end = (at + bytes.len()).min(place.len());
+        place.splice(at..end, bytes);
+        if let Ok(log) = read(&packed(&parts)) {
+            let _ = log.voltage_fault();
+            prop_assert!(crate::schedule::json::write(&log.schedule).len() > 100);
+        }
+    }
+
     #[test]
     fn no_bytes_make_it_panic(records in prop::collection::vec((1u8..17, prop::collection::vec(any::<u8>(), 0..60)), 0..6)) {
         let records: Vec<Vec<u8>> = records.iter().map(|(opcode, body)| record(*opcode, body)).collect();

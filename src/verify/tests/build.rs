@@ -48,9 +48,9 @@ pub fn go(cells: &[(u32, u32)]) -> Action {
 pub fn order(facts: Facts, actions: Vec<Action>) -> DimibotOrder {
     DimibotOrder {
         facts,
-        obstacles: Vec::new(),
+        obstacles: Default::default(),
         objective: Objective::Distance,
-        planner: Planner { method: Method::LayeredAstar, expansions: 1000 },
+        planner: Planner { method: Method::StagedAstar, expansions: 1000 },
         simultaneous: Simultaneous::Never,
         precision_um: None,
         start: None,
@@ -143,7 +143,7 @@ fn empty_plan(job: &Job) -> PlanRecord {
         task: job.task.clone(),
         device: job.device.clone(),
         kind: Kind::Dimibot,
-        planner: "layered_astar".into(),
+        planner: "staged_astar".into(),
         objective: objective.into(),
         unit: unit.into(),
         cost: 0.0,

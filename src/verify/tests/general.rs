@@ -1,5 +1,7 @@
 use super::*;
-use crate::check::claims::{Action, Job, Relation, Requirement, Timeline};
+use crate::check::claims::{Action, Job, Method, Objective, Relation, Requirement, Timeline};
+use crate::device::dimibot::PLANNERS;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::schedule::Actuation;
 use crate::source::Span;
 
@@ -106,7 +108,7 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     ("an outcome more", Rule::Figure, |s| s.plans[0].outcomes.extend([("steps".into(), 3.0)])),
     ("a state too early", Rule::State, |s| s.plans[0].states[1].t_ns -= 1),
     ("a start too late", Rule::State, |s| s.plans[0].states[0].t_ns += 1),
-    ("a state less", Rule::State, |s| drop(s.plans[0].states.pop())),
+    ("a state less", Rule::State, |s| s.plans[0].states.truncate(4)),
     ("a state more", Rule::State, |s| {
         let last = s.plans[0].states[4].clone();
         s.plans[0].states.push(last);
@@ -140,7 +142,7 @@ const NEAR_MISSES: &[(&str, Edit)] = &[
         let State::Dimibot { position_um, .. } = &mut s.plans[0].states[1].state;
         position_um[0] += 1e-12;
     }),
-    ("an unused channel left out at the end", |s| drop(s.channels.pop())),
+    ("an unused channel left out at the end", |s| s.channels.truncate(19)),
     ("other words for a step", |s| s.steps[0].text = "go".into()),
 ];
 
@@ -240,4 +242,50 @@ fn a_broken_requirement_tells_value_and_limit() {
     let Verdict::Rejected(violations) = verify(schedule, &claims) else { panic!("the limit is broken") };
     assert_eq!(violations[0].title, "time of 40 ms in `fetch`, at most 39.999999 ms is required");
     assert_eq!(violations[0].help.as_deref(), Some("a limit of 40 ms would hold; `minimize time` may bring it down"));
+}
+
+#[test]
+fn the_cost_is_that_of_the_objective() {
+    for objective in [Objective::Distance, Objective::Switches, Objective::Time, Objective::Energy] {
+        let mut claims = day();
+        order_of(&mut claims, 0).objective = objective;
+        let sound = schedule(&claims, DAY);
+        passes(&sound, &claims);
+        let mut dear = sound.clone();
+        dear.plans[0].cost *= 1.000_000_1;
+        dear.plans[0].bound = dear.plans[0].cost;
+        only(Rule::Figure, &dear, &claims);
+    }
+}
+
+#[test]
+fn every_planner_has_its_name() {
+    use Method::*;
+    let methods = [StagedAstar, Dijkstra, BidirectionalDijkstra, Astar, HypercubeAstar];
+    for (method, planner) in methods.into_iter().zip(PLANNERS) {
+        let mut claims = day();
+        order_of(&mut claims, 0).planner.method = method;
+        let mut schedule = schedule(&claims, DAY);
+        schedule.plans[0].planner = planner.name.into();
+        passes(&schedule, &claims);
+    }
+}
+
+#[test]
+fn a_violation_becomes_a_diagnostic() {
+    let claims = day();
+    let mut schedule = schedule(&claims, DAY);
+    schedule.actuations[1].from = 19.5;
+    let Verdict::Rejected(found) = verify(schedule, &claims) else { panic!("the voltage is wrong") };
+    let diagnostic = Diagnostic::from(found[0].clone());
+    assert_eq!(diagnostic.code, Code::E0721);
+    assert_eq!(diagnostic.title, "pulse on `br2.set` goes from 19.5 V to 20 V, 20 V is needed");
+    assert!(diagnostic.labels.is_empty() && diagnostic.help.is_some());
+}
+
+#[test]
+fn times_that_differ_print_differently() {
+    use super::rule::ms;
+    let printed = [ms(0), ms(1), ms(15 * MS), ms(15 * MS + 100_000), ms(u64::MAX)];
+    assert_eq!(printed, ["0 ms", "0.000001 ms", "15 ms", "15.1 ms", "18446744073709.551615 ms"]);
 }

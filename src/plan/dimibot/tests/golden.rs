@@ -57,7 +57,9 @@ fn edges(obstacles: &[u32]) -> Vec<(u32, u32, u64)> {
     let mut edges = Vec::new();
     for number in 0..16 {
         let cell = numbered(&lattice, number);
-        let Some(masks) = field.legal(cell) else { continue };
+        let Some(masks) = field.legal(cell) else {
+            continue;
+        };
         for side in Side::BOTH {
             for module in (0..2).filter(|m| masks[side.index()] >> m & 1 == 1) {
                 let flip = Flip { side, module };

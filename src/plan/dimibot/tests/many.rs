@@ -50,7 +50,9 @@ fn the_search_by_length_is_honest() {
         let oracle = Oracle { lattice: fine, obstacles: &obstacles };
         let (start, goal) = (some_cell(&mut random, &fine), some_cell(&mut random, &fine));
         let _ = lattice;
-        let Outcome::Found(train) = pulses(&field, start, goal, Budget::DEFAULT) else { continue };
+        let Outcome::Found(train) = pulses(&field, start, goal, Budget::DEFAULT) else {
+            continue;
+        };
         check_train(&oracle, start, goal, &train);
         assert!(train.bound <= train.cost());
         all += 1;

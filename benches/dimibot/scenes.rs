@@ -1,0 +1,72 @@
+//! Scenes and queries from fixed seeds.
+
+use tweeze::plan::dimibot::{Cell, Field, Lattice, Obstacle, Weights};
+
+pub struct Random(pub u64);
+
+impl Random {
+    /// splitmix64.
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let a = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let b = (a ^ (a >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        b ^ (b >> 31)
+    }
+
+    pub fn below(&mut self, n: u32) -> u32 {
+        (self.next() % u64::from(n)) as u32
+    }
+}
+
+pub struct Scene {
+    pub modules: u32,
+    pub field: Field,
+    pub cells: Vec<[u32; 2]>,
+    pub weights: Weights,
+    pub seed: u64,
+}
+
+impl Scene {
+    pub fn sparse(modules: u32, seed: u64) -> Self {
+        let mut random = Random(seed.wrapping_mul(1000) + u64::from(modules));
+        let count = random.below(6);
+        Scene::with(modules, count, seed, random)
+    }
+
+    pub fn dense(modules: u32, crowd: u32, seed: u64) -> Self {
+        let random = Random(seed.wrapping_mul(1000) + u64::from(modules * 100 + crowd));
+        Scene::with(modules, crowd << modules, seed, random)
+    }
+
+    /// The same scene, with nothing computed yet.
+    pub fn again(&self) -> Self {
+        Scene::of(self.modules, self.cells.clone(), self.seed)
+    }
+
+    fn with(modules: u32, count: u32, seed: u64, mut random: Random) -> Self {
+        let side = 1 << modules;
+        let cells: Vec<[u32; 2]> = (0..count).map(|_| [random.below(side), random.below(side)]).collect();
+        Scene::of(modules, cells, seed)
+    }
+
+    fn of(modules: u32, cells: Vec<[u32; 2]>, seed: u64) -> Self {
+        let lattice = Lattice::new([modules; 2], [1e-3; 2]).expect("a valid lattice");
+        let obstacles: Vec<Obstacle> = cells.iter().map(|&c| Obstacle::Cells { from: c, to: c }).collect();
+        let field = Field::new(lattice, &obstacles).expect("a valid scene");
+        let weights = Weights::distance(&lattice);
+        Scene { modules, field, cells, weights, seed }
+    }
+
+    /// Pairs of free cells.
+    pub fn queries(&self, count: usize, seed: u64) -> Vec<(Cell, Cell)> {
+        let mut random = Random(seed ^ (self.seed << 20));
+        let side = 1 << self.modules;
+        let mut free = || loop {
+            let cell = Cell::new(random.below(side), random.below(side));
+            if self.field.legal(cell).is_some() {
+                return cell;
+            }
+        };
+        (0..count).map(|_| (free(), free())).collect()
+    }
+}

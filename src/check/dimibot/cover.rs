@@ -1,0 +1,66 @@
+//! Which obstacle covers a cell: a grid of boxes in levels, so that tens of thousands of obstacles are asked in a few steps.
+//!
+//! An obstacle is entered under its bounding box at the level whose squares are at least as wide as the box, in four squares
+//! at most; a cell is looked up once in each level. The answer is exact: boxes only choose the candidates.
+
+use super::{Obstacle, bounds_um, clearance_um};
+use crate::check::claims::Body;
+use crate::device::dimibot::{Cell, Facts, MAX_MODULES};
+use rustc_hash::FxHashMap;
+use std::sync::Arc;
+
+/// The obstacles of a scene as one device meets them, ready to be asked.
+#[derive(Debug, Clone)]
+pub struct Cover {
+    pub obstacles: Arc<Vec<Obstacle>>,
+    /// Indices of the obstacles whose box touches a square, ascending; squares of level l are 2^l cells wide.
+    squares: Arc<FxHashMap<(u32, u32, u32), Vec<u32>>>,
+}
+
+impl Cover {
+    /// Enters the obstacles, which must be those of this device.
+    pub fn of(obstacles: Vec<Obstacle>, facts: &Facts) -> Cover {
+        let mut squares: FxHashMap<(u32, u32, u32), Vec<u32>> = FxHashMap::default();
+        for (index, obstacle) in obstacles.iter().enumerate() {
+            let Some([low, high]) = box_of(&obstacle.body, facts) else { continue };
+            let widest = (high.x - low.x).max(high.y - low.y) + 1;
+            let level = widest.next_power_of_two().trailing_zeros();
+            for x in low.x >> level..=high.x >> level {
+                for y in low.y >> level..=high.y >> level {
+                    squares.entry((level, x, y)).or_default().push(index as u32);
+                }
+            }
+        }
+        Cover { obstacles: Arc::new(obstacles), squares: Arc::new(squares) }
+    }
+
+    /// The first obstacle, in the order of the scene, that covers a cell.
+    pub fn covering(&self, cell: Cell, facts: &Facts) -> Option<usize> {
+        let squares =
+            (0..=MAX_MODULES).filter_map(|level| self.squares.get(&(level, cell.x >> level, cell.y >> level)));
+        let first = |square: &Vec<u32>| {
+            square.iter().map(|index| *index as usize).find(|index| covers(&self.obstacles[*index].body, cell, facts))
+        };
+        squares.filter_map(first).min()
+    }
+}
+
+fn covers(body: &Body, cell: Cell, facts: &Facts) -> bool {
+    match body {
+        Body::Cells { from, to } => (from.x..=to.x).contains(&cell.x) && (from.y..=to.y).contains(&cell.y),
+        Body::Solid { shape, pose } => clearance_um(shape, pose, cell, facts) <= facts.growth_um(),
+    }
+}
+
+/// The lowest and the highest cell that a body can cover, one more on each side for rounding; `None` outside the lattice.
+fn box_of(body: &Body, facts: &Facts) -> Option<[Cell; 2]> {
+    match body {
+        Body::Cells { from, to } => (from.x <= to.x && from.y <= to.y).then_some([*from, *to]),
+        Body::Solid { shape, pose } => {
+            let [low_um, high_um] = bounds_um(shape, pose, facts.growth_um())?;
+            let ([low_x, low_y], [high_x, high_y]) = (facts.nearest_indices(low_um), facts.nearest_indices(high_um));
+            let around = |[x, y]: [f64; 2], step: f64| facts.clamped_cell_of([x + step, y + step]);
+            Some([around([low_x, low_y], -1.0), around([high_x, high_y], 1.0)])
+        }
+    }
+}

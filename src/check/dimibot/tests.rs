@@ -1,0 +1,102 @@
+//! The index of covered cells against asking every obstacle, and how fast large programs are checked.
+
+use super::*;
+use crate::check::imports::{self, Library};
+use crate::source::Sources;
+use std::time::Instant;
+
+fn facts() -> dimibot::Facts {
+    dimibot::Facts {
+        left: 7,
+        right: 6,
+        stroke_um: 35.0,
+        gain: 0.138,
+        pulse_voltage_v: 20.0,
+        pulse_current_a: 0.1,
+        pulse_duration_ns: 15_000_000,
+        rest_ns: 0,
+        repeatability_um: 0.09,
+        tip_radius_um: 0.1,
+        home: Cell::default(),
+        simultaneous: Simultaneous::Never,
+    }
+}
+
+/// Numbers that look random, below 1.
+fn numbers() -> impl FnMut() -> f64 {
+    let mut state = 12_345u64;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / (1u64 << 24) as f64
+    }
+}
+
+fn bodies() -> Vec<Body> {
+    let mut next = numbers();
+    let mut bodies = Vec::new();
+    for index in 0..60u32 {
+        let pose = Pose { x_um: next() * 14.0, y_um: next() * 14.0, heading_rad: next() * 6.0 };
+        let size = next() * next() * 3.0 + 0.01;
+        let cell = Cell { x: (next() * 120.0) as u32, y: (next() * 60.0) as u32 };
+        bodies.push(match index % 4 {
+            0 => Body::Solid { shape: Shape::Disc { radius_um: size }, pose },
+            1 => Body::Solid { shape: Shape::Box { size_um: [size, 0.3] }, pose },
+            2 => Body::Solid { shape: Shape::Point, pose },
+            _ => Body::Cells { from: cell, to: Cell { x: cell.x + index % 5, y: cell.y + index % 3 } },
+        });
+    }
+    bodies
+}
+
+#[test]
+fn the_index_of_covered_cells_agrees_with_asking_every_obstacle() {
+    let facts = facts();
+    let all: Vec<Obstacle> = bodies()
+        .into_iter()
+        .enumerate()
+        .map(|(index, body)| Obstacle { name: index.to_string(), body, span: Span::default() })
+        .collect();
+    let cover = Cover::of(all.clone(), &facts);
+    let mut covered = 0;
+    for x in 0..facts.cells(Side::Left) {
+        for y in 0..facts.cells(Side::Right) {
+            let cell = Cell { x, y };
+            let expected = all.iter().position(|obstacle| match &obstacle.body {
+                Body::Cells { from, to } => (from.x..=to.x).contains(&x) && (from.y..=to.y).contains(&y),
+                Body::Solid { shape, pose } => clearance_um(shape, pose, cell, &facts) <= facts.growth_um(),
+            });
+            assert_eq!(cover.covering(cell, &facts), expected, "{cell}");
+            covered += usize::from(expected.is_some());
+        }
+    }
+    assert!(covered > 100, "only {covered} covered cells: the test says little");
+}
+
+struct Nothing;
+
+impl Library for Nothing {
+    fn read(&self, _from: &str, _path: &str) -> Result<(String, String), String> {
+        Err("there is none".to_owned())
+    }
+}
+
+#[test]
+fn many_obstacles_and_many_steps_are_checked_fast() {
+    let obstacles: String = (0..50_000)
+        .map(|i| {
+            format!("  obstacle d{i} : disc {{ radius: 2 nm }} at ({} um, {} um)\n", 1 + i % 223 / 20, 1 + i / 4600)
+        })
+        .collect();
+    let steps: String = (0..10_000).map(|i| format!("  move to ({}, {})\n", i * 7 % 1000, i / 12 + 30)).collect();
+    let text = format!(
+        "use std.dimibot\ndevice bot : dimibot.femto_st {{ left: 10, right: 10, repeatability: 1 nm }}\n\
+         scene bench {{\n{obstacles}}}\ntask fetch on bot in bench {{\n{steps}}}\n"
+    );
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let modules = imports::load(&mut sources, "a.twz", &text, &Nothing, &mut sink);
+    let begun = Instant::now();
+    let checked = crate::check::check(&mut sources, &modules, &crate::check::Options::default(), &mut sink);
+    let seconds = begun.elapsed().as_secs_f64();
+    assert!(seconds < 20.0, "{seconds} s without optimisation");
+    println!("{seconds} s, {}", checked.is_some());
+}

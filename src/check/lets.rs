@@ -1,0 +1,148 @@
+//! Values of `let`s, each made out once, those that it needs before it; and where the value of an expression was given.
+
+use super::scope::{Declaration, DeclarationSort, Place, Scope, path_text};
+use super::value::Value;
+use super::{Checker, errors};
+use crate::source::{Span, Spanned};
+use crate::syntax::tree::{Expr, ExprKind, Item, Path, TextPart};
+
+/// What is known of a `let` so far.
+pub enum LetState {
+    /// Being made out: to ask for it now is a circle.
+    Open,
+    Done(Value),
+}
+
+/// A `let` on the way to its value.
+enum Task {
+    /// See what it needs.
+    Begin(Place),
+    /// All that it needs is known, or lies in a circle with it.
+    Evaluate(Place),
+}
+
+/// A value with its place, and where it was given if a name stands at that place.
+#[derive(Debug, Clone)]
+pub struct Argument {
+    pub value: Value,
+    pub span: Span,
+    pub origin: Option<Origin>,
+}
+
+/// Where the value of a name was given.
+#[derive(Debug, Clone)]
+pub struct Origin {
+    pub span: Span,
+    pub text: String,
+}
+
+impl Argument {
+    /// A value that stands where it was given.
+    pub fn plain(value: &Spanned<Value>) -> Argument {
+        Argument { value: value.value.clone(), span: value.span, origin: None }
+    }
+}
+
+impl Checker<'_> {
+    /// The value of a `let`; `asked` is where its name stands.
+    pub fn value_of_let(&mut self, place: Place, asked: Span) -> Value {
+        if let Some(LetState::Open) = self.lets.get(&place) {
+            let name = self.named(place);
+            return self.unknown(errors::defined_by_itself(name, asked));
+        }
+        self.make_out(place);
+        match self.lets.get(&place) {
+            Some(LetState::Done(value)) => value.clone(),
+            Some(LetState::Open) | None => Value::Unknown,
+        }
+    }
+
+    /// Evaluates a `let` and those that it needs, on a stack of its own: a chain of them may be as long as the file.
+    fn make_out(&mut self, place: Place) {
+        let mut tasks = vec![Task::Begin(place)];
+        while let Some(task) = tasks.pop() {
+            match task {
+                Task::Begin(place) if self.lets.contains_key(&place) => {}
+                Task::Begin(place) => {
+                    self.lets.insert(place, LetState::Open);
+                    tasks.push(Task::Evaluate(place));
+                    tasks.extend(self.lets_needed(place).into_iter().map(Task::Begin));
+                }
+                Task::Evaluate(place) => {
+                    let Item::Let(item) = self.item(place) else { continue };
+                    let value = self.evaluate(&item.value, &self.top(place));
+                    self.lets.insert(place, LetState::Done(value));
+                }
+            }
+        }
+    }
+
+    /// The `let`s that one names and that are not known yet.
+    fn lets_needed(&self, place: Place) -> Vec<Place> {
+        let Item::Let(item) = self.item(place) else { return Vec::new() };
+        let mut named = Vec::new();
+        paths(&item.value, &mut named);
+        let scope = self.top(place);
+        let found = named.into_iter().filter_map(|path| self.find(path, &scope)).map(|(place, _)| place);
+        found.filter(|place| matches!(self.item(*place), Item::Let(_)) && !self.lets.contains_key(place)).collect()
+    }
+
+    /// Evaluates an argument of a step or a run.
+    pub fn argument_of(&mut self, expr: &Expr, value: Value, scope: &Scope) -> Argument {
+        Argument { value, span: expr.span, origin: self.origin(expr, scope) }
+    }
+
+    /// Where the value of an expression was given, if a name stands in it: the value of a `let`, the element that a `for` took,
+    /// the argument of a run.
+    pub fn origin(&mut self, expr: &Expr, scope: &Scope) -> Option<Origin> {
+        let mut named = Vec::new();
+        paths(expr, &mut named);
+        named.into_iter().find_map(|path| self.origin_of_name(path, scope))
+    }
+
+    fn origin_of_name(&mut self, path: &Path, scope: &Scope) -> Option<Origin> {
+        let text = format!("`{}` is given here", path_text(path));
+        if let Some(local) = scope.local(&path.segments[0].name.text) {
+            return Some(Origin { span: local.given, text });
+        }
+        let (place, segment) = self.find(path, scope)?;
+        let Declaration { sort: DeclarationSort::Let, .. } = self.declaration(place) else { return None };
+        let Item::Let(item) = self.item(place) else { return None };
+        let span = match (self.lets.get(&place), path.segments[segment].indices.as_slice()) {
+            (Some(LetState::Done(Value::List(list))), [index]) => {
+                let list = std::rc::Rc::clone(list);
+                let index = self.index(index, scope)?;
+                list.get(index)?.span
+            }
+            _ => item.value.span,
+        };
+        Some(Origin { span, text })
+    }
+}
+
+/// The names that an expression is made of, in the order of writing.
+fn paths<'e>(expr: &'e Expr, found: &mut Vec<&'e Path>) {
+    match &expr.kind {
+        ExprKind::Path(path) => add(path, found),
+        ExprKind::Tuple(parts) | ExprKind::List(parts) => parts.iter().for_each(|part| paths(part, found)),
+        ExprKind::Range { from, to } => [from, to].into_iter().for_each(|end| paths(end, found)),
+        ExprKind::Negative(inner) => paths(inner, found),
+        ExprKind::Binary { left, right, .. } => [left, right].into_iter().for_each(|side| paths(side, found)),
+        ExprKind::Call { arguments, .. } => arguments.iter().for_each(|argument| paths(argument, found)),
+        ExprKind::With { base, fields } => {
+            add(base, found);
+            fields.iter().for_each(|field| paths(&field.value, found));
+        }
+        ExprKind::Table(table) => table.rows.iter().flat_map(|row| &row.cells).for_each(|cell| paths(cell, found)),
+        ExprKind::Text(text) => text.parts.iter().for_each(|part| match part {
+            TextPart::Hole(hole) => paths(hole, found),
+            TextPart::Plain(_) => {}
+        }),
+        ExprKind::Number(_) | ExprKind::Quantity { .. } | ExprKind::Word(_) | ExprKind::Bool(_) | ExprKind::Error => {}
+    }
+}
+
+fn add<'e>(path: &'e Path, found: &mut Vec<&'e Path>) {
+    found.push(path);
+    path.segments.iter().flat_map(|segment| &segment.indices).for_each(|index| paths(index, found));
+}

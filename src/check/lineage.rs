@@ -1,0 +1,59 @@
+//! What devices and scenes stand on: their bases, theirs, and so on, followed without recursion.
+
+use super::scope::Place;
+use super::{Checker, errors};
+use crate::syntax::tree::{self, Item};
+use std::collections::BTreeSet;
+
+/// What something stands on.
+pub enum Base<R> {
+    /// Nothing further: a device's kind, or no other scene.
+    Root(R),
+    Of(Place),
+    /// A diagnostic was pushed.
+    Broken,
+}
+
+impl Checker<'_> {
+    /// From `place` down to the last declaration that is not known yet, each with its base. A circle is reported once and cut.
+    pub fn lineage<R>(
+        &mut self,
+        place: Place,
+        is_known: &dyn Fn(&Self, Place) -> bool,
+        base: &dyn Fn(&mut Self, Place) -> Base<R>,
+    ) -> Vec<(Place, Base<R>)> {
+        let mut chain: Vec<(Place, Base<R>)> = Vec::new();
+        let mut seen: BTreeSet<Place> = BTreeSet::new();
+        let mut at = place;
+        while !is_known(self, at) {
+            if !seen.insert(at) {
+                self.cut(at, &mut chain);
+                break;
+            }
+            let next = base(self, at);
+            let further = match &next {
+                Base::Of(further) => Some(*further),
+                Base::Root(_) | Base::Broken => None,
+            };
+            chain.push((at, next));
+            match further {
+                Some(further) => at = further,
+                None => break,
+            }
+        }
+        chain
+    }
+
+    fn cut<R>(&mut self, at: Place, chain: &mut [(Place, Base<R>)]) {
+        let Some((last, base)) = chain.last_mut() else { return };
+        *base = Base::Broken;
+        let path = match self.item(*last) {
+            Item::Device(item) => Some(&item.base),
+            Item::Scene(item) => item.base.as_ref(),
+            Item::Use(_) | Item::Let(_) | Item::Task(_) | Item::Program(_) | Item::Wiring(_) | Item::Error(_) => None,
+        };
+        if let Some(tree::Path { span, .. }) = path {
+            self.sink.push(errors::defined_by_itself(self.named(at), *span));
+        }
+    }
+}

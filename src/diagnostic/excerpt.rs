@@ -1,0 +1,254 @@
+//! The part of a file that a report shows: the lines round the labels, long ones cropped, labels apart from one another.
+//!
+//! A report is drawn from this small copy and not from the file, so that a line of a megabyte prints as a few words, and a
+//! report costs as much as it shows.
+
+use super::Label;
+use crate::source::SourceFile;
+use miette::{LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+/// Lines shown above and below each label.
+pub const CONTEXT_LINES: usize = 1;
+
+/// A line of more characters is cropped.
+const MAX_LINE_CHARACTERS: usize = 160;
+
+/// Characters of a cropped line that are shown on each side of a label.
+const AROUND: usize = 40;
+
+/// Characters of a label that are shown on a cropped line.
+const MAX_LABEL_CHARACTERS: usize = 60;
+
+/// Some lines of one file.
+pub struct Excerpt {
+    name: String,
+    text: String,
+    lines: Vec<Line>,
+    /// Where each mark begins in `text`, and its column in the file, both from 0.
+    columns: Vec<(usize, usize)>,
+}
+
+/// One line of an excerpt.
+struct Line {
+    /// As people count.
+    number: u32,
+    /// Its place in the excerpt's text, the line end included.
+    place: Range<usize>,
+}
+
+/// A label on one line: first in the file's bytes, then in the excerpt's.
+struct Mark {
+    place: Range<usize>,
+    text: String,
+    rank: Rank,
+}
+
+/// Whether the diagnostic points at a mark.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Rank {
+    First,
+    Further,
+}
+
+impl Excerpt {
+    /// The lines round some labels, which must be of this file, and the labels where they lie in it.
+    pub fn of(file: &SourceFile, labels: &[&Label]) -> (Excerpt, Vec<LabeledSpan>) {
+        let mut marks = apart(labels.iter().enumerate().map(|(index, label)| mark(file, label, index)).collect());
+        let mut excerpt = Excerpt {
+            name: file.name.clone(),
+            text: String::new(),
+            lines: Vec::new(),
+            columns: Vec::with_capacity(marks.len()),
+        };
+        let mut numbers: BTreeSet<u32> = BTreeSet::new();
+        for mark in &marks {
+            let line = file.position(mark.place.start as u32).line;
+            numbers.extend(line.saturating_sub(CONTEXT_LINES as u32).max(1)..=line + CONTEXT_LINES as u32);
+        }
+        let places: Vec<Range<usize>> = marks.iter().map(|mark| mark.place.clone()).collect();
+        for number in numbers {
+            let Some(line) = file.line(number) else { continue };
+            let inside = |place: &Range<usize>| line.start <= place.start && place.start <= line.end;
+            let here: Vec<usize> = (0..places.len()).filter(|index| inside(&places[*index])).collect();
+            excerpt.push(file, number, line, &here, &places, &mut marks);
+        }
+        let spans = marks.into_iter().map(|mark| {
+            let span = SourceSpan::from((mark.place.start, mark.place.len()));
+            match mark.rank {
+                Rank::First => LabeledSpan::new_primary_with_span(Some(mark.text), span),
+                Rank::Further => LabeledSpan::new_with_span(Some(mark.text), span),
+            }
+        });
+        let spans = spans.collect();
+        (excerpt, spans)
+    }
+
+    /// The name of its file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Adds a line, or what is kept of it, and puts its marks where they now lie.
+    fn push(
+        &mut self,
+        file: &SourceFile,
+        number: u32,
+        line: Range<usize>,
+        here: &[usize],
+        places: &[Range<usize>],
+        marks: &mut [Mark],
+    ) {
+        let start = self.text.len();
+        let marked: Vec<Range<usize>> = here.iter().map(|index| places[*index].clone()).collect();
+        let kept = kept(&file.text, &line, &marked);
+        for window in &kept {
+            if window.start > line.start {
+                self.text.push('…');
+            }
+            for index in here.iter().copied().filter(|index| window.contains(&places[*index].start)) {
+                let place = &places[index];
+                let before = shown(&file.text[window.start..place.start]);
+                let end = place.end.min(window.end);
+                let at = self.text.len() + before.len();
+                marks[index].place = at..at + shown(&file.text[place.start..end]).len();
+                self.columns.push((at, file.position(place.start as u32).column as usize - 1));
+            }
+            self.text.push_str(&shown(&file.text[window.clone()]));
+        }
+        if kept.last().is_some_and(|window| window.end < line.end) {
+            self.text.push('…');
+        }
+        self.text.push('\n');
+        self.lines.push(Line { number, place: start..self.text.len() });
+    }
+
+    fn line_at(&self, offset: usize) -> Option<usize> {
+        let line = self.lines.partition_point(|line| line.place.end <= offset);
+        (line < self.lines.len()).then_some(line)
+    }
+
+    /// The lines `first..=last` widened by so many before and after, as far as they follow one another in the file.
+    fn widened(&self, (first, last): (usize, usize), before: usize, after: usize) -> (usize, usize) {
+        let follows = |line: usize| self.lines[line].number == self.lines[line - 1].number + 1;
+        let (mut first, mut last) = (first, last);
+        for _ in 0..before {
+            first -= usize::from(first > 0 && follows(first));
+        }
+        for _ in 0..after {
+            last += usize::from(last + 1 < self.lines.len() && follows(last + 1));
+        }
+        (first, last)
+    }
+}
+
+impl SourceCode for Excerpt {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        before: usize,
+        after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        let end = span.offset() + span.len().saturating_sub(1);
+        let (Some(first), Some(last)) = (self.line_at(span.offset()), self.line_at(end)) else {
+            return Err(MietteError::OutOfBounds);
+        };
+        if self.lines[last].number - self.lines[first].number != (last - first) as u32 {
+            return Err(MietteError::OutOfBounds);
+        }
+        let (first, last) = self.widened((first, last), before, after);
+        let place = self.lines[first].place.start..self.lines[last].place.end;
+        let column = self.columns.iter().find(|(at, _)| *at == span.offset()).map_or(0, |(_, column)| *column);
+        let column = if before == 0 { column } else { 0 };
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.name.clone(),
+            &self.text.as_bytes()[place.clone()],
+            SourceSpan::from((place.start, place.len())),
+            self.lines[first].number as usize - 1,
+            column,
+            last - first + 1,
+        )))
+    }
+}
+
+/// A label cut to its first line. An empty span draws nothing, and one at the end of the file neither: both are widened to the
+/// nearest character.
+fn mark(file: &SourceFile, label: &Label, index: usize) -> Mark {
+    let text = &file.text;
+    let (mut start, end) = (label.span.start as usize, label.span.end as usize);
+    let first_line = text[start..end].find('\n').map_or(end, |at| start + at);
+    let mut end = first_line.max(start);
+    if start == end {
+        end += text[start..].chars().next().filter(|next| *next != '\n').map_or(0, char::len_utf8);
+    }
+    if start == end {
+        start -= text[..start].chars().next_back().map_or(0, char::len_utf8);
+    }
+    let rank = if index == 0 { Rank::First } else { Rank::Further };
+    Mark { place: start..end, text: label.text.clone(), rank }
+}
+
+/// Labels that lie in one another are drawn wrongly: the outer one gives way to the inner, and two of one place become one.
+fn apart(mut marks: Vec<Mark>) -> Vec<Mark> {
+    marks.sort_by_key(|mark| (mark.place.start, mark.place.end));
+    let mut result: Vec<Mark> = Vec::with_capacity(marks.len());
+    for mut mark in marks {
+        match result.last_mut() {
+            Some(last) if mark.place.start < last.place.end => {
+                if mark.place.start > last.place.start {
+                    last.place.end = mark.place.start;
+                    result.push(mark);
+                } else if mark.place.end > last.place.end {
+                    mark.place.start = last.place.end;
+                    result.push(mark);
+                } else {
+                    last.text = format!("{}; {}", last.text, mark.text);
+                    last.rank = if mark.rank == Rank::First { Rank::First } else { last.rank };
+                }
+            }
+            Some(_) | None => result.push(mark),
+        }
+    }
+    result
+}
+
+/// The parts of a line that are shown: all of it, or a window round each mark.
+fn kept(text: &str, line: &Range<usize>, marks: &[Range<usize>]) -> Vec<Range<usize>> {
+    let is_short = text[line.clone()].chars().nth(MAX_LINE_CHARACTERS).is_none();
+    if is_short {
+        return vec![line.clone()];
+    }
+    if marks.is_empty() {
+        return vec![line.start..forward(text, line.start, MAX_LINE_CHARACTERS, line.end)];
+    }
+    let mut kept: Vec<Range<usize>> = Vec::with_capacity(marks.len());
+    for mark in marks {
+        let label_end = mark.end.min(forward(text, mark.start, MAX_LABEL_CHARACTERS, line.end));
+        let window = backward(text, mark.start, AROUND, line.start)..forward(text, label_end, AROUND, line.end);
+        match kept.last_mut() {
+            Some(last) if window.start <= last.end => last.end = window.end.max(last.end),
+            Some(_) | None => kept.push(window),
+        }
+    }
+    kept
+}
+
+/// So many characters further on, but not past `limit`.
+fn forward(text: &str, from: usize, characters: usize, limit: usize) -> usize {
+    text[from..limit].char_indices().nth(characters).map_or(limit, |(at, _)| from + at)
+}
+
+/// So many characters back, but not past `limit`.
+fn backward(text: &str, from: usize, characters: usize, limit: usize) -> usize {
+    text[limit..from].char_indices().rev().nth(characters.saturating_sub(1)).map_or(limit, |(at, _)| limit + at)
+}
+
+/// The text as it is shown: a character that would command the terminal is replaced.
+fn shown(text: &str) -> String {
+    let replace = |character: char| if character.is_control() && character != '\t' { '\u{fffd}' } else { character };
+    text.chars().map(replace).collect()
+}
+
+#[cfg(test)]
+mod tests;

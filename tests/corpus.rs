@@ -1,0 +1,72 @@
+//! The corpus: programs with the report that a person sees, beside each.
+//!
+//! `corpus/<stage>/*.twz` is compiled; what is told, plain and 100 columns wide, must be the `.txt` of the same name.
+//! `TWEEZE_UPDATE=1` writes the reports anew: read what has changed before it is committed.
+//!
+//! A first line `// set=name=value task=name` gives the options of `build`. A line `// file lab.twz` ends the program, and what
+//! follows is a file beside it.
+
+#[path = "support/case.rs"]
+mod case;
+
+use case::Case;
+use std::fs;
+use std::path::{Path, PathBuf};
+use tweeze::diagnostic::render::{Characters, Colour, Look, human};
+
+const LOOK: Look = Look { colour: Colour::Plain, characters: Characters::Unicode, width: 100 };
+
+fn case(path: &Path) -> Case {
+    let text = fs::read_to_string(path).expect("a case is a text");
+    let mut parts = text.split("\n// file ");
+    let own = parts.next().unwrap_or_default();
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mut case = Case { name, text: own.to_owned(), ..Case::default() };
+    for part in parts {
+        let (name, text) = part.split_once('\n').unwrap_or((part, ""));
+        case.files.insert(name.trim().to_owned(), text.to_owned());
+    }
+    let options = own.lines().next().and_then(|line| line.strip_prefix("// ")).unwrap_or_default();
+    for word in options.split_whitespace() {
+        case.take(word);
+    }
+    case
+}
+
+fn report(case: &Case) -> String {
+    let (sources, sink) = case.compile();
+    sink.sorted().into_iter().map(|diagnostic| human(diagnostic, &sources, LOOK)).collect()
+}
+
+fn hold(stage: &str, least: usize) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").join(stage);
+    let entries =
+        fs::read_dir(&folder).expect("the corpus is there").map(|entry| entry.expect("it can be listed").path());
+    let is_program = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "twz");
+    let mut programs: Vec<PathBuf> = entries.filter(is_program).collect();
+    programs.sort();
+    assert!(programs.len() >= least, "{} cases in `{stage}`", programs.len());
+    let update = std::env::var_os("TWEEZE_UPDATE").is_some();
+    let mut wrong = String::new();
+    for path in programs {
+        let (told, kept) = (report(&case(&path)), path.with_extension("txt"));
+        if update {
+            fs::write(&kept, &told).expect("the corpus can be written");
+        }
+        let expected = fs::read_to_string(&kept).unwrap_or_default();
+        if told != expected {
+            wrong.push_str(&format!("{}: expected\n{expected}\nbut told\n{told}\n", path.display()));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn what_the_checker_says() {
+    hold("check", 30);
+}
+
+#[test]
+fn what_the_planner_says() {
+    hold("plan", 8);
+}

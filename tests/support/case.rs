@@ -1,0 +1,50 @@
+//! What the tests of pages and of the corpus share: programs in memory, compiled as far as they go.
+
+use std::collections::BTreeMap;
+use tweeze::check::Options;
+use tweeze::check::imports::Library;
+use tweeze::compile::{Program, compile};
+use tweeze::diagnostic::Sink;
+use tweeze::source::Sources;
+
+/// A program with the files beside it.
+#[derive(Default)]
+pub struct Case {
+    pub name: String,
+    pub text: String,
+    pub files: BTreeMap<String, String>,
+    pub options: Options,
+}
+
+/// Files by name; a path means the same from wherever it is used.
+struct Shelf<'a>(&'a Case);
+
+impl Library for Shelf<'_> {
+    fn read(&self, _from: &str, path: &str) -> Result<(String, String), String> {
+        let own = (path == self.0.name).then_some(&self.0.text);
+        let text = own.or_else(|| self.0.files.get(path)).ok_or("there is no such file")?;
+        Ok((path.to_owned(), text.clone()))
+    }
+}
+
+impl Case {
+    /// Compiles the program up to the verified schedules, or as far as it goes.
+    pub fn compile(&self) -> (Sources, Sink) {
+        let (mut sources, mut sink) = (Sources::default(), Sink::default());
+        let program = Program { name: &self.name, text: &self.text, library: &Shelf(self), options: &self.options };
+        compile(&program, &mut sources, &mut sink, &mut |_, _, _| {});
+        (sources, sink)
+    }
+
+    /// Takes `set=name=value` and `task=name`; anything else is given back.
+    pub fn take<'w>(&mut self, word: &'w str) -> Option<&'w str> {
+        if let Some(setting) = word.strip_prefix("set=") {
+            self.options.settings.push(setting.to_owned());
+        } else if let Some(task) = word.strip_prefix("task=") {
+            self.options.only = Some(task.to_owned());
+        } else {
+            return Some(word);
+        }
+        None
+    }
+}
