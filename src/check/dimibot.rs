@@ -276,10 +276,7 @@ pub fn order(facts: &dimibot::Facts, cover: &Cover, parts: Parts, device: &str, 
     let precision = precision(&parts.settings, facts, sink);
     let planner = planner(parts.planner.as_ref(), &parts.steps, sink);
     let mut judge = stops::Judge::new(facts, cover, device, precision.flatten(), sink);
-    let start = match &parts.start {
-        Some(start) => Some(judge.start(start)),
-        None => None,
-    };
+    let start = parts.start.as_ref().map(|start| judge.start(start));
     let steps: Vec<Option<Step>> = parts.steps.into_iter().map(|step| judge.step(step)).collect();
     let steps: Option<Vec<Step>> = steps.into_iter().collect();
     Some(Order::Dimibot(DimibotOrder {

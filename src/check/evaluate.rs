@@ -318,12 +318,13 @@ impl Checker<'_> {
             },
             _ => self.cell_value(cell, header, scope),
         };
-        if let (Value::Quantity(quantity), Some(unit), Some(header)) = (&value, unit, header) {
-            if quantity.dimension != unit.dimension {
-                let diagnostic = errors::cell_of_other_dimension(cell.span, &value, header, unit.dimension);
-                return Spanned::new(self.unknown(diagnostic), cell.span);
+        let unlike = match (&value, unit, header) {
+            (Value::Quantity(quantity), Some(unit), Some(header)) if quantity.dimension != unit.dimension => {
+                Some(errors::cell_of_other_dimension(cell.span, &value, header, unit.dimension))
             }
-        }
+            _ => None,
+        };
+        let value = unlike.map_or(value, |diagnostic| self.unknown(diagnostic));
         Spanned::new(value, cell.span)
     }
 

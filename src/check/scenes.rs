@@ -82,7 +82,7 @@ impl Checker<'_> {
     /// Puts a scene's own objects to those of its base.
     fn furnish(&mut self, place: Place, base: Option<Rc<Scene>>) -> Option<Scene> {
         let Item::Scene(item) = self.item(place) else { return None };
-        let depth = base.as_ref().map_or(0, |base| base.depth + 1);
+        let depth = item.base.as_ref().and(base.as_ref()).map_or(0, |base| base.depth + 1);
         let is_too_deep = depth > MAX_BASES;
         if let Some(path) = item.base.as_ref().filter(|_| is_too_deep) {
             self.sink.push(errors::too_deep(path.span, "scenes", MAX_BASES));
@@ -151,10 +151,7 @@ impl Checker<'_> {
     fn object(&mut self, object: &tree::Object, scope: &Scope) -> Option<Object> {
         let is_known = self.known_noun(&object.noun);
         let name = self.object_name(&object.name, scope);
-        let shape = match &object.shape {
-            Some(expr) => Some(self.shape_expr(expr, scope)),
-            None => None,
-        };
+        let shape = object.shape.as_ref().map(|expr| self.shape_expr(expr, scope));
         let at = object.at.as_ref().map(|expr| self.evaluate_spanned(expr, scope));
         let is_whole = is_known && !at.as_ref().is_some_and(|at| at.value.is_unknown());
         let shape = match shape {

@@ -199,10 +199,13 @@ impl Scope {
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let allowed = (name.chars().count() / 3).max(1);
     let distance = |candidate: &str| strsim::osa_distance(&name.to_lowercase(), &candidate.to_lowercase());
+    let is_begun = |candidate: &str| candidate.strip_prefix(name).is_some_and(|rest| rest.starts_with('_'));
     let near = known.into_iter().map(|candidate| (distance(candidate), candidate));
-    near.filter(|(distance, candidate)| *distance <= allowed && *distance < candidate.chars().count())
-        .min()
-        .map(|(_, candidate)| candidate)
+    near.filter(|(distance, candidate)| {
+        *distance <= allowed && *distance < candidate.chars().count() || is_begun(candidate)
+    })
+    .min()
+    .map(|(_, candidate)| candidate)
 }
 
 /// The words of a path, joined by dots, for messages.

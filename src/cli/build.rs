@@ -4,17 +4,18 @@ use super::arguments::BuildArguments;
 use super::disk::{self, Disk};
 use super::waiting::Waiting;
 use super::{Exit, terminal};
-use crate::check::claims::{Action, Asked, Claims, Order};
+use crate::check::claims::{Action, Asked, Claims, Order, Stop};
 use crate::check::{Options, Tally};
 use crate::compile::{self, Compiled, Outcome, Program};
-use crate::device::dimibot::Side;
+use crate::device::dimibot::{Cell, Side};
 use crate::diagnostic::Sink;
 use crate::emit::{self, Format, OutputFile, Provenance};
 use crate::quantity::{Dimension, Quantity, digits};
-use crate::schedule::{PlanRecord, Schedule};
+use crate::schedule::{PlanRecord, Schedule, State, TimedState};
 use crate::source::Sources;
 use crate::verify::Verified;
 use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 /// Runs of one schedule that the report shows; the rest is counted.
@@ -134,9 +135,44 @@ fn planned(verified: &Verified, width: usize, text: &mut String) {
     if more > 0 {
         text.push_str(&terminal::line("", "", width, &format!("and {} more", count(more, "run"))));
     }
+    for line in orders(schedule, claims) {
+        text.push_str(&terminal::line("Visits", "", width, &line));
+    }
     for line in nearest(claims) {
         text.push_str(&terminal::line("Nearest", "", width, &line));
     }
+}
+
+/// In which order each `visit` comes to its places.
+fn orders(schedule: &Schedule, claims: &Claims) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (index, (plan, job)) in schedule.plans.iter().zip(&claims.jobs).enumerate() {
+        let Order::Dimibot(order) = &job.order;
+        let steps = schedule.steps.iter().filter(|step| step.plan as usize == index);
+        for (step, claim) in steps.zip(&order.steps) {
+            if let Action::Visit(stops) = &claim.action {
+                lines.push(visited(stops, &plan.states, step.start_ns..=step.start_ns + step.duration_ns));
+            }
+        }
+    }
+    lines.truncate(MAX_PLAN_LINES);
+    lines
+}
+
+/// The stops in the order in which states of a stretch of time first stand at them.
+fn visited(stops: &[Stop], states: &[TimedState], during: RangeInclusive<u64>) -> String {
+    // The state in which the stretch begins may be older than it.
+    let before = states.iter().rev().find(|state| state.t_ns <= *during.start());
+    let within = states.iter().filter(|state| during.contains(&state.t_ns));
+    let mut order: Vec<Cell> = Vec::new();
+    for state in before.into_iter().chain(within) {
+        let State::Dimibot { cell: [x, y], .. } = state.state;
+        let cell = Cell::new(x, y);
+        if stops.iter().any(|stop| stop.cell == cell) && !order.contains(&cell) {
+            order.push(cell);
+        }
+    }
+    order.iter().map(Cell::to_string).collect::<Vec<_>>().join(" → ")
 }
 
 /// `29.88 um (70 r) in 9 switches, optimal (bound 29.88 um)`; in cells only where they are squares.

@@ -82,5 +82,6 @@ pub fn line(verb: &str, subject: &str, subject_width: usize, text: &str) -> Stri
     let colour = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let verb = format!("{verb:>9}");
     let verb = if colour && !is_dumb() { format!("\x1b[1;32m{verb}\x1b[0m") } else { verb };
-    format!("{verb}  {subject:<subject_width$}  {text}\n")
+    let line = format!("{verb}  {subject:<subject_width$}  {text}");
+    format!("{}\n", line.trim_end())
 }

@@ -219,10 +219,10 @@ fn kept(text: &str, line: &Range<usize>, marks: &[Range<usize>]) -> Vec<Range<us
     if is_short {
         return vec![line.clone()];
     }
+    let mut kept: Vec<Range<usize>> = Vec::with_capacity(marks.len().max(1));
     if marks.is_empty() {
-        return vec![line.start..forward(text, line.start, MAX_LINE_CHARACTERS, line.end)];
+        kept.push(line.start..forward(text, line.start, MAX_LINE_CHARACTERS, line.end));
     }
-    let mut kept: Vec<Range<usize>> = Vec::with_capacity(marks.len());
     for mark in marks {
         let label_end = mark.end.min(forward(text, mark.start, MAX_LABEL_CHARACTERS, line.end));
         let window = backward(text, mark.start, AROUND, line.start)..forward(text, label_end, AROUND, line.end);

@@ -95,8 +95,7 @@ fn many_obstacles_and_many_steps_are_checked_fast() {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let modules = imports::load(&mut sources, "a.twz", &text, &Nothing, &mut sink);
     let begun = Instant::now();
-    let checked = crate::check::check(&mut sources, &modules, &crate::check::Options::default(), &mut sink);
+    crate::check::check(&mut sources, &modules, &crate::check::Options::default(), &mut sink);
     let seconds = begun.elapsed().as_secs_f64();
     assert!(seconds < 20.0, "{seconds} s without optimisation");
-    println!("{seconds} s, {}", checked.is_some());
 }

@@ -5,6 +5,7 @@ use crate::check::scope::{Declaration, DeclarationSort, FUNCTIONS, path_text};
 use crate::device::shape::Form;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
+use crate::stdlib;
 use crate::syntax::tree::{Ident, Path};
 
 pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<&str>) -> Diagnostic {
@@ -43,8 +44,11 @@ pub fn unknown_kind(span: Span, name: &str, near: Option<&str>, kinds: &[&str]) 
 }
 
 pub fn unknown_file(span: Span, alias: &str, near: Option<&str>) -> Diagnostic {
-    let mend =
-        format!("a name before a dot is a used file: write `use std.{alias}` or `use \"{alias}.twz\"` at the top");
+    let file = match stdlib::file(alias) {
+        Some(_) => format!("use std.{alias}"),
+        None => format!("use \"{alias}.twz\""),
+    };
+    let mend = format!("a name before a dot is a used file: write `{file}` at the top");
     Diagnostic::new(Code::E0201, format!("no file is used here as `{alias}`"))
         .label(span, "not the name of a `use`")
         .help(meant(near).unwrap_or(mend))

@@ -80,7 +80,7 @@ pub fn wrong_word(
 
 pub fn out_of_range(wanted: &Wanted, span: Span, found: &str, limit: &str) -> Diagnostic {
     let diagnostic = Diagnostic::new(Code::E0403, format!("{} is {found}, it must be {limit}", wanted.name));
-    let about = (!wanted.doc.is_empty()).then(|| format!("it is {}", wanted.doc));
+    let about = (!wanted.doc.is_empty()).then(|| format!("write a value {limit} ({})", wanted.doc));
     wanted.declared_on(diagnostic.label(span, format!("must be {limit}"))).help_if(about)
 }
 
@@ -94,9 +94,12 @@ pub fn unlike_operands(symbol: &str, left: (Span, &Value), right: (Span, &Value)
 
 fn operand_help(left: &Value, right: &Value) -> Option<String> {
     let (Value::Quantity(a), Value::Quantity(b)) = (left, right) else { return None };
-    let unit = if a.dimension == Dimension::NUMBER { b.dimension } else { a.dimension }.example_unit();
-    let one_is_bare = (a.dimension == Dimension::NUMBER) != (b.dimension == Dimension::NUMBER);
-    one_is_bare.then(|| format!("give the bare number a unit, as `1 {unit}`"))
+    let (bare, other) = match (a.dimension == Dimension::NUMBER, b.dimension == Dimension::NUMBER) {
+        (true, false) => (left, b.dimension),
+        (false, true) => (right, a.dimension),
+        (true, true) | (false, false) => return None,
+    };
+    Some(format!("give the bare number a unit, as `{}`", example(other, bare)))
 }
 
 pub fn bad_operand(span: Span, symbol: &str, operand: Span, found: &Value) -> Diagnostic {
