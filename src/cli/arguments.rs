@@ -71,7 +71,7 @@ pub struct BuildArguments {
     #[arg(long, value_name = "NAME")]
     pub task: Option<String>,
     /// What to write, several at once with commas
-    #[arg(long, value_delimiter = ',', default_value = "mcap", value_parser = formats())]
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "mcap", value_parser = formats())]
     pub emit: Vec<Format>,
     /// Where to write; made if it is not there
     #[arg(short, long, value_name = "DIR", default_value = ".")]

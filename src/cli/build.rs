@@ -16,6 +16,7 @@ use crate::source::Sources;
 use crate::verify::Verified;
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 
 /// Runs of one schedule that the report shows; the rest is counted.
 const MAX_PLAN_LINES: usize = 20;
@@ -63,7 +64,7 @@ fn write(arguments: &BuildArguments, compiled: &Compiled, provenance: &Provenanc
         for format in &formats {
             match emit::emit(*format, verified, provenance) {
                 Ok(set) => {
-                    names.extend(set.iter().map(|file| file.name.clone()));
+                    names.extend(set.iter().map(|file| shown(&arguments.output, &file.name)));
                     files.extend(set);
                 }
                 Err(error) => {
@@ -81,11 +82,18 @@ fn write(arguments: &BuildArguments, compiled: &Compiled, provenance: &Provenanc
     terminal::answer(&report(arguments, compiled, &written))
 }
 
+/// Where a file stands, as the user would write it.
+fn shown(folder: &Path, name: &str) -> String {
+    let path = if folder == Path::new(".") { PathBuf::from(name) } else { folder.join(name) };
+    path.to_string_lossy().into_owned()
+}
+
 /// What was done, line by line.
 fn report(arguments: &BuildArguments, compiled: &Compiled, written: &[Vec<String>]) -> String {
     let file = arguments.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let names = written.iter().flatten().map(String::as_str).chain([file.as_str()]);
-    let width = names.map(str::len).max().unwrap_or(0);
+    let paths = written.iter().flatten().cloned();
+    let subjects = compiled.schedules.iter().flat_map(subjects).chain(paths).chain([file.clone()]);
+    let width = subjects.map(|subject| subject.chars().count()).max().unwrap_or(0);
     let mut text = terminal::line("Checked", &file, width, &tally(compiled.tally));
     for verified in &compiled.schedules {
         planned(verified, width, &mut text);
@@ -95,22 +103,33 @@ fn report(arguments: &BuildArguments, compiled: &Compiled, written: &[Vec<String
         let replayed = format!("{} replayed, 0 violations", count(schedule.actuations.len(), "actuation"));
         text.push_str(&terminal::line("Verified", &schedule.name, width, &replayed));
     }
-    for (verified, names) in compiled.schedules.iter().zip(written) {
+    for (verified, paths) in compiled.schedules.iter().zip(written) {
         let mut figures = figures(verified.schedule());
-        for name in names {
-            text.push_str(&terminal::line("Wrote", name, width, &figures));
+        for path in paths {
+            text.push_str(&terminal::line("Wrote", path, width, &figures));
             figures.clear();
         }
     }
     text
 }
 
+/// The names that the lines of a schedule begin with: its runs, where they are not all of it, with its own name before.
+fn subjects(verified: &Verified) -> Vec<String> {
+    let schedule = verified.schedule();
+    let subject = |plan: &PlanRecord| match plan.task == schedule.name {
+        true => plan.task.clone(),
+        false => format!("{}: {}", schedule.name, plan.task),
+    };
+    schedule.plans.iter().take(MAX_PLAN_LINES).map(subject).collect()
+}
+
 fn planned(verified: &Verified, width: usize, text: &mut String) {
     let (schedule, claims) = (verified.schedule(), verified.claims());
-    for (plan, job) in schedule.plans.iter().zip(&claims.jobs).take(MAX_PLAN_LINES) {
+    for ((plan, job), subject) in schedule.plans.iter().zip(&claims.jobs).zip(subjects(verified)) {
         let Order::Dimibot(order) = &job.order;
-        let pitch_um = order.facts.pitch_um(Side::Left).min(order.facts.pitch_um(Side::Right));
-        text.push_str(&terminal::line("Planned", &plan.task, width, &cost(plan, pitch_um)));
+        let pitches = Side::BOTH.map(|side| order.facts.pitch_um(side));
+        let cell_um = (pitches[0] == pitches[1]).then_some(pitches[0]);
+        text.push_str(&terminal::line("Planned", &subject, width, &cost(plan, cell_um)));
     }
     let more = schedule.plans.len().saturating_sub(MAX_PLAN_LINES);
     if more > 0 {
@@ -156,15 +175,17 @@ fn visited(stops: &[Stop], states: &[TimedState], during: RangeInclusive<u64>) -
     order.iter().map(Cell::to_string).collect::<Vec<_>>().join(" → ")
 }
 
-/// `29.88 um (70 r) in 9 switches, optimal (bound 29.88 um)`.
-fn cost(plan: &PlanRecord, pitch_um: f64) -> String {
+/// `29.88 um (70 r) in 9 switches, optimal (bound 29.88 um)`; in cells only where they are squares.
+fn cost(plan: &PlanRecord, cell_um: Option<f64>) -> String {
     let figure = |value: f64| match plan.unit.as_str() {
         "" => digits(value),
         unit => format!("{} {unit}", rounded(value)),
     };
     let switches = plan.outcomes.get("switches").copied().unwrap_or_default();
-    let cells =
-        if plan.objective == "distance" { format!(" ({} r)", (plan.cost / pitch_um).round()) } else { String::new() };
+    let cells = match cell_um {
+        Some(cell_um) if plan.objective == "distance" => format!(" ({} r)", (plan.cost / cell_um).round()),
+        _ => String::new(),
+    };
     let proof = match plan.optimal {
         true => format!("optimal (bound {})", figure(plan.bound)),
         false => format!("not proven optimal (bound {})", figure(plan.bound)),

@@ -60,7 +60,10 @@ fn page(vocabulary: &'static Vocabulary) -> String {
     page.section("using", vocabulary.planners.iter().map(|planner| (planner.name.to_owned(), planner.doc.to_owned())));
     page.section("In a scene", vocabulary.nouns.iter().map(|noun| (noun.name.to_owned(), noun.doc.to_owned())));
     page.section("Shapes", Form::ALL.iter().map(|form| (shape(*form), form.doc().to_owned())));
-    page.section("Channels", [(String::new(), vocabulary.channels.to_owned())]);
+    page.text("\nChannels");
+    for line in wrapped(vocabulary.channels, PAGE_WIDTH - 2) {
+        page.text(&format!("  {line}"));
+    }
     page.text
 }
 
@@ -73,6 +76,9 @@ struct Page {
 /// Terms longer than this get a line of their own.
 const TERM_WIDTH: usize = 30;
 
+/// The columns of a page.
+const PAGE_WIDTH: usize = 100;
+
 impl Page {
     fn text(&mut self, text: &str) {
         self.text.push_str(text);
@@ -82,13 +88,30 @@ impl Page {
     fn section(&mut self, title: &str, entries: impl IntoIterator<Item = (String, String)>) {
         self.text(&format!("\n{title}"));
         for (term, meaning) in entries {
+            let mut lines = wrapped(&meaning, PAGE_WIDTH - TERM_WIDTH - 4).into_iter();
             if term.chars().count() > TERM_WIDTH {
-                self.text(&format!("  {term}\n  {:TERM_WIDTH$}  {meaning}", ""));
+                self.text(&format!("  {term}"));
             } else {
-                self.text(&format!("  {term:TERM_WIDTH$}  {meaning}"));
+                let first = lines.next().unwrap_or_default();
+                self.text(&format!("  {term:TERM_WIDTH$}  {first}"));
+            }
+            for line in lines {
+                self.text(&format!("  {:TERM_WIDTH$}  {line}", ""));
             }
         }
     }
+}
+
+/// A text in lines of at most so many characters, broken at blanks.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut().filter(|line| line.chars().count() + 1 + word.chars().count() <= width) {
+            Some(line) => *line = format!("{line} {word}"),
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 fn field(field: &Field) -> (String, String) {
@@ -107,7 +130,9 @@ fn sort(sort: Sort) -> String {
     match sort {
         Sort::Count { least, most } if most == u32::MAX => format!("a count from {least}"),
         Sort::Count { least, most } => format!("{least} to {most}"),
-        Sort::Quantity { dimension, .. } if dimension == Dimension::NUMBER => "a number".to_owned(),
+        Sort::Quantity { dimension, range } if dimension == Dimension::NUMBER => {
+            format!("a number {}", range.text())
+        }
         Sort::Quantity { dimension, range } => {
             format!("{} [{}], {}", dimension.name(), dimension.example_unit(), range.text())
         }

@@ -5,7 +5,10 @@ use std::io;
 use std::path::Path;
 
 pub fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
+    let with_ending = path.with_extension("twz");
+    let near = error.kind() == io::ErrorKind::NotFound && path.extension().is_none() && with_ending.exists();
     Diagnostic::new(Code::E0801, format!("cannot read `{}`: {}", path.display(), reason(error)))
+        .help_if(near.then(|| format!("did you mean `{}`?", with_ending.display())))
 }
 
 pub fn is_a_folder(path: &Path) -> Diagnostic {

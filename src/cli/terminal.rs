@@ -10,6 +10,9 @@ use std::io::{self, IsTerminal, Write};
 /// The columns of a report that goes to no terminal.
 const PIPE_WIDTH: usize = 100;
 
+/// A report is not squeezed into fewer columns than these.
+const LEAST_WIDTH: usize = 40;
+
 /// Writes every diagnostic of a sink to standard error.
 pub fn report(sink: &Sink, sources: &Sources, format: ReportFormat) {
     let mut text = String::new();
@@ -42,7 +45,7 @@ pub fn report_one(diagnostic: Diagnostic, format: ReportFormat) {
 fn look() -> Look {
     let to_terminal = io::stderr().is_terminal();
     let plain = !to_terminal || std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty()) || is_dumb();
-    let width = if to_terminal { columns().unwrap_or(PIPE_WIDTH) } else { PIPE_WIDTH };
+    let width = columns().unwrap_or(PIPE_WIDTH).max(LEAST_WIDTH);
     Look {
         colour: if plain { Colour::Plain } else { Colour::Ansi },
         characters: if is_dumb() { Characters::Ascii } else { Characters::Unicode },
@@ -54,6 +57,7 @@ fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|term| term == "dumb")
 }
 
+/// What `COLUMNS` asks for, else the width of the terminal that standard error is.
 fn columns() -> Option<usize> {
     let from_environment = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
     from_environment.or_else(|| console::Term::stderr().size_checked().map(|(_, columns)| usize::from(columns)))

@@ -43,8 +43,9 @@ fn close(a: f64, b: f64) -> bool {
 /// A scene, and a graph in which every move is clear of the rims by more than floats can blur.
 fn told_apart(random: &mut Random, most_modules: u32) -> (Scene, Graph) {
     loop {
-        let scene = Scene::random(random, most_modules);
+        let mut scene = Scene::random(random, most_modules);
         if let Some(graph) = Graph::new(&scene) {
+            scene.leave_obstacles(random, |cell| graph.is_free_cell(cell));
             return (scene, graph);
         }
     }
@@ -72,7 +73,8 @@ impl Seen {
             return;
         }
         let Some(distance) = truth(graph, scene, "distance") else {
-            assert_eq!(errors, ["E0601"; 4], "{text}");
+            // One for each way that is shut, in each of the four tasks.
+            assert!(errors.len() >= 4 && errors.iter().all(|code| *code == "E0601"), "{errors:?}\n{text}");
             self.shut += 1;
             return;
         };
@@ -109,7 +111,7 @@ fn costs_agree_with_brute_force_in_a_thousand_scenes() {
         let text = scene.text(&settings);
         seen.judge(&scene, &graph, &build(&text), &text);
     }
-    assert!(seen.covered > 100 && seen.shut > 50 && seen.detours > 80 && seen.straight > 200, "{seen:?}");
+    assert!(seen.covered > 50 && seen.shut > 80 && seen.detours > 150 && seen.straight > 200, "{seen:?}");
 }
 
 #[test]

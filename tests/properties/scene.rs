@@ -76,12 +76,24 @@ impl Scene {
             device,
             objects: String::new(),
         };
-        for number in 0..random.below(2 + (modules[0] + modules[1]) * 2) {
+        for number in 0..random.below(2 + (modules[0] + modules[1]) * 4) {
             scene.add_obstacle(number, random);
         }
         scene.start = scene.some_cell(random);
         scene.stops = (0..1 + random.below(3) / 2).map(|_| scene.some_cell(random)).collect();
         scene
+    }
+
+    /// Draws a covered start or stop anew, mostly.
+    pub fn leave_obstacles(&mut self, random: &mut Random, is_free: impl Fn(Cell) -> bool) {
+        let (start, mut stops) = (self.start, std::mem::take(&mut self.stops));
+        let mut drawn = |cell: Cell| {
+            let tries = if is_free(cell) || random.below(8) == 0 { 0 } else { 50 };
+            (0..tries).map(|_| self.some_cell(random)).find(|cell| is_free(*cell)).unwrap_or(cell)
+        };
+        let start = drawn(start);
+        stops.iter_mut().for_each(|stop| *stop = drawn(*stop));
+        (self.start, self.stops) = (start, stops);
     }
 
     pub fn some_cell(&self, random: &mut Random) -> Cell {
