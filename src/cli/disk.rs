@@ -101,6 +101,10 @@ pub fn write_all(folder: &Path, files: &[OutputFile]) -> Result<(), Box<Diagnost
         move |error: io::Error| Box::new(errors::unwritable(&path, &error))
     };
     let made = !folder.exists();
+    if folder.is_file() {
+        let in_the_way = io::Error::new(io::ErrorKind::NotADirectory, "it is a file, and no folder");
+        return Err(fail(folder)(in_the_way));
+    }
     fs::create_dir_all(folder).map_err(fail(folder))?;
     let written = stage(folder, files).and_then(|staged| commit(folder, staged));
     if written.is_err() && made {
