@@ -274,7 +274,9 @@ fn clearance_um(shape: &Shape, pose: &Pose, cell: Cell, facts: &dimibot::Facts) 
 /// A task's body in the kind's own terms; `None` after an error.
 pub fn order(facts: &dimibot::Facts, cover: &Cover, parts: Parts, device: &str, sink: &mut Sink) -> Option<Order> {
     let precision = precision(&parts.settings, facts, sink);
-    let planner = planner(parts.planner.as_ref(), &parts.steps, sink);
+    let objective = objective(parts.objective);
+    let simultaneous = simultaneous(&parts.settings).unwrap_or(facts.simultaneous);
+    let planner = planner(&parts, (objective, simultaneous), sink);
     let mut judge = stops::Judge::new(facts, cover, device, precision.flatten(), sink);
     let start = parts.start.as_ref().map(|start| judge.start(start));
     let steps: Vec<Option<Step>> = parts.steps.into_iter().map(|step| judge.step(step)).collect();
@@ -282,9 +284,9 @@ pub fn order(facts: &dimibot::Facts, cover: &Cover, parts: Parts, device: &str, 
     Some(Order::Dimibot(DimibotOrder {
         facts: facts.clone(),
         obstacles: Arc::clone(&cover.obstacles),
-        objective: objective(parts.objective),
+        objective,
         planner: planner?,
-        simultaneous: simultaneous(&parts.settings).unwrap_or(facts.simultaneous),
+        simultaneous,
         precision_um: precision?,
         start: match start {
             None => None,
@@ -316,24 +318,13 @@ fn objective(name: Option<&str>) -> Objective {
 }
 
 /// The method and budget of a task; `None` where a published method is asked for what it does not know.
-fn planner(
-    chosen: Option<&(Spanned<&'static crate::device::Planner>, Accepted)>,
-    steps: &[tasks::Step],
-    sink: &mut Sink,
-) -> Option<Planner> {
-    let Some((planner, options)) = chosen else {
+fn planner(parts: &Parts, asked: (Objective, Simultaneous), sink: &mut Sink) -> Option<Planner> {
+    let Some((planner, options)) = &parts.planner else {
         return Some(Planner { method: Method::StagedAstar, expansions: DEFAULT_EXPANSIONS });
     };
     let method = method(planner.value.name);
-    let visit =
-        steps.iter().find(|step| matches!(&step.action, tasks::Action::Verb { verb, .. } if verb.name == "visit"));
-    if let Some(visit) = visit.filter(|_| method != Method::StagedAstar) {
-        sink.push(errors::planner_cannot(
-            planner.span,
-            planner.value.name,
-            "order the places of a `visit`",
-            visit.span,
-        ));
+    if let Some((what, span)) = beyond(method, parts, asked, planner.span) {
+        sink.push(errors::planner_cannot(planner.span, planner.value.name, what, span));
         return None;
     }
     let given = match options.get("expansions").map(|option| &option.value) {
@@ -341,6 +332,25 @@ fn planner(
         _ => None,
     };
     Some(Planner { method, expansions: given.unwrap_or(DEFAULT_EXPANSIONS) })
+}
+
+/// What a published method is asked for that it does not know, and where; Tweeze's own knows all.
+fn beyond(
+    method: Method,
+    parts: &Parts,
+    asked: (Objective, Simultaneous),
+    chosen: Span,
+) -> Option<(&'static str, Span)> {
+    if method == Method::StagedAstar {
+        return None;
+    }
+    let is_visit =
+        |step: &&tasks::Step| matches!(&step.action, tasks::Action::Verb { verb, .. } if verb.name == "visit");
+    if let Some(visit) = parts.steps.iter().find(is_visit) {
+        return Some(("order the places of a `visit`", visit.span));
+    }
+    let span = parts.settings.get("simultaneous").map_or(chosen, |setting| setting.span);
+    (asked == (Objective::Time, Simultaneous::Safe)).then_some(("switch several modules in one pulse", span))
 }
 
 fn method(name: &str) -> Method {

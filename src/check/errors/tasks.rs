@@ -257,7 +257,7 @@ pub fn unknown_planner(span: Span, name: &str, near: Option<&str>, vocabulary: &
 pub fn planner_cannot(span: Span, name: &str, what: &str, asked: Span) -> Diagnostic {
     Diagnostic::new(Code::E0520, format!("planner `{name}` cannot {what}"))
         .label(span, "chosen here")
-        .label(asked, "asked for here")
+        .label_elsewhere(asked, span, "asked for here")
         .help("leave `using` out: Tweeze's own planner does it")
 }
 
