@@ -1,6 +1,6 @@
 //! The schedule as JSON: format `tweeze-schedule`, version 1, the form that `schema/schedule.schema.json` describes.
 //!
-//! Input: a [`Schedule`], or the bytes of one. Promise: [`read`] gives back exactly what [`write`] was given but the spans,
+//! Input: a [`Schedule`], or the bytes of one. Promise: [`read`] gives back exactly what [`write()`] was given but the spans,
 //! every float bit for bit; what it returns has no index out of range, no instant beyond `u64` and no empty actuation.
 
 use super::Schedule;

@@ -17,6 +17,10 @@ use std::collections::BTreeSet;
 const MAX_BORDER: usize = 32;
 /// Cells expanded when a path is looked for with some obstacles removed.
 const TRIAL: Budget = Budget::of(1 << 20);
+/// The part of the budget that is spent on flooding both ends, to learn which obstacles are near.
+const FLOOD_SHARE: u64 = 8;
+/// Where the flood does not end, all obstacles are suspects, if they are no more than this.
+const MAX_SUSPECTS: usize = 32;
 /// Obstacles rebuilt per step of the budget when a field is built without some of them.
 const REBUILT_PER_STEP: u64 = 8;
 
@@ -44,7 +48,8 @@ pub enum Opening {
 
 /// Why there is no path from `start` to `goal`: `None` if there is one, or if one of the two is not a cell of the lattice.
 ///
-/// `obstacles` must be the list from which `field` was built.
+/// `obstacles` must be the list from which `field` was built. Where the proof that there is none takes more than a million cells, it is the
+/// caller's: what is said of the smallest set rests on it.
 pub fn why(field: &Field, obstacles: &[Obstacle], start: Cell, goal: Cell, budget: Budget) -> Option<Why> {
     if outside(field, start, goal).is_some() {
         return None;
@@ -55,8 +60,10 @@ pub fn why(field: &Field, obstacles: &[Obstacle], start: Cell, goal: Cell, budge
     match scene.trial(&covering, &mut meter) {
         Trial::Open if covering.is_empty() => None,
         Trial::Open => Some(blame(covering, Opening::Smallest)),
-        Trial::Shut => Some(scene.search(covering, &mut meter)),
-        Trial::Unknown => (!covering.is_empty()).then(|| blame(covering, Opening::Unknown)),
+        Trial::Shut | Trial::Unknown => {
+            let why = scene.search(covering, &mut meter);
+            (!why.obstacles.is_empty()).then_some(why)
+        }
     }
 }
 
@@ -80,9 +87,12 @@ enum Trial {
 
 impl Scene<'_> {
     fn search(&self, covering: BTreeSet<usize>, meter: &mut Meter) -> Why {
-        let (border, [from, to]) = self.smaller_border(&covering, meter);
-        let singles = match &border {
-            Some(border) => self.single(border, &covering, meter),
+        let mut flood = Meter::new(Budget::of(meter.left().steps / FLOOD_SHARE));
+        let (border, [from, to]) = self.smaller_border(&covering, &mut flood);
+        meter.charge(flood.spent());
+        let few = (self.obstacles.len() <= MAX_SUSPECTS).then(|| (0..self.obstacles.len()).collect());
+        let singles = match border.as_ref().or(few.as_ref()) {
+            Some(suspects) => self.single(suspects, &covering, meter),
             None => Singles::NotTried,
         };
         if let Singles::Opens(set) = singles {
