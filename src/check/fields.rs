@@ -190,11 +190,7 @@ fn judge_count(
     if quantity.dimension != Dimension::NUMBER {
         return Err(Box::new(errors::wrong_dimension(wanted, Dimension::NUMBER, span, value)));
     }
-    let limit = if most == u32::MAX {
-        format!("a whole number from {least}")
-    } else {
-        format!("a whole number from {least} to {most}")
-    };
+    let limit = format!("a whole number from {least} to {most}");
     let fits = whole(*quantity).is_some_and(|number| (i64::from(least)..=i64::from(most)).contains(&number));
     if fits { Ok(()) } else { Err(Box::new(errors::out_of_range(wanted, span, &digits(quantity.si), &limit))) }
 }

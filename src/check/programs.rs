@@ -75,7 +75,8 @@ impl<'a> Checker<'a> {
     fn roots(&mut self) -> Vec<Place> {
         let programs = self.roots_of(DeclarationSort::Program);
         let roots = if programs.is_empty() { self.roots_of(DeclarationSort::Task) } else { programs };
-        if roots.is_empty() && !self.declares(DeclarationSort::Task) && !self.declares(DeclarationSort::Program) {
+        let declares_runs = self.declares(DeclarationSort::Task) || self.declares(DeclarationSort::Program);
+        if roots.is_empty() && !declares_runs && !self.modules[0].has_broken_parts() {
             let file = self.modules[0].tree.file;
             self.sink.push(errors::nothing_to_build(Span::new(file, 0, 0)));
         }

@@ -113,6 +113,11 @@ impl Module {
         self.tree.broken_names.iter().any(|broken| broken.text == name)
     }
 
+    /// Whether a declaration could not be read, so that what is missing may stand in it.
+    pub fn has_broken_parts(&self) -> bool {
+        self.tree.items.iter().any(|item| matches!(item, Item::Error(_)))
+    }
+
     /// Whether it belongs to the standard library.
     pub fn is_library(&self) -> bool {
         self.origin == Origin::Library

@@ -128,7 +128,6 @@ fn choice(choice: &Choice) -> (String, String) {
 
 fn sort(sort: Sort) -> String {
     match sort {
-        Sort::Count { least, most } if most == u32::MAX => format!("a count from {least}"),
         Sort::Count { least, most } => format!("{least} to {most}"),
         Sort::Quantity { dimension, range } if dimension == Dimension::NUMBER => {
             format!("a number {}", range.text())

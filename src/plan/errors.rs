@@ -1,6 +1,7 @@
 //! What planning says: E06xx.
 
 use crate::check::claims::{Relation, Requirement};
+use crate::device::dimibot::MAX_EXPANSIONS;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -52,7 +53,16 @@ fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
 pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, planner: &str) -> Diagnostic {
     Diagnostic::new(Code::E0602, format!("{what} gave up after {budget} expansions"))
         .label(step, format!("the way to {to} is neither found nor disproved; none costs less than {bound}"))
-        .help(format!("allow more: `using {planner} {{ expansions: {} }}`", budget.saturating_mul(8)))
+        .help(more_allowed(budget, planner))
+}
+
+fn more_allowed(budget: u64, planner: &str) -> String {
+    let most = u64::from(MAX_EXPANSIONS);
+    if budget >= most {
+        return "no more can be allowed: go by way of other places with `via`, or leave obstacles out that are far off"
+            .to_owned();
+    }
+    format!("allow more: `using {planner} {{ expansions: {} }}`", budget.saturating_mul(8).min(most))
 }
 
 /// `begins` is where the start is said: the run, or the task itself.

@@ -1,0 +1,67 @@
+//! Reading and checking a generated program of 10,000 steps: the median of several runs, in milliseconds.
+//!
+//! `cargo bench --bench check`. The text comes from a fixed seed. There is no public library that does the same work.
+
+use std::fmt::Write;
+use std::time::Instant;
+use tweeze::check::Options;
+use tweeze::check::imports::Library;
+use tweeze::compile::{Program, check};
+use tweeze::diagnostic::Sink;
+use tweeze::source::{FileId, Sources};
+
+const STEPS: u32 = 10_000;
+const RUNS: usize = 21;
+
+struct Nothing;
+
+impl Library for Nothing {
+    fn read(&self, _: &str, _: &str) -> Result<(String, String), String> {
+        Err("there are no files here".to_owned())
+    }
+}
+
+fn main() {
+    let text = program();
+    let mut sink = Sink::default();
+    let reading = median_ms(|| {
+        let tree = tweeze::syntax::parse(FileId(0), &text, &mut sink);
+        assert_eq!(tree.items.len(), 4);
+    });
+    let checking = median_ms(|| {
+        let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
+        let program = Program { name: "steps.twz", text: &text, library: &Nothing, options: &options };
+        assert!(check(&program, &mut sources, &mut sink).is_some(), "the program has no errors");
+    });
+    let megabytes = text.len() as f64 / 1e6;
+    println!("{STEPS} steps, 200 obstacles, {megabytes:.2} MB");
+    println!("read             {reading:6.1} ms, {:.1} MB/s", megabytes / reading * 1e3);
+    println!("read and checked {checking:6.1} ms, {:.1} MB/s", megabytes / checking * 1e3);
+}
+
+/// Moves among 200 obstacle cells, none of them onto one.
+fn program() -> String {
+    let mut text = "use std.dimibot\ndevice bot : dimibot.femto_st { left: 10, right: 10 }\n".to_owned();
+    text.push_str("scene bench { for i in 0..200 { obstacle d[i] at (5*i, 3*i + 1) } }\ntask walk on bot in bench {\n  start at (2, 0)\n");
+    let mut seed = 1u32;
+    for _ in 0..STEPS {
+        // The constants of Numerical Recipes; the low bits are weak, so the high ones are taken.
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let (x, y) = (seed >> 22, seed >> 12 & 1023);
+        let x = if x % 5 == 0 { x + 1 } else { x };
+        writeln!(text, "  move to ({x}, {y})").expect("a string takes all");
+    }
+    text.push_str("}\n");
+    text
+}
+
+fn median_ms(mut work: impl FnMut()) -> f64 {
+    let mut times: Vec<f64> = Vec::with_capacity(RUNS);
+    for _ in 0..RUNS {
+        let begin = Instant::now();
+        work();
+        times.push(begin.elapsed().as_secs_f64() * 1e3);
+    }
+    times.sort_by(f64::total_cmp);
+    times[RUNS / 2]
+}
