@@ -239,7 +239,7 @@ fn deep_nesting_ends_within_the_stack_of_a_test() {
 
 #[test]
 fn a_line_of_a_megabyte_is_answered() {
-    for piece in ["a", "1", " ", "\"", "(0, 0), ", "}", "//", "0b1", "a.", "µ"] {
+    for piece in ["a", "1", " ", "\"", "(0, 0), ", "{", "}", "//", "0b1", "a.", "µ"] {
         assert!(is_answered(&build(&piece.repeat(1_000_000 / piece.len()))), "{piece}");
     }
 }

@@ -111,7 +111,7 @@ fn costs_agree_with_brute_force_in_a_thousand_scenes() {
         let text = scene.text(&settings);
         seen.judge(&scene, &graph, &build(&text), &text);
     }
-    assert!(seen.covered > 50 && seen.shut > 80 && seen.detours > 90 && seen.straight > 200, "{seen:?}");
+    assert!(seen.covered > 50 && seen.shut > 80 && seen.detours > 80 && seen.straight > 200, "{seen:?}");
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn modules_switched_together_take_the_fewest_pulses() {
         let one_by_one = truth(&graph, &scene, "time").expect("a way together is a way one by one");
         if cost_ms < one_by_one { together += 1 } else { alone += 1 }
     }
-    assert!(together > 80 && alone > 20 && shut > 5, "{together} {alone} {shut}");
+    assert!(together > 60 && alone > 60 && shut > 5, "{together} {alone} {shut}");
 }
 
 #[test]
