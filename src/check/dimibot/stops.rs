@@ -119,7 +119,7 @@ impl<'a> Judge<'a> {
     }
 
     fn nearest(&mut self, place_um: [f64; 2], target: &Argument) -> Option<Cell> {
-        let cell = self.facts.nearest_cell(place_um);
+        let cell = self.facts.nearest_cell(place_um).filter(|_| within_workspace(self.facts, place_um));
         let wrong = match (cell, self.precision_um) {
             (None, _) => Some(self.outside(place_um, target.span)),
             (Some(cell), Some(precision_um)) if self.off_um(cell, place_um) > precision_um => {
@@ -159,7 +159,7 @@ impl<'a> Judge<'a> {
         if place_um[0] < 0.0 || place_um[1] < 0.0 {
             return "; places count from word 0, so none is negative".to_owned();
         }
-        match self.fewest_modules(|facts| facts.nearest_cell(place_um).is_some()) {
+        match self.fewest_modules(|facts| within_workspace(facts, place_um)) {
             Some(modules) => format!("; {modules} modules a side would reach it"),
             None => {
                 let reach_um = 2.0 * self.facts.gain * self.facts.stroke_um * std::f64::consts::SQRT_2;
@@ -249,6 +249,16 @@ impl<'a> Judge<'a> {
         }
         None
     }
+}
+
+/// Whether a place lies between the outermost cells, as far as the robot can tell and a printed figure shows.
+fn within_workspace(facts: &dimibot::Facts, place_um: [f64; 2]) -> bool {
+    let last = facts.place_um(Cell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 });
+    Side::BOTH.iter().all(|side| {
+        let slack_um = facts.repeatability_um.max(facts.pitch_um(*side) / 1e3);
+        let at_um = place_um[side.index()];
+        (-slack_um..=last[side.index()] + slack_um).contains(&at_um)
+    })
 }
 
 /// The cells at a Chebyshev distance, in a fixed order.
