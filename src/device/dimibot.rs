@@ -429,4 +429,4 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
 };
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

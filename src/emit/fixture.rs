@@ -6,6 +6,7 @@ use crate::check::claims::{
     Timeline,
 };
 use crate::device::Kind;
+use crate::device::dimibot::tests::femto_st;
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous, Switch};
 use crate::geometry::shape::{Pose, Shape};
 use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, State, Step, TimedState, Unit};
@@ -54,20 +55,7 @@ struct Robot {
 }
 
 fn facts(left: u32, right: u32, rest_ns: u64) -> Facts {
-    Facts {
-        left,
-        right,
-        stroke_um: 35.0,
-        gain: 0.138,
-        pulse_voltage_v: 20.0,
-        pulse_current_a: 0.1,
-        pulse_duration_ns: 15_000_000,
-        rest_ns,
-        repeatability_um: 0.05,
-        tip_radius_um: 0.1,
-        home: Cell::default(),
-        simultaneous: Simultaneous::Never,
-    }
+    Facts { rest_ns, repeatability_um: 0.05, tip_radius_um: 0.1, ..femto_st(left, right) }
 }
 
 fn build(name: &str, runs: &[(Robot, Vec<Cell>, u64)]) -> (Verified, Provenance) {

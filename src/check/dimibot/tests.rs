@@ -6,20 +6,7 @@ use crate::source::Sources;
 use std::time::Instant;
 
 fn facts() -> dimibot::Facts {
-    dimibot::Facts {
-        left: 7,
-        right: 6,
-        stroke_um: 35.0,
-        gain: 0.138,
-        pulse_voltage_v: 20.0,
-        pulse_current_a: 0.1,
-        pulse_duration_ns: 15_000_000,
-        rest_ns: 0,
-        repeatability_um: 0.09,
-        tip_radius_um: 0.1,
-        home: Cell::default(),
-        simultaneous: Simultaneous::Never,
-    }
+    dimibot::Facts { tip_radius_um: 0.1, ..dimibot::tests::femto_st(7, 6) }
 }
 
 /// Numbers that look random, below 1.

@@ -4,6 +4,7 @@ use crate::check::claims::{
     Action, Asked, Body, Claims, DimibotOrder, Job, Method, Objective, Obstacle, Order, Planner, Step, Stop, Timeline,
 };
 use crate::device::Kind;
+use crate::device::dimibot::tests::femto_st;
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous};
 use crate::geometry::shape::{Pose, Shape};
 use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, State, TimedState, Unit};
@@ -13,20 +14,7 @@ use std::collections::BTreeMap;
 pub const MS: u64 = 1_000_000;
 
 pub fn facts(left: u32, right: u32) -> Facts {
-    Facts {
-        left,
-        right,
-        stroke_um: 35.0,
-        gain: 0.138,
-        pulse_voltage_v: 20.0,
-        pulse_current_a: 0.1,
-        pulse_duration_ns: 15 * MS,
-        rest_ns: 5 * MS,
-        repeatability_um: 0.09,
-        tip_radius_um: 0.01,
-        home: Cell { x: 0, y: 0 },
-        simultaneous: Simultaneous::Never,
-    }
+    Facts { rest_ns: 5 * MS, tip_radius_um: 0.01, ..femto_st(left, right) }
 }
 
 pub fn cell(x: u32, y: u32) -> Cell {
