@@ -1,0 +1,3 @@
+//! The planner of electrode arrays: many parts at once from their cells to their goals, one step of the platform after the other.
+
+pub mod board;
