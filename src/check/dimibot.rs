@@ -1,6 +1,7 @@
 //! Is this DiMiBot possible, is this scene possible for it, are these goals?
 
-use super::claims::{Action, Asked, Body, DimibotOrder, Job, Method, Objective, Obstacle, Order, Planner, Step, Stop};
+use super::claims::dimibot::{Action, Asked, Body, DimibotOrder, Method, Objective, Obstacle, Planner, Step, Stop};
+use super::claims::{Job, Order};
 use super::devices::Device;
 use super::fields::Accepted;
 use super::lets::Argument;

@@ -1,10 +1,10 @@
 //! Small schedules made by hand, for the tests of the formats.
 
 use super::Provenance;
-use crate::check::claims::{
-    Action, Asked, Body, Claims, DimibotOrder, Job, Method, Objective, Obstacle, Order, Planner, Step as Claim, Stop,
-    Timeline,
+use crate::check::claims::dimibot::{
+    Action, Asked, Body, DimibotOrder, Method, Objective, Obstacle, Planner, Step as Claim, Stop,
 };
+use crate::check::claims::{Claims, Job, Order, Timeline};
 use crate::device::Kind;
 use crate::device::dimibot::tests::femto_st;
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous, Switch};

@@ -5,7 +5,7 @@
 
 use super::clock::{Run, RunActuation};
 use super::{State, TimedState};
-use crate::check::claims::DimibotOrder;
+use crate::check::claims::dimibot::DimibotOrder;
 use crate::device::dimibot::{Cell, Facts, Side, Switch};
 use crate::plan::dimibot::{Motion, Pulse, StepMotion};
 

@@ -9,7 +9,7 @@ mod scene;
 use super::clock::Run;
 use super::rule::{Findings, Rule, Violation, ms};
 use super::{Replay, Standing, Unfit};
-use crate::check::claims::{Action, DimibotOrder, Stop};
+use crate::check::claims::dimibot::{Action, DimibotOrder, Stop};
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous, Switch};
 use crate::schedule::{Actuation, State, TimedState};
 use scene::{Scene, Touch, place};

@@ -6,7 +6,8 @@
 use super::Replay;
 use super::clock::Run;
 use super::rule::{Findings, Rule, Violation, ms};
-use crate::check::claims::{Method, Objective, Order, Relation, Requirement};
+use crate::check::claims::dimibot::{Method, Objective};
+use crate::check::claims::{Order, Relation, Requirement};
 use crate::device::Outcome;
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::schedule::{State, TimedState};

@@ -5,7 +5,7 @@
 use super::foxglove::{self, Color, PackedElementField, PointCloud, packed_element_field::NumericType};
 use super::scene::{self, Bench, color};
 use super::{Topic, drawing, motion};
-use crate::check::claims::{Body, DimibotOrder};
+use crate::check::claims::dimibot::{Body, DimibotOrder};
 use crate::geometry::shape::{Core, Rounded};
 use crate::schedule::PlanRecord;
 use crate::verify::Verified;

@@ -8,7 +8,8 @@ use super::foxglove::{
     self, Color, SceneEntity, SceneEntityDeletion, SceneUpdate, line_primitive, scene_entity_deletion,
 };
 use super::{Topic, motion};
-use crate::check::claims::{Action, Body, DimibotOrder, Job, Obstacle, Order, Stop};
+use crate::check::claims::dimibot::{Action, Body, DimibotOrder, Obstacle, Stop};
+use crate::check::claims::{Job, Order};
 use crate::device::dimibot::Side;
 use crate::device::dimibot::{Cell, Facts};
 use crate::schedule::PlanRecord;

@@ -131,7 +131,7 @@ fn the_scene_shows_every_obstacle_twice_and_takes_away_what_is_gone() {
 }
 
 /// A second run of the same task, with other obstacles.
-fn twice(change: impl FnOnce(&mut Vec<crate::check::claims::Obstacle>)) -> Verified {
+fn twice(change: impl FnOnce(&mut Vec<crate::check::claims::dimibot::Obstacle>)) -> Verified {
     let (verified, _) = fixture::fetch();
     let (mut schedule, mut claims) = (verified.schedule().clone(), verified.claims().clone());
     let mut job = claims.jobs[0].clone();

@@ -7,7 +7,8 @@ use super::{
     Cell, Field, Impossible, Lattice, Leg, Measure, Obstacle, Opening, Outcome, Path, Proof, Pulse, Side, TourOutcome,
     Weights, published, pulses, shortest, tour, why,
 };
-use crate::check::claims::{self, Action, Body, DimibotOrder, Job, Method, Objective, Requirement, Step, Stop};
+use crate::check::claims::dimibot::{Action, Body, DimibotOrder, Method, Objective, Step, Stop};
+use crate::check::claims::{self, Job, Requirement};
 use crate::check::start_disagrees;
 use crate::device::dimibot::{Facts, Flip, Simultaneous, VOCABULARY};
 use crate::diagnostic::Sink;
@@ -42,7 +43,7 @@ pub enum StepMotion {
 /// The fields of a schedule's scenes, each built once.
 #[derive(Default)]
 pub struct Fields {
-    known: Vec<(Arc<Vec<claims::Obstacle>>, Facts, Arc<Scene>)>,
+    known: Vec<(Arc<Vec<claims::dimibot::Obstacle>>, Facts, Arc<Scene>)>,
 }
 
 /// A scene as the searches see it.
@@ -53,7 +54,7 @@ struct Scene {
 
 impl Fields {
     fn scene(&mut self, order: &DimibotOrder) -> Arc<Scene> {
-        let is_same = |(obstacles, facts, _): &&(Arc<Vec<claims::Obstacle>>, Facts, Arc<Scene>)| {
+        let is_same = |(obstacles, facts, _): &&(Arc<Vec<claims::dimibot::Obstacle>>, Facts, Arc<Scene>)| {
             Arc::ptr_eq(obstacles, &order.obstacles) && *facts == order.facts
         };
         if let Some((_, _, scene)) = self.known.iter().find(is_same) {

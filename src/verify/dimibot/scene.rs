@@ -6,7 +6,7 @@
 
 use super::super::Unfit;
 use super::super::boxes::{Boxes, Extent};
-use crate::check::claims::{Action, Asked, Body, DimibotOrder, Stop};
+use crate::check::claims::dimibot::{Action, Asked, Body, DimibotOrder, Stop};
 use crate::device::dimibot::{Cell, Facts, MAX_MODULES};
 use crate::geometry::distance::{quadrilateral_core, segment_core};
 use crate::geometry::shape::{Core, MAX_EXTENT_UM, Rounded};

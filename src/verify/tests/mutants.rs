@@ -1,7 +1,7 @@
 //! Sound schedules of random scenes, changed in one place: each mutant is refused, or the very same schedule.
 
 use super::*;
-use crate::check::claims::{Action, Body, Obstacle};
+use crate::check::claims::dimibot::{Action, Body, Obstacle};
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous};
 use crate::geometry::shape::Shape;
 use proptest::prelude::*;
@@ -55,8 +55,10 @@ fn scenario() -> impl Strategy<Value = Scenario> {
         });
         let clear = |body: &Obstacle| areas.iter().all(|area| gap(&facts, body, *area) > facts.growth_um());
         order.obstacles = std::sync::Arc::new(bodies.filter(clear).collect());
-        order.steps =
-            actions.into_iter().map(|action| crate::check::claims::Step { action, span: Default::default() }).collect();
+        order.steps = actions
+            .into_iter()
+            .map(|action| crate::check::claims::dimibot::Step { action, span: Default::default() })
+            .collect();
         Scenario { claims: alone(order), pulses }
     })
 }

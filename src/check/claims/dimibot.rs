@@ -1,0 +1,146 @@
+//! What a task claims of a DiMiBot.
+
+use crate::device::dimibot;
+use crate::geometry::shape::{Pose, Shape};
+use crate::source::{Span, Spanned};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// A task of a DiMiBot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DimibotOrder {
+    pub facts: dimibot::Facts,
+    /// Shared by all tasks of one device in one scene.
+    pub obstacles: Arc<Vec<Obstacle>>,
+    pub objective: Objective,
+    pub planner: Planner,
+    pub simultaneous: dimibot::Simultaneous,
+    /// How far the cell taken for a place may lie from it; without it any nearest cell will do.
+    pub precision_um: Option<f64>,
+    /// `start at`, where the task says it; else the robot stands where its last task left it, or at home.
+    pub start: Option<Spanned<dimibot::Cell>>,
+    pub steps: Vec<Step>,
+}
+
+/// What is minimised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Objective {
+    Distance,
+    Switches,
+    Time,
+    Energy,
+}
+
+impl Objective {
+    /// Its word in the language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Objective::Distance => "distance",
+            Objective::Switches => "switches",
+            Objective::Time => "time",
+            Objective::Energy => "energy",
+        }
+    }
+
+    /// The unit of its cost in schedules and reports; a count has none.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Objective::Distance => "um",
+            Objective::Switches => "",
+            Objective::Time => "ms",
+            Objective::Energy => "mJ",
+        }
+    }
+}
+
+/// How the plan is searched; all agree on its cost.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Planner {
+    pub method: Method,
+    /// States that one search may expand.
+    pub expansions: u64,
+}
+
+/// The search methods, by the names of [`dimibot::PLANNERS`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    StagedAstar,
+    Dijkstra,
+    BidirectionalDijkstra,
+    Astar,
+    HypercubeAstar,
+}
+
+impl Method {
+    /// Its word in the language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::StagedAstar => "staged_astar",
+            Method::Dijkstra => "dijkstra",
+            Method::BidirectionalDijkstra => "bidirectional_dijkstra",
+            Method::Astar => "astar",
+            Method::HypercubeAstar => "hypercube_astar",
+        }
+    }
+}
+
+/// What the tip must not touch.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Obstacle {
+    /// The name in the scene.
+    pub name: String,
+    pub body: Body,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// The extent of an obstacle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Body {
+    /// Lattice cells, corners included, as in the paper: not grown. `from` is the lower corner in both axes.
+    Cells { from: dimibot::Cell, to: dimibot::Cell },
+    /// A body in the workspace, to be grown by tip radius and repeatability.
+    Solid { shape: Shape, pose: Pose },
+}
+
+/// One step of a DiMiBot's task.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    pub action: Action,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// What a step does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Action {
+    /// Through the stops in their order; the last one is the goal.
+    Move(Vec<Stop>),
+    /// Through all stops, in whatever order is best.
+    Visit(Vec<Stop>),
+    /// Nothing is switched for so long.
+    Wait(u64),
+}
+
+/// A place to be reached.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stop {
+    pub asked: Asked,
+    /// The cell that stands for it.
+    pub cell: dimibot::Cell,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// What the program asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Asked {
+    Cell,
+    /// A place, from word 0 along the axes of R1.
+    Place([f64; 2]),
+}

@@ -1,0 +1,176 @@
+//! The electrode array: a board of electrodes that carries many parts at once, each pulled by the electrodes before it.
+//!
+//! Facts, geometry and vocabulary of the kind. Source of the model: Kritikou, Lamprinou, Moulianitis, Aspragathos, *Parallel
+//! motion of microparts on a programmable platform*, 2018, with the rule of distance put right where its tables contradict one
+//! another (the handbook of the language says how).
+
+use serde::{Deserialize, Serialize};
+
+/// The most columns, and the most rows, of a board.
+pub const MAX_SIDE: u32 = 1_000;
+
+/// The most parts of one scene.
+pub const MAX_PARTS: usize = 1_000;
+
+/// An electrode, and so a place for the centre of a part: column and row, both from 1, rows upward.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Cell {
+    pub column: u32,
+    pub row: u32,
+}
+
+impl Cell {
+    /// The cell (column, row).
+    pub const fn new(column: u32, row: u32) -> Self {
+        Cell { column, row }
+    }
+
+    /// Its two numbers.
+    pub const fn pair(self) -> [u32; 2] {
+        [self.column, self.row]
+    }
+
+    /// Chebyshev distance: the larger of the differences of columns and of rows.
+    pub const fn apart(self, other: Cell) -> u32 {
+        let (columns, rows) = (self.column.abs_diff(other.column), self.row.abs_diff(other.row));
+        if columns > rows { columns } else { rows }
+    }
+
+    /// Manhattan distance: the steps from one to the other where nothing is in the way.
+    pub const fn steps_to(self, other: Cell) -> u32 {
+        self.column.abs_diff(other.column) + self.row.abs_diff(other.row)
+    }
+}
+
+impl std::fmt::Display for Cell {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "({}, {})", self.column, self.row)
+    }
+}
+
+/// How far the centres of two parts keep apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Separation {
+    /// This Chebyshev distance, in electrodes, between the starts and ends of a step in all four combinations.
+    Apart(u32),
+    /// Table 3 of the paper as it is printed, for reproduction; some of its entries let parts collide.
+    AsPublished,
+}
+
+/// The separation that the verifier asks for where a plan follows the paper's Table 3.
+pub const PUBLISHED_SEPARATION: u32 = 4;
+
+impl Separation {
+    /// The Chebyshev distance that holds, in electrodes.
+    pub const fn apart(self) -> u32 {
+        match self {
+            Separation::Apart(cells) => cells,
+            Separation::AsPublished => PUBLISHED_SEPARATION,
+        }
+    }
+}
+
+/// Where the electrodes of a part are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Electrodes {
+    /// One, under the centre: a droplet.
+    Single,
+    /// Four, each one column and one row from the centre: the paper's micropart.
+    Quad,
+}
+
+impl Electrodes {
+    /// Columns and rows from the centre to each electrode.
+    pub const fn offsets(self) -> &'static [[i64; 2]] {
+        match self {
+            Electrodes::Single => &[[0, 0]],
+            Electrodes::Quad => &[[-1, -1], [1, -1], [-1, 1], [1, 1]],
+        }
+    }
+
+    /// How many columns and rows at the rim of the board no centre can take.
+    pub const fn rim(self) -> u32 {
+        match self {
+            Electrodes::Single => 0,
+            Electrodes::Quad => 1,
+        }
+    }
+}
+
+/// What a part looks like from below.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Layout {
+    pub electrodes: Electrodes,
+    /// From the centre to the rim of the body along a column or a row, in pitches of the board.
+    pub half_width: f64,
+}
+
+/// Whether the electrodes of a resting part are kept on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Hold {
+    /// A part rests by itself; its electrodes are on only while it moves.
+    Off,
+    /// The electrodes that brought a part to its cell stay on while it rests there.
+    On,
+}
+
+/// What a device of this kind is: the fields of its declaration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Facts {
+    /// 1 to [`MAX_SIDE`].
+    pub columns: u32,
+    /// 1 to [`MAX_SIDE`].
+    pub rows: u32,
+    pub radius_um: f64,
+    /// Gap between the rims of two neighbouring electrodes over their radius: the paper's d1.
+    pub pitch_ratio: f64,
+    /// On an electrode that is on.
+    pub potential_v: f64,
+    /// One move to a neighbouring cell, settling included.
+    pub step_ns: u64,
+    pub layout: Layout,
+    pub hold: Hold,
+    pub separation: Separation,
+    /// The least Chebyshev distance from a part's centre to an electrode that an obstacle covers, in electrodes; at least 1.
+    pub clearance: u32,
+}
+
+impl Facts {
+    /// Distance between neighbouring electrodes: (2 + d1) r (section 3 of the paper).
+    pub fn pitch_um(&self) -> f64 {
+        (2.0 + self.pitch_ratio) * self.radius_um
+    }
+
+    /// Whether there is such an electrode.
+    pub fn holds(&self, cell: Cell) -> bool {
+        (1..=self.columns).contains(&cell.column) && (1..=self.rows).contains(&cell.row)
+    }
+
+    /// Whether a part's centre can be there: inside the rim that its electrodes need.
+    pub fn reaches(&self, cell: Cell) -> bool {
+        let rim = self.layout.electrodes.rim();
+        self.holds(cell)
+            && (1 + rim..=self.columns.saturating_sub(rim)).contains(&cell.column)
+            && (1 + rim..=self.rows.saturating_sub(rim)).contains(&cell.row)
+    }
+
+    /// The middle of an electrode; the middle of electrode (1, 1) is the origin.
+    pub fn place_um(&self, cell: Cell) -> [f64; 2] {
+        [f64::from(cell.column) - 1.0, f64::from(cell.row) - 1.0].map(|pitches| pitches * self.pitch_um())
+    }
+
+    /// The channel of an electrode, without the device's name.
+    pub fn channel(cell: Cell) -> String {
+        format!("e{}_{}", cell.column, cell.row)
+    }
+
+    /// The electrode of a channel's name, without the device's; `None` if the board has none of that name.
+    pub fn electrode(&self, channel: &str) -> Option<Cell> {
+        let (column, row) = channel.strip_prefix('e')?.split_once('_')?;
+        let cell = Cell::new(column.parse().ok()?, row.parse().ok()?);
+        (self.holds(cell) && Facts::channel(cell) == channel).then_some(cell)
+    }
+}
