@@ -37,6 +37,7 @@ fn plan(text: &str) -> Option<PlanRecord> {
 fn words(plan: &PlanRecord) -> Vec<u64> {
     let word = |state: &State| match state {
         State::Dimibot { word, .. } => *word,
+        State::ElectrodeArray { .. } => panic!("a DiMiBot"),
     };
     plan.states.iter().map(|timed| word(&timed.state)).collect()
 }
@@ -149,7 +150,9 @@ fn published_pitches_are_met() {
         );
         let built = build(&text);
         let plan = &built.schedules[0].schedule().plans[0];
-        let State::Dimibot { position_um, .. } = &plan.states.last().expect("a state").state;
+        let State::Dimibot { position_um, .. } = &plan.states.last().expect("a state").state else {
+            panic!("a DiMiBot")
+        };
         let half_a_digit = 0.5 * 10f64.powi(-digits);
         assert!((position_um[0] - place_um).abs() <= half_a_digit, "{modules}: {position_um:?}");
         assert_eq!(position_um[1], 0.0);

@@ -27,7 +27,7 @@ const SIGHT: &[(&str, &[&str])] = &[
 ];
 
 /// The kinds of device; each has the same file name in every stage.
-const KINDS: [&str; 1] = ["dimibot"];
+const KINDS: [&str; 2] = ["dimibot", "electrode_array"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -4,6 +4,7 @@
 //! embedded source when the log is verified, so spans, which only messages need, are left out of that form.
 
 pub mod dimibot;
+pub mod electrode_array;
 
 use crate::device::Kind;
 use crate::source::Span;
@@ -60,6 +61,7 @@ impl Job {
     pub fn steps(&self) -> usize {
         match &self.order {
             Order::Dimibot(order) => order.steps.len(),
+            Order::ElectrodeArray(order) => order.steps.len(),
         }
     }
 
@@ -67,6 +69,7 @@ impl Job {
     pub fn kind(&self) -> Kind {
         match &self.order {
             Order::Dimibot(_) => Kind::Dimibot,
+            Order::ElectrodeArray(_) => Kind::ElectrodeArray,
         }
     }
 }
@@ -76,6 +79,25 @@ impl Job {
 #[serde(rename_all = "snake_case")]
 pub enum Order {
     Dimibot(dimibot::DimibotOrder),
+    ElectrodeArray(electrode_array::ElectrodeArrayOrder),
+}
+
+impl Order {
+    /// The order, if it is a DiMiBot's.
+    pub fn dimibot(&self) -> Option<&dimibot::DimibotOrder> {
+        match self {
+            Order::Dimibot(order) => Some(order),
+            Order::ElectrodeArray(_) => None,
+        }
+    }
+
+    /// The order, if it is an electrode array's.
+    pub fn electrode_array(&self) -> Option<&electrode_array::ElectrodeArrayOrder> {
+        match self {
+            Order::ElectrodeArray(order) => Some(order),
+            Order::Dimibot(_) => None,
+        }
+    }
 }
 
 /// `require time <= 400 ms`.

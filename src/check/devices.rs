@@ -3,7 +3,7 @@
 use super::fields::{Accepted, Given, Owner};
 use super::lineage::Base;
 use super::scope::{DeclarationSort, Place, nearest, path_text};
-use super::{Checker, dimibot, errors};
+use super::{Checker, dimibot, electrode_array, errors};
 use crate::device::{self, Kind};
 use crate::source::Span;
 use crate::syntax::tree::{self, Item};
@@ -35,6 +35,28 @@ fn owner(kind: Kind, name: &str, span: Span) -> Owner {
 #[derive(Debug, Clone)]
 pub enum Facts {
     Dimibot(Rc<device::dimibot::Facts>),
+    ElectrodeArray(Rc<device::electrode_array::Facts>),
+}
+
+impl Facts {
+    /// Whether the device has a channel of a name.
+    pub fn has_channel(&self, name: &str) -> bool {
+        match self {
+            Facts::Dimibot(facts) => facts.channels().iter().any(|channel| channel == name),
+            Facts::ElectrodeArray(facts) => facts.electrode(name).is_some(),
+        }
+    }
+
+    /// The names of its channels, for a message: of very many only the first and the last.
+    pub fn channel_examples(&self) -> Vec<String> {
+        match self {
+            Facts::Dimibot(facts) => facts.channels(),
+            Facts::ElectrodeArray(facts) => {
+                let last = device::electrode_array::Cell::new(facts.columns, facts.rows);
+                [device::electrode_array::Cell::new(1, 1), last].map(device::electrode_array::Facts::channel).to_vec()
+            }
+        }
+    }
 }
 
 impl Checker<'_> {
@@ -131,6 +153,9 @@ impl Checker<'_> {
         }
         match device.kind {
             Kind::Dimibot => dimibot::facts(device, self.sink).map(|facts| Facts::Dimibot(Rc::new(facts))),
+            Kind::ElectrodeArray => {
+                electrode_array::facts(device, self.sink).map(|facts| Facts::ElectrodeArray(Rc::new(facts)))
+            }
         }
     }
 }

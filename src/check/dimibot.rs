@@ -1,13 +1,13 @@
 //! Is this DiMiBot possible, is this scene possible for it, are these goals?
 
+use super::claims::Job;
 use super::claims::dimibot::{Action, Asked, Body, DimibotOrder, Method, Objective, Obstacle, Planner, Step, Stop};
-use super::claims::{Job, Order};
 use super::devices::Device;
 use super::fields::Accepted;
 use super::lets::Argument;
 use super::scenes::{Object, Scene};
 use super::scope::Place;
-use super::tasks::{self, Parts};
+use super::tasks::{self, Parts, Site};
 use super::value::{ModuleWord, Value, whole};
 use super::{Checker, errors, shapes};
 use crate::device::dimibot::{self, Cell, Side, Simultaneous};
@@ -112,8 +112,14 @@ fn length(um: f64) -> String {
 }
 
 impl Checker<'_> {
-    /// What a scene's objects are to a device; each scene is judged once with each device.
-    pub fn obstacles(
+    /// A task's body in the kind's own terms; `None` after an error.
+    pub fn dimibot_order(&mut self, site: &Site, facts: &dimibot::Facts, parts: Parts) -> Option<DimibotOrder> {
+        let judged = self.obstacles((site.place, &site.device.name), site.scene.as_ref(), facts);
+        let order = order(facts, &judged.cover, parts, &site.device.name, self.sink);
+        order.filter(|_| judged.is_whole)
+    }
+
+    fn obstacles(
         &mut self,
         device: (Place, &str),
         scene: Option<&(Place, Rc<Scene>)>,
@@ -122,14 +128,14 @@ impl Checker<'_> {
         let Some((place, scene)) = scene else {
             return Judged { cover: Cover::of(Vec::new(), facts), is_whole: true };
         };
-        if let Some(known) = self.judged_scenes.get(&(*place, device.0)) {
+        if let Some(known) = self.covers.get(&(*place, device.0)) {
             return known.clone();
         }
         let before = self.sink.errors();
         let obstacles = scene.objects.iter().filter_map(|object| obstacle(object, facts, device.1, self.sink));
         let cover = Cover::of(obstacles.collect(), facts);
         let judged = Judged { cover, is_whole: self.sink.errors() == before };
-        self.judged_scenes.insert((*place, device.0), judged.clone());
+        self.covers.insert((*place, device.0), judged.clone());
         judged
     }
 }
@@ -146,6 +152,11 @@ fn obstacle(object: &Object, facts: &dimibot::Facts, device: &str, sink: &mut Si
     let nouns: Vec<&str> = dimibot::VOCABULARY.nouns.iter().map(|noun| noun.name).collect();
     if !nouns.contains(&object.noun.as_str()) {
         sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, "dimibot", &nouns));
+        return None;
+    }
+    if let Some(shape) = object.shape.as_ref().filter(|shape| !Form::SOLID.contains(&shape.value.form)) {
+        let known: Vec<&str> = Form::SOLID.iter().map(|form| form.name()).collect();
+        sink.push(errors::shape_of_other_kind(shape.span, shape.value.form.name(), &object.noun, "dimibot", &known));
         return None;
     }
     let body = match &object.shape {
@@ -272,8 +283,7 @@ fn clearance_um(shape: &Shape, pose: &Pose, cell: Cell, facts: &dimibot::Facts) 
     body.map_or(f64::INFINITY, |body| distance::segment_core([at, at], &body.core) - body.radius_um)
 }
 
-/// A task's body in the kind's own terms; `None` after an error.
-pub fn order(facts: &dimibot::Facts, cover: &Cover, parts: Parts, device: &str, sink: &mut Sink) -> Option<Order> {
+fn order(facts: &dimibot::Facts, cover: &Cover, parts: Parts, device: &str, sink: &mut Sink) -> Option<DimibotOrder> {
     let precision = precision(&parts.settings, facts, sink);
     let objective = objective(parts.objective);
     let simultaneous = simultaneous(&parts.settings).unwrap_or(facts.simultaneous);
@@ -282,7 +292,7 @@ pub fn order(facts: &dimibot::Facts, cover: &Cover, parts: Parts, device: &str, 
     let start = parts.start.as_ref().map(|start| judge.start(start));
     let steps: Vec<Option<Step>> = parts.steps.into_iter().map(|step| judge.step(step)).collect();
     let steps: Option<Vec<Step>> = steps.into_iter().collect();
-    Some(Order::Dimibot(DimibotOrder {
+    Some(DimibotOrder {
         facts: facts.clone(),
         obstacles: Arc::clone(&cover.obstacles),
         objective,
@@ -294,7 +304,7 @@ pub fn order(facts: &dimibot::Facts, cover: &Cover, parts: Parts, device: &str, 
             Some(start) => Some(start?),
         },
         steps: steps?,
-    }))
+    })
 }
 
 /// The precision of a task: `None` after an error.
@@ -345,8 +355,7 @@ fn beyond(
     if method == Method::StagedAstar {
         return None;
     }
-    let is_visit =
-        |step: &&tasks::Step| matches!(&step.action, tasks::Action::Verb { verb, .. } if verb.name == "visit");
+    let is_visit = |step: &&tasks::Step| matches!(&step.action, tasks::Action::Verb(call) if call.verb.name == "visit");
     if let Some(visit) = parts.steps.iter().find(is_visit) {
         return Some(("order the places of a `visit`", visit.span));
     }
@@ -376,7 +385,7 @@ enum Stand {
 pub fn starts_agree(jobs: &[Job], sink: &mut Sink) {
     let mut stands: BTreeMap<&str, Stand> = BTreeMap::new();
     for job in jobs {
-        let Order::Dimibot(order) = &job.order;
+        let Some(order) = job.order.dimibot() else { continue };
         let before = stands.get(job.device.as_str()).copied();
         if let (Some(start), Some(Stand::At(cell))) = (order.start, before)
             && start.value != cell

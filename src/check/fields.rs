@@ -3,7 +3,7 @@
 use super::Checker;
 use super::errors::{self, Wanted};
 use super::scope::{Scope, nearest, path_text};
-use super::value::{ShapeValue, Value, whole};
+use super::value::{ObjectName, ShapeValue, TableValue, Value, whole};
 use crate::device::{self, Need, Sort};
 use crate::quantity::{Dimension, digits};
 use crate::source::{Span, Spanned};
@@ -71,6 +71,14 @@ impl Checker<'_> {
         if let Sort::Word(choices) = sort {
             return self.accept_word(choices, expr, wanted);
         }
+        if let Sort::CountOrWord { words, .. } = sort
+            && let Some(word) = self.chosen(words, expr, scope)
+        {
+            return Some(word);
+        }
+        if let Sort::Object(noun) = sort {
+            return self.accept_object(noun, expr, scope, wanted);
+        }
         let value = self.evaluate(expr, scope);
         if value.is_unknown() {
             return None;
@@ -97,6 +105,58 @@ impl Checker<'_> {
             self.sink.push(errors::wrong_word(wanted, choices, (expr.span, &text), near));
         }
         found.map(|choice| Value::Text(choice.name.to_owned()))
+    }
+
+    /// The word that a bare name is, where it names no value.
+    fn chosen(&self, words: &'static [device::Choice], expr: &Expr, scope: &Scope) -> Option<Value> {
+        let ExprKind::Path(path) = &expr.kind else { return None };
+        let text = path_text(path);
+        let choice = words.iter().find(|choice| choice.name == text)?;
+        (scope.local(&text).is_none() && self.find(path, scope).is_none()).then(|| Value::Text(choice.name.to_owned()))
+    }
+
+    /// The name of something in the task's scene: `m1`, `m[i]`, or a parameter that stands for one.
+    pub fn accept_object(&mut self, noun: &'static str, expr: &Expr, scope: &Scope, wanted: &Wanted) -> Option<Value> {
+        let path = match &expr.kind {
+            ExprKind::Path(path) if path.segments.len() == 1 => path,
+            ExprKind::Error => return None,
+            _ => {
+                let found = self.evaluate(expr, scope);
+                if !found.is_unknown() {
+                    self.sink.push(errors::wrong_value(
+                        wanted,
+                        &format!("the name of a {noun}"),
+                        "m1",
+                        expr.span,
+                        &found,
+                    ));
+                }
+                return None;
+            }
+        };
+        let segment = &path.segments[0];
+        let is_value = scope.local(&segment.name.text).is_some() || self.find(path, scope).is_some();
+        if !is_value {
+            let name = self.joined(&segment.name.text, &segment.indices, scope)?;
+            return Some(Value::Object(ObjectName { noun, name }));
+        }
+        match self.evaluate(expr, scope) {
+            Value::Object(object) if object.noun == noun => Some(Value::Object(object)),
+            Value::Unknown => None,
+            found => {
+                self.sink.push(errors::wrong_value(wanted, &format!("the name of a {noun}"), "m1", expr.span, &found));
+                None
+            }
+        }
+    }
+
+    /// A name with its indices: `m[3]` is `m3`, `e[5, 2]` is `e5_2`.
+    pub fn joined(&mut self, name: &str, indices: &[Expr], scope: &Scope) -> Option<String> {
+        let mut texts = Vec::with_capacity(indices.len());
+        for index in indices {
+            texts.push(self.index(index, scope)?.to_string());
+        }
+        Some(format!("{name}{}", texts.join("_")))
     }
 
     /// Where a value has a name, the place where it was given says more than the owner's declaration.
@@ -129,11 +189,22 @@ impl Checker<'_> {
 
 /// Whether a value is of a sort.
 fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
-    let wrong = |what, example| Err(Box::new(errors::wrong_value(wanted, what, example, span, value)));
+    let wrong = |what: &str, example: &str| Err(Box::new(errors::wrong_value(wanted, what, example, span, value)));
     match sort {
         Sort::Count { least, most } => judge_count((least, most), value, span, wanted),
         Sort::Quantity { dimension, range } => judge_quantity(dimension, range, value, span, wanted),
-        Sort::Word(_) => Ok(()),
+        Sort::Word(_) | Sort::Object(_) => Ok(()),
+        Sort::CountOrWord { least, most, .. } => judge_count((least, most), value, span, wanted),
+        Sort::Flag if matches!(value, Value::Bool(_)) => Ok(()),
+        Sort::Flag => wrong("true or false", "true"),
+        Sort::Shape(form) => match value {
+            Value::Shape(shape) if shape.form == form => Ok(()),
+            _ => wrong(&format!("a {}", form.name()), &format!("{} {{ … }}", form.name())),
+        },
+        Sort::Table(columns) => match value {
+            Value::Table(table) => judge_table(columns, table, span, wanted),
+            _ => wrong("a table", "table { … }"),
+        },
         Sort::State | Sort::Target if is_target(value) => Ok(()),
         Sort::State => wrong("a state", "0b00101_10010"),
         Sort::Target => wrong("a cell or a place", "(19, 28)"),
@@ -168,6 +239,35 @@ fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(), B
             _ => wrong("a list of places", "[(9 um, 9 um), (12 um, 9 um), (9 um, 12 um)]"),
         },
     }
+}
+
+/// Whether a table has the columns that are wanted, at least one row, and in each cell what its column holds.
+fn judge_table(
+    columns: &'static [device::Field],
+    table: &TableValue,
+    span: Span,
+    wanted: &Wanted,
+) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
+    let known: Vec<&str> = columns.iter().map(|column| column.name).collect();
+    if let Some((name, at)) = table.columns.iter().find(|(name, _)| !known.contains(&name.as_str())) {
+        let near = nearest(name, known.iter().copied());
+        return Err(Box::new(errors::unknown_column(*at, name, wanted, near, &known)));
+    }
+    let given = |column: &&device::Field| table.columns.iter().any(|(name, _)| name == column.name);
+    let missing: Vec<&device::Field> = columns.iter().filter(|c| c.need == Need::Required && !given(c)).collect();
+    if !missing.is_empty() || table.rows.is_empty() {
+        return Err(Box::new(errors::incomplete_table(span, wanted, &missing)));
+    }
+    for row in &table.rows {
+        for ((name, _), cell) in table.columns.iter().zip(row) {
+            let Some(column) = columns.iter().find(|column| column.name == name) else { continue };
+            let wanted = Wanted { name: format!("column `{name}` of {}", wanted.name), ..wanted.clone() };
+            if !cell.value.is_unknown() {
+                judge(column.sort, &cell.value, cell.span, &wanted)?;
+            }
+        }
+    }
+    Ok(())
 }
 
 fn is_point(value: &Value, dimension: Dimension) -> bool {

@@ -7,6 +7,7 @@
 pub mod claims;
 mod devices;
 mod dimibot;
+mod electrode_array;
 mod errors;
 pub mod evaluate;
 mod fields;
@@ -117,7 +118,9 @@ pub(crate) struct Checker<'a> {
     /// The programs that run themselves, which was said.
     circular: BTreeSet<Place>,
     jobs: BTreeMap<Place, Option<Rc<claims::Job>>>,
-    judged_scenes: BTreeMap<(Place, Place), dimibot::Judged>,
+    /// What scenes are to devices, each scene judged once with each device.
+    covers: BTreeMap<(Place, Place), dimibot::Judged>,
+    trays: BTreeMap<(Place, Place), electrode_array::Judged>,
     repetitions: usize,
 }
 
@@ -135,7 +138,8 @@ impl<'a> Checker<'a> {
             run: BTreeSet::new(),
             circular: BTreeSet::new(),
             jobs: BTreeMap::new(),
-            judged_scenes: BTreeMap::new(),
+            covers: BTreeMap::new(),
+            trays: BTreeMap::new(),
             repetitions: 0,
         }
     }

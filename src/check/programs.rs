@@ -6,7 +6,8 @@ use super::lets::Argument;
 use super::scope::{Declaration, DeclarationSort, Place, Scope, nearest};
 use super::tasks::Run;
 use super::value::Value;
-use super::{Checker, dimibot};
+use super::{Checker, dimibot, electrode_array};
+use crate::device::Kind;
 use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Entry, Expr, ExprKind, Item};
@@ -160,7 +161,12 @@ impl<'a> Checker<'a> {
         if draft.state != State::Whole {
             return None;
         }
+        let errors = self.sink.errors();
         dimibot::starts_agree(&draft.jobs, self.sink);
+        electrode_array::places_agree(&draft.jobs, self.sink);
+        if self.sink.errors() > errors {
+            return None;
+        }
         let used = draft.runs.iter().filter_map(|(device, _)| wires.get(device)).flatten();
         let wires = used.map(|(channel, output)| (channel.clone(), output.clone())).collect();
         Some(Claims { name: name.to_owned(), timeline, jobs: draft.jobs, wires, span: declaration.span })
@@ -322,7 +328,17 @@ impl<'a> Checker<'a> {
         }
         let mut values = Vec::with_capacity(arguments.len());
         for (parameter, argument) in parameters.iter().zip(arguments) {
-            let value = self.evaluate(argument, scope);
+            let value = match ParameterSort::find(&parameter.sort.text) {
+                Some(ParameterSort::Object(noun)) => {
+                    let wanted = Wanted {
+                        name: format!("parameter `{}`", parameter.name.text),
+                        doc: String::new(),
+                        declared: Some((parameter.span, format!("declared as a {noun}"))),
+                    };
+                    self.accept_object(noun, argument, scope, &wanted).unwrap_or(Value::Unknown)
+                }
+                Some(_) | None => self.evaluate(argument, scope),
+            };
             let argument = self.argument_of(argument, value, scope);
             let given = argument.origin.as_ref().map_or(argument.span, |origin| origin.span);
             values.push(Spanned::new(self.argument(parameter, argument), given));
@@ -353,7 +369,11 @@ impl<'a> Checker<'a> {
         };
         let diagnostic = match sort {
             ParameterSort::Quantity(dimension) => errors::wrong_dimension(&wanted, dimension, value.span, &value.value),
-            ParameterSort::Cell | ParameterSort::Place | ParameterSort::Pose | ParameterSort::Word => {
+            ParameterSort::Cell
+            | ParameterSort::Place
+            | ParameterSort::Pose
+            | ParameterSort::Word
+            | ParameterSort::Object(_) => {
                 errors::wrong_value(&wanted, &sort.describe(), sort.example(), value.span, &value.value)
             }
         };
@@ -372,8 +392,9 @@ impl<'a> Checker<'a> {
                 continue;
             }
             if ParameterSort::find(&parameter.sort.text).is_none() {
-                let near = nearest(&parameter.sort.text, ParameterSort::NAMES.iter().copied());
-                self.sink.push(errors::unknown_parameter_sort(&parameter.sort, near, ParameterSort::NAMES));
+                let names = ParameterSort::names();
+                let near = nearest(&parameter.sort.text, names.iter().copied());
+                self.sink.push(errors::unknown_parameter_sort(&parameter.sort, near, &names));
             }
             let unknown = || Spanned::new(Value::Unknown, parameter.span);
             scope.push(&parameter.name, arguments.get(index).cloned().unwrap_or_else(unknown));
@@ -422,6 +443,14 @@ enum ParameterSort {
     Place,
     Pose,
     Word,
+    /// Something of the task's scene, by its noun.
+    Object(&'static str),
+}
+
+/// The nouns that a parameter can stand for: what a device handles, not what is in its way.
+fn object_nouns() -> impl Iterator<Item = &'static str> {
+    let nouns = Kind::ALL.iter().flat_map(|kind| kind.vocabulary().nouns).map(|noun| noun.name);
+    nouns.filter(|noun| *noun != "obstacle")
 }
 
 impl ParameterSort {
@@ -441,8 +470,13 @@ impl ParameterSort {
             "place" => ParameterSort::Place,
             "pose" => ParameterSort::Pose,
             "word" => ParameterSort::Word,
-            _ => return None,
+            _ => return object_nouns().find(|noun| *noun == name).map(ParameterSort::Object),
         })
+    }
+
+    /// The words that name a sort.
+    fn names() -> Vec<&'static str> {
+        ParameterSort::NAMES.iter().copied().chain(object_nouns()).collect()
     }
 
     fn describe(self) -> String {
@@ -452,6 +486,7 @@ impl ParameterSort {
             ParameterSort::Place => "a place".to_owned(),
             ParameterSort::Pose => "a pose".to_owned(),
             ParameterSort::Word => "a word".to_owned(),
+            ParameterSort::Object(noun) => format!("a {noun}"),
         }
     }
 
@@ -462,6 +497,7 @@ impl ParameterSort {
             ParameterSort::Place => "(3.2 um, 5.9 um)",
             ParameterSort::Pose => "pose(8 um, 3 um, 30 deg)",
             ParameterSort::Word => "0b10001_00010",
+            ParameterSort::Object(_) => "m1",
         }
     }
 
@@ -473,6 +509,7 @@ impl ParameterSort {
             ParameterSort::Place => point_of(Dimension::LENGTH),
             ParameterSort::Pose => matches!(value, Value::Pose(_)),
             ParameterSort::Word => matches!(value, Value::Word(_)),
+            ParameterSort::Object(noun) => matches!(value, Value::Object(object) if object.noun == noun),
         }
     }
 }

@@ -191,11 +191,7 @@ impl Checker<'_> {
 
     /// The name of an object, its indices joined: `d[3]` is `d3`, `e[5, 2]` is `e5_2`.
     fn object_name(&mut self, name: &tree::IndexedName, scope: &Scope) -> Option<String> {
-        let mut indices = Vec::with_capacity(name.indices.len());
-        for index in &name.indices {
-            indices.push(self.index(index, scope)?.to_string());
-        }
-        let joined = format!("{}{}", name.name.text, indices.join("_"));
+        let joined = self.joined(&name.name.text, &name.indices, scope)?;
         if let Some(earlier) = self.taken(&joined, scope) {
             self.sink.push(errors::declared_twice(&joined, name.span, earlier));
             return None;

@@ -16,7 +16,7 @@ pub const MAX_CORNERS: usize = 2_000;
 /// What makes a shape impossible, if anything does.
 pub fn impossible(shape: &ShapeValue, span: Span) -> Option<Diagnostic> {
     match shape.form {
-        Form::Disc | Form::Capsule | Form::Cells => None,
+        Form::Disc | Form::Capsule | Form::Cells | Form::Layout => None,
         Form::Box => {
             let at = field_span(shape, "size", span);
             let is_flat = size_um(shape).iter().any(|side| *side <= 0.0);
@@ -99,7 +99,7 @@ pub fn in_plane(shape: &ShapeValue) -> Option<Shape> {
         Form::Capsule => {
             Some(Shape::Capsule { length_um: length_um(shape, "length"), radius_um: length_um(shape, "radius") })
         }
-        Form::Cells => None,
+        Form::Cells | Form::Layout => None,
     }
 }
 

@@ -1,14 +1,15 @@
 //! Tasks: settings and steps, in the words of the kind of their device.
 
-use super::claims::{Job, Relation, Requirement};
-use super::devices::Facts;
+use super::Checker;
+use super::claims::{Job, Order, Relation, Requirement};
+use super::devices::{Device, Facts};
 use super::errors::{self, Wanted};
 use super::fields::{Accepted, Given, Owner};
 use super::lets::Argument;
+use super::scenes::Scene;
 use super::scope::{DeclarationSort, Place, Scope, nearest, path_text};
 use super::value::Value;
-use super::{Checker, dimibot};
-use crate::device::{self, Count, Vocabulary};
+use crate::device::{self, Count, Together, Vocabulary};
 use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Entry, Expr, ExprKind, Item, Operator};
@@ -42,13 +43,26 @@ pub struct Step {
 
 /// What a step does.
 pub enum Action {
-    Verb {
-        verb: &'static device::Verb,
-        object: Option<Argument>,
-        phrases: Vec<(&'static str, Argument)>,
-    },
+    Verb(Call),
+    /// Goals that are reached at the same time, in the order of writing.
+    Together(Vec<Call>),
     /// In nanoseconds.
     Wait(u64),
+}
+
+/// A verb with its object and its prepositions, each accepted by the vocabulary.
+pub struct Call {
+    pub verb: &'static device::Verb,
+    pub object: Option<Argument>,
+    pub phrases: Vec<(&'static str, Argument)>,
+    pub span: Span,
+}
+
+/// What a task is checked against: its device with the facts of its kind, and its scene.
+pub struct Site {
+    pub place: Place,
+    pub device: Rc<Device>,
+    pub scene: Option<(Place, Rc<Scene>)>,
 }
 
 /// The body while it is being read.
@@ -98,12 +112,10 @@ impl<'a> Checker<'a> {
             None => None,
             Some(place) => Some(place.and_then(|place| Some((place, self.scene(place)?)))?),
         };
+        let site = Site { place, device: Rc::clone(&device), scene };
         let order = match self.facts(place)? {
-            Facts::Dimibot(facts) => {
-                let judged = self.obstacles((place, &device.name), scene.as_ref(), &facts);
-                let order = dimibot::order(&facts, &judged.cover, parts, &device.name, self.sink);
-                order.filter(|_| judged.is_whole)
-            }
+            Facts::Dimibot(facts) => self.dimibot_order(&site, &facts, parts).map(Order::Dimibot),
+            Facts::ElectrodeArray(facts) => self.electrode_array_order(&site, &facts, parts).map(Order::ElectrodeArray),
         };
         Some(Job {
             task: item.name.text.clone(),
@@ -248,7 +260,11 @@ impl<'a> Checker<'a> {
             return None;
         }
         let wanted = Wanted { name: "`start at`".to_owned(), doc: String::new(), declared: None };
-        let value = self.accept(reading.vocabulary.state, &phrase.value, scope, &wanted)?;
+        let Some(state) = reading.vocabulary.state else {
+            self.sink.push(errors::no_start(step.span, reading.vocabulary));
+            return None;
+        };
+        let value = self.accept(state, &phrase.value, scope, &wanted)?;
         Some(self.argument_of(&phrase.value, value, scope))
     }
 
@@ -312,16 +328,71 @@ impl<'a> Checker<'a> {
     fn step(&mut self, step: &tree::Step, scope: &Scope, reading: &Reading) -> Option<Action> {
         match step.head.text.as_str() {
             "wait" => self.wait(step, scope).map(Action::Wait),
-            "together" => {
-                self.sink.push(errors::together_in_task(step.head.span, reading.vocabulary.name));
-                None
-            }
+            "together" => self.goals_together(step, scope, reading).map(Action::Together),
             "run" => {
                 self.sink.push(errors::run_in_task(step.head.span, &reading.task.name.text));
                 None
             }
-            _ => self.verb(step, scope, reading.vocabulary),
+            _ => self.verb(step, scope, reading.vocabulary).map(Action::Verb),
         }
+    }
+
+    fn goals_together(&mut self, step: &tree::Step, scope: &Scope, reading: &Reading) -> Option<Vec<Call>> {
+        if reading.vocabulary.together == Together::No {
+            self.sink.push(errors::together_in_task(step.head.span, reading.vocabulary.name));
+            return None;
+        }
+        let alone = step.phrases.is_empty() && step.object.is_none() && step.noun.is_none();
+        let Some(block) = step.block.as_ref().filter(|_| alone) else {
+            self.sink.push(errors::bad_together_in_task(step.span));
+            return None;
+        };
+        let mut calls = Vec::new();
+        let is_whole = self.calls(block, &mut scope.clone(), reading.vocabulary, &mut calls);
+        if is_whole && calls.is_empty() {
+            self.sink.push(errors::bad_together_in_task(step.span));
+            return None;
+        }
+        is_whole.then_some(calls)
+    }
+
+    /// The verbs of a block; whether nothing had to be left out.
+    fn calls(
+        &mut self,
+        entries: &[Entry],
+        scope: &mut Scope,
+        vocabulary: &'static Vocabulary,
+        calls: &mut Vec<Call>,
+    ) -> bool {
+        let mut is_whole = true;
+        for entry in entries {
+            is_whole &= match entry {
+                Entry::Step(step) if NO_GOALS.contains(&step.head.text.as_str()) => {
+                    self.sink.push(errors::not_together(&step.head));
+                    false
+                }
+                Entry::Step(step) => match self.verb(step, scope, vocabulary) {
+                    Some(call) => {
+                        calls.push(call);
+                        true
+                    }
+                    None => false,
+                },
+                Entry::For(each) => {
+                    let mut all = true;
+                    self.repeat(each, scope, &mut |checker, scope| {
+                        all &= checker.calls(&each.entries, scope, vocabulary, calls);
+                    });
+                    all
+                }
+                Entry::Field(field) => {
+                    self.sink.push(errors::not_together(&field.name));
+                    false
+                }
+                Entry::Error(_) => false,
+            };
+        }
+        is_whole
     }
 
     /// The nanoseconds of `wait 10 ms`.
@@ -333,7 +404,7 @@ impl<'a> Checker<'a> {
         super::clock_ns(time, expr.span, "`wait`", self.sink)
     }
 
-    fn verb(&mut self, step: &tree::Step, scope: &Scope, vocabulary: &'static Vocabulary) -> Option<Action> {
+    fn verb(&mut self, step: &tree::Step, scope: &Scope, vocabulary: &'static Vocabulary) -> Option<Call> {
         let Some(verb) = vocabulary.verb(&step.head.text) else {
             let verbs: Vec<&str> = vocabulary.verbs.iter().map(|verb| verb.name).collect();
             let near = nearest(&step.head.text, verbs.iter().copied().chain(STEP_WORDS));
@@ -350,7 +421,7 @@ impl<'a> Checker<'a> {
         }
         let object = self.verb_object(step, verb, scope);
         let phrases = self.phrases(step, verb, scope);
-        Some(Action::Verb { verb, object: object?, phrases: phrases? })
+        Some(Call { verb, object: object?, phrases: phrases?, span: step.span })
     }
 
     fn verb_object(
@@ -420,8 +491,11 @@ impl<'a> Checker<'a> {
     }
 }
 
+/// The words that begin a step and are no goals.
+const NO_GOALS: [&str; 7] = ["wait", "together", "run", "minimize", "using", "require", "start"];
+
 /// The words that stand where a verb may, whatever the kind.
-const STEP_WORDS: [&str; 5] = ["wait", "minimize", "using", "require", "start"];
+const STEP_WORDS: [&str; 6] = ["wait", "together", "minimize", "using", "require", "start"];
 
 fn relation(operator: Operator) -> Option<Relation> {
     match operator {

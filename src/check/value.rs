@@ -25,6 +25,7 @@ pub enum Value {
     },
     Shape(ShapeValue),
     Table(Rc<TableValue>),
+    Object(ObjectName),
     Unknown,
 }
 
@@ -41,6 +42,13 @@ pub struct PoseValue {
     pub x: Quantity,
     pub y: Quantity,
     pub heading: Quantity,
+}
+
+/// Something of a scene, by its noun and its name; which scene is for the task to say.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ObjectName {
+    pub noun: &'static str,
+    pub name: String,
 }
 
 /// A form with the fields that were given so far.
@@ -71,6 +79,7 @@ impl Value {
             Value::Range { .. } => "a range".to_owned(),
             Value::Shape(shape) => format!("a {}", shape.form.name()),
             Value::Table(_) => "a table".to_owned(),
+            Value::Object(object) => format!("the {} `{}`", object.noun, object.name),
             Value::Unknown => "an unknown value".to_owned(),
         }
     }
@@ -91,6 +100,7 @@ impl Value {
             | Value::Range { .. }
             | Value::Shape(_)
             | Value::Table(_)
+            | Value::Object(_)
             | Value::Unknown => self.describe(),
         }
     }

@@ -13,7 +13,8 @@ use std::collections::BTreeMap;
 struct Panel {
     device: Place,
     name: String,
-    channels: Option<Vec<String>>,
+    /// `None` where its figures cannot be made out.
+    facts: Option<Facts>,
     wired: BTreeMap<String, (String, Span)>,
 }
 
@@ -44,10 +45,8 @@ impl<'a> Checker<'a> {
     fn panel(&mut self, item: &tree::Wiring, scope: &Scope) -> Option<Panel> {
         let device = self.resolve(&item.device, scope, DeclarationSort::Device)?;
         let Item::Device(declared) = self.item(device) else { return None };
-        let channels = self.facts(device).map(|facts| match facts {
-            Facts::Dimibot(facts) => facts.channels(),
-        });
-        Some(Panel { device, name: declared.name.text.clone(), channels, wired: BTreeMap::new() })
+        let facts = self.facts(device);
+        Some(Panel { device, name: declared.name.text.clone(), facts, wired: BTreeMap::new() })
     }
 
     fn wiring_entries(
@@ -80,9 +79,10 @@ impl<'a> Checker<'a> {
         let channel = self.channel_name(&wire.channel, scope);
         let output = self.text(&wire.output, scope)?;
         let channel = channel?;
-        let channels = panel.channels.as_ref()?;
-        if !channels.contains(&channel) {
-            self.sink.push(errors::unknown_channel(wire.channel.span, &panel.name, &channel, channels));
+        let facts = panel.facts.as_ref()?;
+        if !facts.has_channel(&channel) {
+            let known = facts.channel_examples();
+            self.sink.push(errors::unknown_channel(wire.channel.span, &panel.name, &channel, &known));
             return None;
         }
         if let Some((_, earlier)) = panel.wired.get(&channel) {

@@ -4,8 +4,8 @@ use super::arguments::BuildArguments;
 use super::disk::{self, Disk};
 use super::waiting::Waiting;
 use super::{Exit, terminal};
+use crate::check::claims::Claims;
 use crate::check::claims::dimibot::{Action, Asked, Stop};
-use crate::check::claims::{Claims, Order};
 use crate::check::{Options, Tally};
 use crate::compile::{self, Compiled, Outcome, Program};
 use crate::device::dimibot::{Cell, Side};
@@ -127,7 +127,7 @@ fn subjects(verified: &Verified) -> Vec<String> {
 fn planned(verified: &Verified, width: usize, text: &mut String) {
     let (schedule, claims) = (verified.schedule(), verified.claims());
     for ((plan, job), subject) in schedule.plans.iter().zip(&claims.jobs).zip(subjects(verified)) {
-        let Order::Dimibot(order) = &job.order;
+        let Some(order) = job.order.dimibot() else { continue };
         let pitches = Side::BOTH.map(|side| order.facts.pitch_um(side));
         let cell_um = (pitches[0] == pitches[1]).then_some(pitches[0]);
         text.push_str(&terminal::line("Planned", &subject, width, &cost(plan, cell_um)));
@@ -148,7 +148,7 @@ fn planned(verified: &Verified, width: usize, text: &mut String) {
 fn orders(schedule: &Schedule, claims: &Claims) -> Vec<String> {
     let mut lines = Vec::new();
     for (index, (plan, job)) in schedule.plans.iter().zip(&claims.jobs).enumerate() {
-        let Order::Dimibot(order) = &job.order;
+        let Some(order) = job.order.dimibot() else { continue };
         let steps = schedule.steps.iter().filter(|step| step.plan as usize == index);
         for (step, claim) in steps.zip(&order.steps) {
             if let Action::Visit(stops) = &claim.action {
@@ -167,7 +167,7 @@ fn visited(stops: &[Stop], states: &[TimedState], during: RangeInclusive<u64>) -
     let within = states.iter().filter(|state| during.contains(&state.t_ns));
     let mut order: Vec<Cell> = Vec::new();
     for state in before.into_iter().chain(within) {
-        let State::Dimibot { cell: [x, y], .. } = state.state;
+        let State::Dimibot { cell: [x, y], .. } = state.state else { continue };
         let cell = Cell::new(x, y);
         if stops.iter().any(|stop| stop.cell == cell) && !order.contains(&cell) {
             order.push(cell);
@@ -207,7 +207,7 @@ fn rounded(value: f64) -> String {
 fn nearest(claims: &Claims) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for job in &claims.jobs {
-        let Order::Dimibot(order) = &job.order;
+        let Some(order) = job.order.dimibot() else { continue };
         let stops = order.steps.iter().flat_map(|step| match &step.action {
             Action::Move(stops) | Action::Visit(stops) => stops.as_slice(),
             Action::Wait(_) => &[],

@@ -142,6 +142,17 @@ fn sort(sort: Sort) -> String {
         Sort::Cell => "cell".to_owned(),
         Sort::Size => "(length, length)".to_owned(),
         Sort::Places => "list of places".to_owned(),
+        Sort::CountOrWord { least, most, words } => {
+            let words: Vec<&str> = words.iter().map(|choice| choice.name).collect();
+            format!("{least} to {most} | {}", words.join(" | "))
+        }
+        Sort::Flag => "true | false".to_owned(),
+        Sort::Shape(form) => form.name().to_owned(),
+        Sort::Table(columns) => {
+            let columns: Vec<String> = columns.iter().map(|column| column.name.to_owned()).collect();
+            format!("table of {}", columns.join(" | "))
+        }
+        Sort::Object(noun) => noun.to_owned(),
     }
 }
 

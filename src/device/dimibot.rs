@@ -4,7 +4,9 @@
 //! micromanipulation with a nonredundant digital microrobot*, J. Mechanisms and Robotics 8(2), 2016, with the slips of that
 //! text put right where the doc comments say so.
 
-use super::{Choice, Count, Field, Need, Noun, Outcome, Phrase, Planner, Range, Sort, Verb, Vocabulary, shape::Form};
+use super::{
+    Choice, Count, Field, Need, Noun, Outcome, Phrase, Planner, Range, Sort, Together, Verb, Vocabulary, shape::Form,
+};
 use crate::geometry::Axis;
 use crate::quantity::Dimension;
 use nalgebra::{DMatrix, DVector, Rotation2, Vector2};
@@ -400,9 +402,14 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     summary: "a planar microrobot of bistable modules that switch one by one",
     library: ("std.dimibot", "dimibot.femto_st"),
     fields: FIELDS,
-    nouns: &[Noun { name: "obstacle", doc: "what the tip must not touch; without a shape a point", shapes: Form::ALL }],
+    nouns: &[Noun {
+        name: "obstacle",
+        doc: "what the tip must not touch; without a shape a point",
+        shapes: Form::SOLID,
+    }],
     settings: SETTINGS,
-    state: Sort::State,
+    state: Some(Sort::State),
+    together: Together::No,
     verbs: VERBS,
     objectives: &[
         Choice { name: "distance", doc: "the way of the end-effector" },

@@ -4,6 +4,7 @@
 //! motion of microparts on a programmable platform*, 2018, with the rule of distance put right where its tables contradict one
 //! another (the handbook of the language says how).
 
+use super::{Noun, Together, Vocabulary, shape::Form};
 use serde::{Deserialize, Serialize};
 
 /// The most columns, and the most rows, of a board.
@@ -174,3 +175,23 @@ impl Facts {
         (self.holds(cell) && Facts::channel(cell) == channel).then_some(cell)
     }
 }
+
+/// The words of the kind.
+pub const VOCABULARY: Vocabulary = Vocabulary {
+    name: "electrode_array",
+    summary: "a board of electrodes that carries many parts or droplets at once",
+    library: ("std.electrode_array", "electrode_array.smart_platform"),
+    fields: &[],
+    nouns: &[
+        Noun { name: "obstacle", doc: "electrodes that no part may come near", shapes: &[Form::Cells, Form::Layout] },
+        Noun { name: "part", doc: "a part that the electrodes carry", shapes: &[Form::Layout] },
+    ],
+    settings: &[],
+    state: None,
+    together: Together::Yes,
+    verbs: &[],
+    objectives: &[],
+    planners: &[],
+    outcomes: &[],
+    channels: "<device>.e<column>_<row>: the voltage on an electrode",
+};

@@ -4,6 +4,7 @@
 //! completions offer, so that the three cannot disagree. Nothing here judges a program.
 
 pub mod dimibot;
+pub mod electrode_array;
 pub mod shape;
 
 use crate::quantity::Dimension;
@@ -14,11 +15,12 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     Dimibot,
+    ElectrodeArray,
 }
 
 impl Kind {
     /// Every kind, in the order of the handbook.
-    pub const ALL: &'static [Kind] = &[Kind::Dimibot];
+    pub const ALL: &'static [Kind] = &[Kind::Dimibot, Kind::ElectrodeArray];
 
     /// The kind's word in the language.
     pub fn name(self) -> &'static str {
@@ -34,6 +36,7 @@ impl Kind {
     pub fn vocabulary(self) -> &'static Vocabulary {
         match self {
             Kind::Dimibot => &dimibot::VOCABULARY,
+            Kind::ElectrodeArray => &electrode_array::VOCABULARY,
         }
     }
 }
@@ -51,8 +54,10 @@ pub struct Vocabulary {
     pub nouns: &'static [Noun],
     /// The `field: value` settings of a task, besides `minimize`, `using`, `start at` and `require`.
     pub settings: &'static [Field],
-    /// What `start at` and the field `home` take.
-    pub state: Sort,
+    /// What `start at` and the field `home` take; `None` where the scene says how a task begins.
+    pub state: Option<Sort>,
+    /// Whether `together { … }` asks for goals at the same time.
+    pub together: Together,
     /// What a task may do.
     pub verbs: &'static [Verb],
     /// What `minimize` takes; the first is the default.
@@ -75,6 +80,13 @@ impl Vocabulary {
     pub fn noun(&self, name: &str) -> Option<&'static Noun> {
         self.nouns.iter().find(|noun| noun.name == name)
     }
+}
+
+/// Whether a device can have several goals at the same time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Together {
+    Yes,
+    No,
 }
 
 /// A word with what it stands for.
@@ -122,6 +134,16 @@ pub enum Sort {
     Size,
     /// The corners of a polygon.
     Places,
+    /// A whole number, or one of these words.
+    CountOrWord { least: u32, most: u32, words: &'static [Choice] },
+    /// True or false.
+    Flag,
+    /// A shape of this form.
+    Shape(shape::Form),
+    /// A table with these columns, in any order, at least one row.
+    Table(&'static [Field]),
+    /// Something of the task's scene, by this noun.
+    Object(&'static str),
 }
 
 /// The values that a quantity may take, in SI units.

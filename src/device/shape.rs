@@ -11,11 +11,15 @@ pub enum Form {
     Polygon,
     Capsule,
     Cells,
+    Layout,
 }
 
 impl Form {
     /// Every form, in the order of the handbook.
-    pub const ALL: &'static [Form] = &[Form::Disc, Form::Box, Form::Polygon, Form::Capsule, Form::Cells];
+    pub const ALL: &'static [Form] = &[Form::Disc, Form::Box, Form::Polygon, Form::Capsule, Form::Cells, Form::Layout];
+
+    /// The forms that take up room wherever they are put.
+    pub const SOLID: &'static [Form] = &[Form::Disc, Form::Box, Form::Polygon, Form::Capsule, Form::Cells];
 
     /// The form's word in the language.
     pub fn name(self) -> &'static str {
@@ -25,6 +29,7 @@ impl Form {
             Form::Polygon => "polygon",
             Form::Capsule => "capsule",
             Form::Cells => "cells",
+            Form::Layout => "layout",
         }
     }
 
@@ -41,6 +46,7 @@ impl Form {
             Form::Polygon => &POLYGON,
             Form::Capsule => &CAPSULE,
             Form::Cells => &CELLS,
+            Form::Layout => &LAYOUT,
         }
     }
 
@@ -54,6 +60,7 @@ impl Form {
                 "all that lies within a radius of a segment along its own x axis, its middle at the origin"
             }
             Form::Cells => "a block of lattice cells, both corners included",
+            Form::Layout => "a part that electrodes carry: what it has underneath, and how wide it is",
         }
     }
 }
@@ -77,3 +84,16 @@ const CAPSULE: [Field; 2] = [
 ];
 const CELLS: [Field; 2] =
     [required("from", Sort::Cell, "one corner, included"), required("to", Sort::Cell, "the opposite corner, included")];
+const LAYOUT: [Field; 2] = [
+    required(
+        "electrodes",
+        Sort::Cell,
+        "how many electrodes it has along columns and along rows, every second one of the board's",
+    ),
+    Field {
+        name: "half_width",
+        sort: Sort::Quantity { dimension: Dimension::NUMBER, range: Range::Positive },
+        need: Need::Required,
+        doc: "from its centre to its rim, in pitches of the board",
+    },
+];

@@ -191,6 +191,7 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[Cell], start_ns: u64)
         cost: 0.1 + 0.2,
         bound: 0.1,
         optimal: false,
+        bounds: Default::default(),
         outcomes: BTreeMap::from([("time".to_owned(), (t_ns - start_ns) as f64 / 1e9)]),
         start_ns,
         duration_ns: t_ns - start_ns,

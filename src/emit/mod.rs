@@ -16,7 +16,7 @@ pub mod vcd;
 
 pub use error::EmitError;
 
-use crate::schedule::{Schedule, State, json};
+use crate::schedule::{Schedule, json};
 use crate::verify::Verified;
 use signal::Signals;
 
@@ -106,10 +106,8 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
 fn check_finite(schedule: &Schedule) -> Result<(), EmitError> {
     let actuations = schedule.actuations.iter().flat_map(|actuation| [actuation.from, actuation.to]);
     let plans = schedule.plans.iter().flat_map(|plan| {
-        let states = plan.states.iter().flat_map(|timed| match &timed.state {
-            State::Dimibot { position_um, .. } => *position_um,
-        });
-        let outcomes = plan.outcomes.values().copied();
+        let states = plan.states.iter().flat_map(|timed| timed.state.floats()).copied();
+        let outcomes = plan.outcomes.values().chain(plan.bounds.values()).copied();
         states.chain(outcomes).chain([plan.cost, plan.bound])
     });
     match actuations.chain(plans).all(f64::is_finite) {

@@ -5,11 +5,12 @@
 //! plan ever means "no". Same request, same plan: budgets count steps, never seconds.
 
 pub mod dimibot;
+pub mod electrode_array;
 mod errors;
+mod requirements;
 pub mod search;
 
-use crate::check::claims::{Claims, Order, Relation, Requirement};
-use crate::device::dimibot::Cell;
+use crate::check::claims::{Claims, Order};
 use crate::diagnostic::Sink;
 use std::collections::BTreeMap;
 
@@ -24,6 +25,8 @@ pub struct Plan {
     /// No plan costs less.
     pub bound: f64,
     pub proof: Optimality,
+    /// Below these outcomes there is no plan either, though they were not what was minimised.
+    pub bounds: BTreeMap<String, f64>,
     /// In SI units, by the names of the vocabulary's outcomes.
     pub outcomes: BTreeMap<String, f64>,
     pub motion: Motion,
@@ -40,6 +43,7 @@ pub enum Optimality {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
     Dimibot(dimibot::Motion),
+    ElectrodeArray(electrode_array::Motion),
 }
 
 /// Told before each job is planned: which one of how many, and its task.
@@ -47,39 +51,15 @@ pub type Progress<'a> = &'a mut dyn FnMut(usize, usize, &str);
 
 /// A plan for every job, in their order; `None` after an error, which has then been pushed for each job that has none.
 pub fn plan(claims: &Claims, sink: &mut Sink, progress: Progress) -> Option<Vec<Plan>> {
-    let mut stands: BTreeMap<&str, Cell> = BTreeMap::new();
-    let mut fields = dimibot::Fields::default();
+    let mut robots = dimibot::Standing::default();
+    let mut trays = electrode_array::Standing::default();
     let mut plans = Vec::with_capacity(claims.jobs.len());
     for (index, job) in claims.jobs.iter().enumerate() {
         progress(index, claims.jobs.len(), &job.task);
-        let Order::Dimibot(order) = &job.order;
-        let stand = stands.get(job.device.as_str()).copied();
-        let (plan, end) = dimibot::plan(job, order, stand, &mut fields, sink);
-        stands.insert(&job.device, end);
-        plans.push(plan);
+        plans.push(match &job.order {
+            Order::Dimibot(order) => dimibot::plan(job, order, &mut robots, sink),
+            Order::ElectrodeArray(order) => electrode_array::plan(job, order, &mut trays, sink),
+        });
     }
     plans.into_iter().collect()
-}
-
-/// Whether a requirement holds for an outcome.
-pub fn keeps(requirement: &Requirement, reached: f64) -> Kept {
-    let slack = requirement.limit.abs() * REQUIREMENT_TOLERANCE;
-    let holds = match requirement.relation {
-        Relation::Less => reached < requirement.limit - slack,
-        Relation::AtMost => reached <= requirement.limit + slack,
-        Relation::Equal => (reached - requirement.limit).abs() <= slack,
-        Relation::AtLeast => reached >= requirement.limit - slack,
-        Relation::More => reached > requirement.limit + slack,
-    };
-    if holds { Kept::Yes } else { Kept::No }
-}
-
-/// How far a sum of floats may stray from a limit that it meets exactly, relative to the limit.
-const REQUIREMENT_TOLERANCE: f64 = 1e-9;
-
-/// The answer of [`keeps`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kept {
-    Yes,
-    No,
 }

@@ -1,7 +1,7 @@
 //! Puts the plans of a program on one clock.
 
-use super::{Actuation, Channel, PlanRecord, Schedule, SourceRef, Step, TimedState, Unit, dimibot};
-use crate::check::claims::{Claims, Order, Timeline};
+use super::{Actuation, Channel, PlanRecord, Schedule, SourceRef, Step, TimedState, Unit, dimibot, electrode_array};
+use crate::check::claims::{Claims, Job, Order, Timeline};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::plan::{Motion, Optimality, Plan};
 use crate::source::{FileId, Sources, Span};
@@ -38,15 +38,18 @@ pub fn schedule(claims: &Claims, plans: &[Plan], sources: &Sources, sink: &mut S
         .jobs
         .iter()
         .zip(plans)
-        .map(|(job, plan)| {
-            let (Order::Dimibot(order), Motion::Dimibot(motion)) = (&job.order, &plan.motion);
-            dimibot::run(order, motion)
+        .map(|(job, plan)| match (&job.order, &plan.motion) {
+            (Order::Dimibot(order), Motion::Dimibot(motion)) => dimibot::run(order, motion),
+            (Order::ElectrodeArray(order), Motion::ElectrodeArray(motion)) => electrode_array::run(order, motion),
+            (Order::Dimibot(_), Motion::ElectrodeArray(_)) | (Order::ElectrodeArray(_), Motion::Dimibot(_)) => {
+                unreachable!("the planner answers an order with a motion of its kind")
+            }
         })
         .collect();
     let Some(runs) = runs.into_iter().collect::<Option<Vec<Run>>>() else { return too_long(claims, sink) };
     let mut starts = vec![0; runs.len()];
     let Some(duration_ns) = place(&claims.timeline, 0, &runs, &mut starts) else { return too_long(claims, sink) };
-    let mut builder = Builder::new(claims, sources);
+    let mut builder = Builder::new(claims, &runs, sources);
     for (job, (run, start_ns)) in runs.into_iter().zip(starts).enumerate() {
         builder.add(job, &plans[job], run, start_ns);
     }
@@ -58,6 +61,18 @@ fn too_long(claims: &Claims, sink: &mut Sink) -> Option<Schedule> {
     let diagnostic = Diagnostic::new(Code::E0604, title).label(claims.span, "lasts too long");
     sink.push(diagnostic.help("shorten its waits, or split the program into several"));
     None
+}
+
+/// The channels of a job's device that the schedule lists, without the device's name: of a few all, of very many those
+/// that some run of the device uses.
+fn channels(job: &Job, claims: &Claims, runs: &[Run]) -> Vec<(String, Unit)> {
+    match &job.order {
+        Order::Dimibot(order) => order.facts.channels().into_iter().map(|name| (name, Unit::Volt)).collect(),
+        Order::ElectrodeArray(order) => {
+            let own = claims.jobs.iter().zip(runs).filter(|(other, _)| other.device == job.device).map(|(_, run)| run);
+            electrode_array::channels(&order.facts, own)
+        }
+    }
 }
 
 /// Where each run of a timeline begins; returns where the timeline ends.
@@ -98,7 +113,7 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(claims: &'a Claims, sources: &'a Sources) -> Self {
+    fn new(claims: &'a Claims, runs: &[Run], sources: &'a Sources) -> Self {
         let mut builder = Builder {
             claims,
             sources,
@@ -109,9 +124,8 @@ impl<'a> Builder<'a> {
             plans: Vec::new(),
         };
         for job in &claims.jobs {
-            let Order::Dimibot(order) = &job.order;
-            for channel in order.facts.channels() {
-                builder.channel(&job.device, &channel, Unit::Volt);
+            for (channel, unit) in channels(job, claims, runs) {
+                builder.channel(&job.device, &channel, unit);
             }
         }
         builder
@@ -176,6 +190,7 @@ impl<'a> Builder<'a> {
             bound: plan.bound,
             optimal: plan.proof == Optimality::Proven,
             outcomes: plan.outcomes.clone(),
+            bounds: plan.bounds.clone(),
             start_ns,
             duration_ns: run.duration_ns,
             states: run.states.into_iter().map(on_clock).collect(),

@@ -6,6 +6,7 @@
 
 pub mod clock;
 mod dimibot;
+mod electrode_array;
 
 pub use clock::{schedule, source_ref};
 pub mod json;
@@ -120,6 +121,9 @@ pub struct PlanRecord {
     pub optimal: bool,
     /// Every figure that the kind knows, in SI units, by the names of the vocabulary's outcomes.
     pub outcomes: std::collections::BTreeMap<String, f64>,
+    /// Below these outcomes there is no plan either, though they were not what was minimised; by the same names.
+    #[serde(default, skip_serializing_if = "std::collections::BTreeMap::is_empty")]
+    pub bounds: std::collections::BTreeMap<String, f64>,
     pub start_ns: u64,
     pub duration_ns: u64,
     /// The state at the beginning and after every change, in order of time.
@@ -134,6 +138,16 @@ pub struct TimedState {
     pub state: State,
 }
 
+impl State {
+    /// The numbers in it that are not whole.
+    pub fn floats(&self) -> &[f64] {
+        match self {
+            State::Dimibot { position_um, .. } => position_um,
+            State::ElectrodeArray { .. } => &[],
+        }
+    }
+}
+
 /// The kind's own state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -143,5 +157,9 @@ pub enum State {
         cell: [u32; 2],
         /// Nominal place of the end-effector in the frame R1.
         position_um: [f64; 2],
+    },
+    ElectrodeArray {
+        /// Column and row of each part, both from 1, by its name; a part that has merged with another is gone.
+        parts: std::collections::BTreeMap<String, [u32; 2]>,
     },
 }

@@ -5,7 +5,7 @@
 //! from the run's start to its end, and hold all their actuations.
 
 use super::rule::{Findings, Rule, Violation, ms};
-use crate::check::claims::{Claims, Job, Order, Timeline};
+use crate::check::claims::{Claims, Job, Timeline};
 use crate::schedule::{Actuation, PlanRecord, Schedule, Step};
 use std::collections::BTreeMap;
 
@@ -80,8 +80,7 @@ fn paired<'a>(schedule: &'a Schedule, claims: &'a Claims) -> Vec<Run<'a>> {
 }
 
 fn steps(run: &Run, findings: &mut Findings) {
-    let Order::Dimibot(order) = &run.job.order;
-    let (recorded, claimed) = (run.steps.len(), order.steps.len());
+    let (recorded, claimed) = (run.steps.len(), run.job.steps());
     if recorded != claimed {
         let title = format!("the run of `{}` has {recorded} steps, but the task has {claimed}", run.job.task);
         findings.push(Violation::new(Rule::Step, run.plan.start_ns, title).label(run.job.span, "this task"));

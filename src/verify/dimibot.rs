@@ -8,10 +8,10 @@ mod scene;
 
 use super::clock::Run;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{Replay, Standing, Unfit};
-use crate::check::claims::dimibot::{Action, DimibotOrder, Stop};
+use super::{Replay, Standing, Terms, Unfit};
+use crate::check::claims::dimibot::{Action, DimibotOrder, Method, Objective, Stop};
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous, Switch};
-use crate::schedule::{Actuation, State, TimedState};
+use crate::schedule::{Actuation, State, TimedState, Unit};
 use scene::{Scene, Touch, place};
 use std::collections::BTreeMap;
 
@@ -68,6 +68,29 @@ pub(super) fn actuators(device: &str, facts: &Facts) -> BTreeMap<String, Actuato
     let both =
         modules.flat_map(|(side, module)| [Switch::Set, Switch::Reset].map(|switch| Actuator { side, module, switch }));
     both.map(|actuator| (format!("{device}.{}", actuator.name()), actuator)).collect()
+}
+
+/// What the numbers of a channel are, if the device has one of that name.
+pub(super) fn unit(channel: &str, order: &DimibotOrder) -> Option<Unit> {
+    actuators("", &order.facts).contains_key(&format!(".{channel}")).then_some(Unit::Volt)
+}
+
+/// What the claims say of a plan's record.
+pub(super) fn terms(order: &DimibotOrder) -> Terms {
+    let (objective, unit, scale) = match order.objective {
+        Objective::Distance => ("distance", "um", 1e6),
+        Objective::Switches => ("switches", "", 1.0),
+        Objective::Time => ("time", "ms", 1e3),
+        Objective::Energy => ("energy", "mJ", 1e3),
+    };
+    let planner = match order.planner.method {
+        Method::StagedAstar => "staged_astar",
+        Method::Dijkstra => "dijkstra",
+        Method::BidirectionalDijkstra => "bidirectional_dijkstra",
+        Method::Astar => "astar",
+        Method::HypercubeAstar => "hypercube_astar",
+    };
+    Terms { planner, objective, unit, scale }
 }
 
 /// What begins at one instant.

@@ -3,10 +3,10 @@
 //! Input: a schedule as it was read, and the claims. Promise: if nothing is found, every index names something, no sum of a
 //! start and a duration overflows, every number is finite, and every channel is one of a claimed device.
 
-use super::dimibot;
 use super::rule::{Findings, Rule, Violation, ms};
+use super::{dimibot, electrode_array};
 use crate::check::claims::{Claims, Order};
-use crate::schedule::{Actuation, Schedule, State, Unit};
+use crate::schedule::{Actuation, Schedule, Unit};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
@@ -72,15 +72,15 @@ fn clock_numbers(schedule: &Schedule, findings: &mut Findings) {
 fn figures(schedule: &Schedule, findings: &mut Findings) {
     for (index, plan) in schedule.plans.iter().enumerate() {
         let named = [("cost", plan.cost), ("bound", plan.bound)].into_iter();
-        let outcomes = plan.outcomes.iter().map(|(name, value)| (name.as_str(), *value));
+        let outcomes = plan.outcomes.iter().chain(&plan.bounds).map(|(name, value)| (name.as_str(), *value));
         for (name, value) in named.chain(outcomes).filter(|(_, value)| !value.is_finite() || *value < 0.0) {
             let title = format!("`{name}` of plan {index} is {value}, but must be finite and 0 or above");
             findings.push(Violation::new(Rule::Number, plan.start_ns, title));
         }
         for (at, timed) in plan.states.iter().enumerate() {
-            let State::Dimibot { position_um, .. } = &timed.state;
-            if !position_um.iter().all(|value| value.is_finite()) {
-                let title = format!("state {at} of plan {index} stands at {position_um:?}, but both must be finite");
+            let floats = timed.state.floats();
+            if !floats.iter().all(|value| value.is_finite()) {
+                let title = format!("state {at} of plan {index} stands at {floats:?}, but all must be finite");
                 findings.push(Violation::new(Rule::Number, timed.t_ns, title));
             }
         }
@@ -88,15 +88,15 @@ fn figures(schedule: &Schedule, findings: &mut Findings) {
 }
 
 fn channels(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
-    let known = known_channels(claims);
+    let orders: BTreeMap<&str, &Order> = claims.jobs.iter().map(|job| (job.device.as_str(), &job.order)).collect();
     let mut met = BTreeSet::new();
     for channel in &schedule.channels {
-        let fault = match known.get(&channel.name) {
+        let fault = match owner(&channel.name, &orders) {
             None => format!("channel `{}` is none of the devices of this program", channel.name),
-            Some((device, _)) if *device != channel.device => {
+            Some((device, _)) if device != channel.device => {
                 format!("channel `{}` is of the device `{device}`, not of `{}`", channel.name, channel.device)
             }
-            Some((_, unit)) if *unit != channel.unit => {
+            Some((_, unit)) if unit != channel.unit => {
                 format!("channel `{}` is in {}, not in {}", channel.name, unit.symbol(), channel.unit.symbol())
             }
             Some(_) if !met.insert(channel.name.as_str()) => format!("channel `{}` is listed twice", channel.name),
@@ -106,16 +106,16 @@ fn channels(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     }
 }
 
-/// Every channel that a claimed device has, with the device and what its numbers are.
-fn known_channels(claims: &Claims) -> BTreeMap<String, (&str, Unit)> {
-    let orders: BTreeMap<&str, &Order> = claims.jobs.iter().map(|job| (job.device.as_str(), &job.order)).collect();
-    let of_device = |(device, order): (&'_ str, &Order)| match order {
-        Order::Dimibot(order) => dimibot::actuators(device, &order.facts).into_keys().map(|name| (name, Unit::Volt)),
-    };
-    orders
-        .into_iter()
-        .flat_map(|(device, order)| of_device((device, order)).map(move |(n, u)| (n, (device, u))))
-        .collect()
+/// The claimed device that has a channel of a name, and what the channel's numbers are.
+fn owner<'a>(name: &str, orders: &BTreeMap<&'a str, &Order>) -> Option<(&'a str, Unit)> {
+    orders.iter().find_map(|(device, order)| {
+        let channel = name.strip_prefix(device)?.strip_prefix('.')?;
+        let unit = match order {
+            Order::Dimibot(order) => dimibot::unit(channel, order),
+            Order::ElectrodeArray(order) => electrode_array::unit(channel, order),
+        };
+        unit.map(|unit| (*device, unit))
+    })
 }
 
 fn wires(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {

@@ -13,6 +13,7 @@
 mod boxes;
 mod clock;
 mod dimibot;
+mod electrode_array;
 mod form;
 pub mod log;
 mod premise;
@@ -93,6 +94,17 @@ struct Replay {
     outcomes: BTreeMap<&'static str, f64>,
 }
 
+/// What the claims say of a plan's record.
+struct Terms {
+    planner: &'static str,
+    /// The name of the objective, which is an outcome too.
+    objective: &'static str,
+    /// Of the cost.
+    unit: &'static str,
+    /// How many of that unit one SI unit is.
+    scale: f64,
+}
+
 /// Where each device stands.
 type Standing<'a> = BTreeMap<&'a str, State>;
 
@@ -112,6 +124,7 @@ fn judge(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, Unfit> 
         let run = &runs[index];
         let replay = match &run.job.order {
             Order::Dimibot(order) => dimibot::replay(run, order, &mut standing, &mut findings)?,
+            Order::ElectrodeArray(order) => electrode_array::replay(run, order, &mut standing, &mut findings)?,
         };
         record::check(run, &replay, &mut findings);
     }

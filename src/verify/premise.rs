@@ -3,7 +3,7 @@
 //! Input: claims. Output: nothing, or why not. Claims that the checker made always pass; those of a hostile log may not,
 //! and the rules rely on what is asked here.
 
-use super::{Unfit, dimibot};
+use super::{Unfit, dimibot, electrode_array};
 use crate::check::claims::{Claims, Job, Order, Timeline};
 use std::collections::BTreeMap;
 
@@ -22,6 +22,7 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
         requirements(job)?;
         match &job.order {
             Order::Dimibot(order) => dimibot::check_claims(order)?,
+            Order::ElectrodeArray(order) => electrode_array::check_claims(order)?,
         }
         let first = devices.entry(job.device.as_str()).or_insert(job);
         if !same_facts(first, job) {
@@ -65,5 +66,7 @@ fn requirements(job: &Job) -> Result<(), Unfit> {
 fn same_facts(one: &Job, other: &Job) -> bool {
     match (&one.order, &other.order) {
         (Order::Dimibot(one), Order::Dimibot(other)) => one.facts == other.facts,
+        (Order::ElectrodeArray(one), Order::ElectrodeArray(other)) => one.facts == other.facts,
+        (Order::Dimibot(_), Order::ElectrodeArray(_)) | (Order::ElectrodeArray(_), Order::Dimibot(_)) => false,
     }
 }

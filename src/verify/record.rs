@@ -3,10 +3,9 @@
 //! Input: a run and its replay. Figures agree when they differ by no more than [`TOLERANCE`], since the planner may add up in
 //! another order; counts and times then agree exactly, being far from that limit.
 
-use super::Replay;
 use super::clock::Run;
 use super::rule::{Findings, Rule, Violation, ms};
-use crate::check::claims::dimibot::{Method, Objective};
+use super::{Replay, Terms, dimibot, electrode_array};
 use crate::check::claims::{Order, Relation, Requirement};
 use crate::device::Outcome;
 use crate::quantity::{Dimension, Quantity, digits};
@@ -19,28 +18,17 @@ pub(super) fn check(run: &Run, replay: &Replay, findings: &mut Findings) {
     names(run, findings);
     cost(run, replay, findings);
     bound(run, findings);
+    other_bounds(run, findings);
     outcomes(run, replay, findings);
     states(run, replay, findings);
     requirements(run, replay, findings);
 }
 
-/// The name of the objective's outcome, the unit of its cost, and how many of that unit one SI unit is.
-fn measure(objective: Objective) -> (&'static str, &'static str, f64) {
-    match objective {
-        Objective::Distance => ("distance", "um", 1e6),
-        Objective::Switches => ("switches", "", 1.0),
-        Objective::Time => ("time", "ms", 1e3),
-        Objective::Energy => ("energy", "mJ", 1e3),
-    }
-}
-
-fn method_name(method: Method) -> &'static str {
-    match method {
-        Method::StagedAstar => "staged_astar",
-        Method::Dijkstra => "dijkstra",
-        Method::BidirectionalDijkstra => "bidirectional_dijkstra",
-        Method::Astar => "astar",
-        Method::HypercubeAstar => "hypercube_astar",
+/// What the claims say of a run's record.
+fn terms(run: &Run) -> Terms {
+    match &run.job.order {
+        Order::Dimibot(order) => dimibot::terms(order),
+        Order::ElectrodeArray(order) => electrode_array::terms(order),
     }
 }
 
@@ -53,12 +41,11 @@ fn figure(run: &Run, title: String) -> Violation {
 }
 
 fn names(run: &Run, findings: &mut Findings) {
-    let Order::Dimibot(order) = &run.job.order;
-    let (objective, unit, _) = measure(order.objective);
+    let terms = terms(run);
     let named = [
-        ("planner", &run.plan.planner, method_name(order.planner.method)),
-        ("objective", &run.plan.objective, objective),
-        ("unit", &run.plan.unit, unit),
+        ("planner", &run.plan.planner, terms.planner),
+        ("objective", &run.plan.objective, terms.objective),
+        ("unit", &run.plan.unit, terms.unit),
     ];
     for (what, recorded, claimed) in named.into_iter().filter(|(_, recorded, claimed)| recorded != claimed) {
         let title = format!("the plan of `{}` has the {what} `{recorded}`, but `{claimed}` is due", run.job.task);
@@ -67,8 +54,7 @@ fn names(run: &Run, findings: &mut Findings) {
 }
 
 fn cost(run: &Run, replay: &Replay, findings: &mut Findings) {
-    let Order::Dimibot(order) = &run.job.order;
-    let (objective, unit, scale) = measure(order.objective);
+    let Terms { objective, unit, scale, .. } = terms(run);
     let replayed = replay.outcomes[objective] * scale;
     if !alike(run.plan.cost, replayed) {
         let (recorded, replayed) = apart(run.plan.cost, replayed);
@@ -92,6 +78,21 @@ fn bound(run: &Run, findings: &mut Findings) {
         return;
     };
     findings.push(figure(run, title));
+}
+
+/// Bounds on outcomes that were not minimised lie on or below these outcomes.
+fn other_bounds(run: &Run, findings: &mut Findings) {
+    for (name, bound) in &run.plan.bounds {
+        let title = match run.plan.outcomes.get(name) {
+            None => format!("the plan of `{}` has a bound on an unknown outcome `{name}`", run.job.task),
+            Some(reached) if *bound > *reached && !alike(*bound, *reached) => {
+                let (bound, reached) = apart(*bound, *reached);
+                format!("the lower bound on {name} of `{}` is {bound}, above the {reached} of its plan", run.job.task)
+            }
+            Some(_) => continue,
+        };
+        findings.push(figure(run, title));
+    }
 }
 
 /// Two numbers that differ, so that they look different.
@@ -152,15 +153,25 @@ fn states(run: &Run, replay: &Replay, findings: &mut Findings) {
 }
 
 fn same(recorded: &State, replayed: &State) -> bool {
-    let State::Dimibot { word, cell, position_um } = recorded;
-    let State::Dimibot { word: true_word, cell: true_cell, position_um: true_um } = replayed;
     let near = |(one, other): (&f64, &f64)| (one - other).abs() <= TOLERANCE * other.abs().max(1.0);
-    word == true_word && cell == true_cell && position_um.iter().zip(true_um).all(near)
+    match (recorded, replayed) {
+        (
+            State::Dimibot { word, cell, position_um },
+            State::Dimibot { word: true_word, cell: true_cell, position_um: true_um },
+        ) => word == true_word && cell == true_cell && position_um.iter().zip(true_um).all(near),
+        (State::ElectrodeArray { parts }, State::ElectrodeArray { parts: true_parts }) => parts == true_parts,
+        (State::Dimibot { .. }, State::ElectrodeArray { .. })
+        | (State::ElectrodeArray { .. }, State::Dimibot { .. }) => false,
+    }
 }
 
 fn shown(state: &State) -> String {
-    let State::Dimibot { word, cell: [x, y], position_um: [x_um, y_um] } = state;
-    format!("cell ({x}, {y}), word {word}, at ({}, {}) um", digits(*x_um), digits(*y_um))
+    match state {
+        State::Dimibot { word, cell: [x, y], position_um: [x_um, y_um] } => {
+            format!("cell ({x}, {y}), word {word}, at ({}, {}) um", digits(*x_um), digits(*y_um))
+        }
+        State::ElectrodeArray { parts } => electrode_array::shown(parts),
+    }
 }
 
 fn requirements(run: &Run, replay: &Replay, findings: &mut Findings) {

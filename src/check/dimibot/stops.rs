@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::check::lets::Origin;
+use crate::check::tasks::Call;
 use crate::diagnostic::Code;
 
 /// How many rings of cells round a covered goal are searched for a free one.
@@ -51,10 +52,12 @@ impl<'a> Judge<'a> {
     pub fn step(&mut self, step: tasks::Step) -> Option<Step> {
         let action = match step.action {
             tasks::Action::Wait(duration_ns) => Action::Wait(duration_ns),
-            tasks::Action::Verb { verb, object: Some(object), .. } if verb.name == "visit" => {
+            tasks::Action::Verb(Call { verb, object: Some(object), .. }) if verb.name == "visit" => {
                 Action::Visit(self.visits(&object)?)
             }
-            tasks::Action::Verb { phrases, .. } => Action::Move(self.moves(phrases)?),
+            tasks::Action::Verb(call) => Action::Move(self.moves(call.phrases)?),
+            // The vocabulary has no goals at the same time.
+            tasks::Action::Together(_) => return None,
         };
         Some(Step { action, span: step.span })
     }

@@ -197,3 +197,13 @@ pub fn never_run_with_parameters(span: Span, sort: DeclarationSort, name: &str) 
         .label(span, "nothing gives it arguments")
         .help(format!("add a program: `program all {{ run {name}(…) }}`"))
 }
+
+pub fn unknown_object(span: Span, name: &str, noun: &str, near: Option<&str>, scene: Option<Span>) -> Diagnostic {
+    let diagnostic = Diagnostic::new(Code::E0211, format!("the scene of this task has no {noun} `{name}`"));
+    let diagnostic = diagnostic.label(span, "no such object");
+    match (near, scene) {
+        (Some(_), _) => diagnostic.help_if(meant(near)),
+        (None, Some(_)) => diagnostic.help(format!("declare it in the scene: `{noun} {name} at (5, 3)`")),
+        (None, None) => diagnostic.help("say in which scene the task runs, as `task swap on plate in tray`"),
+    }
+}

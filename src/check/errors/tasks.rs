@@ -267,6 +267,32 @@ pub fn together_in_task(span: Span, kind: &str) -> Diagnostic {
         .help("write the steps one below the other; several devices run together in a `program`")
 }
 
+pub fn bad_together_in_task(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0518, "`together` wants a block of goals")
+        .label(span, "no goals")
+        .help("write `together { move m1 to (26, 31), move m2 to (5, 3) }`")
+}
+
+pub fn not_together(word: &Ident) -> Diagnostic {
+    Diagnostic::new(Code::E0518, format!("`{}` is no goal, and `together` takes goals only", word.text))
+        .label(word.span, "not in this block")
+        .help("write it before or after the `together`")
+}
+
+pub fn no_start(span: Span, vocabulary: &Vocabulary) -> Diagnostic {
+    let nouns: Vec<&str> = vocabulary.nouns.iter().map(|noun| noun.name).filter(|noun| *noun != "obstacle").collect();
+    let nouns = nouns.join(", ");
+    Diagnostic::new(Code::E0518, format!("a task of an {} does not say where it starts", vocabulary.name))
+        .label(span, "not in this task")
+        .help(format!("the scene says where each {nouns} stands, and later each stands where the last task left it"))
+}
+
+pub fn shape_of_other_kind(span: Span, shape: &str, noun: &str, kind: &str, known: &[&str]) -> Diagnostic {
+    Diagnostic::new(Code::E0514, format!("a {noun} of a {kind} cannot be a {shape}"))
+        .label(span, "not a shape of this noun")
+        .help(format!("it may be {}", listed(known.iter().copied())))
+}
+
 pub fn run_in_task(span: Span, task: &str) -> Diagnostic {
     Diagnostic::new(Code::E0518, "a task cannot run another")
         .label(span, "not in a task")

@@ -289,3 +289,24 @@ pub fn bad_setting(span: Option<Span>, name: &str, why: &str, help: &str) -> Dia
     };
     diagnostic.help(help)
 }
+
+pub fn unknown_column(span: Span, name: &str, wanted: &Wanted, near: Option<&str>, known: &[&str]) -> Diagnostic {
+    let columns = super::listed(known.iter().copied());
+    let help = meant(near).unwrap_or_else(|| format!("its columns are {columns}"));
+    Diagnostic::new(Code::E0312, format!("the table of {} has no column `{name}`", wanted.name))
+        .label(span, "no such column")
+        .help(help)
+}
+
+pub fn incomplete_table(span: Span, wanted: &Wanted, missing: &[&device::Field]) -> Diagnostic {
+    let (title, help) = if missing.is_empty() {
+        ("has no rows".to_owned(), "write at least one row below the header".to_owned())
+    } else {
+        let names = super::listed(missing.iter().map(|column| column.name));
+        (
+            format!("lacks {names}"),
+            format!("add to its header: {}", missing.iter().map(|c| c.doc).collect::<Vec<_>>().join("; ")),
+        )
+    };
+    Diagnostic::new(Code::E0312, format!("the table of {} {title}", wanted.name)).label(span, "this table").help(help)
+}

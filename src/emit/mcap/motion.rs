@@ -72,6 +72,7 @@ pub fn plans<'a>(verified: &'a Verified, device: &str) -> Vec<&'a PlanRecord> {
 pub fn place(state: &TimedState) -> [f64; 3] {
     match state.state {
         State::Dimibot { position_um: [x, y], .. } => [x, y, 0.0],
+        State::ElectrodeArray { .. } => [0.0; 3],
     }
 }
 

@@ -66,7 +66,7 @@ impl<'a> Bench<'a> {
     pub fn all(verified: &'a Verified) -> Vec<Bench<'a>> {
         let mut benches: Vec<Bench> = Vec::new();
         let mut offset_um = 0.0;
-        for job in &verified.claims().jobs {
+        for job in verified.claims().jobs.iter().filter(|job| job.order.dimibot().is_some()) {
             if !benches.iter().any(|bench| bench.device == job.device) {
                 benches.push(Bench { device: &job.device, offset_um });
                 offset_um += extent_um(&order(job).facts)[0] + GAP_UM;
@@ -80,6 +80,7 @@ impl<'a> Bench<'a> {
 pub fn order(job: &Job) -> &DimibotOrder {
     match &job.order {
         Order::Dimibot(order) => order,
+        Order::ElectrodeArray(_) => unreachable!("jobs of this kind are left out"),
     }
 }
 

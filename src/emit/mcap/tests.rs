@@ -135,7 +135,7 @@ fn twice(change: impl FnOnce(&mut Vec<crate::check::claims::dimibot::Obstacle>))
     let (verified, _) = fixture::fetch();
     let (mut schedule, mut claims) = (verified.schedule().clone(), verified.claims().clone());
     let mut job = claims.jobs[0].clone();
-    let crate::check::claims::Order::Dimibot(order) = &mut job.order;
+    let crate::check::claims::Order::Dimibot(order) = &mut job.order else { panic!("an order of a DiMiBot") };
     change(std::sync::Arc::make_mut(&mut order.obstacles));
     claims.jobs.push(job);
     let mut plan = schedule.plans[0].clone();

@@ -8,14 +8,14 @@ use super::{
     Weights, published, pulses, shortest, tour, why,
 };
 use crate::check::claims::dimibot::{Action, Body, DimibotOrder, Method, Objective, Step, Stop};
-use crate::check::claims::{self, Job, Requirement};
+use crate::check::claims::{self, Job};
 use crate::check::start_disagrees;
-use crate::device::dimibot::{Facts, Flip, Simultaneous, VOCABULARY};
+use crate::device::dimibot::{Facts, Flip, Simultaneous};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
+use crate::plan::requirements::{Kept, require};
 use crate::plan::search::{Budget, GaveUp};
-use crate::plan::{Kept, Motion as AnyMotion, Optimality, Plan, keeps};
-use crate::quantity::{Dimension, Quantity};
+use crate::plan::{Motion as AnyMotion, Optimality, Plan};
 use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -42,7 +42,7 @@ pub enum StepMotion {
 
 /// The fields of a schedule's scenes, each built once.
 #[derive(Default)]
-pub struct Fields {
+struct Fields {
     known: Vec<(Arc<Vec<claims::dimibot::Obstacle>>, Facts, Arc<Scene>)>,
 }
 
@@ -86,8 +86,24 @@ fn body(body: &Body, growth_um: f64) -> Obstacle {
     }
 }
 
-/// A plan for a job, and where the robot stands after it; without a plan an error was pushed.
-pub fn plan(
+/// What the plans of a schedule leave behind for those that follow.
+#[derive(Default)]
+pub struct Standing {
+    /// Where each robot stands, by its device.
+    cells: BTreeMap<String, Cell>,
+    fields: Fields,
+}
+
+/// A plan for a job; without one an error was pushed.
+pub fn plan(job: &Job, order: &DimibotOrder, standing: &mut Standing, sink: &mut Sink) -> Option<Plan> {
+    let stands = standing.cells.get(&job.device).copied();
+    let (plan, end) = planned(job, order, stands, &mut standing.fields, sink);
+    standing.cells.insert(job.device.clone(), end);
+    plan
+}
+
+/// A plan for a job, and where the robot stands after it.
+fn planned(
     job: &Job,
     order: &DimibotOrder,
     stands: Option<Cell>,
@@ -107,8 +123,9 @@ pub fn plan(
     let Some(steps) = steps.into_iter().collect::<Option<Vec<StepMotion>>>() else { return (None, at) };
     let motion = Motion { start, steps };
     let plan = finished(order, motion, tally);
-    let kept = require(job, order, &plan, stands, fields, sink);
-    (kept.then_some(plan), at)
+    let mut best = |outcome: &str| best(job, order, outcome, stands, fields);
+    let kept = require(job, &plan, &mut best, sink);
+    (Some(plan).filter(|_| kept == Kept::Yes), at)
 }
 
 /// Where a job begins; `None` if it says another place than where its device stands, which was reported.
@@ -346,6 +363,7 @@ fn finished(order: &DimibotOrder, motion: Motion, tally: Tally) -> Plan {
         unit: order.objective.unit(),
         cost: figure(order, tally.cost) + waits_ms,
         bound: figure(order, tally.bound) + waits_ms,
+        bounds: BTreeMap::new(),
         proof: if tally.cost == tally.bound { Optimality::Proven } else { Optimality::Open },
         outcomes: outcomes(order, &motion),
         motion: AnyMotion::Dimibot(motion),
@@ -387,64 +405,16 @@ fn outcomes(order: &DimibotOrder, motion: &Motion) -> BTreeMap<String, f64> {
     ])
 }
 
-/// Holds a plan against the task's requirements; those that it misses are reported.
-fn require(
-    job: &Job,
-    order: &DimibotOrder,
-    plan: &Plan,
-    stands: Option<Cell>,
-    fields: &mut Fields,
-    sink: &mut Sink,
-) -> bool {
-    let mut all_kept = true;
-    for requirement in &job.requirements {
-        let Some(&reached) = plan.outcomes.get(&requirement.outcome) else { continue };
-        if keeps(requirement, reached) == Kept::Yes {
-            continue;
-        }
-        all_kept = false;
-        let help = best_instead(job, order, requirement, stands, fields);
-        let (reached, limit) = (show(&requirement.outcome, reached), show(&requirement.outcome, requirement.limit));
-        sink.push(errors::requirement_missed(requirement, &reached, &limit, help));
-    }
-    all_kept
-}
-
-fn show(outcome: &str, value: f64) -> String {
-    let known = VOCABULARY.outcomes.iter().find(|known| known.name == outcome);
-    Quantity::new(value, known.map_or(Dimension::NUMBER, |known| known.dimension)).to_string()
-}
-
-/// What the plan would reach that minimises the missed figure itself.
-fn best_instead(
-    job: &Job,
-    order: &DimibotOrder,
-    requirement: &Requirement,
-    stands: Option<Cell>,
-    fields: &mut Fields,
-) -> Option<String> {
-    let wants_less = matches!(requirement.relation, claims::Relation::Less | claims::Relation::AtMost);
-    let objective = match requirement.outcome.as_str() {
+/// The plan that minimises an outcome instead.
+fn best(job: &Job, order: &DimibotOrder, outcome: &str, stands: Option<Cell>, fields: &mut Fields) -> Option<Plan> {
+    let objective = match outcome {
         "distance" => Objective::Distance,
         "switches" => Objective::Switches,
         "time" => Objective::Time,
         "energy" => Objective::Energy,
         _ => return None,
     };
-    if !wants_less {
-        return None;
-    }
     let unconstrained = Job { requirements: Vec::new(), ..job.clone() };
     let order = DimibotOrder { objective, ..order.clone() };
-    let mut silent = Sink::default();
-    let (best, _) = plan(&unconstrained, &order, stands, fields, &mut silent);
-    let best = best?;
-    let reached = *best.outcomes.get(&requirement.outcome)?;
-    let text = show(&requirement.outcome, reached);
-    let name = &requirement.outcome;
-    Some(match (keeps(requirement, reached), best.proof) {
-        (Kept::Yes, _) => format!("`minimize {name}` finds a plan of {text}"),
-        (Kept::No, Optimality::Proven) => format!("no plan does better: raise the limit to {text}"),
-        (Kept::No, Optimality::Open) => format!("the best plan found for `minimize {name}` has {text}"),
-    })
+    planned(&unconstrained, &order, stands, fields, &mut Sink::default()).0
 }

@@ -20,7 +20,7 @@ mod tour;
 mod why;
 
 pub use field::{Field, FieldError, Obstacle, SAFETY_MARGIN_UM};
-pub use job::{Fields, Motion, StepMotion, plan};
+pub use job::{Motion, Standing, StepMotion, plan};
 pub use lattice::{Cell, Flip, Lattice, LatticeError, MAX_MODULES, Side, Weights};
 pub use outcome::{Impossible, Outcome, Path, Proof};
 pub use pulses::{Pulse, Train, pulse_is_safe, pulses};

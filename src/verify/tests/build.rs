@@ -68,7 +68,7 @@ pub fn alone(order: DimibotOrder) -> Claims {
 }
 
 pub fn order_of(claims: &mut Claims, job: usize) -> &mut DimibotOrder {
-    let Order::Dimibot(order) = &mut claims.jobs[job].order;
+    let Order::Dimibot(order) = &mut claims.jobs[job].order else { panic!("an order of a DiMiBot") };
     order
 }
 
@@ -106,7 +106,7 @@ pub fn schedule(claims: &Claims, pulses: Pulses) -> Schedule {
 fn channels(claims: &Claims) -> Vec<Channel> {
     let mut channels: Vec<Channel> = Vec::new();
     for job in &claims.jobs {
-        let Order::Dimibot(order) = &job.order;
+        let Order::Dimibot(order) = &job.order else { panic!("an order of a DiMiBot") };
         for (side, count) in [("bl", order.facts.left), ("br", order.facts.right)] {
             for (module, switch) in (0..count).flat_map(|module| [(module, "set"), (module, "reset")]) {
                 let name = format!("{}.{side}{module}.{switch}", job.device);
@@ -121,7 +121,7 @@ fn channels(claims: &Claims) -> Vec<Channel> {
 }
 
 fn empty_plan(job: &Job) -> PlanRecord {
-    let Order::Dimibot(order) = &job.order;
+    let Order::Dimibot(order) = &job.order else { panic!("an order of a DiMiBot") };
     let (objective, unit) = match order.objective {
         Objective::Distance => ("distance", "um"),
         Objective::Switches => ("switches", ""),
@@ -138,6 +138,7 @@ fn empty_plan(job: &Job) -> PlanRecord {
         cost: 0.0,
         bound: 0.0,
         optimal: true,
+        bounds: Default::default(),
         outcomes: BTreeMap::new(),
         start_ns: 0,
         duration_ns: 0,
@@ -161,7 +162,7 @@ fn lay(part: &Timeline, start_ns: u64, claims: &Claims, pulses: Pulses, schedule
 
 fn lay_run(index: usize, start_ns: u64, claims: &Claims, pulses: &[&[&str]], schedule: &mut Schedule) -> u64 {
     let job = &claims.jobs[index];
-    let Order::Dimibot(order) = &job.order;
+    let Order::Dimibot(order) = &job.order else { panic!("an order of a DiMiBot") };
     let Facts { pulse_voltage_v: volts, pulse_duration_ns, rest_ns, .. } = order.facts;
     let mut at_ns = start_ns;
     for (nth, claimed) in order.steps.iter().enumerate() {
@@ -213,7 +214,7 @@ pub fn record(schedule: &mut Schedule, claims: &Claims) {
     let mut jobs: Vec<usize> = (0..claims.jobs.len()).collect();
     jobs.sort_by_key(|index| (schedule.plans[*index].start_ns, *index));
     for index in jobs {
-        let Order::Dimibot(order) = &claims.jobs[index].order;
+        let Order::Dimibot(order) = &claims.jobs[index].order else { panic!("an order of a DiMiBot") };
         let first = order.start.as_ref().map_or(order.facts.home, |start| start.value);
         let start = *standing.entry(&claims.jobs[index].device).or_insert(first);
         let end = record_run(schedule, index, order, start);

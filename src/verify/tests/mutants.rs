@@ -193,7 +193,7 @@ proptest! {
 
 /// Whether pulses do something, keep clear of all bodies, and reach the stops; times are taken to be right.
 fn simulated(schedule: &Schedule, claims: &Claims) -> bool {
-    let Order::Dimibot(order) = &claims.jobs[0].order;
+    let Order::Dimibot(order) = &claims.jobs[0].order else { panic!("an order of a DiMiBot") };
     let facts = &order.facts;
     let (mut cell, mut sound) = (facts.home, true);
     for (nth, step) in order.steps.iter().enumerate() {
