@@ -31,7 +31,7 @@ fn one(file: &Path, arguments: &CheckArguments) -> Exit {
     terminal::report(&sink, &sources, arguments.report.format);
     match checked {
         Some(checked) => {
-            let line = terminal::line("Checked", &name, 0, &super::build::tally(checked.tally));
+            let line = terminal::line("Checked", &name, 0, &super::report::tally(checked.tally));
             terminal::answer(&line)
         }
         None => Exit::Errors,

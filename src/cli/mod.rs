@@ -7,6 +7,7 @@ mod devices;
 mod disk;
 mod errors;
 mod explain;
+mod report;
 mod terminal;
 mod verify;
 mod waiting;

@@ -1,14 +1,10 @@
-//! The scene once more as coloured points: path, stops and the true outlines of obstacles.
+//! Lines as coloured points.
 //!
 //! Rerun 0.41 shows clouds of points but no `SceneUpdate`, and without points it opens no view in three dimensions by itself.
 
+use super::drawing;
 use super::foxglove::{self, Color, PackedElementField, PointCloud, packed_element_field::NumericType};
-use super::scene::{self, Bench, color};
-use super::{Topic, drawing, motion};
-use crate::check::claims::dimibot::{Body, DimibotOrder};
 use crate::geometry::shape::{Core, Rounded};
-use crate::schedule::PlanRecord;
-use crate::verify::Verified;
 use nalgebra::Point2;
 
 /// Distance of neighbouring points, in micrometres, unless there would be too many.
@@ -18,74 +14,19 @@ const STEP_UM: f64 = 0.05;
 const MAX_POINTS: f64 = 50_000.0;
 
 /// Corners of a polygon that stands for a circle.
-const CIRCLE_CORNERS: usize = 48;
-
-/// Among more obstacles than this a circle is small and gets fewer corners.
-const MANY_OBSTACLES: usize = 500;
-
-const COARSE_CORNERS: usize = 8;
-
-/// `/<device>/scene/points` and `/<device>/plan/points` for each device.
-pub fn topics(verified: &Verified) -> Vec<Topic> {
-    let mut topics = Vec::new();
-    for Bench { device, .. } in Bench::all(verified) {
-        let scene = |(t_ns, order)| (t_ns, foxglove::encode(&cloud(&scenery(order), device, t_ns)));
-        let plan = |(job, plan): (&_, &PlanRecord)| {
-            let strokes = plan_strokes(scene::order(job), plan);
-            (plan.start_ns, foxglove::encode(&cloud(&strokes, device, plan.start_ns)))
-        };
-        let scenes = scene::sceneries(verified, device).into_iter().map(scene).collect();
-        let plans = scene::jobs(verified, device).into_iter().map(plan).collect();
-        topics.push(Topic::new::<PointCloud>(format!("/{device}/scene/points"), scenes));
-        topics.push(Topic::new::<PointCloud>(format!("/{device}/plan/points"), plans));
-    }
-    topics
-}
+pub const CIRCLE_CORNERS: usize = 48;
 
 /// A line through corners, of one colour.
-struct Stroke {
-    corners: Vec<Point2<f64>>,
-    color: Color,
+pub struct Stroke {
+    pub corners: Vec<Point2<f64>>,
+    pub color: Color,
 }
 
-fn plan_strokes(order: &DimibotOrder, plan: &PlanRecord) -> Vec<Stroke> {
-    let path = plan.states.iter().map(|state| {
-        let [x, y, _] = motion::place(state);
-        Point2::new(x, y)
-    });
-    let stops = scene::stops(order).map(|stop| {
-        let centre = Point2::from(order.facts.place_um(stop.cell));
-        Stroke { corners: circle(centre, scene::STOP_UM / 2.0, CIRCLE_CORNERS), color: color::STOP }
-    });
-    std::iter::once(Stroke { corners: path.collect(), color: color::PATH }).chain(stops).collect()
-}
-
-fn scenery(order: &DimibotOrder) -> Vec<Stroke> {
-    let facts = &order.facts;
-    let [x, y] = facts.place_um(scene::last_cell(facts));
-    let mut strokes = vec![Stroke { corners: rectangle([0.0, 0.0], [x, y]), color: color::LATTICE }];
-    let corners = if order.obstacles.len() > MANY_OBSTACLES { COARSE_CORNERS } else { CIRCLE_CORNERS };
-    for obstacle in scene::drawn(order) {
-        let lines = match &obstacle.body {
-            Body::Cells { from, to } => {
-                let (low, high) = scene::tiles_um(facts, *from, *to);
-                vec![rectangle(low, high)]
-            }
-            // The checker refuses shapes that cannot be placed; one that slips through is only not drawn.
-            Body::Solid { shape, pose } => {
-                shape.grown(pose, 0.0).map_or_else(|_| Vec::new(), |body| outlines(&drawing::on_grid(body), corners))
-            }
-        };
-        strokes.extend(lines.into_iter().map(|corners| Stroke { corners, color: color::OBSTACLE }));
-    }
-    strokes
-}
-
-fn rectangle([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> Vec<Point2<f64>> {
+pub fn rectangle([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> Vec<Point2<f64>> {
     ring([[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(Point2::from).to_vec())
 }
 
-fn outlines(body: &Rounded, corners: usize) -> Vec<Vec<Point2<f64>>> {
+pub fn outlines(body: &Rounded, corners: usize) -> Vec<Vec<Point2<f64>>> {
     match &body.core {
         Core::Point(centre) => vec![circle(*centre, body.radius_um, corners)],
         Core::Segment([a, b]) => {
@@ -99,7 +40,7 @@ fn outlines(body: &Rounded, corners: usize) -> Vec<Vec<Point2<f64>>> {
     }
 }
 
-fn circle(centre: Point2<f64>, radius_um: f64, corners: usize) -> Vec<Point2<f64>> {
+pub fn circle(centre: Point2<f64>, radius_um: f64, corners: usize) -> Vec<Point2<f64>> {
     let corner = |index: usize| {
         let angle = index as f64 * std::f64::consts::TAU / corners as f64;
         drawing::snap(centre + nalgebra::Vector2::new(angle.cos(), angle.sin()) * radius_um)
@@ -113,7 +54,7 @@ fn ring(mut corners: Vec<Point2<f64>>) -> Vec<Point2<f64>> {
     corners
 }
 
-fn cloud(strokes: &[Stroke], device: &str, t_ns: u64) -> PointCloud {
+pub fn cloud(strokes: &[Stroke], device: &str, t_ns: u64) -> PointCloud {
     let lengths =
         strokes.iter().flat_map(|stroke| stroke.corners.windows(2)).map(|pair| nalgebra::distance(&pair[0], &pair[1]));
     let step_um = (lengths.sum::<f64>() / MAX_POINTS).max(STEP_UM);

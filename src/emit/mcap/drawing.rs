@@ -1,11 +1,25 @@
 //! Shapes as primitives that viewers draw.
 
 use super::foxglove::{
-    self, Color, CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, SceneEntity, SpherePrimitive, TextPrimitive,
-    TriangleListPrimitive, Vector3, line_primitive,
+    self, Color, CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion,
+    SpherePrimitive, TextPrimitive, TriangleListPrimitive, Vector3, line_primitive, scene_entity_deletion,
 };
 use crate::geometry::shape::{Core, Rounded};
 use nalgebra::{Point2, Vector2};
+
+/// What the parts of a picture look like; chosen to be told apart by the colour-blind (after Okabe and Ito) and on dark as on
+/// light ground.
+pub mod color {
+    use super::Color;
+
+    pub const OBSTACLE: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
+    pub const GROWN: Color = Color { r: 0.96, g: 0.78, b: 0.62, a: 1.0 };
+    pub const LATTICE: Color = Color { r: 0.6, g: 0.6, b: 0.6, a: 1.0 };
+    pub const PATH: Color = Color { r: 0.34, g: 0.71, b: 0.91, a: 1.0 };
+    pub const START: Color = Color { r: 0.8, g: 0.47, b: 0.65, a: 1.0 };
+    pub const STOP: Color = Color { r: 0.0, g: 0.62, b: 0.45, a: 1.0 };
+    pub const TIP: Color = Color { r: 0.94, g: 0.89, b: 0.26, a: 1.0 };
+}
 
 /// The most corners of a polygon whose inside is filled; the way of filling grows with the square of their number.
 const MAX_FILLED_CORNERS: usize = 2000;
@@ -29,6 +43,15 @@ pub fn entity(id: String, frame: &str, t_ns: u64) -> SceneEntity {
         id,
         frame_locked: true,
         ..SceneEntity::default()
+    }
+}
+
+/// Takes an entity away.
+pub fn deletion(id: &str, t_ns: u64) -> SceneEntityDeletion {
+    SceneEntityDeletion {
+        timestamp: foxglove::timestamp(t_ns),
+        r#type: scene_entity_deletion::Type::MatchingId as i32,
+        id: id.to_owned(),
     }
 }
 

@@ -8,12 +8,14 @@
 //!
 //! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one micrometre.
 
+mod bench;
 mod cloud;
 mod difference;
+mod dimibot;
 mod drawing;
+mod electrode_array;
 mod foxglove;
-mod motion;
-mod scene;
+mod frames;
 #[cfg(test)]
 mod tests;
 mod voltages;
@@ -21,11 +23,13 @@ mod voltages;
 pub use difference::{difference, difference_diagnostic};
 
 use super::{EmitError, Format, Provenance, Signals};
+use crate::check::claims::Order;
 use crate::schedule::json;
 use crate::source::MAX_FILE_BYTES;
 use crate::verify::Verified;
 use crate::verify::log::{self, CLAIMS, METADATA, SCHEDULE, SOURCE_PREFIX};
 use ::mcap::{Attachment, Compression, McapError, WriteOptions, records};
+use bench::Bench;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -106,9 +110,17 @@ fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
     for (device, channels) in signals.devices() {
         topics.push(voltages::topic(signals, device, &channels));
     }
-    topics.extend(motion::topics(verified, signals));
-    topics.extend(cloud::topics(verified));
-    topics.extend(scene::topics(verified));
+    let benches = Bench::all(verified);
+    let mut movers = Vec::new();
+    for bench in &benches {
+        let (own, moving) = match &bench.job.order {
+            Order::Dimibot(_) => dimibot::topics(verified, signals, bench.device),
+            Order::ElectrodeArray(_) => electrode_array::topics(verified, bench.device),
+        };
+        topics.extend(own);
+        movers.extend(moving);
+    }
+    topics.push(frames::topic(&benches, &movers));
     topics.push(lines(verified));
     topics
 }

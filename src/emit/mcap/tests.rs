@@ -117,7 +117,7 @@ fn something_that_is_no_log_differs() {
 #[test]
 fn the_scene_shows_every_obstacle_twice_and_takes_away_what_is_gone() {
     let (verified, _) = fixture::fetch();
-    let topics = scene::topics(&verified);
+    let topics = dimibot::scene::topics(&verified, "bot");
     let update = |topic: &Topic| foxglove::SceneUpdate::decode(topic.messages[0].1.as_slice()).unwrap();
     let updates: Vec<_> = topics.iter().map(update).collect();
     let entity = |id: &str| updates.iter().flat_map(|update| &update.entities).find(|entity| entity.id == id).unwrap();
@@ -147,7 +147,7 @@ fn twice(change: impl FnOnce(&mut Vec<crate::check::claims::dimibot::Obstacle>))
 }
 
 fn scenes(verified: &Verified) -> Vec<(u64, foxglove::SceneUpdate)> {
-    let topics = scene::topics(verified);
+    let topics = dimibot::scene::topics(verified, "bot");
     let decode = |(t_ns, data): &(u64, Vec<u8>)| (*t_ns, foxglove::SceneUpdate::decode(data.as_slice()).unwrap());
     topics[0].messages.iter().map(decode).collect()
 }
@@ -178,7 +178,7 @@ fn a_crowded_scene_is_drawn_in_part_and_says_so() {
 #[test]
 fn the_pose_stays_until_the_pulse_begins_and_is_new_when_it_ends() {
     let (verified, _) = fixture::pair();
-    let topics = motion::topics(&verified, &Signals::new(verified.schedule()));
+    let topics = topics(&verified, &Signals::new(verified.schedule()));
     let poses = topics.iter().find(|topic| topic.name == "/Aid/pose").unwrap();
     let x = |data: &[u8]| foxglove::PoseInFrame::decode(data).unwrap().pose.unwrap().position.unwrap().x;
     let first: Vec<(u64, bool)> = poses.messages.iter().take(5).map(|(t_ns, data)| (*t_ns, x(data) > 0.0)).collect();

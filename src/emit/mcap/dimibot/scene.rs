@@ -3,35 +3,20 @@
 //! What stands there and what is planned are two topics for each device, because a viewer that jumps in time reads the last
 //! message of each topic only: every message shows all there is to show. Scenery is said again when a job brings another.
 
-use super::drawing::{self, Slab};
-use super::foxglove::{
-    self, Color, SceneEntity, SceneEntityDeletion, SceneUpdate, line_primitive, scene_entity_deletion,
-};
-use super::{Topic, motion};
+use super::motion;
 use crate::check::claims::dimibot::{Action, Body, DimibotOrder, Obstacle, Stop};
-use crate::check::claims::{Job, Order};
 use crate::device::dimibot::Side;
 use crate::device::dimibot::{Cell, Facts};
+use crate::emit::mcap::Topic;
+use crate::emit::mcap::bench;
+use crate::emit::mcap::drawing::{self, Slab, color};
+use crate::emit::mcap::foxglove::{self, SceneEntity, SceneUpdate, line_primitive};
 use crate::schedule::PlanRecord;
 use crate::verify::Verified;
 use std::collections::BTreeSet;
 
-/// What the parts of a picture look like; chosen to be told apart by the colour-blind (after Okabe and Ito) and on dark as on
-/// light ground.
-pub mod color {
-    use super::Color;
-
-    pub const OBSTACLE: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
-    pub const GROWN: Color = Color { r: 0.96, g: 0.78, b: 0.62, a: 1.0 };
-    pub const LATTICE: Color = Color { r: 0.6, g: 0.6, b: 0.6, a: 1.0 };
-    pub const PATH: Color = Color { r: 0.34, g: 0.71, b: 0.91, a: 1.0 };
-    pub const START: Color = Color { r: 0.8, g: 0.47, b: 0.65, a: 1.0 };
-    pub const STOP: Color = Color { r: 0.0, g: 0.62, b: 0.45, a: 1.0 };
-    pub const TIP: Color = Color { r: 0.94, g: 0.89, b: 0.26, a: 1.0 };
-}
-
-/// Gap between the pictures of two devices.
-const GAP_UM: f64 = 5.0;
+/// Gap between the lattice and its title.
+const TITLE_GAP_UM: f64 = 1.25;
 
 /// Heights above the ground, in micrometres: what must not be touched stands, what is only shown lies.
 const OBSTACLE_HEIGHT_UM: f64 = 0.4;
@@ -54,42 +39,12 @@ const MAX_LABELS: usize = 200;
 /// The most obstacles that are drawn.
 const MAX_DRAWN: usize = 20_000;
 
-/// Where a device stands in pictures.
-pub struct Bench<'a> {
-    pub device: &'a str,
-    /// Its place along x in the frame `world`.
-    pub offset_um: f64,
-}
-
-impl<'a> Bench<'a> {
-    /// The devices in the order of their first jobs, side by side.
-    pub fn all(verified: &'a Verified) -> Vec<Bench<'a>> {
-        let mut benches: Vec<Bench> = Vec::new();
-        let mut offset_um = 0.0;
-        for job in verified.claims().jobs.iter().filter(|job| job.order.dimibot().is_some()) {
-            if !benches.iter().any(|bench| bench.device == job.device) {
-                benches.push(Bench { device: &job.device, offset_um });
-                offset_um += extent_um(&order(job).facts)[0] + GAP_UM;
-            }
-        }
-        benches
-    }
-}
-
-/// The order of a job.
-pub fn order(job: &Job) -> &DimibotOrder {
-    match &job.order {
-        Order::Dimibot(order) => order,
-        Order::ElectrodeArray(_) => unreachable!("jobs of this kind are left out"),
-    }
-}
-
 /// The cell of all modules at 1.
 pub fn last_cell(facts: &Facts) -> Cell {
     Cell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 }
 }
 
-fn extent_um(facts: &Facts) -> [f64; 2] {
+pub fn extent_um(facts: &Facts) -> [f64; 2] {
     facts.place_um(last_cell(facts))
 }
 
@@ -108,39 +63,38 @@ pub fn tiles_um(facts: &Facts, from: Cell, to: Cell) -> ([f64; 2], [f64; 2]) {
     ([x0 - half[0], y0 - half[1]], [x1 + half[0], y1 + half[1]])
 }
 
-/// `/<device>/scene` and `/<device>/plan` for each device.
-pub fn topics(verified: &Verified) -> Vec<Topic> {
-    let mut topics = Vec::new();
-    for Bench { device, .. } in Bench::all(verified) {
-        let mut shown = BTreeSet::new();
-        let mut scenes = Vec::new();
-        for (t_ns, order) in sceneries(verified, device) {
-            let entities = scenery(order, device, t_ns);
-            let ids: BTreeSet<String> = entities.iter().map(|entity| entity.id.clone()).collect();
-            let gone = shown.difference(&ids).map(|id: &String| SceneEntityDeletion {
-                timestamp: foxglove::timestamp(t_ns),
-                r#type: scene_entity_deletion::Type::MatchingId as i32,
-                id: id.clone(),
-            });
-            scenes.push((t_ns, foxglove::encode(&SceneUpdate { deletions: gone.collect(), entities })));
-            shown = ids;
-        }
-        let plan = |(job, plan): (&Job, &PlanRecord)| {
-            let update = SceneUpdate { deletions: Vec::new(), entities: plan_entities(order(job), plan) };
-            (plan.start_ns, foxglove::encode(&update))
-        };
-        let plans = jobs(verified, device).into_iter().map(plan).collect();
-        topics.push(Topic::new::<SceneUpdate>(format!("/{device}/scene"), scenes));
-        topics.push(Topic::new::<SceneUpdate>(format!("/{device}/plan"), plans));
+/// `/<device>/scene` and `/<device>/plan`.
+pub fn topics(verified: &Verified, device: &str) -> [Topic; 2] {
+    let mut shown = BTreeSet::new();
+    let mut scenes = Vec::new();
+    for (t_ns, order) in sceneries(verified, device) {
+        let entities = scenery(order, device, t_ns);
+        let ids: BTreeSet<String> = entities.iter().map(|entity| entity.id.clone()).collect();
+        let gone = shown.difference(&ids).map(|id: &String| drawing::deletion(id, t_ns));
+        scenes.push((t_ns, foxglove::encode(&SceneUpdate { deletions: gone.collect(), entities })));
+        shown = ids;
     }
-    topics
+    let plan = |(order, plan): (&DimibotOrder, &PlanRecord)| {
+        let update = SceneUpdate { deletions: Vec::new(), entities: plan_entities(order, plan) };
+        (plan.start_ns, foxglove::encode(&update))
+    };
+    let plans = jobs(verified, device).into_iter().map(plan).collect();
+    [
+        Topic::new::<SceneUpdate>(format!("/{device}/scene"), scenes),
+        Topic::new::<SceneUpdate>(format!("/{device}/plan"), plans),
+    ]
+}
+
+/// The orders of a device with their plans, in order of time.
+pub fn jobs<'a>(verified: &'a Verified, device: &str) -> Vec<(&'a DimibotOrder, &'a PlanRecord)> {
+    let jobs = bench::jobs(verified, device).into_iter();
+    jobs.filter_map(|(job, plan)| Some((job.order.dimibot()?, plan))).collect()
 }
 
 /// What stands around a device, with the instant from which on; the first from the beginning on.
 pub fn sceneries<'a>(verified: &'a Verified, device: &str) -> Vec<(u64, &'a DimibotOrder)> {
     let mut sceneries: Vec<(u64, &DimibotOrder)> = Vec::new();
-    for (job, plan) in jobs(verified, device) {
-        let order = order(job);
+    for (order, plan) in jobs(verified, device) {
         match sceneries.last() {
             None => sceneries.push((0, order)),
             Some((_, last)) if last.obstacles == order.obstacles && last.facts == order.facts => {}
@@ -148,14 +102,6 @@ pub fn sceneries<'a>(verified: &'a Verified, device: &str) -> Vec<(u64, &'a Dimi
         }
     }
     sceneries
-}
-
-/// The jobs of a device with their plans, in order of time.
-pub fn jobs<'a>(verified: &'a Verified, device: &str) -> Vec<(&'a Job, &'a PlanRecord)> {
-    let all = verified.claims().jobs.iter().zip(&verified.schedule().plans);
-    let mut jobs: Vec<_> = all.filter(|(job, _)| job.device == device).collect();
-    jobs.sort_by_key(|(_, plan)| plan.start_ns);
-    jobs
 }
 
 /// The obstacles that are drawn: a viewer does not show more in useful time.
@@ -204,7 +150,7 @@ fn lattice(mut entity: SceneEntity, order: &DimibotOrder, device: &str) -> Scene
     if shown < all {
         title.push_str(&format!(", {shown} of {all} obstacles shown"));
     }
-    drawing::text(&mut entity, [x / 2.0, y + GAP_UM / 4.0, 0.0], title, color::LATTICE);
+    drawing::text(&mut entity, [x / 2.0, y + TITLE_GAP_UM, 0.0], title, color::LATTICE);
     entity
 }
 

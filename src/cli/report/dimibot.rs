@@ -1,0 +1,73 @@
+//! What a build tells of a DiMiBot's plan.
+
+use super::{Note, Told, Topic, count, proof, rounded};
+use crate::check::claims::dimibot::{Action, Asked, DimibotOrder, Stop};
+use crate::device::dimibot::{Cell, Side};
+use crate::quantity::{Dimension, Quantity, digits};
+use crate::schedule::{PlanRecord, State, TimedState};
+use std::ops::RangeInclusive;
+
+/// `29.88 um (70 r) in 9 switches, optimal (bound 29.88 um)`; in cells only where they are squares.
+pub fn cost(plan: &PlanRecord, order: &DimibotOrder) -> String {
+    let figure = |value: f64| match plan.unit.as_str() {
+        "" => digits(value),
+        unit => format!("{} {unit}", rounded(value)),
+    };
+    let pitches = Side::BOTH.map(|side| order.facts.pitch_um(side));
+    let cells = match plan.objective.as_str() {
+        "distance" if pitches[0] == pitches[1] => format!(" ({} r)", (plan.cost / pitches[0]).round()),
+        _ => String::new(),
+    };
+    let switches = count(plan.outcomes.get("switches").copied().unwrap_or_default() as usize, "switch");
+    match plan.objective.as_str() {
+        "switches" => format!("{switches}, {}", proof(plan, figure)),
+        _ => format!("{}{cells} in {switches}, {}", figure(plan.cost), proof(plan, figure)),
+    }
+}
+
+/// In which order each `visit` comes to its places, and how far the cells that were taken for places lie from them.
+pub fn notes(run: &Told, order: &DimibotOrder) -> Vec<Note> {
+    let visits = run.steps.iter().zip(&order.steps).filter_map(|(step, claim)| match &claim.action {
+        Action::Visit(stops) => {
+            Some(visited(stops, &run.plan.states, step.start_ns..=step.start_ns + step.duration_ns))
+        }
+        Action::Move(_) | Action::Wait(_) => None,
+    });
+    let visits = visits.map(|line| (Topic::Visits, line));
+    visits.chain(nearest(order).into_iter().map(|line| (Topic::Nearest, line))).collect()
+}
+
+/// The stops in the order in which states of a stretch of time first stand at them.
+fn visited(stops: &[Stop], states: &[TimedState], during: RangeInclusive<u64>) -> String {
+    // The state in which the stretch begins may be older than it.
+    let before = states.iter().rev().find(|state| state.t_ns <= *during.start());
+    let within = states.iter().filter(|state| during.contains(&state.t_ns));
+    let mut order: Vec<Cell> = Vec::new();
+    for state in before.into_iter().chain(within) {
+        let State::Dimibot { cell: [x, y], .. } = state.state else { continue };
+        let cell = Cell::new(x, y);
+        if stops.iter().any(|stop| stop.cell == cell) && !order.contains(&cell) {
+            order.push(cell);
+        }
+    }
+    order.iter().map(Cell::to_string).collect::<Vec<_>>().join(" → ")
+}
+
+fn nearest(order: &DimibotOrder) -> Vec<String> {
+    let stops = order.steps.iter().flat_map(|step| match &step.action {
+        Action::Move(stops) | Action::Visit(stops) => stops.as_slice(),
+        Action::Wait(_) => &[],
+    });
+    let line = |stop: &Stop| {
+        let Asked::Place([x_um, y_um]) = stop.asked else { return None };
+        let [cell_x_um, cell_y_um] = order.facts.place_um(stop.cell);
+        let off = length((cell_x_um - x_um).hypot(cell_y_um - y_um));
+        Some(format!("({}, {}) is cell {}, {off} off", length(x_um), length(y_um), stop.cell))
+    };
+    stops.filter_map(line).collect()
+}
+
+fn length(um: f64) -> String {
+    let rounded = (um * 1e4).round() / 1e4;
+    Quantity::new(rounded / 1e6, Dimension::LENGTH).to_string()
+}

@@ -1,0 +1,32 @@
+//! What a build tells of an electrode array's plan.
+
+use super::{count, proof};
+use crate::check::claims::electrode_array::{ElectrodeArrayOrder, Objective};
+use crate::quantity::digits;
+use crate::schedule::PlanRecord;
+
+/// `86 steps, optimal (bound 86); sum of costs 312, not proven optimal (bound 298)`: what was minimised comes first.
+pub fn cost(plan: &PlanRecord, order: &ElectrodeArrayOrder) -> String {
+    let steps = |value: f64| count(value as usize, "step");
+    let sum = |value: f64| format!("sum of costs {}", digits(value));
+    let reached = |outcome: &str| plan.outcomes.get(outcome).copied().unwrap_or_default();
+    match order.objective {
+        Objective::Makespan => {
+            let other = bounded(plan, "sum_of_costs");
+            format!("{}, {}; {}{other}", steps(plan.cost), proof(plan, digits), sum(reached("sum_of_costs")))
+        }
+        Objective::SumOfCosts => {
+            let other = bounded(plan, "steps");
+            format!("{}, {}; {}{other}", sum(plan.cost), proof(plan, digits), steps(reached("steps")))
+        }
+    }
+}
+
+/// The bound on an outcome that was not minimised, if the planner knows one.
+fn bounded(plan: &PlanRecord, outcome: &str) -> String {
+    let (Some(bound), Some(reached)) = (plan.bounds.get(outcome), plan.outcomes.get(outcome)) else {
+        return String::new();
+    };
+    let word = if bound >= reached { "optimal" } else { "not proven optimal" };
+    format!(", {word} (bound {})", digits(*bound))
+}

@@ -1,0 +1,25 @@
+//! What a log shows of a DiMiBot: end-effector, way, obstacles and lattice. One unit of its pictures is one micrometre.
+
+pub mod motion;
+mod points;
+pub mod scene;
+
+use super::frames::Mover;
+use super::{Signals, Topic};
+use crate::device::dimibot::Facts;
+use crate::verify::Verified;
+
+/// How far its picture reaches along x.
+pub fn width_um(facts: &Facts) -> f64 {
+    scene::extent_um(facts)[0]
+}
+
+/// All topics of a device but its voltages, and what moves.
+pub fn topics(verified: &Verified, signals: &Signals, device: &str) -> (Vec<Topic>, Vec<Mover>) {
+    let poses = motion::poses(verified, signals, device);
+    let mut topics = Vec::from(motion::topics(verified, device, &poses));
+    topics.extend(points::topics(verified, device));
+    topics.extend(scene::topics(verified, device));
+    let places = poses.into_iter().map(|(t_ns, place)| (t_ns, Some(place))).collect();
+    (topics, vec![Mover { frame: motion::tip_frame(device), device: device.to_owned(), places }])
+}

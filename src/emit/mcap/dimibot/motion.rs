@@ -1,0 +1,73 @@
+//! Where an end-effector is: poses over time, and the whole way of each plan.
+//!
+//! A module snaps at some instant within its pulse, so the old pose is said again at the pulse's start and the new one at its end.
+
+use crate::emit::mcap::bench::plans;
+use crate::emit::mcap::foxglove::{self, PoseInFrame, PosesInFrame};
+use crate::emit::mcap::{Signals, Topic};
+use crate::schedule::{PlanRecord, State, TimedState};
+use crate::verify::Verified;
+use std::collections::BTreeSet;
+
+/// The frame that goes with a device's end-effector.
+pub fn tip_frame(device: &str) -> String {
+    format!("{device}/tip")
+}
+
+/// `/<device>/pose`, where the end-effector is at each of these instants, and `/<device>/path`.
+pub fn topics(verified: &Verified, device: &str, poses: &[(u64, [f64; 3])]) -> [Topic; 2] {
+    let pose = |&(t_ns, place): &(u64, [f64; 3])| {
+        let message = PoseInFrame {
+            timestamp: foxglove::timestamp(t_ns),
+            frame_id: device.to_owned(),
+            pose: foxglove::pose_at(place),
+        };
+        (t_ns, foxglove::encode(&message))
+    };
+    [Topic::new::<PoseInFrame>(format!("/{device}/pose"), poses.iter().map(pose).collect()), path(verified, device)]
+}
+
+/// Where the end-effector is in a state.
+pub fn place(state: &TimedState) -> [f64; 3] {
+    match &state.state {
+        State::Dimibot { position_um: [x, y], .. } => [*x, *y, 0.0],
+        State::ElectrodeArray { .. } => unreachable!("the verifier holds states against the kind of their device"),
+    }
+}
+
+/// The end-effector of a device over time: each new place at the instant of its state, and the old one at the start of the
+/// pulse that leads there. Before its first task it stands where that begins.
+pub fn poses(verified: &Verified, signals: &Signals, device: &str) -> Vec<(u64, [f64; 3])> {
+    let channels = &signals.schedule.channels;
+    let of_device = |channel: u32| channels.get(channel as usize).is_some_and(|channel| channel.device == device);
+    let actuations = signals.schedule.actuations.iter().filter(|actuation| of_device(actuation.channel));
+    let starts: BTreeSet<u64> = actuations.map(|actuation| actuation.start_ns).collect();
+    let mut poses: Vec<(u64, [f64; 3])> = Vec::new();
+    for state in plans(verified, device).iter().flat_map(|plan| &plan.states) {
+        if poses.is_empty() {
+            poses.push((0, place(state)));
+        }
+        if let Some(&(last_ns, old)) = poses.last() {
+            let start_ns = starts.range(..state.t_ns).next_back().copied();
+            if let Some(start_ns) = start_ns.filter(|start_ns| *start_ns > last_ns) {
+                poses.push((start_ns, old));
+            }
+        }
+        if poses.last() != Some(&(state.t_ns, place(state))) {
+            poses.push((state.t_ns, place(state)));
+        }
+    }
+    poses
+}
+
+fn path(verified: &Verified, device: &str) -> Topic {
+    let message = |plan: &&PlanRecord| {
+        let message = PosesInFrame {
+            timestamp: foxglove::timestamp(plan.start_ns),
+            frame_id: device.to_owned(),
+            poses: plan.states.iter().filter_map(|state| foxglove::pose_at(place(state))).collect(),
+        };
+        (plan.start_ns, foxglove::encode(&message))
+    };
+    Topic::new::<PosesInFrame>(format!("/{device}/path"), plans(verified, device).iter().map(message).collect())
+}

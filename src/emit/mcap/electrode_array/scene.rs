@@ -1,0 +1,269 @@
+//! The board in three dimensions: electrodes, obstacles, parts with their names; their ways and goals; the electrodes that are on.
+//!
+//! Three topics, since a viewer that jumps in time reads the last message of each only: what stands there (`scene`), what is
+//! planned (`plan`), and what is on (`active`). The first two come once more as points for viewers that show no scenes.
+
+use super::{frame, place};
+use crate::check::claims::electrode_array::{Action, Body, ElectrodeArrayOrder, Obstacle};
+use crate::device::electrode_array::{Cell, Facts};
+use crate::emit::mcap::Topic;
+use crate::emit::mcap::bench;
+use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, cloud, rectangle};
+use crate::emit::mcap::drawing::{self, Slab, color};
+use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
+use crate::schedule::{PlanRecord, State};
+use crate::verify::Verified;
+use nalgebra::Point2;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Heights above the board, in pitches.
+const ELECTRODE_HEIGHT: f64 = 0.05;
+const ACTIVE_HEIGHT: f64 = 0.12;
+const PART_HEIGHT: f64 = 0.6;
+const OBSTACLE_HEIGHT: f64 = 0.8;
+const PLAN_HEIGHT: f64 = 0.15;
+const LABEL_HEIGHT: f64 = 1.0;
+
+/// Part of an electrode's square that an obstacle on it fills.
+const OBSTACLE_PART: f64 = 0.9;
+
+/// Diameter of the mark of a stop.
+const STOP: f64 = 0.6;
+
+/// The most electrodes that are drawn one by one; of a larger board only the outline is.
+const MAX_ELECTRODES: usize = 10_000;
+
+/// The most parts, stops or obstacles that get a label each.
+const MAX_LABELS: usize = 200;
+
+/// The colours that parts take turns in (after Okabe and Ito, for the colour-blind).
+const PARTS: [Color; 6] = [
+    Color { r: 0.34, g: 0.71, b: 0.91, a: 1.0 },
+    Color { r: 0.9, g: 0.62, b: 0.0, a: 1.0 },
+    Color { r: 0.0, g: 0.62, b: 0.45, a: 1.0 },
+    Color { r: 0.8, g: 0.47, b: 0.65, a: 1.0 },
+    Color { r: 0.0, g: 0.45, b: 0.7, a: 1.0 },
+    Color { r: 0.94, g: 0.89, b: 0.26, a: 1.0 },
+];
+
+const ACTIVE: Color = Color { r: 1.0, g: 0.95, b: 0.4, a: 1.0 };
+
+/// `/<device>/scene`, `/<device>/plan`, `/<device>/active` and the first two as points.
+pub fn topics(verified: &Verified, device: &str) -> Vec<Topic> {
+    let jobs: Vec<(&ElectrodeArrayOrder, &PlanRecord)> = bench::jobs(verified, device)
+        .into_iter()
+        .filter_map(|(job, plan)| Some((job.order.electrode_array()?, plan)))
+        .collect();
+    let (mut scenes, mut plans) = (Vec::new(), Vec::new());
+    let (mut scene_points, mut plan_points) = (Vec::new(), Vec::new());
+    let mut shown: BTreeSet<String> = BTreeSet::new();
+    for (index, (order, plan)) in jobs.iter().enumerate() {
+        // What stands there is said from the beginning on, and again when a job brings other obstacles.
+        let is_new = index == 0 || jobs[index - 1].0.obstacles != order.obstacles;
+        if is_new {
+            let t_ns = if index == 0 { 0 } else { plan.start_ns };
+            let entities = scenery(order, device, t_ns);
+            let ids: BTreeSet<String> = entities.iter().map(|entity| entity.id.clone()).collect();
+            let deletions = shown.difference(&ids).map(|id| drawing::deletion(id, t_ns)).collect();
+            scenes.push((t_ns, foxglove::encode(&SceneUpdate { deletions, entities })));
+            scene_points.push((t_ns, foxglove::encode(&cloud(&scene_strokes(order), device, t_ns))));
+            shown = ids;
+        }
+        let t_ns = plan.start_ns;
+        let ways = ways(order, plan);
+        let entities = vec![way_lines(&ways, device, t_ns), stops(order, device, t_ns)];
+        plans.push((t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities })));
+        plan_points.push((t_ns, foxglove::encode(&cloud(&way_strokes(order, &ways), device, t_ns))));
+    }
+    vec![
+        Topic::new::<SceneUpdate>(format!("/{device}/scene"), scenes),
+        Topic::new::<SceneUpdate>(format!("/{device}/plan"), plans),
+        active(verified, device, jobs.first().map(|(order, _)| &order.facts)),
+        Topic::new::<PointCloud>(format!("/{device}/scene/points"), scene_points),
+        Topic::new::<PointCloud>(format!("/{device}/plan/points"), plan_points),
+    ]
+}
+
+fn color_of(part: usize) -> Color {
+    PARTS[part % PARTS.len()]
+}
+
+fn scenery(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> Vec<SceneEntity> {
+    let facts = &order.facts;
+    let mut entities = vec![board(facts, device, t_ns), obstacles(order, device, t_ns)];
+    for (index, part) in order.parts.iter().enumerate() {
+        let mut entity = drawing::entity(format!("{device}/part/{}", part.name), &frame(device, &part.name), t_ns);
+        let half = facts.layout.half_width;
+        let slab = Slab { bottom_um: ELECTRODE_HEIGHT, height_um: PART_HEIGHT, color: color_of(index) };
+        drawing::cuboid(&mut entity, [-half, -half], [half, half], slab);
+        if index < MAX_LABELS {
+            drawing::text(&mut entity, [0.0, 0.0, LABEL_HEIGHT], part.name.clone(), color_of(index));
+        }
+        entities.push(entity);
+    }
+    entities
+}
+
+/// The lower and the upper corner of the board, half a pitch outside its electrodes.
+fn outline(facts: &Facts) -> [[f64; 2]; 2] {
+    let [x, y] = place(Cell::new(facts.columns, facts.rows));
+    [[-0.5, -0.5], [x + 0.5, y + 0.5]]
+}
+
+fn board(facts: &Facts, device: &str, t_ns: u64) -> SceneEntity {
+    let mut entity = drawing::entity(format!("{device}/board"), device, t_ns);
+    let [[x0, y0], [x1, y1]] = outline(facts);
+    let corners = [[x0, y0, 0.0], [x1, y0, 0.0], [x1, y1, 0.0], [x0, y1, 0.0]];
+    drawing::line(&mut entity, corners, line_primitive::Type::LineLoop, color::LATTICE);
+    if facts.columns as usize * facts.rows as usize <= MAX_ELECTRODES {
+        let radius = facts.radius_um / facts.pitch_um();
+        let slab = Slab { bottom_um: 0.0, height_um: ELECTRODE_HEIGHT, color: color::LATTICE };
+        for row in 1..=facts.rows {
+            for column in 1..=facts.columns {
+                drawing::disc(&mut entity, Point2::from(place(Cell::new(column, row))), radius, slab);
+            }
+        }
+    }
+    let title = format!("{device}: {} x {} electrodes, {:.1} um apart", facts.columns, facts.rows, facts.pitch_um());
+    drawing::text(&mut entity, [(x0 + x1) / 2.0, y1 + 1.0, 0.0], title, color::LATTICE);
+    entity
+}
+
+/// The corners of an obstacle's body.
+fn body(facts: &Facts, obstacle: &Obstacle) -> [[f64; 2]; 2] {
+    let half = OBSTACLE_PART / 2.0;
+    let (low, high, half) = match obstacle.body {
+        Body::Electrodes { from, to } => (place(from), place(to), half),
+        Body::Fixed(cell) => (place(cell), place(cell), facts.layout.half_width),
+    };
+    [low.map(|value| value - half), high.map(|value| value + half)]
+}
+
+fn obstacles(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> SceneEntity {
+    let mut entity = drawing::entity(format!("{device}/obstacles"), device, t_ns);
+    let slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT, color: color::OBSTACLE };
+    for (index, obstacle) in order.obstacles.iter().enumerate() {
+        let [low, high] = body(&order.facts, obstacle);
+        drawing::cuboid(&mut entity, low, high, slab);
+        if index < MAX_LABELS {
+            let middle = [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0, LABEL_HEIGHT];
+            drawing::text(&mut entity, middle, obstacle.name.clone(), color::OBSTACLE);
+        }
+    }
+    entity
+}
+
+/// The index of each part that moves, and its cells one after the other without repetitions.
+fn ways(order: &ElectrodeArrayOrder, plan: &PlanRecord) -> Vec<(usize, Vec<Cell>)> {
+    let mut ways: BTreeMap<&str, Vec<Cell>> = BTreeMap::new();
+    for timed in &plan.states {
+        let State::ElectrodeArray { parts } = &timed.state else { continue };
+        for (name, [column, row]) in parts {
+            let way = ways.entry(name).or_default();
+            let cell = Cell::new(*column, *row);
+            if way.last() != Some(&cell) {
+                way.push(cell);
+            }
+        }
+    }
+    let parts = order.parts.iter().enumerate();
+    let moved = parts.filter_map(|(index, part)| Some((index, ways.remove(part.name.as_str())?)));
+    moved.filter(|(_, way)| way.len() > 1).collect()
+}
+
+fn way_lines(ways: &[(usize, Vec<Cell>)], device: &str, t_ns: u64) -> SceneEntity {
+    let mut entity = drawing::entity(format!("{device}/ways"), device, t_ns);
+    for (part, way) in ways {
+        let places = way.iter().map(|cell| {
+            let [x, y] = place(*cell);
+            [x, y, PLAN_HEIGHT]
+        });
+        drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color_of(*part));
+    }
+    entity
+}
+
+/// What every step of a task asks for: the part's index and the cell.
+fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (usize, Cell)> + '_ {
+    let moves = order.steps.iter().flat_map(|step| match &step.action {
+        Action::Move(moves) => moves.as_slice(),
+        Action::Wait(_) => &[],
+    });
+    moves.flat_map(|action| action.stops.iter().map(|stop| (action.part, stop.cell)))
+}
+
+fn stops(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> SceneEntity {
+    let mut entity = drawing::entity(format!("{device}/stops"), device, t_ns);
+    for (index, (part, cell)) in asked(order).enumerate() {
+        let [x, y] = place(cell);
+        drawing::sphere(&mut entity, [x, y, PLAN_HEIGHT], STOP, color_of(part));
+        if index < MAX_LABELS {
+            let text = format!("{} {cell}", order.parts.get(part).map_or("", |part| &part.name));
+            drawing::text(&mut entity, [x, y + STOP, PLAN_HEIGHT], text, color_of(part));
+        }
+    }
+    entity
+}
+
+fn scene_strokes(order: &ElectrodeArrayOrder) -> Vec<Stroke> {
+    let [low, high] = outline(&order.facts);
+    let board = Stroke { corners: rectangle(low, high), color: color::LATTICE };
+    let obstacles = order.obstacles.iter().map(|obstacle| {
+        let [low, high] = body(&order.facts, obstacle);
+        Stroke { corners: rectangle(low, high), color: color::OBSTACLE }
+    });
+    std::iter::once(board).chain(obstacles).collect()
+}
+
+fn way_strokes(order: &ElectrodeArrayOrder, ways: &[(usize, Vec<Cell>)]) -> Vec<Stroke> {
+    let ways = ways.iter().map(|(part, way)| Stroke {
+        corners: way.iter().map(|cell| Point2::from(place(*cell))).collect(),
+        color: color_of(*part),
+    });
+    let stops = asked(order).map(|(part, cell)| Stroke {
+        corners: circle(Point2::from(place(cell)), STOP / 2.0, CIRCLE_CORNERS),
+        color: color_of(part),
+    });
+    ways.chain(stops).collect()
+}
+
+/// `/<device>/active`: the electrodes that are on, whenever one is switched.
+fn active(verified: &Verified, device: &str, facts: Option<&Facts>) -> Topic {
+    let schedule = verified.schedule();
+    let cell = |channel: u32| {
+        let channel = schedule.channels.get(channel as usize).filter(|channel| channel.device == device)?;
+        facts?.electrode(channel.name.strip_prefix(device)?.strip_prefix('.')?)
+    };
+    // For each instant the electrodes that are switched there, and whether on or off.
+    let mut switched: BTreeMap<u64, Vec<(Cell, Switched)>> = BTreeMap::from([(0, Vec::new())]);
+    for actuation in &schedule.actuations {
+        let Some(cell) = cell(actuation.channel) else { continue };
+        switched.entry(actuation.start_ns).or_default().push((cell, Switched::On));
+        switched.entry(actuation.end_ns()).or_default().push((cell, Switched::Off));
+    }
+    let mut on: BTreeSet<Cell> = BTreeSet::new();
+    let messages = switched.into_iter().map(|(t_ns, mut changes)| {
+        changes.sort_by_key(|(_, switched)| *switched);
+        for (cell, switched) in changes {
+            match switched {
+                Switched::Off => on.remove(&cell),
+                Switched::On => on.insert(cell),
+            };
+        }
+        let mut entity = drawing::entity(format!("{device}/on"), device, t_ns);
+        let radius = facts.map_or(0.4, |facts| facts.radius_um / facts.pitch_um());
+        let slab = Slab { bottom_um: 0.0, height_um: ACTIVE_HEIGHT, color: ACTIVE };
+        for cell in &on {
+            drawing::disc(&mut entity, Point2::from(place(*cell)), radius, slab);
+        }
+        (t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities: vec![entity] }))
+    });
+    Topic::new::<SceneUpdate>(format!("/{device}/active"), messages.collect())
+}
+
+/// What happens to an electrode; what ends at an instant ends before what begins there.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Switched {
+    Off,
+    On,
+}
