@@ -1,6 +1,18 @@
 //! The planner of electrode arrays: many parts at once from their cells to their goals, one step of the platform after the other.
+//!
+//! Input: a job, and where the parts stand. Output: a plan, or an error that says why there is none. The order of reading: `job`
+//! (a task, step by step), `stage` (one step as a problem in flat numbers, [`board`]), `portfolio` (the default planner: [`fast`]
+//! finds plans, [`exact`] and [`joint`] prove them best or impossible), [`published`] (the paper's own), `why` (what stands in the way).
 
 pub mod board;
+pub mod exact;
+pub mod fast;
 mod job;
+pub mod joint;
+mod portfolio;
+pub mod published;
+mod stage;
+mod why;
 
 pub use job::{Motion, Standing, StepMotion, plan};
+pub use portfolio::solve;

@@ -1,0 +1,85 @@
+//! Plans of many agents found fast and made better: the half of the planner that proves nothing but its simple bounds.
+//!
+//! Problem: agents on a grid that all move at the same time, each by its stops to its goal, no two ever too near
+//! ([`super::board`]). Method: prioritised planning with safe intervals (Phillips and Likhachev, ICRA 2011); where no order works,
+//! repair of paths in conflict (MAPF-LNS2: Li and others, AAAI 2022); then large-neighbourhood search (MAPF-LNS: Li and others,
+//! IJCAI 2021).
+//!
+//! Guaranteed: every plan is legal; [`improve`] never returns a worse one; [`bounds`] are below every plan; the same input, seed
+//! and budget mean the same plan. Not guaranteed: that a plan is found where there is one, or an optimum. Where there is no plan the
+//! search ends with its meter.
+//!
+//! Cost: one step of the meter is one expanded node of the search of one agent, one round of repair or improvement, or 32 cells
+//! of a table of distances; the last search or table may overdraw it by the latter. Memory grows with the cells (36 bytes
+//! each), with the moves of all paths times the separation (24 bytes each times two), and with at most 128 MB of tables.
+
+mod crew;
+mod distances;
+mod polish;
+mod prioritise;
+mod random;
+mod repair;
+mod reservations;
+mod sipp;
+
+use super::board::{Costs, Instance, Objective, Paths, Why};
+use crate::plan::search::{Budget, Meter};
+use crew::Crew;
+use prioritise::First;
+
+/// On boards with more cells nothing is planned.
+pub const MAX_CELLS: usize = 1 << 21;
+
+/// What a first plan has to keep besides the instance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Terms {
+    /// Decides between plans that are as good; any number.
+    pub seed: u64,
+    /// The last instant at which an agent may arrive.
+    pub step_limit: Option<u32>,
+}
+
+/// Bounds below every plan: the makespan and the sum of costs of agents that do not see one another. An agent that alone cannot
+/// come to a stop is an error. Costs a breadth-first search for each stop, none where the free cells are a rectangle.
+pub fn bounds(instance: &Instance) -> Result<Costs, Why> {
+    let mut unlimited = Meter::new(Budget::of(u64::MAX));
+    let mut distances = distances::Distances::of(&instance.board);
+    let least = crew::individual(instance, &mut distances, &mut unlimited)?;
+    Ok(total(&least))
+}
+
+/// A first plan, unless the meter runs out, an agent is walled in, or the board has more than [`MAX_CELLS`].
+pub fn first(instance: &Instance, terms: Terms, meter: &mut Meter) -> Option<Paths> {
+    if instance.board.cells() > MAX_CELLS {
+        return None;
+    }
+    let mut crew = Crew::new(instance, terms.seed, meter).ok()?;
+    crew.step_limit = terms.step_limit.unwrap_or(crew.step_limit);
+    if u64::from(crew.step_limit) < total(&crew.least).makespan {
+        return None;
+    }
+    match prioritise::prioritise(&mut crew, meter) {
+        First::Plan(paths) => Some(paths),
+        First::Part(part) => repair::repair(&mut crew, part, meter),
+    }
+}
+
+/// The best plan found from a legal one, itself at worst; ends early where both bounds are met.
+pub fn improve(instance: &Instance, paths: Paths, objective: Objective, seed: u64, meter: &mut Meter) -> Paths {
+    if instance.board.cells() > MAX_CELLS {
+        return paths;
+    }
+    let Ok(mut crew) = Crew::new(instance, seed, meter) else { return paths };
+    let bounds = total(&crew.least);
+    polish::polish(&mut crew, paths, objective, bounds, meter)
+}
+
+fn total(least: &[u32]) -> Costs {
+    Costs {
+        makespan: least.iter().copied().max().unwrap_or(0).into(),
+        sum_of_costs: least.iter().copied().map(u64::from).sum(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,134 @@
+//! What all stages of the fast planner share: the instance, distances, reservations and the search of one agent.
+
+use super::super::board::{Cell, Instance, Paths, Why};
+use super::distances::Distances;
+use super::random::Random;
+use super::reservations::{Asking, Others, Reservations};
+use super::sipp::{Query, Route, Sipp};
+use crate::plan::search::Meter;
+
+/// One instance being planned.
+pub(super) struct Crew<'a> {
+    pub(super) instance: &'a Instance,
+    pub(super) table: Reservations,
+    pub(super) random: Random,
+    /// The last instant at which an agent may arrive.
+    pub(super) step_limit: u32,
+    /// By agent: the steps that it needs when it is alone.
+    pub(super) least: Vec<u32>,
+    distances: Distances,
+    sipp: Sipp,
+    partners: Vec<Vec<u32>>,
+}
+
+/// How an agent is to be planned.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wish {
+    pub(super) others: Others,
+    /// How many instants one unit of soft cost weighs.
+    pub(super) weight: u32,
+    /// The last instant at which it may arrive.
+    pub(super) limit: u32,
+}
+
+impl<'a> Crew<'a> {
+    /// Fails where an agent alone cannot come to one of its stops.
+    pub(super) fn new(instance: &'a Instance, seed: u64, meter: &mut Meter) -> Result<Crew<'a>, Why> {
+        let mut partners = vec![Vec::new(); instance.agents.len()];
+        for [one, other] in &instance.merges {
+            partners[*one].push(*other as u32);
+            partners[*other].push(*one as u32);
+        }
+        let mut distances = Distances::of(&instance.board);
+        let least = individual(instance, &mut distances, meter)?;
+        Ok(Crew {
+            instance,
+            table: Reservations::new(instance),
+            random: Random::new(seed),
+            step_limit: u32::MAX - 1,
+            least,
+            distances,
+            sipp: Sipp::new(&instance.board),
+            partners,
+        })
+    }
+
+    /// How many agents there are.
+    pub(super) fn count(&self) -> usize {
+        self.instance.agents.len()
+    }
+
+    /// A path of one agent, which must not be in the table itself.
+    pub(super) fn plan(&mut self, agent: usize, wish: Wish, meter: &mut Meter) -> Option<Vec<Cell>> {
+        let it = &self.instance.agents[agent];
+        let route = route(self.instance, agent, &mut self.distances, meter).ok()?;
+        let asking = Asking { goal: it.goal(), partners: &self.partners[agent], others: wish.others };
+        let query = Query {
+            board: &self.instance.board,
+            start: it.start,
+            route: &route,
+            asking,
+            weight: wish.weight,
+            limit: wish.limit.min(self.step_limit),
+        };
+        self.sipp.plan(&query, &mut self.table, &mut self.random, meter)
+    }
+
+    /// The agents in the table that a path comes too near to, sorted.
+    pub(super) fn conflicts(&self, agent: usize, path: &[Cell]) -> Vec<usize> {
+        let goal = self.instance.agents[agent].goal();
+        let asking = Asking { goal, partners: &self.partners[agent], others: Others::Hard };
+        let mut found = Vec::new();
+        self.table.conflicts(path, &asking, |other| {
+            if other != agent {
+                found.push(other);
+            }
+        });
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// A shortest path of one agent without the others, one of many.
+    pub(super) fn alone(&mut self, agent: usize, meter: &mut Meter) -> Vec<Cell> {
+        let it = &self.instance.agents[agent];
+        let mut path = vec![it.start];
+        let Ok(route) = route(self.instance, agent, &mut self.distances, meter) else { return path };
+        let (mut cell, mut layer) = (it.start, route.passed(it.start, 0));
+        let mut left = route.steps(cell, layer);
+        while left > 0 {
+            left -= 1;
+            let dice = self.random.next() as u32;
+            let nearer = self.instance.board.neighbours(cell).filter(|next| route.steps(*next, layer) == left);
+            let Some((_, next)) = nearer.enumerate().map(|(turn, next)| (dice >> (8 * turn) & 0xff, next)).max() else {
+                break;
+            };
+            (cell, layer) = (next, route.passed(next, layer));
+            path.push(cell);
+        }
+        path
+    }
+
+    /// Empties the table and enters these paths.
+    pub(super) fn enter_all(&mut self, paths: &Paths) {
+        self.table = Reservations::new(self.instance);
+        for (agent, path) in paths.iter().enumerate() {
+            self.table.add(agent, path);
+        }
+    }
+}
+
+/// By agent: the steps that it needs when it is alone.
+pub(super) fn individual(instance: &Instance, distances: &mut Distances, meter: &mut Meter) -> Result<Vec<u32>, Why> {
+    let one = |agent: usize| {
+        let way = route(instance, agent, distances, meter).map_err(|stop| Why::Closed { agent, stop })?;
+        Ok(way.steps(instance.agents[agent].start, 0))
+    };
+    (0..instance.agents.len()).map(one).collect()
+}
+
+fn route(instance: &Instance, agent: usize, distances: &mut Distances, meter: &mut Meter) -> Result<Route, usize> {
+    let it = &instance.agents[agent];
+    let stops = it.stops.iter().map(|stop| (*stop, distances.to(&instance.board, *stop, meter))).collect();
+    Route::new(it.start, stops)
+}

@@ -1,0 +1,117 @@
+//! How far each cell is from a stop when an agent is alone: exact, and the planner's only heuristic.
+//!
+//! Where the free cells fill a rectangle the distance is Manhattan's and nothing is stored. Elsewhere a breadth-first search from
+//! the stop fills a table of two bytes for each cell; tables are kept up to [`TABLES_BYTES`] and made again when they were pushed
+//! out, the oldest first.
+
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+use rustc_hash::FxHashMap;
+
+use super::super::board::{Board, Cell};
+use crate::plan::search::Meter;
+
+/// The memory that tables may take together: 400 of a board of 400 by 400.
+const TABLES_BYTES: usize = 400 * 400 * 400 * 2;
+
+/// A breadth-first search is charged one step for so many cells.
+const CELLS_PER_STEP: u64 = 32;
+
+/// No way leads from there.
+pub(super) const UNREACHABLE: u32 = u32::MAX;
+
+/// Table entry without a way.
+const NO_WAY: u16 = u16::MAX;
+
+/// The distances to one cell.
+#[derive(Debug, Clone)]
+pub(super) enum Field {
+    Manhattan { column: u32, row: u32, width: u32 },
+    /// Entries are exact up to 65,534 and stop there, which stays below the truth.
+    Table(Rc<[u16]>),
+}
+
+impl Field {
+    /// Steps from a free cell, or [`UNREACHABLE`].
+    #[inline]
+    pub(super) fn from(&self, cell: Cell) -> u32 {
+        match self {
+            Field::Manhattan { column, row, width } => (cell % width).abs_diff(*column) + (cell / width).abs_diff(*row),
+            Field::Table(table) => match table[cell as usize] {
+                NO_WAY => UNREACHABLE,
+                steps => u32::from(steps),
+            },
+        }
+    }
+}
+
+/// All fields of one board.
+#[derive(Debug)]
+pub(super) struct Distances {
+    open: bool,
+    tables: FxHashMap<Cell, Rc<[u16]>>,
+    oldest: VecDeque<Cell>,
+}
+
+impl Distances {
+    pub(super) fn of(board: &Board) -> Distances {
+        Distances { open: is_rectangle(board), tables: FxHashMap::default(), oldest: VecDeque::new() }
+    }
+
+    /// The distances to a free cell.
+    pub(super) fn to(&mut self, board: &Board, stop: Cell, meter: &mut Meter) -> Field {
+        if self.open {
+            let (column, row) = board.place(stop);
+            return Field::Manhattan { column, row, width: board.width() };
+        }
+        if let Some(table) = self.tables.get(&stop) {
+            return Field::Table(Rc::clone(table));
+        }
+        meter.charge(board.cells() as u64 / CELLS_PER_STEP);
+        while !self.oldest.is_empty() && (self.tables.len() + 1) * board.cells() * 2 > TABLES_BYTES {
+            self.oldest.pop_front().map(|cell| self.tables.remove(&cell));
+        }
+        let table: Rc<[u16]> = flood(board, stop).into();
+        self.oldest.push_back(stop);
+        self.tables.insert(stop, Rc::clone(&table));
+        Field::Table(table)
+    }
+}
+
+/// Whether the free cells are exactly those of a rectangle.
+fn is_rectangle(board: &Board) -> bool {
+    let free = (0..board.cells() as Cell).filter(|cell| !board.is_blocked(*cell));
+    let Some((low, high, count)) = free.fold(None, |span: Option<([u32; 2], [u32; 2], u64)>, cell| {
+        let (c, r) = board.place(cell);
+        let (low, high, count) = span.unwrap_or(([c, r], [c, r], 0));
+        Some(([low[0].min(c), low[1].min(r)], [high[0].max(c), high[1].max(r)], count + 1))
+    }) else {
+        return true;
+    };
+    u64::from(high[0] - low[0] + 1) * u64::from(high[1] - low[1] + 1) == count
+}
+
+/// Breadth-first search over the free cells.
+fn flood(board: &Board, stop: Cell) -> Vec<u16> {
+    let mut table = vec![NO_WAY; board.cells()];
+    let (mut ring, mut next) = (vec![stop], Vec::new());
+    table[stop as usize] = 0;
+    let mut steps = 0u16;
+    while !ring.is_empty() {
+        steps = (steps + 1).min(NO_WAY - 1);
+        for cell in ring.drain(..) {
+            for beside in board.neighbours(cell) {
+                if table[beside as usize] == NO_WAY {
+                    table[beside as usize] = steps;
+                    next.push(beside);
+                }
+            }
+        }
+        std::mem::swap(&mut ring, &mut next);
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests;

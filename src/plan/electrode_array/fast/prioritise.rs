@@ -1,0 +1,70 @@
+//! A first plan, one agent after the other among those before it.
+//!
+//! Method: prioritised planning (Erdmann and Lozano-Pérez, 1987) with the search of [`super::sipp`]. The starts of agents that have no
+//! path yet cost a little to pass, so that ways out stay open. When an agent finds no path it comes first in the next order.
+//! Guaranteed: a plan that is returned is legal. Not guaranteed: that there is one; some solvable instances have no order that works.
+//! Cost: at most [`ORDERS`] orders of one search for each agent.
+
+use super::super::board::{Cell, Paths};
+use super::crew::{Crew, Wish};
+use super::reservations::{Others, Reservations};
+use crate::plan::search::Meter;
+
+/// How many orders are tried.
+const ORDERS: usize = 12;
+
+/// How long a start without a path is a hazard, in separations.
+const HAZARD_SEPARATIONS: u32 = 6;
+
+/// How many instants of detour one hazard is worth.
+const HAZARD_WEIGHT: u32 = 1;
+
+/// What an order came to.
+pub(super) enum First {
+    /// A legal plan.
+    Plan(Paths),
+    /// Of the order that left the fewest agents without a path: the paths found.
+    Part(Vec<Option<Vec<Cell>>>),
+}
+
+/// Tries orders: the shortest way first, then those that found no path earlier each time.
+pub(super) fn prioritise(crew: &mut Crew, meter: &mut Meter) -> First {
+    let mut order: Vec<usize> = (0..crew.count()).collect();
+    order.sort_by_key(|agent| crew.least[*agent]);
+    let (mut best, mut fewest) = (vec![None; crew.count()], usize::MAX);
+    for _ in 0..ORDERS {
+        let paths = attempt(crew, &order, meter);
+        let failed: Vec<usize> = order.iter().copied().filter(|agent| paths[*agent].is_none()).collect();
+        if failed.is_empty() {
+            return First::Plan(paths.into_iter().flatten().collect());
+        }
+        if failed.len() < fewest {
+            (best, fewest) = (paths, failed.len());
+        }
+        if meter.left().steps == 0 {
+            break;
+        }
+        order.retain(|agent| !failed.contains(agent));
+        order.splice(0..0, failed);
+    }
+    First::Part(best)
+}
+
+fn attempt(crew: &mut Crew, order: &[usize], meter: &mut Meter) -> Vec<Option<Vec<Cell>>> {
+    crew.table = Reservations::new(crew.instance);
+    let until = HAZARD_SEPARATIONS * crew.instance.separation;
+    for agent in order {
+        crew.table.add_hazard(*agent, crew.instance.agents[*agent].start, until);
+    }
+    let mut paths = vec![None; crew.count()];
+    let wish = Wish { others: Others::Hard, weight: HAZARD_WEIGHT, limit: u32::MAX };
+    for agent in order {
+        crew.table.remove_hazard(*agent, crew.instance.agents[*agent].start);
+        let path = crew.plan(*agent, wish, meter);
+        if let Some(path) = &path {
+            crew.table.add(*agent, path);
+        }
+        paths[*agent] = path;
+    }
+    paths
+}

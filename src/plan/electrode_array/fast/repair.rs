@@ -1,0 +1,148 @@
+//! From paths that come too near to one another to a legal plan.
+//!
+//! Method: MAPF-LNS2 (Li and others, AAAI 2022): take out the paths of a few agents that are in conflict, plan them again one after
+//! the other so that they touch as few others as can be, and keep the outcome if there are no more conflicts than before.
+//! Guaranteed: a plan that is returned is legal. Not guaranteed: that it ends in one; it ends with its meter.
+//! Cost: one search for each agent of a neighbourhood of at most [`LARGEST`].
+
+use super::super::board::{Cell, Paths};
+use super::crew::{Crew, Wish};
+use super::reservations::Others;
+use crate::plan::search::Meter;
+
+/// How many agents are planned again at once, at most.
+const LARGEST: usize = 8;
+
+/// How many instants of detour one instant of conflict is worth.
+const WEIGHT: u32 = 64;
+
+/// Paths and who is in conflict with whom.
+struct State {
+    paths: Paths,
+    near: Vec<Vec<usize>>,
+}
+
+impl State {
+    fn pairs(&self) -> usize {
+        self.near.iter().map(Vec::len).sum::<usize>() / 2
+    }
+
+    fn link(&mut self, agent: usize, others: Vec<usize>) {
+        for other in &others {
+            self.near[*other].push(agent);
+        }
+        self.near[agent] = others;
+    }
+
+    fn unlink(&mut self, agent: usize) {
+        for other in std::mem::take(&mut self.near[agent]) {
+            self.near[other].retain(|one| *one != agent);
+        }
+    }
+}
+
+/// Completes and repairs the paths of an attempt.
+pub(super) fn repair(crew: &mut Crew, part: Vec<Option<Vec<Cell>>>, meter: &mut Meter) -> Option<Paths> {
+    let mut state = begin(crew, part, meter)?;
+    while state.pairs() > 0 {
+        meter.step()?;
+        let chosen = neighbourhood(crew, &state);
+        again(crew, &mut state, chosen, meter)?;
+    }
+    Some(state.paths)
+}
+
+/// Enters the paths of an attempt and plans the missing ones through them.
+fn begin(crew: &mut Crew, part: Vec<Option<Vec<Cell>>>, meter: &mut Meter) -> Option<State> {
+    let known = part.iter().flatten().cloned().collect::<Vec<_>>();
+    let agents: Vec<usize> = (0..part.len()).filter(|agent| part[*agent].is_some()).collect();
+    crew.table = super::reservations::Reservations::new(crew.instance);
+    for (agent, path) in agents.iter().zip(&known) {
+        crew.table.add(*agent, path);
+    }
+    let mut state = State { paths: vec![Vec::new(); part.len()], near: vec![Vec::new(); part.len()] };
+    for (agent, path) in part.into_iter().enumerate() {
+        state.paths[agent] = match path {
+            Some(path) => path,
+            None => {
+                let path = crew.plan(agent, SOFT, meter)?;
+                let others = crew.conflicts(agent, &path);
+                state.link(agent, others);
+                crew.table.add(agent, &path);
+                path
+            }
+        };
+    }
+    Some(state)
+}
+
+const SOFT: Wish = Wish { others: Others::Soft, weight: WEIGHT, limit: u32::MAX };
+
+/// A few agents round a conflict: a walk from conflict to conflict, filled up with agents that pass near.
+fn neighbourhood(crew: &mut Crew, state: &State) -> Vec<usize> {
+    let troubled: Vec<usize> = (0..crew.count()).filter(|agent| !state.near[*agent].is_empty()).collect();
+    let size = LARGEST.min(crew.count());
+    let mut chosen = vec![troubled[crew.random.below(troubled.len())]];
+    let mut at = chosen[0];
+    for _ in 0..4 * size {
+        if chosen.len() >= size {
+            break;
+        }
+        let near = &state.near[at];
+        let next = if !near.is_empty() && crew.random.below(3) > 0 {
+            near[crew.random.below(near.len())]
+        } else {
+            passer(crew, &state.paths[at])
+        };
+        if !chosen.contains(&next) {
+            chosen.push(next);
+        }
+        at = chosen[crew.random.below(chosen.len())];
+    }
+    chosen
+}
+
+/// Someone who passes near a random position of a path.
+fn passer(crew: &mut Crew, path: &[Cell]) -> usize {
+    let cell = path[crew.random.below(path.len())];
+    let count = crew.table.visitors(cell).count();
+    let pick = crew.random.below(count);
+    crew.table.visitors(cell).nth(pick).expect("the path itself is in the table")
+}
+
+/// Plans the chosen agents again; undoes it if there are more conflicts than before. `None` when the meter ran out.
+fn again(crew: &mut Crew, state: &mut State, mut chosen: Vec<usize>, meter: &mut Meter) -> Option<()> {
+    let before = state.pairs();
+    let old: Vec<_> = chosen.iter().map(|agent| (*agent, state.paths[*agent].clone())).collect();
+    for (agent, path) in &old {
+        crew.table.remove(*agent, path);
+        state.unlink(*agent);
+    }
+    crew.random.shuffle(&mut chosen);
+    let mut placed = 0;
+    for agent in &chosen {
+        let Some(path) = crew.plan(*agent, SOFT, meter) else { break };
+        let others = crew.conflicts(*agent, &path);
+        state.link(*agent, others);
+        crew.table.add(*agent, &path);
+        state.paths[*agent] = path;
+        placed += 1;
+        if state.pairs() > before {
+            break;
+        }
+    }
+    if placed == chosen.len() && state.pairs() <= before {
+        return Some(());
+    }
+    for agent in &chosen[..placed] {
+        crew.table.remove(*agent, &state.paths[*agent]);
+        state.unlink(*agent);
+    }
+    for (agent, path) in old {
+        let others = crew.conflicts(agent, &path);
+        state.link(agent, others);
+        crew.table.add(agent, &path);
+        state.paths[agent] = path;
+    }
+    (meter.left().steps > 0).then_some(())
+}

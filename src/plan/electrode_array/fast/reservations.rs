@@ -1,0 +1,313 @@
+//! Who is too near to which cell when: for each cell the spans of instants in which a path of another agent forbids it.
+//!
+//! A position forbids the box of cells nearer than the separation at its own instant and at both neighbouring ones. While an agent
+//! moves one cell, only one row or column of the box changes, so a path of `L` moves is about `(2s - 1) (2s - 1 + L)` spans, and
+//! adding or taking it out costs no more than that.
+
+use super::super::board::{Cell, Instance};
+
+/// The instant after all others.
+pub(super) const NEVER: u32 = u32::MAX;
+
+/// Marks the spans of an agent on the goal where it merges.
+const PARKED: u32 = 1 << 31;
+
+/// Marks the spans round the start of an agent that has no path yet.
+const HAZARD: u32 = 1 << 30;
+
+/// A span of instants `from..to` in which its owner forbids a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Span {
+    from: u32,
+    to: u32,
+    owner: u32,
+}
+
+impl Span {
+    #[inline]
+    fn agent(self) -> u32 {
+        self.owner & !(PARKED | HAZARD)
+    }
+}
+
+/// Instants `from..to` in which an agent may be on a cell, against a cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Segment {
+    pub(super) from: u32,
+    pub(super) to: u32,
+    /// How many others are too near; 0 where all of them are hard.
+    pub(super) cost: u32,
+}
+
+/// What the paths of the others are to the one that asks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Others {
+    /// Not to be touched.
+    Hard,
+    /// To be touched at a cost.
+    Soft,
+}
+
+/// Who asks for segments.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Asking<'a> {
+    pub(super) goal: Cell,
+    /// Those with whom it merges on its goal.
+    pub(super) partners: &'a [u32],
+    pub(super) others: Others,
+}
+
+impl Asking<'_> {
+    /// Whether a span does not count: near a partner, on the common goal or of the partner on it.
+    #[inline]
+    fn ignores(&self, cell: Cell, span: Span) -> bool {
+        !self.partners.is_empty()
+            && self.partners.contains(&span.agent())
+            && (cell == self.goal || span.owner & PARKED != 0)
+    }
+}
+
+/// The spans of all paths on a board.
+#[derive(Debug)]
+pub(super) struct Reservations {
+    width: u32,
+    height: u32,
+    reach: u32,
+    /// By cell, in the order of `from`.
+    spans: Vec<Vec<Span>>,
+    merges: Vec<bool>,
+    hazards: usize,
+    /// Scratch of [`Reservations::trace`]: when the cell with these remainders came into the box.
+    entered: Vec<u32>,
+    /// Scratch: the spans of one path.
+    traced: Vec<(Cell, u32, u32)>,
+    /// Scratch: changes of the cost of one cell.
+    events: Vec<(u32, i64)>,
+}
+
+/// More than all soft costs of a cell.
+const HARD: i64 = 1 << 32;
+
+impl Reservations {
+    pub(super) fn new(instance: &Instance) -> Reservations {
+        let mut merges = vec![false; instance.agents.len()];
+        for agent in instance.merges.iter().flatten() {
+            merges[*agent] = true;
+        }
+        let reach = (instance.separation.max(1) - 1).min(instance.board.width().max(instance.board.height()));
+        let side = 2 * reach as usize + 1;
+        Reservations {
+            width: instance.board.width(),
+            height: instance.board.height(),
+            reach,
+            spans: vec![Vec::new(); instance.board.cells()],
+            merges,
+            hazards: 0,
+            entered: vec![0; side * side],
+            traced: Vec::new(),
+            events: Vec::new(),
+        }
+    }
+
+    /// Enters the path of an agent.
+    pub(super) fn add(&mut self, agent: usize, path: &[Cell]) {
+        self.each_part(agent, path, |table, owner| table.insert(owner));
+    }
+
+    /// Takes out what [`Reservations::add`] entered.
+    pub(super) fn remove(&mut self, agent: usize, path: &[Cell]) {
+        self.each_part(agent, path, |table, owner| table.delete(owner));
+    }
+
+    /// Enters the start of an agent as a soft hazard for instants before `to`.
+    pub(super) fn add_hazard(&mut self, agent: usize, start: Cell, to: u32) {
+        self.hazards += 1;
+        self.trace(&[start], 0, to);
+        self.insert(agent as u32 | HAZARD);
+    }
+
+    /// Takes out what [`Reservations::add_hazard`] entered.
+    pub(super) fn remove_hazard(&mut self, agent: usize, start: Cell) {
+        self.hazards -= 1;
+        self.trace(&[start], 0, NEVER);
+        self.delete(agent as u32 | HAZARD);
+    }
+
+    /// Traces a path, the stay on a common goal by itself, and does something with each of the two.
+    fn each_part(&mut self, agent: usize, path: &[Cell], act: impl Fn(&mut Reservations, u32)) {
+        let owner = agent as u32;
+        if !self.merges[agent] {
+            self.trace(path, 0, NEVER);
+            return act(self, owner);
+        }
+        let (goal, way) = path.split_last().expect("a path has a position");
+        if !way.is_empty() {
+            self.trace(way, 0, path.len() as u32);
+            act(self, owner);
+        }
+        self.trace(&[*goal], (path.len() as u32 - 1).saturating_sub(1), NEVER);
+        act(self, owner | PARKED);
+    }
+
+    /// Lists the spans of a path: those of its first position begin with `from`, those of its last end with `to`.
+    fn trace(&mut self, path: &[Cell], from: u32, to: u32) {
+        self.traced.clear();
+        let mut at = self.place(path[0]);
+        self.enter(self.rectangle(at), from);
+        for (instant, cell) in path.iter().enumerate().skip(1) {
+            let next = self.place(*cell);
+            if next == at {
+                continue;
+            }
+            let (old, new) = (self.rectangle(at), self.rectangle(next));
+            self.leave(strips(old, new), instant as u32 + 1);
+            self.enter(strips(new, old), instant as u32 - 1);
+            at = next;
+        }
+        self.leave(self.rectangle(at), to);
+    }
+
+    fn place(&self, cell: Cell) -> (u32, u32) {
+        (cell % self.width, cell / self.width)
+    }
+
+    /// The cells of the board that a part at this place forbids.
+    fn rectangle(&self, (column, row): (u32, u32)) -> Rectangle {
+        Rectangle {
+            columns: (column.saturating_sub(self.reach), (column + self.reach).min(self.width - 1) + 1),
+            rows: (row.saturating_sub(self.reach), (row + self.reach).min(self.height - 1) + 1),
+        }
+    }
+
+    fn slot(&self, column: u32, row: u32) -> usize {
+        let side = 2 * self.reach + 1;
+        (row % side * side + column % side) as usize
+    }
+
+    fn enter(&mut self, cells: Rectangle, instant: u32) {
+        for row in cells.rows.0..cells.rows.1 {
+            for column in cells.columns.0..cells.columns.1 {
+                let slot = self.slot(column, row);
+                self.entered[slot] = instant;
+            }
+        }
+    }
+
+    fn leave(&mut self, cells: Rectangle, to: u32) {
+        for row in cells.rows.0..cells.rows.1 {
+            for column in cells.columns.0..cells.columns.1 {
+                let from = self.entered[self.slot(column, row)];
+                self.traced.push((row * self.width + column, from, to));
+            }
+        }
+    }
+
+    fn insert(&mut self, owner: u32) {
+        for &(cell, from, to) in &self.traced {
+            let spans = &mut self.spans[cell as usize];
+            let place = spans.iter().rposition(|span| span.from <= from).map_or(0, |before| before + 1);
+            spans.insert(place, Span { from, to, owner });
+        }
+    }
+
+    fn delete(&mut self, owner: u32) {
+        for (cell, ..) in &self.traced {
+            self.spans[*cell as usize].retain(|span| span.owner != owner);
+        }
+    }
+
+    /// Appends the segments of a cell, in their order; hard instants are in none of them.
+    pub(super) fn segments(&mut self, cell: Cell, asking: &Asking, out: &mut Vec<Segment>) {
+        match asking.others {
+            Others::Hard if self.hazards == 0 => self.gaps(cell, asking, out),
+            Others::Hard | Others::Soft => self.levels(cell, asking, out),
+        }
+    }
+
+    fn gaps(&self, cell: Cell, asking: &Asking, out: &mut Vec<Segment>) {
+        let mut from = 0;
+        for span in &self.spans[cell as usize] {
+            if asking.ignores(cell, *span) {
+                continue;
+            }
+            if span.from > from {
+                out.push(Segment { from, to: span.from, cost: 0 });
+            }
+            from = from.max(span.to);
+        }
+        if from != NEVER {
+            out.push(Segment { from, to: NEVER, cost: 0 });
+        }
+    }
+
+    fn levels(&mut self, cell: Cell, asking: &Asking, out: &mut Vec<Segment>) {
+        self.events.clear();
+        for span in &self.spans[cell as usize] {
+            if asking.ignores(cell, *span) {
+                continue;
+            }
+            let soft = asking.others == Others::Soft || span.owner & HAZARD != 0;
+            let weight = if soft { 1 } else { HARD };
+            self.events.push((span.from, weight));
+            self.events.push((span.to, -weight));
+        }
+        self.events.sort_unstable_by_key(|(instant, _)| *instant);
+        let (mut from, mut level) = (0, 0);
+        let ends = self.events.iter().copied().chain([(NEVER, 0)]);
+        for (instant, change) in ends {
+            if instant > from {
+                if level < HARD {
+                    out.push(Segment { from, to: instant, cost: level as u32 });
+                }
+                from = instant;
+            }
+            level += change;
+        }
+    }
+
+    /// Calls with each agent that is too near to a path, once or more often.
+    pub(super) fn conflicts(&self, path: &[Cell], asking: &Asking, mut found: impl FnMut(usize)) {
+        let mut start = 0;
+        while start < path.len() {
+            let cell = path[start];
+            let stay = path[start..].iter().take_while(|at| **at == cell).count();
+            let end = if start + stay == path.len() { NEVER } else { (start + stay) as u32 };
+            for span in &self.spans[cell as usize] {
+                if span.from >= end {
+                    break;
+                }
+                if span.to > start as u32 && !asking.ignores(cell, *span) {
+                    found(span.agent() as usize);
+                }
+            }
+            start += stay;
+        }
+    }
+
+    /// The agents whose paths forbid a cell at some instant, in the order of the first.
+    pub(super) fn visitors(&self, cell: Cell) -> impl Iterator<Item = usize> + '_ {
+        self.spans[cell as usize].iter().map(|span| span.agent() as usize)
+    }
+}
+
+/// Columns and rows `from..to`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Rectangle {
+    columns: (u32, u32),
+    rows: (u32, u32),
+}
+
+/// What is in the first rectangle and not in the second, which is the first moved by one cell.
+fn strips(first: Rectangle, second: Rectangle) -> Rectangle {
+    let side = |(low, high): (u32, u32), (other_low, other_high): (u32, u32)| {
+        if low < other_low { (low, other_low) } else { (other_high, high.max(other_high)) }
+    };
+    if first.columns != second.columns {
+        Rectangle { columns: side(first.columns, second.columns), rows: first.rows }
+    } else {
+        Rectangle { columns: first.columns, rows: side(first.rows, second.rows) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,119 @@
+//! Segments against the rule of distance, position by position.
+
+use super::super::super::board::{Agent, Board, position};
+use super::super::random::Random;
+use super::*;
+
+const INSTANTS: u32 = 40;
+
+fn walk(random: &mut Random, board: &Board, moves: usize) -> Vec<Cell> {
+    let mut path = vec![random.below(board.cells()) as Cell];
+    for _ in 0..moves {
+        let at = path[path.len() - 1];
+        let beside: Vec<Cell> = board.neighbours(at).chain([at, at]).collect();
+        path.push(beside[random.below(beside.len())]);
+    }
+    path
+}
+
+/// Walks of three agents; the last two merge on the end of theirs.
+fn three(random: &mut Random, separation: u32) -> (Instance, Vec<Vec<Cell>>) {
+    let board = Board::new(6 + random.below(9) as u32, 1 + random.below(12) as u32);
+    let moves = random.below(20);
+    let mut paths: Vec<_> = (0..3).map(|_| walk(random, &board, moves)).collect();
+    let goal = paths[1][moves];
+    let first = paths[1].iter().position(|cell| *cell == goal).expect("it ends there");
+    paths[1].truncate(first + 1);
+    let mut agents: Vec<Agent> = paths.iter().map(|path| Agent { start: path[0], stops: vec![goal] }).collect();
+    agents[0].stops = vec![paths[0][moves]];
+    (Instance { board, separation, agents, merges: vec![[1, 2]] }, paths)
+}
+
+/// How many of these agents are too near to a third on a cell at an instant.
+fn near(instance: &Instance, paths: &[Vec<Cell>], others: &[usize], agent: usize, cell: Cell, instant: u32) -> u32 {
+    let touches = |other: &&usize| {
+        (instant.saturating_sub(1)..=instant + 1)
+            .any(|at| instance.too_near((agent, cell), (**other, position(&paths[**other], at as usize))))
+    };
+    others.iter().filter(touches).count() as u32
+}
+
+#[test]
+fn segments_are_what_the_rule_says() {
+    let mut random = Random::new(9);
+    for round in 0..150 {
+        let (instance, paths) = three(&mut random, 1 + round % 5);
+        let mut table = Reservations::new(&instance);
+        table.add(2, &[0]);
+        table.add(0, &paths[0]);
+        table.remove(2, &[0]);
+        table.add(1, &paths[1]);
+        for others in [Others::Hard, Others::Soft] {
+            let asking = Asking { goal: instance.agents[2].goal(), partners: &[1], others };
+            for cell in 0..instance.board.cells() as Cell {
+                let mut segments = Vec::new();
+                table.segments(cell, &asking, &mut segments);
+                for instant in 0..INSTANTS {
+                    let here = segments.iter().find(|one| (one.from..one.to).contains(&instant));
+                    let touched = near(&instance, &paths, &[0, 1], 2, cell, instant);
+                    match others {
+                        Others::Hard => assert_eq!(here.is_none(), touched > 0, "{instance:?} {cell} {instant}"),
+                        Others::Soft => assert_eq!(here.map_or(0, |one| one.cost.min(1)), touched.min(1)),
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn conflicts_are_those_of_the_rule() {
+    let mut random = Random::new(10);
+    for round in 0..200 {
+        let (instance, paths) = three(&mut random, 1 + round % 4);
+        let mut table = Reservations::new(&instance);
+        table.add(0, &paths[0]);
+        table.add(1, &paths[1]);
+        let asking = Asking { goal: instance.agents[2].goal(), partners: &[1], others: Others::Hard };
+        let mut found = Vec::new();
+        table.conflicts(&paths[2], &asking, |other| found.push(other));
+        for other in [0, 1] {
+            let touches = |at: u32| near(&instance, &paths, &[other], 2, position(&paths[2], at as usize), at) > 0;
+            assert_eq!(found.contains(&other), (0..INSTANTS).any(touches));
+        }
+    }
+}
+
+#[test]
+fn a_removed_path_leaves_nothing() {
+    let mut random = Random::new(11);
+    let (instance, paths) = three(&mut random, 3);
+    let mut table = Reservations::new(&instance);
+    for (agent, path) in paths.iter().enumerate() {
+        table.add(agent, path);
+        table.add_hazard(agent, path[0], 5);
+    }
+    for (agent, path) in paths.iter().enumerate() {
+        table.remove(agent, path);
+        table.remove_hazard(agent, path[0]);
+    }
+    assert!(table.spans.iter().all(Vec::is_empty));
+    assert_eq!(table.hazards, 0);
+}
+
+#[test]
+fn a_hazard_is_soft_among_hard_paths() {
+    let board = Board::new(9, 1);
+    let agents = vec![Agent { start: 0, stops: vec![0] }; 3];
+    let instance = Instance { board, separation: 2, agents, merges: vec![] };
+    let mut table = Reservations::new(&instance);
+    table.add(0, &[0]);
+    table.add_hazard(1, 4, 7);
+    let asking = Asking { goal: 8, partners: &[], others: Others::Hard };
+    let mut segments = Vec::new();
+    table.segments(3, &asking, &mut segments);
+    assert_eq!(segments, [Segment { from: 0, to: 7, cost: 1 }, Segment { from: 7, to: NEVER, cost: 0 }]);
+    segments.clear();
+    table.segments(1, &asking, &mut segments);
+    assert_eq!(segments, []);
+}

@@ -1,0 +1,297 @@
+//! The way of one agent among the paths of the others: its stops in their order, then its goal, where it stays.
+//!
+//! Method: safe-interval path planning (Phillips and Likhachev, ICRA 2011) over the segments of
+//! [`Reservations`], with soft segments at a cost as in SIPPS (Li and others, AAAI 2022). The rule of distance forbids single
+//! positions and no moves, so the earliest arrival in each segment stands for all later ones.
+//! Guaranteed with hard segments only: a path with the earliest last arrival within the limit, if the meter lets the search end.
+//! With soft ones: a path of least cost plus arrival in the weights asked, as far as the earliest arrivals tell.
+//! Cost: one step for each expanded node; there are at most as many nodes as segments times stops, with soft segments a few
+//! times as many.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::super::board::{Board, Cell};
+use super::distances::{Field, UNREACHABLE};
+use super::random::Random;
+use super::reservations::{Asking, NEVER, Reservations, Segment};
+use crate::plan::search::Meter;
+
+/// No node.
+const NONE: u32 = u32::MAX;
+
+/// What is asked of a search.
+pub(super) struct Query<'a> {
+    pub(super) board: &'a Board,
+    pub(super) start: Cell,
+    pub(super) route: &'a Route,
+    pub(super) asking: Asking<'a>,
+    /// How many instants one unit of cost weighs.
+    pub(super) weight: u32,
+    /// The last instant at which it may arrive.
+    pub(super) limit: u32,
+}
+
+/// The stops of an agent, with the distances to each.
+#[derive(Debug, Clone)]
+pub(super) struct Route {
+    stops: Vec<(Cell, Field)>,
+    /// From each stop to the end.
+    rest: Vec<u32>,
+}
+
+impl Route {
+    /// `stops` is not empty; the index of the first stop that the one before cannot reach if there is one.
+    pub(super) fn new(start: Cell, stops: Vec<(Cell, Field)>) -> Result<Route, usize> {
+        let mut from = start;
+        for (index, (stop, field)) in stops.iter().enumerate() {
+            if field.from(from) == UNREACHABLE {
+                return Err(index);
+            }
+            from = *stop;
+        }
+        let mut rest = vec![0; stops.len()];
+        for index in (1..stops.len()).rev() {
+            rest[index - 1] = rest[index] + stops[index].1.from(stops[index - 1].0);
+        }
+        Ok(Route { stops, rest })
+    }
+
+    /// Steps from a cell to the end, when `layer` stops are behind.
+    #[inline]
+    pub(super) fn steps(&self, cell: Cell, layer: u32) -> u32 {
+        self.stops[layer as usize].1.from(cell).saturating_add(self.rest[layer as usize])
+    }
+
+    fn last(&self) -> u32 {
+        self.stops.len() as u32 - 1
+    }
+
+    /// How many stops are behind once the agent is on a cell.
+    #[inline]
+    pub(super) fn passed(&self, cell: Cell, mut layer: u32) -> u32 {
+        while layer < self.last() && self.stops[layer as usize].0 == cell {
+            layer += 1;
+        }
+        layer
+    }
+}
+
+/// The earliest way found into a segment at some cost.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    cell: Cell,
+    segment: u32,
+    layer: u32,
+    arrival: u32,
+    cost: u32,
+    parent: u32,
+    /// Another node of the same segment and layer.
+    sibling: u32,
+    closed: bool,
+}
+
+/// The search and its memory, which searches after one another share.
+#[derive(Debug)]
+pub(super) struct Sipp {
+    round: u32,
+    /// By cell: the round in which its segments were listed, and where in `segments`.
+    listed: Vec<(u32, u32, u32)>,
+    segments: Vec<Segment>,
+    /// By segment and layer: the first of its nodes.
+    heads: Vec<u32>,
+    nodes: Vec<Node>,
+    open: BinaryHeap<Reverse<(u64, u32)>>,
+}
+
+impl Sipp {
+    pub(super) fn new(board: &Board) -> Sipp {
+        Sipp {
+            round: 0,
+            listed: vec![(0, 0, 0); board.cells()],
+            segments: Vec::new(),
+            heads: Vec::new(),
+            nodes: Vec::new(),
+            open: BinaryHeap::new(),
+        }
+    }
+
+    /// A path, unless there is none within the limit or the meter ran out.
+    pub(super) fn plan(
+        &mut self,
+        query: &Query,
+        reservations: &mut Reservations,
+        random: &mut Random,
+        meter: &mut Meter,
+    ) -> Option<Vec<Cell>> {
+        let earliest = self.begin(query, reservations)?;
+        while let Some(Reverse((_, index))) = self.open.pop() {
+            let node = self.nodes[index as usize];
+            if node.closed {
+                continue;
+            }
+            self.nodes[index as usize].closed = true;
+            meter.step()?;
+            if self.is_end(query, &node) {
+                return Some(self.path(index));
+            }
+            self.expand(query, reservations, random, (index, node), earliest);
+        }
+        None
+    }
+
+    /// Puts the start into the queue; the instant from which the goal is free for ever, or `None` if there is no start or end.
+    fn begin(&mut self, query: &Query, reservations: &mut Reservations) -> Option<u32> {
+        self.round += 1;
+        self.segments.clear();
+        self.heads.clear();
+        self.nodes.clear();
+        self.open.clear();
+        let (_, end) = self.list(query, reservations, query.asking.goal);
+        let last = self.segments.get((end as usize).checked_sub(1)?)?;
+        if last.to != NEVER {
+            return None;
+        }
+        let earliest = last.from;
+        let (first, end) = self.list(query, reservations, query.start);
+        let segment = (first < end && self.segments[first as usize].from == 0).then_some(first)?;
+        let layer = query.route.passed(query.start, 0);
+        let start = Node {
+            cell: query.start,
+            segment,
+            layer,
+            arrival: 0,
+            cost: self.segments[segment as usize].cost,
+            parent: NONE,
+            sibling: NONE,
+            closed: false,
+        };
+        self.push(query, start, earliest, 0);
+        Some(earliest)
+    }
+
+    /// The segments of a cell, listed once a search.
+    fn list(&mut self, query: &Query, reservations: &mut Reservations, cell: Cell) -> (u32, u32) {
+        let (round, first, end) = self.listed[cell as usize];
+        if round == self.round {
+            return (first, end);
+        }
+        let first = self.segments.len() as u32;
+        reservations.segments(cell, &query.asking, &mut self.segments);
+        let end = self.segments.len() as u32;
+        self.heads.resize(end as usize * (query.route.last() as usize + 1), NONE);
+        self.listed[cell as usize] = (self.round, first, end);
+        (first, end)
+    }
+
+    fn is_end(&self, query: &Query, node: &Node) -> bool {
+        node.cell == query.asking.goal
+            && node.layer == query.route.last()
+            && self.segments[node.segment as usize].to == NEVER
+    }
+
+    fn expand(
+        &mut self,
+        query: &Query,
+        reservations: &mut Reservations,
+        random: &mut Random,
+        (index, node): (u32, Node),
+        earliest: u32,
+    ) {
+        let leave = self.segments[node.segment as usize].to;
+        self.enter(query, (index, node), (node.segment + 1, node.cell), leave, earliest, 0);
+        if node.cell == query.asking.goal && !query.asking.partners.is_empty() {
+            return;
+        }
+        let mut dice = random.next();
+        for cell in query.board.neighbours(node.cell) {
+            let (first, end) = self.list(query, reservations, cell);
+            dice >>= 12;
+            for segment in first..end {
+                if self.segments[segment as usize].from > leave {
+                    break;
+                }
+                self.enter(query, (index, node), (segment, cell), leave, earliest, dice as u32 & 0xfff);
+            }
+        }
+    }
+
+    /// Adds the node for going or waiting into a segment, if that can be and no better way into it is known.
+    fn enter(
+        &mut self,
+        query: &Query,
+        (parent, node): (u32, Node),
+        (segment, cell): (u32, Cell),
+        leave: u32,
+        earliest: u32,
+        dice: u32,
+    ) {
+        let waits = cell == node.cell;
+        let Some(target) = self.segments.get(segment as usize).copied() else { return };
+        if waits && (segment >= self.listed[cell as usize].2 || target.from != leave) {
+            return;
+        }
+        let arrival = target.from.max(node.arrival + 1);
+        if arrival >= target.to || arrival > leave {
+            return;
+        }
+        let cost = node.cost + target.cost;
+        let layer = query.route.passed(cell, node.layer);
+        let (mut other, head) = self.head(query, segment, layer);
+        while other != NONE {
+            let known = &mut self.nodes[other as usize];
+            if known.cost <= cost && known.arrival <= arrival {
+                return;
+            }
+            known.closed |= cost <= known.cost && arrival <= known.arrival;
+            other = known.sibling;
+        }
+        let sibling = self.heads[head];
+        self.push(query, Node { cell, segment, layer, arrival, cost, parent, sibling, closed: false }, earliest, dice);
+    }
+
+    fn head(&self, query: &Query, segment: u32, layer: u32) -> (u32, usize) {
+        let head = segment as usize * (query.route.last() as usize + 1) + layer as usize;
+        (self.heads[head], head)
+    }
+
+    fn push(&mut self, query: &Query, node: Node, earliest: u32, dice: u32) {
+        let ahead = query.route.steps(node.cell, node.layer);
+        if ahead == UNREACHABLE {
+            return;
+        }
+        let total = (node.arrival.saturating_add(ahead)).max(earliest);
+        if total > query.limit {
+            return;
+        }
+        let index = self.nodes.len() as u32;
+        let (_, head) = self.head(query, node.segment, node.layer);
+        self.heads[head] = index;
+        self.nodes.push(node);
+        let first = (u64::from(total) + u64::from(query.weight) * u64::from(node.cost)).min(u64::from(u32::MAX));
+        let second = u64::from(ahead.min(0xf_ffff));
+        self.open.push(Reverse((first << 32 | second << 12 | u64::from(dice), index)));
+    }
+
+    /// Position by position up to the last arrival.
+    fn path(&self, end: u32) -> Vec<Cell> {
+        let mut chain = vec![self.nodes[end as usize]];
+        while let Some(node) = chain.last().filter(|node| node.parent != NONE) {
+            chain.push(self.nodes[node.parent as usize]);
+        }
+        let mut path: Vec<Cell> = Vec::new();
+        for node in chain.iter().rev() {
+            if let Some(last) = path.last().copied() {
+                path.resize(node.arrival as usize, last);
+            }
+            path.push(node.cell);
+        }
+        while path.len() > 1 && path[path.len() - 1] == path[path.len() - 2] {
+            path.pop();
+        }
+        path
+    }
+}
+
+#[cfg(test)]
+mod tests;
