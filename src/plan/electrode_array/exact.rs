@@ -1,0 +1,3 @@
+//! Exact planning (to be completed).
+
+pub mod field;
