@@ -1,0 +1,340 @@
+//! Bounds, proofs and optima for many parts on one board, or the proof that they cannot be moved.
+//!
+//! Problem: an [`Instance`], an [`Objective`], perhaps a plan that is to be judged or bettered. Methods, in this order:
+//!
+//! - The distances of the agents alone bound both costs; a plan that meets its bound is proven at once.
+//! - A small joint space is searched exhaustively ([`joint`]); that decides every question.
+//! - Without a plan, pairs of agents that cannot pass one another whatever the others do are looked for, in the pairs' joint space.
+//! - Conflict-based search on independent groups ([`tree`], [`groups`]): for the sum of costs directly, for the makespan by asking
+//!   for each number of steps from the bound on whether it suffices.
+//! - Still without a plan: the joint space of all, as far as the budget goes.
+//!
+//! Guaranteed: bounds and reasons are proven, plans keep the rule, and everything ends within the budget. With a budget without
+//! end every instance would be decided. Not guaranteed: that a given budget suffices; that ties are broken by the other
+//! objective, except in small joint spaces when the makespan comes first; that the agents named by [`Why::Blocked`] are the fewest.
+//! Cost: exponential in the number of agents that meet in tight places, close to linear where few do.
+//!
+//! One step of the budget is one node of one agent's search, of its layers, or one move tried in a joint space; memory stays
+//! below some 50 bytes a step.
+
+mod cover;
+mod demand;
+pub mod field;
+mod groups;
+mod layers;
+mod pair;
+mod split;
+mod tree;
+
+use super::board::{Answer, Costs, Instance, Objective, Paths, Why};
+use super::joint::{self, Aim, trim};
+use crate::plan::search::{Budget, Meter};
+use demand::ALWAYS;
+use field::{Closed, Field};
+use groups::Wanted;
+use tree::End;
+
+/// Joint spaces with at most this many states are searched as a whole.
+const SMALL: u64 = 1 << 20;
+
+/// Each pair that may block is given this part of what is left of the budget.
+const PAIR_SHARE: u64 = 16;
+
+/// The search for the least number of steps is given this part when it may be endless, because there may be no plan.
+const OPEN_SHARE: u64 = 2;
+
+/// The search for a better sum of costs at the least makespan is given this part.
+const POLISH_SHARE: u64 = 4;
+
+/// Proves as much as the budget allows: betters the bounds and the incumbent until they meet, or proves that there is no plan.
+///
+/// The incumbent has to be a legal plan. With `limit`, a plan of more steps is none. The bounds of the answer hold for every plan
+/// of the instance within the limit; a plan that meets the bound of the objective is proven optimal.
+/// [`Why::TooFewSteps`] names the smallest number that would do if the budget allowed to find it, otherwise one below which there
+/// is proven to be nothing.
+pub fn prove(instance: &Instance, objective: Objective, incumbent: Option<&Paths>, limit: Option<u64>, meter: &mut Meter) -> Answer {
+    let limit = limit.map(|limit| limit.min(u64::from(ALWAYS - 1)) as u32);
+    let within = |paths: &&Paths| limit.is_none_or(|limit| Costs::of(paths).makespan <= u64::from(limit));
+    let best = incumbent.filter(within).cloned();
+    match Field::new(instance) {
+        Ok(field) => Prover::new(&field, objective, best, limit, meter).run(),
+        Err(Closed::Stop { agent, stop }) => Answer::Impossible(Why::Closed { agent, stop }),
+        Err(Closed::TooLarge) => unsearched(best, manhattan_bounds(instance)),
+    }
+}
+
+fn unsearched(best: Option<Paths>, bounds: Costs) -> Answer {
+    match best {
+        Some(paths) => Answer::Found { paths, bounds },
+        None => Answer::GaveUp { bounds },
+    }
+}
+
+/// Bounds from the Manhattan distances over the stops.
+fn manhattan_bounds(instance: &Instance) -> Costs {
+    let length = |agent: &super::board::Agent| {
+        let from = std::iter::once(agent.start).chain(agent.stops.iter().copied());
+        from.zip(&agent.stops).map(|(from, to)| u64::from(instance.board.manhattan(from, *to))).sum::<u64>()
+    };
+    let lengths = instance.agents.iter().map(length);
+    Costs { makespan: lengths.clone().max().unwrap_or(0), sum_of_costs: lengths.sum() }
+}
+
+/// The state of a proof.
+struct Prover<'a, 'm> {
+    field: &'a Field<'a>,
+    objective: Objective,
+    best: Option<Paths>,
+    limit: Option<u32>,
+    bounds: Costs,
+    meter: &'m mut Meter,
+}
+
+/// Why a proof ends.
+enum Done {
+    /// The best plan meets its bound.
+    Proven,
+    Impossible(Why),
+}
+
+impl<'a, 'm> Prover<'a, 'm> {
+    fn new(field: &'a Field<'a>, objective: Objective, best: Option<Paths>, limit: Option<u32>, meter: &'m mut Meter) -> Self {
+        let costs = (0..field.agents()).map(|agent| u64::from(field.least(agent)));
+        let bounds = Costs { makespan: costs.clone().max().unwrap_or(0), sum_of_costs: costs.sum() };
+        Prover { field, objective, best, limit, bounds, meter }
+    }
+
+    fn run(mut self) -> Answer {
+        match self.decide() {
+            Some(Done::Impossible(why)) => Answer::Impossible(why),
+            Some(Done::Proven) | None => unsearched(self.best, self.bounds),
+        }
+    }
+
+    fn decide(&mut self) -> Option<Done> {
+        if self.is_met() {
+            return Some(Done::Proven);
+        }
+        if let Some(done) = self.by_small_joint_space() {
+            return Some(done);
+        }
+        if self.best.is_none()
+            && let Some(agents) = self.blocked_pair()
+        {
+            return Some(Done::Impossible(Why::Blocked { agents }));
+        }
+        if self.limit.is_some_and(|limit| u64::from(limit) < self.bounds.makespan) {
+            return Some(self.too_few_steps());
+        }
+        let done = match self.objective {
+            Objective::Makespan => self.by_makespan(),
+            Objective::SumOfCosts => self.by_sum_of_costs(),
+        };
+        if done.is_some() || self.best.is_some() {
+            return done;
+        }
+        self.by_whole_joint_space()
+    }
+
+    /// Whether the best plan meets the bound of the objective.
+    fn is_met(&self) -> bool {
+        self.best.as_ref().is_some_and(|paths| {
+            let costs = Costs::of(paths);
+            match self.objective {
+                Objective::Makespan => costs.makespan <= self.bounds.makespan,
+                Objective::SumOfCosts => costs.sum_of_costs <= self.bounds.sum_of_costs,
+            }
+        })
+    }
+
+    /// Keeps a plan if it is better than the best known.
+    fn offer(&mut self, mut paths: Paths) {
+        paths.iter_mut().for_each(trim);
+        let key = |paths: &Paths| Costs::of(paths).key(self.objective);
+        if self.best.as_ref().is_none_or(|best| key(&paths) < key(best)) {
+            self.best = Some(paths);
+        }
+    }
+
+    fn everyone(&self) -> Vec<usize> {
+        (0..self.field.agents()).collect()
+    }
+
+    /// Whether the joint space is small; with the instants in it if the steps are limited.
+    fn is_small(&self) -> bool {
+        let states = |agent: usize| self.field.nodes(agent) as u64 + 1;
+        self.everyone().into_iter().try_fold(1u64, |product, agent| product.checked_mul(states(agent))).is_some_and(|all| all <= SMALL)
+    }
+
+    fn by_small_joint_space(&mut self) -> Option<Done> {
+        if !self.is_small() {
+            return None;
+        }
+        let group = self.everyone();
+        match joint::search(self.field, &group, Aim::Makespan { limit: None }, self.meter) {
+            joint::Outcome::Found(paths) => {
+                let makespan = Costs::of(&paths).makespan;
+                self.bounds.makespan = self.bounds.makespan.max(makespan);
+                if self.limit.is_some_and(|limit| makespan > u64::from(limit)) {
+                    return Some(Done::Impossible(Why::TooFewSteps { least: makespan }));
+                }
+                self.offer(paths);
+            }
+            joint::Outcome::Impossible => return Some(Done::Impossible(self.blocked_among(group))),
+            joint::Outcome::NotWithin | joint::Outcome::GaveUp { .. } => return None,
+        }
+        let limit = match self.objective {
+            Objective::Makespan => Some(self.bounds.makespan as u32),
+            Objective::SumOfCosts => self.limit,
+        };
+        if let joint::Outcome::Found(paths) = joint::search(self.field, &group, Aim::SumOfCosts { limit }, self.meter) {
+            if self.objective == Objective::SumOfCosts {
+                self.bounds.sum_of_costs = Costs::of(&paths).sum_of_costs;
+            }
+            self.offer(paths);
+        }
+        self.is_met().then_some(Done::Proven)
+    }
+
+    /// A pair that cannot pass one another.
+    fn blocked_pair(&mut self) -> Option<Vec<usize>> {
+        for other in 0..self.field.agents() {
+            for one in 0..other {
+                let steps = self.meter.left().steps / PAIR_SHARE;
+                let group = [one, other];
+                if self.spend(steps, |field, meter| joint::search(field, &group, Aim::Any, meter)) == joint::Outcome::Impossible {
+                    return Some(group.to_vec());
+                }
+            }
+        }
+        None
+    }
+
+    /// Runs something on a part of the budget.
+    fn spend<T>(&mut self, steps: u64, search: impl FnOnce(&Field, &mut Meter) -> T) -> T {
+        let mut own = Meter::new(Budget::of(steps));
+        let result = search(self.field, &mut own);
+        self.meter.charge(own.spent());
+        result
+    }
+
+    /// The reason for a group without a plan: agents are left out one by one while there is still none.
+    fn blocked_among(&mut self, mut agents: Vec<usize>) -> Why {
+        let mut place = 0;
+        while place < agents.len() && agents.len() > 2 {
+            let mut fewer = agents.clone();
+            fewer.remove(place);
+            let steps = self.meter.left().steps / OPEN_SHARE;
+            if self.spend(steps, |field, meter| joint::search(field, &fewer, Aim::Any, meter)) == joint::Outcome::Impossible {
+                agents = fewer;
+            } else {
+                place += 1;
+            }
+        }
+        Why::Blocked { agents }
+    }
+
+    /// Asks for each number of steps from the bound on whether it suffices.
+    fn by_makespan(&mut self) -> Option<Done> {
+        let share = if self.best.is_some() { 1 } else { OPEN_SHARE };
+        let mut own = Meter::new(Budget::of(self.meter.left().steps / share));
+        let done = self.raise_makespan(&mut own);
+        self.meter.charge(own.spent());
+        if matches!(done, Some(Done::Proven)) {
+            self.polish();
+        }
+        done
+    }
+
+    fn raise_makespan(&mut self, meter: &mut Meter) -> Option<Done> {
+        while !self.is_met() {
+            if self.limit.is_some_and(|limit| self.bounds.makespan > u64::from(limit)) {
+                return Some(self.too_few_steps());
+            }
+            let steps = self.bounds.makespan as u32;
+            match groups::search(self.field, exactly(steps), meter) {
+                End::Found { paths, .. } => {
+                    self.offer(paths);
+                    return Some(Done::Proven);
+                }
+                End::Nothing => self.bounds.makespan += 1,
+                End::GaveUp { .. } => return None,
+            }
+        }
+        Some(Done::Proven)
+    }
+
+    /// Betters the sum of costs of a plan whose makespan is proven.
+    fn polish(&mut self) {
+        let Some(best) = &self.best else { return };
+        let costs = Costs::of(best);
+        let wanted = Wanted { least: 0, most: costs.makespan as u32, ceiling: costs.sum_of_costs };
+        let steps = self.meter.left().steps / POLISH_SHARE;
+        if let End::Found { paths, .. } = self.spend(steps, |field, meter| groups::search(field, wanted, meter)) {
+            self.offer(paths);
+        }
+    }
+
+    fn by_sum_of_costs(&mut self) -> Option<Done> {
+        let ceiling = self.best.as_ref().map_or(u64::MAX, |paths| Costs::of(paths).sum_of_costs);
+        let wanted = Wanted { least: 0, most: self.limit.unwrap_or(ALWAYS), ceiling };
+        let share = if self.best.is_some() { 1 } else { OPEN_SHARE };
+        let steps = self.meter.left().steps / share;
+        match self.spend(steps, |field, meter| groups::search(field, wanted, meter)) {
+            End::Found { paths, cost } => {
+                self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(cost);
+                self.offer(paths);
+                Some(Done::Proven)
+            }
+            End::Nothing if self.best.is_some() => {
+                self.bounds.sum_of_costs = ceiling;
+                Some(Done::Proven)
+            }
+            End::Nothing if self.limit.is_some() => Some(self.too_few_steps()),
+            End::Nothing => {
+                let everyone = self.everyone();
+                Some(Done::Impossible(self.blocked_among(everyone)))
+            }
+            End::GaveUp { bound } => {
+                self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(bound);
+                None
+            }
+        }
+    }
+
+    /// There is nothing within the limit: how many steps would do, as far as the budget goes.
+    fn too_few_steps(&mut self) -> Done {
+        let past_limit = u64::from(self.limit.unwrap_or(0)) + 1;
+        self.bounds.makespan = self.bounds.makespan.max(past_limit);
+        loop {
+            let steps = self.bounds.makespan as u32;
+            let share = self.meter.left().steps / OPEN_SHARE;
+            match self.spend(share, |field, meter| groups::search(field, exactly(steps), meter)) {
+                End::Nothing => self.bounds.makespan += 1,
+                End::Found { .. } | End::GaveUp { .. } => break,
+            }
+        }
+        Done::Impossible(Why::TooFewSteps { least: self.bounds.makespan })
+    }
+
+    fn by_whole_joint_space(&mut self) -> Option<Done> {
+        let group = self.everyone();
+        let aim = Aim::Makespan { limit: self.limit };
+        let aim = if self.limit.is_some() { aim } else { Aim::Any };
+        match joint::search(self.field, &group, aim, self.meter) {
+            joint::Outcome::Found(paths) => self.offer(paths),
+            joint::Outcome::Impossible => return Some(Done::Impossible(self.blocked_among(group))),
+            joint::Outcome::NotWithin => return Some(self.too_few_steps()),
+            joint::Outcome::GaveUp { .. } => {}
+        }
+        None
+    }
+}
+
+/// Plans in which everyone arrives within so many steps, whatever their sum of costs.
+fn exactly(steps: u32) -> Wanted {
+    Wanted { least: steps, most: steps, ceiling: u64::MAX }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,121 @@
+//! What a node of the search asks of one agent, and the least cost at which the agent alone can meet it.
+
+use super::super::board::Cell;
+use super::field::{FAR, Field, Node};
+use crate::plan::search::Meter;
+use rustc_hash::FxHashSet;
+
+/// For ever.
+pub const ALWAYS: u32 = u32::MAX;
+
+/// A box of cells that an agent may not take during some instants, all ends included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ban {
+    pub columns: (i32, i32),
+    pub rows: (i32, i32),
+    /// First instant.
+    pub from: u32,
+    /// Last instant, or [`ALWAYS`].
+    pub until: u32,
+    /// A cell of the box that is allowed all the same.
+    pub except: Option<Cell>,
+}
+
+impl Ban {
+    /// Whether it forbids a cell, at its instants.
+    #[inline]
+    pub fn covers(&self, field: &Field, cell: Cell) -> bool {
+        let (column, row) = field.place(cell);
+        (self.columns.0..=self.columns.1).contains(&column)
+            && (self.rows.0..=self.rows.1).contains(&row)
+            && self.except != Some(cell)
+    }
+
+    /// Whether it holds at an instant.
+    #[inline]
+    pub fn holds_at(&self, instant: u32) -> bool {
+        self.from <= instant && instant <= self.until
+    }
+}
+
+/// What is asked of one agent.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Demand {
+    pub bans: Vec<Ban>,
+    /// It counts as arrived at this instant at the earliest.
+    pub least: u32,
+    /// It has arrived at this instant, or [`ALWAYS`].
+    pub most: u32,
+}
+
+impl Demand {
+    /// From this instant on nothing changes any more.
+    fn settled_from(&self) -> u32 {
+        let end = |ban: &Ban| if ban.until == ALWAYS { ban.from } else { ban.until + 1 };
+        self.bans.iter().map(end).max().unwrap_or(0).max(self.least)
+    }
+
+    /// The first instant from which on it may stay on its goal for good; none if never.
+    fn may_stay_from(&self, field: &Field, agent: usize) -> Option<u32> {
+        let goal = field.cell(field.goal(agent));
+        let closing = self.bans.iter().filter(|ban| ban.covers(field, goal));
+        closing.map(|ban| ban.until.checked_add(1)).try_fold(self.least, |least, end| Some(least.max(end?)))
+    }
+
+    fn forbids(&self, field: &Field, cell: Cell, instant: u32) -> bool {
+        self.bans.iter().any(|ban| ban.holds_at(instant) && ban.covers(field, cell))
+    }
+
+    /// The bans that hold at an instant.
+    pub fn bans_at(&self, instant: u32) -> impl Iterator<Item = &Ban> {
+        self.bans.iter().filter(move |ban| ban.holds_at(instant))
+    }
+}
+
+/// A search has used up its budget.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct OutOfSteps;
+
+/// The least cost at which an agent alone meets a demand; none if it cannot. A* over nodes and instants; once nothing changes any
+/// more the instant is no longer told apart, so that the search ends. One step for each node expanded.
+pub fn least_cost(field: &Field, agent: usize, demand: &Demand, meter: &mut Meter) -> Result<Option<u32>, OutOfSteps> {
+    let Some(stay_from) = demand.may_stay_from(field, agent) else { return Ok(None) };
+    let start = field.start(agent);
+    let cost = |node: Node, instant: u32| match field.distance(agent, node) {
+        FAR => None,
+        distance => Some((instant + distance).max(stay_from)).filter(|cost| *cost <= demand.most),
+    };
+    let Some(first) = cost(start, 0) else { return Ok(None) };
+    if demand.forbids(field, field.cell(start), 0) {
+        return Ok(None);
+    }
+    let settled_from = demand.settled_from();
+    let mut open: Vec<Vec<(Node, u32)>> = vec![vec![(start, 0)]];
+    let mut closed = FxHashSet::default();
+    let mut bucket = 0;
+    while bucket < open.len() {
+        let Some((node, instant)) = open[bucket].pop() else {
+            bucket += 1;
+            continue;
+        };
+        if !closed.insert((node, instant.min(settled_from))) {
+            continue;
+        }
+        meter.step().ok_or(OutOfSteps)?;
+        if node == field.goal(agent) && instant >= stay_from {
+            return Ok(Some(instant));
+        }
+        for next in field.next(agent, node) {
+            let Some(whole) = cost(next, instant + 1) else { continue };
+            if demand.forbids(field, field.cell(next), instant + 1) || closed.contains(&(next, (instant + 1).min(settled_from))) {
+                continue;
+            }
+            let place = (whole - first) as usize;
+            if open.len() <= place {
+                open.resize_with(place + 1, Vec::new);
+            }
+            open[place].push((next, instant + 1));
+        }
+    }
+    Ok(None)
+}

@@ -1,0 +1,201 @@
+//! The tables that the exact searches share: where each agent can step, and how far it is from its goal over its stops.
+//!
+//! An agent alone is a walk over nodes: a node is a cell and how many of its stops before the goal are done, in one number,
+//! `stage * cells + cell`. The distances take blocked cells into account and are exact for an agent that is alone.
+
+use super::super::board::{Cell, Instance};
+use std::collections::VecDeque;
+
+/// A cell and how many stops are done: `stage * cells + cell`.
+pub type Node = u32;
+
+/// Further than any way: there is none.
+pub const FAR: u32 = u32::MAX;
+
+/// Tables with more entries than this are not built; 4 bytes each.
+const MOST_ENTRIES: u64 = 1 << 25;
+
+/// The tables of one instance.
+pub struct Field<'a> {
+    pub instance: &'a Instance,
+    cells: u32,
+    places: Vec<(i32, i32)>,
+    /// The free neighbours of each cell, itself first; unused places repeat the cell.
+    steps: Vec<[Cell; 5]>,
+    ways: Vec<Way>,
+    /// For each pair, at `one * agents + other`, whether they merge.
+    merged: Vec<bool>,
+}
+
+/// One agent.
+struct Way {
+    start: Node,
+    goal: Node,
+    /// By node: steps to the goal over the stops that are left.
+    distances: Vec<u32>,
+    /// It never leaves its goal, because it merges there.
+    absorbed: bool,
+}
+
+/// What the tables say of an agent before any search.
+pub enum Closed {
+    /// The tables would be too large.
+    TooLarge,
+    /// Blocked cells close the way of this agent to this of its stops.
+    Stop { agent: usize, stop: usize },
+}
+
+impl<'a> Field<'a> {
+    /// Builds the tables, if every agent alone can reach its goal.
+    pub fn new(instance: &'a Instance) -> Result<Field<'a>, Closed> {
+        let board = &instance.board;
+        let stages = instance.agents.iter().map(|agent| agent.stops.len() as u64).sum::<u64>();
+        if (stages + 8).saturating_mul(board.cells() as u64) > MOST_ENTRIES {
+            return Err(Closed::TooLarge);
+        }
+        let cells = board.cells() as u32;
+        let places = (0..cells).map(|cell| board.place(cell)).map(|(column, row)| (column as i32, row as i32)).collect();
+        let steps = (0..cells).map(|cell| steps_from(instance, cell)).collect();
+        let count = instance.agents.len();
+        let mut merged = vec![false; count * count];
+        for [one, other] in &instance.merges {
+            merged[one * count + other] = true;
+            merged[other * count + one] = true;
+        }
+        let mut field = Field { instance, cells, places, steps, ways: Vec::with_capacity(count), merged };
+        for agent in 0..count {
+            let way = field.way(agent)?;
+            field.ways.push(way);
+        }
+        Ok(field)
+    }
+
+    fn way(&self, agent: usize) -> Result<Way, Closed> {
+        let stops = &self.instance.agents[agent].stops;
+        let mut distances = vec![FAR; stops.len() * self.cells as usize];
+        let mut onward = 0;
+        for (stage, stop) in stops.iter().enumerate().rev() {
+            let layer = &mut distances[stage * self.cells as usize..][..self.cells as usize];
+            flood(&self.steps, *stop, onward, layer);
+            let before = if stage == 0 { self.instance.agents[agent].start } else { stops[stage - 1] };
+            onward = layer[before as usize];
+            if onward == FAR {
+                return Err(Closed::Stop { agent, stop: stage });
+            }
+        }
+        let goal = self.cells * (stops.len() as u32 - 1) + stops[stops.len() - 1];
+        let absorbed = self.instance.merges.iter().any(|pair| pair.contains(&agent));
+        let start = self.advanced(agent, 0, self.instance.agents[agent].start);
+        Ok(Way { start, goal, distances, absorbed })
+    }
+
+    /// The node of an agent that comes to a cell with `stage` stops done.
+    #[inline]
+    fn advanced(&self, agent: usize, stage: u32, cell: Cell) -> Node {
+        let stops = &self.instance.agents[agent].stops;
+        let mut stage = stage as usize;
+        while stage + 1 < stops.len() && stops[stage] == cell {
+            stage += 1;
+        }
+        stage as u32 * self.cells + cell
+    }
+
+    /// How many agents there are.
+    pub fn agents(&self) -> usize {
+        self.ways.len()
+    }
+
+    /// How many nodes the walk of an agent has.
+    pub fn nodes(&self, agent: usize) -> usize {
+        self.ways[agent].distances.len()
+    }
+
+    #[inline]
+    pub fn start(&self, agent: usize) -> Node {
+        self.ways[agent].start
+    }
+
+    /// The node at which it has arrived.
+    #[inline]
+    pub fn goal(&self, agent: usize) -> Node {
+        self.ways[agent].goal
+    }
+
+    /// Whether it never leaves its goal once it is there.
+    #[inline]
+    pub fn is_absorbed(&self, agent: usize) -> bool {
+        self.ways[agent].absorbed
+    }
+
+    /// Steps from a node to the goal for the agent alone; [`FAR`] if there is no way.
+    #[inline]
+    pub fn distance(&self, agent: usize, node: Node) -> u32 {
+        self.ways[agent].distances[node as usize]
+    }
+
+    /// Steps from start to goal for the agent alone.
+    pub fn least(&self, agent: usize) -> u32 {
+        self.distance(agent, self.start(agent))
+    }
+
+    #[inline]
+    pub fn cell(&self, node: Node) -> Cell {
+        if node < self.cells { node } else { node % self.cells }
+    }
+
+    /// Column and row of a cell.
+    #[inline]
+    pub fn place(&self, cell: Cell) -> (i32, i32) {
+        self.places[cell as usize]
+    }
+
+    /// Where an agent can be one instant later.
+    #[inline]
+    pub fn next(&self, agent: usize, node: Node) -> impl Iterator<Item = Node> + '_ {
+        let cell = self.cell(node);
+        let stage = if node < self.cells { 0 } else { node / self.cells };
+        let stays = self.ways[agent].absorbed && node == self.ways[agent].goal;
+        let steps = &self.steps[cell as usize];
+        let moves = if stays { &steps[..1] } else { &steps[..] };
+        moves.iter().enumerate().filter(move |(k, to)| *k == 0 || **to != cell).map(move |(_, to)| self.advanced(agent, stage, *to))
+    }
+
+    #[inline]
+    pub fn is_merged(&self, one: usize, other: usize) -> bool {
+        self.merged[one * self.ways.len() + other]
+    }
+
+    /// Whether two cells of two agents at the same or at neighbouring instants are too near.
+    #[inline]
+    pub fn too_near(&self, one: usize, at: Cell, other: usize, other_at: Cell) -> bool {
+        let ((c, r), (d, s)) = (self.place(at), self.place(other_at));
+        if (c - d).abs().max((r - s).abs()) >= self.instance.separation as i32 {
+            return false;
+        }
+        let goal = self.cell(self.ways[one].goal);
+        !(self.is_merged(one, other) && (at == goal || other_at == goal))
+    }
+}
+
+/// A cell and its free neighbours; unused places repeat the cell.
+fn steps_from(instance: &Instance, cell: Cell) -> [Cell; 5] {
+    let mut steps = [cell; 5];
+    for (place, to) in steps[1..].iter_mut().zip(instance.board.neighbours(cell)) {
+        *place = to;
+    }
+    steps
+}
+
+/// Distances from a cell, counted from `first`.
+fn flood(steps: &[[Cell; 5]], from: Cell, first: u32, distances: &mut [u32]) {
+    distances[from as usize] = first;
+    let mut queue = VecDeque::from([from]);
+    while let Some(cell) = queue.pop_front() {
+        for to in steps[cell as usize] {
+            if distances[to as usize] == FAR {
+                distances[to as usize] = distances[cell as usize] + 1;
+                queue.push_back(to);
+            }
+        }
+    }
+}

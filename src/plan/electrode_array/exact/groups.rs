@@ -1,0 +1,143 @@
+//! Agents that do not meet are searched apart (independence detection; Standley, AAAI 2010).
+//!
+//! Every agent begins as a group of its own. Where the paths of two groups clash the two become one and are searched again. The
+//! bounds of the groups add up to a bound for all at any time, and once no paths clash the plans together are best.
+
+use super::super::board::{Cell, Paths};
+use super::field::Field;
+use super::split::clashes;
+use super::tree::{self, End, Task};
+use crate::plan::search::{Budget, Meter};
+
+/// The bounds on the arrival of everyone, and the sum of costs of interest.
+#[derive(Clone, Copy)]
+pub struct Wanted {
+    /// Everyone counts as arrived at this instant at the earliest.
+    pub least: u32,
+    /// Everyone has arrived at this instant, or `ALWAYS`.
+    pub most: u32,
+    /// Only a smaller sum of costs is of interest.
+    pub ceiling: u64,
+}
+
+/// A group is first given this part of what is left of the budget.
+const FIRST_SHARE: u64 = 2;
+
+/// Searches for all agents of the field; the result as of one search for all.
+pub fn search(field: &Field, wanted: Wanted, meter: &mut Meter) -> End {
+    let mut groups = Groups { field, wanted, groups: vec![] };
+    for agent in 0..field.agents() {
+        let cost = field.least(agent).max(wanted.least);
+        groups.groups.push(Group { members: vec![agent], bound: u64::from(cost), paths: None, is_stuck: false });
+    }
+    groups.run(meter)
+}
+
+struct Group {
+    members: Vec<usize>,
+    /// No plan of the members has a smaller sum of costs.
+    bound: u64,
+    /// A best plan, if it was found.
+    paths: Option<Paths>,
+    /// Its first share of the budget was not enough.
+    is_stuck: bool,
+}
+
+struct Groups<'a> {
+    field: &'a Field<'a>,
+    wanted: Wanted,
+    groups: Vec<Group>,
+}
+
+impl Groups<'_> {
+    fn run(&mut self, meter: &mut Meter) -> End {
+        loop {
+            if self.bound() >= self.wanted.ceiling {
+                return End::Nothing;
+            }
+            if let Some(index) = self.groups.iter().position(|group| group.paths.is_none() && !group.is_stuck) {
+                if self.solve(index, meter.left().steps / FIRST_SHARE, meter) {
+                    return End::Nothing;
+                }
+            } else if let Some((one, other)) = self.clashing() {
+                self.unite(one, other);
+            } else if let Some(index) = self.groups.iter().position(|group| group.paths.is_none()) {
+                let before = self.groups[index].bound;
+                if self.solve(index, meter.left().steps, meter) {
+                    return End::Nothing;
+                }
+                if self.groups[index].paths.is_none() {
+                    self.groups[index].bound = self.groups[index].bound.max(before);
+                    return End::GaveUp { bound: self.bound() };
+                }
+            } else {
+                return End::Found { paths: self.all_paths(), cost: self.bound() };
+            }
+        }
+    }
+
+    fn bound(&self) -> u64 {
+        self.groups.iter().map(|group| group.bound).sum()
+    }
+
+    /// Searches for one group; true if there is nothing of interest.
+    fn solve(&mut self, index: usize, steps: u64, meter: &mut Meter) -> bool {
+        let group = &self.groups[index];
+        let outside: Vec<(usize, &[Cell])> = self
+            .groups
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != index)
+            .filter_map(|(_, group)| Some((group, group.paths.as_ref()?)))
+            .flat_map(|(group, paths)| group.members.iter().copied().zip(paths.iter().map(Vec::as_slice)))
+            .collect();
+        let elsewhere = self.bound() - group.bound;
+        let ceiling = if self.wanted.ceiling == u64::MAX { u64::MAX } else { self.wanted.ceiling - elsewhere };
+        let Wanted { least, most, .. } = self.wanted;
+        let task = Task { field: self.field, group: &group.members, least, most, ceiling, outside: &outside };
+        let mut own = Meter::new(Budget::of(steps));
+        let end = tree::search(task, &mut own);
+        meter.charge(own.spent());
+        let group = &mut self.groups[index];
+        match end {
+            End::Found { paths, cost } => (group.paths, group.bound) = (Some(paths), cost),
+            End::Nothing => return true,
+            End::GaveUp { bound } => (group.is_stuck, group.bound) = (true, group.bound.max(bound)),
+        }
+        false
+    }
+
+    /// Two groups with paths that clash.
+    fn clashing(&self) -> Option<(usize, usize)> {
+        let pairs = (0..self.groups.len()).flat_map(|other| (0..other).map(move |one| (one, other)));
+        pairs.into_iter().find(|(one, other)| self.clash(&self.groups[*one], &self.groups[*other]))
+    }
+
+    fn clash(&self, one: &Group, other: &Group) -> bool {
+        let (Some(paths), Some(ways)) = (&one.paths, &other.paths) else { return false };
+        one.members.iter().zip(paths).any(|(agent, path)| {
+            let mut others = other.members.iter().zip(ways);
+            others.any(|(other, way)| clashes(self.field, [*agent, *other], [path, way]).next().is_some())
+        })
+    }
+
+    fn unite(&mut self, one: usize, other: usize) {
+        let Group { members, bound, .. } = self.groups.swap_remove(other);
+        let group = &mut self.groups[one];
+        group.members.extend(members);
+        group.members.sort_unstable();
+        group.bound += bound;
+        group.paths = None;
+        group.is_stuck = false;
+    }
+
+    fn all_paths(&self) -> Paths {
+        let mut paths = vec![vec![]; self.field.agents()];
+        for group in &self.groups {
+            for (agent, path) in group.members.iter().zip(group.paths.iter().flatten()) {
+                paths[*agent] = path.clone();
+            }
+        }
+        paths
+    }
+}

@@ -1,0 +1,197 @@
+//! All ways of one agent of one cost, as a graph of layers: one layer for each instant (a multi-valued decision diagram, Sharon
+//! et al., "The increasing cost tree search for optimal multi-agent pathfinding", Artificial Intelligence 195, 2013).
+
+use super::super::board::{Cell, position};
+use super::demand::{Ban, Demand, OutOfSteps};
+use super::field::{FAR, Field, Node};
+use crate::plan::search::Meter;
+
+/// The nodes that lie on a way of exactly this cost.
+#[derive(Debug)]
+pub struct Layers {
+    /// Where each layer begins, and the end.
+    starts: Vec<u32>,
+    nodes: Vec<Node>,
+    /// Where the edges of each node begin, and the end.
+    edge_starts: Vec<u32>,
+    /// Places of nodes in the next layer, counted within it.
+    edges: Vec<u32>,
+    /// Least and greatest column and row of each layer.
+    extents: Vec<Extent>,
+}
+
+/// Least and greatest column and row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Extent {
+    pub columns: (i32, i32),
+    pub rows: (i32, i32),
+}
+
+impl Extent {
+    const EMPTY: Extent = Extent { columns: (i32::MAX, i32::MIN), rows: (i32::MAX, i32::MIN) };
+
+    fn with(self, (column, row): (i32, i32)) -> Extent {
+        Extent {
+            columns: (self.columns.0.min(column), self.columns.1.max(column)),
+            rows: (self.rows.0.min(row), self.rows.1.max(row)),
+        }
+    }
+
+    /// Both together.
+    pub fn join(self, other: Extent) -> Extent {
+        self.with((other.columns.0, other.rows.0)).with((other.columns.1, other.rows.1))
+    }
+
+    /// Whether every place of one is at least `distance` (Chebyshev) from every place of the other.
+    pub fn is_apart(&self, other: &Extent, distance: i32) -> bool {
+        let gap = |one: (i32, i32), two: (i32, i32)| (two.0 - one.1).max(one.0 - two.1);
+        gap(self.columns, other.columns).max(gap(self.rows, other.rows)) >= distance
+    }
+}
+
+impl Layers {
+    /// The ways of an agent that meet a demand and arrive exactly at `cost`, which has to be reachable. One step for each node.
+    pub fn new(field: &Field, agent: usize, demand: &Demand, cost: u32, meter: &mut Meter) -> Result<Layers, OutOfSteps> {
+        let reached = forward(field, agent, demand, cost, meter)?;
+        let kept = backward(field, agent, reached);
+        Ok(Layers::linked(field, agent, &kept))
+    }
+
+    fn linked(field: &Field, agent: usize, kept: &[Vec<Node>]) -> Layers {
+        let mut layers = Layers { starts: vec![0], nodes: vec![], edge_starts: vec![0], edges: vec![], extents: vec![] };
+        let mut places = vec![u32::MAX; field.nodes(agent)];
+        for (instant, layer) in kept.iter().enumerate() {
+            let next: &[Node] = kept.get(instant + 1).map_or(&[], Vec::as_slice);
+            next.iter().zip(0..).for_each(|(node, place)| places[*node as usize] = place);
+            for node in layer {
+                let targets = field.next(agent, *node).map(|to| places[to as usize]).filter(|place| *place != u32::MAX);
+                layers.edges.extend(targets);
+                layers.edge_starts.push(layers.edges.len() as u32);
+            }
+            next.iter().for_each(|node| places[*node as usize] = u32::MAX);
+            layers.nodes.extend_from_slice(layer);
+            layers.starts.push(layers.nodes.len() as u32);
+            let extent = layer.iter().fold(Extent::EMPTY, |extent, node| extent.with(field.place(field.cell(*node))));
+            layers.extents.push(extent);
+        }
+        layers
+    }
+
+    /// The instant of arrival.
+    pub fn cost(&self) -> u32 {
+        self.extents.len() as u32 - 1
+    }
+
+    /// The nodes at an instant; after the arrival the goal.
+    #[inline]
+    pub fn at(&self, instant: u32) -> &[Node] {
+        let layer = instant.min(self.cost()) as usize;
+        &self.nodes[self.starts[layer] as usize..self.starts[layer + 1] as usize]
+    }
+
+    #[inline]
+    pub fn extent(&self, instant: u32) -> Extent {
+        self.extents[instant.min(self.cost()) as usize]
+    }
+
+    /// The places in the next layer to which the node at a place of a layer leads.
+    #[inline]
+    pub fn edges(&self, instant: u32, place: usize) -> &[u32] {
+        if instant >= self.cost() {
+            return &[0];
+        }
+        let node = self.starts[instant as usize] as usize + place;
+        &self.edges[self.edge_starts[node] as usize..self.edge_starts[node + 1] as usize]
+    }
+
+    /// How many nodes of the layers `ban` is about are outside of it, and how many there are.
+    pub fn outside(&self, field: &Field, ban: &Ban) -> (usize, usize) {
+        let instants = ban.from..=ban.until.min(self.cost().max(ban.from));
+        let counts = instants.map(|instant| {
+            let layer = self.at(instant);
+            (layer.iter().filter(|node| !ban.covers(field, field.cell(**node))).count(), layer.len())
+        });
+        counts.min().unwrap_or((1, 1))
+    }
+
+    /// The way that meets the fewest of `others` too near, the earlier in the layers of equals.
+    pub fn best_path(&self, field: &Field, agent: usize, others: &[(usize, &[Cell])]) -> Vec<Cell> {
+        let cost = self.cost();
+        let mut tolls = vec![0u32; self.nodes.len()];
+        for instant in (0..=cost).rev() {
+            let close = self.close_by(field, instant, others);
+            for place in 0..self.at(instant).len() {
+                let index = self.starts[instant as usize] as usize + place;
+                let cell = field.cell(self.nodes[index]);
+                let own = close.iter().filter(|(other, cells)| cells.iter().any(|at| field.too_near(agent, cell, *other, *at)));
+                let next = self.starts[(instant + 1).min(cost) as usize] as usize;
+                let onward = self.edges(instant, place).iter().map(|to| tolls[next + *to as usize]).min();
+                tolls[index] = own.count() as u32 + if instant == cost { 0 } else { onward.unwrap_or(0) };
+            }
+        }
+        self.walk(field, &tolls)
+    }
+
+    fn walk(&self, field: &Field, tolls: &[u32]) -> Vec<Cell> {
+        let mut path = vec![field.cell(self.nodes[0])];
+        let mut place = 0;
+        for instant in 0..self.cost() {
+            let next = self.starts[instant as usize + 1] as usize;
+            let cheapest = self.edges(instant, place).iter().min_by_key(|to| tolls[next + **to as usize]);
+            place = *cheapest.expect("every node lies on a way") as usize;
+            path.push(field.cell(self.nodes[next + place]));
+        }
+        path
+    }
+
+    /// The others that come near the layer of an instant, with where they are around it.
+    fn close_by(&self, field: &Field, instant: u32, others: &[(usize, &[Cell])]) -> Vec<(usize, [Cell; 3])> {
+        let extent = self.extent(instant);
+        let around = |path: &[Cell]| {
+            let instant = instant as usize;
+            [position(path, instant.saturating_sub(1)), position(path, instant), position(path, instant + 1)]
+        };
+        let separation = field.instance.separation as i32;
+        others
+            .iter()
+            .map(|(other, path)| (*other, around(path)))
+            .filter(|(_, cells)| !cells.iter().all(|cell| extent.is_apart(&Extent::EMPTY.with(field.place(*cell)), separation)))
+            .collect()
+    }
+}
+
+/// The nodes that can be reached at each instant and leave enough time for the rest.
+fn forward(field: &Field, agent: usize, demand: &Demand, cost: u32, meter: &mut Meter) -> Result<Vec<Vec<Node>>, OutOfSteps> {
+    let mut layers = vec![vec![field.start(agent)]];
+    let mut last_seen = vec![0u32; field.nodes(agent)];
+    for instant in 1..=cost {
+        let bans: Vec<Ban> = demand.bans_at(instant).copied().collect();
+        let mut layer = vec![];
+        for node in &layers[instant as usize - 1] {
+            meter.step().ok_or(OutOfSteps)?;
+            for next in field.next(agent, *node) {
+                let distance = field.distance(agent, next);
+                let is_late = distance == FAR || instant + distance > cost;
+                if is_late || last_seen[next as usize] == instant || bans.iter().any(|ban| ban.covers(field, field.cell(next))) {
+                    continue;
+                }
+                last_seen[next as usize] = instant;
+                layer.push(next);
+            }
+        }
+        layers.push(layer);
+    }
+    Ok(layers)
+}
+
+/// Of the nodes that can be reached those from which the last layer can be.
+fn backward(field: &Field, agent: usize, mut layers: Vec<Vec<Node>>) -> Vec<Vec<Node>> {
+    let mut alive_at = vec![u32::MAX; field.nodes(agent)];
+    for instant in (0..layers.len()).rev() {
+        if instant + 1 < layers.len() {
+            layers[instant].retain(|node| field.next(agent, *node).any(|to| alive_at[to as usize] == instant as u32 + 1));
+        }
+        layers[instant].iter().for_each(|node| alive_at[*node as usize] = instant as u32);
+    }
+    layers
+}

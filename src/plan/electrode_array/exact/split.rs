@@ -1,0 +1,125 @@
+//! Where two paths come too near, and the two demands one of which every plan meets.
+
+use super::super::board::{Cell, position};
+use super::demand::{ALWAYS, Ban, Demand};
+use super::field::Field;
+use super::layers::Layers;
+
+/// A position of one agent too near to one of another at the same or a neighbouring instant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Clash {
+    pub cells: [Cell; 2],
+    pub instants: [u32; 2],
+}
+
+/// All clashes of two paths in the order of time, as an iterator.
+pub fn clashes<'a>(
+    field: &'a Field,
+    agents: [usize; 2],
+    paths: [&'a [Cell]; 2],
+) -> impl Iterator<Item = Clash> + 'a {
+    let end = paths[0].len().max(paths[1].len());
+    let near = move |t: usize, u: usize| {
+        let cells = [position(paths[0], t), position(paths[1], u)];
+        let clash = Clash { cells, instants: [t as u32, u as u32] };
+        field.too_near(agents[0], cells[0], agents[1], cells[1]).then_some(clash)
+    };
+    (0..end).flat_map(move |t| [near(t, t), near(t, t + 1), near(t + 1, t)]).flatten()
+}
+
+/// One way to go on: new demands for one or two agents.
+pub type Branch = Vec<(usize, Demand)>;
+
+/// An agent of a clash with what is asked of it and the ways it has.
+#[derive(Clone, Copy)]
+pub struct Party<'a> {
+    /// Its place in the group.
+    pub member: usize,
+    pub agent: usize,
+    pub demand: &'a Demand,
+    pub layers: &'a Layers,
+}
+
+/// Costs: the second one rises, or it does not and then the first one rises to `first_least`.
+pub fn by_cost(first: Party, second: Party, first_least: u32) -> [Branch; 2] {
+    let second_rises = Demand { least: second.layers.cost() + 1, ..second.demand.clone() };
+    let second_stays = Demand { most: second.layers.cost(), ..second.demand.clone() };
+    let first_rises = Demand { least: first_least, ..first.demand.clone() };
+    [vec![(second.member, second_rises)], vec![(first.member, first_rises), (second.member, second_stays)]]
+}
+
+/// One stands on its goal for good while the other passes: it arrives later, or the other keeps away from then on (compare the
+/// target reasoning of Li, Harabor, Stuckey, Ma, Gange, Koenig, "Pairwise symmetry reasoning for multi-agent path finding search",
+/// Artificial Intelligence 301, 2021).
+pub fn at_goal(field: &Field, parties: [Party; 2], clash: Clash) -> Option<[Branch; 2]> {
+    let standing = (0..2).find(|side| clash.instants[*side] >= parties[*side].layers.cost())?;
+    let (still, passing) = (parties[standing], parties[1 - standing]);
+    let instant = clash.instants[standing];
+    let reach = field.instance.separation as i32 - 1;
+    let (column, row) = field.place(clash.cells[standing]);
+    let later = Demand { least: instant + 1, ..still.demand.clone() };
+    let by_then = Demand { most: instant.min(still.demand.most), ..still.demand.clone() };
+    let zone = Ban {
+        columns: (column - reach, column + reach),
+        rows: (row - reach, row + reach),
+        from: instant.saturating_sub(1),
+        until: ALWAYS,
+        except: None,
+    };
+    Some([vec![(still.member, later)], vec![(still.member, by_then), (passing.member, with(passing.demand, zone))]])
+}
+
+/// A box as wide and as high as the separation and two instants long: at most one of the two is in it. Returns how little it leaves
+/// the two at best, less being better, with the branches.
+pub fn by_box(field: &Field, parties: [Party; 2], clash: Clash) -> (Leaves, [Branch; 2]) {
+    let boxes = boxes(field, parties, clash);
+    let (leaves, ban) = boxes
+        .map(|ban| (Leaves::of(field, parties, &ban), ban))
+        .min_by_key(|(leaves, _)| *leaves)
+        .expect("two cells that are too near have a box in common");
+    (leaves, parties.map(|party| vec![(party.member, with(party.demand, ban))]))
+}
+
+fn with(demand: &Demand, ban: Ban) -> Demand {
+    let mut demand = demand.clone();
+    demand.bans.push(ban);
+    demand
+}
+
+/// The boxes that hold both positions of a clash.
+fn boxes<'a>(field: &'a Field, parties: [Party; 2], clash: Clash) -> impl Iterator<Item = Ban> + 'a {
+    let side = field.instance.separation as i32 - 1;
+    let [(c, r), (d, s)] = clash.cells.map(|cell| field.place(cell));
+    let [t, u] = clash.instants;
+    let goal = field.cell(field.goal(parties[0].agent));
+    let except = field.is_merged(parties[0].agent, parties[1].agent).then_some(goal);
+    let first = if t == u { t.saturating_sub(1) } else { t.min(u) };
+    (first..=t.min(u)).flat_map(move |from| {
+        (c.max(d) - side..=c.min(d)).flat_map(move |left| {
+            (r.max(s) - side..=r.min(s)).map(move |low| Ban {
+                columns: (left, left + side),
+                rows: (low, low + side),
+                from,
+                until: from + 1,
+                except,
+            })
+        })
+    })
+}
+
+/// How much of their ways a box leaves the two agents: how many of them have any left, and the shares in thousandths.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Leaves {
+    with_ways: usize,
+    share: usize,
+}
+
+impl Leaves {
+    fn of(field: &Field, parties: [Party; 2], ban: &Ban) -> Leaves {
+        let shares = parties.map(|party| {
+            let (outside, all) = party.layers.outside(field, ban);
+            (outside * 1000).div_ceil(all)
+        });
+        Leaves { with_ways: shares.iter().filter(|share| **share > 0).count(), share: shares.iter().sum() }
+    }
+}

@@ -1,0 +1,350 @@
+//! Conflict-based search for a group of agents under the rule of distance.
+//!
+//! A node of the tree asks something of each agent alone ([`Demand`]) and holds for each all its ways of least cost ([`Layers`]) and
+//! one of them, chosen so that few paths clash. Where two clash the node is split in two so that every plan that meets its
+//! demands meets those of one part (Sharon, Stern, Felner, Sturtevant, "Conflict-based search for optimal multi-agent
+//! pathfinding", Artificial Intelligence 219, 2015; boxes for large agents: Li, Surynek, Felner, Ma, Kumar, Koenig, "Multi-agent path
+//! finding for large agents", AAAI 2019). Pairs whose least-cost ways do not go together at all are split by their
+//! costs instead, and raise the bound of the node ([`cover`]).
+
+use super::super::board::{Cell, Paths};
+use super::cover::{Edge, least_rise};
+use super::demand::{Demand, OutOfSteps, least_cost};
+use super::field::Field;
+use super::layers::Layers;
+use super::pair::{Side, may_go_together};
+use super::split::{self, Branch, Party, clashes};
+use crate::plan::search::Meter;
+use rustc_hash::FxHashMap;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::rc::Rc;
+
+/// What is to be found.
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
+    pub field: &'a Field<'a>,
+    /// The agents, in this order everywhere below.
+    pub group: &'a [usize],
+    /// Everyone counts as arrived at this instant at the earliest.
+    pub least: u32,
+    /// Everyone has arrived at this instant, or `ALWAYS`.
+    pub most: u32,
+    /// Only a smaller sum of costs is of interest.
+    pub ceiling: u64,
+    /// Paths of agents outside of the group that are avoided where that costs nothing.
+    pub outside: &'a [(usize, &'a [Cell])],
+}
+
+/// What became of it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum End {
+    /// Paths of least sum of costs; costs counted from `least` on.
+    Found { paths: Paths, cost: u64 },
+    /// There are none with a sum of costs below the ceiling.
+    Nothing,
+    /// The budget ran out; none have a smaller sum of costs.
+    GaveUp { bound: u64 },
+}
+
+/// Rises of the costs of a pair up to this are told apart.
+const MOST_RISE: u32 = 3;
+
+/// How far one of a pair is made to wait alone before the other has to.
+const FARTHEST_WAIT: u32 = 8;
+
+/// Clashes of a pair that are looked at for the best split.
+const CLASHES_WEIGHED: usize = 6;
+
+/// How often the paths of a node are chosen anew.
+const POLISHING_ROUNDS: usize = 2;
+
+/// Searches; one step of the budget is a node of an agent's own search or layers expanded.
+pub fn search(task: Task, meter: &mut Meter) -> End {
+    let mut tree = Tree { task, meter, nodes: vec![], open: BinaryHeap::new(), rises: FxHashMap::default(), waits: FxHashMap::default(), ids: 0 };
+    match tree.run() {
+        Ok(end) => end,
+        Err(OutOfSteps) => End::GaveUp { bound: tree.bound() },
+    }
+}
+
+/// An agent in a node.
+struct Plan {
+    /// Unlike that of any other.
+    id: u32,
+    demand: Demand,
+    layers: Rc<Layers>,
+}
+
+#[derive(Clone)]
+struct Node {
+    plans: Vec<Rc<Plan>>,
+    paths: Vec<Rc<Vec<Cell>>>,
+    /// Pairs of members whose paths clash, the smaller first.
+    clashing: Vec<[usize; 2]>,
+    /// No plan that meets the demands has a smaller sum of costs.
+    bound: u64,
+}
+
+struct Tree<'a, 'm> {
+    task: Task<'a>,
+    meter: &'m mut Meter,
+    nodes: Vec<Option<Node>>,
+    /// By bound, then by clashes, then the newest.
+    open: BinaryHeap<Reverse<(u64, usize, Reverse<usize>)>>,
+    /// By the ids of two plans: how much their costs together rise at least.
+    rises: FxHashMap<[u32; 2], u32>,
+    /// Layers of a plan at a greater cost.
+    waits: FxHashMap<(u32, u32), Rc<Layers>>,
+    ids: u32,
+}
+
+impl Tree<'_, '_> {
+    fn run(&mut self) -> Result<End, OutOfSteps> {
+        let Some(root) = self.root()? else { return Ok(End::Nothing) };
+        self.push(root);
+        while let Some(Reverse((bound, _, Reverse(index)))) = self.open.peek().copied() {
+            if bound >= self.task.ceiling {
+                return Ok(End::Nothing);
+            }
+            // The node stays in the queue until it is dealt with, so that its bound counts if the budget ends here.
+            let Some(mut node) = self.nodes[index].clone() else { unreachable!("an open node is there") };
+            if node.clashing.is_empty() {
+                let cost = node.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
+                return Ok(End::Found { paths: node.paths.iter().map(|path| path.to_vec()).collect(), cost });
+            }
+            let raised = self.raised(&node)?;
+            if raised > node.bound {
+                node.bound = raised;
+                self.open.pop();
+                self.nodes[index] = None;
+                self.push(node);
+                continue;
+            }
+            let children = self.children(&node)?;
+            self.open.pop();
+            self.nodes[index] = None;
+            self.waits.clear();
+            children.into_iter().for_each(|child| self.push(child));
+        }
+        Ok(End::Nothing)
+    }
+
+    fn bound(&self) -> u64 {
+        self.open.peek().map_or(0, |Reverse((bound, _, _))| *bound)
+    }
+
+    fn push(&mut self, node: Node) {
+        if node.bound < self.task.ceiling {
+            self.open.push(Reverse((node.bound, node.clashing.len(), Reverse(self.nodes.len()))));
+            self.nodes.push(Some(node));
+        }
+    }
+
+    fn root(&mut self) -> Result<Option<Node>, OutOfSteps> {
+        let mut node = Node { plans: vec![], paths: vec![], clashing: vec![], bound: 0 };
+        for member in 0..self.task.group.len() {
+            let demand = Demand { bans: vec![], least: self.task.least, most: self.task.most };
+            let Some(plan) = self.plan(member, demand)? else { return Ok(None) };
+            let path = plan.layers.best_path(self.task.field, self.task.group[member], &self.others(&node, member));
+            node.bound += u64::from(plan.layers.cost());
+            node.plans.push(plan);
+            node.paths.push(Rc::new(path));
+            self.find_clashes(&mut node, member);
+        }
+        self.polish(&mut node);
+        Ok(Some(node))
+    }
+
+    fn plan(&mut self, member: usize, demand: Demand) -> Result<Option<Rc<Plan>>, OutOfSteps> {
+        let (field, agent) = (self.task.field, self.task.group[member]);
+        let Some(cost) = least_cost(field, agent, &demand, self.meter)? else { return Ok(None) };
+        let layers = Rc::new(Layers::new(field, agent, &demand, cost, self.meter)?);
+        self.ids += 1;
+        Ok(Some(Rc::new(Plan { id: self.ids, demand, layers })))
+    }
+
+    /// The paths of all but one, outsiders with them.
+    fn others<'n>(&'n self, node: &'n Node, member: usize) -> Vec<(usize, &'n [Cell])> {
+        let inside = node.paths.iter().enumerate().filter(|(other, _)| *other != member);
+        let inside = inside.map(|(other, path)| (self.task.group[other], path.as_slice()));
+        inside.chain(self.task.outside.iter().copied()).collect()
+    }
+
+    /// Brings the clashing pairs of one member up to date.
+    fn find_clashes(&self, node: &mut Node, member: usize) {
+        node.clashing.retain(|pair| !pair.contains(&member));
+        for other in (0..node.paths.len()).filter(|other| *other != member) {
+            let pair = [member.min(other), member.max(other)];
+            let agents = pair.map(|member| self.task.group[member]);
+            let paths = pair.map(|member| node.paths[member].as_slice());
+            if clashes(self.task.field, agents, paths).next().is_some() {
+                node.clashing.push(pair);
+            }
+        }
+        node.clashing.sort_unstable();
+    }
+
+    /// Chooses other ways of the same cost while that leaves fewer clashes.
+    fn polish(&mut self, node: &mut Node) {
+        for _ in 0..POLISHING_ROUNDS {
+            let before = node.clashing.len();
+            let members: Vec<usize> = (0..node.plans.len()).filter(|member| node.clashing.iter().any(|pair| pair.contains(member))).collect();
+            for member in members {
+                let path = node.plans[member].layers.best_path(self.task.field, self.task.group[member], &self.others(node, member));
+                if path == *node.paths[member] {
+                    continue;
+                }
+                let known = (node.paths[member].clone(), node.clashing.clone());
+                node.paths[member] = Rc::new(path);
+                self.find_clashes(node, member);
+                if node.clashing.len() >= known.1.len() {
+                    (node.paths[member], node.clashing) = known;
+                }
+            }
+            if node.clashing.is_empty() || node.clashing.len() == before {
+                return;
+            }
+        }
+    }
+
+    /// The bound of a node with what its clashing pairs add.
+    fn raised(&mut self, node: &Node) -> Result<u64, OutOfSteps> {
+        let sum: u64 = node.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
+        let mut edges = vec![];
+        for pair in &node.clashing {
+            edges.push(Edge { ends: *pair, weight: self.rise(node, *pair)? });
+        }
+        Ok(node.bound.max(sum + u64::from(least_rise(&edges))))
+    }
+
+    /// How much the costs of a pair rise at least, up to one more than [`MOST_RISE`].
+    fn rise(&mut self, node: &Node, pair: [usize; 2]) -> Result<u32, OutOfSteps> {
+        let key = pair.map(|member| node.plans[member].id);
+        if let Some(rise) = self.rises.get(&key) {
+            return Ok(*rise);
+        }
+        let mut rise = 0;
+        while rise <= MOST_RISE && !self.some_division_goes(node, pair, rise)? {
+            rise += 1;
+        }
+        self.rises.insert(key, rise);
+        Ok(rise)
+    }
+
+    fn some_division_goes(&mut self, node: &Node, pair: [usize; 2], rise: u32) -> Result<bool, OutOfSteps> {
+        for first in 0..=rise {
+            if self.goes(node, pair, [first, rise - first])? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Whether a pair may go together at costs that rise by so much.
+    fn goes(&mut self, node: &Node, pair: [usize; 2], rises: [u32; 2]) -> Result<bool, OutOfSteps> {
+        let one = self.longer(node, pair[0], rises[0])?;
+        let other = self.longer(node, pair[1], rises[1])?;
+        let (Some(one), Some(other)) = (one, other) else { return Ok(false) };
+        let side = |member: usize, layers| Side { agent: self.task.group[member], layers };
+        let (one, other) = (side(pair[0], &*one), side(pair[1], &*other));
+        Ok(may_go_together(self.task.field, one, other, self.meter))
+    }
+
+    /// The ways of a member that count as `rise` longer; none if it may not take so long.
+    fn longer(&mut self, node: &Node, member: usize, rise: u32) -> Result<Option<Rc<Layers>>, OutOfSteps> {
+        let plan = &node.plans[member];
+        let cost = plan.layers.cost() + rise;
+        if rise == 0 || cost > plan.demand.most {
+            return Ok((rise == 0).then(|| plan.layers.clone()));
+        }
+        if let Some(layers) = self.waits.get(&(plan.id, rise)) {
+            return Ok(Some(layers.clone()));
+        }
+        let layers = Rc::new(Layers::new(self.task.field, self.task.group[member], &plan.demand, cost, self.meter)?);
+        self.waits.insert((plan.id, rise), layers.clone());
+        Ok(Some(layers))
+    }
+
+    /// The children of a node whose paths clash.
+    fn children(&mut self, node: &Node) -> Result<Vec<Node>, OutOfSteps> {
+        let mut children = vec![];
+        for branch in self.split(node)? {
+            if let Some(child) = self.child(node, branch)? {
+                children.push(child);
+            }
+        }
+        Ok(children)
+    }
+
+    /// The best split: of the pair whose costs rise most, else by what its boxes leave.
+    fn split(&mut self, node: &Node) -> Result<[Branch; 2], OutOfSteps> {
+        let mut worst = (0, node.clashing[0]);
+        for pair in &node.clashing {
+            let rise = self.rise(node, *pair)?;
+            if rise > worst.0 {
+                worst = (rise, *pair);
+            }
+        }
+        if worst.0 > 0 {
+            return self.split_by_cost(node, worst.1);
+        }
+        let splits = node.clashing.iter().flat_map(|pair| self.box_splits(node, *pair));
+        let best = splits.min_by_key(|(leaves, _)| *leaves).expect("a clashing pair has a clash");
+        Ok(best.1)
+    }
+
+    fn split_by_cost(&mut self, node: &Node, pair: [usize; 2]) -> Result<[Branch; 2], OutOfSteps> {
+        let parties = self.parties(node, pair);
+        let at_goal = self.clashes_of(node, pair).find_map(|clash| split::at_goal(self.task.field, parties, clash));
+        if let Some(branches) = at_goal {
+            return Ok(branches);
+        }
+        let mut alone = [1, 1];
+        for side in 0..2 {
+            let rises = |wait: u32| if side == 0 { [wait, 0] } else { [0, wait] };
+            while alone[side] <= FARTHEST_WAIT && !self.goes(node, pair, rises(alone[side]))? {
+                alone[side] += 1;
+            }
+        }
+        let longer = usize::from(alone[1] > alone[0]);
+        let (first, second) = (parties[longer], parties[1 - longer]);
+        Ok(split::by_cost(first, second, first.layers.cost() + alone[longer]))
+    }
+
+    fn box_splits(&self, node: &Node, pair: [usize; 2]) -> Vec<(split::Leaves, [Branch; 2])> {
+        let parties = self.parties(node, pair);
+        let weighed = self.clashes_of(node, pair).take(CLASHES_WEIGHED);
+        weighed.map(|clash| split::by_box(self.task.field, parties, clash)).collect()
+    }
+
+    fn clashes_of<'n>(&'n self, node: &'n Node, pair: [usize; 2]) -> impl Iterator<Item = split::Clash> + 'n {
+        clashes(self.task.field, pair.map(|member| self.task.group[member]), pair.map(|member| node.paths[member].as_slice()))
+    }
+
+    fn parties<'n>(&self, node: &'n Node, pair: [usize; 2]) -> [Party<'n>; 2] {
+        pair.map(|member| {
+            let plan = &node.plans[member];
+            Party { member, agent: self.task.group[member], demand: &plan.demand, layers: &plan.layers }
+        })
+    }
+
+    /// A node with some demands replaced; none if one of them cannot be met.
+    fn child(&mut self, node: &Node, branch: Branch) -> Result<Option<Node>, OutOfSteps> {
+        let mut child = node.clone();
+        self.meter.charge(node.plans.len() as u64);
+        for (member, demand) in branch {
+            let Some(plan) = self.plan(member, demand)? else { return Ok(None) };
+            child.plans[member] = plan;
+            let path = child.plans[member].layers.best_path(self.task.field, self.task.group[member], &self.others(&child, member));
+            child.paths[member] = Rc::new(path);
+            self.find_clashes(&mut child, member);
+        }
+        let sum = child.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
+        child.bound = child.bound.max(sum);
+        if child.bound < self.task.ceiling {
+            self.polish(&mut child);
+        }
+        Ok(Some(child))
+    }
+}

@@ -1,0 +1,301 @@
+//! Few parts together, exactly: a search of the space of their joint positions.
+//!
+//! Problem: a group of agents, all others left out, from their starts to their goals. Method: A* over joint nodes with
+//! the agents' own distances as the bound (for the makespan the largest, for the sum of costs their sum), moves of the agents
+//! chosen one after the other so that a move that is too near to an earlier one cuts off all that follows (compare T.
+//! Standley, "Finding Optimal Solutions to Cooperative Pathfinding Problems", AAAI 2010). For the sum of costs a node says of
+//! each agent whether it has arrived for good; only agents that have not are charged for a step.
+//!
+//! Guaranteed, while the budget lasts: a plan of least cost, or the proof that there is none, with a limit on the steps none
+//! within it. Not guaranteed: that ties between plans of the same cost are broken well. The number of joint nodes is the product
+//! of the agents' nodes, so it fits two parts on most boards and more on small ones. One step of the budget is one move of
+//! one agent that is tried; memory is at most some 50 bytes for each.
+
+use super::board::{Cell, Paths};
+use super::exact::field::{FAR, Field, Node};
+use crate::plan::search::Meter;
+use states::States;
+
+mod states;
+
+/// What the search is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Aim {
+    /// Any plan, or the proof that there is none.
+    Any,
+    /// The least makespan, or none within this many steps.
+    Makespan { limit: Option<u32> },
+    /// The least sum of costs, or none within this many steps.
+    SumOfCosts { limit: Option<u32> },
+}
+
+/// What became of a group.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Outcome {
+    /// A plan, best for the aim; one path for each member of the group, in its order.
+    Found(Paths),
+    /// There is no plan at all.
+    Impossible,
+    /// There is none within the limit; whether there is one beyond it is not known.
+    NotWithin,
+    /// The budget ran out; no plan costs less than this.
+    GaveUp { bound: u64 },
+}
+
+/// Larger groups are not searched.
+const MOST_MEMBERS: usize = 64;
+
+/// The same for the sum of costs, where who stays for good multiplies the states of one instant by up to 2 for each member.
+const MOST_SUMMED: usize = 12;
+
+/// Searches for the agents of `group` alone.
+pub fn search(field: &Field, group: &[usize], aim: Aim, meter: &mut Meter) -> Outcome {
+    if group.is_empty() {
+        return Outcome::Found(vec![]);
+    }
+    let most = if matches!(aim, Aim::SumOfCosts { .. }) { MOST_SUMMED } else { MOST_MEMBERS };
+    if group.len() > most {
+        return Outcome::GaveUp { bound: 0 };
+    }
+    let mut search = Search::new(field, group, aim);
+    search.begin();
+    search.run(meter)
+}
+
+/// One agent's part of a joint node: its node, and whether it has arrived for good.
+type Word = u32;
+
+const PARKED: Word = 1;
+
+struct Search<'a> {
+    field: &'a Field<'a>,
+    group: &'a [usize],
+    aim: Aim,
+    states: States,
+    /// Indices of states by their bound on the whole cost.
+    open: Vec<Vec<u32>>,
+    lowest: usize,
+    /// Something was left out because of the limit.
+    limited: bool,
+}
+
+impl<'a> Search<'a> {
+    fn new(field: &'a Field, group: &'a [usize], aim: Aim) -> Self {
+        let timed = matches!(aim, Aim::SumOfCosts { limit: Some(_) });
+        let states = States::new(group.len() + usize::from(timed));
+        Search { field, group, aim, states, open: vec![], lowest: 0, limited: false }
+    }
+
+    fn begin(&mut self) {
+        let mut words: Vec<Word> = self.group.iter().map(|agent| self.field.start(*agent) * 2).collect();
+        words.resize(self.states.width(), 0);
+        self.insert_with_parking(&mut words, 0, 0, u32::MAX, &[]);
+    }
+
+    /// Inserts a state in each variant of who, of those who have just come to their goals, stays for good. Calls itself
+    /// at most [`MOST_SUMMED`] deep.
+    fn insert_with_parking(&mut self, words: &mut Vec<Word>, member: usize, cost: u32, parent: u32, before: &[Word]) {
+        if !matches!(self.aim, Aim::SumOfCosts { .. }) || member == self.group.len() {
+            return self.insert(words, cost, parent);
+        }
+        let arrives = words[member] >> 1 == self.field.goal(self.group[member]);
+        let was_there = before.get(member).is_some_and(|word| *word >> 1 == words[member] >> 1);
+        if arrives && !was_there && words[member] & PARKED == 0 {
+            words[member] |= PARKED;
+            self.insert_with_parking(words, member + 1, cost, parent, before);
+            words[member] &= !PARKED;
+            if self.field.is_absorbed(self.group[member]) {
+                return;
+            }
+        }
+        self.insert_with_parking(words, member + 1, cost, parent, before);
+    }
+
+    fn insert(&mut self, words: &[Word], cost: u32, parent: u32) {
+        let Some(ahead) = self.ahead(words) else { return };
+        if self.exceeds_limit(words, cost) {
+            self.limited = true;
+            return;
+        }
+        if let Some(state) = self.states.insert(words, cost, parent) {
+            let bound = match self.aim {
+                Aim::Any => ahead as usize,
+                Aim::Makespan { .. } | Aim::SumOfCosts { .. } => (cost + ahead) as usize,
+            };
+            if self.open.len() <= bound {
+                self.open.resize_with(bound + 1, Vec::new);
+            }
+            self.open[bound].push(state);
+            self.lowest = self.lowest.min(bound);
+        }
+    }
+
+    /// A bound on the cost from here; none if an agent cannot come to its goal.
+    fn ahead(&self, words: &[Word]) -> Option<u32> {
+        let mut largest = 0;
+        let mut sum = 0u32;
+        for (agent, word) in self.group.iter().zip(words) {
+            let distance = self.own_distance(*agent, *word);
+            if distance == FAR {
+                return None;
+            }
+            largest = largest.max(distance);
+            sum = sum.saturating_add(distance);
+        }
+        Some(match self.aim {
+            Aim::Makespan { .. } => largest,
+            Aim::Any | Aim::SumOfCosts { .. } => sum,
+        })
+    }
+
+    /// Who waits on his goal without having arrived for good has to leave it and to come back.
+    fn own_distance(&self, agent: usize, word: Word) -> u32 {
+        let distance = self.field.distance(agent, word >> 1);
+        let unsettled = matches!(self.aim, Aim::SumOfCosts { .. }) && word & PARKED == 0 && distance == 0;
+        if unsettled { 2 } else { distance }
+    }
+
+    fn exceeds_limit(&self, words: &[Word], cost: u32) -> bool {
+        let largest = || self.group.iter().zip(words).map(|(agent, word)| self.own_distance(*agent, *word)).max().unwrap_or(0);
+        match self.aim {
+            Aim::Any | Aim::Makespan { limit: None } | Aim::SumOfCosts { limit: None } => false,
+            Aim::Makespan { limit: Some(limit) } => cost + largest() > limit,
+            Aim::SumOfCosts { limit: Some(limit) } => words[self.group.len()] + largest() > limit,
+        }
+    }
+
+    fn run(&mut self, meter: &mut Meter) -> Outcome {
+        let mut ply = Ply::new(self.group.len());
+        while let Some(state) = self.pop() {
+            if self.is_final(state) {
+                return Outcome::Found(self.paths(state));
+            }
+            if self.expand(state, &mut ply, meter).is_none() {
+                let bound = if self.aim == Aim::Any { 0 } else { self.lowest as u64 };
+                return Outcome::GaveUp { bound };
+            }
+        }
+        if self.limited { Outcome::NotWithin } else { Outcome::Impossible }
+    }
+
+    /// The open state with the least bound, each state once.
+    fn pop(&mut self) -> Option<u32> {
+        while self.lowest < self.open.len() {
+            match self.open[self.lowest].pop() {
+                Some(state) if self.states.close(state) => return Some(state),
+                Some(_) => {}
+                None => self.lowest += 1,
+            }
+        }
+        None
+    }
+
+    fn is_final(&self, state: u32) -> bool {
+        let words = self.states.words(state);
+        self.group.iter().zip(words).all(|(agent, word)| match self.aim {
+            Aim::Any | Aim::Makespan { .. } => word >> 1 == self.field.goal(*agent),
+            Aim::SumOfCosts { .. } => word & PARKED != 0,
+        })
+    }
+
+    /// Inserts all states one step later.
+    fn expand(&mut self, state: u32, ply: &mut Ply, meter: &mut Meter) -> Option<()> {
+        let before = self.states.words(state).to_vec();
+        let cost = self.states.cost(state) + self.step_cost(&before);
+        let mut words = before.clone();
+        if let Some(instant) = words.get_mut(self.group.len()) {
+            *instant += 1;
+        }
+        let mut member = 0;
+        ply.fill(self.field, self.group[0], 0, before[0]);
+        loop {
+            match ply.moves[member].pop() {
+                Some(word) => {
+                    meter.step()?;
+                    if !self.fits(member, word, &before, &words) {
+                        continue;
+                    }
+                    words[member] = word;
+                    if member + 1 < self.group.len() {
+                        member += 1;
+                        ply.fill(self.field, self.group[member], member, before[member]);
+                    } else {
+                        self.insert_with_parking(&mut words.clone(), 0, cost, state, &before);
+                    }
+                }
+                None if member == 0 => return Some(()),
+                None => member -= 1,
+            }
+        }
+    }
+
+    fn step_cost(&self, before: &[Word]) -> u32 {
+        match self.aim {
+            Aim::Any | Aim::Makespan { .. } => 1,
+            Aim::SumOfCosts { .. } => before[..self.group.len()].iter().filter(|word| **word & PARKED == 0).count() as u32,
+        }
+    }
+
+    /// Whether a move of a member goes together with those of the members before it.
+    fn fits(&self, member: usize, word: Word, before: &[Word], words: &[Word]) -> bool {
+        let cell = |word: Word| self.field.cell(word >> 1);
+        let (from, to) = (cell(before[member]), cell(word));
+        (0..member).all(|other| {
+            let (other_from, other_to) = (cell(before[other]), cell(words[other]));
+            let near = |at: Cell, other_at: Cell| self.field.too_near(self.group[member], at, self.group[other], other_at);
+            !near(to, other_to) && !near(to, other_from) && !near(from, other_to)
+        })
+    }
+
+    /// The way that led to a final state; each path ends at its last arrival.
+    fn paths(&self, state: u32) -> Paths {
+        let mut paths: Paths = vec![vec![]; self.group.len()];
+        let mut at = state;
+        while at != u32::MAX {
+            for (path, word) in paths.iter_mut().zip(self.states.words(at)) {
+                path.push(self.field.cell(word >> 1));
+            }
+            at = self.states.parent(at);
+        }
+        for path in &mut paths {
+            path.reverse();
+            trim(path);
+        }
+        paths
+    }
+}
+
+/// The moves that are still to be tried, of each member.
+struct Ply {
+    moves: Vec<Vec<Word>>,
+}
+
+impl Ply {
+    fn new(members: usize) -> Self {
+        Ply { moves: vec![Vec::with_capacity(5); members] }
+    }
+
+    fn fill(&mut self, field: &Field, agent: usize, member: usize, word: Word) {
+        let moves = &mut self.moves[member];
+        if word & PARKED != 0 {
+            moves.push(word);
+            return;
+        }
+        moves.extend(field.next(agent, word >> 1).map(|node: Node| node * 2));
+        // The one that comes closest to the goal is tried, and put into the bucket, last, and so comes out first.
+        moves.sort_by_key(|word| std::cmp::Reverse(field.distance(agent, *word >> 1)));
+        moves.reverse();
+    }
+}
+
+/// Cuts off the waiting at the end, so that the last position is the last arrival.
+pub(super) fn trim(path: &mut Vec<Cell>) {
+    while path.len() > 1 && path[path.len() - 2] == path[path.len() - 1] {
+        path.pop();
+    }
+}
+
+#[cfg(test)]
+pub(super) mod oracle;
+#[cfg(test)]
+mod tests;

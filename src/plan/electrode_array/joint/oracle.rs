@@ -1,0 +1,167 @@
+//! Plain searches and a plain check for the tests, written from the definitions alone.
+
+use super::super::board::{Agent, Board, Cell, Instance, Objective, Paths, position};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Cells, stops done, and who has settled for good.
+type Joint = (Vec<Cell>, Vec<usize>, Vec<bool>);
+
+/// The least makespan or sum of costs, or none if there is no plan.
+pub fn least(instance: &Instance, objective: Objective) -> Option<u64> {
+    let cells: Vec<Cell> = instance.agents.iter().map(|agent| agent.start).collect();
+    let done = cells.iter().enumerate().map(|(agent, cell)| passed(instance, agent, 0, *cell)).collect();
+    let first: Joint = (cells, done, vec![false; instance.agents.len()]);
+    let mut open = BTreeSet::from([(0, first.clone())]);
+    let mut costs = BTreeMap::from([(first, 0)]);
+    while let Some((cost, joint)) = open.pop_first() {
+        if costs[&joint] < cost {
+            continue;
+        }
+        if joint.2.iter().all(|settled| *settled) {
+            return Some(cost);
+        }
+        for (more, next) in followers(instance, objective, &joint) {
+            if costs.get(&next).is_none_or(|known| *known > cost + more) {
+                costs.insert(next.clone(), cost + more);
+                open.insert((cost + more, next));
+            }
+        }
+    }
+    None
+}
+
+fn passed(instance: &Instance, agent: usize, mut done: usize, at: Cell) -> usize {
+    while instance.agents[agent].stops.get(done) == Some(&at) {
+        done += 1;
+    }
+    done
+}
+
+/// One agent settles at no cost, or all make a step.
+fn followers(instance: &Instance, objective: Objective, joint: &Joint) -> Vec<(u64, Joint)> {
+    let (cells, done, settled) = joint;
+    let mut found = vec![];
+    for (agent, asked) in instance.agents.iter().enumerate() {
+        if !settled[agent] && cells[agent] == asked.goal() && done[agent] == asked.stops.len() {
+            let mut next = joint.clone();
+            next.2[agent] = true;
+            found.push((0, next));
+        }
+    }
+    let moving = settled.iter().filter(|settled| !**settled).count() as u64;
+    let cost = if objective == Objective::Makespan { 1 } else { moving };
+    let mut partial: Vec<Vec<Cell>> = vec![vec![]];
+    for agent in 0..cells.len() {
+        let goal = instance.agents[agent].goal();
+        let merged_there = instance.merges.iter().any(|pair| pair.contains(&agent)) && cells[agent] == goal;
+        let mut to = vec![cells[agent]];
+        if !settled[agent] && !merged_there {
+            to.extend(instance.board.neighbours(cells[agent]));
+        }
+        partial = partial.iter().flat_map(|head| to.iter().map(move |cell| [head.clone(), vec![*cell]].concat())).collect();
+    }
+    for next in partial.into_iter().filter(|next| keeps_rule(instance, cells, next)) {
+        let done = (0..next.len()).map(|agent| passed(instance, agent, done[agent], next[agent])).collect();
+        found.push((cost, (next, done, settled.clone())));
+    }
+    found
+}
+
+fn keeps_rule(instance: &Instance, from: &[Cell], to: &[Cell]) -> bool {
+    let pairs = (0..from.len()).flat_map(|one| (0..one).map(move |other| (one, other)));
+    pairs.into_iter().all(|(one, other)| {
+        let near = |at: Cell, other_at: Cell| instance.too_near((one, at), (other, other_at));
+        !near(to[one], to[other]) && !near(to[one], from[other]) && !near(from[one], to[other])
+    })
+}
+
+/// What is wrong with a plan, if anything.
+pub fn fault(instance: &Instance, paths: &Paths) -> Option<String> {
+    if paths.len() != instance.agents.len() {
+        return Some("not one path for each agent".into());
+    }
+    let end = paths.iter().map(Vec::len).max().unwrap_or(0);
+    for (agent, (asked, path)) in instance.agents.iter().zip(paths).enumerate() {
+        let done = path.iter().fold(0, |done, cell| passed(instance, agent, done, *cell));
+        let steps_well = path.windows(2).all(|pair| pair[0] == pair[1] || instance.board.neighbours(pair[0]).any(|to| to == pair[1]));
+        let waits_at_end = path.len() > 1 && path[path.len() - 2] == path[path.len() - 1];
+        let leaves = instance.merges.iter().any(|pair| pair.contains(&agent))
+            && path[..path.len() - 1].iter().any(|cell| *cell == asked.goal());
+        if path[0] != asked.start || done < asked.stops.len() || path.last() != asked.stops.last() || !steps_well || waits_at_end || leaves {
+            return Some(format!("path of agent {agent}: {path:?} for {asked:?}"));
+        }
+    }
+    for instant in 0..end {
+        let at = |instant: usize| -> Vec<Cell> { paths.iter().map(|path| position(path, instant)).collect() };
+        if !keeps_rule(instance, &at(instant), &at(instant)) || !keeps_rule(instance, &at(instant), &at(instant + 1)) {
+            return Some(format!("the rule after instant {instant}"));
+        }
+    }
+    None
+}
+
+/// A small deterministic source of random numbers (Marsaglia's xorshift).
+pub struct Chance(pub u64);
+
+impl Chance {
+    pub fn below(&mut self, limit: u64) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) % limit
+    }
+}
+
+/// What random instances look like.
+#[derive(Clone, Copy)]
+pub struct Shape {
+    pub width: u32,
+    pub height: u32,
+    pub separation: u32,
+    pub agents: usize,
+    pub blocked_percent: u64,
+    /// Most stops before the goal.
+    pub vias: u64,
+    pub merges: bool,
+}
+
+/// A random instance that keeps the invariants, or none if the places do not suffice.
+pub fn random(shape: Shape, chance: &mut Chance) -> Option<Instance> {
+    let mut board = Board::new(shape.width, shape.height);
+    for cell in 0..board.cells() as Cell {
+        if chance.below(100) < shape.blocked_percent {
+            board.block(cell);
+        }
+    }
+    let merges = if shape.merges { vec![[0, 1]] } else { vec![] };
+    let starts = spread(&board, shape, shape.agents, chance)?;
+    let mut goals = spread(&board, shape, shape.agents - merges.len(), chance)?;
+    if shape.merges {
+        goals.insert(0, goals[0]);
+    }
+    let mut agents = vec![];
+    for (index, (start, goal)) in starts.into_iter().zip(goals).enumerate() {
+        let vias = if shape.vias == 0 || shape.merges && index < 2 { 0 } else { chance.below(shape.vias + 1) };
+        let mut stops = vec![];
+        for _ in 0..vias {
+            stops.push(free(&board, chance)?);
+        }
+        stops.push(goal);
+        agents.push(Agent { start, stops });
+    }
+    Some(Instance { board, separation: shape.separation, agents, merges })
+}
+
+fn free(board: &Board, chance: &mut Chance) -> Option<Cell> {
+    (0..200).map(|_| chance.below(board.cells() as u64) as Cell).find(|cell| !board.is_blocked(*cell))
+}
+
+fn spread(board: &Board, shape: Shape, count: usize, chance: &mut Chance) -> Option<Vec<Cell>> {
+    let mut found: Vec<Cell> = vec![];
+    for _ in 0..count {
+        let fits = |cell: &Cell| found.iter().all(|other| board.apart(*cell, *other) >= shape.separation);
+        let cell = (0..200).filter_map(|_| free(board, chance)).find(fits)?;
+        found.push(cell);
+    }
+    Some(found)
+}

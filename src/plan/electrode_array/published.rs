@@ -1,0 +1,219 @@
+//! The planner of Kritikou et al. 2018 as it is printed, for comparison: parts one after the other, each step by step to its goal.
+//!
+//! Problem: parts that move at the same time on a board, in the order of their priority. Method: "μCA*", Algorithm 1 of
+//! G. Kritikou, N. Lamprianidis, N. Aspragathos, "A Modified Cooperative A* Algorithm for the Simultaneous Motion of Multiple
+//! Microparts on a Smart Platform with Electrostatic Fields", Micromachines 9(11), 548, 2018. For each part of higher priority
+//! the whole way is known; the next position of a part is the one of its five candidates that is allowed and has the least value
+//! of a function (equation 12 or 13); one candidate survives each step, nothing is ever taken back.
+//!
+//! Guaranteed: the part that has a way keeps the chosen check against every part of higher priority that has one, up to the
+//! horizon. Not guaranteed: that a way is found where there is one, or that it is short; and parts without a way are forgotten
+//! by the others although they still stand somewhere, as in the paper. Cost: parts² · horizon.
+
+mod table;
+
+use super::board::{Board, Cell, Instance, position};
+pub use table::{Motion, Zero};
+
+/// The function whose least value chooses the next position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Heuristic {
+    /// Equation 12: the candidate's Manhattan distance from the goal, and a summand below 1 that prefers to be far from the parts
+    /// of higher priority.
+    Spread,
+    /// Equation 13: the Manhattan distance alone; its other summand is the same for all candidates.
+    Plain,
+}
+
+/// What decides whether two moves go together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Check {
+    /// The rule of the board: all four combinations of starts and ends keep the separation.
+    Clean,
+    /// Table 3 as printed, with its unsafe and its over-strict entries; made for a separation of 4.
+    AsPublished(Zero),
+}
+
+/// Which of several candidates with the least value is taken; the paper leaves it open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ties {
+    /// The order in which the candidates are made, each motion once; the first of the best survives.
+    pub order: [Motion; 5],
+}
+
+impl Default for Ties {
+    /// The order of the paper's action space: right, left, down, up, stay.
+    fn default() -> Self {
+        Ties { order: [Motion::Right, Motion::Left, Motion::Down, Motion::Up, Motion::Stay] }
+    }
+}
+
+/// One reading of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reading {
+    pub heuristic: Heuristic,
+    pub check: Check,
+    pub ties: Ties,
+}
+
+/// What became of one part.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Outcome {
+    /// Its way up to its last arrival at its goal; it stays there up to the horizon.
+    Arrived(Vec<Cell>),
+    /// "There is no path": after this way no candidate was allowed.
+    Stuck(Vec<Cell>),
+    /// The horizon came first; this is the way up to it.
+    OutOfTime(Vec<Cell>),
+}
+
+impl Outcome {
+    /// The steps to the last arrival, if it arrived.
+    pub fn finish(&self) -> Option<usize> {
+        match self {
+            Outcome::Arrived(path) => Some(path.len() - 1),
+            Outcome::Stuck(_) | Outcome::OutOfTime(_) => None,
+        }
+    }
+}
+
+/// A candidate's value `goal_distance + others / spread`; with the plain function, or for the first part, `others` is 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Value {
+    /// Manhattan distance from the next stop, and from there over the remaining ones.
+    pub goal_distance: u64,
+    /// How many parts of higher priority are looked at.
+    pub others: u64,
+    /// The sum of the Manhattan distances from them, at least 1.
+    pub spread: u64,
+}
+
+impl Value {
+    /// The order of the values, exactly.
+    fn less_than(&self, other: &Value) -> bool {
+        let scaled = |one: &Value, by: &Value| u128::from(one.goal_distance * one.spread + one.others) * u128::from(by.spread);
+        scaled(self, other) < scaled(other, self)
+    }
+}
+
+/// Plans every part in the order of the instance over `horizon` steps; one outcome for each.
+pub fn plan(instance: &Instance, reading: Reading, horizon: usize) -> Vec<Outcome> {
+    let mut outcomes: Vec<Outcome> = Vec::with_capacity(instance.agents.len());
+    let mut walks: Vec<(usize, Vec<Cell>)> = Vec::new();
+    for agent in 0..instance.agents.len() {
+        let walk = Walk { instance, reading, agent, higher: &walks };
+        let outcome = walk.run(horizon);
+        if let Outcome::Arrived(path) | Outcome::OutOfTime(path) = &outcome {
+            walks.push((agent, path.clone()));
+        }
+        outcomes.push(outcome);
+    }
+    outcomes
+}
+
+/// One part on its way past the parts of higher priority.
+struct Walk<'a> {
+    instance: &'a Instance,
+    reading: Reading,
+    agent: usize,
+    /// The agents that have a way, with it.
+    higher: &'a [(usize, Vec<Cell>)],
+}
+
+impl Walk<'_> {
+    fn run(&self, horizon: usize) -> Outcome {
+        let agent = &self.instance.agents[self.agent];
+        let mut path = vec![agent.start];
+        let mut stops_done = self.stops_done(0, agent.start);
+        let mut arrived = (stops_done == agent.stops.len()).then_some(0);
+        for instant in 1..=horizon {
+            let here = path[instant - 1];
+            let Some((next, _)) = self.best(instant, here, stops_done) else { return Outcome::Stuck(path) };
+            path.push(next);
+            stops_done = self.stops_done(stops_done, next);
+            let at_goal = stops_done == agent.stops.len() && next == agent.goal();
+            arrived = if at_goal { arrived.or(Some(instant)) } else { None };
+        }
+        match arrived {
+            Some(last) => {
+                path.truncate(last + 1);
+                Outcome::Arrived(path)
+            }
+            None => Outcome::OutOfTime(path),
+        }
+    }
+
+    fn stops_done(&self, done: usize, at: Cell) -> usize {
+        done + self.instance.agents[self.agent].stops[done..].iter().take_while(|stop| **stop == at).count()
+    }
+
+    /// The candidate that survives at an instant.
+    fn best(&self, instant: usize, here: Cell, stops_done: usize) -> Option<(Cell, Value)> {
+        let mut best: Option<(Cell, Value)> = None;
+        for (cell, value) in self.candidates(instant, here, stops_done) {
+            if best.as_ref().is_none_or(|(_, least)| value.less_than(least)) {
+                best = Some((cell, value));
+            }
+        }
+        best
+    }
+
+    /// The allowed candidates in the order of the motions, each with its value.
+    fn candidates(&self, instant: usize, here: Cell, stops_done: usize) -> Vec<(Cell, Value)> {
+        let moves = self.reading.ties.order.iter().filter_map(|motion| moved(&self.instance.board, here, *motion));
+        moves
+            .filter(|next| self.is_allowed(instant, here, *next))
+            .map(|next| (next, self.value(instant, next, stops_done)))
+            .collect()
+    }
+
+    fn is_allowed(&self, instant: usize, here: Cell, next: Cell) -> bool {
+        self.higher.iter().all(|(other, way)| {
+            let theirs = [position(way, instant - 1), position(way, instant)];
+            match self.reading.check {
+                Check::Clean => self.keeps_rule([here, next], *other, theirs),
+                Check::AsPublished(_) if self.instance.merge_cell(self.agent, *other).is_some() => {
+                    self.keeps_rule([here, next], *other, theirs)
+                }
+                Check::AsPublished(zero) => table::allows(&self.instance.board, theirs, [here, next], zero),
+            }
+        })
+    }
+
+    fn keeps_rule(&self, own: [Cell; 2], other: usize, theirs: [Cell; 2]) -> bool {
+        own.iter().all(|at| theirs.iter().all(|their| !self.instance.too_near((self.agent, *at), (other, *their))))
+    }
+
+    fn value(&self, instant: usize, at: Cell, stops_done: usize) -> Value {
+        let board = &self.instance.board;
+        let agent = &self.instance.agents[self.agent];
+        let ahead = &agent.stops[stops_done..];
+        let goals = if ahead.is_empty() { std::slice::from_ref(agent.stops.last().expect("an agent has a goal")) } else { ahead };
+        let onward = goals.windows(2).map(|pair| u64::from(board.manhattan(pair[0], pair[1]))).sum::<u64>();
+        let goal_distance = u64::from(board.manhattan(at, goals[0])) + onward;
+        match self.reading.heuristic {
+            Heuristic::Plain => Value { goal_distance, others: 0, spread: 1 },
+            Heuristic::Spread => {
+                let from = |(_, way): &(usize, Vec<Cell>)| u64::from(board.manhattan(at, position(way, instant)));
+                let spread = self.higher.iter().map(from).sum::<u64>().max(1);
+                Value { goal_distance, others: self.higher.len() as u64, spread }
+            }
+        }
+    }
+}
+
+/// Where a motion leads, if that is on the board and free.
+fn moved(board: &Board, here: Cell, motion: Motion) -> Option<Cell> {
+    let (column, row) = board.place(here);
+    let cell = match motion {
+        Motion::Right => (column + 1 < board.width()).then(|| here + 1),
+        Motion::Left => (column > 0).then(|| here - 1),
+        Motion::Down => (row > 0).then(|| here - board.width()),
+        Motion::Up => (row + 1 < board.height()).then(|| here + board.width()),
+        Motion::Stay => Some(here),
+    };
+    cell.filter(|cell| !board.is_blocked(*cell))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,104 @@
+//! Table 3 of the paper: which two moves go together, by the distance of the parts before the step.
+//!
+//! The table is written for a part `i` of higher priority that lies right of and above a part `j`, both distances at most 6. Other
+//! quadrants follow by mirroring both motions; beyond 6 on an axis every pair is safe. Several printed entries are unsafe
+//! and others stricter than the rule; they stand here as printed.
+
+use super::super::board::{Board, Cell};
+
+/// What a part does in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    Right,
+    Left,
+    Down,
+    Up,
+    Stay,
+}
+
+/// How the table, printed for two distances above zero, is read when one of them is zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Zero {
+    /// As if `i` lay on the printed side.
+    Printed,
+    /// Allowed if the table allows it on one of the two sides.
+    EitherSide,
+    /// Allowed only if it allows it on both.
+    BothSides,
+}
+
+/// Beyond this distance on one axis the table says nothing: the parts do not influence one another.
+const REACH: i64 = 6;
+
+impl Motion {
+    fn of(board: &Board, [from, to]: [Cell; 2]) -> Motion {
+        let ((c, r), (d, s)) = (board.place(from), board.place(to));
+        match ((i64::from(d) - i64::from(c)).signum(), (i64::from(s) - i64::from(r)).signum()) {
+            (1, _) => Motion::Right,
+            (-1, _) => Motion::Left,
+            (_, -1) => Motion::Down,
+            (_, 1) => Motion::Up,
+            (_, _) => Motion::Stay,
+        }
+    }
+
+    fn mirrored(self, columns: Side, rows: Side) -> Motion {
+        match (self, columns, rows) {
+            (Motion::Right, Side::Mirrored, _) => Motion::Left,
+            (Motion::Left, Side::Mirrored, _) => Motion::Right,
+            (Motion::Down, _, Side::Mirrored) => Motion::Up,
+            (Motion::Up, _, Side::Mirrored) => Motion::Down,
+            (motion, _, _) => motion,
+        }
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    AsIs,
+    Mirrored,
+}
+
+/// Whether `j` may make its move while `i` makes its own; each is a start and an end.
+pub(super) fn allows(board: &Board, i: [Cell; 2], j: [Cell; 2], zero: Zero) -> bool {
+    let ((ci, ri), (cj, rj)) = (board.place(i[0]), board.place(j[0]));
+    let (dc, dl) = (i64::from(ci) - i64::from(cj), i64::from(ri) - i64::from(rj));
+    if dc.abs() > REACH || dl.abs() > REACH {
+        return true;
+    }
+    let (motion_i, motion_j) = (Motion::of(board, i), Motion::of(board, j));
+    let mut verdicts = sides(dc, zero).iter().flat_map(|columns| {
+        sides(dl, zero).iter().map(|rows| {
+            let turned = |motion: Motion| motion.mirrored(*columns, *rows);
+            printed(turned(motion_i), turned(motion_j), dc.abs(), dl.abs())
+        })
+    });
+    match zero {
+        Zero::Printed | Zero::BothSides => verdicts.all(|allowed| allowed),
+        Zero::EitherSide => verdicts.any(|allowed| allowed),
+    }
+}
+
+fn sides(difference: i64, zero: Zero) -> &'static [Side] {
+    match (difference.signum(), zero) {
+        (-1, _) => &[Side::Mirrored],
+        (0, Zero::EitherSide | Zero::BothSides) => &[Side::AsIs, Side::Mirrored],
+        (_, _) => &[Side::AsIs],
+    }
+}
+
+/// The printed entry for motions of `i` and `j` at distances `dc` and `dl`.
+fn printed(i: Motion, j: Motion, dc: i64, dl: i64) -> bool {
+    use Motion::{Down, Left, Right, Stay, Up};
+    match (i, j) {
+        (Right, Right) | (Left, Left) | (Left, Stay) | (Stay, Right) => dc >= 5,
+        (Right, Left) | (Left, Right) => dc >= 6,
+        (Right, Stay) | (Stay, Left) => dc >= 4,
+        (Down, Down) | (Up, Up) | (Down, Stay) | (Stay, Up) => dl >= 5,
+        (Down, Up) | (Up, Down) => dl >= 6,
+        (Up, Stay) | (Stay, Down) => dl >= 4,
+        (Right, Down) | (Left, Up) | (Down, Left) | (Up, Right) => dc >= 6 || dl >= 6,
+        (Right, Up) | (Left, Down) | (Down, Right) | (Up, Left) => dc >= 4 || dl >= 4,
+        (Stay, Stay) => dc >= 5 || dl >= 5,
+    }
+}
