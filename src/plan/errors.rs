@@ -56,6 +56,40 @@ pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, plann
         .help(more_allowed(budget, planner))
 }
 
+/// Of a greedy planner, whose failure proves nothing.
+pub fn greedy_gave_up(asked: Span, part: &str, at: &str, steps: usize, how: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps} steps"))
+        .label(asked, "neither planned nor disproved")
+        .help("leave `using` out: Tweeze's own planner finds a plan, or proves that there is none")
+}
+
+/// Of parts that cannot come to their goals because of one another.
+pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)]) -> Diagnostic {
+    let names: Vec<String> = parts.iter().take(MAX_LABELS).map(|(name, _)| format!("`{name}`")).collect();
+    let more = parts.len().saturating_sub(MAX_LABELS);
+    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let title = format!("no plan: {}{rest} cannot pass one another", names.join(", "));
+    let mut diagnostic = Diagnostic::new(Code::E0601, title);
+    let mut said: Vec<Span> = Vec::new();
+    for (name, span) in parts.iter().take(MAX_LABELS) {
+        if !said.contains(span) {
+            diagnostic = diagnostic.label(*span, format!("`{name}` is in the way of the others"));
+            said.push(*span);
+        }
+    }
+    let diagnostic = if said.is_empty() { diagnostic.label(step, "this step") } else { diagnostic };
+    diagnostic.help(
+        "there is no room to let them by each other, whatever the other parts do: give one of them a goal on its own \
+         side, or move an obstacle",
+    )
+}
+
+pub fn too_few_steps(limit_span: Span, limit: u64, least: u64) -> Diagnostic {
+    Diagnostic::new(Code::E0603, format!("no plan has {limit} steps or fewer"))
+        .label(limit_span, "this limit")
+        .help(format!("every plan takes at least {least} steps: raise the limit"))
+}
+
 fn more_allowed(budget: u64, planner: &str) -> String {
     let most = u64::from(MAX_EXPANSIONS);
     if budget >= most {

@@ -1,11 +1,26 @@
 //! One job of an electrode array: its steps planned one after the other, from where the parts stand.
+//!
+//! After each step every part stands on a cell that the program names: its goal, or where it stood before. So the best plans of
+//! the steps make the best plan of the job, and its bounds are the sums of theirs.
 
-use crate::check::claims::Job;
-use crate::check::claims::electrode_array::ElectrodeArrayOrder;
-use crate::device::electrode_array::Cell;
+use super::board::{self, Answer, Costs, Paths, Why};
+use super::published::{self, Check, Heuristic, Outcome, Reading, Ties, Zero};
+use super::stage::{self, Stage};
+use super::{portfolio, why};
+use crate::check::claims::electrode_array::{Action, ElectrodeArrayOrder, Method, Move, Objective, Step};
+use crate::check::claims::{Job, Relation};
+use crate::device::electrode_array::{Cell, Separation};
 use crate::diagnostic::Sink;
-use crate::plan::Plan;
+use crate::plan::errors::{self, Removal};
+use crate::plan::requirements::{Kept, require};
+use crate::plan::search::Budget;
+use crate::plan::{Motion as AnyMotion, Optimality, Plan};
+use crate::source::Span;
 use std::collections::BTreeMap;
+
+/// The published planner looks this many times the half circumference of the board ahead: the paper's horizon is 100 steps on
+/// a board of 50 by 50.
+const PUBLISHED_HORIZON: usize = 4;
 
 /// What the parts of a board do.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,8 +46,292 @@ pub struct Standing {
     cells: BTreeMap<String, BTreeMap<String, Option<Cell>>>,
 }
 
+impl Standing {
+    /// Where the parts of an order stand before its job.
+    fn of(&self, job: &Job, order: &ElectrodeArrayOrder) -> Vec<Option<Cell>> {
+        let known = self.cells.get(&job.device);
+        let stands = |name: &String| known.and_then(|cells| cells.get(name)).copied();
+        order.parts.iter().map(|part| stands(&part.name).unwrap_or(Some(part.cell))).collect()
+    }
+}
+
 /// A plan for a job; without one an error was pushed.
 pub fn plan(job: &Job, order: &ElectrodeArrayOrder, standing: &mut Standing, sink: &mut Sink) -> Option<Plan> {
-    let _ = (job, order, &standing.cells, sink);
-    None
+    let start = standing.of(job, order);
+    let (plan, end) = planned(job, order, start, sink);
+    let names = order.parts.iter().map(|part| part.name.clone());
+    standing.cells.entry(job.device.clone()).or_default().extend(names.zip(end));
+    plan
+}
+
+/// A plan, and where the parts stand after it.
+fn planned(
+    job: &Job,
+    order: &ElectrodeArrayOrder,
+    start: Vec<Option<Cell>>,
+    sink: &mut Sink,
+) -> (Option<Plan>, Vec<Option<Cell>>) {
+    let mut tasks = Tasks { job, order, cells: start.clone(), costs: Costs::default(), bounds: Costs::default(), sink };
+    let steps: Vec<Option<StepMotion>> = order.steps.iter().map(|step| tasks.step(step)).collect();
+    let (costs, bounds, end) = (tasks.costs, tasks.bounds, tasks.cells);
+    let Some(steps) = steps.into_iter().collect::<Option<Vec<StepMotion>>>() else { return (None, end) };
+    let plan = finished(order, Motion { start: start.clone(), steps }, costs, bounds);
+    let mut best = |outcome: &str| best(job, order, outcome, start.clone());
+    let kept = require(job, &plan, &mut best, sink);
+    (Some(plan).filter(|_| kept == Kept::Yes), end)
+}
+
+/// The plan that minimises an outcome instead.
+fn best(job: &Job, order: &ElectrodeArrayOrder, outcome: &str, start: Vec<Option<Cell>>) -> Option<Plan> {
+    let objective = match outcome {
+        "steps" | "time" => Objective::Makespan,
+        "sum_of_costs" => Objective::SumOfCosts,
+        _ => return None,
+    };
+    let unconstrained = Job { requirements: Vec::new(), ..job.clone() };
+    let order = ElectrodeArrayOrder { objective, ..order.clone() };
+    planned(&unconstrained, &order, start, &mut Sink::default()).0
+}
+
+/// The steps of a job while they are being planned.
+struct Tasks<'a> {
+    job: &'a Job,
+    order: &'a ElectrodeArrayOrder,
+    /// Where the parts stand by now.
+    cells: Vec<Option<Cell>>,
+    costs: Costs,
+    bounds: Costs,
+    sink: &'a mut Sink,
+}
+
+impl Tasks<'_> {
+    /// The motion of one step. Without one the next steps are planned all the same, from the goals.
+    fn step(&mut self, step: &Step) -> Option<StepMotion> {
+        match &step.action {
+            Action::Wait(duration_ns) => Some(StepMotion::Wait(*duration_ns)),
+            Action::Move(moves) => {
+                let stage = Stage::new(self.order, &self.cells, moves);
+                let paths = self.paths(step, &stage);
+                let motion = paths.map(|paths| self.motion(&stage, &paths));
+                self.arrive(moves);
+                motion.map(StepMotion::Paths)
+            }
+        }
+    }
+
+    fn paths(&mut self, step: &Step, stage: &Stage) -> Option<Paths> {
+        match self.order.planner.method {
+            Method::Portfolio => self.by_portfolio(step, stage),
+            Method::CooperativeAstar => self.as_published(step, stage, Heuristic::Spread),
+            Method::PlainCooperativeAstar => self.as_published(step, stage, Heuristic::Plain),
+        }
+    }
+
+    fn by_portfolio(&mut self, step: &Step, stage: &Stage) -> Option<Paths> {
+        let budget = Budget::of(self.order.planner.expansions);
+        match portfolio::solve(&stage.instance, objective(self.order.objective), self.step_limit(), budget) {
+            Answer::Found { paths, bounds } => {
+                self.add(&paths, bounds);
+                Some(paths)
+            }
+            Answer::Impossible(why) => {
+                self.impossible(step.span, stage, &why);
+                None
+            }
+            Answer::GaveUp { bounds } => {
+                let steps = format!("{} steps", bounds.makespan);
+                let (what, to) = ("the search for a plan", goals(stage));
+                self.sink.push(errors::gave_up(step.span, &to, what, budget.steps, &steps, "portfolio"));
+                None
+            }
+        }
+    }
+
+    /// The steps that the task's only step with moves may take, where a requirement limits them.
+    fn step_limit(&self) -> Option<u64> {
+        let moves = self.order.steps.iter().filter(|step| matches!(step.action, Action::Move(_))).count();
+        let limits = self.job.requirements.iter().filter(|requirement| requirement.outcome == "steps");
+        let most = limits.filter_map(|requirement| match requirement.relation {
+            Relation::AtMost | Relation::Equal => Some(requirement.limit.floor()),
+            Relation::Less => Some((requirement.limit - 1.0).ceil()),
+            Relation::AtLeast | Relation::More => None,
+        });
+        let least = most.fold(f64::INFINITY, f64::min);
+        // The least makespan is searched for anyway, and what it is then tells the user more than the limit does.
+        let helps = self.order.objective == Objective::SumOfCosts && moves == 1 && least.is_finite();
+        helps.then_some(least.max(0.0) as u64)
+    }
+
+    /// The paper's algorithm: greedy, so that to find nothing proves nothing.
+    fn as_published(&mut self, step: &Step, stage: &Stage, heuristic: Heuristic) -> Option<Paths> {
+        let check = match self.order.facts.separation {
+            Separation::Apart(_) => Check::Clean,
+            Separation::AsPublished => Check::AsPublished(Zero::Printed),
+        };
+        let facts = &self.order.facts;
+        let horizon = PUBLISHED_HORIZON * (facts.columns + facts.rows) as usize;
+        let reading = Reading { heuristic, check, ties: Ties::default() };
+        let bounds = match super::fast::bounds(&stage.instance) {
+            Ok(bounds) => bounds,
+            Err(why) => {
+                self.impossible(step.span, stage, &why);
+                return None;
+            }
+        };
+        let mut paths = Vec::with_capacity(stage.agents.len());
+        for (agent, outcome) in published::plan(&stage.instance, reading, horizon).into_iter().enumerate() {
+            match outcome {
+                Outcome::Arrived(path) => paths.push(path),
+                Outcome::Stuck(path) => self.stuck(stage, agent, &path, "stuck"),
+                Outcome::OutOfTime(path) => self.stuck(stage, agent, &path, "still on its way"),
+            }
+        }
+        if paths.len() < stage.agents.len() {
+            return None;
+        }
+        self.add(&paths, bounds);
+        Some(paths)
+    }
+
+    fn stuck(&mut self, stage: &Stage, agent: usize, path: &[board::Cell], how: &str) {
+        let actor = &stage.agents[agent];
+        let name = &self.order.parts[actor.part].name;
+        let at = path.last().map(|cell| stage::cell(self.order, *cell)).unwrap_or(Cell::new(1, 1));
+        let span = actor.asked.map_or(self.job.run_span, |action| action.span);
+        self.sink.push(errors::greedy_gave_up(span, name, &at.to_string(), path.len() - 1, how));
+    }
+
+    fn impossible(&mut self, step: Span, stage: &Stage, reason: &Why) {
+        match reason {
+            Why::Closed { agent, stop } => self.closed(stage, *agent, *stop),
+            Why::Blocked { agents } => {
+                let actors = agents.iter().map(|agent| &stage.agents[*agent]);
+                let parts: Vec<(&str, Span)> = actors
+                    .map(|actor| {
+                        let part = &self.order.parts[actor.part];
+                        (part.name.as_str(), actor.asked.map_or(part.span, |action| action.span))
+                    })
+                    .collect();
+                self.sink.push(errors::blocked_by_one_another(step, &parts));
+            }
+            Why::TooFewSteps { least } => {
+                let limit = self.step_limit().unwrap_or_default();
+                let limits = self.job.requirements.iter().filter(|requirement| requirement.outcome == "steps");
+                let span = limits.map(|requirement| requirement.span).next().unwrap_or(step);
+                self.sink.push(errors::too_few_steps(span, limit, *least));
+            }
+        }
+    }
+
+    /// A part that blocked cells cut off from one of its stops.
+    fn closed(&mut self, stage: &Stage, agent: usize, stop: usize) {
+        let (actor, asked) = (&stage.agents[agent], &stage.instance.agents[agent]);
+        let from = if stop == 0 { asked.start } else { asked.stops[stop - 1] };
+        let to = asked.stops[stop];
+        let (blamed, removal) = why::why(stage, from, to);
+        let blamed: Vec<(&str, Span)> =
+            blamed.into_iter().map(|index| (stage.blockers[index].name.as_str(), stage.blockers[index].span)).collect();
+        let part = &self.order.parts[actor.part];
+        let span = actor.asked.map_or(part.span, |action| action.span);
+        let text = |cell| stage::cell(self.order, cell).to_string();
+        let proof = format!("no cell that `{}` can come to lies beside {}", part.name, text(to));
+        let proof = if blamed.is_empty() { proof } else { format!("`{}` is shut off from {}", part.name, text(to)) };
+        let removal = if blamed.is_empty() { Removal::Unknown } else { removal };
+        self.sink.push(errors::impossible((span, &text(from), &text(to)), &proof, &blamed, removal));
+    }
+
+    fn add(&mut self, paths: &Paths, bounds: Costs) {
+        let costs = Costs::of(paths);
+        self.costs = Costs {
+            makespan: self.costs.makespan + costs.makespan,
+            sum_of_costs: self.costs.sum_of_costs + costs.sum_of_costs,
+        };
+        self.bounds = Costs {
+            makespan: self.bounds.makespan + bounds.makespan,
+            sum_of_costs: self.bounds.sum_of_costs + bounds.sum_of_costs,
+        };
+    }
+
+    /// The cells of every part of the order, from the paths of the agents.
+    fn motion(&self, stage: &Stage, paths: &Paths) -> Vec<Vec<Cell>> {
+        let mut motion: Vec<Vec<Cell>> = self.cells.iter().map(|cell| cell.iter().copied().collect()).collect();
+        for (actor, path) in stage.agents.iter().zip(paths) {
+            motion[actor.part] = path.iter().map(|cell| stage::cell(self.order, *cell)).collect();
+        }
+        motion
+    }
+
+    fn arrive(&mut self, moves: &[Move]) {
+        for action in moves {
+            self.cells[action.part] = Some(action.goal().cell);
+            if let Some(gone) = action.with {
+                self.cells[gone] = None;
+            }
+        }
+    }
+}
+
+/// The goals of a stage in words: the first few.
+fn goals(stage: &Stage) -> String {
+    const MAX_NAMED: usize = 3;
+    let asked = stage.agents.iter().filter_map(|actor| actor.asked);
+    let named: Vec<String> = asked.clone().take(MAX_NAMED).map(|action| action.goal().cell.to_string()).collect();
+    let more = asked.count().saturating_sub(MAX_NAMED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    format!("{}{more}", named.join(", "))
+}
+
+fn objective(objective: Objective) -> board::Objective {
+    match objective {
+        Objective::Makespan => board::Objective::Makespan,
+        Objective::SumOfCosts => board::Objective::SumOfCosts,
+    }
+}
+
+/// The plan with its figures.
+fn finished(order: &ElectrodeArrayOrder, motion: Motion, costs: Costs, bounds: Costs) -> Plan {
+    let (name, cost, bound, other) = match order.objective {
+        Objective::Makespan => {
+            ("makespan", costs.makespan, bounds.makespan, ("sum_of_costs".to_owned(), bounds.sum_of_costs as f64))
+        }
+        Objective::SumOfCosts => {
+            ("sum_of_costs", costs.sum_of_costs, bounds.sum_of_costs, ("steps".to_owned(), bounds.makespan as f64))
+        }
+    };
+    let planner = match order.planner.method {
+        Method::Portfolio => "portfolio",
+        Method::CooperativeAstar => "cooperative_astar",
+        Method::PlainCooperativeAstar => "plain_cooperative_astar",
+    };
+    Plan {
+        planner,
+        objective: name,
+        unit: "",
+        cost: cost as f64,
+        bound: bound as f64,
+        proof: if cost <= bound { Optimality::Proven } else { Optimality::Open },
+        bounds: BTreeMap::from([other]),
+        outcomes: outcomes(order, &motion, costs),
+        motion: AnyMotion::ElectrodeArray(motion),
+    }
+}
+
+fn outcomes(order: &ElectrodeArrayOrder, motion: &Motion, costs: Costs) -> BTreeMap<String, f64> {
+    let (mut moves, mut waits_ns) = (0usize, 0u128);
+    for step in &motion.steps {
+        match step {
+            StepMotion::Wait(duration_ns) => waits_ns += u128::from(*duration_ns),
+            StepMotion::Paths(paths) => {
+                let moved = |path: &Vec<Cell>| path.windows(2).filter(|pair| pair[0] != pair[1]).count();
+                moves += paths.iter().map(moved).sum::<usize>();
+            }
+        }
+    }
+    let time_ns = u128::from(costs.makespan) * u128::from(order.facts.step_ns) + waits_ns;
+    BTreeMap::from([
+        ("steps".to_owned(), costs.makespan as f64),
+        ("sum_of_costs".to_owned(), costs.sum_of_costs as f64),
+        ("moves".to_owned(), moves as f64),
+        ("time".to_owned(), time_ns as f64 / 1e9),
+    ])
 }

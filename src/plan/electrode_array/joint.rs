@@ -156,7 +156,8 @@ impl<'a> Search<'a> {
     }
 
     fn exceeds_limit(&self, words: &[Word], cost: u32) -> bool {
-        let largest = || self.group.iter().zip(words).map(|(agent, word)| self.own_distance(*agent, *word)).max().unwrap_or(0);
+        let largest =
+            || self.group.iter().zip(words).map(|(agent, word)| self.own_distance(*agent, *word)).max().unwrap_or(0);
         match self.aim {
             Aim::Any | Aim::Makespan { limit: None } | Aim::SumOfCosts { limit: None } => false,
             Aim::Makespan { limit: Some(limit) } => cost + largest() > limit,
@@ -232,7 +233,9 @@ impl<'a> Search<'a> {
     fn step_cost(&self, before: &[Word]) -> u32 {
         match self.aim {
             Aim::Any | Aim::Makespan { .. } => 1,
-            Aim::SumOfCosts { .. } => before[..self.group.len()].iter().filter(|word| **word & PARKED == 0).count() as u32,
+            Aim::SumOfCosts { .. } => {
+                before[..self.group.len()].iter().filter(|word| **word & PARKED == 0).count() as u32
+            }
         }
     }
 
@@ -242,7 +245,8 @@ impl<'a> Search<'a> {
         let (from, to) = (cell(before[member]), cell(word));
         (0..member).all(|other| {
             let (other_from, other_to) = (cell(before[other]), cell(words[other]));
-            let near = |at: Cell, other_at: Cell| self.field.too_near(self.group[member], at, self.group[other], other_at);
+            let near =
+                |at: Cell, other_at: Cell| self.field.too_near(self.group[member], at, self.group[other], other_at);
             !near(to, other_to) && !near(to, other_from) && !near(from, other_to)
         })
     }

@@ -91,7 +91,8 @@ pub struct Value {
 impl Value {
     /// The order of the values, exactly.
     fn less_than(&self, other: &Value) -> bool {
-        let scaled = |one: &Value, by: &Value| u128::from(one.goal_distance * one.spread + one.others) * u128::from(by.spread);
+        let scaled =
+            |one: &Value, by: &Value| u128::from(one.goal_distance * one.spread + one.others) * u128::from(by.spread);
         scaled(self, other) < scaled(other, self)
     }
 }
@@ -188,7 +189,11 @@ impl Walk<'_> {
         let board = &self.instance.board;
         let agent = &self.instance.agents[self.agent];
         let ahead = &agent.stops[stops_done..];
-        let goals = if ahead.is_empty() { std::slice::from_ref(agent.stops.last().expect("an agent has a goal")) } else { ahead };
+        let goals = if ahead.is_empty() {
+            std::slice::from_ref(agent.stops.last().expect("an agent has a goal"))
+        } else {
+            ahead
+        };
         let onward = goals.windows(2).map(|pair| u64::from(board.manhattan(pair[0], pair[1]))).sum::<u64>();
         let goal_distance = u64::from(board.manhattan(at, goals[0])) + onward;
         match self.reading.heuristic {

@@ -107,7 +107,9 @@ pub fn least_cost(field: &Field, agent: usize, demand: &Demand, meter: &mut Mete
         }
         for next in field.next(agent, node) {
             let Some(whole) = cost(next, instant + 1) else { continue };
-            if demand.forbids(field, field.cell(next), instant + 1) || closed.contains(&(next, (instant + 1).min(settled_from))) {
+            if demand.forbids(field, field.cell(next), instant + 1)
+                || closed.contains(&(next, (instant + 1).min(settled_from)))
+            {
                 continue;
             }
             let place = (whole - first) as usize;

@@ -54,7 +54,8 @@ impl<'a> Field<'a> {
             return Err(Closed::TooLarge);
         }
         let cells = board.cells() as u32;
-        let places = (0..cells).map(|cell| board.place(cell)).map(|(column, row)| (column as i32, row as i32)).collect();
+        let places =
+            (0..cells).map(|cell| board.place(cell)).map(|(column, row)| (column as i32, row as i32)).collect();
         let steps = (0..cells).map(|cell| steps_from(instance, cell)).collect();
         let count = instance.agents.len();
         let mut merged = vec![false; count * count];
@@ -157,7 +158,11 @@ impl<'a> Field<'a> {
         let stays = self.ways[agent].absorbed && node == self.ways[agent].goal;
         let steps = &self.steps[cell as usize];
         let moves = if stays { &steps[..1] } else { &steps[..] };
-        moves.iter().enumerate().filter(move |(k, to)| *k == 0 || **to != cell).map(move |(_, to)| self.advanced(agent, stage, *to))
+        moves
+            .iter()
+            .enumerate()
+            .filter(move |(k, to)| *k == 0 || **to != cell)
+            .map(move |(_, to)| self.advanced(agent, stage, *to))
     }
 
     #[inline]

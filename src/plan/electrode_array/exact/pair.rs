@@ -34,7 +34,8 @@ pub fn may_go_together(field: &Field, one: Side, other: Side, meter: &mut Meter)
         if !is_near[instant as usize] && reached.is_none() {
             continue;
         }
-        let rows = reached.unwrap_or_else(|| vec![Bits::full(other.layers.at(instant).len()); one.layers.at(instant).len()]);
+        let rows =
+            reached.unwrap_or_else(|| vec![Bits::full(other.layers.at(instant).len()); one.layers.at(instant).len()]);
         let next = step(field, one, other, instant, &rows);
         if next.iter().all(Bits::is_empty) {
             return false;
@@ -54,7 +55,8 @@ fn is_apart(field: &Field, one: Side, other: Side, instant: u32) -> bool {
 /// The pairs that can be reached one instant later.
 fn step(field: &Field, one: Side, other: Side, instant: u32, rows: &[Bits]) -> Vec<Bits> {
     let clear = |at: u32, other_at: u32| -> Vec<Bits> { clear_rows(field, one, at, other, other_at) };
-    let (later_now, now_later, later_later) = (clear(instant + 1, instant), clear(instant, instant + 1), clear(instant + 1, instant + 1));
+    let (later_now, now_later, later_later) =
+        (clear(instant + 1, instant), clear(instant, instant + 1), clear(instant + 1, instant + 1));
     let width = other.layers.at(instant + 1).len();
     let mut next = vec![Bits::empty(width); one.layers.at(instant + 1).len()];
     for (place, row) in rows.iter().enumerate().filter(|(_, row)| !row.is_empty()) {

@@ -13,11 +13,7 @@ pub struct Clash {
 }
 
 /// All clashes of two paths in the order of time, as an iterator.
-pub fn clashes<'a>(
-    field: &'a Field,
-    agents: [usize; 2],
-    paths: [&'a [Cell]; 2],
-) -> impl Iterator<Item = Clash> + 'a {
+pub fn clashes<'a>(field: &'a Field, agents: [usize; 2], paths: [&'a [Cell]; 2]) -> impl Iterator<Item = Clash> + 'a {
     let end = paths[0].len().max(paths[1].len());
     let near = move |t: usize, u: usize| {
         let cells = [position(paths[0], t), position(paths[1], u)];

@@ -1,4 +1,3 @@
-
 use super::super::joint::oracle::{Chance, Shape, fault, least, random};
 use super::*;
 
@@ -46,7 +45,11 @@ fn conflict_based_search_agrees_with_plain_searches() {
             paths.iter_mut().for_each(trim);
             assert_eq!(fault(&instance, &paths), None, "{instance:?}");
             if makespan > 0 {
-                assert_eq!(groups::search(&field, exactly(makespan as u32 - 1), &mut meter()), End::Nothing, "{instance:?}");
+                assert_eq!(
+                    groups::search(&field, exactly(makespan as u32 - 1), &mut meter()),
+                    End::Nothing,
+                    "{instance:?}"
+                );
             }
             compared += 1;
         }

@@ -61,7 +61,15 @@ const POLISHING_ROUNDS: usize = 2;
 
 /// Searches; one step of the budget is a node of an agent's own search or layers expanded.
 pub fn search(task: Task, meter: &mut Meter) -> End {
-    let mut tree = Tree { task, meter, nodes: vec![], open: BinaryHeap::new(), rises: FxHashMap::default(), waits: FxHashMap::default(), ids: 0 };
+    let mut tree = Tree {
+        task,
+        meter,
+        nodes: vec![],
+        open: BinaryHeap::new(),
+        rises: FxHashMap::default(),
+        waits: FxHashMap::default(),
+        ids: 0,
+    };
     match tree.run() {
         Ok(end) => end,
         Err(OutOfSteps) => End::GaveUp { bound: tree.bound() },
@@ -189,9 +197,14 @@ impl Tree<'_, '_> {
     fn polish(&mut self, node: &mut Node) {
         for _ in 0..POLISHING_ROUNDS {
             let before = node.clashing.len();
-            let members: Vec<usize> = (0..node.plans.len()).filter(|member| node.clashing.iter().any(|pair| pair.contains(member))).collect();
+            let members: Vec<usize> =
+                (0..node.plans.len()).filter(|member| node.clashing.iter().any(|pair| pair.contains(member))).collect();
             for member in members {
-                let path = node.plans[member].layers.best_path(self.task.field, self.task.group[member], &self.others(node, member));
+                let path = node.plans[member].layers.best_path(
+                    self.task.field,
+                    self.task.group[member],
+                    &self.others(node, member),
+                );
                 if path == *node.paths[member] {
                     continue;
                 }
@@ -319,7 +332,11 @@ impl Tree<'_, '_> {
     }
 
     fn clashes_of<'n>(&'n self, node: &'n Node, pair: [usize; 2]) -> impl Iterator<Item = split::Clash> + 'n {
-        clashes(self.task.field, pair.map(|member| self.task.group[member]), pair.map(|member| node.paths[member].as_slice()))
+        clashes(
+            self.task.field,
+            pair.map(|member| self.task.group[member]),
+            pair.map(|member| node.paths[member].as_slice()),
+        )
     }
 
     fn parties<'n>(&self, node: &'n Node, pair: [usize; 2]) -> [Party<'n>; 2] {
@@ -336,7 +353,11 @@ impl Tree<'_, '_> {
         for (member, demand) in branch {
             let Some(plan) = self.plan(member, demand)? else { return Ok(None) };
             child.plans[member] = plan;
-            let path = child.plans[member].layers.best_path(self.task.field, self.task.group[member], &self.others(&child, member));
+            let path = child.plans[member].layers.best_path(
+                self.task.field,
+                self.task.group[member],
+                &self.others(&child, member),
+            );
             child.paths[member] = Rc::new(path);
             self.find_clashes(&mut child, member);
         }

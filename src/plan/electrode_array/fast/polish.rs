@@ -93,7 +93,15 @@ impl Polish<'_, '_> {
 
     fn pick(&mut self) -> usize {
         let mut left = self.crew.random.below(self.weights.iter().sum::<u32>() as usize) as u32;
-        self.weights.iter().position(|weight| left < *weight || { left -= weight; false }).unwrap_or(0)
+        self.weights
+            .iter()
+            .position(|weight| {
+                left < *weight || {
+                    left -= weight;
+                    false
+                }
+            })
+            .unwrap_or(0)
     }
 
     /// A late agent, by turns; where the makespan counts and is too long, every other time one that arrives last.

@@ -58,7 +58,8 @@ fn followers(instance: &Instance, objective: Objective, joint: &Joint) -> Vec<(u
         if !settled[agent] && !merged_there {
             to.extend(instance.board.neighbours(cells[agent]));
         }
-        partial = partial.iter().flat_map(|head| to.iter().map(move |cell| [head.clone(), vec![*cell]].concat())).collect();
+        partial =
+            partial.iter().flat_map(|head| to.iter().map(move |cell| [head.clone(), vec![*cell]].concat())).collect();
     }
     for next in partial.into_iter().filter(|next| keeps_rule(instance, cells, next)) {
         let done = (0..next.len()).map(|agent| passed(instance, agent, done[agent], next[agent])).collect();
@@ -83,11 +84,19 @@ pub fn fault(instance: &Instance, paths: &Paths) -> Option<String> {
     let end = paths.iter().map(Vec::len).max().unwrap_or(0);
     for (agent, (asked, path)) in instance.agents.iter().zip(paths).enumerate() {
         let done = path.iter().fold(0, |done, cell| passed(instance, agent, done, *cell));
-        let steps_well = path.windows(2).all(|pair| pair[0] == pair[1] || instance.board.neighbours(pair[0]).any(|to| to == pair[1]));
+        let steps_well = path
+            .windows(2)
+            .all(|pair| pair[0] == pair[1] || instance.board.neighbours(pair[0]).any(|to| to == pair[1]));
         let waits_at_end = path.len() > 1 && path[path.len() - 2] == path[path.len() - 1];
         let leaves = instance.merges.iter().any(|pair| pair.contains(&agent))
             && path[..path.len() - 1].iter().any(|cell| *cell == asked.goal());
-        if path[0] != asked.start || done < asked.stops.len() || path.last() != asked.stops.last() || !steps_well || waits_at_end || leaves {
+        if path[0] != asked.start
+            || done < asked.stops.len()
+            || path.last() != asked.stops.last()
+            || !steps_well
+            || waits_at_end
+            || leaves
+        {
             return Some(format!("path of agent {agent}: {path:?} for {asked:?}"));
         }
     }

@@ -80,11 +80,16 @@ fn parts_that_arrive_by_the_clean_check_keep_the_rule() {
             })
             .collect();
         assert!(arrived.len() >= 3);
-        for ((one, path), (other, way)) in arrived.iter().flat_map(|a| arrived.iter().map(move |b| (a, b))).filter(|(a, b)| a.0 != b.0) {
+        for ((one, path), (other, way)) in
+            arrived.iter().flat_map(|a| arrived.iter().map(move |b| (a, b))).filter(|(a, b)| a.0 != b.0)
+        {
             for instant in 0..100 {
                 let (from, to) = (position(path, instant), position(path, instant + 1));
                 let near = |at: Cell, t: usize| instance.too_near((*one, at), (*other, position(way, t)));
-                assert!(!near(from, instant) && !near(from, instant + 1) && !near(to, instant), "{one} {other} at {instant}");
+                assert!(
+                    !near(from, instant) && !near(from, instant + 1) && !near(to, instant),
+                    "{one} {other} at {instant}"
+                );
             }
         }
     }
@@ -108,7 +113,8 @@ fn table_a1_decisions_and_values_come_out() {
     let rule = reading(Heuristic::Spread, Check::Clean);
     let outcomes = plan(&instance, rule, 8);
     let Outcome::Arrived(path) = &outcomes[2] else { panic!("the third part arrives") };
-    let places: Vec<(u32, u32)> = path.iter().map(|cell| instance.board.place(*cell)).map(|(c, r)| (c + 1, r + 1)).collect();
+    let places: Vec<(u32, u32)> =
+        path.iter().map(|cell| instance.board.place(*cell)).map(|(c, r)| (c + 1, r + 1)).collect();
     assert_eq!(places, [(2, 1), (3, 1), (4, 1), (5, 1), (5, 2), (5, 3)]);
 
     let still: Vec<(usize, Vec<Cell>)> = (0..2).map(|agent| (agent, vec![instance.agents[agent].start])).collect();

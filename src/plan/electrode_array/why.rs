@@ -1,0 +1,138 @@
+//! What closes the way of a part that cannot come to its goal.
+//!
+//! Problem: the smallest set of blockers whose removal opens a way (minimum constraint removal, NP-hard; Hauser 2014). Method: the
+//! way that enters the fewest blockers, each counted where the way comes into it, and a deletion filter on what it crosses.
+//! Guaranteed: without the named ones there is a way, and a single one that is named is the smallest set. Not guaranteed: that
+//! several are the fewest. Cost: linear in the cells of the board and of all blockers, for each blocker on the way once more.
+
+use super::board::{self, Board};
+use super::stage::{Blocker, Stage};
+use crate::plan::errors::Removal;
+use std::collections::VecDeque;
+
+/// Where the blockers have more cells than this in all, none is blamed.
+const MAX_COVERED: usize = 1 << 23;
+
+/// The blockers to be removed, as indices of the stage's, for a way from one cell to another, and what is known of their removal.
+pub fn why(stage: &Stage, from: board::Cell, to: board::Cell) -> (Vec<usize>, Removal) {
+    let board = &stage.bare;
+    let covered: usize = stage.blockers.iter().map(|blocker| blocker.cells(board).count()).sum();
+    if covered > MAX_COVERED {
+        return (Vec::new(), Removal::Unknown);
+    }
+    let Some(mut crossed) = fewest_entered(stage, from, to) else { return (Vec::new(), Removal::Unknown) };
+    let mut at = 0;
+    while at < crossed.len() {
+        let tried: Vec<usize> = crossed.iter().copied().filter(|index| *index != crossed[at]).collect();
+        if is_open(stage, &tried, from, to) {
+            crossed = tried;
+        } else {
+            at += 1;
+        }
+    }
+    let removal = if crossed.len() == 1 { Removal::OpensAndIsSmallest } else { Removal::Opens };
+    (crossed, removal)
+}
+
+/// The blockers on a way that enters as few as possible.
+fn fewest_entered(stage: &Stage, from: board::Cell, to: board::Cell) -> Option<Vec<usize>> {
+    let board = &stage.bare;
+    let over = Covering::new(board, &stage.blockers);
+    let mut cost = vec![u32::MAX; board.cells()];
+    let mut parent = vec![board::Cell::MAX; board.cells()];
+    // Buckets by cost; a way enters each blocker at most once if it is best.
+    let mut buckets: Vec<VecDeque<board::Cell>> = vec![VecDeque::new(); stage.blockers.len() + 2];
+    cost[from as usize] = 0;
+    buckets[0].push_back(from);
+    let mut lowest = 0;
+    while lowest < buckets.len() {
+        let Some(here) = buckets[lowest].pop_front() else {
+            lowest += 1;
+            continue;
+        };
+        if cost[here as usize] as usize != lowest {
+            continue;
+        }
+        for next in board.neighbours(here) {
+            let entered = over.entered(here, next);
+            let through = lowest + entered;
+            if through < cost[next as usize] as usize && through < buckets.len() {
+                cost[next as usize] = through as u32;
+                parent[next as usize] = here;
+                buckets[through].push_back(next);
+            }
+        }
+    }
+    (cost[to as usize] != u32::MAX).then(|| {
+        let mut crossed: Vec<usize> = Vec::new();
+        let mut here = to;
+        while here != from {
+            crossed.extend(over.of(here).iter().map(|index| *index as usize));
+            here = parent[here as usize];
+        }
+        crossed.sort_unstable();
+        crossed.dedup();
+        crossed
+    })
+}
+
+/// Whether there is a way when the blockers of a set are gone.
+fn is_open(stage: &Stage, gone: &[usize], from: board::Cell, to: board::Cell) -> bool {
+    let mut board = stage.bare.clone();
+    for (index, blocker) in stage.blockers.iter().enumerate() {
+        if !gone.contains(&index) {
+            blocker.cells(&stage.bare).for_each(|cell| board.block(cell));
+        }
+    }
+    let mut met = vec![false; board.cells()];
+    let mut open = VecDeque::from([from]);
+    met[from as usize] = true;
+    while let Some(here) = open.pop_front() {
+        if here == to {
+            return true;
+        }
+        for next in board.neighbours(here) {
+            if !std::mem::replace(&mut met[next as usize], true) {
+                open.push_back(next);
+            }
+        }
+    }
+    false
+}
+
+/// The blockers over each cell, ascending, in one list.
+struct Covering {
+    starts: Vec<u32>,
+    indices: Vec<u32>,
+}
+
+impl Covering {
+    fn new(board: &Board, blockers: &[Blocker]) -> Covering {
+        let mut starts = vec![0; board.cells() + 1];
+        for blocker in blockers {
+            blocker.cells(board).for_each(|cell| starts[cell as usize + 1] += 1);
+        }
+        for at in 1..starts.len() {
+            starts[at] += starts[at - 1];
+        }
+        let mut next = starts.clone();
+        let mut indices = vec![0; starts[board.cells()] as usize];
+        for (index, blocker) in blockers.iter().enumerate() {
+            for cell in blocker.cells(board) {
+                indices[next[cell as usize] as usize] = index as u32;
+                next[cell as usize] += 1;
+            }
+        }
+        Covering { starts, indices }
+    }
+
+    fn of(&self, cell: board::Cell) -> &[u32] {
+        &self.indices[self.starts[cell as usize] as usize..self.starts[cell as usize + 1] as usize]
+    }
+
+    /// How many blockers cover `next` and not `here`.
+    fn entered(&self, here: board::Cell, next: board::Cell) -> usize {
+        let before = self.of(here);
+        self.of(next).iter().filter(|index| before.binary_search(index).is_err()).count()
+    }
+}
