@@ -13,6 +13,7 @@ use crate::check::claims::dimibot::{Action, DimibotOrder, Method, Objective, Sto
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous, Switch};
 use crate::schedule::{Actuation, State, TimedState, Unit};
 use scene::{Scene, Touch, place};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 pub(super) use scene::check_claims;
@@ -90,7 +91,12 @@ pub(super) fn terms(order: &DimibotOrder) -> Terms {
         Method::Astar => "astar",
         Method::HypercubeAstar => "hypercube_astar",
     };
-    Terms { planner, objective, unit, scale }
+    Terms { planner, objective, outcome: objective, unit, scale }
+}
+
+/// What `minimize` takes to bring an outcome down: its own name.
+pub(super) fn minimized_as(outcome: &'static str) -> Option<&'static str> {
+    Some(outcome)
 }
 
 /// What begins at one instant.
@@ -126,7 +132,7 @@ pub(super) fn replay<'a>(
     order: &DimibotOrder,
     standing: &mut Standing<'a>,
     findings: &mut Findings,
-) -> Result<Replay, Unfit> {
+) -> Result<Replay<'a>, Unfit> {
     let scene = Scene::new(order)?;
     let start = start(run, order, standing, findings);
     let task = Task { run, order, start, pulses: pulses(run, order, start) };
@@ -143,7 +149,7 @@ pub(super) fn replay<'a>(
     goals(&task, findings);
     places(&task, findings);
     standing.insert(&run.job.device, state(&order.facts, task.end()));
-    Ok(Replay { states: task.states(), outcomes: task.outcomes() })
+    Ok(Replay { states: task.states().into_iter().map(Cow::Owned).collect(), outcomes: task.outcomes() })
 }
 
 fn state(facts: &Facts, cell: Cell) -> State {

@@ -2,9 +2,9 @@
 //!
 //! Input: a [`Schedule`] and the [`Claims`] of its program. Output: a [`Verdict`].
 //! Promise: only this stage can make a [`Verified`] value, and only such a value can be emitted. No predicate is shared with a
-//! planner: places come from the kinematic matrix, sweeps from distances between segments and shapes. No input makes it
-//! panic. Cost for n actuations and m obstacles: n log n to sort, and for each move m/32 comparisons of boxes plus the
-//! exact distance of the few bodies near it.
+//! planner: places come from the kinematic matrix, sweeps from distances between segments and shapes, moves of parts from
+//! the electrodes that are on. No input makes it panic. Cost for n actuations and m obstacles: n log n to sort, and for each
+//! move m/32 comparisons of boxes plus the exact distance of the few bodies near it; each step of a board also costs its parts.
 //!
 //! Rules are checked in three rounds, each only if the one before found nothing, since a broken index or interval would
 //! make nonsense of the rest: `form` (the schedule by itself), `clock` (its runs and steps against the claims), and
@@ -26,7 +26,8 @@ use crate::check::claims::{Claims, Order};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::schedule::{Schedule, State, TimedState};
 use rule::Findings;
-use std::collections::BTreeMap;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A schedule that was replayed without a violation, with the claims that it keeps.
 #[derive(Debug, Clone)]
@@ -85,11 +86,31 @@ pub fn inconclusive(why: &str) -> Diagnostic {
 #[derive(Debug)]
 struct Unfit(String);
 
+/// Why a run cannot be followed to its end.
+#[derive(Debug)]
+enum Halt {
+    Unfit(Unfit),
+    /// What comes after this is unknown, so the device is not followed further.
+    Broken(Box<Violation>),
+}
+
+impl From<Unfit> for Halt {
+    fn from(unfit: Unfit) -> Halt {
+        Halt::Unfit(unfit)
+    }
+}
+
+impl From<Violation> for Halt {
+    fn from(violation: Violation) -> Halt {
+        Halt::Broken(Box::new(violation))
+    }
+}
+
 /// What a run turned out to be.
 #[derive(Debug)]
-struct Replay {
-    /// At the beginning and after every change.
-    states: Vec<TimedState>,
+struct Replay<'a> {
+    /// At the beginning and after every change. Borrowed from the record where that was found to say the same.
+    states: Vec<Cow<'a, TimedState>>,
     /// Every outcome that the kind knows, in SI units.
     outcomes: BTreeMap<&'static str, f64>,
 }
@@ -97,8 +118,9 @@ struct Replay {
 /// What the claims say of a plan's record.
 struct Terms {
     planner: &'static str,
-    /// The name of the objective, which is an outcome too.
     objective: &'static str,
+    /// The outcome that the objective minimises.
+    outcome: &'static str,
     /// Of the cost.
     unit: &'static str,
     /// How many of that unit one SI unit is.
@@ -120,13 +142,24 @@ fn judge(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, Unfit> 
         return Ok(findings.sorted());
     }
     let mut standing = Standing::new();
+    let mut lost = BTreeSet::new();
     for index in clock::timeline(schedule, claims, &mut findings) {
         let run = &runs[index];
+        if lost.contains(run.job.device.as_str()) {
+            continue;
+        }
         let replay = match &run.job.order {
-            Order::Dimibot(order) => dimibot::replay(run, order, &mut standing, &mut findings)?,
-            Order::ElectrodeArray(order) => electrode_array::replay(run, order, &mut standing, &mut findings)?,
+            Order::Dimibot(order) => dimibot::replay(run, order, &mut standing, &mut findings).map_err(Halt::from),
+            Order::ElectrodeArray(order) => electrode_array::replay(run, order, &mut standing, &mut findings),
         };
-        record::check(run, &replay, &mut findings);
+        match replay {
+            Ok(replay) => record::check(run, &replay, &mut findings),
+            Err(Halt::Unfit(unfit)) => return Err(unfit),
+            Err(Halt::Broken(violation)) => {
+                findings.push(*violation);
+                lost.insert(run.job.device.as_str());
+            }
+        }
     }
     Ok(findings.sorted())
 }

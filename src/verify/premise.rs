@@ -4,8 +4,9 @@
 //! and the rules rely on what is asked here.
 
 use super::{Unfit, dimibot, electrode_array};
+use crate::check::claims::electrode_array::ElectrodeArrayOrder;
 use crate::check::claims::{Claims, Job, Order, Timeline};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How deep a timeline may nest.
 const MAX_DEPTH: usize = 256;
@@ -27,6 +28,9 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
         let first = devices.entry(job.device.as_str()).or_insert(job);
         if !same_facts(first, job) {
             return Err(Unfit(format!("the claims hold two sets of facts about the device `{}`", job.device)));
+        }
+        if !same_parts(first, job) {
+            return Err(Unfit(format!("the claims hold two sets of parts on the device `{}`", job.device)));
         }
     }
     Ok(())
@@ -68,5 +72,20 @@ fn same_facts(one: &Job, other: &Job) -> bool {
         (Order::Dimibot(one), Order::Dimibot(other)) => one.facts == other.facts,
         (Order::ElectrodeArray(one), Order::ElectrodeArray(other)) => one.facts == other.facts,
         (Order::Dimibot(_), Order::ElectrodeArray(_)) | (Order::ElectrodeArray(_), Order::Dimibot(_)) => false,
+    }
+}
+
+/// Parts are known by their names from one run of a device to the next.
+fn same_parts(one: &Job, other: &Job) -> bool {
+    match (&one.order, &other.order) {
+        (Order::ElectrodeArray(one), Order::ElectrodeArray(other)) => {
+            let names = |order: &ElectrodeArrayOrder| -> BTreeSet<String> {
+                order.parts.iter().map(|part| part.name.clone()).collect()
+            };
+            std::sync::Arc::ptr_eq(&one.parts, &other.parts) || names(one) == names(other)
+        }
+        (Order::Dimibot(_), Order::Dimibot(_))
+        | (Order::Dimibot(_), Order::ElectrodeArray(_))
+        | (Order::ElectrodeArray(_), Order::Dimibot(_)) => true,
     }
 }

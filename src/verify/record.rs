@@ -10,6 +10,7 @@ use crate::check::claims::{Order, Relation, Requirement};
 use crate::device::Outcome;
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::schedule::{State, TimedState};
+use std::borrow::Cow;
 
 /// Share of the larger one by which two figures may differ.
 const TOLERANCE: f64 = 1e-9;
@@ -20,7 +21,9 @@ pub(super) fn check(run: &Run, replay: &Replay, findings: &mut Findings) {
     bound(run, findings);
     other_bounds(run, findings);
     outcomes(run, replay, findings);
-    states(run, replay, findings);
+    if let Some(violation) = difference(run, &replay.states) {
+        findings.push(violation);
+    }
     requirements(run, replay, findings);
 }
 
@@ -54,8 +57,8 @@ fn names(run: &Run, findings: &mut Findings) {
 }
 
 fn cost(run: &Run, replay: &Replay, findings: &mut Findings) {
-    let Terms { objective, unit, scale, .. } = terms(run);
-    let replayed = replay.outcomes[objective] * scale;
+    let Terms { outcome, unit, scale, .. } = terms(run);
+    let replayed = replay.outcomes[outcome] * scale;
     if !alike(run.plan.cost, replayed) {
         let (recorded, replayed) = apart(run.plan.cost, replayed);
         let title =
@@ -118,9 +121,10 @@ fn outcomes(run: &Run, replay: &Replay, findings: &mut Findings) {
     }
 }
 
-fn states(run: &Run, replay: &Replay, findings: &mut Findings) {
-    let (recorded, replayed) = (&run.plan.states, &replay.states);
-    let differs = |(one, other): (&TimedState, &TimedState)| one.t_ns != other.t_ns || !same(&one.state, &other.state);
+/// The first state of the record that is not the replayed one.
+pub(super) fn difference(run: &Run, replayed: &[Cow<TimedState>]) -> Option<Violation> {
+    let recorded = &run.plan.states;
+    let differs = |(one, other): (&TimedState, &Cow<TimedState>)| !agrees(one, other);
     let first = recorded.iter().zip(replayed).position(differs);
     let violation = match first {
         Some(0) if recorded[0].t_ns == replayed[0].t_ns => {
@@ -141,15 +145,21 @@ fn states(run: &Run, replay: &Replay, findings: &mut Findings) {
             );
             Violation::new(Rule::State, other.t_ns, title)
         }
-        None if recorded.len() != replayed.len() => {
-            let (recorded, replayed) = (recorded.len(), replayed.len());
-            let title =
-                format!("the run of `{}` has {recorded} recorded states, the replay gives {replayed}", run.job.task);
-            Violation::new(Rule::State, run.end_ns(), title)
-        }
-        None => return,
+        None if recorded.len() != replayed.len() => return Some(miscounted(run, replayed.len() as u64)),
+        None => return None,
     };
-    findings.push(violation.label(run.job.run_span, "this run"));
+    Some(violation.label(run.job.run_span, "this run"))
+}
+
+/// The record holds too few states, or too many.
+pub(super) fn miscounted(run: &Run, replayed: u64) -> Violation {
+    let recorded = run.plan.states.len();
+    let title = format!("the run of `{}` has {recorded} recorded states, the replay gives {replayed}", run.job.task);
+    Violation::new(Rule::State, run.end_ns(), title).label(run.job.run_span, "this run")
+}
+
+fn agrees(recorded: &TimedState, replayed: &TimedState) -> bool {
+    recorded.t_ns == replayed.t_ns && same(&recorded.state, &replayed.state)
 }
 
 fn same(recorded: &State, replayed: &State) -> bool {
@@ -214,18 +224,25 @@ fn broken(run: &Run, requirement: &Requirement, outcome: &Outcome, value: f64) -
         .help(mend(run, requirement.relation, name, &value))
 }
 
-fn mend(run: &Run, relation: Relation, name: &str, value: &str) -> String {
+fn mend(run: &Run, relation: Relation, name: &'static str, value: &str) -> String {
+    let objective = match &run.job.order {
+        Order::Dimibot(_) => dimibot::minimized_as(name),
+        Order::ElectrodeArray(_) => electrode_array::minimized_as(name),
+    };
     let limit = match relation {
         Relation::AtMost | Relation::AtLeast | Relation::Equal => format!("a limit of {value} would hold"),
         Relation::Less => format!("a limit above {value} would hold"),
         Relation::More => format!("a limit below {value} would hold"),
     };
-    match relation {
-        Relation::AtMost | Relation::Less if run.plan.objective == name => {
-            format!("{limit}; the plan is already made with `minimize {name}`")
+    match (relation, objective) {
+        (Relation::AtMost | Relation::Less, Some(objective)) if run.plan.objective == objective => {
+            format!("{limit}; the plan is already made with `minimize {objective}`")
         }
-        Relation::AtMost | Relation::Less => format!("{limit}; `minimize {name}` may bring it down"),
-        Relation::Equal | Relation::AtLeast | Relation::More => limit,
+        (Relation::AtMost | Relation::Less, Some(objective)) => {
+            format!("{limit}; `minimize {objective}` may bring it down")
+        }
+        (Relation::AtMost | Relation::Less, None)
+        | (Relation::Equal | Relation::AtLeast | Relation::More, Some(_) | None) => limit,
     }
 }
 

@@ -28,7 +28,7 @@ pub enum Rule {
     Timeline,
     /// A device is in one run at a time.
     Busy,
-    /// A wait lasts as long as claimed, and nothing is switched in it.
+    /// A wait lasts as long as claimed, and nothing moves in it.
     Wait,
     /// The recorded planner, objective and figures are those of the claims and of the replay.
     Figure,
@@ -46,7 +46,7 @@ pub enum Rule {
     Pulse,
     /// No module is switched before the rest after a pulse is over.
     Rest,
-    /// No time is lost between the pulses of a step.
+    /// No time is lost between the pulses of a step, or after the last arrival of parts.
     Idle,
     /// A pulse changes the state of its module.
     Switch,
@@ -58,6 +58,22 @@ pub enum Rule {
     Sweep,
     /// Every way that modules switched at once can take is clear.
     Mixture,
+    /// An electrode is on at the potential of the device.
+    Potential,
+    /// Electrodes are switched only between the steps of the board.
+    Beat,
+    /// An electrode pulls no part but the one that it moves.
+    Pull,
+    /// An electrode that is on pulls a part.
+    Unused,
+    /// The electrode under a resting droplet is on where the device holds its parts, and only there.
+    Hold,
+    /// Parts keep the separation of the device.
+    Touch,
+    /// Parts keep the clearance of the device from obstacles.
+    Clearance,
+    /// A part without a goal stays, or comes back.
+    Bystander,
 }
 
 impl Rule {
@@ -90,6 +106,14 @@ impl Rule {
             Rule::Simultaneous => Code::E0726,
             Rule::Sweep => Code::E0727,
             Rule::Mixture => Code::E0728,
+            Rule::Potential => Code::E0729,
+            Rule::Beat => Code::E0730,
+            Rule::Pull => Code::E0731,
+            Rule::Unused => Code::E0732,
+            Rule::Hold => Code::E0733,
+            Rule::Touch => Code::E0734,
+            Rule::Clearance => Code::E0735,
+            Rule::Bystander => Code::E0736,
         }
     }
 }

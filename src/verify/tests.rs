@@ -2,6 +2,7 @@
 
 mod build;
 mod dimibot;
+mod electrode_array;
 mod garbage;
 mod general;
 mod mutants;

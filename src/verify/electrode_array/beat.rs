@@ -1,0 +1,249 @@
+//! The rules of one beat: what the electrodes that are on do to each part, and how near the parts come to what.
+//!
+//! Every rule is asked of the whole board; the first violation is returned, that of the first part in the order of the scene.
+
+use super::Board;
+use super::bodies::{Way, first_touch, needed};
+use super::pull::{Pull, acting, explained, merging, reach};
+use super::stage::Stage;
+use crate::check::claims::electrode_array::Bystanders;
+use crate::device::electrode_array::{Cell, Electrodes, Hold};
+use crate::verify::Violation;
+use crate::verify::rule::{Rule, ms};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// How many electrodes a message names.
+const SHOWN: usize = 4;
+
+/// A beat of a step.
+pub(super) struct Moment<'m> {
+    /// Place of the step in the run.
+    pub nth: usize,
+    pub at_ns: u64,
+    pub stage: &'m Stage<'m>,
+    pub on: &'m FxHashSet<Cell>,
+}
+
+/// What each part that is there does, by the index of the part.
+type Pulls = Vec<(usize, Pull)>;
+
+impl Board<'_, '_> {
+    fn broken(&self, rule: Rule, moment: &Moment, title: String, parts: &[usize]) -> Violation {
+        let violation = self.within(rule, moment.nth, moment.at_ns, title);
+        parts.iter().fold(violation, |violation, part| violation.label(self.order.parts[*part].span, "this part"))
+    }
+
+    fn name(&self, part: usize) -> &str {
+        &self.order.parts[part].name
+    }
+
+    /// Where every part goes, with the rules on electrodes kept.
+    pub(super) fn pulled(&self, moment: &Moment) -> Result<Pulls, Violation> {
+        let pulls = self.pulls(moment)?;
+        let owners = self.owners(moment, &pulls)?;
+        self.strays(moment, &pulls, &owners)?;
+        self.unused(moment, &owners)?;
+        self.holds(moment, &pulls)?;
+        Ok(pulls)
+    }
+
+    /// Every part is pulled to one place.
+    fn pulls(&self, moment: &Moment) -> Result<Pulls, Violation> {
+        let electrodes = self.order.facts.layout.electrodes;
+        let here = self.cells.iter().enumerate().filter_map(|(part, cell)| Some((part, (*cell)?)));
+        let pull = |(part, at): (usize, Cell)| {
+            let pull = match moment.stage.partner(part) {
+                Some((_, goal)) => merging(moment.on, at, goal),
+                None => explained(moment.on, electrodes, at),
+            };
+            pull.map(|pull| (part, pull)).ok_or_else(|| {
+                let (name, time) = (self.name(part), ms(moment.at_ns));
+                let on = listed(&acting(moment.on, electrodes, at));
+                let title = format!("electrodes {on} at {time} carry `{name}` from {at} to no neighbour");
+                self.broken(Rule::Pull, moment, title, &[part])
+            })
+        };
+        here.map(pull).collect()
+    }
+
+    /// An electrode carries one part, or two to the cell where they merge.
+    fn owners(&self, moment: &Moment, pulls: &Pulls) -> Result<FxHashMap<Cell, usize>, Violation> {
+        let mut owners = FxHashMap::default();
+        for (part, pull) in pulls {
+            for electrode in &pull.by {
+                let Some(other) = owners.insert(*electrode, *part) else { continue };
+                if moment.stage.partner(*part) != Some((other, *electrode)) {
+                    let (one, two, at) = (self.name(other), self.name(*part), ms(moment.at_ns));
+                    let title = format!("electrode {electrode} at {at} pulls both `{one}` and `{two}`");
+                    return Err(self.broken(Rule::Pull, moment, title, &[other, *part]));
+                }
+            }
+        }
+        Ok(owners)
+    }
+
+    /// No electrode acts on a part that it does not carry, neither at its start nor at its end.
+    fn strays(&self, moment: &Moment, pulls: &Pulls, owners: &FxHashMap<Cell, usize>) -> Result<(), Violation> {
+        let electrodes = self.order.facts.layout.electrodes;
+        for (part, pull) in pulls {
+            let partner = moment.stage.partner(*part);
+            let meant = |electrode: &Cell| {
+                let of_partner = partner.is_some_and(|(other, goal)| {
+                    let stands = pull.from == goal || pull.to == goal;
+                    *electrode == goal || (stands && owners.get(electrode) == Some(&other))
+                });
+                pull.by.contains(electrode) || of_partner
+            };
+            // Without a partner the pull itself accounts for all that acts at the start.
+            let ends = [(partner.is_some(), pull.from), (pull.moves(), pull.to)];
+            for (_, at) in ends.into_iter().filter(|(is_open, _)| *is_open) {
+                let Some(stray) = acting(moment.on, electrodes, at).into_iter().find(|cell| !meant(cell)) else {
+                    continue;
+                };
+                let (name, time) = (self.name(*part), ms(moment.at_ns));
+                let owner =
+                    owners.get(&stray).map_or(String::new(), |other| format!(", on for `{}`,", self.name(*other)));
+                let title = format!("electrode {stray}{owner} pulls `{name}` at {at} too, at {time}");
+                return Err(self.broken(Rule::Pull, moment, title, &[*part]));
+            }
+        }
+        Ok(())
+    }
+
+    /// An electrode that is on carries or holds a part.
+    fn unused(&self, moment: &Moment, owners: &FxHashMap<Cell, usize>) -> Result<(), Violation> {
+        if owners.len() == moment.on.len() {
+            return Ok(());
+        }
+        match moment.on.iter().filter(|cell| !owners.contains_key(cell)).min() {
+            None => Ok(()),
+            Some(cell) => {
+                let title = format!("electrode {cell} is on at {} and pulls no part", ms(moment.at_ns));
+                Err(self.broken(Rule::Unused, moment, title, &[]))
+            }
+        }
+    }
+
+    /// The electrode under a resting droplet is on exactly where the device holds its parts.
+    fn holds(&self, moment: &Moment, pulls: &Pulls) -> Result<(), Violation> {
+        match self.order.facts.layout.electrodes {
+            Electrodes::Quad => return Ok(()),
+            Electrodes::Single => (),
+        }
+        for (part, pull) in pulls.iter().filter(|(_, pull)| !pull.moves()) {
+            let joined = moment.stage.partner(*part).is_some_and(|(other, goal)| {
+                goal == pull.from && pulls.iter().any(|(part, pull)| *part == other && pull.moves() && pull.to == goal)
+            });
+            let fault = match (self.order.facts.hold, moment.on.contains(&pull.from)) {
+                (Hold::On, false) => "off",
+                (Hold::Off, true) if !joined => "on, though the device does not hold its parts",
+                (Hold::On, true) | (Hold::Off, true | false) => continue,
+            };
+            let (name, at, time) = (self.name(*part), pull.from, ms(moment.at_ns));
+            let title = format!("`{name}` rests at {at} at {time}, but its electrode is {fault}");
+            return Err(self.broken(Rule::Hold, moment, title, &[*part]));
+        }
+        Ok(())
+    }
+
+    /// An electrode that is on acts on no part that is stuck.
+    pub(super) fn leaves_stuck_parts(&self, nth: usize, electrode: Cell, at_ns: u64) -> Result<(), Violation> {
+        let Some(stuck) = self.scene.pulled(electrode, reach(self.order.facts.layout.electrodes)) else {
+            return Ok(());
+        };
+        let stuck = &self.order.obstacles[stuck];
+        let title = format!("electrode {electrode} at {} pulls `{}`, which is stuck", ms(at_ns), stuck.name);
+        Err(self.within(Rule::Pull, nth, at_ns, title).label(stuck.span, "this obstacle"))
+    }
+
+    /// A part without a goal moves only where such parts may yield.
+    pub(super) fn bystanders(&self, moment: &Moment, pulls: &Pulls) -> Result<(), Violation> {
+        match self.order.bystanders {
+            Bystanders::Yield => return Ok(()),
+            Bystanders::Stay => (),
+        }
+        let moved = pulls.iter().find(|(part, pull)| pull.moves() && !moment.stage.is_asked(*part));
+        let Some((part, Pull { from, to, .. })) = moved else { return Ok(()) };
+        let (name, at) = (self.name(*part), ms(moment.at_ns));
+        let title = format!("`{name}` moves from {from} to {to} at {at}, but has no goal in this step");
+        Err(self.broken(Rule::Bystander, moment, title, &[*part]))
+    }
+
+    /// Parts keep clear of each other and of all obstacles, wherever in the beat they are.
+    pub(super) fn sweeps(&self, moment: &Moment, pulls: &Pulls) -> Result<(), Violation> {
+        let explain = |(rule, title, parts): Broken| self.broken(rule, moment, title, &parts);
+        self.touches(moment.stage, moment.at_ns, pulls).map_or(Ok(()), |broken| Err(explain(broken)))?;
+        self.clearances(moment.at_ns, pulls).map_or(Ok(()), |broken| Err(explain(broken)))
+    }
+
+    /// The same before the first beat.
+    pub(super) fn stands_clear(&self) -> Result<(), Violation> {
+        let at_ns = self.run.plan.start_ns;
+        let rests = |(part, cell): (usize, &Option<Cell>)| {
+            let at = (*cell)?;
+            Some((part, Pull { from: at, to: at, by: Vec::new() }))
+        };
+        let pulls: Pulls = self.cells.iter().enumerate().filter_map(rests).collect();
+        let broken = self.touches(&Stage::default(), at_ns, &pulls).or_else(|| self.clearances(at_ns, &pulls));
+        match broken {
+            None => Ok(()),
+            Some((rule, title, _)) => {
+                Err(Violation::new(rule, at_ns, title).label(self.run.job.run_span, "at the start of this run"))
+            }
+        }
+    }
+
+    /// Two parts keep the separation; of two that merge what is done on their goal does not count.
+    fn touches(&self, stage: &Stage, at_ns: u64, pulls: &Pulls) -> Option<Broken> {
+        let needed = needed(&self.order.facts);
+        let ways: Vec<Way> = pulls.iter().map(|(_, pull)| Way::new(pull.from, pull.to)).collect();
+        let apart = |one: usize, other: usize| {
+            let ((part, pull), (second, other_pull)) = (&pulls[one], &pulls[other]);
+            match stage.partner(*part).filter(|(partner, _)| partner == second) {
+                None => Some(ways[one].apart(&ways[other])),
+                Some((_, goal)) => {
+                    let besides = |pull: &Pull| Way::besides(pull.from, pull.to, goal);
+                    Some(besides(pull)?.apart(&besides(other_pull)?))
+                }
+            }
+        };
+        let time = ms(at_ns);
+        let told = |(part, pull): &(usize, Pull)| match pull.moves() {
+            true => format!("`{}` on its way from {} to {}", self.name(*part), pull.from, pull.to),
+            false => format!("`{}` at {}", self.name(*part), pull.from),
+        };
+        if let Some((one, other, near)) = first_touch(&ways, needed, apart) {
+            let (first, second) = (told(&pulls[one]), told(&pulls[other]));
+            let title =
+                format!("{first} and {second} come as near as {near} at {time}, {needed} electrodes are needed");
+            return Some((Rule::Touch, title, vec![pulls[one].0, pulls[other].0]));
+        }
+        let near_stuck = |(pull, way): (&(usize, Pull), &Way)| Some((pull.clone(), self.scene.stuck(way)?));
+        let (pull, (stuck, near)) = pulls.iter().zip(&ways).find_map(near_stuck)?;
+        let (first, stuck) = (told(&pull), &self.order.obstacles[stuck].name);
+        let title = format!("{first} comes as near as {near} to `{stuck}` at {time}, {needed} electrodes are needed");
+        Some((Rule::Touch, title, vec![pull.0]))
+    }
+
+    /// Where a part rests or arrives it keeps the clearance from electrodes that an obstacle covers.
+    fn clearances(&self, at_ns: u64, pulls: &Pulls) -> Option<Broken> {
+        let near = |(part, pull): &(usize, Pull)| Some((*part, pull.to, self.scene.blocked(pull.to)?));
+        let (part, at, (obstacle, near)) = pulls.iter().find_map(near)?;
+        let (name, obstacle, time) = (self.name(part), &self.order.obstacles[obstacle].name, ms(at_ns));
+        let due = self.order.facts.clearance;
+        let title = format!("`{name}` comes to {at} at {time}, {near} from `{obstacle}`, {due} electrodes are needed");
+        Some((Rule::Clearance, title, vec![part]))
+    }
+}
+
+/// A rule with what is to be said, and the parts that it is about.
+type Broken = (Rule, String, Vec<usize>);
+
+/// Some electrodes in words.
+fn listed(cells: &[Cell]) -> String {
+    let shown: Vec<String> = cells.iter().take(SHOWN).map(Cell::to_string).collect();
+    match cells.len().saturating_sub(SHOWN) {
+        0 => shown.join(", "),
+        others => format!("{} and {others} more", shown.join(", ")),
+    }
+}

@@ -1,0 +1,82 @@
+//! What the replay takes for granted of claims on an electrode array.
+//!
+//! Input: an order. Output: nothing, or why no run can be held against it. Claims that the checker made always pass.
+
+use super::super::Unfit;
+use crate::check::claims::electrode_array::{Action, Body, ElectrodeArrayOrder, Move};
+use crate::device::electrode_array::{Electrodes, Facts, MAX_PARTS, MAX_SIDE, Separation};
+use std::collections::BTreeSet;
+
+/// The largest separation, in electrodes.
+const MAX_SEPARATION: u32 = MAX_SIDE;
+
+/// Asks what every rule takes for granted.
+///
+/// # Errors
+/// When the claims are such that nothing can be held against them.
+pub(in super::super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
+    facts(&order.facts)?;
+    parts(order)?;
+    obstacles(order)?;
+    order.steps.iter().try_for_each(|step| match &step.action {
+        Action::Move(moves) => goals(order, moves),
+        Action::Wait(_) => Ok(()),
+    })
+}
+
+fn unfit(why: &str) -> Unfit {
+    Unfit(format!("the claims of an electrode array {why}"))
+}
+
+fn demand(holds: bool, why: &str) -> Result<(), Unfit> {
+    if holds { Ok(()) } else { Err(unfit(why)) }
+}
+
+fn facts(facts: &Facts) -> Result<(), Unfit> {
+    let sides = 1..=MAX_SIDE;
+    demand(sides.contains(&facts.columns) && sides.contains(&facts.rows), "give it no electrode, or too many")?;
+    let numbers = [facts.radius_um, facts.pitch_ratio, facts.potential_v, facts.layout.half_width];
+    demand(numbers.iter().all(|number| number.is_finite()), "hold a field that is not finite")?;
+    demand(facts.potential_v > 0.0, "hold a potential that pulls nothing")?;
+    demand(facts.step_ns > 0, "hold a step without length")?;
+    demand((0.0..=f64::from(MAX_SIDE)).contains(&facts.layout.half_width), "hold a body out of its range")?;
+    demand(facts.clearance >= 1, "hold no clearance")?;
+    match facts.separation {
+        Separation::Apart(cells) => demand((1..=MAX_SEPARATION).contains(&cells), "hold a separation out of its range"),
+        Separation::AsPublished => Ok(()),
+    }
+}
+
+fn parts(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
+    demand(order.parts.len() <= MAX_PARTS, "hold too many parts")?;
+    let names: BTreeSet<&str> = order.parts.iter().map(|part| part.name.as_str()).collect();
+    demand(names.len() == order.parts.len(), "hold two parts of one name")?;
+    let reached = order.parts.iter().all(|part| order.facts.reaches(part.cell));
+    demand(reached, "hold a part where its electrodes are not on the board")
+}
+
+fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
+    let is_block = |body: &Body| match body {
+        Body::Electrodes { from, to } => from.column <= to.column && from.row <= to.row,
+        Body::Fixed(_) => true,
+    };
+    demand(order.obstacles.iter().all(|obstacle| is_block(&obstacle.body)), "hold an obstacle of no electrodes")
+}
+
+fn goals(order: &ElectrodeArrayOrder, moves: &[Move]) -> Result<(), Unfit> {
+    let mut met = BTreeSet::new();
+    for action in moves {
+        let all = std::iter::once(action.part).chain(action.with);
+        for part in all {
+            demand(part < order.parts.len(), "move a part that they do not have")?;
+            demand(met.insert(part), "move a part twice in one step")?;
+        }
+        demand(!action.stops.is_empty(), "move a part to no goal")?;
+        demand(action.stops.iter().all(|stop| order.facts.holds(stop.cell)), "name a cell that it does not have")?;
+        if action.with.is_some() {
+            demand(action.stops.len() == 1, "merge parts that have stops on their way")?;
+            demand(order.facts.layout.electrodes == Electrodes::Single, "merge parts that are no droplets")?;
+        }
+    }
+    Ok(())
+}

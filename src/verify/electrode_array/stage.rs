@@ -1,0 +1,91 @@
+//! What one step of a task asks of the parts, and how far they have come.
+
+use super::pull::Pull;
+use crate::check::claims::electrode_array::{Move, Stop};
+use crate::device::electrode_array::Cell;
+use std::collections::BTreeMap;
+
+/// A step of parts in its course; by default one in which nothing is asked.
+#[derive(Debug, Default)]
+pub(super) struct Stage<'o> {
+    moves: &'o [Move],
+    /// The move of each part that has a goal.
+    of: BTreeMap<usize, usize>,
+    /// For both parts that merge the other one and the goal; none where one of them is gone already.
+    pairs: BTreeMap<usize, (usize, Cell)>,
+    /// For each move how many of its stops are reached.
+    turns: Vec<usize>,
+    /// Where the parts without a goal stood that have moved.
+    pub homes: BTreeMap<usize, Cell>,
+    /// The beats, from 1, after which the parts that have moved did so last.
+    arrivals: BTreeMap<usize, u64>,
+}
+
+impl<'o> Stage<'o> {
+    /// Before the first beat.
+    pub fn new(moves: &'o [Move], cells: &[Option<Cell>]) -> Stage<'o> {
+        let mut stage = Stage { moves, turns: vec![0; moves.len()], ..Stage::default() };
+        for (index, action) in moves.iter().enumerate() {
+            let both = std::iter::once(action.part).chain(action.with);
+            stage.of.extend(both.map(|part| (part, index)));
+            if let Some(with) = action.with.filter(|with| cells[*with].is_some() && cells[action.part].is_some()) {
+                let goal = action.goal().cell;
+                stage.pairs.extend([(action.part, (with, goal)), (with, (action.part, goal))]);
+            }
+            if let Some(cell) = cells[action.part] {
+                stage.pass(index, cell);
+            }
+        }
+        stage
+    }
+
+    /// Whether a part has a goal in this step.
+    pub fn is_asked(&self, part: usize) -> bool {
+        self.of.contains_key(&part)
+    }
+
+    /// The part that another merges with, and where.
+    pub fn partner(&self, part: usize) -> Option<(usize, Cell)> {
+        self.pairs.get(&part).copied()
+    }
+
+    /// Notes that a part has moved.
+    pub fn arrive(&mut self, part: usize, pull: &Pull, beat: u64) {
+        self.arrivals.insert(part, beat);
+        match self.of.get(&part).copied() {
+            None => drop(self.homes.entry(part).or_insert(pull.from)),
+            Some(index) if self.moves[index].part == part => self.pass(index, pull.to),
+            Some(_) => (),
+        }
+    }
+
+    /// The stops that are next in turn are reached by being there.
+    fn pass(&mut self, index: usize, cell: Cell) {
+        let left = &self.moves[index].stops[self.turns[index]..];
+        self.turns[index] += left.iter().take_while(|stop| stop.cell == cell).count();
+    }
+
+    /// The beats until each part's last arrival, added up.
+    pub fn cost(&self) -> u64 {
+        self.arrivals.values().fold(0, |sum, beats| sum.saturating_add(*beats))
+    }
+
+    /// Parts with the first stop that they have not reached, and whether that is where they have to end.
+    pub fn missed(&self, cells: &[Option<Cell>]) -> Vec<(usize, &'o Stop, bool)> {
+        let of_move = |(index, action): (usize, &'o Move)| {
+            let (left, goal) = (&action.stops[self.turns[index]..], action.goal());
+            let first = match left {
+                [first, _, ..] => Some((action.part, first, false)),
+                [_] | [] => (cells[action.part] != Some(goal.cell)).then_some((action.part, goal, true)),
+            };
+            let second = action.with.filter(|with| cells[*with] != Some(goal.cell)).map(|with| (with, goal, true));
+            first.into_iter().chain(second)
+        };
+        self.moves.iter().enumerate().flat_map(of_move).collect()
+    }
+
+    /// The parts that are no more when the step has ended.
+    pub fn gone(&self) -> impl Iterator<Item = usize> + use<'o> {
+        self.moves.iter().filter_map(|action| action.with)
+    }
+}

@@ -1,0 +1,309 @@
+//! Makes claims on a board, and schedules from the words that its parts follow, with a lowering and records of its own.
+
+use crate::check::claims::electrode_array::{
+    Action, Body, Bystanders, ElectrodeArrayOrder, Method, Move, Objective, Obstacle, Part, Planner, Step, Stop,
+};
+use crate::check::claims::{Claims, Job, Order, Timeline};
+use crate::device::Kind;
+use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Layout, Separation};
+use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, State, TimedState, Unit};
+use crate::source::Span;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A beat.
+pub const BEAT: u64 = 2_200_000;
+
+pub fn cell(column: u32, row: u32) -> Cell {
+    Cell::new(column, row)
+}
+
+/// A board of microparts.
+pub fn platform(columns: u32, rows: u32) -> Facts {
+    Facts {
+        columns,
+        rows,
+        radius_um: 35.0,
+        pitch_ratio: 0.5,
+        potential_v: 100.0,
+        step_ns: BEAT,
+        layout: Layout { electrodes: Electrodes::Quad, half_width: 1.5 },
+        hold: Hold::Off,
+        separation: Separation::Apart(4),
+        clearance: 3,
+    }
+}
+
+/// A board of droplets.
+pub fn chip(columns: u32, rows: u32) -> Facts {
+    Facts {
+        layout: Layout { electrodes: Electrodes::Single, half_width: 0.55 },
+        hold: Hold::On,
+        separation: Separation::Apart(2),
+        clearance: 2,
+        ..platform(columns, rows)
+    }
+}
+
+pub fn order(facts: Facts, parts: &[(&str, u32, u32)], actions: Vec<Action>) -> ElectrodeArrayOrder {
+    let part = |(name, column, row): &(&str, u32, u32)| Part {
+        name: (*name).into(),
+        cell: cell(*column, *row),
+        span: Span::default(),
+    };
+    ElectrodeArrayOrder {
+        facts,
+        obstacles: Default::default(),
+        parts: std::sync::Arc::new(parts.iter().map(part).collect()),
+        objective: Objective::Makespan,
+        planner: Planner { method: Method::Portfolio, expansions: 1000 },
+        bystanders: Bystanders::Stay,
+        steps: actions.into_iter().map(|action| Step { action, span: Span::default() }).collect(),
+    }
+}
+
+pub fn go(part: usize, stops: &[(u32, u32)]) -> Move {
+    let stop = |(column, row): &(u32, u32)| Stop { cell: cell(*column, *row), span: Span::default() };
+    Move { part, with: None, stops: stops.iter().map(stop).collect(), span: Span::default() }
+}
+
+pub fn merge(part: usize, with: usize, goal: (u32, u32)) -> Move {
+    Move { with: Some(with), ..go(part, &[goal]) }
+}
+
+pub fn obstacle(name: &str, body: Body) -> Obstacle {
+    Obstacle { name: name.into(), body, span: Span::default() }
+}
+
+pub fn job(task: &str, device: &str, order: ElectrodeArrayOrder) -> Job {
+    Job {
+        task: task.into(),
+        device: device.into(),
+        requirements: Vec::new(),
+        order: Order::ElectrodeArray(order),
+        span: Span::default(),
+        run_span: Span::default(),
+    }
+}
+
+/// The claims of a single task.
+pub fn alone(order: ElectrodeArrayOrder) -> Claims {
+    in_turn(vec![order])
+}
+
+/// Tasks of one device, one after the other.
+pub fn in_turn(orders: Vec<ElectrodeArrayOrder>) -> Claims {
+    let timeline = Timeline::Sequence((0..orders.len()).map(Timeline::Run).collect());
+    let jobs = orders.into_iter().enumerate().map(|(at, order)| job(&format!("task{at}"), "board", order)).collect();
+    Claims { name: "day".into(), timeline, jobs, wires: BTreeMap::new(), span: Span::default() }
+}
+
+pub fn order_of(claims: &mut Claims, job: usize) -> &mut ElectrodeArrayOrder {
+    let Order::ElectrodeArray(order) = &mut claims.jobs[job].order else { panic!("an order of a board") };
+    order
+}
+
+/// For each job, step and part the word that the part follows, a letter for each beat: `R`, `L`, `U`, `D`, or `.` to
+/// rest. Past its end a part rests.
+pub type Words<'a> = &'a [&'a [&'a [&'a str]]];
+
+fn shift(letter: char) -> [i64; 2] {
+    match letter {
+        'R' => [1, 0],
+        'L' => [-1, 0],
+        'U' => [0, 1],
+        'D' => [0, -1],
+        _ => [0, 0],
+    }
+}
+
+pub fn moved(at: Cell, letter: char) -> Cell {
+    let [columns, rows] = shift(letter);
+    let sum = |at: u32, by: i64| u32::try_from(i64::from(at) + by).expect("a cell on the board");
+    cell(sum(at.column, columns), sum(at.row, rows))
+}
+
+/// What is on for one part in one beat.
+pub fn electrodes(facts: &Facts, at: Cell, letter: char) -> Vec<Cell> {
+    let [columns, rows] = shift(letter);
+    let far = |c: i64, r: i64| cell((i64::from(at.column) + c) as u32, (i64::from(at.row) + r) as u32);
+    match (facts.layout.electrodes, letter) {
+        (Electrodes::Quad, '.') => Vec::new(),
+        (Electrodes::Quad, _) => {
+            vec![far(2 * columns + rows, 2 * rows + columns), far(2 * columns - rows, 2 * rows - columns)]
+        }
+        (Electrodes::Single, '.') if facts.hold == Hold::Off => Vec::new(),
+        (Electrodes::Single, _) => vec![moved(at, letter)],
+    }
+}
+
+/// A board while its schedule is written.
+struct Writer {
+    schedule: Schedule,
+    at_ns: u64,
+    cells: Vec<Option<Cell>>,
+}
+
+/// The schedule of these words, with true records.
+pub fn schedule(claims: &Claims, words: Words) -> Schedule {
+    let schedule = Schedule {
+        name: claims.name.clone(),
+        source: SourceRef { file: "day.twz".into(), sha256: "00".into() },
+        duration_ns: 0,
+        channels: Vec::new(),
+        actuations: Vec::new(),
+        steps: Vec::new(),
+        plans: Vec::new(),
+    };
+    let mut writer = Writer { schedule, at_ns: 0, cells: Vec::new() };
+    for (index, job) in claims.jobs.iter().enumerate() {
+        let Order::ElectrodeArray(order) = &job.order else { panic!("an order of a board") };
+        if index == 0 {
+            writer.cells = order.parts.iter().map(|part| Some(part.cell)).collect();
+        }
+        writer.run(index, job, order, words[index]);
+    }
+    writer.schedule.duration_ns = writer.at_ns;
+    writer.schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+    writer.schedule
+}
+
+impl Writer {
+    fn run(&mut self, index: usize, job: &Job, order: &ElectrodeArrayOrder, words: &[&[&str]]) {
+        let start_ns = self.at_ns;
+        let mut states = vec![self.state(order)];
+        let (mut steps, mut costs, mut moves) = (0, 0, 0);
+        for (nth, step) in order.steps.iter().enumerate() {
+            let (step_ns, words) = (self.at_ns, words[nth]);
+            let beats = words.iter().map(|word| word.len()).max().unwrap_or(0);
+            match &step.action {
+                Action::Wait(duration_ns) => self.rest(order, *duration_ns),
+                Action::Move(goals) => {
+                    self.follow(order, words, beats, &mut states);
+                    let gone: Vec<usize> = goals.iter().filter_map(|goal| goal.with).collect();
+                    gone.iter().for_each(|part| self.cells[*part] = None);
+                    if beats > 0 {
+                        *states.last_mut().expect("a state") = self.state(order);
+                    }
+                }
+            }
+            steps += beats;
+            costs += words.iter().map(|word| word.trim_end_matches('.').len()).sum::<usize>();
+            moves += words.iter().map(|word| word.replace('.', "").len()).sum::<usize>();
+            self.schedule.steps.push(crate::schedule::Step {
+                task: job.task.clone(),
+                plan: index as u32,
+                text: "step".into(),
+                file: "day.twz".into(),
+                line: 1,
+                column: 1,
+                start_ns: step_ns,
+                duration_ns: self.at_ns - step_ns,
+                span: Span::default(),
+            });
+        }
+        let plan = self.plan(job, order, start_ns, states, [steps, costs, moves]);
+        self.schedule.plans.push(plan);
+    }
+
+    fn plan(
+        &self,
+        job: &Job,
+        order: &ElectrodeArrayOrder,
+        start_ns: u64,
+        states: Vec<TimedState>,
+        [steps, costs, moves]: [usize; 3],
+    ) -> PlanRecord {
+        let duration_ns = self.at_ns - start_ns;
+        let figures = [("steps", steps as f64), ("sum_of_costs", costs as f64), ("moves", moves as f64)];
+        let outcomes = figures.into_iter().chain([("time", duration_ns as f64 / 1e9)]);
+        let (objective, cost) = match order.objective {
+            Objective::Makespan => ("makespan", steps as f64),
+            Objective::SumOfCosts => ("sum_of_costs", costs as f64),
+        };
+        PlanRecord {
+            task: job.task.clone(),
+            device: job.device.clone(),
+            kind: Kind::ElectrodeArray,
+            planner: "portfolio".into(),
+            objective: objective.into(),
+            unit: String::new(),
+            cost,
+            bound: cost,
+            optimal: true,
+            outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).collect(),
+            bounds: BTreeMap::new(),
+            start_ns,
+            duration_ns,
+            states,
+        }
+    }
+
+    fn state(&self, order: &ElectrodeArrayOrder) -> TimedState {
+        let here = order.parts.iter().zip(&self.cells);
+        let parts = here.filter_map(|(part, cell)| Some((part.name.clone(), (*cell)?.pair()))).collect();
+        TimedState { t_ns: self.at_ns, state: State::ElectrodeArray { parts } }
+    }
+
+    fn rest(&mut self, order: &ElectrodeArrayOrder, duration_ns: u64) {
+        if order.facts.layout.electrodes == Electrodes::Single && order.facts.hold == Hold::On && duration_ns > 0 {
+            let held: Vec<Cell> = self.cells.iter().flatten().copied().collect();
+            held.into_iter().for_each(|cell| self.on(order, cell, self.at_ns, duration_ns));
+        }
+        self.at_ns += duration_ns;
+    }
+
+    fn follow(&mut self, order: &ElectrodeArrayOrder, words: &[&str], beats: usize, states: &mut Vec<TimedState>) {
+        // An electrode that is on in two beats that follow one another is on in one piece.
+        let mut since: BTreeMap<Cell, u64> = BTreeMap::new();
+        for beat in 0..beats {
+            let mut wanted = BTreeSet::new();
+            for (part, at) in self.cells.iter_mut().enumerate() {
+                let letter = words.get(part).and_then(|word| word.chars().nth(beat)).unwrap_or('.');
+                let Some(at) = at else { continue };
+                wanted.extend(electrodes(&order.facts, *at, letter));
+                *at = moved(*at, letter);
+            }
+            self.switch(order, &mut since, &wanted);
+            self.at_ns += order.facts.step_ns;
+            states.push(self.state(order));
+        }
+        self.switch(order, &mut since, &BTreeSet::new());
+    }
+
+    fn switch(&mut self, order: &ElectrodeArrayOrder, since: &mut BTreeMap<Cell, u64>, wanted: &BTreeSet<Cell>) {
+        let ended: Vec<Cell> = since.keys().filter(|cell| !wanted.contains(cell)).copied().collect();
+        for cell in ended {
+            let start_ns = since.remove(&cell).expect("it was on");
+            self.on(order, cell, start_ns, self.at_ns - start_ns);
+        }
+        for cell in wanted {
+            since.entry(*cell).or_insert(self.at_ns);
+        }
+    }
+
+    fn on(&mut self, order: &ElectrodeArrayOrder, cell: Cell, start_ns: u64, duration_ns: u64) {
+        let volts = order.facts.potential_v;
+        let step = self.schedule.steps.len() as u32;
+        let channel = channel(&mut self.schedule, cell);
+        self.schedule.actuations.push(Actuation { channel, start_ns, duration_ns, from: volts, to: volts, step });
+    }
+}
+
+/// The index of an electrode's channel, which is added if it is missing.
+pub fn channel(schedule: &mut Schedule, cell: Cell) -> u32 {
+    let name = format!("board.e{}_{}", cell.column, cell.row);
+    let known = schedule.channels.iter().position(|channel| channel.name == name);
+    known.unwrap_or_else(|| {
+        schedule.channels.push(Channel { name, device: "board".into(), unit: Unit::Volt, wire: None });
+        schedule.channels.len() - 1
+    }) as u32
+}
+
+/// One more electrode that is on, in a step.
+pub fn switch_on(schedule: &mut Schedule, (column, row): (u32, u32), step: usize, from: u64, beats: u64) {
+    let channel = channel(schedule, cell(column, row));
+    let start_ns = schedule.steps[step].start_ns + from * BEAT;
+    let like = Actuation { channel, start_ns, duration_ns: beats * BEAT, from: 100.0, to: 100.0, step: step as u32 };
+    schedule.actuations.push(like);
+    schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+}

@@ -1,0 +1,183 @@
+//! Nothing that can be read makes the verifier panic, and no claim takes it long.
+
+use super::*;
+use crate::device::electrode_array::{Electrodes, MAX_PARTS};
+use proptest::prelude::*;
+
+fn sound() -> (Claims, Schedule) {
+    let steps = vec![
+        Action::Move(vec![merge(0, 1, (5, 5)), go(2, &[(9, 8), (9, 9)])]),
+        Action::Wait(BEAT),
+        Action::Move(vec![go(0, &[(6, 5)])]),
+    ];
+    let mut order = order(chip(14, 14), &[("a", 3, 5), ("b", 7, 5), ("c", 9, 7)], steps);
+    let bodies = [Body::Electrodes { from: cell(12, 12), to: cell(13, 13) }, Body::Fixed(cell(2, 12))];
+    order.obstacles = Arc::new(bodies.into_iter().map(|body| obstacle("dust", body)).collect());
+    let claims = alone(order);
+    let schedule = schedule(&claims, &[&[&["RR", "LL", "UU"], &[], &["R"]]]);
+    (claims, schedule)
+}
+
+fn instant() -> impl Strategy<Value = u64> {
+    prop_oneof![
+        Just(0),
+        Just(1),
+        Just(u64::MAX),
+        Just(1 << 40),
+        Just(BEAT),
+        Just(2 * BEAT),
+        Just(3 * BEAT),
+        any::<u64>()
+    ]
+}
+
+fn index() -> impl Strategy<Value = u32> {
+    prop_oneof![4 => 0..16u32, 1 => Just(u32::MAX), 1 => any::<u32>()]
+}
+
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), Just(100.0), Just(0.5), Just(f64::NAN), Just(f64::INFINITY), Just(-1e308), any::<f64>()]
+}
+
+/// Writes nonsense to one field of a schedule.
+fn spoiled(schedule: &mut Schedule, (what, at): (u8, usize), value: u64, small: u32) {
+    fn pick<T>(list: &mut [T], at: usize) -> Option<&mut T> {
+        let len = list.len().max(1);
+        list.get_mut(at % len)
+    }
+    let Schedule { duration_ns, channels, actuations, steps, plans, .. } = schedule;
+    match what {
+        0 => *duration_ns = value,
+        1 => drop(pick(steps, at).map(|step| step.duration_ns = value)),
+        2 => drop(pick(steps, at).map(|step| step.start_ns = value)),
+        3 => drop(pick(plans, at).map(|plan| plan.duration_ns = value)),
+        4 => drop(pick(actuations, at).map(|actuation| actuation.duration_ns = value)),
+        5 => drop(pick(actuations, at).map(|actuation| actuation.start_ns = value)),
+        6 => drop(pick(actuations, at).map(|actuation| actuation.channel = small)),
+        7 => drop(pick(actuations, at).map(|actuation| actuation.step = small)),
+        8 => drop(pick(channels, at).map(|channel| channel.name = format!("board.e{small}_{}", at + 1))),
+        9 => drop(plans.iter_mut().for_each(|plan| plan.states.truncate(at))),
+        10 => drop((at < actuations.len()).then(|| actuations.remove(at))),
+        _ => drop(pick(plans, 0).and_then(|plan| pick(&mut plan.states, at)).map(|state| {
+            let State::ElectrodeArray { parts } = &mut state.state else { return };
+            parts.insert("a".into(), [small, at as u32]);
+        })),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 4000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn spoiled_schedules_are_judged(
+        spoils in prop::collection::vec(((0..12u8, 0..12usize), instant(), index()), 1..6),
+        sorts: bool,
+    ) {
+        let (claims, mut schedule) = sound();
+        spoils.iter().for_each(|(place, value, small)| spoiled(&mut schedule, *place, *value, *small));
+        if sorts {
+            schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+        }
+        verify(schedule, &claims);
+    }
+
+    #[test]
+    fn a_long_clock_takes_no_time(step_ns in instant(), lasts_ns in instant(), nth in 0..3usize) {
+        let (mut claims, mut schedule) = sound();
+        order_of(&mut claims, 0).facts.step_ns = step_ns;
+        let end_ns = |schedule: &Schedule, at: usize| schedule.steps[at].start_ns.saturating_add(schedule.steps[at].duration_ns);
+        schedule.steps[nth].duration_ns = lasts_ns;
+        for later in nth + 1..3 {
+            schedule.steps[later].start_ns = end_ns(&schedule, later - 1);
+        }
+        schedule.duration_ns = end_ns(&schedule, 2);
+        schedule.plans[0].duration_ns = schedule.duration_ns;
+        verify(schedule, &claims);
+    }
+
+    #[test]
+    fn random_claims_are_judged(
+        cells in prop::collection::vec((index(), index()), 8),
+        numbers in prop::collection::vec(number(), 4),
+        (columns, rows, separation, clearance) in (index(), index(), index(), index()),
+        (part, with) in (0..5usize, prop::option::of(0..5usize)),
+        (is_quad, is_held, yields) in any::<(bool, bool, bool)>(),
+    ) {
+        let (mut claims, schedule) = sound();
+        let order = order_of(&mut claims, 0);
+        let cells: Vec<_> = cells.into_iter().map(|(column, row)| cell(column, row)).collect();
+        (order.facts.columns, order.facts.rows, order.facts.clearance) = (columns, rows, clearance);
+        order.facts.separation = Separation::Apart(separation);
+        (order.facts.potential_v, order.facts.layout.half_width) = (numbers[0], numbers[1]);
+        (order.facts.radius_um, order.facts.pitch_ratio) = (numbers[2], numbers[3]);
+        order.facts.layout.electrodes = if is_quad { Electrodes::Quad } else { Electrodes::Single };
+        order.facts.hold = if is_held { Hold::On } else { Hold::Off };
+        order.bystanders = if yields { Bystanders::Yield } else { Bystanders::Stay };
+        let parts = Arc::make_mut(&mut order.parts);
+        parts.iter_mut().zip(&cells).for_each(|(part, cell)| part.cell = *cell);
+        let bodies = [Body::Electrodes { from: cells[3], to: cells[4] }, Body::Fixed(cells[5])];
+        order.obstacles = Arc::new(bodies.into_iter().map(|body| obstacle("dust", body)).collect());
+        let Action::Move(moves) = &mut order.steps[0].action else { panic!("a step of moves") };
+        (moves[1].part, moves[1].with, moves[1].stops[0].cell) = (part, with, cells[6]);
+        verify(schedule, &claims);
+    }
+}
+
+#[test]
+fn claims_that_no_program_has_are_inconclusive() {
+    let (claims, schedule) = sound();
+    passes(&schedule, &claims);
+    type Spoil = fn(&mut ElectrodeArrayOrder);
+    fn moves(order: &mut ElectrodeArrayOrder) -> &mut Vec<Move> {
+        let Action::Move(moves) = &mut order.steps[0].action else { panic!("a step of moves") };
+        moves
+    }
+    let cases: &[(&str, Spoil)] = &[
+        ("no electrode", |order| order.facts.columns = 0),
+        ("too many", |order| order.facts.rows = 1_001),
+        ("not finite", |order| order.facts.radius_um = f64::NAN),
+        ("pulls nothing", |order| order.facts.potential_v = 0.0),
+        ("without length", |order| order.facts.step_ns = 0),
+        ("body out of its range", |order| order.facts.layout.half_width = -0.1),
+        ("no clearance", |order| order.facts.clearance = 0),
+        ("separation out of its range", |order| order.facts.separation = Separation::Apart(0)),
+        ("separation out of its range", |order| order.facts.separation = Separation::Apart(1_001)),
+        ("two parts of one name", |order| Arc::make_mut(&mut order.parts)[1].name = "a".into()),
+        ("not on the board", |order| Arc::make_mut(&mut order.parts)[1].cell = cell(15, 5)),
+        ("not on the board", |order| Arc::make_mut(&mut order.parts)[1].cell = cell(0, 5)),
+        ("too many parts", |order| {
+            let part = order.parts[0].clone();
+            let many = (0..=MAX_PARTS)
+                .map(|at| crate::check::claims::electrode_array::Part { name: at.to_string(), ..part.clone() });
+            order.parts = Arc::new(many.collect());
+        }),
+        ("obstacle of no electrodes", |order| {
+            order.obstacles = Arc::new(vec![obstacle("dust", Body::Electrodes { from: cell(5, 5), to: cell(4, 9) })]);
+        }),
+        ("do not have", |order| moves(order)[1].part = 3),
+        ("do not have", |order| moves(order)[0].with = Some(3)),
+        ("does not have", |order| moves(order)[1].stops[0].cell = cell(15, 1)),
+        ("twice", |order| moves(order)[0].with = Some(0)),
+        ("twice", |order| moves(order)[1].part = 1),
+        ("no goal", |order| moves(order)[1].stops.clear()),
+        ("stops on their way", |order| moves(order)[0].stops = go(0, &[(4, 5), (5, 5)]).stops),
+        ("no droplets", |order| order.facts.layout.electrodes = Electrodes::Quad),
+    ];
+    for (expected, spoil) in cases {
+        let mut claims = claims.clone();
+        spoil(order_of(&mut claims, 0));
+        match verify(schedule.clone(), &claims) {
+            Verdict::Inconclusive { why } => assert!(why.contains(expected), "{why}, not {expected}"),
+            Verdict::Accepted(_) | Verdict::Rejected(_) => panic!("claims with {expected} were judged"),
+        }
+    }
+}
+
+#[test]
+fn the_parts_of_a_device_are_the_same_in_all_its_runs() {
+    let task = |name| order(chip(9, 9), &[(name, 5, 5)], vec![Action::Wait(5)]);
+    let claims = in_turn(vec![task("a"), task("b")]);
+    let schedule = schedule(&claims, &[&[&[]], &[&[]]]);
+    let Verdict::Inconclusive { why } = verify(schedule, &claims) else { panic!("other parts") };
+    assert_eq!(why, "the claims hold two sets of parts on the device `board`");
+}
