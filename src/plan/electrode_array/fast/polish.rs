@@ -227,7 +227,7 @@ impl Polish<'_, '_> {
         for (turn, agent) in order.iter().enumerate() {
             let least = u64::from(self.crew.least[*agent]);
             let limit = limit.min(least.saturating_add(slack)).min(u64::from(u32::MAX));
-            let wish = Wish { others: Others::Hard, weight: 0, limit: limit as u32, delay: 0 };
+            let wish = Wish { others: Others::Hard, weight: 0, limit: limit as u32, delay: 0, detour: None };
             let Some(path) = self.crew.plan(*agent, wish, meter) else { break };
             slack -= (path.len() as u64 - 1 - least).min(slack);
             if turn + 1 < order.len() {

@@ -57,7 +57,7 @@ fn attempt(crew: &mut Crew, order: &[usize], meter: &mut Meter) -> Vec<Option<Ve
         crew.table.add_hazard(*agent, crew.instance.agents[*agent].start, until);
     }
     let mut paths = vec![None; crew.count()];
-    let wish = Wish { others: Others::Hard, weight: HAZARD_WEIGHT, limit: u32::MAX, delay: 0 };
+    let wish = Wish { others: Others::Hard, weight: HAZARD_WEIGHT, limit: u32::MAX, delay: 0, detour: None };
     for agent in order {
         crew.table.remove_hazard(*agent, crew.instance.agents[*agent].start);
         let path = crew.plan(*agent, wish, meter);

@@ -22,6 +22,12 @@ const DELAYED: usize = 8;
 /// by less than the length of its path and so many instants.
 const LONGEST_DELAY: usize = 8;
 
+/// One of so many of the others goes round by a cell,
+const DETOURED: usize = 12;
+
+/// no farther away than so many separations.
+const DETOUR_SEPARATIONS: u32 = 3;
+
 /// Paths and who is in conflict with whom.
 struct State {
     paths: Paths,
@@ -82,7 +88,7 @@ fn begin(crew: &mut Crew, part: Vec<Option<Vec<Cell>>>, meter: &mut Meter) -> Op
     Some(state)
 }
 
-const SOFT: Wish = Wish { others: Others::Soft, weight: WEIGHT, limit: u32::MAX, delay: 0 };
+const SOFT: Wish = Wish { others: Others::Soft, weight: WEIGHT, limit: u32::MAX, delay: 0, detour: None };
 
 /// A few agents round a conflict: a walk from conflict to conflict, filled up with agents that pass near.
 fn neighbourhood(crew: &mut Crew, state: &State) -> Vec<usize> {
@@ -127,7 +133,7 @@ fn again(crew: &mut Crew, state: &mut State, mut chosen: Vec<usize>, meter: &mut
     crew.random.shuffle(&mut chosen);
     let mut placed = 0;
     for agent in &chosen {
-        let wish = Wish { delay: delay(crew, &state.paths[*agent]), ..SOFT };
+        let wish = otherwise(crew, &state.paths[*agent]);
         let Some(path) = crew.plan(*agent, wish, meter) else { break };
         let others = crew.conflicts(*agent, &path);
         state.link(*agent, others);
@@ -154,10 +160,26 @@ fn again(crew: &mut Crew, state: &mut State, mut chosen: Vec<usize>, meter: &mut
     (meter.left().steps > 0).then_some(())
 }
 
-/// One agent in [`DELAYED`] waits for a while before it goes, for those who cannot pass otherwise.
-fn delay(crew: &mut Crew, path: &[Cell]) -> u32 {
-    if crew.random.below(DELAYED) > 0 {
-        return 0;
+/// Mostly the shortest way; of some agents one that waits or goes round for a while, for those who cannot pass otherwise.
+fn otherwise(crew: &mut Crew, path: &[Cell]) -> Wish {
+    if crew.random.below(DELAYED) == 0 {
+        return Wish { delay: crew.random.below(path.len() + LONGEST_DELAY) as u32, ..SOFT };
     }
-    crew.random.below(path.len() + LONGEST_DELAY) as u32
+    if crew.random.below(DETOURED) == 0 {
+        return Wish { detour: beside(crew, path), ..SOFT };
+    }
+    SOFT
+}
+
+/// A random cell near a random position of a path, unless it is blocked.
+fn beside(crew: &mut Crew, path: &[Cell]) -> Option<Cell> {
+    let board = &crew.instance.board;
+    let (column, row) = board.place(path[crew.random.below(path.len())]);
+    let reach = DETOUR_SEPARATIONS * crew.instance.separation;
+    let mut near = |at: u32, side: u32| {
+        let (low, high) = (at.saturating_sub(reach), at.saturating_add(reach).min(side - 1));
+        low + crew.random.below((high - low) as usize + 1) as u32
+    };
+    let cell = board.cell(near(column, board.width()), near(row, board.height()));
+    (!board.is_blocked(cell)).then_some(cell)
 }
