@@ -2,6 +2,7 @@
 //!
 //! Method: MAPF-LNS2 (Li and others, AAAI 2022): take out the paths of a few agents that are in conflict, plan them again one after
 //! the other so that they touch as few others as can be, and keep the outcome if there are no more conflicts than before.
+//! Now and then an agent waits at its start or goes round by a cell nearby: two that swap in a corridor need one of them in a bay.
 //! Guaranteed: a plan that is returned is legal. Not guaranteed: that it ends in one; it ends with its meter.
 //! Cost: one search for each agent of a neighbourhood of at most [`LARGEST`].
 

@@ -211,6 +211,17 @@ fn two_swap_in_a_corridor_with_a_bay() {
 }
 
 #[test]
+fn two_swap_in_a_room_that_is_hardly_wide_enough() {
+    let board = Board::new(10, 7);
+    let (left, right) = (board.cell(0, 3), board.cell(9, 3));
+    let agents = vec![Agent { start: left, stops: vec![right] }, Agent { start: right, stops: vec![left] }];
+    for separation in [1, 2, 3] {
+        let instance = Instance { board: board.clone(), separation, agents: agents.clone(), merges: Vec::new() };
+        assert!(plan_and_check(&instance, 1, PLENTY), "{separation}");
+    }
+}
+
+#[test]
 fn without_a_bay_the_search_ends_with_its_meter() {
     let mut spent = meter(20_000);
     assert_eq!(first(&swap(corridor(9, false)), Terms::default(), &mut spent), None);
