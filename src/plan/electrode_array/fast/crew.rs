@@ -29,6 +29,10 @@ pub(super) struct Wish {
     pub(super) weight: u32,
     /// The last instant at which it may arrive.
     pub(super) limit: u32,
+    /// Until this instant it stays on its start.
+    pub(super) delay: u32,
+    /// Where it comes by before its stops.
+    pub(super) detour: Option<Cell>,
 }
 
 impl<'a> Crew<'a> {
@@ -61,7 +65,8 @@ impl<'a> Crew<'a> {
     /// A path of one agent, which must not be in the table itself.
     pub(super) fn plan(&mut self, agent: usize, wish: Wish, meter: &mut Meter) -> Option<Vec<Cell>> {
         let it = &self.instance.agents[agent];
-        let route = route(self.instance, agent, &mut self.distances, meter).ok()?;
+        let stops = wish.detour.iter().chain(&it.stops);
+        let route = route(self.instance, it.start, stops, &mut self.distances, meter).ok()?;
         let asking = Asking { goal: it.goal(), partners: &self.partners[agent], others: wish.others };
         let query = Query {
             board: &self.instance.board,
@@ -70,6 +75,7 @@ impl<'a> Crew<'a> {
             asking,
             weight: wish.weight,
             limit: wish.limit.min(self.step_limit),
+            delay: wish.delay,
         };
         self.sipp.plan(&query, &mut self.table, &mut self.random, meter)
     }
@@ -93,7 +99,7 @@ impl<'a> Crew<'a> {
     pub(super) fn alone(&mut self, agent: usize, meter: &mut Meter) -> Vec<Cell> {
         let it = &self.instance.agents[agent];
         let mut path = vec![it.start];
-        let Ok(route) = route(self.instance, agent, &mut self.distances, meter) else { return path };
+        let Ok(route) = route(self.instance, it.start, &it.stops, &mut self.distances, meter) else { return path };
         let (mut cell, mut layer) = (it.start, route.passed(it.start, 0));
         let mut left = route.steps(cell, layer);
         while left > 0 {
@@ -121,14 +127,22 @@ impl<'a> Crew<'a> {
 /// By agent: the steps that it needs when it is alone.
 pub(super) fn individual(instance: &Instance, distances: &mut Distances, meter: &mut Meter) -> Result<Vec<u32>, Why> {
     let one = |agent: usize| {
-        let way = route(instance, agent, distances, meter).map_err(|stop| Why::Closed { agent, stop })?;
-        Ok(way.steps(instance.agents[agent].start, 0))
+        let it = &instance.agents[agent];
+        let closed = |stop| Why::Closed { agent, stop };
+        let way = route(instance, it.start, &it.stops, distances, meter).map_err(closed)?;
+        Ok(way.steps(it.start, 0))
     };
     (0..instance.agents.len()).map(one).collect()
 }
 
-fn route(instance: &Instance, agent: usize, distances: &mut Distances, meter: &mut Meter) -> Result<Route, usize> {
-    let it = &instance.agents[agent];
-    let stops = it.stops.iter().map(|stop| (*stop, distances.to(&instance.board, *stop, meter))).collect();
-    Route::new(it.start, stops)
+/// The way by these stops; the index of the first that cannot be reached if there is one.
+fn route<'s>(
+    instance: &Instance,
+    start: Cell,
+    stops: impl IntoIterator<Item = &'s Cell>,
+    distances: &mut Distances,
+    meter: &mut Meter,
+) -> Result<Route, usize> {
+    let stops = stops.into_iter().map(|stop| (*stop, distances.to(&instance.board, *stop, meter))).collect();
+    Route::new(start, stops)
 }

@@ -11,7 +11,7 @@ use super::reservations::{Others, Reservations};
 use crate::plan::search::Meter;
 
 /// How many orders are tried.
-const ORDERS: usize = 12;
+const ORDERS: usize = 8;
 
 /// How long a start without a path is a hazard, in separations.
 const HAZARD_SEPARATIONS: u32 = 6;
@@ -31,10 +31,9 @@ pub(super) enum First {
 pub(super) fn prioritise(crew: &mut Crew, meter: &mut Meter) -> First {
     let mut order: Vec<usize> = (0..crew.count()).collect();
     order.sort_by_key(|agent| crew.least[*agent]);
-    let (mut best, mut fewest) = (vec![None; crew.count()], usize::MAX);
+    let (mut best, mut fewest) = (vec![None; crew.count()], crew.count() + 1);
     for _ in 0..ORDERS {
-        let paths = attempt(crew, &order, meter);
-        let failed: Vec<usize> = order.iter().copied().filter(|agent| paths[*agent].is_none()).collect();
+        let (paths, failed) = attempt(crew, &order, fewest, meter);
         if failed.is_empty() {
             return First::Plan(paths.into_iter().flatten().collect());
         }
@@ -50,21 +49,26 @@ pub(super) fn prioritise(crew: &mut Crew, meter: &mut Meter) -> First {
     First::Part(best)
 }
 
-fn attempt(crew: &mut Crew, order: &[usize], meter: &mut Meter) -> Vec<Option<Vec<Cell>>> {
+/// Plans in an order until as many found no path as `most`; the paths, and who found none.
+fn attempt(crew: &mut Crew, order: &[usize], most: usize, meter: &mut Meter) -> (Vec<Option<Vec<Cell>>>, Vec<usize>) {
     crew.table = Reservations::new(crew.instance);
     let until = HAZARD_SEPARATIONS * crew.instance.separation;
     for agent in order {
         crew.table.add_hazard(*agent, crew.instance.agents[*agent].start, until);
     }
-    let mut paths = vec![None; crew.count()];
-    let wish = Wish { others: Others::Hard, weight: HAZARD_WEIGHT, limit: u32::MAX };
+    let (mut paths, mut failed) = (vec![None; crew.count()], Vec::new());
+    let wish = Wish { others: Others::Hard, weight: HAZARD_WEIGHT, limit: u32::MAX, delay: 0, detour: None };
     for agent in order {
         crew.table.remove_hazard(*agent, crew.instance.agents[*agent].start);
         let path = crew.plan(*agent, wish, meter);
-        if let Some(path) = &path {
-            crew.table.add(*agent, path);
+        match &path {
+            Some(path) => crew.table.add(*agent, path),
+            None => failed.push(*agent),
         }
         paths[*agent] = path;
+        if failed.len() >= most {
+            break;
+        }
     }
-    paths
+    (paths, failed)
 }

@@ -2,6 +2,7 @@
 //!
 //! Method: MAPF-LNS2 (Li and others, AAAI 2022): take out the paths of a few agents that are in conflict, plan them again one after
 //! the other so that they touch as few others as can be, and keep the outcome if there are no more conflicts than before.
+//! Now and then an agent waits at its start or goes round by a cell nearby: two that swap in a corridor need one of them in a bay.
 //! Guaranteed: a plan that is returned is legal. Not guaranteed: that it ends in one; it ends with its meter.
 //! Cost: one search for each agent of a neighbourhood of at most [`LARGEST`].
 
@@ -11,10 +12,22 @@ use super::reservations::Others;
 use crate::plan::search::Meter;
 
 /// How many agents are planned again at once, at most.
-const LARGEST: usize = 8;
+const LARGEST: usize = 5;
 
 /// How many instants of detour one instant of conflict is worth.
-const WEIGHT: u32 = 64;
+const WEIGHT: u32 = 500;
+
+/// One of so many agents that are planned again is delayed,
+const DELAYED: usize = 8;
+
+/// by less than the length of its path and so many instants.
+const LONGEST_DELAY: usize = 8;
+
+/// One of so many of the others goes round by a cell,
+const DETOURED: usize = 12;
+
+/// no farther away than so many separations.
+const DETOUR_SEPARATIONS: u32 = 3;
 
 /// Paths and who is in conflict with whom.
 struct State {
@@ -76,12 +89,12 @@ fn begin(crew: &mut Crew, part: Vec<Option<Vec<Cell>>>, meter: &mut Meter) -> Op
     Some(state)
 }
 
-const SOFT: Wish = Wish { others: Others::Soft, weight: WEIGHT, limit: u32::MAX };
+const SOFT: Wish = Wish { others: Others::Soft, weight: WEIGHT, limit: u32::MAX, delay: 0, detour: None };
 
 /// A few agents round a conflict: a walk from conflict to conflict, filled up with agents that pass near.
 fn neighbourhood(crew: &mut Crew, state: &State) -> Vec<usize> {
     let troubled: Vec<usize> = (0..crew.count()).filter(|agent| !state.near[*agent].is_empty()).collect();
-    let size = LARGEST.min(crew.count());
+    let size = (2 + crew.random.below(LARGEST - 1)).min(crew.count());
     let mut chosen = vec![troubled[crew.random.below(troubled.len())]];
     let mut at = chosen[0];
     for _ in 0..4 * size {
@@ -121,7 +134,8 @@ fn again(crew: &mut Crew, state: &mut State, mut chosen: Vec<usize>, meter: &mut
     crew.random.shuffle(&mut chosen);
     let mut placed = 0;
     for agent in &chosen {
-        let Some(path) = crew.plan(*agent, SOFT, meter) else { break };
+        let wish = otherwise(crew, &state.paths[*agent]);
+        let Some(path) = crew.plan(*agent, wish, meter) else { break };
         let others = crew.conflicts(*agent, &path);
         state.link(*agent, others);
         crew.table.add(*agent, &path);
@@ -145,4 +159,28 @@ fn again(crew: &mut Crew, state: &mut State, mut chosen: Vec<usize>, meter: &mut
         state.paths[agent] = path;
     }
     (meter.left().steps > 0).then_some(())
+}
+
+/// Mostly the shortest way; of some agents one that waits or goes round for a while, for those who cannot pass otherwise.
+fn otherwise(crew: &mut Crew, path: &[Cell]) -> Wish {
+    if crew.random.below(DELAYED) == 0 {
+        return Wish { delay: crew.random.below(path.len() + LONGEST_DELAY) as u32, ..SOFT };
+    }
+    if crew.random.below(DETOURED) == 0 {
+        return Wish { detour: beside(crew, path), ..SOFT };
+    }
+    SOFT
+}
+
+/// A random cell near a random position of a path, unless it is blocked.
+fn beside(crew: &mut Crew, path: &[Cell]) -> Option<Cell> {
+    let board = &crew.instance.board;
+    let (column, row) = board.place(path[crew.random.below(path.len())]);
+    let reach = DETOUR_SEPARATIONS * crew.instance.separation;
+    let mut near = |at: u32, side: u32| {
+        let (low, high) = (at.saturating_sub(reach), at.saturating_add(reach).min(side - 1));
+        low + crew.random.below((high - low) as usize + 1) as u32
+    };
+    let cell = board.cell(near(column, board.width()), near(row, board.height()));
+    (!board.is_blocked(cell)).then_some(cell)
 }
