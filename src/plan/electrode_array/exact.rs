@@ -21,6 +21,7 @@ mod cover;
 mod demand;
 pub mod field;
 mod groups;
+mod jam;
 mod layers;
 mod pair;
 mod split;
