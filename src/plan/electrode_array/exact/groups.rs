@@ -21,7 +21,7 @@ pub struct Wanted {
 }
 
 /// A group is first given this part of what is left of the budget.
-const FIRST_SHARE: u64 = 2;
+const FIRST_SHARE: u64 = 4;
 
 /// Searches for all agents of the field; the result as of one search for all.
 pub fn search(field: &Field, wanted: Wanted, meter: &mut Meter) -> End {
@@ -94,7 +94,7 @@ impl Groups<'_> {
         let elsewhere = self.bound() - group.bound;
         let ceiling = if self.wanted.ceiling == u64::MAX { u64::MAX } else { self.wanted.ceiling - elsewhere };
         let Wanted { least, most, .. } = self.wanted;
-        let task = Task { field: self.field, group: &group.members, least, most, ceiling, outside: &outside };
+        let task = Task { field: self.field, group: &group.members, least, most, ceiling, floor: group.bound, outside: &outside };
         let mut own = Meter::new(Budget::of(steps));
         let end = tree::search(task, &mut own);
         meter.charge(own.spent());

@@ -128,6 +128,11 @@ pub struct Leaves {
 }
 
 impl Leaves {
+    /// Whether the cost of one of the two rises outside of the box.
+    pub fn some_have_none(&self) -> bool {
+        self.with_ways <= 1
+    }
+
     fn of(field: &Field, parties: [Party; 2], ban: &Ban) -> Leaves {
         let shares = parties.map(|party| {
             let (outside, all) = party.layers.outside(field, ban);

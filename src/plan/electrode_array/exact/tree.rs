@@ -33,6 +33,8 @@ pub struct Task<'a> {
     pub most: u32,
     /// Only a smaller sum of costs is of interest.
     pub ceiling: u64,
+    /// There is known to be nothing with a smaller sum of costs.
+    pub floor: u64,
     /// Paths of agents outside of the group that are avoided where that costs nothing.
     pub outside: &'a [(usize, &'a [Cell])],
 }
@@ -145,7 +147,7 @@ impl Tree<'_, '_> {
     }
 
     fn bound(&self) -> u64 {
-        self.open.peek().map_or(0, |Reverse((bound, _, _))| *bound)
+        self.open.peek().map_or(self.task.floor, |Reverse((bound, _, _))| *bound)
     }
 
     fn push(&mut self, node: Node) {
@@ -166,6 +168,7 @@ impl Tree<'_, '_> {
             node.paths.push(Rc::new(path));
             self.find_clashes(&mut node, member);
         }
+        node.bound = node.bound.max(self.task.floor);
         self.polish(&mut node);
         Ok(Some(node))
     }
@@ -364,6 +367,11 @@ impl Tree<'_, '_> {
                         node.bound = sum + 1;
                         return Ok(vec![node.clone()]);
                     }
+                    if let Some((leaves, branches)) = self.best_box(node, &node.clashing)
+                        && leaves.some_have_none()
+                    {
+                        return self.children(node, branches.into());
+                    }
                     let members = self.fewest_stuck(node, members);
                     let branches = split::by_costs(members.iter().map(|member| self.party(node, *member)));
                     return self.children(node, branches);
@@ -371,8 +379,7 @@ impl Tree<'_, '_> {
                 Jam::Unknown => break,
             }
         }
-        let splits = node.clashing.iter().flat_map(|pair| self.box_splits(node, *pair));
-        let best = splits.min_by_key(|(leaves, _)| *leaves).expect("a clashing pair has a clash");
+        let best = self.best_box(node, &node.clashing).expect("a clashing pair has a clash");
         self.children(node, best.1.into())
     }
 
@@ -442,6 +449,11 @@ impl Tree<'_, '_> {
         let longer = usize::from(alone[1] > alone[0]);
         let (first, second) = (parties[longer], parties[1 - longer]);
         Ok(split::by_cost(first, second, first.layers.cost() + alone[longer]))
+    }
+
+    /// The box that leaves the least to the agents of one of some clashing pairs.
+    fn best_box(&self, node: &Node, pairs: &[[usize; 2]]) -> Option<(split::Leaves, [Branch; 2])> {
+        pairs.iter().flat_map(|pair| self.box_splits(node, *pair)).min_by_key(|(leaves, _)| *leaves)
     }
 
     fn box_splits(&self, node: &Node, pair: [usize; 2]) -> Vec<(split::Leaves, [Branch; 2])> {
