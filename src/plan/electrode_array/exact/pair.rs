@@ -8,7 +8,7 @@ use crate::plan::search::Meter;
 const MOST_PAIRS: u64 = 1 << 22;
 
 /// How many of such pairs are one step of the budget.
-const PAIRS_A_STEP: u64 = 16;
+const PAIRS_A_STEP: u64 = 4;
 
 /// One of the two agents.
 #[derive(Clone, Copy)]

@@ -65,6 +65,12 @@ const MOST_TABLE_WORDS: usize = 1 << 22;
 /// Longer ways that are kept.
 const MOST_WAITS: usize = 256;
 
+/// How many nodes of layers are one step when a path is chosen.
+const NODES_A_STEP: u64 = 4;
+
+/// How many positions are one step when two paths are compared.
+const POSITIONS_A_STEP: u64 = 16;
+
 /// How often the paths of a node are chosen anew.
 const POLISHING_ROUNDS: usize = 2;
 
@@ -162,7 +168,7 @@ impl Tree<'_, '_> {
         for member in 0..self.task.group.len() {
             let demand = Demand { bans: vec![], least: self.task.least, most: self.task.most };
             let Some(plan) = self.plan(member, demand)? else { return Ok(None) };
-            let path = plan.layers.best_path(self.task.field, self.task.group[member], &self.others(&node, member));
+            let path = self.best_path(&node, member, &plan.layers);
             node.bound += u64::from(plan.layers.cost());
             node.plans.push(plan);
             node.paths.push(Rc::new(path));
@@ -181,6 +187,12 @@ impl Tree<'_, '_> {
         Ok(Some(Rc::new(Plan { id: self.ids, demand, layers })))
     }
 
+    /// One of the ways of a member, with few clashes.
+    fn best_path(&mut self, node: &Node, member: usize, layers: &Layers) -> Vec<Cell> {
+        self.meter.charge(layers.size() as u64 / NODES_A_STEP + 1);
+        layers.best_path(self.task.field, self.task.group[member], &self.others(node, member))
+    }
+
     /// The paths of all but one, outsiders with them.
     fn others<'n>(&'n self, node: &'n Node, member: usize) -> Vec<(usize, &'n [Cell])> {
         let inside = node.paths.iter().enumerate().filter(|(other, _)| *other != member);
@@ -189,7 +201,8 @@ impl Tree<'_, '_> {
     }
 
     /// Brings the clashing pairs of one member up to date.
-    fn find_clashes(&self, node: &mut Node, member: usize) {
+    fn find_clashes(&mut self, node: &mut Node, member: usize) {
+        self.meter.charge((node.paths.len() * node.paths[member].len()) as u64 / POSITIONS_A_STEP + 1);
         node.clashing.retain(|pair| !pair.contains(&member));
         for other in (0..node.paths.len()).filter(|other| *other != member) {
             let pair = [member.min(other), member.max(other)];
@@ -208,7 +221,7 @@ impl Tree<'_, '_> {
             let before = node.clashing.len();
             let members: Vec<usize> = (0..node.plans.len()).filter(|member| node.clashing.iter().any(|pair| pair.contains(member))).collect();
             for member in members {
-                let path = node.plans[member].layers.best_path(self.task.field, self.task.group[member], &self.others(node, member));
+                let path = self.best_path(node, member, &node.plans[member].layers);
                 if path == *node.paths[member] {
                     continue;
                 }
@@ -478,11 +491,10 @@ impl Tree<'_, '_> {
     /// A node with some demands replaced; none if one of them cannot be met.
     fn child(&mut self, node: &Node, branch: Branch) -> Result<Option<Node>, OutOfSteps> {
         let mut child = node.clone();
-        self.meter.charge(node.plans.len() as u64);
         for (member, demand) in branch {
             let Some(plan) = self.plan(member, demand)? else { return Ok(None) };
             child.plans[member] = plan;
-            let path = child.plans[member].layers.best_path(self.task.field, self.task.group[member], &self.others(&child, member));
+            let path = self.best_path(&child, member, &child.plans[member].layers);
             child.paths[member] = Rc::new(path);
             self.find_clashes(&mut child, member);
         }
