@@ -31,7 +31,7 @@ fn conflict_based_search_agrees_with_plain_searches() {
     let mut chance = Chance(0xc0ffee);
     let mut compared = 0;
     for shape in tiny() {
-        for round in 0..30 {
+        for round in 0..12 {
             let Some(instance) = random(shape, &mut chance) else { continue };
             let Ok(field) = Field::new(&instance) else { continue };
             let Some(makespan) = least(&instance, Objective::Makespan) else { continue };
@@ -52,7 +52,7 @@ fn conflict_based_search_agrees_with_plain_searches() {
             compared += 1;
         }
     }
-    assert!(compared > 120, "{compared}");
+    assert!(compared > 60, "{compared}");
 }
 
 #[test]
@@ -79,15 +79,18 @@ fn proofs_agree_with_plain_searches() {
     assert!(solved > 200 && impossible > 20, "{solved} solved, {impossible} impossible");
 }
 
+/// Column and row.
+type Place = (u32, u32);
+
 /// An instance of a board drawn with `#` for blocked cells, the top line the highest row; cells as column and row.
-fn drawn(lines: &[&str], separation: u32, asked: &[((u32, u32), (u32, u32))]) -> Instance {
+fn drawn(lines: &[&str], separation: u32, asked: &[(Place, Place)]) -> Instance {
     let mut board = Board::new(lines[0].len() as u32, lines.len() as u32);
     for (row, line) in lines.iter().rev().enumerate() {
         for (column, _) in line.chars().enumerate().filter(|(_, mark)| *mark == '#') {
             board.block(board.cell(column as u32, row as u32));
         }
     }
-    let at = |(column, row): (u32, u32)| board.cell(column, row);
+    let at = |(column, row): Place| board.cell(column, row);
     let agents = asked.iter().map(|(start, goal)| Agent { start: at(*start), stops: vec![at(*goal)] }).collect();
     Instance { board, separation, agents, merges: vec![] }
 }
@@ -100,7 +103,7 @@ fn table_6() -> Instance {
         }
     }
     let parts = [((5, 3), (26, 31)), ((26, 31), (5, 3)), ((46, 4), (4, 48)), ((14, 45), (46, 4)), ((3, 20), (48, 30))];
-    let at = |(column, row): (u32, u32)| board.cell(column - 1, row - 1);
+    let at = |(column, row): Place| board.cell(column - 1, row - 1);
     let agents = parts.iter().map(|(start, goal)| Agent { start: at(*start), stops: vec![at(*goal)] }).collect();
     Instance { board, separation: 4, agents, merges: vec![] }
 }
@@ -144,6 +147,18 @@ fn the_pair_that_cannot_pass_is_named_and_no_one_else() {
     let instance = drawn(&["..........", "####.#####", ".........."], 1, &[((0, 2), (9, 2)), ((0, 0), (9, 0)), ((9, 0), (0, 0))]);
     let answer = prove(&instance, Objective::Makespan, None, None, &mut meter());
     assert!(matches!(answer, Answer::Found { .. }), "{answer:?}");
+}
+
+#[test]
+fn a_blocked_pair_is_found_in_a_joint_space_too_large_to_search() {
+    let (free, wall) = (".".repeat(60), "#".repeat(60));
+    let lines = [free.as_str(), &free, &free, &wall, &free];
+    let asked = [((0, 4), (59, 2)), ((59, 4), (0, 2)), ((0, 0), (50, 0)), ((55, 0), (4, 0)), ((30, 3), (31, 3))];
+    let instance = drawn(&lines, 2, &asked);
+    for (objective, limit) in [(Objective::Makespan, None), (Objective::SumOfCosts, None), (Objective::SumOfCosts, Some(500))] {
+        let answer = prove(&instance, objective, None, limit, &mut meter());
+        assert_eq!(answer, Answer::Impossible(Why::Blocked { agents: vec![2, 3] }));
+    }
 }
 
 #[test]

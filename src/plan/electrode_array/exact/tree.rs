@@ -189,8 +189,11 @@ impl Tree<'_, '_> {
 
     /// One of the ways of a member, with few clashes.
     fn best_path(&mut self, node: &Node, member: usize, layers: &Layers) -> Vec<Cell> {
-        self.meter.charge(layers.size() as u64 / NODES_A_STEP + 1);
-        layers.best_path(self.task.field, self.task.group[member], &self.others(node, member))
+        let others = self.others(node, member);
+        let positions = others.len() as u64 * u64::from(layers.cost());
+        let path = layers.best_path(self.task.field, self.task.group[member], &others);
+        self.meter.charge(layers.size() as u64 / NODES_A_STEP + positions / POSITIONS_A_STEP + 1);
+        path
     }
 
     /// The paths of all but one, outsiders with them.
@@ -452,16 +455,19 @@ impl Tree<'_, '_> {
         if let Some(branches) = at_goal {
             return Ok(branches);
         }
-        let mut alone = [1, 1];
-        for side in 0..2 {
-            let rises = |wait: u32| if side == 0 { [wait, 0] } else { [0, wait] };
-            while alone[side] <= FARTHEST_WAIT && !self.goes(node, pair, rises(alone[side]))? {
-                alone[side] += 1;
-            }
-        }
+        let alone = [self.wait_alone(node, pair, |wait| [wait, 0])?, self.wait_alone(node, pair, |wait| [0, wait])?];
         let longer = usize::from(alone[1] > alone[0]);
         let (first, second) = (parties[longer], parties[1 - longer]);
         Ok(split::by_cost(first, second, first.layers.cost() + alone[longer]))
+    }
+
+    /// The least rise of one of a pair alone at which the two may go together, up to one more than [`FARTHEST_WAIT`].
+    fn wait_alone(&mut self, node: &Node, pair: [usize; 2], rises: fn(u32) -> [u32; 2]) -> Result<u32, OutOfSteps> {
+        let mut wait = 1;
+        while wait <= FARTHEST_WAIT && !self.goes(node, pair, rises(wait))? {
+            wait += 1;
+        }
+        Ok(wait)
     }
 
     /// The box that leaves the least to the agents of one of some clashing pairs.
