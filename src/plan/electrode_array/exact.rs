@@ -21,6 +21,7 @@ mod cover;
 mod demand;
 pub mod field;
 mod groups;
+mod jam;
 mod layers;
 mod pair;
 mod split;
@@ -37,8 +38,9 @@ use tree::End;
 /// Joint spaces with at most this many states are searched as a whole.
 const SMALL: u64 = 1 << 20;
 
-/// Each pair that may block is given this part of what is left of the budget.
-const PAIR_SHARE: u64 = 16;
+/// All pairs that may block are given this part of what is left of the budget, and each of them that part of what is left of it.
+const PAIRS_SHARE: u64 = 2;
+const PAIR_SHARE: u64 = 2;
 
 /// The search for the least number of steps is given this part when it may be endless, because there may be no plan.
 const OPEN_SHARE: u64 = 2;
@@ -52,13 +54,7 @@ const POLISH_SHARE: u64 = 4;
 /// of the instance within the limit; a plan that meets the bound of the objective is proven optimal.
 /// [`Why::TooFewSteps`] names the smallest number that would do if the budget allowed to find it, otherwise one below which there
 /// is proven to be nothing.
-pub fn prove(
-    instance: &Instance,
-    objective: Objective,
-    incumbent: Option<&Paths>,
-    limit: Option<u64>,
-    meter: &mut Meter,
-) -> Answer {
+pub fn prove(instance: &Instance, objective: Objective, incumbent: Option<&Paths>, limit: Option<u64>, meter: &mut Meter) -> Answer {
     let limit = limit.map(|limit| limit.min(u64::from(ALWAYS - 1)) as u32);
     let within = |paths: &&Paths| limit.is_none_or(|limit| Costs::of(paths).makespan <= u64::from(limit));
     let best = incumbent.filter(within).cloned();
@@ -104,13 +100,7 @@ enum Done {
 }
 
 impl<'a, 'm> Prover<'a, 'm> {
-    fn new(
-        field: &'a Field<'a>,
-        objective: Objective,
-        best: Option<Paths>,
-        limit: Option<u32>,
-        meter: &'m mut Meter,
-    ) -> Self {
+    fn new(field: &'a Field<'a>, objective: Objective, best: Option<Paths>, limit: Option<u32>, meter: &'m mut Meter) -> Self {
         let costs = (0..field.agents()).map(|agent| u64::from(field.least(agent)));
         let bounds = Costs { makespan: costs.clone().max().unwrap_or(0), sum_of_costs: costs.sum() };
         Prover { field, objective, best, limit, bounds, meter }
@@ -175,10 +165,7 @@ impl<'a, 'm> Prover<'a, 'm> {
     /// Whether the joint space is small; with the instants in it if the steps are limited.
     fn is_small(&self) -> bool {
         let states = |agent: usize| self.field.nodes(agent) as u64 + 1;
-        self.everyone()
-            .into_iter()
-            .try_fold(1u64, |product, agent| product.checked_mul(states(agent)))
-            .is_some_and(|all| all <= SMALL)
+        self.everyone().into_iter().try_fold(1u64, |product, agent| product.checked_mul(states(agent))).is_some_and(|all| all <= SMALL)
     }
 
     fn by_small_joint_space(&mut self) -> Option<Done> {
@@ -213,18 +200,19 @@ impl<'a, 'm> Prover<'a, 'm> {
 
     /// A pair that cannot pass one another.
     fn blocked_pair(&mut self) -> Option<Vec<usize>> {
-        for other in 0..self.field.agents() {
-            for one in 0..other {
-                let steps = self.meter.left().steps / PAIR_SHARE;
-                let group = [one, other];
-                if self.spend(steps, |field, meter| joint::search(field, &group, Aim::Any, meter))
-                    == joint::Outcome::Impossible
-                {
-                    return Some(group.to_vec());
+        let steps = self.meter.left().steps / PAIRS_SHARE;
+        self.spend(steps, |field, meter| {
+            let pairs = (0..field.agents()).flat_map(|other| (0..other).map(move |one| [one, other]));
+            for pair in pairs {
+                let mut own = Meter::new(Budget::of(meter.left().steps / PAIR_SHARE));
+                let outcome = joint::search(field, &pair, Aim::Any, &mut own);
+                meter.charge(own.spent() + 1);
+                if outcome == joint::Outcome::Impossible {
+                    return Some(pair.to_vec());
                 }
             }
-        }
-        None
+            None
+        })
     }
 
     /// Runs something on a part of the budget.
@@ -242,9 +230,7 @@ impl<'a, 'm> Prover<'a, 'm> {
             let mut fewer = agents.clone();
             fewer.remove(place);
             let steps = self.meter.left().steps / OPEN_SHARE;
-            if self.spend(steps, |field, meter| joint::search(field, &fewer, Aim::Any, meter))
-                == joint::Outcome::Impossible
-            {
+            if self.spend(steps, |field, meter| joint::search(field, &fewer, Aim::Any, meter)) == joint::Outcome::Impossible {
                 agents = fewer;
             } else {
                 place += 1;

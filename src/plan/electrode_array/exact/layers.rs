@@ -12,6 +12,8 @@ pub struct Layers {
     /// Where each layer begins, and the end.
     starts: Vec<u32>,
     nodes: Vec<Node>,
+    /// Column and row of each node.
+    places: Vec<(i32, i32)>,
     /// Where the edges of each node begin, and the end.
     edge_starts: Vec<u32>,
     /// Places of nodes in the next layer, counted within it.
@@ -51,21 +53,35 @@ impl Extent {
 
 impl Layers {
     /// The ways of an agent that meet a demand and arrive exactly at `cost`, which has to be reachable. One step for each node.
-    pub fn new(
-        field: &Field,
-        agent: usize,
-        demand: &Demand,
-        cost: u32,
-        meter: &mut Meter,
-    ) -> Result<Layers, OutOfSteps> {
+    pub fn new(field: &Field, agent: usize, demand: &Demand, cost: u32, meter: &mut Meter) -> Result<Layers, OutOfSteps> {
         let reached = forward(field, agent, demand, cost, meter)?;
         let kept = backward(field, agent, reached);
         Ok(Layers::linked(field, agent, &kept))
     }
 
+    /// The ways over the nodes that are kept; none if there are none.
+    pub fn filtered(&self, field: &Field, agent: usize, keep: impl Fn(u32, usize) -> bool) -> Option<Layers> {
+        let mut kept: Vec<Vec<Node>> = vec![];
+        let mut last_seen = vec![u32::MAX; field.nodes(agent)];
+        for instant in 0..=self.cost() {
+            let layer = self.at(instant).iter().enumerate().filter(|(place, _)| keep(instant, *place)).map(|(_, node)| *node);
+            let layer: Vec<Node> = layer.filter(|node| instant == 0 || last_seen[*node as usize] == instant).collect();
+            for node in &layer {
+                field.next(agent, *node).for_each(|to| last_seen[to as usize] = instant + 1);
+            }
+            kept.push(layer);
+        }
+        let kept = backward(field, agent, kept);
+        (!kept[0].is_empty()).then(|| Layers::linked(field, agent, &kept))
+    }
+
+    /// How many nodes there are.
+    pub fn size(&self) -> usize {
+        self.nodes.len()
+    }
+
     fn linked(field: &Field, agent: usize, kept: &[Vec<Node>]) -> Layers {
-        let mut layers =
-            Layers { starts: vec![0], nodes: vec![], edge_starts: vec![0], edges: vec![], extents: vec![] };
+        let mut layers = Layers { starts: vec![0], nodes: vec![], places: vec![], edge_starts: vec![0], edges: vec![], extents: vec![] };
         let mut places = vec![u32::MAX; field.nodes(agent)];
         for (instant, layer) in kept.iter().enumerate() {
             let next: &[Node] = kept.get(instant + 1).map_or(&[], Vec::as_slice);
@@ -77,6 +93,7 @@ impl Layers {
             }
             next.iter().for_each(|node| places[*node as usize] = u32::MAX);
             layers.nodes.extend_from_slice(layer);
+            layers.places.extend(layer.iter().map(|node| field.place(field.cell(*node))));
             layers.starts.push(layers.nodes.len() as u32);
             let extent = layer.iter().fold(Extent::EMPTY, |extent, node| extent.with(field.place(field.cell(*node))));
             layers.extents.push(extent);
@@ -94,6 +111,13 @@ impl Layers {
     pub fn at(&self, instant: u32) -> &[Node] {
         let layer = instant.min(self.cost()) as usize;
         &self.nodes[self.starts[layer] as usize..self.starts[layer + 1] as usize]
+    }
+
+    /// Their columns and rows.
+    #[inline]
+    pub fn places(&self, instant: u32) -> &[(i32, i32)] {
+        let layer = instant.min(self.cost()) as usize;
+        &self.places[self.starts[layer] as usize..self.starts[layer + 1] as usize]
     }
 
     #[inline]
@@ -130,9 +154,7 @@ impl Layers {
             for place in 0..self.at(instant).len() {
                 let index = self.starts[instant as usize] as usize + place;
                 let cell = field.cell(self.nodes[index]);
-                let own = close
-                    .iter()
-                    .filter(|(other, cells)| cells.iter().any(|at| field.too_near(agent, cell, *other, *at)));
+                let own = close.iter().filter(|(other, cells)| cells.iter().any(|at| field.too_near(agent, cell, *other, *at)));
                 let next = self.starts[(instant + 1).min(cost) as usize] as usize;
                 let onward = self.edges(instant, place).iter().map(|to| tolls[next + *to as usize]).min();
                 tolls[index] = own.count() as u32 + if instant == cost { 0 } else { onward.unwrap_or(0) };
@@ -164,21 +186,13 @@ impl Layers {
         others
             .iter()
             .map(|(other, path)| (*other, around(path)))
-            .filter(|(_, cells)| {
-                !cells.iter().all(|cell| extent.is_apart(&Extent::EMPTY.with(field.place(*cell)), separation))
-            })
+            .filter(|(_, cells)| !cells.iter().all(|cell| extent.is_apart(&Extent::EMPTY.with(field.place(*cell)), separation)))
             .collect()
     }
 }
 
 /// The nodes that can be reached at each instant and leave enough time for the rest.
-fn forward(
-    field: &Field,
-    agent: usize,
-    demand: &Demand,
-    cost: u32,
-    meter: &mut Meter,
-) -> Result<Vec<Vec<Node>>, OutOfSteps> {
+fn forward(field: &Field, agent: usize, demand: &Demand, cost: u32, meter: &mut Meter) -> Result<Vec<Vec<Node>>, OutOfSteps> {
     let mut layers = vec![vec![field.start(agent)]];
     let mut last_seen = vec![0u32; field.nodes(agent)];
     for instant in 1..=cost {
@@ -189,10 +203,7 @@ fn forward(
             for next in field.next(agent, *node) {
                 let distance = field.distance(agent, next);
                 let is_late = distance == FAR || instant + distance > cost;
-                if is_late
-                    || last_seen[next as usize] == instant
-                    || bans.iter().any(|ban| ban.covers(field, field.cell(next)))
-                {
+                if is_late || last_seen[next as usize] == instant || bans.iter().any(|ban| ban.covers(field, field.cell(next))) {
                     continue;
                 }
                 last_seen[next as usize] = instant;
@@ -209,8 +220,7 @@ fn backward(field: &Field, agent: usize, mut layers: Vec<Vec<Node>>) -> Vec<Vec<
     let mut alive_at = vec![u32::MAX; field.nodes(agent)];
     for instant in (0..layers.len()).rev() {
         if instant + 1 < layers.len() {
-            layers[instant]
-                .retain(|node| field.next(agent, *node).any(|to| alive_at[to as usize] == instant as u32 + 1));
+            layers[instant].retain(|node| field.next(agent, *node).any(|to| alive_at[to as usize] == instant as u32 + 1));
         }
         layers[instant].iter().for_each(|node| alive_at[*node as usize] = instant as u32);
     }
