@@ -29,6 +29,8 @@ pub(super) struct Wish {
     pub(super) weight: u32,
     /// The last instant at which it may arrive.
     pub(super) limit: u32,
+    /// Until this instant it stays on its start.
+    pub(super) delay: u32,
 }
 
 impl<'a> Crew<'a> {
@@ -70,6 +72,7 @@ impl<'a> Crew<'a> {
             asking,
             weight: wish.weight,
             limit: wish.limit.min(self.step_limit),
+            delay: wish.delay,
         };
         self.sipp.plan(&query, &mut self.table, &mut self.random, meter)
     }

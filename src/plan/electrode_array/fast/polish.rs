@@ -188,7 +188,7 @@ impl Polish<'_, '_> {
         for (placed, agent) in order.iter().enumerate() {
             let least = u64::from(self.crew.least[*agent]);
             let limit = limit.min(least.saturating_add(slack)).min(u64::from(u32::MAX));
-            let wish = Wish { others: Others::Hard, weight: 0, limit: limit as u32 };
+            let wish = Wish { others: Others::Hard, weight: 0, limit: limit as u32, delay: 0 };
             let Some(path) = self.crew.plan(*agent, wish, meter) else { return placed };
             slack -= (path.len() as u64 - 1 - least).min(slack);
             self.crew.table.add(*agent, &path);

@@ -11,7 +11,7 @@ use super::reservations::{Others, Reservations};
 use crate::plan::search::Meter;
 
 /// How many orders are tried.
-const ORDERS: usize = 12;
+const ORDERS: usize = 4;
 
 /// How long a start without a path is a hazard, in separations.
 const HAZARD_SEPARATIONS: u32 = 6;
@@ -57,7 +57,7 @@ fn attempt(crew: &mut Crew, order: &[usize], meter: &mut Meter) -> Vec<Option<Ve
         crew.table.add_hazard(*agent, crew.instance.agents[*agent].start, until);
     }
     let mut paths = vec![None; crew.count()];
-    let wish = Wish { others: Others::Hard, weight: HAZARD_WEIGHT, limit: u32::MAX };
+    let wish = Wish { others: Others::Hard, weight: HAZARD_WEIGHT, limit: u32::MAX, delay: 0 };
     for agent in order {
         crew.table.remove_hazard(*agent, crew.instance.agents[*agent].start);
         let path = crew.plan(*agent, wish, meter);

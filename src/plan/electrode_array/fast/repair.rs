@@ -11,10 +11,16 @@ use super::reservations::Others;
 use crate::plan::search::Meter;
 
 /// How many agents are planned again at once, at most.
-const LARGEST: usize = 8;
+const LARGEST: usize = 5;
 
 /// How many instants of detour one instant of conflict is worth.
-const WEIGHT: u32 = 64;
+const WEIGHT: u32 = 500;
+
+/// One of so many agents that are planned again is delayed,
+const DELAYED: usize = 8;
+
+/// by less than the length of its path and so many instants.
+const LONGEST_DELAY: usize = 8;
 
 /// Paths and who is in conflict with whom.
 struct State {
@@ -76,12 +82,12 @@ fn begin(crew: &mut Crew, part: Vec<Option<Vec<Cell>>>, meter: &mut Meter) -> Op
     Some(state)
 }
 
-const SOFT: Wish = Wish { others: Others::Soft, weight: WEIGHT, limit: u32::MAX };
+const SOFT: Wish = Wish { others: Others::Soft, weight: WEIGHT, limit: u32::MAX, delay: 0 };
 
 /// A few agents round a conflict: a walk from conflict to conflict, filled up with agents that pass near.
 fn neighbourhood(crew: &mut Crew, state: &State) -> Vec<usize> {
     let troubled: Vec<usize> = (0..crew.count()).filter(|agent| !state.near[*agent].is_empty()).collect();
-    let size = LARGEST.min(crew.count());
+    let size = (2 + crew.random.below(LARGEST - 1)).min(crew.count());
     let mut chosen = vec![troubled[crew.random.below(troubled.len())]];
     let mut at = chosen[0];
     for _ in 0..4 * size {
@@ -121,7 +127,8 @@ fn again(crew: &mut Crew, state: &mut State, mut chosen: Vec<usize>, meter: &mut
     crew.random.shuffle(&mut chosen);
     let mut placed = 0;
     for agent in &chosen {
-        let Some(path) = crew.plan(*agent, SOFT, meter) else { break };
+        let wish = Wish { delay: delay(crew, &state.paths[*agent]), ..SOFT };
+        let Some(path) = crew.plan(*agent, wish, meter) else { break };
         let others = crew.conflicts(*agent, &path);
         state.link(*agent, others);
         crew.table.add(*agent, &path);
@@ -145,4 +152,12 @@ fn again(crew: &mut Crew, state: &mut State, mut chosen: Vec<usize>, meter: &mut
         state.paths[agent] = path;
     }
     (meter.left().steps > 0).then_some(())
+}
+
+/// One agent in [`DELAYED`] waits for a while before it goes, for those who cannot pass otherwise.
+fn delay(crew: &mut Crew, path: &[Cell]) -> u32 {
+    if crew.random.below(DELAYED) > 0 {
+        return 0;
+    }
+    crew.random.below(path.len() + LONGEST_DELAY) as u32
 }

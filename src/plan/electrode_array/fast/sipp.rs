@@ -10,6 +10,7 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use std::ops::Range;
 
 use super::super::board::{Board, Cell};
 use super::distances::{Field, UNREACHABLE};
@@ -30,6 +31,8 @@ pub(super) struct Query<'a> {
     pub(super) weight: u32,
     /// The last instant at which it may arrive.
     pub(super) limit: u32,
+    /// Until this instant it stays on its start.
+    pub(super) delay: u32,
 }
 
 /// The stops of an agent, with the distances to each.
@@ -154,20 +157,36 @@ impl Sipp {
         }
         let earliest = last.from;
         let (first, end) = self.list(query, reservations, query.start);
-        let segment = (first < end && self.segments[first as usize].from == 0).then_some(first)?;
+        let (segment, cost) = self.after(first..end, query.delay)?;
         let layer = query.route.passed(query.start, 0);
         let start = Node {
             cell: query.start,
             segment,
             layer,
-            arrival: 0,
-            cost: self.segments[segment as usize].cost,
+            arrival: query.delay,
+            cost,
             parent: NONE,
             sibling: NONE,
             closed: false,
         };
         self.push(query, start, earliest, 0);
         Some(earliest)
+    }
+
+    /// The segment in which a stay from the first instant on has lasted that long, and the cost until then.
+    fn after(&self, segments: Range<u32>, delay: u32) -> Option<(u32, u32)> {
+        let (mut until, mut cost) = (0, 0);
+        for segment in segments {
+            let Segment { from, to, cost: more } = self.segments[segment as usize];
+            if from != until {
+                return None;
+            }
+            (until, cost) = (to, cost + more);
+            if delay < to {
+                return Some((segment, cost));
+            }
+        }
+        None
     }
 
     /// The segments of a cell, listed once a search.
@@ -207,7 +226,8 @@ impl Sipp {
         for cell in query.board.neighbours(node.cell) {
             let (first, end) = self.list(query, reservations, cell);
             dice >>= 12;
-            for segment in first..end {
+            let past = self.segments[first as usize..end as usize].partition_point(|one| one.to <= node.arrival + 1);
+            for segment in first + past as u32..end {
                 if self.segments[segment as usize].from > leave {
                     break;
                 }
@@ -238,12 +258,21 @@ impl Sipp {
         let cost = node.cost + target.cost;
         let layer = query.route.passed(cell, node.layer);
         let (mut other, head) = self.head(query, segment, layer);
+        let mut before = NONE;
         while other != NONE {
-            let known = &mut self.nodes[other as usize];
+            let known = self.nodes[other as usize];
             if known.cost <= cost && known.arrival <= arrival {
                 return;
             }
-            known.closed |= cost <= known.cost && arrival <= known.arrival;
+            if cost <= known.cost && arrival <= known.arrival {
+                self.nodes[other as usize].closed = true;
+                match before {
+                    NONE => self.heads[head] = known.sibling,
+                    _ => self.nodes[before as usize].sibling = known.sibling,
+                }
+            } else {
+                before = other;
+            }
             other = known.sibling;
         }
         let sibling = self.heads[head];
@@ -281,9 +310,8 @@ impl Sipp {
         }
         let mut path: Vec<Cell> = Vec::new();
         for node in chain.iter().rev() {
-            if let Some(last) = path.last().copied() {
-                path.resize(node.arrival as usize, last);
-            }
+            let before = path.last().copied().unwrap_or(node.cell);
+            path.resize(node.arrival as usize, before);
             path.push(node.cell);
         }
         while path.len() > 1 && path[path.len() - 1] == path[path.len() - 2] {
