@@ -314,8 +314,10 @@ fn arms_above(lines: &[&str], at: usize) -> Vec<String> {
 /// A number of micrometres, nanoseconds or volts says so at the end of its name.
 #[test]
 fn units_are_the_last_word() {
-    let units =
-        ["um", "nm", "mm", "m", "ns", "ms", "s", "v", "a", "j", "mj", "rad", "deg", "hz", "bytes", "si", "r", "px"];
+    let units = [
+        "um", "nm", "mm", "m", "ns", "ms", "s", "v", "a", "j", "mj", "rad", "deg", "hz", "bytes", "si", "r", "px",
+        "pitches",
+    ];
     let quantities =
         ["voltage", "duration", "length", "width", "height", "radius", "distance", "pitch", "gap", "energy", "current"];
     for (path, text) in sources().into_iter().filter(|(path, _)| !is_test_file(path)) {

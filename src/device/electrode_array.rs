@@ -105,7 +105,7 @@ impl Electrodes {
 pub struct Layout {
     pub electrodes: Electrodes,
     /// From the centre to the rim of the body along a column or a row, in pitches of the board.
-    pub half_width: f64,
+    pub half_width_pitches: f64,
 }
 
 /// Whether the electrodes of a resting part are kept on.

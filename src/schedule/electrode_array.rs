@@ -152,3 +152,6 @@ fn leading(from: Cell, to: Cell) -> Vec<Cell> {
     };
     pair.map(|(column, row)| Cell::new(column, row)).to_vec()
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

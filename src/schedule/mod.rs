@@ -6,7 +6,7 @@
 
 pub mod clock;
 mod dimibot;
-mod electrode_array;
+pub(crate) mod electrode_array;
 
 pub use clock::{schedule, source_ref};
 pub mod json;

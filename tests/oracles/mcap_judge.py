@@ -72,22 +72,44 @@ def log_lines(messages, schedule):
 
 
 def motion(topics, schedule):
-    """Poses, path and scene against the states of the plans."""
+    """Poses, ways and scenes against the states of the plans."""
     for plan in schedule.document["plans"]:
-        device, states = plan["device"], plan["states"]
-        poses = dict((t, m.pose.position) for t, m in topics[f"/{device}/pose"][1])
-        for state in states:
-            at = poses[state["t_ns"]]
-            demand([at.x, at.y] == state["position_um"], f"/{device}/pose is elsewhere at {state['t_ns']} ns")
-        paths = [[[p.position.x, p.position.y] for p in m.poses] for _, m in topics[f"/{device}/path"][1]]
-        demand([s["position_um"] for s in states] in paths, f"/{device}/path is another")
-        updates = [m for what in ("scene", "plan") for _, m in topics[f"/{device}/{what}"][1]]
-        entities = {entity.id: entity for update in updates for entity in update.entities}
-        ids = {f"{device}/{what}" for what in ("lattice", "path", "tip", "stops")}
-        demand(ids <= entities.keys(), f"the pictures of {device} lack {ids - entities.keys()}")
-        demand(entities[f"{device}/lattice"].frame_id == device, "the lattice stands in another frame")
+        {"dimibot": robot, "electrode_array": board}[plan["kind"]](topics, plan)
     frames = {f.child_frame_id for _, m in topics["/tf"][1] for f in m.transforms}
     demand({plan["device"] for plan in schedule.document["plans"]} <= frames, "/tf lacks a device")
+
+
+def robot(topics, plan):
+    """Pose, path and scene of an end-effector."""
+    device, states = plan["device"], plan["states"]
+    poses = dict((t, m.pose.position) for t, m in topics[f"/{device}/pose"][1])
+    for state in states:
+        at = poses[state["t_ns"]]
+        demand([at.x, at.y] == state["position_um"], f"/{device}/pose is elsewhere at {state['t_ns']} ns")
+    paths = [[[p.position.x, p.position.y] for p in m.poses] for _, m in topics[f"/{device}/path"][1]]
+    demand([s["position_um"] for s in states] in paths, f"/{device}/path is another")
+    updates = [m for what in ("scene", "plan") for _, m in topics[f"/{device}/{what}"][1]]
+    entities = {entity.id: entity for update in updates for entity in update.entities}
+    ids = {f"{device}/{what}" for what in ("lattice", "path", "tip", "stops")}
+    demand(ids <= entities.keys(), f"the pictures of {device} lack {ids - entities.keys()}")
+    demand(entities[f"{device}/lattice"].frame_id == device, "the lattice stands in another frame")
+
+
+def board(topics, plan):
+    """Parts where the states say; for each of them a frame and a body."""
+    device, states = plan["device"], plan["states"]
+    poses = dict((t, [(p.position.x, p.position.y) for p in m.poses]) for t, m in topics[f"/{device}/poses"][1])
+    for state in states:
+        # Where nothing has moved since, nothing is said again.
+        said = max((t for t in poses if t <= state["t_ns"]), default=None)
+        wanted = [(column - 1, row - 1) for _, (column, row) in sorted(state["parts"].items())]
+        demand(said is not None and poses[said] == wanted, f"/{device}/poses is elsewhere at {state['t_ns']} ns")
+    entities = {entity.id: entity for _, m in topics[f"/{device}/scene"][1] for entity in m.entities}
+    frames = {f.child_frame_id for _, m in topics["/tf"][1] for f in m.transforms}
+    for name in states[0]["parts"]:
+        body = entities.get(f"{device}/part/{name}")
+        demand(body is not None and body.frame_id == f"{device}/{name}", f"{device} draws no part {name}")
+        demand(body.frame_id in frames, f"/tf lacks the part {name}")
 
 
 def provenance(attachments, metadata, schedule):

@@ -114,3 +114,6 @@ fn movers(device: &str, moments: &[Moment]) -> Vec<Mover> {
     };
     first.parts.keys().map(of_part).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -16,3 +16,6 @@ mod why;
 
 pub use job::{Motion, Standing, StepMotion, plan};
 pub use portfolio::solve;
+
+#[cfg(test)]
+mod tests;

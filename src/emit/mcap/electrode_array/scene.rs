@@ -93,7 +93,7 @@ fn scenery(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> Vec<SceneEnt
     let mut entities = vec![board(facts, device, t_ns), obstacles(order, device, t_ns)];
     for (index, part) in order.parts.iter().enumerate() {
         let mut entity = drawing::entity(format!("{device}/part/{}", part.name), &frame(device, &part.name), t_ns);
-        let half = facts.layout.half_width;
+        let half = facts.layout.half_width_pitches;
         let slab = Slab { bottom_um: ELECTRODE_HEIGHT, height_um: PART_HEIGHT, color: color_of(index) };
         drawing::cuboid(&mut entity, [-half, -half], [half, half], slab);
         if index < MAX_LABELS {
@@ -134,7 +134,7 @@ fn body(facts: &Facts, obstacle: &Obstacle) -> [[f64; 2]; 2] {
     let half = OBSTACLE_PART / 2.0;
     let (low, high, half) = match obstacle.body {
         Body::Electrodes { from, to } => (place(from), place(to), half),
-        Body::Fixed(cell) => (place(cell), place(cell), facts.layout.half_width),
+        Body::Fixed(cell) => (place(cell), place(cell), facts.layout.half_width_pitches),
     };
     [low.map(|value| value - half), high.map(|value| value + half)]
 }

@@ -1,0 +1,68 @@
+use super::foxglove::{FrameTransforms, SceneUpdate};
+use super::*;
+use crate::device::electrode_array::Electrodes;
+use crate::schedule::electrode_array::tests::{carried, facts};
+use prost::Message as _;
+
+/// Two microparts: one moves at once, the other after a wait.
+fn two() -> Verified {
+    let first = vec![vec![(5, 5), (6, 5)], vec![(12, 5)]];
+    let last = vec![vec![(6, 5)], vec![(12, 5), (12, 6)]];
+    let (claims, schedule) = carried(&facts(Electrodes::Quad), &[first, vec![], last]);
+    Verified::assume(schedule, claims)
+}
+
+fn topic<'a>(topics: &'a [Topic], name: &str) -> &'a Topic {
+    topics.iter().find(|topic| topic.name == name).unwrap_or_else(|| panic!("no topic {name}"))
+}
+
+#[test]
+fn a_part_rests_where_it_is_until_its_step_begins() {
+    let (topics, _) = topics(&two(), "plate");
+    let poses = topic(&topics, "/plate/poses");
+    let said: Vec<(u64, Vec<f64>)> = poses
+        .messages
+        .iter()
+        .map(|(t_ns, data)| {
+            let message = PosesInFrame::decode(data.as_slice()).unwrap();
+            (*t_ns, message.poses.iter().map(|pose| pose.position.unwrap().y).collect())
+        })
+        .collect();
+    let expected = [(0, [4.0, 4.0]), (5_000_000, [4.0, 4.0]), (6_000_000, [4.0, 4.0]), (11_000_000, [4.0, 5.0])];
+    assert_eq!(said, expected.map(|(t_ns, rows)| (t_ns, rows.to_vec())));
+    assert_eq!(poses.metadata["parts"], "a b");
+    assert_eq!(poses.metadata["scale"], "1 unit is a pitch of 94.5 um");
+}
+
+#[test]
+fn the_electrodes_that_are_on_are_drawn_and_no_others() {
+    let (topics, _) = topics(&two(), "plate");
+    let active = topic(&topics, "/plate/active");
+    let drawn: Vec<(u64, usize)> = active
+        .messages
+        .iter()
+        .map(|(t_ns, data)| {
+            let update = SceneUpdate::decode(data.as_slice()).unwrap();
+            (*t_ns, update.entities[0].cylinders.len())
+        })
+        .collect();
+    assert_eq!(drawn, [(0, 2), (5_000_000, 0), (6_000_000, 2), (11_000_000, 0)]);
+}
+
+#[test]
+fn each_part_has_a_frame_a_body_and_a_way() {
+    let verified = two();
+    let (topics, movers) = topics(&verified, "plate");
+    let scene = SceneUpdate::decode(topic(&topics, "/plate/scene").messages[0].1.as_slice()).unwrap();
+    for name in ["a", "b"] {
+        let body = scene.entities.iter().find(|entity| entity.id == format!("plate/part/{name}")).unwrap();
+        assert_eq!(body.frame_id, format!("plate/{name}"));
+        assert_eq!(body.cubes[0].size.unwrap().x, 3.0);
+    }
+    let plan = SceneUpdate::decode(topic(&topics, "/plate/plan").messages[0].1.as_slice()).unwrap();
+    assert_eq!(plan.entities[0].lines.len(), 2);
+    let frames = super::super::frames::topic(&bench::Bench::all(&verified), &movers);
+    let last = FrameTransforms::decode(frames.messages.last().unwrap().1.as_slice()).unwrap();
+    let names: Vec<&str> = last.transforms.iter().map(|frame| frame.child_frame_id.as_str()).collect();
+    assert_eq!(names, ["plate", "plate/a", "plate/b"]);
+}

@@ -1,0 +1,242 @@
+//! Jobs planned as a whole: what stands in the way, what moves on, what is said when nothing can.
+
+use super::*;
+use crate::check::claims::electrode_array::{
+    Action, Body, Bystanders, ElectrodeArrayOrder, Method, Move, Objective, Obstacle, Part, Planner, Step, Stop,
+};
+use crate::check::claims::{Job, Order, Relation, Requirement};
+use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Layout, Separation};
+use crate::diagnostic::{Code, Sink};
+use crate::plan::{Motion as AnyMotion, Optimality, Plan};
+use crate::source::{FileId, Span};
+use std::sync::Arc;
+
+/// A place in the source that differs from others.
+fn span(at: usize) -> Span {
+    Span::new(FileId(0), at, at + 1)
+}
+
+fn facts(columns: u32, rows: u32, electrodes: Electrodes, separation: u32, clearance: u32) -> Facts {
+    Facts {
+        columns,
+        rows,
+        radius_um: 35.0,
+        pitch_ratio: 0.7,
+        potential_v: 100.0,
+        step_ns: 5_000_000,
+        layout: Layout { electrodes, half_width_pitches: if electrodes == Electrodes::Quad { 1.5 } else { 0.5 } },
+        hold: if electrodes == Electrodes::Quad { Hold::Off } else { Hold::On },
+        separation: Separation::Apart(separation),
+        clearance,
+    }
+}
+
+fn microparts(columns: u32, rows: u32) -> Facts {
+    facts(columns, rows, Electrodes::Quad, 4, 3)
+}
+
+fn droplets(columns: u32, rows: u32) -> Facts {
+    facts(columns, rows, Electrodes::Single, 2, 1)
+}
+
+/// A task without obstacles in which nothing is asked yet.
+fn order(facts: Facts, cells: &[(u32, u32)]) -> ElectrodeArrayOrder {
+    let part = |(index, (column, row)): (usize, &(u32, u32))| Part {
+        name: format!("m{}", index + 1),
+        cell: Cell::new(*column, *row),
+        span: span(100 + index),
+    };
+    ElectrodeArrayOrder {
+        facts,
+        obstacles: Arc::new(Vec::new()),
+        parts: Arc::new(cells.iter().enumerate().map(part).collect()),
+        objective: Objective::Makespan,
+        planner: Planner { method: Method::Portfolio, expansions: 200_000 },
+        bystanders: Bystanders::Stay,
+        steps: Vec::new(),
+    }
+}
+
+fn go(part: usize, stops: &[(u32, u32)]) -> Move {
+    let at = 200 + part;
+    let stop = |(column, row): &(u32, u32)| Stop { cell: Cell::new(*column, *row), span: span(at) };
+    Move { part, with: None, stops: stops.iter().map(stop).collect(), span: span(at) }
+}
+
+fn together(moves: Vec<Move>) -> Step {
+    Step { action: Action::Move(moves), span: span(300) }
+}
+
+fn wall(name: &str, from: (u32, u32), to: (u32, u32)) -> Obstacle {
+    let body = Body::Electrodes { from: Cell::new(from.0, from.1), to: Cell::new(to.0, to.1) };
+    Obstacle { name: name.to_owned(), body, span: span(400) }
+}
+
+fn job(order: ElectrodeArrayOrder, requirements: Vec<Requirement>) -> Job {
+    Job {
+        task: "swap".to_owned(),
+        device: "plate".to_owned(),
+        requirements,
+        order: Order::ElectrodeArray(order),
+        span: span(1),
+        run_span: span(2),
+    }
+}
+
+fn limit(outcome: &str, limit: f64) -> Requirement {
+    Requirement { outcome: outcome.to_owned(), relation: Relation::AtMost, limit, span: span(3) }
+}
+
+fn planned(job: &Job, standing: &mut Standing) -> (Option<Plan>, Vec<(Code, String)>) {
+    let Order::ElectrodeArray(order) = &job.order else { panic!("an order of an electrode array") };
+    let mut sink = Sink::default();
+    let plan = plan(job, order, standing, &mut sink);
+    (plan, sink.sorted().into_iter().map(|told| (told.code, format!("{told:?}"))).collect())
+}
+
+fn found(order: ElectrodeArrayOrder) -> Plan {
+    let (plan, told) = planned(&job(order, Vec::new()), &mut Standing::default());
+    plan.unwrap_or_else(|| panic!("{told:?}"))
+}
+
+fn refused(order: ElectrodeArrayOrder) -> (Code, String) {
+    let (plan, mut told) = planned(&job(order, Vec::new()), &mut Standing::default());
+    assert!(plan.is_none());
+    assert_eq!(told.len(), 1, "{told:?}");
+    told.remove(0)
+}
+
+fn paths(plan: &Plan, step: usize) -> &[Vec<Cell>] {
+    let AnyMotion::ElectrodeArray(motion) = &plan.motion else { panic!("a motion of an electrode array") };
+    let StepMotion::Paths(paths) = &motion.steps[step] else { panic!("a step of moves") };
+    paths
+}
+
+#[test]
+fn steps_follow_each_other_and_add_up() {
+    let mut order = order(microparts(20, 20), &[(3, 3), (3, 12)]);
+    order.steps = vec![
+        together(vec![go(0, &[(9, 3)])]),
+        Step { action: Action::Wait(1_000_000), span: span(301) },
+        together(vec![go(0, &[(9, 5)]), go(1, &[(5, 12)])]),
+    ];
+    let plan = found(order);
+    assert_eq!((plan.cost, plan.bound, plan.proof), (8.0, 8.0, Optimality::Proven));
+    assert_eq!(plan.outcomes["steps"], 8.0);
+    assert_eq!(plan.outcomes["sum_of_costs"], 10.0);
+    assert_eq!(plan.outcomes["moves"], 10.0);
+    assert_eq!(plan.outcomes["time"], 0.041);
+    assert_eq!(plan.bounds["sum_of_costs"], 10.0);
+    assert_eq!(paths(&plan, 0)[1], [Cell::new(3, 12)]);
+    assert_eq!(paths(&plan, 2)[0].last(), Some(&Cell::new(9, 5)));
+}
+
+#[test]
+fn parts_stand_where_the_last_task_left_them() {
+    let mut first = order(microparts(20, 20), &[(3, 3), (3, 12)]);
+    first.steps = vec![together(vec![go(0, &[(9, 3)])])];
+    let mut second = order(microparts(20, 20), &[(3, 3), (3, 12)]);
+    second.steps = vec![together(vec![go(0, &[(9, 4)])])];
+    let mut standing = Standing::default();
+    assert_eq!(planned(&job(first, Vec::new()), &mut standing).0.map(|plan| plan.cost), Some(6.0));
+    assert_eq!(planned(&job(second, Vec::new()), &mut standing).0.map(|plan| plan.cost), Some(1.0));
+}
+
+#[test]
+fn droplets_that_merge_meet_and_are_one_from_then_on() {
+    let mut order = order(droplets(12, 9), &[(2, 2), (10, 2), (5, 8)]);
+    let mut merge = go(0, &[(6, 2)]);
+    merge.with = Some(1);
+    order.steps = vec![together(vec![merge]), together(vec![go(0, &[(6, 4)])])];
+    let plan = found(order);
+    assert_eq!((plan.cost, plan.proof), (6.0, Optimality::Proven));
+    assert_eq!(paths(&plan, 0)[0].last(), paths(&plan, 0)[1].last());
+    assert!(paths(&plan, 1)[1].is_empty());
+}
+
+#[test]
+fn a_part_in_a_corridor_yields_only_where_it_may() {
+    // One row of electrodes, with a bay for the part that stands in it.
+    let mut order = order(droplets(9, 3), &[(1, 2), (5, 2)]);
+    order.obstacles =
+        Arc::new(vec![wall("low", (1, 1), (9, 1)), wall("left", (1, 3), (3, 3)), wall("right", (7, 3), (9, 3))]);
+    order.steps = vec![together(vec![go(0, &[(9, 2)])])];
+    let (code, told) = refused(order.clone());
+    assert_eq!(code, Code::E0601);
+    assert!(told.contains("m2 at (5, 2)"), "{told}");
+    order.bystanders = Bystanders::Yield;
+    let (code, told) = refused(order.clone());
+    assert_eq!(code, Code::E0601, "the bay is too low for two droplets: {told}");
+    order.facts.rows = 5;
+    order.obstacles =
+        Arc::new(vec![wall("low", (1, 1), (9, 1)), wall("left", (1, 3), (4, 5)), wall("right", (6, 3), (9, 5))]);
+    let plan = found(order);
+    assert_eq!(plan.proof, Optimality::Proven);
+    assert_eq!(paths(&plan, 0)[1].last(), Some(&Cell::new(5, 2)));
+    assert!(paths(&plan, 0)[1].len() > 1);
+}
+
+#[test]
+fn the_wall_that_closes_the_way_is_named_and_no_other() {
+    let mut order = order(microparts(20, 20), &[(3, 3)]);
+    order.obstacles = Arc::new(vec![wall("fence", (10, 1), (10, 20)), wall("dust", (5, 15), (5, 15))]);
+    order.steps = vec![together(vec![go(0, &[(17, 3)])])];
+    let (code, told) = refused(order);
+    assert_eq!(code, Code::E0601);
+    assert!(told.contains("without `fence` there is a way") && !told.contains("dust"), "{told}");
+}
+
+#[test]
+fn two_parts_that_cannot_pass_one_another_are_both_named() {
+    let mut order = order(droplets(9, 1), &[(1, 1), (9, 1), (5, 1)]);
+    order.steps = vec![together(vec![go(0, &[(9, 1)]), go(1, &[(1, 1)])])];
+    order.bystanders = Bystanders::Yield;
+    let (code, told) = refused(order);
+    assert_eq!(code, Code::E0601);
+    assert!(told.contains("cannot pass one another"), "{told}");
+}
+
+#[test]
+fn a_limit_on_the_steps_is_kept_or_the_least_that_would_do_is_said() {
+    let task = |objective: Objective, steps: f64| {
+        let mut order = order(microparts(20, 20), &[(3, 3), (10, 3)]);
+        order.objective = objective;
+        order.steps = vec![together(vec![go(0, &[(10, 3)]), go(1, &[(3, 3)])])];
+        job(order, vec![limit("steps", steps)])
+    };
+    for objective in [Objective::Makespan, Objective::SumOfCosts] {
+        let (plan, told) = planned(&task(objective, 100.0), &mut Standing::default());
+        let least = plan.unwrap_or_else(|| panic!("{told:?}")).outcomes["steps"];
+        let (plan, told) = planned(&task(objective, 5.0), &mut Standing::default());
+        assert!(plan.is_none());
+        assert_eq!(told[0].0, Code::E0603, "{told:?}");
+        assert!(least >= 11.0, "two parts of four electrodes go round each other: {least}");
+        if objective == Objective::Makespan {
+            assert!(told[0].1.contains(&format!("raise the limit to {least}")), "{told:?}");
+        }
+    }
+}
+
+#[test]
+fn a_search_that_may_not_go_on_says_so_and_proves_nothing() {
+    let mut order = order(droplets(9, 9), &[(1, 1), (9, 1), (1, 9), (9, 9), (5, 5)]);
+    order.planner.expansions = 3;
+    let swaps = [(0, (9, 9)), (3, (1, 1)), (1, (1, 9)), (2, (9, 1))];
+    order.steps = vec![together(swaps.map(|(part, goal)| go(part, &[goal])).to_vec())];
+    let (code, told) = refused(order);
+    assert_eq!(code, Code::E0602, "{told}");
+}
+
+#[test]
+fn the_published_planner_says_that_it_is_greedy_when_it_finds_nothing() {
+    let mut order = order(microparts(20, 20), &[(3, 10), (16, 10)]);
+    order.planner.method = Method::PlainCooperativeAstar;
+    order.steps = vec![together(vec![go(0, &[(16, 10)]), go(1, &[(3, 10)])])];
+    let (plan, told) = planned(&job(order.clone(), Vec::new()), &mut Standing::default());
+    match plan {
+        Some(plan) => assert!(plan.cost >= plan.bound),
+        None => assert!(told.iter().all(|(code, _)| *code == Code::E0602), "{told:?}"),
+    }
+    order.planner.method = Method::Portfolio;
+    assert_eq!(found(order).proof, Optimality::Proven);
+}
