@@ -4,15 +4,16 @@
 //! after the other in a random order among the rest, keep what is not worse. Three ways to choose the few, each the more often
 //! the more it has gained lately: a late agent with those in its way, agents that meet at one place, and any.
 //! Guaranteed: the plan stays legal and never gets worse; it is optimal where it meets the bounds. Not guaranteed: an optimum
-//! within any budget. Cost: one search for each agent of a neighbourhood of at most [`LARGEST`].
+//! within any budget. Cost: one search for each agent of a neighbourhood ([`SIZES`]).
 
 use super::super::board::{Cell, Costs, Objective, Paths};
 use super::crew::{Crew, Wish};
+use super::random::Random;
 use super::reservations::Others;
 use crate::plan::search::Meter;
 
-/// How many agents are planned again at once, at most.
-const LARGEST: usize = 8;
+/// The sizes of neighbourhoods.
+const SIZES: [usize; 6] = [1, 2, 3, 4, 5, 8];
 
 /// How an objective compares two plans: makespan, how much too late in all, sum of costs; or sum of costs, makespan.
 type Key = (u64, u64, u64);
@@ -29,15 +30,46 @@ enum Choice {
 
 const CHOICES: [Choice; 3] = [Choice::Blockers, Choice::Crossing, Choice::Random];
 
-/// Weight of a choice at the beginning and at least.
-const WEIGHTS: (u32, u32) = (1000, 100);
+/// Options of which those are taken the more often that have gained more for a step lately.
+#[derive(Debug)]
+struct Weights<const N: usize>([u64; N]);
+
+impl<const N: usize> Weights<N> {
+    /// Credit of a gain that cost nothing.
+    const MOST: u64 = 1 << 20;
+    /// No option falls lower, as a share of [`Self::MOST`].
+    const LEAST: u64 = Self::MOST >> 12;
+    /// How many steps halve the credit of a gain.
+    const HALVE: u64 = 64;
+
+    fn pick(&self, random: &mut Random) -> usize {
+        let mut left = random.below(self.0.iter().sum::<u64>() as usize) as u64;
+        for (option, weight) in self.0.iter().enumerate() {
+            if left < *weight {
+                return option;
+            }
+            left -= weight;
+        }
+        0
+    }
+
+    fn learn(&mut self, option: usize, gained: bool, steps: u64) {
+        let credit = if gained { Self::MOST * Self::HALVE / (Self::HALVE + steps) } else { 0 };
+        let weight = &mut self.0[option];
+        *weight = (*weight * 31 / 32 + credit / 32).max(Self::LEAST);
+    }
+}
+
+/// Weight of each option at the beginning.
+const EVEN: u64 = 1 << 14;
 
 struct Polish<'c, 'a> {
     crew: &'c mut Crew<'a>,
     paths: Paths,
     objective: Objective,
     bounds: Costs,
-    weights: [u32; CHOICES.len()],
+    choices: Weights<{ CHOICES.len() }>,
+    sizes: Weights<{ SIZES.len() }>,
     /// Whose turn it is to be the late agent.
     turn: usize,
 }
@@ -45,7 +77,7 @@ struct Polish<'c, 'a> {
 /// Improves a plan; `bounds` are those of the agents alone.
 pub(super) fn polish(crew: &mut Crew, paths: Paths, objective: Objective, bounds: Costs, meter: &mut Meter) -> Paths {
     crew.enter_all(&paths);
-    let mut state = Polish { crew, paths, objective, bounds, weights: [WEIGHTS.0; CHOICES.len()], turn: 0 };
+    let mut state = Polish { crew, paths, objective, bounds, choices: Weights([EVEN; CHOICES.len()]), sizes: Weights([EVEN; SIZES.len()]), turn: 0 };
     while state.is_open() && meter.step().is_some() {
         state.round(meter);
     }
@@ -78,30 +110,19 @@ impl Polish<'_, '_> {
 
     /// One neighbourhood, planned again.
     fn round(&mut self, meter: &mut Meter) {
-        let pick = self.pick();
-        let size = 2 + self.crew.random.below(LARGEST - 1);
+        let pick = self.choices.pick(&mut self.crew.random);
+        let pick_size = self.sizes.pick(&mut self.crew.random);
+        let size = SIZES[pick_size];
         let chosen = match CHOICES[pick] {
             Choice::Blockers => self.blockers(size, meter),
             Choice::Crossing => self.crossing(size),
             Choice::Random => self.any(size),
         };
-        let before = self.key();
+        let (before, spent) = (self.key(), meter.spent());
         let gained = self.again(&chosen, before, meter);
-        let weight = &mut self.weights[pick];
-        *weight = (*weight * 31 / 32 + if gained { WEIGHTS.0 } else { 0 }).max(WEIGHTS.1);
-    }
-
-    fn pick(&mut self) -> usize {
-        let mut left = self.crew.random.below(self.weights.iter().sum::<u32>() as usize) as u32;
-        self.weights
-            .iter()
-            .position(|weight| {
-                left < *weight || {
-                    left -= weight;
-                    false
-                }
-            })
-            .unwrap_or(0)
+        let steps = meter.spent() - spent;
+        self.choices.learn(pick, gained, steps);
+        self.sizes.learn(pick_size, gained, steps);
     }
 
     /// A late agent, by turns; where the makespan counts and is too long, every other time one that arrives last.
@@ -127,7 +148,7 @@ impl Polish<'_, '_> {
         self.crew.random.shuffle(&mut others);
         let mut chosen = vec![agent];
         chosen.extend(others.into_iter().take(size - 1));
-        self.fill(chosen, size.min(3))
+        self.fill(chosen, size.min(2))
     }
 
     fn crossing(&mut self, size: usize) -> Vec<usize> {
@@ -140,7 +161,7 @@ impl Polish<'_, '_> {
         self.crew.random.shuffle(&mut others);
         let mut chosen = vec![agent];
         chosen.extend(others.into_iter().take(size - 1));
-        self.fill(chosen, 2)
+        self.fill(chosen, size.min(2))
     }
 
     fn any(&mut self, size: usize) -> Vec<usize> {
@@ -161,48 +182,68 @@ impl Polish<'_, '_> {
 
     /// Plans the chosen agents again and keeps what is not worse; whether it is better.
     fn again(&mut self, chosen: &[usize], before: Key, meter: &mut Meter) -> bool {
-        let old: Vec<_> = chosen.iter().map(|agent| (*agent, std::mem::take(&mut self.paths[*agent]))).collect();
-        for (agent, path) in &old {
-            self.crew.table.remove(*agent, path);
+        for agent in chosen {
+            self.crew.table.hide(*agent);
         }
         let mut order = chosen.to_vec();
         self.crew.random.shuffle(&mut order);
-        let placed = self.place(&order, &old, meter);
-        let after = (placed == order.len()).then(|| self.key());
-        if after.is_some_and(|after| after <= before) {
-            return after < Some(before);
+        let mut found = self.place(&order, meter);
+        if found.len() == order.len() {
+            self.swap(&order, &mut found);
+            let after = self.key();
+            if after <= before {
+                self.accept(&order, &found);
+                return after < before;
+            }
+            self.swap(&order, &mut found);
         }
-        for agent in &order[..placed] {
-            self.crew.table.remove(*agent, &self.paths[*agent]);
-        }
-        for (agent, path) in old {
-            self.crew.table.add(agent, &path);
-            self.paths[agent] = path;
+        for (turn, agent) in order.iter().enumerate() {
+            let instead = found.get(turn).filter(|_| turn + 1 < order.len());
+            self.crew.table.reject(*agent, instead.map(Vec::as_slice));
         }
         false
     }
 
-    /// Plans agents in an order; how many of them before one had no path that could do.
-    fn place(&mut self, order: &[usize], old: &[(usize, Vec<Cell>)], meter: &mut Meter) -> usize {
-        let (limit, mut slack) = self.allowance(old);
-        for (placed, agent) in order.iter().enumerate() {
+    fn swap(&mut self, order: &[usize], found: &mut [Vec<Cell>]) {
+        for (agent, path) in order.iter().zip(found) {
+            std::mem::swap(&mut self.paths[*agent], path);
+        }
+    }
+
+    /// The table follows the paths; the last one in the order is not in it yet.
+    fn accept(&mut self, order: &[usize], old: &[Vec<Cell>]) {
+        if let Some(last) = order.last() {
+            self.crew.table.add_instead(*last, &self.paths[*last]);
+        }
+        for (agent, path) in order.iter().zip(old) {
+            self.crew.table.accept(*agent, path);
+        }
+    }
+
+    /// Plans agents in an order, up to the first that has no path that could do; all but the last of the order are entered.
+    fn place(&mut self, order: &[usize], meter: &mut Meter) -> Vec<Vec<Cell>> {
+        let (limit, mut slack) = self.allowance(order);
+        let mut found = Vec::with_capacity(order.len());
+        for (turn, agent) in order.iter().enumerate() {
             let least = u64::from(self.crew.least[*agent]);
             let limit = limit.min(least.saturating_add(slack)).min(u64::from(u32::MAX));
             let wish = Wish { others: Others::Hard, weight: 0, limit: limit as u32, delay: 0 };
-            let Some(path) = self.crew.plan(*agent, wish, meter) else { return placed };
+            let Some(path) = self.crew.plan(*agent, wish, meter) else { break };
             slack -= (path.len() as u64 - 1 - least).min(slack);
-            self.crew.table.add(*agent, &path);
-            self.paths[*agent] = path;
+            if turn + 1 < order.len() {
+                self.crew.table.add_instead(*agent, &path);
+            }
+            found.push(path);
         }
-        order.len()
+        found
     }
 
     /// The latest arrival that may do for agents that are planned again, and how much they may all together lose.
-    fn allowance(&self, old: &[(usize, Vec<Cell>)]) -> (u64, u64) {
-        let arrival = |path: &Vec<Cell>| path.len() as u64 - 1;
-        let slack = old.iter().map(|(agent, path)| arrival(path) - u64::from(self.crew.least[*agent])).sum();
-        let ours = old.iter().map(|(_, path)| arrival(path)).max().unwrap_or(0);
-        let theirs = self.paths.iter().filter(|path| !path.is_empty()).map(arrival).max().unwrap_or(0);
+    fn allowance(&self, chosen: &[usize]) -> (u64, u64) {
+        let slack = chosen.iter().map(|agent| self.delay(*agent)).sum();
+        let ours = chosen.iter().map(|agent| self.arrival(*agent)).max().unwrap_or(0);
+        let rest = (0..self.crew.count()).filter(|agent| !chosen.contains(agent));
+        let theirs = rest.map(|agent| self.arrival(agent)).max().unwrap_or(0);
         match self.objective {
             Objective::SumOfCosts => (u64::MAX, slack),
             Objective::Makespan if ours.max(theirs) <= self.bounds.makespan => (self.bounds.makespan, slack),

@@ -15,7 +15,8 @@ const PARKED: u32 = 1 << 31;
 /// Marks the spans round the start of an agent that has no path yet.
 const HAZARD: u32 = 1 << 30;
 
-/// A span of instants `from..to` in which its owner forbids a cell.
+/// A span of instants `from..to` in which its owner forbids a cell. The owner is twice the agent, plus one for the second of the two
+/// paths that it can have while it is planned again, with a mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Span {
     from: u32,
@@ -26,7 +27,13 @@ struct Span {
 impl Span {
     #[inline]
     fn agent(self) -> u32 {
-        self.owner & !(PARKED | HAZARD)
+        self.version() as u32 / 2
+    }
+
+    /// Which of the two paths of which agent.
+    #[inline]
+    fn version(self) -> usize {
+        (self.owner & !(PARKED | HAZARD)) as usize
     }
 }
 
@@ -76,9 +83,17 @@ pub(super) struct Reservations {
     /// By cell, in the order of `from`.
     spans: Vec<Vec<Span>>,
     merges: Vec<bool>,
+    /// By agent: which of its two owners is that of its path.
+    current: Vec<u32>,
+    /// By owner: whether its spans count.
+    counts: Vec<bool>,
     hazards: usize,
     /// Scratch of [`Reservations::trace`]: when the cell with these remainders came into the box.
     entered: Vec<u32>,
+    /// Picks the remainders: a power of two less one.
+    mask: u32,
+    /// How many bits the mask has.
+    bits: u32,
     /// Scratch: the spans of one path.
     traced: Vec<(Cell, u32, u32)>,
     /// Scratch: changes of the cost of one cell.
@@ -95,15 +110,19 @@ impl Reservations {
             merges[*agent] = true;
         }
         let reach = (instance.separation.max(1) - 1).min(instance.board.width().max(instance.board.height()));
-        let side = 2 * reach as usize + 1;
+        let ring = (2 * reach + 1).next_power_of_two();
         Reservations {
             width: instance.board.width(),
             height: instance.board.height(),
             reach,
             spans: vec![Vec::new(); instance.board.cells()],
             merges,
+            current: (0..instance.agents.len() as u32).map(|agent| 2 * agent).collect(),
+            counts: vec![true; 2 * instance.agents.len()],
             hazards: 0,
-            entered: vec![0; side * side],
+            entered: vec![0; ring as usize * ring as usize],
+            mask: ring - 1,
+            bits: ring.trailing_zeros(),
             traced: Vec::new(),
             events: Vec::new(),
         }
@@ -111,31 +130,55 @@ impl Reservations {
 
     /// Enters the path of an agent.
     pub(super) fn add(&mut self, agent: usize, path: &[Cell]) {
-        self.each_part(agent, path, |table, owner| table.insert(owner));
+        self.each_part(agent, self.current[agent], path, Reservations::insert);
     }
 
     /// Takes out what [`Reservations::add`] entered.
     pub(super) fn remove(&mut self, agent: usize, path: &[Cell]) {
-        self.each_part(agent, path, |table, owner| table.delete(owner));
+        self.each_part(agent, self.current[agent], path, Reservations::delete);
+    }
+
+    /// Lets the path of an agent not count until [`Reservations::accept`] or [`Reservations::reject`].
+    pub(super) fn hide(&mut self, agent: usize) {
+        self.counts[self.current[agent] as usize] = false;
+    }
+
+    /// Enters another path of an agent whose path is hidden.
+    pub(super) fn add_instead(&mut self, agent: usize, path: &[Cell]) {
+        self.each_part(agent, self.current[agent] ^ 1, path, Reservations::insert);
+    }
+
+    /// Takes out the hidden path of an agent for good, in favour of the one entered instead.
+    pub(super) fn accept(&mut self, agent: usize, hidden: &[Cell]) {
+        self.remove(agent, hidden);
+        self.counts[self.current[agent] as usize] = true;
+        self.current[agent] ^= 1;
+    }
+
+    /// Lets the hidden path of an agent count again; `instead` is what was entered meanwhile.
+    pub(super) fn reject(&mut self, agent: usize, instead: Option<&[Cell]>) {
+        if let Some(path) = instead {
+            self.each_part(agent, self.current[agent] ^ 1, path, Reservations::delete);
+        }
+        self.counts[self.current[agent] as usize] = true;
     }
 
     /// Enters the start of an agent as a soft hazard for instants before `to`.
     pub(super) fn add_hazard(&mut self, agent: usize, start: Cell, to: u32) {
         self.hazards += 1;
         self.trace(&[start], 0, to);
-        self.insert(agent as u32 | HAZARD);
+        self.insert(self.current[agent] | HAZARD);
     }
 
     /// Takes out what [`Reservations::add_hazard`] entered.
     pub(super) fn remove_hazard(&mut self, agent: usize, start: Cell) {
         self.hazards -= 1;
         self.trace(&[start], 0, NEVER);
-        self.delete(agent as u32 | HAZARD);
+        self.delete(self.current[agent] | HAZARD);
     }
 
     /// Traces a path, the stay on a common goal by itself, and does something with each of the two.
-    fn each_part(&mut self, agent: usize, path: &[Cell], act: impl Fn(&mut Reservations, u32)) {
-        let owner = agent as u32;
+    fn each_part(&mut self, agent: usize, owner: u32, path: &[Cell], act: impl Fn(&mut Reservations, u32)) {
         if !self.merges[agent] {
             self.trace(path, 0, NEVER);
             return act(self, owner);
@@ -179,9 +222,10 @@ impl Reservations {
         }
     }
 
+    /// Where a cell of the box has its place in `entered`: the box is no wider than the ring of remainders.
+    #[inline]
     fn slot(&self, column: u32, row: u32) -> usize {
-        let side = 2 * self.reach + 1;
-        (row % side * side + column % side) as usize
+        ((row & self.mask) << self.bits | column & self.mask) as usize
     }
 
     fn enter(&mut self, cells: Rectangle, instant: u32) {
@@ -211,8 +255,11 @@ impl Reservations {
     }
 
     fn delete(&mut self, owner: u32) {
-        for (cell, ..) in &self.traced {
-            self.spans[*cell as usize].retain(|span| span.owner != owner);
+        for &(cell, from, _) in &self.traced {
+            let spans = &mut self.spans[cell as usize];
+            if let Some(place) = spans.iter().position(|span| span.owner == owner && span.from == from) {
+                spans.remove(place);
+            }
         }
     }
 
@@ -227,7 +274,7 @@ impl Reservations {
     fn gaps(&self, cell: Cell, asking: &Asking, out: &mut Vec<Segment>) {
         let mut from = 0;
         for span in &self.spans[cell as usize] {
-            if asking.ignores(cell, *span) {
+            if !self.counts[span.version()] || asking.ignores(cell, *span) {
                 continue;
             }
             if span.from > from {
@@ -243,7 +290,7 @@ impl Reservations {
     fn levels(&mut self, cell: Cell, asking: &Asking, out: &mut Vec<Segment>) {
         self.events.clear();
         for span in &self.spans[cell as usize] {
-            if asking.ignores(cell, *span) {
+            if !self.counts[span.version()] || asking.ignores(cell, *span) {
                 continue;
             }
             let soft = asking.others == Others::Soft || span.owner & HAZARD != 0;
@@ -276,7 +323,7 @@ impl Reservations {
                 if span.from >= end {
                     break;
                 }
-                if span.to > start as u32 && !asking.ignores(cell, *span) {
+                if span.to > start as u32 && self.counts[span.version()] && !asking.ignores(cell, *span) {
                     found(span.agent() as usize);
                 }
             }

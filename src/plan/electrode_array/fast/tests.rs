@@ -206,6 +206,11 @@ fn swap(board: Board) -> Instance {
 }
 
 #[test]
+fn two_swap_in_a_corridor_with_a_bay() {
+    assert!(plan_and_check(&swap(corridor(9, true)), 1, PLENTY));
+}
+
+#[test]
 fn without_a_bay_the_search_ends_with_its_meter() {
     let mut spent = meter(20_000);
     assert_eq!(first(&swap(corridor(9, false)), Terms::default(), &mut spent), None);
@@ -249,13 +254,21 @@ fn a_walled_in_stop_is_named() {
         board.block(cell);
     }
     let far = board.cell(8, 8);
-    let agents = vec![
-        Agent { start: far, stops: vec![far] },
-        Agent { start: board.cell(4, 4), stops: vec![far - 1, 0, far - 3] },
-    ];
+    let agents =
+        vec![Agent { start: far, stops: vec![far] }, Agent { start: board.cell(4, 4), stops: vec![far - 1, 0, far - 3] }];
     let instance = Instance { board, separation: 1, agents, merges: Vec::new() };
     assert_eq!(bounds(&instance), Err(Why::Closed { agent: 1, stop: 1 }));
     assert_eq!(first(&instance, Terms::default(), &mut meter(PLENTY)), None);
+}
+
+#[test]
+fn the_step_limit_holds() {
+    let instance = swap(corridor(9, true));
+    let with = |limit| first(&instance, Terms { seed: 1, step_limit: Some(limit) }, &mut meter(100_000));
+    assert_eq!(with(7), None);
+    let best = improve(&instance, with(40).expect("enough"), Objective::Makespan, 1, &mut meter(PLENTY));
+    let least = Costs::of(&best).makespan;
+    assert_eq!(with(least as u32).map(|paths| Costs::of(&paths).makespan), Some(least));
 }
 
 #[test]

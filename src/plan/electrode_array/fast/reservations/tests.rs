@@ -117,3 +117,40 @@ fn a_hazard_is_soft_among_hard_paths() {
     table.segments(1, &asking, &mut segments);
     assert_eq!(segments, []);
 }
+
+#[test]
+fn a_hidden_path_does_not_count_until_it_is_decided() {
+    let mut random = Random::new(12);
+    let (instance, paths) = three(&mut random, 2);
+    let fresh = |path: &[Cell]| {
+        let mut table = Reservations::new(&instance);
+        if !path.is_empty() {
+            table.add(0, path);
+        }
+        listing(&mut table, &instance)
+    };
+    let mut table = Reservations::new(&instance);
+    table.add(0, &paths[0]);
+    table.hide(0);
+    assert_eq!(listing(&mut table, &instance), fresh(&[]));
+    table.add_instead(0, &paths[2]);
+    assert_eq!(listing(&mut table, &instance), fresh(&paths[2]));
+    table.reject(0, Some(&paths[2]));
+    assert_eq!(listing(&mut table, &instance), fresh(&paths[0]));
+    table.hide(0);
+    table.add_instead(0, &paths[2]);
+    table.accept(0, &paths[0]);
+    assert_eq!(listing(&mut table, &instance), fresh(&paths[2]));
+    table.remove(0, &paths[2]);
+    assert!(table.spans.iter().all(Vec::is_empty));
+}
+
+fn listing(table: &mut Reservations, instance: &Instance) -> Vec<Vec<Segment>> {
+    let asking = Asking { goal: 0, partners: &[], others: Others::Hard };
+    let list = |cell| {
+        let mut segments = Vec::new();
+        table.segments(cell, &asking, &mut segments);
+        segments
+    };
+    (0..instance.board.cells() as Cell).map(list).collect()
+}
