@@ -21,6 +21,7 @@ mod cover;
 mod demand;
 pub mod field;
 mod groups;
+mod jam;
 mod layers;
 mod pair;
 mod split;
@@ -37,8 +38,9 @@ use tree::End;
 /// Joint spaces with at most this many states are searched as a whole.
 const SMALL: u64 = 1 << 20;
 
-/// Each pair that may block is given this part of what is left of the budget.
-const PAIR_SHARE: u64 = 16;
+/// All pairs that may block are given this part of what is left of the budget, and each of them that part of what is left of it.
+const PAIRS_SHARE: u64 = 2;
+const PAIR_SHARE: u64 = 2;
 
 /// The search for the least number of steps is given this part when it may be endless, because there may be no plan.
 const OPEN_SHARE: u64 = 2;
@@ -213,18 +215,19 @@ impl<'a, 'm> Prover<'a, 'm> {
 
     /// A pair that cannot pass one another.
     fn blocked_pair(&mut self) -> Option<Vec<usize>> {
-        for other in 0..self.field.agents() {
-            for one in 0..other {
-                let steps = self.meter.left().steps / PAIR_SHARE;
-                let group = [one, other];
-                if self.spend(steps, |field, meter| joint::search(field, &group, Aim::Any, meter))
-                    == joint::Outcome::Impossible
-                {
-                    return Some(group.to_vec());
+        let steps = self.meter.left().steps / PAIRS_SHARE;
+        self.spend(steps, |field, meter| {
+            let pairs = (0..field.agents()).flat_map(|other| (0..other).map(move |one| [one, other]));
+            for pair in pairs {
+                let mut own = Meter::new(Budget::of(meter.left().steps / PAIR_SHARE));
+                let outcome = joint::search(field, &pair, Aim::Any, &mut own);
+                meter.charge(own.spent() + 1);
+                if outcome == joint::Outcome::Impossible {
+                    return Some(pair.to_vec());
                 }
             }
-        }
-        None
+            None
+        })
     }
 
     /// Runs something on a part of the budget.

@@ -9,7 +9,7 @@
 //! Guaranteed, while the budget lasts: a plan of least cost, or the proof that there is none, with a limit on the steps none
 //! within it. Not guaranteed: that ties between plans of the same cost are broken well. The number of joint nodes is the product
 //! of the agents' nodes, so it fits two parts on most boards and more on small ones. One step of the budget is one move of
-//! one agent that is tried; memory is at most some 50 bytes for each.
+//! one agent that is tried; memory is at most some 50 bytes for each, and some 400 MB in all.
 
 use super::board::{Cell, Paths};
 use super::exact::field::{FAR, Field, Node};
@@ -171,7 +171,7 @@ impl<'a> Search<'a> {
             if self.is_final(state) {
                 return Outcome::Found(self.paths(state));
             }
-            if self.expand(state, &mut ply, meter).is_none() {
+            if self.states.is_full() || self.expand(state, &mut ply, meter).is_none() {
                 let bound = if self.aim == Aim::Any { 0 } else { self.lowest as u64 };
                 return Outcome::GaveUp { bound };
             }

@@ -58,3 +58,6 @@ fn cover(edges: &[Edge], rises: &mut Vec<u32>, sum: u32, best: &mut u32) {
         rises[other] -= lack - share;
     }
 }
+
+#[cfg(test)]
+mod tests;

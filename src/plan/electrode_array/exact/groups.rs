@@ -21,14 +21,20 @@ pub struct Wanted {
 }
 
 /// A group is first given this part of what is left of the budget.
-const FIRST_SHARE: u64 = 2;
+const FIRST_SHARE: u64 = 4;
 
 /// Searches for all agents of the field; the result as of one search for all.
 pub fn search(field: &Field, wanted: Wanted, meter: &mut Meter) -> End {
     let mut groups = Groups { field, wanted, groups: vec![] };
     for agent in 0..field.agents() {
         let cost = field.least(agent).max(wanted.least);
-        groups.groups.push(Group { members: vec![agent], bound: u64::from(cost), paths: None, is_stuck: false });
+        groups.groups.push(Group {
+            members: vec![agent],
+            bound: u64::from(cost),
+            paths: None,
+            is_stuck: false,
+            is_checked: false,
+        });
     }
     groups.run(meter)
 }
@@ -41,6 +47,8 @@ struct Group {
     paths: Option<Paths>,
     /// Its first share of the budget was not enough.
     is_stuck: bool,
+    /// Its paths clash with no other's.
+    is_checked: bool,
 }
 
 struct Groups<'a> {
@@ -59,7 +67,7 @@ impl Groups<'_> {
                 if self.solve(index, meter.left().steps / FIRST_SHARE, meter) {
                     return End::Nothing;
                 }
-            } else if let Some((one, other)) = self.clashing() {
+            } else if let Some((one, other)) = self.clashing(meter) {
                 self.unite(one, other);
             } else if let Some(index) = self.groups.iter().position(|group| group.paths.is_none()) {
                 let before = self.groups[index].bound;
@@ -94,23 +102,42 @@ impl Groups<'_> {
         let elsewhere = self.bound() - group.bound;
         let ceiling = if self.wanted.ceiling == u64::MAX { u64::MAX } else { self.wanted.ceiling - elsewhere };
         let Wanted { least, most, .. } = self.wanted;
-        let task = Task { field: self.field, group: &group.members, least, most, ceiling, outside: &outside };
+        let task = Task {
+            field: self.field,
+            group: &group.members,
+            least,
+            most,
+            ceiling,
+            floor: group.bound,
+            outside: &outside,
+        };
         let mut own = Meter::new(Budget::of(steps));
         let end = tree::search(task, &mut own);
         meter.charge(own.spent());
         let group = &mut self.groups[index];
         match end {
-            End::Found { paths, cost } => (group.paths, group.bound) = (Some(paths), cost),
+            End::Found { paths, cost } => (group.paths, group.bound, group.is_checked) = (Some(paths), cost, false),
             End::Nothing => return true,
             End::GaveUp { bound } => (group.is_stuck, group.bound) = (true, group.bound.max(bound)),
         }
         false
     }
 
-    /// Two groups with paths that clash.
-    fn clashing(&self) -> Option<(usize, usize)> {
-        let pairs = (0..self.groups.len()).flat_map(|other| (0..other).map(move |one| (one, other)));
-        pairs.into_iter().find(|(one, other)| self.clash(&self.groups[*one], &self.groups[*other]))
+    /// Two groups with paths that clash, the smaller index first.
+    fn clashing(&mut self, meter: &mut Meter) -> Option<(usize, usize)> {
+        for one in 0..self.groups.len() {
+            if self.groups[one].is_checked {
+                continue;
+            }
+            for other in (0..self.groups.len()).filter(|other| *other != one) {
+                meter.charge((self.groups[one].members.len() * self.groups[other].members.len()) as u64);
+                if self.clash(&self.groups[one], &self.groups[other]) {
+                    return Some((one.min(other), one.max(other)));
+                }
+            }
+            self.groups[one].is_checked = true;
+        }
+        None
     }
 
     fn clash(&self, one: &Group, other: &Group) -> bool {
@@ -129,6 +156,7 @@ impl Groups<'_> {
         group.bound += bound;
         group.paths = None;
         group.is_stuck = false;
+        group.is_checked = false;
     }
 
     fn all_paths(&self) -> Paths {

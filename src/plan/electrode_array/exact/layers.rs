@@ -12,6 +12,8 @@ pub struct Layers {
     /// Where each layer begins, and the end.
     starts: Vec<u32>,
     nodes: Vec<Node>,
+    /// Column and row of each node.
+    places: Vec<(i32, i32)>,
     /// Where the edges of each node begin, and the end.
     edge_starts: Vec<u32>,
     /// Places of nodes in the next layer, counted within it.
@@ -63,9 +65,37 @@ impl Layers {
         Ok(Layers::linked(field, agent, &kept))
     }
 
+    /// The ways over the nodes that are kept; none if there are none.
+    pub fn filtered(&self, field: &Field, agent: usize, keep: impl Fn(u32, usize) -> bool) -> Option<Layers> {
+        let mut kept: Vec<Vec<Node>> = vec![];
+        let mut last_seen = vec![u32::MAX; field.nodes(agent)];
+        for instant in 0..=self.cost() {
+            let layer =
+                self.at(instant).iter().enumerate().filter(|(place, _)| keep(instant, *place)).map(|(_, node)| *node);
+            let layer: Vec<Node> = layer.filter(|node| instant == 0 || last_seen[*node as usize] == instant).collect();
+            for node in &layer {
+                field.next(agent, *node).for_each(|to| last_seen[to as usize] = instant + 1);
+            }
+            kept.push(layer);
+        }
+        let kept = backward(field, agent, kept);
+        (!kept[0].is_empty()).then(|| Layers::linked(field, agent, &kept))
+    }
+
+    /// How many nodes there are.
+    pub fn size(&self) -> usize {
+        self.nodes.len()
+    }
+
     fn linked(field: &Field, agent: usize, kept: &[Vec<Node>]) -> Layers {
-        let mut layers =
-            Layers { starts: vec![0], nodes: vec![], edge_starts: vec![0], edges: vec![], extents: vec![] };
+        let mut layers = Layers {
+            starts: vec![0],
+            nodes: vec![],
+            places: vec![],
+            edge_starts: vec![0],
+            edges: vec![],
+            extents: vec![],
+        };
         let mut places = vec![u32::MAX; field.nodes(agent)];
         for (instant, layer) in kept.iter().enumerate() {
             let next: &[Node] = kept.get(instant + 1).map_or(&[], Vec::as_slice);
@@ -77,6 +107,7 @@ impl Layers {
             }
             next.iter().for_each(|node| places[*node as usize] = u32::MAX);
             layers.nodes.extend_from_slice(layer);
+            layers.places.extend(layer.iter().map(|node| field.place(field.cell(*node))));
             layers.starts.push(layers.nodes.len() as u32);
             let extent = layer.iter().fold(Extent::EMPTY, |extent, node| extent.with(field.place(field.cell(*node))));
             layers.extents.push(extent);
@@ -94,6 +125,13 @@ impl Layers {
     pub fn at(&self, instant: u32) -> &[Node] {
         let layer = instant.min(self.cost()) as usize;
         &self.nodes[self.starts[layer] as usize..self.starts[layer + 1] as usize]
+    }
+
+    /// Their columns and rows.
+    #[inline]
+    pub fn places(&self, instant: u32) -> &[(i32, i32)] {
+        let layer = instant.min(self.cost()) as usize;
+        &self.places[self.starts[layer] as usize..self.starts[layer + 1] as usize]
     }
 
     #[inline]

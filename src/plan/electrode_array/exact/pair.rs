@@ -1,14 +1,14 @@
-//! Whether two agents can each take one of their ways of a given cost together.
+//! Whether two agents can each take one of their ways of a given cost together, and from where on.
 
 use super::field::Field;
 use super::layers::Layers;
 use crate::plan::search::Meter;
 
-/// Pairs of nodes beyond which a test is not made.
+/// Pairs of nodes beyond which a table is not made.
 const MOST_PAIRS: u64 = 1 << 22;
 
 /// How many of such pairs are one step of the budget.
-const PAIRS_A_STEP: u64 = 16;
+const PAIRS_A_STEP: u64 = 4;
 
 /// One of the two agents.
 #[derive(Clone, Copy)]
@@ -17,33 +17,185 @@ pub struct Side<'a> {
     pub layers: &'a Layers,
 }
 
-/// False if the two have no ways in these layers that go together; true if they have, or if the test would be too large or the
-/// budget is used up. The pairs of nodes that both can have reached go from instant to instant as bit sets.
-pub fn may_go_together(field: &Field, one: Side, other: Side, meter: &mut Meter) -> bool {
-    let end = one.layers.cost().max(other.layers.cost());
-    let is_near: Vec<bool> = (0..end).map(|instant| !is_apart(field, one, other, instant)).collect();
-    let pairs = |instant: &u32| one.layers.at(*instant).len() as u64 * other.layers.at(*instant).len() as u64;
-    let work: u64 = (0..end).filter(|instant| is_near[*instant as usize]).map(|instant| pairs(&instant)).sum();
-    if work > MOST_PAIRS || meter.left().steps == 0 {
-        return true;
+/// For each instant, which pairs of nodes of two layers keep the rule and leave both a way to the end that keeps it.
+pub struct Table {
+    /// By instant, then by the place of the first agent; none where nothing is forbidden, and past the end.
+    alive: Vec<Option<Vec<Bits>>>,
+    /// Words of all bit sets together.
+    words: usize,
+}
+
+impl Table {
+    /// The table of two agents; one that forbids nothing if it would be too large or the budget is used up.
+    pub fn new(field: &Field, one: Side, other: Side, meter: &mut Meter) -> Table {
+        let gaps = Gaps::new(field, one, other, meter);
+        gaps.alive(one, other)
     }
-    meter.charge(work / PAIRS_A_STEP + u64::from(end));
-    let Some(last_near) = is_near.iter().rposition(|near| *near) else { return true };
-    let mut reached: Option<Vec<Bits>> = None;
-    for instant in 0..=last_near as u32 {
-        if !is_near[instant as usize] && reached.is_none() {
-            continue;
+
+    /// The same, of the pairs that can also be reached from the start.
+    pub fn swept(field: &Field, one: Side, other: Side, meter: &mut Meter) -> Table {
+        let gaps = Gaps::new(field, one, other, meter);
+        let mut table = gaps.alive(one, other);
+        for instant in 1..table.alive.len() {
+            let (earlier, now) = table.alive.split_at_mut(instant);
+            if let (Some(Some(reached)), Some(Some(alive))) = (earlier.last(), now.first_mut()) {
+                *alive = gaps.reached(one, other, instant as u32 - 1, reached, alive);
+            }
         }
-        let rows =
-            reached.unwrap_or_else(|| vec![Bits::full(other.layers.at(instant).len()); one.layers.at(instant).len()]);
-        let next = step(field, one, other, instant, &rows);
-        if next.iter().all(Bits::is_empty) {
-            return false;
-        }
-        let is_full = next.iter().all(Bits::is_full);
-        reached = (!is_full).then_some(next);
+        table
     }
-    true
+
+    /// The table that forbids nothing.
+    pub fn open() -> Table {
+        Table { alive: vec![], words: 0 }
+    }
+
+    /// Whether the two may go together from the start.
+    pub fn allows_start(&self) -> bool {
+        self.allows(0, 0, 0)
+    }
+
+    /// Whether they may from two places of an instant on.
+    #[inline]
+    pub fn allows(&self, instant: u32, place: usize, other_place: usize) -> bool {
+        match self.alive.get(instant as usize) {
+            Some(Some(rows)) => rows[place].has(other_place),
+            Some(None) | None => true,
+        }
+    }
+
+    /// Whether the first agent may be at a place of an instant, wherever the second is.
+    pub fn allows_first(&self, instant: u32, place: usize) -> bool {
+        match self.alive.get(instant as usize) {
+            Some(Some(rows)) => !rows[place].is_empty(),
+            Some(None) | None => true,
+        }
+    }
+
+    /// Whether the second agent may be at a place of an instant, wherever the first is.
+    pub fn allows_second(&self, instant: u32, place: usize) -> bool {
+        match self.alive.get(instant as usize) {
+            Some(Some(rows)) => rows.iter().any(|row| row.has(place)),
+            Some(None) | None => true,
+        }
+    }
+
+    /// Its size in words of 8 bytes.
+    pub fn words(&self) -> usize {
+        self.words
+    }
+}
+
+/// What may be where between an instant and the next.
+struct Gap {
+    /// For each node of the first agent at the instant, those of the second at it, at the next instant; then for each node of the
+    /// first at the next instant those of the second at the instant, and at the next, that are not too near.
+    now: Vec<Bits>,
+    now_later: Vec<Bits>,
+    later_now: Vec<Bits>,
+    later: Vec<Bits>,
+}
+
+/// The gaps up to the last instant at which the two can be near; none for a gap in which they cannot.
+struct Gaps {
+    gaps: Vec<Option<Gap>>,
+}
+
+impl Gaps {
+    fn new(field: &Field, one: Side, other: Side, meter: &mut Meter) -> Gaps {
+        let end = one.layers.cost().max(other.layers.cost());
+        let is_near: Vec<bool> = (0..end).map(|instant| !is_apart(field, one, other, instant)).collect();
+        let Some(last_near) = is_near.iter().rposition(|near| *near) else { return Gaps { gaps: vec![] } };
+        let pairs = |instant: u32| one.layers.at(instant).len() as u64 * other.layers.at(instant).len() as u64;
+        let work: u64 = (0..=last_near as u32).map(pairs).sum();
+        if work > MOST_PAIRS || meter.left().steps == 0 {
+            return Gaps { gaps: vec![] };
+        }
+        meter.charge(work / PAIRS_A_STEP + u64::from(end));
+        let gap = |instant: u32| {
+            let clear = |at: u32, other_at: u32| clear_rows(field, one, at, other, other_at);
+            let next = instant + 1;
+            Gap {
+                now: clear(instant, instant),
+                now_later: clear(instant, next),
+                later_now: clear(next, instant),
+                later: clear(next, next),
+            }
+        };
+        let near_ones = is_near[..=last_near].iter().zip(0..);
+        Gaps { gaps: near_ones.map(|(near, instant)| near.then(|| gap(instant))).collect() }
+    }
+
+    /// The pairs from which the end can be reached.
+    fn alive(&self, one: Side, other: Side) -> Table {
+        let mut table = Table { alive: vec![None; self.gaps.len()], words: 0 };
+        for instant in (0..self.gaps.len()).rev() {
+            let later = table.alive.get(instant + 1).and_then(Option::as_deref);
+            let now = match (&self.gaps[instant], later) {
+                (None, None) => continue,
+                (Some(gap), None) => before_near(one, other, instant as u32, gap, &gap.later),
+                (Some(gap), Some(later)) => before_near(one, other, instant as u32, gap, later),
+                (None, Some(later)) => before_apart(one, other, instant as u32, later),
+            };
+            if !now.iter().all(Bits::is_full) {
+                table.words += now.iter().map(|bits| bits.words.len()).sum::<usize>();
+                table.alive[instant] = Some(now);
+            }
+        }
+        table
+    }
+
+    /// Of the pairs alive after an instant those that can be reached from pairs at it.
+    fn reached(&self, one: Side, other: Side, instant: u32, from: &[Bits], alive: &[Bits]) -> Vec<Bits> {
+        let gap = self.gaps[instant as usize].as_ref();
+        let mut reached: Vec<Bits> = alive.iter().map(|bits| Bits::empty(bits.width)).collect();
+        for (place, row) in from.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
+            for to in one.layers.edges(instant, place).iter().map(|to| *to as usize) {
+                let mut found = Bits::empty(alive[to].width);
+                let starts = gap.map_or_else(|| row.clone(), |gap| row.common(&gap.later_now[to]));
+                for other_place in starts.places() {
+                    other.layers.edges(instant, other_place).iter().for_each(|other_to| found.set(*other_to as usize));
+                }
+                let found = gap.map_or_else(|| found.clone(), |gap| found.common(&gap.now_later[place]));
+                reached[to].add(&found.common(&alive[to]));
+            }
+        }
+        reached
+    }
+}
+
+/// The pairs of an instant from which one of `later` can be reached.
+fn before_near(one: Side, other: Side, instant: u32, gap: &Gap, later: &[Bits]) -> Vec<Bits> {
+    let mut alive: Vec<Bits> = gap.now.iter().map(|bits| Bits::empty(bits.width)).collect();
+    for (place, row) in alive.iter_mut().enumerate() {
+        for to in one.layers.edges(instant, place).iter().map(|to| *to as usize) {
+            let targets = later[to].common(&gap.now_later[place]);
+            let open = gap.now[place].common(&gap.later_now[to]);
+            add_leading(other, instant, row, open.places(), &targets);
+        }
+    }
+    alive
+}
+
+/// The same where no two nodes come near.
+fn before_apart(one: Side, other: Side, instant: u32, later: &[Bits]) -> Vec<Bits> {
+    let width = other.layers.at(instant).len();
+    let mut alive = vec![Bits::empty(width); one.layers.at(instant).len()];
+    for (place, row) in alive.iter_mut().enumerate() {
+        for to in one.layers.edges(instant, place) {
+            add_leading(other, instant, row, 0..width, &later[*to as usize]);
+        }
+    }
+    alive
+}
+
+/// Adds those places of an instant that lead to one of the targets.
+fn add_leading(side: Side, instant: u32, row: &mut Bits, places: impl Iterator<Item = usize>, targets: &Bits) {
+    for place in places {
+        if !row.has(place) && side.layers.edges(instant, place).iter().any(|to| targets.has(*to as usize)) {
+            row.set(place);
+        }
+    }
 }
 
 /// Whether nothing in the layers of an instant and of the next comes too near.
@@ -52,38 +204,31 @@ fn is_apart(field: &Field, one: Side, other: Side, instant: u32) -> bool {
     extent(one).is_apart(&extent(other), field.instance.separation as i32)
 }
 
-/// The pairs that can be reached one instant later.
-fn step(field: &Field, one: Side, other: Side, instant: u32, rows: &[Bits]) -> Vec<Bits> {
-    let clear = |at: u32, other_at: u32| -> Vec<Bits> { clear_rows(field, one, at, other, other_at) };
-    let (later_now, now_later, later_later) =
-        (clear(instant + 1, instant), clear(instant, instant + 1), clear(instant + 1, instant + 1));
-    let width = other.layers.at(instant + 1).len();
-    let mut next = vec![Bits::empty(width); one.layers.at(instant + 1).len()];
-    for (place, row) in rows.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
-        for to in one.layers.edges(instant, place).iter().map(|to| *to as usize) {
-            let mut found = Bits::empty(width);
-            for other_place in row.common(&later_now[to]) {
-                other.layers.edges(instant, other_place).iter().for_each(|other_to| found.set(*other_to as usize));
-            }
-            next[to].add(&found, &now_later[place], &later_later[to]);
-        }
-    }
-    next
-}
-
 /// For each node of `one` at an instant, the nodes of `other` at an instant that are not too near.
 fn clear_rows(field: &Field, one: Side, at: u32, other: Side, other_at: u32) -> Vec<Bits> {
-    let others = other.layers.at(other_at);
-    let row = |cell: u32| {
+    let separation = field.instance.separation as i32;
+    let merged = field.is_merged(one.agent, other.agent);
+    let goal = field.place(field.cell(field.goal(one.agent)));
+    let (nodes, others) = (one.layers.places(at), other.layers.places(other_at));
+    let row = |place: (i32, i32)| {
         let mut bits = Bits::empty(others.len());
-        for (place, node) in others.iter().enumerate() {
-            if !field.too_near(one.agent, cell, other.agent, field.cell(*node)) {
-                bits.set(place);
+        for (word, chunk) in bits.words.iter_mut().zip(others.chunks(64)) {
+            for (bit, other) in chunk.iter().enumerate() {
+                let is_clear = (place.0 - other.0).abs().max((place.1 - other.1).abs()) >= separation;
+                *word |= u64::from(is_clear) << bit;
             }
+        }
+        if merged {
+            let exempt = |other: &(i32, i32)| place == goal || *other == goal;
+            others
+                .iter()
+                .enumerate()
+                .filter(|(_, other)| exempt(other))
+                .for_each(|(other_place, _)| bits.set(other_place));
         }
         bits
     };
-    one.layers.at(at).iter().map(|node| row(field.cell(*node))).collect()
+    nodes.iter().map(|place| row(*place)).collect()
 }
 
 /// A set of places of a layer.
@@ -98,30 +243,36 @@ impl Bits {
         Bits { words: vec![0; width.div_ceil(64)], width }
     }
 
-    fn full(width: usize) -> Bits {
-        let mut bits = Bits { words: vec![u64::MAX; width.div_ceil(64)], width };
-        if let (Some(last), rest @ 1..) = (bits.words.last_mut(), width % 64) {
-            *last = (1 << rest) - 1;
-        }
-        bits
-    }
-
+    #[inline]
     fn set(&mut self, place: usize) {
         self.words[place / 64] |= 1 << (place % 64);
+    }
+
+    #[inline]
+    fn has(&self, place: usize) -> bool {
+        self.words[place / 64] >> (place % 64) & 1 == 1
     }
 
     fn is_empty(&self) -> bool {
         self.words.iter().all(|word| *word == 0)
     }
 
+    fn add(&mut self, other: &Bits) {
+        self.words.iter_mut().zip(&other.words).for_each(|(word, other)| *word |= other);
+    }
+
     fn is_full(&self) -> bool {
         self.words.iter().map(|word| word.count_ones() as usize).sum::<usize>() == self.width
     }
 
-    /// The places in both.
-    fn common<'a>(&'a self, other: &'a Bits) -> impl Iterator<Item = usize> + 'a {
-        self.words.iter().zip(&other.words).enumerate().flat_map(|(index, (one, other))| {
-            let mut word = one & other;
+    /// What is in both.
+    fn common(&self, other: &Bits) -> Bits {
+        Bits { words: self.words.iter().zip(&other.words).map(|(one, other)| one & other).collect(), width: self.width }
+    }
+
+    fn places(&self) -> impl Iterator<Item = usize> + '_ {
+        self.words.iter().enumerate().flat_map(|(index, word)| {
+            let mut word = *word;
             std::iter::from_fn(move || {
                 (word != 0).then(|| {
                     let bit = word.trailing_zeros() as usize;
@@ -130,12 +281,5 @@ impl Bits {
                 })
             })
         })
-    }
-
-    /// Adds what is in all three.
-    fn add(&mut self, found: &Bits, one: &Bits, other: &Bits) {
-        for (word, ((a, b), c)) in self.words.iter_mut().zip(found.words.iter().zip(&one.words).zip(&other.words)) {
-            *word |= a & b & c;
-        }
     }
 }

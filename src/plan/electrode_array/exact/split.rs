@@ -44,6 +44,19 @@ pub fn by_cost(first: Party, second: Party, first_least: u32) -> [Branch; 2] {
     [vec![(second.member, second_rises)], vec![(first.member, first_rises), (second.member, second_stays)]]
 }
 
+/// Several that do not all go together at their costs: one of them rises, and those before it do not.
+pub fn by_costs<'a>(parties: impl Iterator<Item = Party<'a>>) -> Vec<Branch> {
+    let mut unchanged: Branch = vec![];
+    let mut branches = vec![];
+    for party in parties {
+        let cost = party.layers.cost();
+        let rises = Demand { least: cost + 1, ..party.demand.clone() };
+        branches.push(unchanged.iter().cloned().chain([(party.member, rises)]).collect());
+        unchanged.push((party.member, Demand { most: cost, ..party.demand.clone() }));
+    }
+    branches
+}
+
 /// One stands on its goal for good while the other passes: it arrives later, or the other keeps away from then on (compare the
 /// target reasoning of Li, Harabor, Stuckey, Ma, Gange, Koenig, "Pairwise symmetry reasoning for multi-agent path finding search",
 /// Artificial Intelligence 301, 2021).
@@ -111,6 +124,11 @@ pub struct Leaves {
 }
 
 impl Leaves {
+    /// Whether the cost of one of the two rises outside of the box.
+    pub fn some_have_none(&self) -> bool {
+        self.with_ways <= 1
+    }
+
     fn of(field: &Field, parties: [Party; 2], ban: &Ban) -> Leaves {
         let shares = parties.map(|party| {
             let (outside, all) = party.layers.outside(field, ban);

@@ -11,8 +11,9 @@ use super::super::board::{Cell, Paths};
 use super::cover::{Edge, least_rise};
 use super::demand::{Demand, OutOfSteps, least_cost};
 use super::field::Field;
+use super::jam::{self, Jam};
 use super::layers::Layers;
-use super::pair::{Side, may_go_together};
+use super::pair::{Side, Table};
 use super::split::{self, Branch, Party, clashes};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
@@ -32,6 +33,8 @@ pub struct Task<'a> {
     pub most: u32,
     /// Only a smaller sum of costs is of interest.
     pub ceiling: u64,
+    /// There is known to be nothing with a smaller sum of costs.
+    pub floor: u64,
     /// Paths of agents outside of the group that are avoided where that costs nothing.
     pub outside: &'a [(usize, &'a [Cell])],
 }
@@ -56,6 +59,18 @@ const FARTHEST_WAIT: u32 = 8;
 /// Clashes of a pair that are looked at for the best split.
 const CLASHES_WEIGHED: usize = 6;
 
+/// Tables together take at most about 8 bytes times this.
+const MOST_TABLE_WORDS: usize = 1 << 22;
+
+/// Longer ways that are kept.
+const MOST_WAITS: usize = 256;
+
+/// How many nodes of layers are one step when a path is chosen.
+const NODES_A_STEP: u64 = 4;
+
+/// How many positions are one step when two paths are compared.
+const POSITIONS_A_STEP: u64 = 16;
+
 /// How often the paths of a node are chosen anew.
 const POLISHING_ROUNDS: usize = 2;
 
@@ -68,6 +83,9 @@ pub fn search(task: Task, meter: &mut Meter) -> End {
         open: BinaryHeap::new(),
         rises: FxHashMap::default(),
         waits: FxHashMap::default(),
+        tables: FxHashMap::default(),
+        table_words: 0,
+        jams: FxHashMap::default(),
         ids: 0,
     };
     match tree.run() {
@@ -104,6 +122,11 @@ struct Tree<'a, 'm> {
     rises: FxHashMap<[u32; 2], u32>,
     /// Layers of a plan at a greater cost.
     waits: FxHashMap<(u32, u32), Rc<Layers>>,
+    /// By the ids of two plans.
+    tables: FxHashMap<[u32; 2], Rc<Table>>,
+    table_words: usize,
+    /// By the ids of some plans: that they do not go together, or that this is not known.
+    jams: FxHashMap<Vec<u32>, Jam>,
     ids: u32,
 }
 
@@ -121,25 +144,16 @@ impl Tree<'_, '_> {
                 let cost = node.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
                 return Ok(End::Found { paths: node.paths.iter().map(|path| path.to_vec()).collect(), cost });
             }
-            let raised = self.raised(&node)?;
-            if raised > node.bound {
-                node.bound = raised;
-                self.open.pop();
-                self.nodes[index] = None;
-                self.push(node);
-                continue;
-            }
-            let children = self.children(&node)?;
+            let successors = self.successors(&mut node)?;
             self.open.pop();
             self.nodes[index] = None;
-            self.waits.clear();
-            children.into_iter().for_each(|child| self.push(child));
+            successors.into_iter().for_each(|successor| self.push(successor));
         }
         Ok(End::Nothing)
     }
 
     fn bound(&self) -> u64 {
-        self.open.peek().map_or(0, |Reverse((bound, _, _))| *bound)
+        self.open.peek().map_or(self.task.floor, |Reverse((bound, _, _))| *bound)
     }
 
     fn push(&mut self, node: Node) {
@@ -154,12 +168,13 @@ impl Tree<'_, '_> {
         for member in 0..self.task.group.len() {
             let demand = Demand { bans: vec![], least: self.task.least, most: self.task.most };
             let Some(plan) = self.plan(member, demand)? else { return Ok(None) };
-            let path = plan.layers.best_path(self.task.field, self.task.group[member], &self.others(&node, member));
+            let path = self.best_path(&node, member, &plan.layers);
             node.bound += u64::from(plan.layers.cost());
             node.plans.push(plan);
             node.paths.push(Rc::new(path));
             self.find_clashes(&mut node, member);
         }
+        node.bound = node.bound.max(self.task.floor);
         self.polish(&mut node);
         Ok(Some(node))
     }
@@ -172,6 +187,15 @@ impl Tree<'_, '_> {
         Ok(Some(Rc::new(Plan { id: self.ids, demand, layers })))
     }
 
+    /// One of the ways of a member, with few clashes.
+    fn best_path(&mut self, node: &Node, member: usize, layers: &Layers) -> Vec<Cell> {
+        let others = self.others(node, member);
+        let positions = others.len() as u64 * u64::from(layers.cost());
+        let path = layers.best_path(self.task.field, self.task.group[member], &others);
+        self.meter.charge(layers.size() as u64 / NODES_A_STEP + positions / POSITIONS_A_STEP + 1);
+        path
+    }
+
     /// The paths of all but one, outsiders with them.
     fn others<'n>(&'n self, node: &'n Node, member: usize) -> Vec<(usize, &'n [Cell])> {
         let inside = node.paths.iter().enumerate().filter(|(other, _)| *other != member);
@@ -180,7 +204,8 @@ impl Tree<'_, '_> {
     }
 
     /// Brings the clashing pairs of one member up to date.
-    fn find_clashes(&self, node: &mut Node, member: usize) {
+    fn find_clashes(&mut self, node: &mut Node, member: usize) {
+        self.meter.charge((node.paths.len() * node.paths[member].len()) as u64 / POSITIONS_A_STEP + 1);
         node.clashing.retain(|pair| !pair.contains(&member));
         for other in (0..node.paths.len()).filter(|other| *other != member) {
             let pair = [member.min(other), member.max(other)];
@@ -200,11 +225,7 @@ impl Tree<'_, '_> {
             let members: Vec<usize> =
                 (0..node.plans.len()).filter(|member| node.clashing.iter().any(|pair| pair.contains(member))).collect();
             for member in members {
-                let path = node.plans[member].layers.best_path(
-                    self.task.field,
-                    self.task.group[member],
-                    &self.others(node, member),
-                );
+                let path = self.best_path(node, member, &node.plans[member].layers);
                 if path == *node.paths[member] {
                     continue;
                 }
@@ -259,9 +280,31 @@ impl Tree<'_, '_> {
         let one = self.longer(node, pair[0], rises[0])?;
         let other = self.longer(node, pair[1], rises[1])?;
         let (Some(one), Some(other)) = (one, other) else { return Ok(false) };
-        let side = |member: usize, layers| Side { agent: self.task.group[member], layers };
-        let (one, other) = (side(pair[0], &*one), side(pair[1], &*other));
-        Ok(may_go_together(self.task.field, one, other, self.meter))
+        if rises == [0, 0] {
+            return Ok(self.table(node, pair).allows_start());
+        }
+        let [first, second] = [(pair[0], &one), (pair[1], &other)]
+            .map(|(member, layers)| Side { agent: self.task.group[member], layers });
+        Ok(Table::new(self.task.field, first, second, self.meter).allows_start())
+    }
+
+    /// The table of a pair, the smaller member first.
+    fn table(&mut self, node: &Node, pair: [usize; 2]) -> Rc<Table> {
+        let plans = pair.map(|member| &node.plans[member]);
+        let key = plans.map(|plan| plan.id);
+        if let Some(table) = self.tables.get(&key) {
+            return table.clone();
+        }
+        let [one, other] =
+            pair.map(|member| Side { agent: self.task.group[member], layers: &node.plans[member].layers });
+        let table = Rc::new(Table::new(self.task.field, one, other, self.meter));
+        if self.table_words > MOST_TABLE_WORDS {
+            self.tables.clear();
+            self.table_words = 0;
+        }
+        self.table_words += table.words();
+        self.tables.insert(key, table.clone());
+        table
     }
 
     /// The ways of a member that count as `rise` longer; none if it may not take so long.
@@ -275,36 +318,138 @@ impl Tree<'_, '_> {
             return Ok(Some(layers.clone()));
         }
         let layers = Rc::new(Layers::new(self.task.field, self.task.group[member], &plan.demand, cost, self.meter)?);
+        if self.waits.len() >= MOST_WAITS {
+            self.waits.clear();
+        }
         self.waits.insert((plan.id, rise), layers.clone());
         Ok(Some(layers))
     }
 
-    /// The children of a node whose paths clash.
-    fn children(&mut self, node: &Node) -> Result<Vec<Node>, OutOfSteps> {
+    /// What takes the place of a node whose paths clash: itself with a higher bound or with fewer clashes, or its children.
+    fn successors(&mut self, node: &mut Node) -> Result<Vec<Node>, OutOfSteps> {
+        let raised = self.raised(node)?;
+        if raised > node.bound {
+            node.bound = raised;
+            return Ok(vec![node.clone()]);
+        }
+        let Some(pair) = self.worst_pair(node)? else { return self.jam_successors(node) };
+        let branches = self.split_by_cost(node, pair)?;
+        self.children(node, branches.into())
+    }
+
+    /// The children of a node by branches.
+    fn children(&mut self, node: &Node, branches: Vec<Branch>) -> Result<Vec<Node>, OutOfSteps> {
         let mut children = vec![];
-        for branch in self.split(node)? {
-            if let Some(child) = self.child(node, branch)? {
-                children.push(child);
-            }
+        for branch in branches {
+            children.extend(self.child(node, branch)?);
         }
         Ok(children)
     }
 
-    /// The best split: of the pair whose costs rise most, else by what its boxes leave.
-    fn split(&mut self, node: &Node) -> Result<[Branch; 2], OutOfSteps> {
-        let mut worst = (0, node.clashing[0]);
+    /// The pair whose costs rise most, if those of one rise.
+    fn worst_pair(&mut self, node: &Node) -> Result<Option<[usize; 2]>, OutOfSteps> {
+        let mut worst = (0, None);
         for pair in &node.clashing {
             let rise = self.rise(node, *pair)?;
             if rise > worst.0 {
-                worst = (rise, *pair);
+                worst = (rise, Some(*pair));
             }
         }
-        if worst.0 > 0 {
-            return self.split_by_cost(node, worst.1);
+        Ok(worst.1)
+    }
+
+    /// Pair by pair the clashing agents go together: so they may all, or some of them do not.
+    fn jam_successors(&mut self, node: &mut Node) -> Result<Vec<Node>, OutOfSteps> {
+        let mut members: Vec<usize> = node.clashing[0].to_vec();
+        loop {
+            members = self.clashing_with(node, members);
+            match self.jam(node, &members) {
+                Jam::Free(paths) => {
+                    let clashes = node.clashing.len();
+                    let mut freed = node.clone();
+                    for (member, path) in members.iter().zip(paths) {
+                        freed.paths[*member] = Rc::new(path);
+                    }
+                    members.iter().for_each(|member| self.find_clashes(&mut freed, *member));
+                    if freed.clashing.len() < clashes {
+                        return Ok(vec![freed]);
+                    }
+                    let grown = self.clashing_with(&freed, members.clone());
+                    if grown.len() == members.len() {
+                        break;
+                    }
+                    members = grown;
+                }
+                Jam::Stuck => {
+                    let sum: u64 = node.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
+                    if sum + 1 > node.bound {
+                        node.bound = sum + 1;
+                        return Ok(vec![node.clone()]);
+                    }
+                    if let Some((leaves, branches)) = self.best_box(node, &node.clashing)
+                        && leaves.some_have_none()
+                    {
+                        return self.children(node, branches.into());
+                    }
+                    let members = self.fewest_stuck(node, members);
+                    let branches = split::by_costs(members.iter().map(|member| self.party(node, *member)));
+                    return self.children(node, branches);
+                }
+                Jam::Unknown => break,
+            }
         }
-        let splits = node.clashing.iter().flat_map(|pair| self.box_splits(node, *pair));
-        let best = splits.min_by_key(|(leaves, _)| *leaves).expect("a clashing pair has a clash");
-        Ok(best.1)
+        let best = self.best_box(node, &node.clashing).expect("a clashing pair has a clash");
+        self.children(node, best.1.into())
+    }
+
+    /// Some members and all whose paths clash with theirs, and so on.
+    fn clashing_with(&self, node: &Node, mut members: Vec<usize>) -> Vec<usize> {
+        loop {
+            let joins = |pair: &&[usize; 2]| members.contains(&pair[0]) != members.contains(&pair[1]);
+            let Some(pair) = node.clashing.iter().find(joins) else {
+                members.sort_unstable();
+                return members;
+            };
+            members.push(if members.contains(&pair[0]) { pair[1] } else { pair[0] });
+        }
+    }
+
+    fn jam(&mut self, node: &Node, members: &[usize]) -> Jam {
+        let ids: Vec<u32> = members.iter().map(|member| node.plans[*member].id).collect();
+        if let Some(known) = self.jams.get(&ids) {
+            return known.clone();
+        }
+        if members.len() > jam::MOST_MEMBERS {
+            return Jam::Unknown;
+        }
+        let asked: Vec<jam::Member> = members
+            .iter()
+            .map(|member| jam::Member {
+                agent: self.task.group[*member],
+                layers: node.plans[*member].layers.clone(),
+                path: &node.paths[*member],
+            })
+            .collect();
+        let found = jam::search(self.task.field, &asked, self.meter);
+        if !matches!(found, Jam::Free(_)) {
+            self.jams.insert(ids, found.clone());
+        }
+        found
+    }
+
+    /// Leaves out members one by one while the rest is still stuck.
+    fn fewest_stuck(&mut self, node: &Node, mut members: Vec<usize>) -> Vec<usize> {
+        let mut place = 0;
+        while place < members.len() && members.len() > 2 {
+            let mut fewer = members.clone();
+            fewer.remove(place);
+            if self.jam(node, &fewer) == Jam::Stuck {
+                members = fewer;
+            } else {
+                place += 1;
+            }
+        }
+        members
     }
 
     fn split_by_cost(&mut self, node: &Node, pair: [usize; 2]) -> Result<[Branch; 2], OutOfSteps> {
@@ -313,16 +458,24 @@ impl Tree<'_, '_> {
         if let Some(branches) = at_goal {
             return Ok(branches);
         }
-        let mut alone = [1, 1];
-        for side in 0..2 {
-            let rises = |wait: u32| if side == 0 { [wait, 0] } else { [0, wait] };
-            while alone[side] <= FARTHEST_WAIT && !self.goes(node, pair, rises(alone[side]))? {
-                alone[side] += 1;
-            }
-        }
+        let alone = [self.wait_alone(node, pair, |wait| [wait, 0])?, self.wait_alone(node, pair, |wait| [0, wait])?];
         let longer = usize::from(alone[1] > alone[0]);
         let (first, second) = (parties[longer], parties[1 - longer]);
         Ok(split::by_cost(first, second, first.layers.cost() + alone[longer]))
+    }
+
+    /// The least rise of one of a pair alone at which the two may go together, up to one more than [`FARTHEST_WAIT`].
+    fn wait_alone(&mut self, node: &Node, pair: [usize; 2], rises: fn(u32) -> [u32; 2]) -> Result<u32, OutOfSteps> {
+        let mut wait = 1;
+        while wait <= FARTHEST_WAIT && !self.goes(node, pair, rises(wait))? {
+            wait += 1;
+        }
+        Ok(wait)
+    }
+
+    /// The box that leaves the least to the agents of one of some clashing pairs.
+    fn best_box(&self, node: &Node, pairs: &[[usize; 2]]) -> Option<(split::Leaves, [Branch; 2])> {
+        pairs.iter().flat_map(|pair| self.box_splits(node, *pair)).min_by_key(|(leaves, _)| *leaves)
     }
 
     fn box_splits(&self, node: &Node, pair: [usize; 2]) -> Vec<(split::Leaves, [Branch; 2])> {
@@ -340,24 +493,21 @@ impl Tree<'_, '_> {
     }
 
     fn parties<'n>(&self, node: &'n Node, pair: [usize; 2]) -> [Party<'n>; 2] {
-        pair.map(|member| {
-            let plan = &node.plans[member];
-            Party { member, agent: self.task.group[member], demand: &plan.demand, layers: &plan.layers }
-        })
+        pair.map(|member| self.party(node, member))
+    }
+
+    fn party<'n>(&self, node: &'n Node, member: usize) -> Party<'n> {
+        let plan = &node.plans[member];
+        Party { member, agent: self.task.group[member], demand: &plan.demand, layers: &plan.layers }
     }
 
     /// A node with some demands replaced; none if one of them cannot be met.
     fn child(&mut self, node: &Node, branch: Branch) -> Result<Option<Node>, OutOfSteps> {
         let mut child = node.clone();
-        self.meter.charge(node.plans.len() as u64);
         for (member, demand) in branch {
             let Some(plan) = self.plan(member, demand)? else { return Ok(None) };
             child.plans[member] = plan;
-            let path = child.plans[member].layers.best_path(
-                self.task.field,
-                self.task.group[member],
-                &self.others(&child, member),
-            );
+            let path = self.best_path(&child, member, &child.plans[member].layers);
             child.paths[member] = Rc::new(path);
             self.find_clashes(&mut child, member);
         }

@@ -27,7 +27,11 @@ const NO_WAY: u16 = u16::MAX;
 /// The distances to one cell.
 #[derive(Debug, Clone)]
 pub(super) enum Field {
-    Manhattan { column: u32, row: u32, width: u32 },
+    Manhattan {
+        column: u32,
+        row: u32,
+        width: u32,
+    },
     /// Entries are exact up to 65,534 and stop there, which stays below the truth.
     Table(Rc<[u16]>),
 }

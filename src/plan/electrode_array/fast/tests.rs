@@ -254,8 +254,10 @@ fn a_walled_in_stop_is_named() {
         board.block(cell);
     }
     let far = board.cell(8, 8);
-    let agents =
-        vec![Agent { start: far, stops: vec![far] }, Agent { start: board.cell(4, 4), stops: vec![far - 1, 0, far - 3] }];
+    let agents = vec![
+        Agent { start: far, stops: vec![far] },
+        Agent { start: board.cell(4, 4), stops: vec![far - 1, 0, far - 3] },
+    ];
     let instance = Instance { board, separation: 1, agents, merges: Vec::new() };
     assert_eq!(bounds(&instance), Err(Why::Closed { agent: 1, stop: 1 }));
     assert_eq!(first(&instance, Terms::default(), &mut meter(PLENTY)), None);

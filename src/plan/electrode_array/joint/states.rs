@@ -1,10 +1,16 @@
 //! Joint states, each stored once: a hash table of indices over flat words.
 
-use rustc_hash::FxHasher;
-use std::hash::Hasher;
-
 /// A place of the table that holds no state.
-const NONE: u32 = u32::MAX;
+const NONE: (u32, u32) = (u32::MAX, 0);
+
+/// Words of all states together at most; 4 bytes each.
+const MOST_WORDS: usize = 1 << 25;
+
+/// States at most.
+const MOST_STATES: usize = 1 << 23;
+
+/// An odd number near 2^64 divided by the golden ratio: products spread over all bits (Knuth, The Art of Computer Programming 3, 6.4).
+const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// The states that were made, with the least cost known and the state it came from.
 pub struct States {
@@ -13,7 +19,8 @@ pub struct States {
     costs: Vec<u32>,
     parents: Vec<u32>,
     closed: Vec<bool>,
-    table: Vec<u32>,
+    /// States with their hashes.
+    table: Vec<(u32, u32)>,
 }
 
 impl States {
@@ -44,20 +51,26 @@ impl States {
         !std::mem::replace(&mut self.closed[state as usize], true)
     }
 
+    /// Whether there is no room for more.
+    pub fn is_full(&self) -> bool {
+        self.words.len() >= MOST_WORDS || self.costs.len() >= MOST_STATES
+    }
+
     /// The index of a state that is new or cheaper than known; none for one that is not.
     pub fn insert(&mut self, words: &[u32], cost: u32, parent: u32) -> Option<u32> {
-        let place = self.find(words);
+        let hash = hash(words);
+        let place = self.find(words, hash);
         let known = self.table[place];
         if known != NONE {
-            let state = known as usize;
+            let state = known.0 as usize;
             if self.closed[state] || self.costs[state] <= cost {
                 return None;
             }
             (self.costs[state], self.parents[state]) = (cost, parent);
-            return Some(known);
+            return Some(known.0);
         }
         let state = self.costs.len() as u32;
-        self.table[place] = state;
+        self.table[place] = (state, hash);
         self.words.extend_from_slice(words);
         self.costs.push(cost);
         self.parents.push(parent);
@@ -69,23 +82,33 @@ impl States {
     }
 
     /// Where a state is in the table, or would be.
-    fn find(&self, words: &[u32]) -> usize {
+    fn find(&self, words: &[u32], hash: u32) -> usize {
         let mask = self.table.len() - 1;
-        let mut hasher = FxHasher::default();
-        words.iter().for_each(|word| hasher.write_u32(*word));
-        let hash = hasher.finish();
-        let mut place = (hash ^ hash >> 32) as usize & mask;
-        while self.table[place] != NONE && self.words(self.table[place]) != words {
+        let mut place = hash as usize & mask;
+        while self.table[place] != NONE && (self.table[place].1 != hash || self.words(self.table[place].0) != words) {
             place = (place + 1) & mask;
         }
         place
     }
 
     fn grow(&mut self) {
-        self.table = vec![NONE; self.table.len() * 2];
-        for state in 0..self.costs.len() as u32 {
-            let place = self.find(self.words(state));
-            self.table[place] = state;
+        let mask = self.table.len() * 2 - 1;
+        let mut table = vec![NONE; mask + 1];
+        for entry in self.table.iter().filter(|entry| **entry != NONE) {
+            let mut place = entry.1 as usize & mask;
+            while table[place] != NONE {
+                place = (place + 1) & mask;
+            }
+            table[place] = *entry;
         }
+        self.table = table;
     }
+}
+
+fn hash(words: &[u32]) -> u32 {
+    let mixed = words.iter().fold(0u64, |hash, word| {
+        let hash = (hash ^ u64::from(*word)).wrapping_mul(SPREAD);
+        hash ^ hash >> 32
+    });
+    (mixed.wrapping_mul(SPREAD) >> 32) as u32
 }

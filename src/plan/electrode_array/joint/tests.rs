@@ -41,7 +41,7 @@ fn optima_and_impossibility_agree_with_plain_searches() {
     let mut chance = Chance(0x5eed);
     let (mut solved, mut impossible) = (0, 0);
     for shape in shapes() {
-        for _ in 0..40 {
+        for _ in 0..25 {
             let Some(instance) = random(shape, &mut chance) else { continue };
             let Ok(field) = Field::new(&instance) else {
                 assert_eq!(least(&instance, Objective::Makespan), None);
@@ -72,7 +72,7 @@ fn optima_and_impossibility_agree_with_plain_searches() {
             }
         }
     }
-    assert!(solved > 300 && impossible > 40, "{solved} solved, {impossible} impossible");
+    assert!(solved > 200 && impossible > 30, "{solved} solved, {impossible} impossible");
 }
 
 #[test]

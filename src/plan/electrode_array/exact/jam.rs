@@ -1,0 +1,209 @@
+//! Whether several agents can each take one of their ways of least cost together: a search of their layers at once.
+//!
+//! First, what no way of another member goes together with is taken out of the layers, until nothing changes: what is left
+//! of two members may not go together although all of their ways did (arc consistency over pairs of layers, a wider form of the
+//! mutex propagation of Zhang, Li, Surynek, Kumar, Koenig, "Multi-agent path finding with mutex propagation", ICAPS 2020). Then
+//! depth first over the places of all members at one instant, each such tuple once; a pair that has no way to the end together cuts
+//! the tuple off (compare the increasing cost tree search, Sharon et al., Artificial Intelligence 195, 2013).
+
+use super::super::board::Cell;
+use super::field::Field;
+use super::layers::Layers;
+use super::pair::{Side, Table};
+use crate::plan::search::Meter;
+use rustc_hash::FxHashSet;
+use std::rc::Rc;
+
+/// More members than this are not searched together.
+pub const MOST_MEMBERS: usize = 8;
+
+/// Bits of a place in the key of a tuple.
+const PLACE_BITS: u32 = 14;
+
+/// One of the agents.
+pub struct Member<'a> {
+    pub agent: usize,
+    pub layers: Rc<Layers>,
+    /// The path it has now; its next position is tried first.
+    pub path: &'a [Cell],
+}
+
+/// What became of it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Jam {
+    /// Paths that go together, in the order of the members.
+    Free(Vec<Vec<Cell>>),
+    /// There are none of these costs.
+    Stuck,
+    /// Too many tuples, or too large layers.
+    Unknown,
+}
+
+/// How often, for each pair, the layers are made consistent.
+const ROUNDS: usize = 4;
+
+/// Moves of members that the search for paths may try.
+const MOST_MOVES: u64 = 20_000;
+
+/// Searches for paths of the members that go together.
+pub fn search(field: &Field, members: &[Member], meter: &mut Meter) -> Jam {
+    let end = members.iter().map(|member| member.layers.cost()).max().unwrap_or(0);
+    let too_wide = |member: &Member| (0..=end).any(|instant| member.layers.at(instant).len() >= 1 << PLACE_BITS);
+    if members.len() > MOST_MEMBERS || end >= 1 << 16 || members.iter().any(too_wide) {
+        return Jam::Unknown;
+    }
+    let Some(rest) = Consistent::new(field, members, meter) else { return Jam::Stuck };
+    let mut search = Search {
+        field,
+        members,
+        rest: &rest,
+        trail: vec![vec![0; members.len()]],
+        seen: FxHashSet::default(),
+        moves: 0,
+    };
+    let mut stack = vec![search.followers(0)];
+    while let Some(choices) = stack.last_mut() {
+        let instant = stack_instant(&search.trail);
+        if instant == end {
+            return Jam::Free(search.paths());
+        }
+        let Some(next) = choices.pop() else {
+            stack.pop();
+            search.trail.pop();
+            continue;
+        };
+        if !search.seen.insert(key(instant + 1, &next)) {
+            continue;
+        }
+        if search.moves > MOST_MOVES || meter.left().steps == 0 {
+            return Jam::Unknown;
+        }
+        meter.charge(members.len() as u64);
+        search.trail.push(next);
+        stack.push(if instant + 1 == end { vec![] } else { search.followers(instant + 1) });
+    }
+    Jam::Stuck
+}
+
+fn stack_instant(trail: &[Vec<u16>]) -> u32 {
+    trail.len() as u32 - 1
+}
+
+fn key(instant: u32, places: &[u16]) -> u128 {
+    places.iter().fold(u128::from(instant), |key, place| key << PLACE_BITS | u128::from(*place))
+}
+
+/// What is left of the layers.
+struct Consistent {
+    layers: Vec<Rc<Layers>>,
+    /// By the greater member, then by the smaller.
+    tables: Vec<Vec<Table>>,
+}
+
+impl Consistent {
+    /// None if nothing is left of some member.
+    fn new(field: &Field, members: &[Member], meter: &mut Meter) -> Option<Consistent> {
+        let layers: Vec<Rc<Layers>> = members.iter().map(|member| member.layers.clone()).collect();
+        let tables = (0..members.len()).map(|member| (0..member).map(|_| Table::open()).collect()).collect();
+        let mut rest = Consistent { layers, tables };
+        let mut is_stale: Vec<Vec<bool>> = (0..members.len()).map(|member| vec![true; member]).collect();
+        for _ in 0..ROUNDS {
+            let pairs = (0..members.len()).flat_map(|member| (0..member).map(move |other| (member, other)));
+            for (member, other) in pairs {
+                if std::mem::replace(&mut is_stale[member][other], false) {
+                    let changed = rest.revise(field, members, [other, member], meter)?;
+                    for (end, _) in [other, member].iter().zip(changed).filter(|(_, changed)| *changed) {
+                        is_stale[*end].fill(true);
+                        is_stale.iter_mut().filter(|row| row.len() > *end).for_each(|row| row[*end] = true);
+                    }
+                }
+            }
+        }
+        for (row, stale) in rest.tables.iter_mut().zip(&is_stale) {
+            row.iter_mut().zip(stale).filter(|(_, stale)| **stale).for_each(|(table, _)| *table = Table::open());
+        }
+        Some(rest)
+    }
+
+    /// Takes out of the layers of a pair what goes together with nothing of the other; says whose have changed.
+    fn revise(&mut self, field: &Field, members: &[Member], pair: [usize; 2], meter: &mut Meter) -> Option<[bool; 2]> {
+        let [one, other] = pair.map(|member| Side { agent: members[member].agent, layers: &self.layers[member] });
+        let table = Table::swept(field, one, other, meter);
+        let end = one.layers.cost().max(other.layers.cost());
+        let stands = (0..=end).all(|instant| {
+            let past = |side: Side| instant > side.layers.cost();
+            (!past(one) || table.allows_first(instant, 0)) && (!past(other) || table.allows_second(instant, 0))
+        });
+        if !stands {
+            return None;
+        }
+        let first = one.layers.filtered(field, one.agent, |instant, place| table.allows_first(instant, place))?;
+        let second = other.layers.filtered(field, other.agent, |instant, place| table.allows_second(instant, place))?;
+        let changed = [first.size() < one.layers.size(), second.size() < other.layers.size()];
+        for ((member, layers), _) in pair.into_iter().zip([first, second]).zip(changed).filter(|(_, changed)| *changed)
+        {
+            self.layers[member] = Rc::new(layers);
+        }
+        self.tables[pair[1]][pair[0]] = table;
+        Some(changed)
+    }
+}
+
+struct Search<'a> {
+    field: &'a Field<'a>,
+    members: &'a [Member<'a>],
+    rest: &'a Consistent,
+    /// The places of all members, by instant.
+    trail: Vec<Vec<u16>>,
+    seen: FxHashSet<u128>,
+    moves: u64,
+}
+
+impl Search<'_> {
+    /// The tuples of the next instant that go with the last of the trail; the one to be tried first comes last.
+    fn followers(&mut self, instant: u32) -> Vec<Vec<u16>> {
+        let here = &self.trail[self.trail.len() - 1];
+        let mut partial: Vec<Vec<u16>> = vec![vec![]];
+        let mut tried = 0;
+        for (member, asked) in self.members.iter().enumerate() {
+            let wanted = super::super::board::position(asked.path, instant as usize + 1);
+            let mut edges: Vec<u16> =
+                self.rest.layers[member].edges(instant, here[member] as usize).iter().map(|to| *to as u16).collect();
+            edges.sort_by_key(|to| self.cell(member, instant + 1, *to) == wanted);
+            let longer = partial.iter().flat_map(|head| edges.iter().map(move |to| (head, *to)));
+            let fitting = longer.filter(|(head, to)| self.fits(instant, here, head, *to));
+            partial = fitting.map(|(head, to)| head.iter().copied().chain([to]).collect()).collect();
+            tried += partial.len() as u64;
+        }
+        self.moves += tried;
+        partial
+    }
+
+    fn cell(&self, member: usize, instant: u32, place: u16) -> Cell {
+        self.field.cell(self.rest.layers[member].at(instant)[place as usize])
+    }
+
+    /// Whether the move of the next member goes with those before it.
+    fn fits(&self, instant: u32, here: &[u16], head: &[u16], to: u16) -> bool {
+        let member = head.len();
+        let (from_cell, to_cell) = (self.cell(member, instant, here[member]), self.cell(member, instant + 1, to));
+        head.iter().enumerate().all(|(other, other_to)| {
+            let (other_from, other_next) =
+                (self.cell(other, instant, here[other]), self.cell(other, instant + 1, *other_to));
+            let agents = (self.members[member].agent, self.members[other].agent);
+            let near = |at: Cell, other_at: Cell| self.field.too_near(agents.0, at, agents.1, other_at);
+            self.rest.tables[member][other].allows(instant + 1, *other_to as usize, to as usize)
+                && !near(to_cell, other_next)
+                && !near(to_cell, other_from)
+                && !near(from_cell, other_next)
+        })
+    }
+
+    fn paths(&self) -> Vec<Vec<Cell>> {
+        let path = |(member, asked): (usize, &Member)| {
+            let instants = 0..=asked.layers.cost();
+            instants.map(|instant| self.cell(member, instant, self.trail[instant as usize][member])).collect()
+        };
+        self.members.iter().enumerate().map(path).collect()
+    }
+}
