@@ -28,7 +28,13 @@ pub fn search(field: &Field, wanted: Wanted, meter: &mut Meter) -> End {
     let mut groups = Groups { field, wanted, groups: vec![] };
     for agent in 0..field.agents() {
         let cost = field.least(agent).max(wanted.least);
-        groups.groups.push(Group { members: vec![agent], bound: u64::from(cost), paths: None, is_stuck: false, is_checked: false });
+        groups.groups.push(Group {
+            members: vec![agent],
+            bound: u64::from(cost),
+            paths: None,
+            is_stuck: false,
+            is_checked: false,
+        });
     }
     groups.run(meter)
 }
@@ -96,7 +102,15 @@ impl Groups<'_> {
         let elsewhere = self.bound() - group.bound;
         let ceiling = if self.wanted.ceiling == u64::MAX { u64::MAX } else { self.wanted.ceiling - elsewhere };
         let Wanted { least, most, .. } = self.wanted;
-        let task = Task { field: self.field, group: &group.members, least, most, ceiling, floor: group.bound, outside: &outside };
+        let task = Task {
+            field: self.field,
+            group: &group.members,
+            least,
+            most,
+            ceiling,
+            floor: group.bound,
+            outside: &outside,
+        };
         let mut own = Meter::new(Budget::of(steps));
         let end = tree::search(task, &mut own);
         meter.charge(own.spent());

@@ -53,7 +53,14 @@ pub fn search(field: &Field, members: &[Member], meter: &mut Meter) -> Jam {
         return Jam::Unknown;
     }
     let Some(rest) = Consistent::new(field, members, meter) else { return Jam::Stuck };
-    let mut search = Search { field, members, rest: &rest, trail: vec![vec![0; members.len()]], seen: FxHashSet::default(), moves: 0 };
+    let mut search = Search {
+        field,
+        members,
+        rest: &rest,
+        trail: vec![vec![0; members.len()]],
+        seen: FxHashSet::default(),
+        moves: 0,
+    };
     let mut stack = vec![search.followers(0)];
     while let Some(choices) = stack.last_mut() {
         let instant = stack_instant(&search.trail);
@@ -133,7 +140,8 @@ impl Consistent {
         let first = one.layers.filtered(field, one.agent, |instant, place| table.allows_first(instant, place))?;
         let second = other.layers.filtered(field, other.agent, |instant, place| table.allows_second(instant, place))?;
         let changed = [first.size() < one.layers.size(), second.size() < other.layers.size()];
-        for ((member, layers), _) in pair.into_iter().zip([first, second]).zip(changed).filter(|(_, changed)| *changed) {
+        for ((member, layers), _) in pair.into_iter().zip([first, second]).zip(changed).filter(|(_, changed)| *changed)
+        {
             self.layers[member] = Rc::new(layers);
         }
         self.tables[pair[1]][pair[0]] = table;
@@ -159,7 +167,8 @@ impl Search<'_> {
         let mut tried = 0;
         for (member, asked) in self.members.iter().enumerate() {
             let wanted = super::super::board::position(asked.path, instant as usize + 1);
-            let mut edges: Vec<u16> = self.rest.layers[member].edges(instant, here[member] as usize).iter().map(|to| *to as u16).collect();
+            let mut edges: Vec<u16> =
+                self.rest.layers[member].edges(instant, here[member] as usize).iter().map(|to| *to as u16).collect();
             edges.sort_by_key(|to| self.cell(member, instant + 1, *to) == wanted);
             let longer = partial.iter().flat_map(|head| edges.iter().map(move |to| (head, *to)));
             let fitting = longer.filter(|(head, to)| self.fits(instant, here, head, *to));
@@ -179,7 +188,8 @@ impl Search<'_> {
         let member = head.len();
         let (from_cell, to_cell) = (self.cell(member, instant, here[member]), self.cell(member, instant + 1, to));
         head.iter().enumerate().all(|(other, other_to)| {
-            let (other_from, other_next) = (self.cell(other, instant, here[other]), self.cell(other, instant + 1, *other_to));
+            let (other_from, other_next) =
+                (self.cell(other, instant, here[other]), self.cell(other, instant + 1, *other_to));
             let agents = (self.members[member].agent, self.members[other].agent);
             let near = |at: Cell, other_at: Cell| self.field.too_near(agents.0, at, agents.1, other_at);
             self.rest.tables[member][other].allows(instant + 1, *other_to as usize, to as usize)

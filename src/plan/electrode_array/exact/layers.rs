@@ -53,7 +53,13 @@ impl Extent {
 
 impl Layers {
     /// The ways of an agent that meet a demand and arrive exactly at `cost`, which has to be reachable. One step for each node.
-    pub fn new(field: &Field, agent: usize, demand: &Demand, cost: u32, meter: &mut Meter) -> Result<Layers, OutOfSteps> {
+    pub fn new(
+        field: &Field,
+        agent: usize,
+        demand: &Demand,
+        cost: u32,
+        meter: &mut Meter,
+    ) -> Result<Layers, OutOfSteps> {
         let reached = forward(field, agent, demand, cost, meter)?;
         let kept = backward(field, agent, reached);
         Ok(Layers::linked(field, agent, &kept))
@@ -64,7 +70,8 @@ impl Layers {
         let mut kept: Vec<Vec<Node>> = vec![];
         let mut last_seen = vec![u32::MAX; field.nodes(agent)];
         for instant in 0..=self.cost() {
-            let layer = self.at(instant).iter().enumerate().filter(|(place, _)| keep(instant, *place)).map(|(_, node)| *node);
+            let layer =
+                self.at(instant).iter().enumerate().filter(|(place, _)| keep(instant, *place)).map(|(_, node)| *node);
             let layer: Vec<Node> = layer.filter(|node| instant == 0 || last_seen[*node as usize] == instant).collect();
             for node in &layer {
                 field.next(agent, *node).for_each(|to| last_seen[to as usize] = instant + 1);
@@ -81,7 +88,14 @@ impl Layers {
     }
 
     fn linked(field: &Field, agent: usize, kept: &[Vec<Node>]) -> Layers {
-        let mut layers = Layers { starts: vec![0], nodes: vec![], places: vec![], edge_starts: vec![0], edges: vec![], extents: vec![] };
+        let mut layers = Layers {
+            starts: vec![0],
+            nodes: vec![],
+            places: vec![],
+            edge_starts: vec![0],
+            edges: vec![],
+            extents: vec![],
+        };
         let mut places = vec![u32::MAX; field.nodes(agent)];
         for (instant, layer) in kept.iter().enumerate() {
             let next: &[Node] = kept.get(instant + 1).map_or(&[], Vec::as_slice);
@@ -154,7 +168,9 @@ impl Layers {
             for place in 0..self.at(instant).len() {
                 let index = self.starts[instant as usize] as usize + place;
                 let cell = field.cell(self.nodes[index]);
-                let own = close.iter().filter(|(other, cells)| cells.iter().any(|at| field.too_near(agent, cell, *other, *at)));
+                let own = close
+                    .iter()
+                    .filter(|(other, cells)| cells.iter().any(|at| field.too_near(agent, cell, *other, *at)));
                 let next = self.starts[(instant + 1).min(cost) as usize] as usize;
                 let onward = self.edges(instant, place).iter().map(|to| tolls[next + *to as usize]).min();
                 tolls[index] = own.count() as u32 + if instant == cost { 0 } else { onward.unwrap_or(0) };
@@ -186,13 +202,21 @@ impl Layers {
         others
             .iter()
             .map(|(other, path)| (*other, around(path)))
-            .filter(|(_, cells)| !cells.iter().all(|cell| extent.is_apart(&Extent::EMPTY.with(field.place(*cell)), separation)))
+            .filter(|(_, cells)| {
+                !cells.iter().all(|cell| extent.is_apart(&Extent::EMPTY.with(field.place(*cell)), separation))
+            })
             .collect()
     }
 }
 
 /// The nodes that can be reached at each instant and leave enough time for the rest.
-fn forward(field: &Field, agent: usize, demand: &Demand, cost: u32, meter: &mut Meter) -> Result<Vec<Vec<Node>>, OutOfSteps> {
+fn forward(
+    field: &Field,
+    agent: usize,
+    demand: &Demand,
+    cost: u32,
+    meter: &mut Meter,
+) -> Result<Vec<Vec<Node>>, OutOfSteps> {
     let mut layers = vec![vec![field.start(agent)]];
     let mut last_seen = vec![0u32; field.nodes(agent)];
     for instant in 1..=cost {
@@ -203,7 +227,10 @@ fn forward(field: &Field, agent: usize, demand: &Demand, cost: u32, meter: &mut 
             for next in field.next(agent, *node) {
                 let distance = field.distance(agent, next);
                 let is_late = distance == FAR || instant + distance > cost;
-                if is_late || last_seen[next as usize] == instant || bans.iter().any(|ban| ban.covers(field, field.cell(next))) {
+                if is_late
+                    || last_seen[next as usize] == instant
+                    || bans.iter().any(|ban| ban.covers(field, field.cell(next)))
+                {
                     continue;
                 }
                 last_seen[next as usize] = instant;
@@ -220,7 +247,8 @@ fn backward(field: &Field, agent: usize, mut layers: Vec<Vec<Node>>) -> Vec<Vec<
     let mut alive_at = vec![u32::MAX; field.nodes(agent)];
     for instant in (0..layers.len()).rev() {
         if instant + 1 < layers.len() {
-            layers[instant].retain(|node| field.next(agent, *node).any(|to| alive_at[to as usize] == instant as u32 + 1));
+            layers[instant]
+                .retain(|node| field.next(agent, *node).any(|to| alive_at[to as usize] == instant as u32 + 1));
         }
         layers[instant].iter().for_each(|node| alive_at[*node as usize] = instant as u32);
     }

@@ -115,7 +115,12 @@ impl Gaps {
         let gap = |instant: u32| {
             let clear = |at: u32, other_at: u32| clear_rows(field, one, at, other, other_at);
             let next = instant + 1;
-            Gap { now: clear(instant, instant), now_later: clear(instant, next), later_now: clear(next, instant), later: clear(next, next) }
+            Gap {
+                now: clear(instant, instant),
+                now_later: clear(instant, next),
+                later_now: clear(next, instant),
+                later: clear(next, next),
+            }
         };
         let near_ones = is_near[..=last_near].iter().zip(0..);
         Gaps { gaps: near_ones.map(|(near, instant)| near.then(|| gap(instant))).collect() }
@@ -215,7 +220,11 @@ fn clear_rows(field: &Field, one: Side, at: u32, other: Side, other_at: u32) -> 
         }
         if merged {
             let exempt = |other: &(i32, i32)| place == goal || *other == goal;
-            others.iter().enumerate().filter(|(_, other)| exempt(other)).for_each(|(other_place, _)| bits.set(other_place));
+            others
+                .iter()
+                .enumerate()
+                .filter(|(_, other)| exempt(other))
+                .for_each(|(other_place, _)| bits.set(other_place));
         }
         bits
     };

@@ -1,4 +1,3 @@
-
 use super::super::board::{Agent, Board, Cell};
 use super::super::joint::oracle::{Chance, Shape, fault, least, random};
 use super::*;
@@ -47,7 +46,11 @@ fn conflict_based_search_agrees_with_plain_searches() {
             paths.iter_mut().for_each(trim);
             assert_eq!(fault(&instance, &paths), None, "{instance:?}");
             if makespan > 0 {
-                assert_eq!(groups::search(&field, exactly(makespan as u32 - 1), &mut meter()), End::Nothing, "{instance:?}");
+                assert_eq!(
+                    groups::search(&field, exactly(makespan as u32 - 1), &mut meter()),
+                    End::Nothing,
+                    "{instance:?}"
+                );
             }
             compared += 1;
         }
@@ -65,7 +68,10 @@ fn proofs_agree_with_plain_searches() {
             for objective in [Objective::Makespan, Objective::SumOfCosts] {
                 let answer = prove(&instance, objective, None, None, &mut meter());
                 let Some(cost) = least(&instance, objective) else {
-                    assert!(matches!(answer, Answer::Impossible(Why::Blocked { .. } | Why::Closed { .. })), "{instance:?}: {answer:?}");
+                    assert!(
+                        matches!(answer, Answer::Impossible(Why::Blocked { .. } | Why::Closed { .. })),
+                        "{instance:?}: {answer:?}"
+                    );
                     impossible += 1;
                     continue;
                 };
@@ -140,11 +146,13 @@ fn an_incumbent_at_the_bound_is_proven_without_a_step_and_one_above_is_bettered(
 #[test]
 fn the_pair_that_cannot_pass_is_named_and_no_one_else() {
     // Agents 1 and 2 in a corridor of their own; agent 0 is free.
-    let instance = drawn(&["..........", "##########", ".........."], 1, &[((0, 2), (9, 2)), ((0, 0), (9, 0)), ((9, 0), (0, 0))]);
+    let instance =
+        drawn(&["..........", "##########", ".........."], 1, &[((0, 2), (9, 2)), ((0, 0), (9, 0)), ((9, 0), (0, 0))]);
     let answer = prove(&instance, Objective::Makespan, None, None, &mut meter());
     assert_eq!(answer, Answer::Impossible(Why::Blocked { agents: vec![1, 2] }));
     // With a bay they can.
-    let instance = drawn(&["..........", "####.#####", ".........."], 1, &[((0, 2), (9, 2)), ((0, 0), (9, 0)), ((9, 0), (0, 0))]);
+    let instance =
+        drawn(&["..........", "####.#####", ".........."], 1, &[((0, 2), (9, 2)), ((0, 0), (9, 0)), ((9, 0), (0, 0))]);
     let answer = prove(&instance, Objective::Makespan, None, None, &mut meter());
     assert!(matches!(answer, Answer::Found { .. }), "{answer:?}");
 }
@@ -155,7 +163,9 @@ fn a_blocked_pair_is_found_in_a_joint_space_too_large_to_search() {
     let lines = [free.as_str(), &free, &free, &wall, &free];
     let asked = [((0, 4), (59, 2)), ((59, 4), (0, 2)), ((0, 0), (50, 0)), ((55, 0), (4, 0)), ((30, 3), (31, 3))];
     let instance = drawn(&lines, 2, &asked);
-    for (objective, limit) in [(Objective::Makespan, None), (Objective::SumOfCosts, None), (Objective::SumOfCosts, Some(500))] {
+    for (objective, limit) in
+        [(Objective::Makespan, None), (Objective::SumOfCosts, None), (Objective::SumOfCosts, Some(500))]
+    {
         let answer = prove(&instance, objective, None, limit, &mut meter());
         assert_eq!(answer, Answer::Impossible(Why::Blocked { agents: vec![2, 3] }));
     }

@@ -11,8 +11,8 @@ use super::super::board::{Cell, Paths};
 use super::cover::{Edge, least_rise};
 use super::demand::{Demand, OutOfSteps, least_cost};
 use super::field::Field;
-use super::layers::Layers;
 use super::jam::{self, Jam};
+use super::layers::Layers;
 use super::pair::{Side, Table};
 use super::split::{self, Branch, Party, clashes};
 use crate::plan::search::Meter;
@@ -282,7 +282,8 @@ impl Tree<'_, '_> {
         if rises == [0, 0] {
             return Ok(self.table(node, pair).allows_start());
         }
-        let [first, second] = [(pair[0], &one), (pair[1], &other)].map(|(member, layers)| Side { agent: self.task.group[member], layers });
+        let [first, second] = [(pair[0], &one), (pair[1], &other)]
+            .map(|(member, layers)| Side { agent: self.task.group[member], layers });
         Ok(Table::new(self.task.field, first, second, self.meter).allows_start())
     }
 
@@ -293,7 +294,8 @@ impl Tree<'_, '_> {
         if let Some(table) = self.tables.get(&key) {
             return table.clone();
         }
-        let [one, other] = pair.map(|member| Side { agent: self.task.group[member], layers: &node.plans[member].layers });
+        let [one, other] =
+            pair.map(|member| Side { agent: self.task.group[member], layers: &node.plans[member].layers });
         let table = Rc::new(Table::new(self.task.field, one, other, self.meter));
         if self.table_words > MOST_TABLE_WORDS {
             self.tables.clear();

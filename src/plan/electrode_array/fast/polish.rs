@@ -77,7 +77,15 @@ struct Polish<'c, 'a> {
 /// Improves a plan; `bounds` are those of the agents alone.
 pub(super) fn polish(crew: &mut Crew, paths: Paths, objective: Objective, bounds: Costs, meter: &mut Meter) -> Paths {
     crew.enter_all(&paths);
-    let mut state = Polish { crew, paths, objective, bounds, choices: Weights([EVEN; CHOICES.len()]), sizes: Weights([EVEN; SIZES.len()]), turn: 0 };
+    let mut state = Polish {
+        crew,
+        paths,
+        objective,
+        bounds,
+        choices: Weights([EVEN; CHOICES.len()]),
+        sizes: Weights([EVEN; SIZES.len()]),
+        turn: 0,
+    };
     while state.is_open() && meter.step().is_some() {
         state.round(meter);
     }

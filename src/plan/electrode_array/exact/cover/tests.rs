@@ -8,7 +8,8 @@ fn edge(one: usize, other: usize, weight: u32) -> Edge {
 fn plain(edges: &[Edge], agents: u32, most: u32) -> u32 {
     let rise = |code: u32, agent: usize| code / (most + 1).pow(agent as u32) % (most + 1);
     let codes = 0..(most + 1).pow(agents);
-    let covers = |code: &u32| edges.iter().all(|edge| edge.ends.iter().map(|end| rise(*code, *end)).sum::<u32>() >= edge.weight);
+    let covers =
+        |code: &u32| edges.iter().all(|edge| edge.ends.iter().map(|end| rise(*code, *end)).sum::<u32>() >= edge.weight);
     codes.filter(covers).map(|code| (0..agents as usize).map(|agent| rise(code, agent)).sum()).min().unwrap()
 }
 

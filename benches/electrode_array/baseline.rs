@@ -1,0 +1,165 @@
+//! The plain baseline: prioritised space-time A* and re-ordering: a part without a path comes first in the next order, and after a plan
+//! or [`PATIENCE`] failures comes a random order.
+//!
+//! As it is usually written: a binary heap, a hash set of (cell, instant), and a look at every path that is already there for each
+//! position. Parts without a path yet are not seen.
+
+use crate::scenes::Chance;
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, VecDeque};
+use std::time::{Duration, Instant};
+use tweeze::plan::electrode_array::board::{Cell, Costs, Instance, Objective, Paths, position};
+
+/// Failures until the order is shuffled.
+const PATIENCE: u32 = 50;
+
+/// A cell at an instant.
+type Node = (Cell, u32);
+
+/// What it found within its time.
+pub struct Found {
+    pub first_after: Duration,
+    pub first: Paths,
+    pub best: Paths,
+}
+
+struct Baseline<'a> {
+    instance: &'a Instance,
+    /// For each part, the distances from its goal; `u32::MAX` where there is no way.
+    distances: Vec<Vec<u32>>,
+    horizon: u32,
+    deadline: Instant,
+}
+
+/// The first plan and the best one (makespan, then sum of costs) within a time; ends early where both bounds are met.
+pub fn run(instance: &Instance, bounds: Costs, seed: u64, time: Duration) -> Option<Found> {
+    let begun = Instant::now();
+    let distances = instance.agents.iter().map(|agent| distances(instance, agent.goal())).collect();
+    let horizon = bounds.makespan as u32 * 2 + 64;
+    let baseline = Baseline { instance, distances, horizon, deadline: begun + time };
+    let mut chance = Chance(seed);
+    let mut order: Vec<usize> = (0..instance.agents.len()).collect();
+    let mut found: Option<Found> = None;
+    let mut failures = 0;
+    while Instant::now() < baseline.deadline && found.as_ref().is_none_or(|found| Costs::of(&found.best) != bounds) {
+        match baseline.plan(&order) {
+            Ok(paths) => {
+                match &mut found {
+                    Some(found) if key(&paths) < key(&found.best) => found.best = paths,
+                    Some(_) => {}
+                    None => found = Some(Found { first_after: begun.elapsed(), first: paths.clone(), best: paths }),
+                }
+                failures = PATIENCE;
+            }
+            Err(at) => {
+                order[..=at].rotate_right(1);
+                failures += 1;
+            }
+        }
+        if failures >= PATIENCE {
+            shuffle(&mut order, &mut chance);
+            failures = 0;
+        }
+    }
+    found
+}
+
+fn shuffle(order: &mut [usize], chance: &mut Chance) {
+    for last in (1..order.len()).rev() {
+        order.swap(last, chance.below(last as u32 + 1) as usize);
+    }
+}
+
+fn key(paths: &Paths) -> (u64, u64) {
+    Costs::of(paths).key(Objective::Makespan)
+}
+
+/// Breadth-first from a goal.
+fn distances(instance: &Instance, goal: Cell) -> Vec<u32> {
+    let mut distances = vec![u32::MAX; instance.board.cells()];
+    distances[goal as usize] = 0;
+    let mut open = VecDeque::from([goal]);
+    while let Some(cell) = open.pop_front() {
+        for next in instance.board.neighbours(cell) {
+            if distances[next as usize] == u32::MAX {
+                distances[next as usize] = distances[cell as usize] + 1;
+                open.push_back(next);
+            }
+        }
+    }
+    distances
+}
+
+impl Baseline<'_> {
+    /// A plan, or the place in the order of the part that found no path.
+    fn plan(&self, order: &[usize]) -> Result<Paths, usize> {
+        let mut paths: Paths = vec![vec![]; order.len()];
+        for (at, part) in order.iter().enumerate() {
+            let others: Vec<&[Cell]> = order[..at].iter().map(|other| paths[*other].as_slice()).collect();
+            let path = self.search(*part, &others).ok_or(at)?;
+            paths[*part] = path;
+        }
+        Ok(paths)
+    }
+
+    /// A* over cells and instants to the goal, from where nobody comes by any more.
+    fn search(&self, part: usize, others: &[&[Cell]]) -> Option<Vec<Cell>> {
+        let (start, goal) = (self.instance.agents[part].start, self.instance.agents[part].goal());
+        let ahead = |cell: Cell| self.distances[part][cell as usize];
+        let stays_from = self.stays_from(goal, others);
+        let mut from: FxHashMap<Node, Cell> = FxHashMap::default();
+        let mut closed: FxHashSet<Node> = FxHashSet::default();
+        let mut open = BinaryHeap::from([(Reverse(ahead(start)), 0, start)]);
+        if !self.is_free(start, 0, others) {
+            return None;
+        }
+        while let Some((_, instant, cell)) = open.pop() {
+            if !closed.insert((cell, instant)) {
+                continue;
+            }
+            if cell == goal && instant >= stays_from {
+                return Some(trace((cell, instant), &from));
+            }
+            if closed.len() % 1024 == 0 && Instant::now() >= self.deadline {
+                return None;
+            }
+            let later = instant + 1;
+            for next in self.instance.board.neighbours(cell).chain([cell]) {
+                let known = closed.contains(&(next, later)) || from.contains_key(&(next, later));
+                if later <= self.horizon && !known && self.is_free(next, later, others) {
+                    from.insert((next, later), cell);
+                    open.push((Reverse(later + ahead(next)), later, next));
+                }
+            }
+        }
+        None
+    }
+
+    /// Whether nobody is too near at the instants before, at and after.
+    fn is_free(&self, cell: Cell, instant: u32, others: &[&[Cell]]) -> bool {
+        let instants = instant.saturating_sub(1) as usize..=instant as usize + 1;
+        others.iter().all(|path| {
+            instants.clone().all(|at| self.instance.board.apart(cell, position(path, at)) >= self.instance.separation)
+        })
+    }
+
+    /// The first instant from which a goal is free for ever.
+    fn stays_from(&self, goal: Cell, others: &[&[Cell]]) -> u32 {
+        let near = |cell: &Cell| self.instance.board.apart(goal, *cell) < self.instance.separation;
+        others.iter().filter_map(|path| path.iter().rposition(near)).map(|last| last as u32 + 2).max().unwrap_or(0)
+    }
+}
+
+fn trace(mut node: Node, from: &FxHashMap<Node, Cell>) -> Vec<Cell> {
+    let mut path = vec![node.0];
+    while node.1 > 0 {
+        node = (from[&node], node.1 - 1);
+        path.push(node.0);
+    }
+    path.reverse();
+    while path.len() > 1 && path[path.len() - 2] == path[path.len() - 1] {
+        path.pop();
+    }
+    path
+}

@@ -1,0 +1,77 @@
+//! 400 parts on 400 x 400 electrodes. Each instance has a process of its own, so that its peak of memory is its own.
+
+use crate::sample::{costs, mean, milliseconds, ratios, spread};
+use crate::scenes::{Chance, Shape};
+use std::process::Command;
+use std::time::Instant;
+use tweeze::plan::electrode_array::board::{Answer, Objective};
+use tweeze::plan::electrode_array::{fast, solve};
+use tweeze::plan::search::{Budget, Meter};
+
+/// The argument that makes this program measure one instance.
+pub const CHILD: &str = "measure-large";
+
+/// Random instances.
+const COUNT: u64 = 5;
+
+const SHAPE: Shape = Shape { size: (400, 400), rim: 1, separation: 4, agents: 400, obstacles: 0 };
+
+const BUDGET: Budget = Budget::of(8_000_000);
+
+/// All instances, one process each.
+pub fn table() {
+    println!("\nlarge: 400 parts on 400 x 400 electrodes, separation 4; {COUNT} random instances");
+    let rows: Vec<Vec<f64>> = (0..COUNT).map(child).collect();
+    let column = |k: usize| rows.iter().map(move |row| row[k]);
+    let [median, _, max] = spread(column(0).collect());
+    println!(
+        "first plan: median {median:.0} ms, max {max:.0} ms; makespan {:.3}, sum {:.3} of the bound; peak {:.0} MB",
+        mean(column(1)),
+        mean(column(2)),
+        spread(column(3).collect())[2]
+    );
+    println!(
+        "in the end: after {:.1} s; makespan {:.3}, sum {:.3} of the bound; peak {:.0} MB",
+        mean(column(4)),
+        mean(column(5)),
+        mean(column(6)),
+        spread(column(7).collect())[2]
+    );
+}
+
+/// Measures in a fresh process and reads the figures that it prints.
+fn child(seed: u64) -> Vec<f64> {
+    let program = std::env::current_exe().expect("the path of this program");
+    let output = Command::new(program).args([CHILD, &seed.to_string()]).output().expect("this program starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    text.split_whitespace().map(|word| word.parse().expect("a number")).collect()
+}
+
+/// Prints time, ratios and peak memory at the first plan and in the end.
+pub fn measure(seed: u64) {
+    let instance = SHAPE.instance(&mut Chance(seed)).expect("the board holds so many");
+    let bounds = fast::bounds(&instance).expect("no part is walled in");
+    let begun = Instant::now();
+    let first = fast::first(&instance, fast::Terms::default(), &mut Meter::new(Budget::DEFAULT)).expect("a plan");
+    let ms = milliseconds(begun);
+    let first_peak = peak_mb();
+    let [makespan, sum] = ratios(costs(&instance, &first), bounds);
+    println!("{ms} {makespan} {sum} {first_peak}");
+    drop(first);
+    let begun = Instant::now();
+    let answer = solve(&instance, Objective::Makespan, None, BUDGET);
+    let seconds = begun.elapsed().as_secs_f64();
+    let last_peak = peak_mb();
+    let Answer::Found { paths, .. } = answer else { panic!("a plan was found before") };
+    let [makespan, sum] = ratios(costs(&instance, &paths), bounds);
+    println!("{seconds} {makespan} {sum} {last_peak}");
+}
+
+/// The peak of resident memory so far; not a number where the system does not tell.
+fn peak_mb() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kb = line.and_then(|rest| rest.split_whitespace().next()).and_then(|word| word.parse::<f64>().ok());
+    kb.map_or(f64::NAN, |kb| kb / 1024.0)
+}

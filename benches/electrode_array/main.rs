@@ -1,0 +1,136 @@
+//! Many parts on one board, against a plain baseline and the crate `mapf-rs`: the same instances in one run, every plan judged.
+//!
+//! `cargo bench --bench electrode_array` prints all tables, `-- droplets` one of them. Instances come from fixed seeds. Our planner
+//! gets a budget of steps, so its plans are the same on every machine; the baseline and the rival get a time.
+
+mod baseline;
+#[path = "../../tests/electrode_array/check.rs"]
+mod check;
+mod large;
+mod rival;
+mod sample;
+#[path = "../../tests/electrode_array/scenes.rs"]
+mod scenes;
+
+use rival::Rival;
+use sample::{Sample, ours, plain};
+use scenes::{Chance, Shape};
+use std::time::{Duration, Instant};
+use tweeze::plan::electrode_array::board::{Costs, Instance, Objective};
+use tweeze::plan::electrode_array::{fast, solve};
+use tweeze::plan::search::Budget;
+
+/// What the baseline and the rival get for an instance.
+const TIME: Duration = Duration::from_secs(1);
+
+/// Chosen so that ours takes about as long.
+const BUDGET: Budget = Budget::of(2_000_000);
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    if let [name, seed] = arguments.as_slice()
+        && name == large::CHILD
+    {
+        return large::measure(seed.parse().expect("a seed"));
+    }
+    let filter = arguments.first().map_or("", String::as_str);
+    let tables: [(&str, fn()); 5] = [
+        ("microparts", microparts),
+        ("crowd", crowd),
+        ("large", large::table),
+        ("droplets", droplets),
+        ("points", points),
+    ];
+    for (_, table) in tables.iter().filter(|(name, _)| name.contains(filter)) {
+        table();
+    }
+}
+
+fn microparts() {
+    println!("\nmicroparts: 50 x 50 electrodes, separation 4; 20 random instances in a row");
+    sample::header();
+    for agents in [5, 10, 20, 30, 40, 50] {
+        compare(Shape { size: (50, 50), rim: 1, separation: 4, agents, obstacles: 0 }, 20);
+    }
+}
+
+fn crowd() {
+    println!("\ncrowd: 50 x 50 electrodes, separation 2; 20 random instances");
+    sample::header();
+    compare(Shape { size: (50, 50), rim: 1, separation: 2, agents: 100, obstacles: 0 }, 20);
+}
+
+/// Two rows: ours, and the baseline on the same instances.
+fn compare(shape: Shape, count: u64) {
+    let instances = instances(shape, count);
+    let samples: Vec<Sample> = instances.iter().map(|instance| ours(instance, BUDGET)).collect();
+    sample::row("tweeze", shape.agents, &samples);
+    let samples: Vec<Sample> = instances.iter().map(|instance| plain(instance, TIME)).collect();
+    sample::row("baseline", shape.agents, &samples);
+}
+
+fn instances(shape: Shape, count: u64) -> Vec<Instance> {
+    let seed = |k: u64| k * 1_000_003 + shape.agents as u64 * 1009 + u64::from(shape.separation);
+    (0..count).map(|k| shape.instance(&mut Chance(seed(k))).expect("the board holds so many")).collect()
+}
+
+fn droplets() {
+    println!(
+        "\ndroplets: the routing set, separation 2, and the paper's Table 6 at separation 4; the objective is the latest arrival"
+    );
+    println!(
+        "                          first plan    latest arrival proven          default budget             | baseline"
+    );
+    println!("case              parts     ms latest     ms latest  bound       ms latest  bound   sum  bound | latest");
+    let mut totals = [0.0; 3];
+    for (name, instance) in scenes::droplets() {
+        let times = droplet_row(&name, &instance);
+        totals.iter_mut().zip(times).for_each(|(total, time)| *total += time);
+    }
+    println!("{:23} {:6.1} {:13.1} {:16.1}   ms in all", "the droplet set", totals[0], totals[1], totals[2]);
+    droplet_row("table_6", &scenes::table_6());
+}
+
+/// Milliseconds to the first plan, with the least budget that proves the latest arrival, and with the default budget.
+fn droplet_row(name: &str, instance: &Instance) -> [f64; 3] {
+    let first = ours(instance, Budget::of(0)).first.expect("every case has a plan");
+    let timed = |budget: Budget| {
+        let begun = Instant::now();
+        let answer = solve(instance, Objective::Makespan, None, budget);
+        let ms = sample::milliseconds(begun);
+        check::judged(instance, &answer).map(|(costs, bounds)| (ms, costs, bounds))
+    };
+    let whole = timed(Budget::DEFAULT).expect("every case has a plan");
+    let budgets = (10..24).map(|power| Budget::of(1 << power));
+    let is_proven = |(_, costs, bounds): &(f64, Costs, Costs)| costs.makespan == bounds.makespan;
+    let quick = budgets.filter_map(timed).find(is_proven).unwrap_or(whole);
+    let plain = plain(instance, TIME).last.map_or("none".to_owned(), |(_, costs)| costs.makespan.to_string());
+    print!("{name:17} {:5} {:6.1} {:6}", instance.agents.len(), first.0, first.1.makespan);
+    print!(" {:6.1} {:6} {:6}", quick.0, quick.1.makespan, quick.2.makespan);
+    print!(" {:8.1} {:6} {:6}", whole.0, whole.1.makespan, whole.2.makespan);
+    println!(" {:5} {:6} | {plain}", whole.1.sum_of_costs, whole.2.sum_of_costs);
+    [first.0, quick.0, whole.0]
+}
+
+fn points() {
+    println!(
+        "\npoints: 48 x 48 cells, point agents; 10 random instances in a row; ours also forbids to follow at once"
+    );
+    sample::header();
+    for agents in [100, 200, 400] {
+        let instances = instances(Shape { size: (48, 48), rim: 0, separation: 1, agents, obstacles: 0 }, 10);
+        let samples: Vec<Sample> = instances.iter().map(|instance| ours(instance, BUDGET)).collect();
+        sample::row("tweeze", agents, &samples);
+        let samples: Vec<Sample> = instances.iter().map(theirs).collect();
+        sample::row("mapf-rs", agents, &samples);
+    }
+}
+
+fn theirs(instance: &Instance) -> Sample {
+    let rival = Rival::new(instance);
+    let simple = fast::bounds(instance).expect("no agent is walled in");
+    let first = rival.first(TIME * 10).map(|(time, costs)| (time.as_secs_f64() * 1e3, costs));
+    let begun = Instant::now();
+    let last = rival.bettered(TIME).map(|costs| (begun.elapsed().as_secs_f64(), costs));
+    Sample { first, last, simple, proven: simple }
+}

@@ -1,0 +1,104 @@
+//! What is measured of one instance, and the figures of many.
+
+use crate::baseline;
+use crate::check::{fault, judged};
+use std::time::{Duration, Instant};
+use tweeze::plan::electrode_array::board::{Answer, Costs, Instance, Objective, Paths};
+use tweeze::plan::electrode_array::{fast, solve};
+use tweeze::plan::search::{Budget, Meter};
+
+/// A first plan gets the part of the default budget that the portfolio gives it.
+const FIRST: Budget = Budget::of(Budget::DEFAULT.steps / 2);
+
+/// What a planner did on one instance.
+#[derive(Default)]
+pub struct Sample {
+    /// Milliseconds to the first plan, and its costs.
+    pub first: Option<(f64, Costs)>,
+    /// Seconds until it ended, and the costs then.
+    pub last: Option<(f64, Costs)>,
+    /// The costs that alone are below every plan.
+    pub simple: Costs,
+    /// The bounds that were proven in the end.
+    pub proven: Costs,
+}
+
+/// Ours: the first plan alone, then the whole portfolio from the beginning with a budget.
+pub fn ours(instance: &Instance, budget: Budget) -> Sample {
+    let simple = fast::bounds(instance).expect("no part is walled in");
+    let begun = Instant::now();
+    let first = fast::first(instance, fast::Terms::default(), &mut Meter::new(FIRST));
+    let first_ms = milliseconds(begun);
+    let first = first.map(|paths| (first_ms, costs(instance, &paths)));
+    let begun = Instant::now();
+    let answer = solve(instance, Objective::Makespan, None, budget);
+    let seconds = begun.elapsed().as_secs_f64();
+    assert!(!matches!(answer, Answer::Impossible(_)), "none of these instances is impossible");
+    let judged = judged(instance, &answer);
+    let last = judged.map(|(costs, _)| (seconds, costs));
+    Sample { first, last, simple, proven: judged.map_or(simple, |(_, bounds)| bounds) }
+}
+
+/// The plain baseline within a time.
+pub fn plain(instance: &Instance, time: Duration) -> Sample {
+    let simple = fast::bounds(instance).expect("no part is walled in");
+    let begun = Instant::now();
+    let found = baseline::run(instance, simple, 1, time);
+    let seconds = begun.elapsed().as_secs_f64();
+    let first = found.as_ref().map(|found| (found.first_after.as_secs_f64() * 1e3, costs(instance, &found.first)));
+    let last = found.map(|found| (seconds, costs(instance, &found.best)));
+    Sample { first, last, simple, proven: simple }
+}
+
+/// The costs of a plan that the judge has passed.
+pub fn costs(instance: &Instance, paths: &Paths) -> Costs {
+    assert_eq!(fault(instance, paths), None);
+    Costs::of(paths)
+}
+
+pub fn milliseconds(begun: Instant) -> f64 {
+    begun.elapsed().as_secs_f64() * 1e3
+}
+
+/// Costs over their bounds.
+pub fn ratios(costs: Costs, bounds: Costs) -> [f64; 2] {
+    let ratio = |cost: u64, bound: u64| cost as f64 / bound.max(1) as f64;
+    [ratio(costs.makespan, bounds.makespan), ratio(costs.sum_of_costs, bounds.sum_of_costs)]
+}
+
+/// Median, 90 % and largest.
+pub fn spread(mut values: Vec<f64>) -> [f64; 3] {
+    values.sort_by(f64::total_cmp);
+    let at = |share: usize| values.get((values.len() * share / 100).min(values.len().max(1) - 1)).copied();
+    [50, 90, 100].map(|share| at(share).unwrap_or(f64::NAN))
+}
+
+pub fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let values: Vec<f64> = values.collect();
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+pub fn header() {
+    println!(
+        "                 first plan: ms                          over bound    | in the end:      over bound     proven"
+    );
+    println!(
+        "parts            found    median      p90      max  latest    sum |  found      s  latest    sum latest  sum"
+    );
+}
+
+/// One row: how many have a plan, times to it, ratios to the bounds at first and in the end, how many are proven best.
+pub fn row(name: &str, agents: usize, samples: &[Sample]) {
+    let over = |it: &Sample, (time, costs): (f64, Costs)| (time, ratios(costs, it.simple));
+    let first: Vec<(f64, [f64; 2])> = samples.iter().filter_map(|it| it.first.map(|first| over(it, first))).collect();
+    let last: Vec<(f64, [f64; 2])> = samples.iter().filter_map(|it| it.last.map(|last| over(it, last))).collect();
+    let shortest = |it: &&Sample| it.last.is_some_and(|(_, costs)| costs.makespan == it.proven.makespan);
+    let cheapest = |it: &&Sample| it.last.is_some_and(|(_, costs)| costs.sum_of_costs == it.proven.sum_of_costs);
+    let [median, p90, max] = spread(first.iter().map(|(ms, _)| *ms).collect());
+    let ratio = |of: &[(f64, [f64; 2])], k: usize| mean(of.iter().map(|(_, ratios)| ratios[k]));
+    print!("{agents:5} {name:9} {:4}/{:2}", first.len(), samples.len());
+    print!(" {median:9.2} {p90:8.1} {max:8.1}  {:6.3} {:6.3}", ratio(&first, 0), ratio(&first, 1));
+    print!(" | {:4}/{:2} {:6.2}", last.len(), samples.len(), mean(last.iter().map(|(s, _)| *s)));
+    print!("  {:6.3} {:6.3}", ratio(&last, 0), ratio(&last, 1));
+    println!(" {:6} {:4}", samples.iter().filter(shortest).count(), samples.iter().filter(cheapest).count());
+}

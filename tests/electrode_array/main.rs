@@ -1,0 +1,218 @@
+//! The planner of many parts on one board, from outside: every plan judged step by step, proofs compared with the truth of tiny boards.
+
+mod brute;
+mod check;
+mod scenes;
+mod tiny;
+
+use check::{fault, judged};
+use scenes::{Chance, Shape, block, droplets, rimmed, table_6};
+use tweeze::plan::electrode_array::board::{Agent, Answer, Board, Costs, Instance, Objective, Why};
+use tweeze::plan::electrode_array::solve;
+use tweeze::plan::search::Budget;
+
+const OBJECTIVES: [Objective; 2] = [Objective::Makespan, Objective::SumOfCosts];
+
+/// More joint states than this are not searched by brute force.
+const MOST_STATES: u64 = 1 << 18;
+
+fn agents(board: &Board, ends: &[[(u32, u32); 2]]) -> Vec<Agent> {
+    let at = |(column, row): (u32, u32)| board.cell(column, row);
+    ends.iter().map(|[start, goal]| Agent { start: at(*start), stops: vec![at(*goal)] }).collect()
+}
+
+/// The proof that there is no plan, confirmed by brute force with the parts that it names.
+fn confirm(instance: &Instance, why: &Why) {
+    match why {
+        Why::Closed { agent, .. } => assert_eq!(brute::alone(instance, *agent), None, "{instance:?}"),
+        Why::Blocked { agents } => {
+            let free =
+                (0..instance.board.cells() as u32).filter(|cell| !instance.board.is_blocked(*cell)).count() as u64;
+            let states = free.checked_pow(agents.len() as u32).unwrap_or(u64::MAX);
+            assert!(states <= MOST_STATES, "not confirmed: {agents:?} of {instance:?}");
+            assert_eq!(brute::least(instance, agents, Objective::Makespan), None, "{agents:?} of {instance:?}");
+        }
+        Why::TooFewSteps { .. } => panic!("no limit was given: {instance:?}"),
+    }
+}
+
+/// Costs of the parts alone; none if one is walled in.
+fn simple_bounds(instance: &Instance) -> Option<Costs> {
+    let alone: Option<Vec<u64>> = (0..instance.agents.len()).map(|agent| brute::alone(instance, agent)).collect();
+    alone.map(|alone| Costs { makespan: alone.iter().copied().max().unwrap_or(0), sum_of_costs: alone.iter().sum() })
+}
+
+#[test]
+fn random_instances_end_in_legal_plans_or_proofs() {
+    let mut chance = Chance(0x7465_7a65);
+    let (mut found, mut impossible, mut gave_up) = (0, 0, 0);
+    for round in 0..60 {
+        let side = || 14 + round * 46 / 59;
+        let separation = if round % 2 == 0 { 2 } else { 4 };
+        let most = (side() * side() / (separation * separation * 6)).clamp(2, 40);
+        let agents = 2 + chance.below(most - 1) as usize;
+        let shape = Shape { size: (side(), side()), rim: 1, separation, agents, obstacles: chance.below(12) };
+        let Some(instance) = shape.instance(&mut chance) else { continue };
+        let objective = OBJECTIVES[(round / 2 % 2) as usize];
+        let answer = solve(&instance, objective, None, Budget::of(60_000));
+        match (&answer, judged(&instance, &answer)) {
+            (_, Some((_, bounds))) => {
+                let simple = simple_bounds(&instance).expect("there is a plan");
+                assert!(bounds.makespan >= simple.makespan && bounds.sum_of_costs >= simple.sum_of_costs, "{bounds:?}");
+                found += 1;
+            }
+            (Answer::Impossible(why), None) => {
+                confirm(&instance, why);
+                impossible += 1;
+            }
+            (_, None) => gave_up += 1,
+        }
+    }
+    assert!(found >= 35 && impossible >= 3, "{found} found, {impossible} impossible, {gave_up} given up");
+}
+
+#[test]
+fn a_limit_on_the_steps_is_kept_and_a_smaller_one_is_refused() {
+    let mut chance = Chance(77);
+    let (mut kept, mut refused) = (0, 0);
+    for _ in 0..25 {
+        let shape = Shape { size: (16, 16), rim: 1, separation: 2, agents: 5, obstacles: 4 };
+        let instance = shape.instance(&mut chance).expect("five parts fit");
+        let Some((costs, bounds)) =
+            judged(&instance, &solve(&instance, Objective::Makespan, None, Budget::of(200_000)))
+        else {
+            continue;
+        };
+        if costs.makespan > bounds.makespan {
+            continue;
+        }
+        let within = solve(&instance, Objective::SumOfCosts, Some(costs.makespan), Budget::of(200_000));
+        if let Some((again, _)) = judged(&instance, &within) {
+            assert_eq!(again.makespan, costs.makespan, "{instance:?}");
+            kept += 1;
+        }
+        let Some(less) = costs.makespan.checked_sub(1) else { continue };
+        match solve(&instance, Objective::Makespan, Some(less), Budget::of(200_000)) {
+            Answer::Impossible(Why::TooFewSteps { least }) => {
+                assert!(least > less && least <= costs.makespan, "{least} for {costs:?}: {instance:?}");
+                refused += 1;
+            }
+            Answer::GaveUp { bounds } => assert!(bounds.makespan <= costs.makespan),
+            answer => panic!("{answer:?} within {less}: {instance:?}"),
+        }
+    }
+    assert!(kept >= 15 && refused >= 15, "{kept} kept, {refused} refused");
+}
+
+#[test]
+fn a_goal_that_is_walled_in_is_closed() {
+    let mut board = rimmed((20, 20), 1);
+    block(&mut board, (10, 10), (14, 10));
+    block(&mut board, (10, 14), (14, 14));
+    block(&mut board, (10, 10), (10, 14));
+    block(&mut board, (14, 10), (14, 14));
+    let ends = [[(2, 2), (17, 2)], [(2, 8), (12, 12)], [(2, 16), (17, 16)]];
+    let instance = Instance { agents: agents(&board, &ends), board, separation: 4, merges: vec![] };
+    for objective in OBJECTIVES {
+        let answer = solve(&instance, objective, None, Budget::of(1_000_000));
+        assert_eq!(answer, Answer::Impossible(Why::Closed { agent: 1, stop: 0 }));
+    }
+}
+
+#[test]
+fn two_parts_cannot_swap_in_a_corridor_whatever_the_others_do() {
+    let mut board = Board::new(24, 12);
+    block(&mut board, (0, 0), (23, 11));
+    let mut open = Board::new(24, 12);
+    for cell in 0..288 {
+        let (column, row) = open.place(cell);
+        if row != 2 && !(row > 5 && column > 12) {
+            open.block(cell);
+        }
+    }
+    let ends = [[(14, 8), (22, 8)], [(3, 2), (20, 2)], [(20, 10), (14, 11)], [(20, 2), (3, 2)]];
+    let instance = Instance { agents: agents(&open, &ends), board: open, separation: 2, merges: vec![] };
+    for objective in OBJECTIVES {
+        let answer = solve(&instance, objective, None, Budget::of(1_000_000));
+        assert_eq!(answer, Answer::Impossible(Why::Blocked { agents: vec![1, 3] }));
+    }
+}
+
+#[test]
+fn few_parts_on_a_huge_empty_board_are_planned_within_a_small_budget() {
+    let shape = Shape { size: (1000, 1000), rim: 1, separation: 4, agents: 50, obstacles: 0 };
+    let instance = shape.instance(&mut Chance(5)).expect("fifty parts fit");
+    let answer = solve(&instance, Objective::Makespan, None, Budget::of(1_000_000));
+    let (costs, bounds) = judged(&instance, &answer).expect("a plan");
+    assert_eq!(costs.makespan, bounds.makespan);
+}
+
+#[test]
+fn thousands_of_parts_on_a_crowded_board_end_with_the_budget() {
+    let shape = Shape { size: (150, 150), rim: 1, separation: 2, agents: 2000, obstacles: 0 };
+    let instance = shape.instance(&mut Chance(9)).expect("two thousand parts fit");
+    let answer = solve(&instance, Objective::Makespan, None, Budget::of(300_000));
+    match &answer {
+        Answer::Found { .. } => assert!(judged(&instance, &answer).is_some()),
+        Answer::GaveUp { bounds } => assert!(bounds.makespan > 0),
+        Answer::Impossible(why) => panic!("{why:?}"),
+    }
+}
+
+#[test]
+fn the_droplet_set_is_solved() {
+    let most =
+        [("test_a", 15), ("test_b", 13), ("test_d", 27), ("test_e", 38), ("test_g", 35), ("cho_pan_figure5", 20)];
+    let cases = droplets();
+    assert_eq!(cases.len(), most.len());
+    for (name, instance) in cases {
+        let answer = solve(&instance, Objective::Makespan, None, Budget::of(500_000));
+        let (costs, bounds) = judged(&instance, &answer).expect("a plan");
+        let stated = most.iter().find(|(case, _)| *case == name).map(|(_, most)| *most);
+        assert!(stated.is_some_and(|stated| costs.makespan <= stated), "{name}: {costs:?}");
+        if !["test_d", "cho_pan_figure5"].contains(&name.as_str()) {
+            assert_eq!((Some(costs.makespan), bounds.makespan), (stated, costs.makespan), "{name}");
+        }
+    }
+}
+
+#[test]
+fn table_6_of_the_paper_takes_86_steps_and_no_fewer() {
+    let instance = table_6();
+    let answer = solve(&instance, Objective::Makespan, None, Budget::of(1_000_000));
+    let (costs, bounds) = judged(&instance, &answer).expect("a plan");
+    assert_eq!((costs.makespan, bounds.makespan), (86, 86));
+    let shorter = solve(&instance, Objective::Makespan, Some(85), Budget::of(1_000_000));
+    assert_eq!(shorter, Answer::Impossible(Why::TooFewSteps { least: 86 }));
+}
+
+/// The judge itself: a good plan passes, and each way to spoil it is seen.
+#[test]
+fn the_judge_sees_what_is_wrong() {
+    let board = Board::new(6, 6);
+    let instance = Instance {
+        agents: agents(&board, &[[(0, 0), (2, 0)], [(0, 2), (2, 2)]]),
+        board,
+        separation: 2,
+        merges: vec![],
+    };
+    let good = vec![vec![0, 1, 2], vec![12, 13, 14]];
+    assert_eq!(fault(&instance, &good), None);
+    let spoilt: [(usize, &[u32], &str); 6] = [
+        (0, &[0, 2], "jumps"),
+        (0, &[0, 1], "elsewhere"),
+        (0, &[0, 1, 2, 2], "has arrived"),
+        (1, &[12, 6, 7, 8, 14], "too near"),
+        (0, &[0, 1, 99, 2], "blocked"),
+        (1, &[12, 13, 7, 13, 14], "too near"),
+    ];
+    for (part, path, word) in spoilt {
+        let mut paths = good.clone();
+        paths[part] = path.to_vec();
+        let fault = fault(&instance, &paths).unwrap_or_default();
+        assert!(fault.contains(word), "{path:?}: {fault}");
+    }
+    let mut by = instance.clone();
+    by.agents[0].stops.insert(0, 4);
+    assert!(fault(&by, &good).is_some_and(|fault| fault.contains("leaves out")));
+}

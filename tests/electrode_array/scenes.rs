@@ -1,0 +1,133 @@
+//! Instances: random ones from seeds, the droplet routing set, and the five parts of the paper's Table 6.
+
+use serde_json::Value;
+use tweeze::plan::electrode_array::board::{Agent, Board, Cell, Instance};
+
+/// How often a random cell is tried before a scene counts as full.
+const TRIES: usize = 20_000;
+
+/// splitmix64.
+pub struct Chance(pub u64);
+
+impl Chance {
+    /// The next number.
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let a = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let b = (a ^ (a >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        b ^ (b >> 31)
+    }
+
+    /// A number below `n`.
+    pub fn below(&mut self, n: u32) -> u32 {
+        (self.next() % u64::from(n)) as u32
+    }
+}
+
+/// What random instances have in common.
+#[derive(Clone, Copy, Debug)]
+pub struct Shape {
+    /// Columns and rows, the rim with them.
+    pub size: (u32, u32),
+    /// Cells at each edge that no centre reaches.
+    pub rim: u32,
+    pub separation: u32,
+    pub agents: usize,
+    /// Rectangles of blocked cells, each at most a fifth of the board wide and high.
+    pub obstacles: u32,
+}
+
+impl Shape {
+    /// A random instance; none if the parts do not fit.
+    pub fn instance(self, chance: &mut Chance) -> Option<Instance> {
+        let mut board = rimmed(self.size, self.rim);
+        for _ in 0..self.obstacles {
+            let corner = (chance.below(self.size.0), chance.below(self.size.1));
+            let (wide, high) = (chance.below(self.size.0 / 5 + 1), chance.below(self.size.1 / 5 + 1));
+            block(&mut board, corner, (corner.0 + wide, corner.1 + high));
+        }
+        let starts = self.scatter(&board, chance)?;
+        let goals = self.scatter(&board, chance)?;
+        let agents = starts.into_iter().zip(goals).map(|(start, goal)| Agent { start, stops: vec![goal] }).collect();
+        Some(Instance { board, separation: self.separation, agents, merges: vec![] })
+    }
+
+    /// Free cells that keep the separation.
+    pub fn scatter(self, board: &Board, chance: &mut Chance) -> Option<Vec<Cell>> {
+        let mut free = board.clone();
+        let mut cells = Vec::with_capacity(self.agents);
+        for _ in 0..self.agents {
+            let tries = (0..TRIES).map(|_| (chance.below(self.size.0), chance.below(self.size.1)));
+            let (column, row) = tries.into_iter().find(|(column, row)| !free.is_blocked(free.cell(*column, *row)))?;
+            free.block_around((i64::from(column), i64::from(row)), self.separation);
+            cells.push(board.cell(column, row));
+        }
+        Some(cells)
+    }
+}
+
+/// A board whose outer cells are blocked.
+pub fn rimmed((width, height): (u32, u32), rim: u32) -> Board {
+    let mut board = Board::new(width, height);
+    if rim > 0 {
+        block(&mut board, (0, 0), (width, rim - 1));
+        block(&mut board, (0, height - rim), (width, height));
+        block(&mut board, (0, 0), (rim - 1, height));
+        block(&mut board, (width - rim, 0), (width, height));
+    }
+    board
+}
+
+/// Blocks the cells of a rectangle that lie on the board, both corners included.
+pub fn block(board: &mut Board, low: (u32, u32), high: (u32, u32)) {
+    for row in low.1..=high.1.min(board.height() - 1) {
+        for column in low.0..=high.0.min(board.width() - 1) {
+            board.block(board.cell(column, row));
+        }
+    }
+}
+
+/// The set of `tests/data/droplet_routing.json`, by name. A start or goal on a blockage is freed, as the file says.
+pub fn droplets() -> Vec<(String, Instance)> {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/droplet_routing.json");
+    let text = std::fs::read_to_string(path).expect("the data lie beside the tests");
+    let set: Value = serde_json::from_str(&text).expect("the data are JSON");
+    let cases = set["cases"].as_object().expect("an object of cases");
+    cases.iter().map(|(name, case)| (name.clone(), droplet_case(case))).collect()
+}
+
+fn droplet_case(case: &Value) -> Instance {
+    let number = |value: &Value| value.as_u64().expect("a cell is two numbers") as u32;
+    let place = |cell: &Value| (number(&cell[0]) - 1, number(&cell[1]) - 1);
+    let list = |value: &Value| value.as_array().expect("a list").clone();
+    let (width, height) = place(&case["grid"][0][1]);
+    let mut board = Board::new(width + 1, height + 1);
+    for blockage in list(&case["blockages"]) {
+        block(&mut board, place(&blockage[0]), place(&blockage[1]));
+    }
+    let ends: Vec<[(u32, u32); 2]> =
+        list(&case["nets"]).iter().map(|net| [place(&net["from"][0]), place(&net["to"])]).collect();
+    let agents: Vec<Agent> = ends
+        .iter()
+        .map(|[start, goal]| Agent { start: board.cell(start.0, start.1), stops: vec![board.cell(goal.0, goal.1)] })
+        .collect();
+    let board = freed(board, agents.iter().flat_map(|agent| [agent.start, agent.stops[0]]).collect());
+    Instance { board, separation: 2, agents, merges: vec![] }
+}
+
+/// The same board with these cells free.
+fn freed(board: Board, cells: Vec<Cell>) -> Board {
+    let mut freed = Board::new(board.width(), board.height());
+    let blocked = (0..board.cells() as Cell).filter(|cell| board.is_blocked(*cell) && !cells.contains(cell));
+    blocked.for_each(|cell| freed.block(cell));
+    freed
+}
+
+/// Table 6 of Kritikou et al. 2018: five parts on 50 x 50 electrodes, the outer ring out of reach; its cells count from 1.
+pub fn table_6() -> Instance {
+    let board = rimmed((50, 50), 1);
+    let parts = [((5, 3), (26, 31)), ((26, 31), (5, 3)), ((46, 4), (4, 48)), ((14, 45), (46, 4)), ((3, 20), (48, 30))];
+    let at = |(column, row): (u32, u32)| board.cell(column - 1, row - 1);
+    let agents = parts.iter().map(|(start, goal)| Agent { start: at(*start), stops: vec![at(*goal)] }).collect();
+    Instance { board, separation: 4, agents, merges: vec![] }
+}
