@@ -54,7 +54,13 @@ const POLISH_SHARE: u64 = 4;
 /// of the instance within the limit; a plan that meets the bound of the objective is proven optimal.
 /// [`Why::TooFewSteps`] names the smallest number that would do if the budget allowed to find it, otherwise one below which there
 /// is proven to be nothing.
-pub fn prove(instance: &Instance, objective: Objective, incumbent: Option<&Paths>, limit: Option<u64>, meter: &mut Meter) -> Answer {
+pub fn prove(
+    instance: &Instance,
+    objective: Objective,
+    incumbent: Option<&Paths>,
+    limit: Option<u64>,
+    meter: &mut Meter,
+) -> Answer {
     let limit = limit.map(|limit| limit.min(u64::from(ALWAYS - 1)) as u32);
     let within = |paths: &&Paths| limit.is_none_or(|limit| Costs::of(paths).makespan <= u64::from(limit));
     let best = incumbent.filter(within).cloned();
@@ -100,7 +106,13 @@ enum Done {
 }
 
 impl<'a, 'm> Prover<'a, 'm> {
-    fn new(field: &'a Field<'a>, objective: Objective, best: Option<Paths>, limit: Option<u32>, meter: &'m mut Meter) -> Self {
+    fn new(
+        field: &'a Field<'a>,
+        objective: Objective,
+        best: Option<Paths>,
+        limit: Option<u32>,
+        meter: &'m mut Meter,
+    ) -> Self {
         let costs = (0..field.agents()).map(|agent| u64::from(field.least(agent)));
         let bounds = Costs { makespan: costs.clone().max().unwrap_or(0), sum_of_costs: costs.sum() };
         Prover { field, objective, best, limit, bounds, meter }
@@ -165,7 +177,10 @@ impl<'a, 'm> Prover<'a, 'm> {
     /// Whether the joint space is small; with the instants in it if the steps are limited.
     fn is_small(&self) -> bool {
         let states = |agent: usize| self.field.nodes(agent) as u64 + 1;
-        self.everyone().into_iter().try_fold(1u64, |product, agent| product.checked_mul(states(agent))).is_some_and(|all| all <= SMALL)
+        self.everyone()
+            .into_iter()
+            .try_fold(1u64, |product, agent| product.checked_mul(states(agent)))
+            .is_some_and(|all| all <= SMALL)
     }
 
     fn by_small_joint_space(&mut self) -> Option<Done> {
@@ -230,7 +245,9 @@ impl<'a, 'm> Prover<'a, 'm> {
             let mut fewer = agents.clone();
             fewer.remove(place);
             let steps = self.meter.left().steps / OPEN_SHARE;
-            if self.spend(steps, |field, meter| joint::search(field, &fewer, Aim::Any, meter)) == joint::Outcome::Impossible {
+            if self.spend(steps, |field, meter| joint::search(field, &fewer, Aim::Any, meter))
+                == joint::Outcome::Impossible
+            {
                 agents = fewer;
             } else {
                 place += 1;

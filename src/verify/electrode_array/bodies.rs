@@ -47,7 +47,7 @@ impl Way {
 /// The least distance that two centres keep, in electrodes: the separation of the device, which leaves room for the oscillation
 /// at the end of a move; and never so little that the bodies overlap.
 pub(super) fn needed(facts: &Facts) -> u32 {
-    let width = (2.0 * facts.layout.half_width).ceil();
+    let width = (2.0 * facts.layout.half_width_pitches).ceil();
     facts.separation.apart().max(width as u32)
 }
 

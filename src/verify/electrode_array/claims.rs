@@ -35,11 +35,11 @@ fn demand(holds: bool, why: &str) -> Result<(), Unfit> {
 fn facts(facts: &Facts) -> Result<(), Unfit> {
     let sides = 1..=MAX_SIDE;
     demand(sides.contains(&facts.columns) && sides.contains(&facts.rows), "give it no electrode, or too many")?;
-    let numbers = [facts.radius_um, facts.pitch_ratio, facts.potential_v, facts.layout.half_width];
+    let numbers = [facts.radius_um, facts.pitch_ratio, facts.potential_v, facts.layout.half_width_pitches];
     demand(numbers.iter().all(|number| number.is_finite()), "hold a field that is not finite")?;
     demand(facts.potential_v > 0.0, "hold a potential that pulls nothing")?;
     demand(facts.step_ns > 0, "hold a step without length")?;
-    demand((0.0..=f64::from(MAX_SIDE)).contains(&facts.layout.half_width), "hold a body out of its range")?;
+    demand((0.0..=f64::from(MAX_SIDE)).contains(&facts.layout.half_width_pitches), "hold a body out of its range")?;
     demand(facts.clearance >= 1, "hold no clearance")?;
     match facts.separation {
         Separation::Apart(cells) => demand((1..=MAX_SEPARATION).contains(&cells), "hold a separation out of its range"),

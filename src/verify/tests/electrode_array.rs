@@ -234,7 +234,7 @@ fn parts_keep_the_separation_of_the_device() {
 fn bodies_never_overlap_whatever_the_separation() {
     let wide = |half_width, second| {
         let mut facts = chip(20, 8);
-        facts.layout.half_width = half_width;
+        facts.layout.half_width_pitches = half_width;
         moving(facts, &[("a", 5, 5), ("b", second, 5)], vec![go(0, &[(4, 5)])])
     };
     judged(wide(1.0, 7), &["L", ""], &[]);

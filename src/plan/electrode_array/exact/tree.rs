@@ -222,7 +222,8 @@ impl Tree<'_, '_> {
     fn polish(&mut self, node: &mut Node) {
         for _ in 0..POLISHING_ROUNDS {
             let before = node.clashing.len();
-            let members: Vec<usize> = (0..node.plans.len()).filter(|member| node.clashing.iter().any(|pair| pair.contains(member))).collect();
+            let members: Vec<usize> =
+                (0..node.plans.len()).filter(|member| node.clashing.iter().any(|pair| pair.contains(member))).collect();
             for member in members {
                 let path = self.best_path(node, member, &node.plans[member].layers);
                 if path == *node.paths[member] {
@@ -484,7 +485,11 @@ impl Tree<'_, '_> {
     }
 
     fn clashes_of<'n>(&'n self, node: &'n Node, pair: [usize; 2]) -> impl Iterator<Item = split::Clash> + 'n {
-        clashes(self.task.field, pair.map(|member| self.task.group[member]), pair.map(|member| node.paths[member].as_slice()))
+        clashes(
+            self.task.field,
+            pair.map(|member| self.task.group[member]),
+            pair.map(|member| node.paths[member].as_slice()),
+        )
     }
 
     fn parties<'n>(&self, node: &'n Node, pair: [usize; 2]) -> [Party<'n>; 2] {
