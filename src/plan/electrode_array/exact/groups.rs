@@ -123,21 +123,23 @@ impl Groups<'_> {
         false
     }
 
-    /// Two groups with paths that clash, the smaller index first.
+    /// Of the groups with paths that clash those two with the fewest members, the smaller index first.
     fn clashing(&mut self, meter: &mut Meter) -> Option<(usize, usize)> {
-        for one in 0..self.groups.len() {
-            if self.groups[one].is_checked {
-                continue;
-            }
+        let mut fewest: Option<(usize, usize, usize)> = None;
+        for one in (0..self.groups.len()).filter(|one| !self.groups[*one].is_checked).collect::<Vec<usize>>() {
+            let mut clashes = false;
             for other in (0..self.groups.len()).filter(|other| *other != one) {
-                meter.charge((self.groups[one].members.len() * self.groups[other].members.len()) as u64);
+                let sizes = [one, other].map(|group| self.groups[group].members.len());
+                meter.charge((sizes[0] * sizes[1]) as u64);
                 if self.clash(&self.groups[one], &self.groups[other]) {
-                    return Some((one.min(other), one.max(other)));
+                    let found = (sizes[0] + sizes[1], one.min(other), one.max(other));
+                    fewest = Some(fewest.map_or(found, |known| known.min(found)));
+                    clashes = true;
                 }
             }
-            self.groups[one].is_checked = true;
+            self.groups[one].is_checked = !clashes;
         }
-        None
+        fewest.map(|(_, one, other)| (one, other))
     }
 
     fn clash(&self, one: &Group, other: &Group) -> bool {

@@ -30,7 +30,7 @@ fn conflict_based_search_agrees_with_plain_searches() {
     let mut chance = Chance(0xc0ffee);
     let mut compared = 0;
     for shape in tiny() {
-        for round in 0..12 {
+        for round in 0..25 {
             let Some(instance) = random(shape, &mut chance) else { continue };
             let Ok(field) = Field::new(&instance) else { continue };
             let Some(makespan) = least(&instance, Objective::Makespan) else { continue };
@@ -41,6 +41,13 @@ fn conflict_based_search_agrees_with_plain_searches() {
             paths.iter_mut().for_each(trim);
             assert_eq!(fault(&instance, &paths), None, "{instance:?}");
             assert_eq!((cost, Costs::of(&paths).sum_of_costs), (sum, sum), "{instance:?}");
+            let wanted = Wanted { least: 0, most: makespan as u32, ceiling: u64::MAX };
+            let limited = groups::search(&field, wanted, &mut meter());
+            let everyone: Vec<usize> = (0..field.agents()).collect();
+            let aim = Aim::SumOfCosts { limit: Some(makespan as u32) };
+            let joint::Outcome::Found(best) = joint::search(&field, &everyone, aim, &mut meter()) else { panic!("{instance:?}") };
+            let End::Found { cost, .. } = limited else { panic!("{instance:?}: {limited:?}") };
+            assert_eq!(cost, Costs::of(&best).sum_of_costs, "{instance:?} within {makespan}");
             let at = groups::search(&field, exactly(makespan as u32), &mut meter());
             let End::Found { mut paths, .. } = at else { panic!("{instance:?}: {at:?} at {makespan}") };
             paths.iter_mut().for_each(trim);
@@ -55,7 +62,7 @@ fn conflict_based_search_agrees_with_plain_searches() {
             compared += 1;
         }
     }
-    assert!(compared > 60, "{compared}");
+    assert!(compared > 120, "{compared}");
 }
 
 #[test]

@@ -51,7 +51,7 @@ pub enum End {
 }
 
 /// Rises of the costs of a pair up to this are told apart.
-const MOST_RISE: u32 = 3;
+const MOST_RISE: u32 = 2;
 
 /// How far one of a pair is made to wait alone before the other has to.
 const FARTHEST_WAIT: u32 = 8;
@@ -458,19 +458,29 @@ impl Tree<'_, '_> {
         if let Some(branches) = at_goal {
             return Ok(branches);
         }
-        let alone = [self.wait_alone(node, pair, |wait| [wait, 0])?, self.wait_alone(node, pair, |wait| [0, wait])?];
+        let alone = [self.wait_alone(node, pair, 0)?, self.wait_alone(node, pair, 1)?];
         let longer = usize::from(alone[1] > alone[0]);
         let (first, second) = (parties[longer], parties[1 - longer]);
         Ok(split::by_cost(first, second, first.layers.cost() + alone[longer]))
     }
 
-    /// The least rise of one of a pair alone at which the two may go together, up to one more than [`FARTHEST_WAIT`].
-    fn wait_alone(&mut self, node: &Node, pair: [usize; 2], rises: fn(u32) -> [u32; 2]) -> Result<u32, OutOfSteps> {
-        let mut wait = 1;
-        while wait <= FARTHEST_WAIT && !self.goes(node, pair, rises(wait))? {
-            wait += 1;
+    /// The least rise of one of a pair alone at which the two may go together, up to one more than [`FARTHEST_WAIT`]: who may take
+    /// longer has all the shorter ways too, so it is searched for by halving.
+    fn wait_alone(&mut self, node: &Node, pair: [usize; 2], side: usize) -> Result<u32, OutOfSteps> {
+        let plan = &node.plans[pair[side]];
+        let farthest = FARTHEST_WAIT.min(plan.demand.most - plan.layers.cost());
+        let (mut fails, mut goes) = (0, farthest + 1);
+        while goes - fails > 1 {
+            // The farthest first: if that fails nothing else has to be tried.
+            let middle = if goes > farthest { farthest } else { fails.midpoint(goes) };
+            let rises = if side == 0 { [middle, 0] } else { [0, middle] };
+            if self.goes(node, pair, rises)? {
+                goes = middle;
+            } else {
+                fails = middle;
+            }
         }
-        Ok(wait)
+        Ok(goes)
     }
 
     /// The box that leaves the least to the agents of one of some clashing pairs.

@@ -3,7 +3,8 @@
 //!
 //! - Equation 13 (plain): the printed pattern, parts 1 and 2 at instant 50, 3 without a path, 4 at 74, 5 without a path, comes
 //!   out for the order right, left, down, up, stay, which is the order of the paper's action space, with both checks. The places
-//!   where 3 and 5 are stuck do not: printed are (27, 11) at 35 and (43, 27) at 74.
+//!   where 3 and 5 are stuck do not: printed are (27, 11) at 35 and (43, 27) at 74. With ties drawn by lot and Table 3, part 3 is
+//!   mostly stuck in column 27, even at (27, 11) now and then but at 29 or 30: the paper's ties seem to follow no fixed order.
 //! - Equation 12 (spread): 50 and 50 come out; 88, 86 and 86 for parts 3 to 5 under no reading: part 3 needs 87, and part 4 meets
 //!   it head-on in column 46 and is stuck. Ways that do not come out either: the distances of the others one instant
 //!   earlier, to the last part only, by columns or rows instead of both; a violation that spares the candidate if another
