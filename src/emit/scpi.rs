@@ -44,7 +44,7 @@ pub struct Profile {
 /// A plain instrument of the 16-bit sort. Its commands are the widespread ones; a lab compares them with its manual.
 pub const GENERIC: Profile = Profile {
     name: "generic 16 bit",
-    outputs: 128,
+    outputs: 4096,
     least_points: 8,
     most_points: 1_000_000,
     full_scale: i16::MAX,

@@ -5,7 +5,7 @@ It takes the messages below and nothing else; everything that it is told can be 
 
 import yaml
 
-OUTPUTS = 128
+OUTPUTS = 4096
 
 NUMBER = {"min": 0, "max": 1000, "type": "float"}
 

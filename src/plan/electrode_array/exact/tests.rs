@@ -45,7 +45,9 @@ fn conflict_based_search_agrees_with_plain_searches() {
             let limited = groups::search(&field, wanted, &mut meter());
             let everyone: Vec<usize> = (0..field.agents()).collect();
             let aim = Aim::SumOfCosts { limit: Some(makespan as u32) };
-            let joint::Outcome::Found(best) = joint::search(&field, &everyone, aim, &mut meter()) else { panic!("{instance:?}") };
+            let joint::Outcome::Found(best) = joint::search(&field, &everyone, aim, &mut meter()) else {
+                panic!("{instance:?}")
+            };
             let End::Found { cost, .. } = limited else { panic!("{instance:?}: {limited:?}") };
             assert_eq!(cost, Costs::of(&best).sum_of_costs, "{instance:?} within {makespan}");
             let at = groups::search(&field, exactly(makespan as u32), &mut meter());
