@@ -36,6 +36,10 @@ impl Dimension {
     pub const CHARGE: Dimension = dimension(0, 0, 1, 1, 0, 0);
     pub const VOLTAGE: Dimension = dimension(2, 1, -3, -1, 0, 0);
     pub const CAPACITANCE: Dimension = dimension(-2, -1, 4, 2, 0, 0);
+    pub const DENSITY: Dimension = dimension(-3, 1, 0, 0, 0, 0);
+    pub const VISCOSITY: Dimension = dimension(-1, 1, -1, 0, 0, 0);
+    /// Force over speed.
+    pub const DAMPING: Dimension = dimension(0, 1, -1, 0, 0, 0);
 
     /// The dimension of a product, if its exponents stay within [`MAX_EXPONENT`].
     pub fn times(self, other: Dimension) -> Option<Dimension> {

@@ -1,6 +1,9 @@
 //! The standard library: published devices, written in the language, embedded in the program.
 
-const FILES: &[(&str, &str)] = &[("dimibot", include_str!("../stdlib/dimibot.twz"))];
+const FILES: &[(&str, &str)] = &[
+    ("dimibot", include_str!("../stdlib/dimibot.twz")),
+    ("electrode_array", include_str!("../stdlib/electrode_array.twz")),
+];
 
 /// The text of `std.<name>`.
 pub fn file(name: &str) -> Option<&'static str> {

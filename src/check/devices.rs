@@ -1,13 +1,14 @@
 //! Devices: bases, fields, and what the kind makes of them.
 
 use super::fields::{Accepted, Given, Owner};
+use super::lets::Origin;
 use super::lineage::Base;
 use super::scope::{DeclarationSort, Place, nearest, path_text};
 use super::{Checker, dimibot, electrode_array, errors};
 use crate::device::{self, Kind};
 use crate::source::Span;
 use crate::syntax::tree::{self, Item};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 /// A device with its own fields and those of its bases.
@@ -18,7 +19,12 @@ pub struct Device {
     /// Its name where it is declared.
     pub span: Span,
     pub fields: Accepted,
+    /// Where the value of a field was given, if a name stands in it.
+    pub origins: Origins,
 }
+
+/// Where values were given, by the names of their fields.
+pub type Origins = BTreeMap<&'static str, Origin>;
 
 impl Device {
     fn owner(&self) -> Owner {
@@ -82,10 +88,10 @@ impl Checker<'_> {
         let chain = self.lineage(place, &|checker, at| checker.devices.contains_key(&at), &Checker::base);
         for (at, base) in chain.into_iter().rev() {
             let inherited = match base {
-                Base::Root(kind) => Some((kind, Accepted::new())),
+                Base::Root(kind) => Some((kind, Accepted::new(), Origins::new())),
                 Base::Of(base) => {
                     let known = self.devices.get(&base).and_then(Option::as_ref);
-                    known.map(|device| (device.kind, device.fields.clone()))
+                    known.map(|device| (device.kind, device.fields.clone(), device.origins.clone()))
                 }
                 Base::Broken => None,
             };
@@ -95,17 +101,23 @@ impl Checker<'_> {
         self.devices.get(&place).cloned().flatten()
     }
 
-    fn inherit(&mut self, place: Place, inherited: Option<(Kind, Accepted)>) -> Option<Device> {
+    fn inherit(&mut self, place: Place, inherited: Option<(Kind, Accepted, Origins)>) -> Option<Device> {
         let Item::Device(item) = self.item(place) else { return None };
         let scope = self.top(place);
-        let Some((kind, mut fields)) = inherited else {
+        let Some((kind, mut fields, mut origins)) = inherited else {
             self.read_for_errors(&item.fields, &scope);
             return None;
         };
         let owner = owner(kind, &item.name.text, item.name.span);
         let given: Vec<Given> = item.fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
-        fields.extend(self.read_fields(&owner, &given, kind.vocabulary().fields));
-        Some(Device { kind, name: item.name.text.clone(), span: item.name.span, fields })
+        let own = self.read_fields(&owner, &given, kind.vocabulary().fields);
+        origins.retain(|name, _| !own.contains_key(name));
+        for field in &item.fields {
+            let name = own.keys().find(|name| **name == field.name.text);
+            origins.extend(name.copied().zip(self.origin(&field.value, &scope)));
+        }
+        fields.extend(own);
+        Some(Device { kind, name: item.name.text.clone(), span: item.name.span, fields, origins })
     }
 
     fn base(&mut self, place: Place) -> Base<Kind> {

@@ -1,5 +1,6 @@
 //! Scenes: their objects, unrolled and inherited. What an object means is for the kind of a task's device to say.
 
+use super::lets::Origin;
 use super::lineage::Base;
 use super::scope::{DeclarationSort, Place, Scope, keeper, nearest};
 use super::value::{ShapeValue, Value};
@@ -21,6 +22,8 @@ pub struct Object {
     pub noun_span: Span,
     pub shape: Option<Spanned<ShapeValue>>,
     pub at: Option<Spanned<Value>>,
+    /// Where the value of `at` was given, if a name stands there.
+    pub origin: Option<Origin>,
     /// Its name where it is declared.
     pub span: Span,
 }
@@ -153,6 +156,7 @@ impl Checker<'_> {
         let name = self.object_name(&object.name, scope);
         let shape = object.shape.as_ref().map(|expr| self.shape_expr(expr, scope));
         let at = object.at.as_ref().map(|expr| self.evaluate_spanned(expr, scope));
+        let origin = object.at.as_ref().and_then(|expr| self.origin(expr, scope));
         let is_whole = is_known && !at.as_ref().is_some_and(|at| at.value.is_unknown());
         let shape = match shape {
             Some(None) => return None,
@@ -160,7 +164,7 @@ impl Checker<'_> {
             None => None,
         };
         let (noun, noun_span) = (object.noun.text.clone(), object.noun.span);
-        is_whole.then_some(Object { name: name?, noun, noun_span, shape, at, span: object.name.span })
+        is_whole.then_some(Object { name: name?, noun, noun_span, shape, at, origin, span: object.name.span })
     }
 
     fn shape_expr(&mut self, expr: &tree::Expr, scope: &Scope) -> Option<Spanned<ShapeValue>> {

@@ -1,17 +1,30 @@
 //! The electrode array: a board of electrodes that carries many parts at once, each pulled by the electrodes before it.
 //!
-//! Facts, geometry and vocabulary of the kind. Source of the model: Kritikou, Lamprinou, Moulianitis, Aspragathos, *Parallel
-//! motion of microparts on a programmable platform*, 2018, with the rule of distance put right where its tables contradict one
-//! another (the handbook of the language says how).
+//! Facts, geometry and vocabulary of the kind. Source of the model: Kritikou, Lamprianidis, Aspragathos, *A modified
+//! cooperative A\* algorithm for the simultaneous motion of multiple microparts on a "Smart Platform" with electrostatic fields*,
+//! Micromachines 9, 2018, with the rule of distance put right where its tables contradict one another (the standard
+//! library's file says how).
 
-use super::{Noun, Together, Vocabulary, shape::Form};
 use serde::{Deserialize, Serialize};
+
+mod words;
+
+pub use words::VOCABULARY;
 
 /// The most columns, and the most rows, of a board.
 pub const MAX_SIDE: u32 = 1_000;
 
 /// The most parts of one scene.
 pub const MAX_PARTS: usize = 1_000;
+
+/// The most obstacles of one scene.
+pub const MAX_OBSTACLES: usize = 100_000;
+
+/// The largest distance that parts may be asked to keep from each other or from obstacles, in electrodes.
+pub const MAX_APART: u32 = 100;
+
+/// The most states that the search of one step of a task may be allowed to expand.
+pub const MAX_EXPANSIONS: u32 = 200_000_000;
 
 /// An electrode, and so a place for the centre of a part: column and row, both from 1, rows upward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -98,6 +111,12 @@ impl Electrodes {
             Electrodes::Quad => 1,
         }
     }
+
+    /// The least separation at which the electrodes that move one part pull on no other: an electrode pulls what lies one pitch
+    /// away, diagonals included, so that the outermost electrodes of two parts stay two pitches apart.
+    pub const fn least_apart(self) -> u32 {
+        2 * self.rim() + 2
+    }
 }
 
 /// What a part looks like from below.
@@ -158,6 +177,14 @@ impl Facts {
             && (1 + rim..=self.rows.saturating_sub(rim)).contains(&cell.row)
     }
 
+    /// The first and the last cell that a part's centre can take, if there is one.
+    pub fn reach(&self) -> Option<[Cell; 2]> {
+        let rim = self.layout.electrodes.rim();
+        let first = Cell::new(1 + rim, 1 + rim);
+        let last = Cell::new(self.columns.saturating_sub(rim), self.rows.saturating_sub(rim));
+        (first.column <= last.column && first.row <= last.row).then_some([first, last])
+    }
+
     /// The middle of an electrode; the middle of electrode (1, 1) is the origin.
     pub fn place_um(&self, cell: Cell) -> [f64; 2] {
         [f64::from(cell.column) - 1.0, f64::from(cell.row) - 1.0].map(|pitches| pitches * self.pitch_um())
@@ -175,23 +202,3 @@ impl Facts {
         (self.holds(cell) && Facts::channel(cell) == channel).then_some(cell)
     }
 }
-
-/// The words of the kind.
-pub const VOCABULARY: Vocabulary = Vocabulary {
-    name: "electrode_array",
-    summary: "a board of electrodes that carries many parts or droplets at once",
-    library: ("std.electrode_array", "electrode_array.smart_platform"),
-    fields: &[],
-    nouns: &[
-        Noun { name: "obstacle", doc: "electrodes that no part may come near", shapes: &[Form::Cells, Form::Layout] },
-        Noun { name: "part", doc: "a part that the electrodes carry", shapes: &[Form::Layout] },
-    ],
-    settings: &[],
-    state: None,
-    together: Together::Yes,
-    verbs: &[],
-    objectives: &[],
-    planners: &[],
-    outcomes: &[],
-    channels: "<device>.e<column>_<row>: the voltage on an electrode",
-};

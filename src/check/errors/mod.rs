@@ -1,11 +1,13 @@
 //! What the checker says, one function for each finding.
 
 mod devices;
+mod electrode_array;
 mod names;
 mod tasks;
 mod values;
 
 pub use devices::*;
+pub use electrode_array::*;
 pub use names::*;
 pub use tasks::*;
 pub use values::*;

@@ -1,0 +1,200 @@
+//! The facts of a board: geometry first, then what the forces allow.
+
+use super::physics;
+use crate::check::devices::Device;
+use crate::check::errors;
+use crate::check::fields::Accepted;
+use crate::check::value::{ShapeValue, Value, whole};
+use crate::device::electrode_array::{Electrodes, Facts, Hold, Layout, Separation};
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::quantity::Quantity;
+
+/// The facts of a complete device; `None` where parts cannot even be placed.
+pub fn facts(device: &Device, sink: &mut Sink) -> Option<Facts> {
+    let fields = &device.fields;
+    if fields.values().any(|field| field.value.is_unknown()) {
+        return None;
+    }
+    let facts = Facts {
+        columns: count(fields, "columns"),
+        rows: count(fields, "rows"),
+        radius_um: quantity(fields, "radius")?.in_unit("um"),
+        pitch_ratio: quantity(fields, "pitch_ratio")?.si,
+        potential_v: quantity(fields, "potential")?.si,
+        step_ns: step_ns(fields, sink)?,
+        layout: layout(device, sink)?,
+        hold: hold(fields),
+        separation: separation(fields),
+        clearance: count(fields, "clearance"),
+    };
+    let errors = sink.errors();
+    covers_electrodes(&facts, device, sink);
+    keeps_apart(&facts, device, sink);
+    has_room(&facts, device, sink);
+    let is_placeable = sink.errors() == errors;
+    warn_of_published(&facts, device, sink);
+    physics::check(&facts, device, sink);
+    is_placeable.then_some(facts)
+}
+
+/// A figure of the device; `None` where it is not given.
+pub fn quantity(fields: &Accepted, name: &str) -> Option<Quantity> {
+    match fields.get(name).map(|field| &field.value) {
+        Some(Value::Quantity(quantity)) => Some(*quantity),
+        _ => None,
+    }
+}
+
+fn count(fields: &Accepted, name: &str) -> u32 {
+    let given = quantity(fields, name).and_then(whole);
+    given.and_then(|number| u32::try_from(number).ok()).unwrap_or(1)
+}
+
+fn step_ns(fields: &Accepted, sink: &mut Sink) -> Option<u64> {
+    let field = fields.get("step_duration")?;
+    crate::check::clock_ns(quantity(fields, "step_duration")?, field.span, "`step_duration`", sink)
+}
+
+fn hold(fields: &Accepted) -> Hold {
+    match fields.get("hold").map(|field| &field.value) {
+        Some(Value::Bool(true)) => Hold::On,
+        _ => Hold::Off,
+    }
+}
+
+fn separation(fields: &Accepted) -> Separation {
+    match fields.get("separation").map(|field| &field.value) {
+        Some(Value::Text(_)) => Separation::AsPublished,
+        _ => Separation::Apart(count(fields, "separation")),
+    }
+}
+
+fn layout(device: &Device, sink: &mut Sink) -> Option<Layout> {
+    let Value::Shape(shape) = &device.fields.get("part")?.value else { return None };
+    let layout = layout_of(shape);
+    if layout.is_none() {
+        let found = electrodes_text(shape);
+        sink.push(told(device, errors::unknown_layout(&found), &[("part", format!("{found} electrodes"))]));
+    }
+    layout
+}
+
+/// The layout that a shape is; `None` for one that no board carries.
+pub fn layout_of(shape: &ShapeValue) -> Option<Layout> {
+    let half_width = quantity(&shape.fields, "half_width")?.si;
+    let Value::Point(point) = &shape.fields.get("electrodes")?.value else { return None };
+    let electrodes = match [whole(*point.first()?)?, whole(*point.get(1)?)?] {
+        [1, 1] => Electrodes::Single,
+        [2, 2] => Electrodes::Quad,
+        _ => return None,
+    };
+    Some(Layout { electrodes, half_width })
+}
+
+/// `(3, 3)`, as it was written.
+pub fn electrodes_text(shape: &ShapeValue) -> String {
+    match shape.fields.get("electrodes").map(|field| &field.value) {
+        Some(Value::Point(point)) if point.len() == 2 => format!("({}, {})", point[0], point[1]),
+        _ => "no".to_owned(),
+    }
+}
+
+/// From the centre of a part to the rim of its outermost electrodes, in pitches.
+fn electrodes_reach(facts: &Facts) -> f64 {
+    f64::from(facts.layout.electrodes.rim()) + 1.0 / (2.0 + facts.pitch_ratio)
+}
+
+fn covers_electrodes(facts: &Facts, device: &Device, sink: &mut Sink) {
+    let (half, reach) = (facts.layout.half_width, electrodes_reach(facts));
+    if half < reach * (1.0 - 1e-9) {
+        let wrong = errors::body_too_small(half, rounded_up(reach));
+        sink.push(told(device, wrong, &[("part", format!("reaches {} pitches from its centre", number(half)))]));
+    }
+}
+
+/// Parts touch no other part, pull on none, and pass over no obstacle.
+fn keeps_apart(facts: &Facts, device: &Device, sink: &mut Sink) {
+    let half = facts.layout.half_width;
+    let apart = facts.separation.apart();
+    let by_bodies = beyond(2.0 * half);
+    let by_pull = facts.layout.electrodes.least_apart();
+    if apart < by_bodies {
+        let wrong = errors::bodies_touch(apart, 2.0 * half, by_bodies.max(by_pull));
+        sink.push(told(device, wrong, &[("separation", "too near".into()), ("part", "this wide".into())]));
+    } else if apart < by_pull {
+        let wrong = errors::parts_pulled(apart, by_pull);
+        sink.push(told(device, wrong, &[("separation", "too near".into())]));
+    }
+    if facts.clearance < beyond(half) {
+        let wrong = errors::obstacle_under_body(facts.clearance, half, beyond(half));
+        sink.push(told(device, wrong, &[("clearance", "too near".into()), ("part", "this wide".into())]));
+    }
+}
+
+/// The least whole number above a figure.
+fn beyond(figure: f64) -> u32 {
+    // A cast takes what is too large for the largest there is.
+    (figure * (1.0 + 1e-9)).floor() as u32 + 1
+}
+
+fn has_room(facts: &Facts, device: &Device, sink: &mut Sink) {
+    if facts.reach().is_some() {
+        return;
+    }
+    let least = 2 * facts.layout.electrodes.rim() + 1;
+    let narrow: Vec<(&'static str, String)> = [("columns", facts.columns), ("rows", facts.rows)]
+        .into_iter()
+        .filter(|(_, count)| *count < least)
+        .map(|(name, _)| (name, "too few".to_owned()))
+        .collect();
+    sink.push(told(device, errors::board_too_small(facts.columns, facts.rows, least), &narrow));
+}
+
+fn warn_of_published(facts: &Facts, device: &Device, sink: &mut Sink) {
+    if facts.separation == Separation::AsPublished {
+        sink.push(told(device, errors::published_separation(), &[("separation", "as it is printed".into())]));
+    }
+}
+
+/// Puts labels on the fields that a finding is about, those of the device's own file first, and where their values were given.
+pub fn told(device: &Device, diagnostic: Diagnostic, fields: &[(&'static str, String)]) -> Diagnostic {
+    let is_own = |name: &str| device.fields.get(name).is_some_and(|field| field.span.file == device.span.file);
+    let (own, inherited): (Vec<_>, Vec<_>) = fields.iter().partition(|(name, _)| is_own(name));
+    let mut diagnostic = diagnostic;
+    if own.is_empty() {
+        diagnostic = diagnostic.label(device.span, "this device");
+    }
+    for (name, text) in own.into_iter().chain(inherited) {
+        let Some(field) = device.fields.get(name) else { continue };
+        diagnostic = diagnostic.label(field.span, text.clone());
+        if let Some(origin) = device.origins.get(name) {
+            diagnostic = diagnostic.label_elsewhere(origin.span, field.span, origin.text.clone());
+        }
+    }
+    diagnostic
+}
+
+/// A plain number for a message.
+pub fn number(value: f64) -> String {
+    crate::quantity::digits(value)
+}
+
+/// The next figure of four digits that is no less: what a message names as the least has to be enough.
+pub fn rounded_up(value: f64) -> f64 {
+    rounded(value * (1.0 - 1e-9), f64::ceil)
+}
+
+/// The next figure of four digits that is no greater.
+pub fn rounded_down(value: f64) -> f64 {
+    rounded(value * (1.0 + 1e-9), f64::floor)
+}
+
+fn rounded(value: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
+    if value <= 0.0 || !value.is_normal() {
+        return value;
+    }
+    let digits = 3 - value.log10().floor() as i32;
+    // The text of the digits is the nearest double to them; a product with a power of ten need not be.
+    let scaled = to_whole(value * 10f64.powi(digits));
+    format!("{scaled}e{}", -digits).parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(value)
+}

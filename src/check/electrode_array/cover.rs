@@ -1,0 +1,132 @@
+//! Which obstacle keeps a centre from a cell, and which places lie too near to each other.
+//!
+//! Obstacles are painted onto the board once, each grown by the distance that centres keep; a cell that is painted is passed
+//! over from then on, so that many large obstacles cost no more than the board and their rows. Places lie in squares as wide as
+//! the distance that they keep, so that one is asked for in nine squares.
+
+use crate::check::claims::electrode_array::{Body, Obstacle};
+use crate::device::electrode_array::{Cell, Facts};
+use rustc_hash::FxHashMap;
+
+/// How many rings of cells round a place are searched for a better one.
+const MAX_RINGS: u32 = 64;
+
+/// For each cell the obstacle that keeps centres from it.
+pub struct Cover {
+    columns: u32,
+    /// Index of the obstacle plus 1, row by row; 0 for a cell that is free.
+    painted: Vec<u32>,
+}
+
+impl Cover {
+    /// Paints the obstacles of a board, the first ones first.
+    pub fn of(obstacles: &[Obstacle], facts: &Facts) -> Cover {
+        let cells = facts.columns as usize * facts.rows as usize;
+        let mut cover = Cover { columns: facts.columns, painted: vec![0; cells] };
+        let width = facts.columns as usize + 1;
+        // The next cell of a row that is not painted, perhaps; the last of each row stands for none.
+        let mut next: Vec<u32> = (0..facts.rows).flat_map(|_| 0..=facts.columns).collect();
+        for (index, obstacle) in obstacles.iter().enumerate() {
+            let [low, high] = grown(&obstacle.body, facts);
+            for row in low.row..=high.row {
+                let of_row = &mut next[(row as usize - 1) * width..][..width];
+                let mut column = free_from(of_row, low.column - 1);
+                while column < high.column {
+                    cover.painted[row as usize * cover.columns as usize - cover.columns as usize + column as usize] =
+                        index as u32 + 1;
+                    of_row[column as usize] = column + 1;
+                    column = free_from(of_row, column + 1);
+                }
+            }
+        }
+        cover
+    }
+
+    /// The first obstacle that keeps centres from a cell of the board.
+    pub fn covering(&self, cell: Cell) -> Option<usize> {
+        let at = (cell.row as usize - 1) * self.columns as usize + cell.column as usize - 1;
+        self.painted.get(at).and_then(|index| (*index as usize).checked_sub(1))
+    }
+}
+
+/// The first unpainted column from one on, counted from 0; what lies on the way is shortened.
+fn free_from(next: &mut [u32], from: u32) -> u32 {
+    let mut at = from;
+    while next[at as usize] != at {
+        let further = next[next[at as usize] as usize];
+        next[at as usize] = further;
+        at = further;
+    }
+    at
+}
+
+/// The lowest and the highest cell of the board that a body keeps centres from.
+fn grown(body: &Body, facts: &Facts) -> [Cell; 2] {
+    let (from, to, apart) = match body {
+        Body::Electrodes { from, to } => (*from, *to, facts.clearance),
+        Body::Fixed(cell) => (*cell, *cell, facts.separation.apart()),
+    };
+    let reach = apart.saturating_sub(1);
+    let low = Cell::new(from.column.saturating_sub(reach).max(1), from.row.saturating_sub(reach).max(1));
+    let high = Cell::new((to.column + reach).min(facts.columns), (to.row + reach).min(facts.rows));
+    [low, high]
+}
+
+/// Places that keep a distance from each other, each with what stands there.
+pub struct Spread<T> {
+    apart: u32,
+    squares: FxHashMap<(u32, u32), Vec<(Cell, T)>>,
+}
+
+impl<T: Copy> Spread<T> {
+    /// Nothing yet; `apart` is the Chebyshev distance to be kept, at least 1.
+    pub fn new(apart: u32) -> Spread<T> {
+        Spread { apart, squares: FxHashMap::default() }
+    }
+
+    fn square(&self, cell: Cell) -> (u32, u32) {
+        // One up, so that each square has neighbours on all sides.
+        (cell.column / self.apart + 1, cell.row / self.apart + 1)
+    }
+
+    /// Puts something there, whatever is near.
+    pub fn put(&mut self, cell: Cell, what: T) {
+        self.squares.entry(self.square(cell)).or_default().push((cell, what));
+    }
+
+    /// Takes away what stands there and is what is meant.
+    pub fn take(&mut self, cell: Cell, is_meant: impl Fn(T) -> bool) {
+        let square = self.square(cell);
+        if let Some(there) = self.squares.get_mut(&square) {
+            there.retain(|(at, what)| *at != cell || !is_meant(*what));
+        }
+    }
+
+    /// What stands too near to a place, the nearest first, then what was put there first.
+    pub fn near(&self, cell: Cell) -> Option<(Cell, T)> {
+        let (column, row) = self.square(cell);
+        let squares = (row - 1..=row + 1).flat_map(|row| (column - 1..=column + 1).map(move |column| (column, row)));
+        let there = squares.filter_map(|square| self.squares.get(&square)).flatten();
+        there.filter(|(at, _)| at.apart(cell) < self.apart).min_by_key(|(at, _)| at.apart(cell)).copied()
+    }
+}
+
+/// The cell nearest to another that a centre can take and that passes a test; of several as near as another the first by row.
+pub fn nearest_cell(cell: Cell, facts: &Facts, test: impl Fn(Cell) -> bool) -> Option<Cell> {
+    let [first, last] = facts.reach()?;
+    let near = Cell::new(cell.column.clamp(first.column, last.column), cell.row.clamp(first.row, last.row));
+    (0..=MAX_RINGS).find_map(|ring| {
+        let cells = ring_of(near, ring).filter(|cell| facts.reaches(*cell) && test(*cell));
+        cells.min_by_key(|found| (found.steps_to(near), found.row, found.column))
+    })
+}
+
+/// The cells at a Chebyshev distance, those below 1 left out.
+fn ring_of(cell: Cell, ring: u32) -> impl Iterator<Item = Cell> {
+    let (column, row, ring) = (i64::from(cell.column), i64::from(cell.row), i64::from(ring));
+    let cells = (-ring..=ring).flat_map(move |up| {
+        let stride = if up.abs() == ring { 1 } else { 2 * ring };
+        (-ring..=ring).step_by(stride as usize).map(move |right| (column + right, row + up))
+    });
+    cells.filter(|(column, row)| *column >= 1 && *row >= 1).map(|(column, row)| Cell::new(column as u32, row as u32))
+}

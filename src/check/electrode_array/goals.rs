@@ -1,0 +1,281 @@
+//! The steps of a task: which parts go where, as far as that can be judged without knowing where the parts stand by then.
+
+use super::DEFAULT_EXPANSIONS;
+use super::cover::{Spread, nearest_cell};
+use super::tray::{Blocked, Judged, on_board, on_obstacle, whole_cell};
+use crate::check::claims::electrode_array::{
+    Action, Bystanders, ElectrodeArrayOrder, Method, Move, Objective, Planner, Step, Stop,
+};
+use crate::check::lets::Argument;
+use crate::check::scope::nearest;
+use crate::check::tasks::{self, Call, Parts, Site};
+use crate::check::value::{Value, whole};
+use crate::check::{Checker, errors};
+use crate::device::electrode_array::{Cell, Electrodes, Facts, Separation};
+use crate::diagnostic::{Code, Diagnostic, Sink};
+use crate::source::Span;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+impl Checker<'_> {
+    /// A task's body in the kind's own terms; `None` after an error.
+    pub fn electrode_array_order(&mut self, site: &Site, facts: &Facts, parts: Parts) -> Option<ElectrodeArrayOrder> {
+        let tray = self.tray(site, facts);
+        let objective = objective(parts.objective);
+        let bystanders = bystanders(&parts);
+        let planner = planner(&parts, (objective, bystanders), facts, self.sink);
+        let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
+        let mut judge = Judge { facts, tray: &tray, scene, sink: self.sink };
+        let steps: Vec<Option<Step>> = parts.steps.iter().map(|step| judge.step(step)).collect();
+        let steps: Option<Vec<Step>> = steps.into_iter().collect();
+        let order = ElectrodeArrayOrder {
+            facts: facts.clone(),
+            obstacles: Arc::clone(&tray.obstacles),
+            parts: Arc::clone(&tray.parts),
+            objective,
+            planner: planner?,
+            bystanders,
+            steps: steps?,
+        };
+        tray.is_whole.then_some(order)
+    }
+}
+
+fn objective(name: Option<&str>) -> Objective {
+    match name {
+        Some("sum_of_costs") => Objective::SumOfCosts,
+        _ => Objective::Makespan,
+    }
+}
+
+fn bystanders(parts: &Parts) -> Bystanders {
+    match parts.settings.get("may_yield").map(|setting| &setting.value) {
+        Some(Value::Bool(true)) => Bystanders::Yield,
+        _ => Bystanders::Stay,
+    }
+}
+
+/// The method and budget of a task; `None` where a method is asked for what it does not know.
+fn planner(parts: &Parts, asked: (Objective, Bystanders), facts: &Facts, sink: &mut Sink) -> Option<Planner> {
+    let method = parts.planner.as_ref().map_or(Method::Portfolio, |(planner, _)| method(planner.value.name));
+    if method == Method::Portfolio && facts.separation == Separation::AsPublished {
+        let chosen = parts.planner.as_ref().map(|(planner, _)| planner.span);
+        let span = chosen.or(parts.steps.first().map(|step| step.span));
+        sink.push(errors::published_needs_published(span));
+        return None;
+    }
+    let Some((planner, options)) = &parts.planner else {
+        return Some(Planner { method, expansions: DEFAULT_EXPANSIONS });
+    };
+    if method != Method::Portfolio
+        && let Some((what, span)) = beyond_published(parts, asked, planner.span)
+    {
+        sink.push(errors::planner_cannot(planner.span, planner.value.name, what, span));
+        return None;
+    }
+    let given = match options.get("expansions").map(|option| &option.value) {
+        Some(Value::Quantity(quantity)) => whole(*quantity).and_then(|number| u64::try_from(number).ok()),
+        _ => None,
+    };
+    Some(Planner { method, expansions: given.unwrap_or(DEFAULT_EXPANSIONS) })
+}
+
+fn method(name: &str) -> Method {
+    match name {
+        "cooperative_astar" => Method::CooperativeAstar,
+        "plain_cooperative_astar" => Method::PlainCooperativeAstar,
+        _ => Method::Portfolio,
+    }
+}
+
+/// What the published methods are asked for that they do not know, and where.
+fn beyond_published(
+    parts: &Parts,
+    (objective, bystanders): (Objective, Bystanders),
+    chosen: Span,
+) -> Option<(&'static str, Span)> {
+    if objective == Objective::SumOfCosts {
+        return Some(("minimise `sum_of_costs`", chosen));
+    }
+    if bystanders == Bystanders::Yield {
+        let span = parts.settings.get("may_yield").map_or(chosen, |setting| setting.span);
+        return Some(("let parts step aside", span));
+    }
+    parts.steps.iter().flat_map(|step| calls(&step.action)).find_map(|call| {
+        if call.verb.name == "merge" {
+            return Some(("merge", call.span));
+        }
+        let via = call.phrases.iter().find(|(preposition, _)| *preposition == "via");
+        via.map(|(_, via)| ("plan by way of a cell", via.span))
+    })
+}
+
+fn calls(action: &tasks::Action) -> &[Call] {
+    match action {
+        tasks::Action::Verb(call) => std::slice::from_ref(call),
+        tasks::Action::Together(calls) => calls,
+        tasks::Action::Wait(_) => &[],
+    }
+}
+
+/// Judges the steps of one task.
+struct Judge<'a> {
+    facts: &'a Facts,
+    tray: &'a Judged,
+    /// Where the task's scene is declared.
+    scene: Option<Span>,
+    sink: &'a mut Sink,
+}
+
+impl Judge<'_> {
+    fn step(&mut self, step: &tasks::Step) -> Option<Step> {
+        let action = match &step.action {
+            tasks::Action::Wait(duration_ns) => Action::Wait(*duration_ns),
+            tasks::Action::Verb(_) | tasks::Action::Together(_) => Action::Move(self.moves(calls(&step.action))?),
+        };
+        Some(Step { action, span: step.span })
+    }
+
+    /// Goals at the same time: each part has one, and they are apart.
+    fn moves(&mut self, calls: &[Call]) -> Option<Vec<Move>> {
+        let moves: Vec<Option<Move>> = calls.iter().map(|call| self.one_move(call)).collect();
+        let found: Vec<(&Call, &Move)> =
+            calls.iter().zip(&moves).filter_map(|(call, found)| Some((call, found.as_ref()?))).collect();
+        let before = self.sink.errors();
+        self.one_goal_each(&found);
+        self.goals_apart(&found);
+        (self.sink.errors() == before).then_some(())?;
+        moves.into_iter().collect()
+    }
+
+    fn one_move(&mut self, call: &Call) -> Option<Move> {
+        let part = self.part(call.object.as_ref()?);
+        let (with, stops) = match call.verb.name {
+            "merge" => {
+                let other = phrases(call, "with").next()?;
+                let with = self.part(other);
+                let stop = self.stop(phrases(call, "at").next()?);
+                self.may_merge(call, part, with)?;
+                (Some(with?), vec![stop?])
+            }
+            _ => {
+                let stops: Vec<Option<Stop>> =
+                    phrases(call, "via").chain(phrases(call, "to")).map(|target| self.stop(target)).collect();
+                (None, stops.into_iter().collect::<Option<Vec<Stop>>>()?)
+            }
+        };
+        Some(Move { part: part?, with, stops, span: call.span })
+    }
+
+    /// Droplets merge, and two of them.
+    fn may_merge(&mut self, call: &Call, part: Option<usize>, with: Option<usize>) -> Option<()> {
+        let wrong = if self.facts.layout.electrodes != Electrodes::Single {
+            Some(errors::parts_do_not_merge(call.span))
+        } else if part.is_some() && part == with {
+            Some(errors::merges_with_itself(call.span, self.name(part?)))
+        } else {
+            None
+        };
+        self.unless(wrong, None)
+    }
+
+    fn name(&self, part: usize) -> &str {
+        self.tray.parts.get(part).map_or("", |part| part.name.as_str())
+    }
+
+    /// The part that an argument names; without a diagnostic if what is wrong with that part was said.
+    fn part(&mut self, argument: &Argument) -> Option<usize> {
+        let Value::Object(object) = &argument.value else { return None };
+        if let Some(known) = self.tray.names.get(&object.name) {
+            return *known;
+        }
+        let near = nearest(&object.name, self.tray.names.keys().map(String::as_str));
+        // A scene of too many parts is known by none of their names.
+        let is_cut = self.scene.is_some() && !self.tray.is_whole && self.tray.names.is_empty();
+        let wrong = errors::unknown_object(argument.span, &object.name, object.noun, near, self.scene);
+        self.unless((!is_cut).then_some(wrong), Some(argument));
+        None
+    }
+
+    /// A cell that a centre can take.
+    fn stop(&mut self, target: &Argument) -> Option<Stop> {
+        let Some(pair) = whole_cell(&target.value) else {
+            self.unless(Some(errors::no_cell(target.span, &target.value)), Some(target));
+            return None;
+        };
+        let cover = &self.tray.cover;
+        let is_free = |cell| cover.covering(cell).is_none();
+        let Some(cell) = on_board(pair, self.facts).filter(|cell| self.facts.reaches(*cell)) else {
+            let clamped = Cell::new(clamped(pair[0]), clamped(pair[1]));
+            let free = nearest_cell(clamped, self.facts, is_free);
+            let wrong = errors::goal_out_of_reach(target.span, pair, self.facts, free);
+            self.unless(Some(wrong), Some(target));
+            return None;
+        };
+        let wrong = cover.covering(cell).map(|index| {
+            let place = Blocked { code: Code::E0502, cell, span: target.span };
+            on_obstacle(&place, &self.tray.obstacles[index], self.facts, nearest_cell(cell, self.facts, is_free))
+        });
+        self.unless(wrong, Some(target))?;
+        Some(Stop { cell, span: target.span })
+    }
+
+    /// Pushes what is wrong, if anything is, with the place where the value was given.
+    fn unless(&mut self, wrong: Option<Diagnostic>, given: Option<&Argument>) -> Option<()> {
+        match wrong {
+            Some(diagnostic) => {
+                let diagnostic = match given {
+                    Some(argument) => errors::given_at(diagnostic, argument),
+                    None => diagnostic,
+                };
+                self.sink.push(diagnostic);
+                None
+            }
+            None => Some(()),
+        }
+    }
+
+    fn one_goal_each(&mut self, moves: &[(&Call, &Move)]) {
+        let mut busy: BTreeMap<usize, Span> = BTreeMap::new();
+        for (call, found) in moves {
+            for part in [Some(found.part), found.with].into_iter().flatten() {
+                let earlier = busy.insert(part, call.span);
+                let wrong = earlier.map(|earlier| errors::two_goals(self.name(part), call.span, earlier));
+                self.unless(wrong, None);
+            }
+        }
+    }
+
+    fn goals_apart(&mut self, moves: &[(&Call, &Move)]) {
+        let apart = self.facts.separation.apart();
+        let mut spread: Spread<usize> = Spread::new(apart);
+        for (index, (call, found)) in moves.iter().enumerate() {
+            let goal = found.goal();
+            let Some((cell, other)) = spread.near(goal.cell) else {
+                spread.put(goal.cell, index);
+                continue;
+            };
+            let (_, earlier) = moves[other];
+            if earlier.part == found.part {
+                continue;
+            }
+            let cover = &self.tray.cover;
+            let free = nearest_cell(goal.cell, self.facts, |cell| {
+                cover.covering(cell).is_none() && spread.near(cell).is_none()
+            });
+            let goals =
+                [(self.name(found.part), goal.cell, goal.span), (self.name(earlier.part), cell, earlier.goal().span)];
+            let wrong = errors::goals_too_near(goals, apart, free);
+            let given = phrases(call, if found.with.is_some() { "at" } else { "to" }).next();
+            self.unless(Some(wrong), given);
+        }
+    }
+}
+
+fn phrases<'c>(call: &'c Call, preposition: &'c str) -> impl Iterator<Item = &'c Argument> {
+    call.phrases.iter().filter(move |(name, _)| *name == preposition).map(|(_, argument)| argument)
+}
+
+fn clamped(number: i64) -> u32 {
+    u32::try_from(number.max(1)).unwrap_or(u32::MAX)
+}

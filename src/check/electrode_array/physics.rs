@@ -1,0 +1,180 @@
+//! Whether the forces move a part of this device, and whether its steps are long enough.
+
+use super::board::{quantity, rounded_down, rounded_up, told};
+use super::forces::{Forces, Table};
+use super::motion::Glide;
+use crate::check::devices::Device;
+use crate::check::errors;
+use crate::device::Field;
+use crate::device::electrode_array::{Electrodes, Facts, VOCABULARY};
+use crate::diagnostic::Sink;
+use crate::quantity::{Dimension, Quantity};
+
+/// What may be lost in the arithmetic of a limit.
+const SLACK: f64 = 1e-9;
+
+/// Where an electrode pulls hardest, over the radius, if the device does not say.
+const PEAK_AT_RADIUS: f64 = 1.0;
+
+/// Within which share of the pitch and of the greatest speed a part is at rest, if the device does not say.
+const REST_SHARE: f64 = 0.02;
+
+/// Checks radius, gap, potential and step of a device against its own limits and forces.
+pub fn check(facts: &Facts, device: &Device, sink: &mut Sink) {
+    gap(device, sink);
+    let forces = forces(facts, device, sink);
+    potential(facts, forces.as_ref(), device, sink);
+    step(facts, forces.as_ref(), device, sink);
+}
+
+fn si(device: &Device, name: &str) -> Option<f64> {
+    quantity(&device.fields, name).map(|quantity| quantity.si)
+}
+
+/// Whether neighbouring electrodes lie as far apart as they may.
+fn gap(device: &Device, sink: &mut Sink) {
+    let Some(ratio) = si(device, "pitch_ratio") else { return };
+    let least = si(device, "least_pitch_ratio").filter(|least| ratio < least * (1.0 - SLACK));
+    let most = si(device, "most_pitch_ratio").filter(|most| ratio > most * (1.0 + SLACK));
+    let limits = [("least_pitch_ratio", least), ("most_pitch_ratio", most)];
+    let Some((field, limit)) = limits.into_iter().find_map(|(field, limit)| Some((field, limit?))) else { return };
+    let bounds = ["least_pitch_ratio", "most_pitch_ratio"].map(|name| si(device, name));
+    let labels = [("pitch_ratio", "out of the limits".to_owned()), (field, "the limit".to_owned())];
+    sink.push(told(device, errors::gap_out_of_limits(ratio, limit, bounds), &labels));
+}
+
+/// The forces on a part of this device; `None` where it has no table of them, or none for its radius.
+fn forces(facts: &Facts, device: &Device, sink: &mut Sink) -> Option<Forces> {
+    let table = match Table::of(&device.fields)? {
+        Ok(table) => table,
+        Err(repeated) => {
+            sink.push(errors::radius_twice(length(repeated.radius_m), repeated.first, repeated.second));
+            return None;
+        }
+    };
+    let radius_m = si(device, "radius")?;
+    let Some(row) = table.at(radius_m) else {
+        let range = table.radii_m();
+        let nearest = length(radius_m.clamp(range[0], range[1]));
+        let wrong = errors::radius_out_of_table(length(radius_m), range.map(length), nearest);
+        sink.push(told(device, wrong, &[("radius", "not in the table".into())]).label(table.span, "the table"));
+        return None;
+    };
+    let peak_at_m = radius_m * si(device, "peak_distance").unwrap_or(PEAK_AT_RADIUS);
+    let friction = si(device, "friction").unwrap_or(0.0);
+    Some(Forces::new(row, facts.pitch_um() / 1e6, peak_at_m, si(device, "permittivity"), friction))
+}
+
+/// Whether the potential moves a part: it must be what was measured or what the table asks for, and beat friction.
+fn potential(facts: &Facts, forces: Option<&Forces>, device: &Device, sink: &mut Sink) {
+    let potential_v = facts.potential_v;
+    let measured_v = si(device, "least_potential");
+    let Some(needed_v) = measured_v.or(forces.map(Forces::needed_v)) else { return };
+    let net_n = forces.map(|forces| forces.net_n(potential_v));
+    let is_enough = potential_v >= needed_v * (1.0 - SLACK);
+    if is_enough && net_n.is_none_or(|net_n| net_n > 0.0) {
+        return;
+    }
+    // What is needed is at least what beats friction.
+    let least_v = match forces.map(|forces| (forces, forces.net_n(needed_v))) {
+        Some((forces, net_n)) if net_n <= 0.0 => forces.balance_v().map(|balance_v| balance_v * 1.001).map(rounded_up),
+        _ => Some(rounded_up(needed_v)),
+    };
+    let told_forces = forces.map(|forces| errors::Balance {
+        lateral: force(forces.lateral_n(potential_v)),
+        friction: force(forces.friction_n(potential_v)),
+        net: force(forces.net_n(potential_v)),
+        margin: least_v.map(|least_v| force(forces.net_n(least_v) - forces.net_n(potential_v))),
+    });
+    let radius = length(facts.radius_um / 1e6);
+    let (asked, least) = (voltage(potential_v), least_v.map(voltage));
+    let most_friction =
+        forces.map(|forces| rounded_down(forces.balance_friction(potential_v) * 0.999)).filter(|_| least_v.is_none());
+    let wrong = errors::potential_too_low(&asked, &radius, least.as_deref(), told_forces.as_ref(), most_friction);
+    let mut labels = vec![("potential", "too low".to_owned())];
+    if measured_v.is_some() {
+        labels.push(("least_potential", "the least that moves a part".to_owned()));
+    } else if is_enough {
+        labels = vec![("friction", "holds the part".to_owned()), ("potential", "pulls it".to_owned())];
+    } else {
+        labels.push(("radius", "electrodes of this size".to_owned()));
+    }
+    sink.push(told(device, wrong, &labels));
+}
+
+/// Whether a part comes to rest within a step.
+fn step(facts: &Facts, forces: Option<&Forces>, device: &Device, sink: &mut Sink) {
+    let step = quantity(&device.fields, "step_duration");
+    let settling_s = match si(device, "settling") {
+        Some(measured_s) => Some(measured_s),
+        None => {
+            let Some(glide) = forces.and_then(|forces| glide(facts, forces, device, sink)) else { return };
+            glide.settling_s()
+        }
+    };
+    let Some(step) = step else { return };
+    let by = if device.fields.contains_key("settling") { "settling" } else { "radius" };
+    match settling_s {
+        Some(settling_s) if step.si >= settling_s * (1.0 - SLACK) => {}
+        Some(settling_s) => {
+            let wrong = errors::step_too_short(&step.to_string(), &time(settling_s), &time(rounded_up(settling_s)));
+            let why = if by == "settling" { "known to take this long" } else { "a part of these electrodes" };
+            sink.push(told(device, wrong, &[("step_duration", "too short".into()), (by, why.into())]));
+        }
+        None => {
+            let drag = if device.fields.contains_key("damping") { "damping" } else { "viscosity" };
+            sink.push(told(device, errors::never_settles(drag), &[(drag, "too little, or far too much".into())]));
+        }
+    }
+}
+
+/// A part on its way; `None` after an error.
+fn glide(facts: &Facts, forces: &Forces, device: &Device, sink: &mut Sink) -> Option<Glide> {
+    if forces.net_n(facts.potential_v) <= 0.0 {
+        return None;
+    }
+    let pitch_m = facts.pitch_um() / 1e6;
+    // Section 3.1.1 of the paper: as wide as the body, half an electrode radius thick.
+    let thickness_m = facts.radius_um / 1e6 / 2.0;
+    let width_m = 2.0 * facts.layout.half_width * pitch_m;
+    let mass_kg = si(device, "mass").or(si(device, "density").map(|density| density * width_m.powi(2) * thickness_m));
+    // Section 3.2: the viscosity times the square between the part's electrodes, over half an electrode radius.
+    let square_m = match facts.layout.electrodes {
+        Electrodes::Quad => 2.0 * pitch_m,
+        Electrodes::Single => width_m,
+    };
+    let damping =
+        si(device, "damping").or(si(device, "viscosity").map(|viscosity| viscosity * square_m.powi(2) / thickness_m));
+    let (Some(mass_kg), Some(damping)) = (mass_kg, damping) else {
+        let lacking = [("density", mass_kg), ("viscosity", damping)];
+        let lacking = lacking.into_iter().filter(|(_, figure)| figure.is_none()).map(|(name, _)| name);
+        let missing: Vec<&Field> =
+            lacking.filter_map(|name| VOCABULARY.fields.iter().find(|field| field.name == name)).collect();
+        let owner = format!("device `{}`", device.name);
+        sink.push(errors::missing_fields(device.span, &owner, &missing, Some(VOCABULARY.library)));
+        return None;
+    };
+    let rest_share = si(device, "rest_share").unwrap_or(REST_SHARE);
+    Some(Glide { pull: forces.pull(facts.potential_v), mass_kg, damping, pitch_m, rest_share })
+}
+
+fn length(m: f64) -> String {
+    Quantity::new(m, Dimension::LENGTH).to_string()
+}
+
+fn voltage(v: f64) -> String {
+    Quantity::new(v, Dimension::VOLTAGE).to_string()
+}
+
+fn time(s: f64) -> String {
+    Quantity::new(three_digits(s), Dimension::TIME).to_string()
+}
+
+/// A force for a message; of three digits, like those of the table.
+fn force(n: f64) -> String {
+    Quantity::new(three_digits(n), Dimension::FORCE).to_string()
+}
+
+fn three_digits(si: f64) -> f64 {
+    format!("{si:.3e}").parse().unwrap_or(si)
+}

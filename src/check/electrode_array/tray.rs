@@ -1,0 +1,292 @@
+//! A scene as one board meets it: obstacles and parts.
+
+use super::board;
+use super::cover::{Cover, Spread, nearest_cell};
+use crate::check::claims::electrode_array::{Body, Obstacle, Part};
+use crate::check::devices::Device;
+use crate::check::fields::Accepted;
+use crate::check::lets::Argument;
+use crate::check::scenes::{Object, Scene};
+use crate::check::tasks::Site;
+use crate::check::value::{ShapeValue, Value, whole};
+use crate::check::{Checker, errors};
+use crate::device::electrode_array::{Cell, Facts, MAX_OBSTACLES, MAX_PARTS, VOCABULARY};
+use crate::device::shape::Form;
+use crate::diagnostic::{Code, Diagnostic, Sink};
+use crate::source::{Span, Spanned};
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// A scene as one device meets it.
+#[derive(Clone)]
+pub struct Judged {
+    pub obstacles: Arc<Vec<Obstacle>>,
+    pub parts: Arc<Vec<Part>>,
+    /// Every part that the scene names, with its index if nothing is wrong with it.
+    pub names: Rc<BTreeMap<String, Option<usize>>>,
+    pub cover: Rc<Cover>,
+    /// Whether none of its objects is impossible.
+    pub is_whole: bool,
+}
+
+impl Checker<'_> {
+    /// The scene of a task for its device, judged once.
+    pub fn tray(&mut self, site: &Site, facts: &Facts) -> Judged {
+        let Some((place, scene)) = &site.scene else { return judged(&[], &site.device, facts, self.sink) };
+        let key = (*place, site.place);
+        if let Some(known) = self.trays.get(&key) {
+            return known.clone();
+        }
+        let judged = judged_scene(scene, &site.device, facts, self.sink);
+        self.trays.insert(key, judged.clone());
+        judged
+    }
+}
+
+fn judged_scene(scene: &Scene, device: &Device, facts: &Facts, sink: &mut Sink) -> Judged {
+    for (noun, most) in [("part", MAX_PARTS), ("obstacle", MAX_OBSTACLES)] {
+        let count = scene.objects.iter().filter(|object| object.noun == noun).count();
+        if let Some(first) = scene.objects.iter().filter(|object| object.noun == noun).nth(most) {
+            sink.push(errors::too_many_objects(first.span, noun, count, most));
+            return Judged { is_whole: false, ..judged(&[], device, facts, sink) };
+        }
+    }
+    judged(&scene.objects, device, facts, sink)
+}
+
+/// Of a part that was read: where it stands, with the place of that figure.
+struct Standing {
+    part: Part,
+    at: Argument,
+}
+
+fn judged(objects: &[Rc<Object>], device: &Device, facts: &Facts, sink: &mut Sink) -> Judged {
+    let before = sink.errors();
+    let (mut obstacles, mut standing) = (Vec::new(), Vec::new());
+    let mut names = BTreeMap::new();
+    for object in objects {
+        let mut reader = Reader { object, device, facts, sink };
+        match object.noun.as_str() {
+            "part" => {
+                let part = reader.part();
+                names.insert(object.name.clone(), part.as_ref().map(|_| standing.len()));
+                standing.extend(part);
+            }
+            "obstacle" => obstacles.extend(reader.obstacle()),
+            _ => reader.stranger(),
+        }
+    }
+    let cover = Cover::of(&obstacles, facts);
+    starts(&standing, &obstacles, &cover, facts, sink);
+    Judged {
+        obstacles: Arc::new(obstacles),
+        parts: Arc::new(standing.into_iter().map(|standing| standing.part).collect()),
+        names: Rc::new(names),
+        cover: Rc::new(cover),
+        is_whole: sink.errors() == before,
+    }
+}
+
+/// Reads one object of a scene.
+struct Reader<'a> {
+    object: &'a Object,
+    device: &'a Device,
+    facts: &'a Facts,
+    sink: &'a mut Sink,
+}
+
+impl Reader<'_> {
+    fn stranger(&mut self) {
+        let known: Vec<&str> = VOCABULARY.nouns.iter().map(|noun| noun.name).collect();
+        let object = self.object;
+        self.sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, VOCABULARY.name, &known));
+    }
+
+    fn part(&mut self) -> Option<Standing> {
+        let shape = self.object.shape.as_ref();
+        let is_carried = shape.is_none_or(|shape| self.is_carried(shape));
+        let at = self.place()?;
+        let cell = self.cell(&at)?;
+        if !self.facts.reaches(cell) {
+            let nearest = nearest_cell(cell, self.facts, |_| true);
+            let wrong = errors::part_out_of_reach(at.span, &self.object.name, cell, self.facts.reach(), nearest);
+            self.sink.push(errors::given_at(wrong, &at));
+            return None;
+        }
+        let part = Part { name: self.object.name.clone(), cell, span: self.object.span };
+        is_carried.then_some(Standing { part, at })
+    }
+
+    /// Whether a part is of the layout that the device carries.
+    fn is_carried(&mut self, shape: &Spanned<ShapeValue>) -> bool {
+        let object = self.object;
+        if shape.value.form != Form::Layout {
+            let known = [Form::Layout.name()];
+            let form = shape.value.form.name();
+            self.sink.push(errors::shape_of_other_kind(shape.span, form, &object.noun, VOCABULARY.name, &known));
+            return false;
+        }
+        let own = self.facts.layout;
+        let is_own = board::layout_of(&shape.value).is_some_and(|layout| {
+            layout.electrodes == own.electrodes && (layout.half_width - own.half_width).abs() <= 1e-9 * own.half_width
+        });
+        if !is_own {
+            let describe = |shape: &ShapeValue| {
+                let half = board::quantity(&shape.fields, "half_width").map_or(0.0, |half| half.si);
+                (board::electrodes_text(shape), board::number(half))
+            };
+            let carried = self.device.fields.get("part").map(|part| (&part.value, part.span));
+            let Some((Value::Shape(carried), span)) = carried else { return false };
+            let found = (shape.span, describe(&shape.value));
+            self.sink.push(errors::part_of_other_layout(&object.name, found, (span, describe(carried))));
+        }
+        is_own
+    }
+
+    /// What follows `at`.
+    fn place(&mut self) -> Option<Argument> {
+        let object = self.object;
+        match &object.at {
+            Some(at) => Some(Argument { value: at.value.clone(), span: at.span, origin: object.origin.clone() }),
+            None => {
+                self.sink.push(errors::stands_nowhere(object.span, &object.noun, &object.name));
+                None
+            }
+        }
+    }
+
+    /// The whole cell of a place, which need not be one of the board.
+    fn whole_cell(&mut self, at: &Argument) -> Option<[i64; 2]> {
+        let cell = whole_cell(&at.value);
+        if cell.is_none() {
+            self.sink.push(errors::given_at(errors::no_cell(at.span, &at.value), at));
+        }
+        cell
+    }
+
+    /// The cell of the board at a place.
+    fn cell(&mut self, at: &Argument) -> Option<Cell> {
+        let pair = self.whole_cell(at)?;
+        let cell = on_board(pair, self.facts);
+        if cell.is_none() {
+            let object = self.object;
+            let wrong = errors::off_board(at.span, &object.noun, &object.name, pair, self.facts, &self.device.name);
+            self.sink.push(errors::given_at(wrong, at));
+        }
+        cell
+    }
+
+    fn obstacle(&mut self) -> Option<Obstacle> {
+        let body = match &self.object.shape {
+            None => {
+                let at = self.place()?;
+                let cell = self.cell(&at)?;
+                Body::Electrodes { from: cell, to: cell }
+            }
+            Some(shape) if shape.value.form == Form::Cells => self.block(&shape.value.fields)?,
+            Some(shape) if shape.value.form == Form::Layout => {
+                let is_carried = self.is_carried(shape);
+                let at = self.place()?;
+                let cell = self.cell(&at).filter(|_| is_carried)?;
+                Body::Fixed(cell)
+            }
+            Some(shape) => {
+                let known = [Form::Cells.name(), Form::Layout.name()];
+                let (form, noun) = (shape.value.form.name(), &self.object.noun);
+                self.sink.push(errors::shape_of_other_kind(shape.span, form, noun, VOCABULARY.name, &known));
+                return None;
+            }
+        };
+        Some(Obstacle { name: self.object.name.clone(), body, span: self.object.span })
+    }
+
+    /// A block of electrodes, as far as it lies on the board.
+    fn block(&mut self, fields: &Accepted) -> Option<Body> {
+        let corners = ["from", "to"].map(|name| fields.get(name));
+        let [Some(from), Some(to)] = corners else { return None };
+        let shift = match &self.object.at {
+            None => [0, 0],
+            Some(_) => {
+                let at = self.place()?;
+                self.whole_cell(&at)?
+            }
+        };
+        let from_cell = self.whole_cell(&Argument::plain(from))?;
+        let to_cell = self.whole_cell(&Argument::plain(to))?;
+        let low = [0, 1].map(|axis| from_cell[axis].min(to_cell[axis]).saturating_add(shift[axis]));
+        let high = [0, 1].map(|axis| from_cell[axis].max(to_cell[axis]).saturating_add(shift[axis]));
+        let last = [self.facts.columns, self.facts.rows].map(i64::from);
+        if (0..2).any(|axis| high[axis] < 1 || low[axis] > last[axis]) {
+            let (object, shape) = (self.object, self.object.shape.as_ref()?);
+            let wrong = errors::off_board(shape.span, &object.noun, &object.name, low, self.facts, &self.device.name);
+            self.sink.push(wrong);
+            return None;
+        }
+        let clip = |at: [i64; 2]| Cell::new(at[0].clamp(1, last[0]) as u32, at[1].clamp(1, last[1]) as u32);
+        Some(Body::Electrodes { from: clip(low), to: clip(high) })
+    }
+}
+
+/// The whole numbers of a cell, which may lie off the board.
+pub fn whole_cell(value: &Value) -> Option<[i64; 2]> {
+    match value {
+        Value::Point(point) if point.len() == 2 => Some([whole(point[0])?, whole(point[1])?]),
+        _ => None,
+    }
+}
+
+/// The cell of two numbers, if the board has it.
+pub fn on_board([column, row]: [i64; 2], facts: &Facts) -> Option<Cell> {
+    let cell = Cell::new(u32::try_from(column).ok()?, u32::try_from(row).ok()?);
+    facts.holds(cell).then_some(cell)
+}
+
+/// Parts start clear of obstacles and of each other.
+fn starts(standing: &[Standing], obstacles: &[Obstacle], cover: &Cover, facts: &Facts, sink: &mut Sink) {
+    let apart = facts.separation.apart();
+    let mut spread: Spread<usize> = Spread::new(apart);
+    for (index, Standing { part, at }) in standing.iter().enumerate() {
+        if let Some(obstacle) = cover.covering(part.cell) {
+            let free = nearest_cell(part.cell, facts, |cell| cover.covering(cell).is_none());
+            let place = Blocked { code: Code::E0505, cell: part.cell, span: at.span };
+            sink.push(errors::given_at(on_obstacle(&place, &obstacles[obstacle], facts, free), at));
+            continue;
+        }
+        if let Some((cell, other)) = spread.near(part.cell) {
+            let is_free = |cell| cover.covering(cell).is_none() && spread.near(cell).is_none();
+            let free = nearest_cell(part.cell, facts, is_free);
+            let other = &standing[other];
+            let places = [(part.name.as_str(), part.cell, at.span), (other.part.name.as_str(), cell, other.at.span)];
+            sink.push(errors::given_at(errors::starts_too_near(places, apart, free), at));
+            continue;
+        }
+        spread.put(part.cell, index);
+    }
+}
+
+/// A start or a goal, by its code, that an obstacle keeps parts from.
+pub struct Blocked {
+    pub code: Code,
+    pub cell: Cell,
+    pub span: Span,
+}
+
+/// What is said of a cell that is too near to an obstacle.
+pub fn on_obstacle(place: &Blocked, obstacle: &Obstacle, facts: &Facts, free: Option<Cell>) -> Diagnostic {
+    let (distance, apart) = match obstacle.body {
+        Body::Electrodes { from, to } => {
+            let near =
+                Cell::new(place.cell.column.clamp(from.column, to.column), place.cell.row.clamp(from.row, to.row));
+            (place.cell.apart(near), facts.clearance)
+        }
+        Body::Fixed(cell) => (place.cell.apart(cell), facts.separation.apart()),
+    };
+    errors::near_obstacle(
+        (place.code, place.span),
+        place.cell,
+        (&obstacle.name, obstacle.span),
+        (distance, apart),
+        free,
+    )
+}

@@ -1,0 +1,327 @@
+//! Electrode arrays: E0409 and on, E0505, E0515, E0521 and on.
+//!
+//! What is wrong with a device comes without labels: the caller puts them on the fields, of whichever file they are.
+
+use crate::check::value::Value;
+use crate::device::electrode_array::{Cell, Facts};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::digits;
+use crate::source::Span;
+
+/// A part with a cell and where that stands in the source.
+type Place<'a> = (&'a str, Cell, Span);
+
+pub fn radius_out_of_table(radius: String, [least, most]: [String; 2], nearest: String) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0409,
+        format!("electrodes with a radius of {radius}, the forces are known from {least} to {most}"),
+    )
+    .help(format!("make `radius` {nearest}, or give the device a table of `forces` for its own electrodes"))
+}
+
+pub fn radius_twice(radius: String, first: Span, second: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0409, format!("two rows of forces for a radius of {radius}"))
+        .label(second, "again here")
+        .label(first, "first here")
+        .help("keep one of the two: between the rows of a table forces are interpolated")
+}
+
+pub fn gap_out_of_limits(ratio: f64, limit: f64, [least, most]: [Option<f64>; 2]) -> Diagnostic {
+    let range = match (least, most) {
+        (Some(least), Some(most)) => format!("from {} to {}", digits(least), digits(most)),
+        (Some(least), None) => format!("{} or more", digits(least)),
+        (None, Some(most)) => format!("{} or less", digits(most)),
+        (None, None) => "any".to_owned(),
+    };
+    let what =
+        if ratio < limit { "sparks leap between electrodes that are nearer" } else { "a part is not pulled further" };
+    Diagnostic::new(Code::E0410, format!("a pitch ratio of {}, it has to be {range}", digits(ratio)))
+        .help(format!("make `pitch_ratio` {}: {what}", digits(limit)))
+}
+
+/// The forces on a part at the potential of its device, for a message.
+pub struct Balance {
+    pub lateral: String,
+    pub friction: String,
+    pub net: String,
+    /// By how much the net force at the needed potential is greater.
+    pub margin: Option<String>,
+}
+
+/// `least` is the potential that works, `most_friction` what works where no potential does.
+pub fn potential_too_low(
+    potential: &str,
+    radius: &str,
+    least: Option<&str>,
+    balance: Option<&Balance>,
+    most_friction: Option<f64>,
+) -> Diagnostic {
+    let title = match (least, balance) {
+        (Some(least), _) => {
+            format!("a potential of {potential}, to move a part over electrodes of {radius} takes {least}")
+        }
+        (None, Some(balance)) => {
+            format!("friction of {} holds a part that is pulled with {}", balance.friction, balance.lateral)
+        }
+        (None, None) => format!("a potential of {potential} moves no part"),
+    };
+    let forces = balance.map(|Balance { lateral, friction, net, margin }| {
+        let margin = margin.as_ref().map(|margin| format!(", {margin} too little")).unwrap_or_default();
+        format!(": at {potential} a part is pulled with {lateral}, static friction is {friction}, net {net}{margin}")
+    });
+    let mend = match (least, most_friction) {
+        (Some(least), _) => format!("raise `potential` to {least}"),
+        (None, Some(friction)) => format!("no potential moves it: bring `friction` down to {}", digits(friction)),
+        (None, None) => "raise `potential`".to_owned(),
+    };
+    Diagnostic::new(Code::E0411, title).help(format!("{mend}{}", forces.unwrap_or_default()))
+}
+
+pub fn step_too_short(step: &str, settling: &str, least: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0412, format!("a step of {step}, a part needs {settling} to come to rest on the next cell"))
+        .help(format!("make `step_duration` {least} or longer"))
+}
+
+pub fn never_settles(drag: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0412, "a part does not come to rest on the next cell").help(format!(
+        "check the unit of `{drag}`: without drag a part swings about its goal, in thick liquid it creeps"
+    ))
+}
+
+pub fn unknown_layout(found: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0413, format!("a part with {found} electrodes, boards carry (1, 1) and (2, 2)"))
+        .help("write `layout { electrodes: (2, 2), half_width: 1.5 }` for a micropart, `(1, 1)` for a droplet")
+}
+
+pub fn body_too_small(half: f64, least: f64) -> Diagnostic {
+    let title = format!("a half width of {} pitches, the electrodes of the part reach {}", digits(half), digits(least));
+    Diagnostic::new(Code::E0413, title)
+        .help(format!("make `half_width` {} or more: the body holds its electrodes", digits(least)))
+}
+
+pub fn bodies_touch(apart: u32, width: f64, least: u32) -> Diagnostic {
+    let title = format!("a separation of {apart} electrodes, parts of {} pitches touch", digits(width));
+    Diagnostic::new(Code::E0414, title).help(format!("make `separation` {least} or more"))
+}
+
+pub fn parts_pulled(apart: u32, least: u32) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0414,
+        format!("a separation of {apart} electrodes, one part's electrodes pull on the next up to {}", least - 1),
+    )
+    .help(format!("make `separation` {least} or more: an electrode pulls what lies beside it, diagonals included"))
+}
+
+pub fn obstacle_under_body(clearance: u32, half: f64, least: u32) -> Diagnostic {
+    let title =
+        format!("a clearance of {clearance} electrodes, a part reaches {} pitches from its centre", digits(half));
+    Diagnostic::new(Code::E0414, title).help(format!("make `clearance` {least} or more"))
+}
+
+pub fn board_too_small(columns: u32, rows: u32, least: u32) -> Diagnostic {
+    Diagnostic::new(Code::E0415, format!("a board of {columns} x {rows} electrodes, a part needs {least} x {least}"))
+        .help(format!("make `columns` and `rows` {least} or more"))
+}
+
+pub fn published_separation() -> Diagnostic {
+    Diagnostic::new(Code::W0402, "the separations of table 3 let parts collide in 3 of its 25 entries")
+        .help(
+            "unsafe are, with the first part to the right of and above the second: one to the right, two up (v1, v4), 4 rows \
+             apart; one to the left, two down (v2, v3), 4 columns apart; one down, two to the right (v3, v1), 4 rows or 4 \
+             columns apart; the verifier refuses such steps: for real work write `separation: 4`",
+        )
+}
+
+/// `chosen` is the planner, or the first step.
+pub fn published_needs_published(chosen: Option<Span>) -> Diagnostic {
+    let diagnostic = Diagnostic::new(Code::E0520, "planner `portfolio` cannot plan with separations `as_published`");
+    let diagnostic = match chosen {
+        Some(span) => diagnostic.label(span, "planned by `portfolio`"),
+        None => diagnostic,
+    };
+    diagnostic
+        .help("write `using cooperative_astar` or `using plain_cooperative_astar`, or give the device `separation: 4`")
+}
+
+pub fn too_many_objects(span: Span, noun: &str, count: usize, most: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0522, format!("{count} {noun}s in a scene, at most {most} are planned for"))
+        .label(span, "one too many")
+        .help(match noun {
+            "obstacle" => "make blocks of them, as `obstacle wall : cells { from: (20, 20), to: (23, 23) }`",
+            _ => "divide the work among several boards",
+        })
+}
+
+pub fn stands_nowhere(span: Span, noun: &str, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0515, format!("{noun} `{name}` stands nowhere"))
+        .label(span, "where?")
+        .help(format!("write `{noun} {name} at (5, 3)`, column and row from 1"))
+}
+
+pub fn no_cell(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(Code::E0515, format!("a whole cell belongs here, this is {}", found.describe_fully()))
+        .label(span, found.describe())
+        .help("write `(5, 3)`: the column and the row of an electrode, whole numbers from 1")
+}
+
+pub fn off_board(span: Span, noun: &str, name: &str, pair: [i64; 2], facts: &Facts, device: &str) -> Diagnostic {
+    let Facts { columns, rows, .. } = facts;
+    let [column, row] = pair;
+    let title =
+        format!("{noun} `{name}` at ({column}, {row}) lies off the board, which is (1, 1) to ({columns}, {rows})");
+    Diagnostic::new(Code::E0515, title).label(span, format!("`{device}` has {columns} columns and {rows} rows")).help(
+        format!("the nearest electrode is ({}, {})", column.clamp(1, (*columns).into()), row.clamp(1, (*rows).into())),
+    )
+}
+
+/// The cells that a part can take, for a message.
+fn extent(reach: Option<[Cell; 2]>) -> String {
+    reach.map_or("nothing".to_owned(), |[first, last]| format!("{first} to {last}"))
+}
+
+fn nearest(cell: Option<Cell>, what: &str) -> Option<String> {
+    cell.map(|cell| format!("the nearest cell {what} is {cell}"))
+}
+
+pub fn part_out_of_reach(
+    span: Span,
+    name: &str,
+    cell: Cell,
+    reach: Option<[Cell; 2]>,
+    near: Option<Cell>,
+) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0515,
+        format!("part `{name}` at {cell} stands over the rim, parts stand at {}", extent(reach)),
+    )
+    .label(span, "its electrodes do not fit on the board here")
+    .help_if(nearest(near, "that it can take"))
+}
+
+pub fn goal_out_of_reach(span: Span, [column, row]: [i64; 2], facts: &Facts, free: Option<Cell>) -> Diagnostic {
+    let title =
+        format!("cell ({column}, {row}) lies outside the cells that a part can take, {}", extent(facts.reach()));
+    Diagnostic::new(Code::E0501, title).label(span, "cannot be reached").help_if(nearest(free, "that is free"))
+}
+
+/// A start or a goal, by its code, nearer to an obstacle than it may be.
+pub fn near_obstacle(
+    (code, span): (Code, Span),
+    cell: Cell,
+    (name, obstacle): (&str, Span),
+    (distance, apart): (u32, u32),
+    free: Option<Cell>,
+) -> Diagnostic {
+    let title = match distance {
+        0 => format!("cell {cell} lies on obstacle `{name}`"),
+        distance => format!("cell {cell} lies {distance} electrodes from obstacle `{name}`, {apart} are needed"),
+    };
+    Diagnostic::new(code, title.replace(" 1 electrodes", " 1 electrode"))
+        .label(span, if distance == 0 { "covered" } else { "too near" })
+        .label(obstacle, "the obstacle")
+        .help_if(nearest(free, "that is free"))
+}
+
+/// `found` and `carried` are electrodes and half width.
+pub fn part_of_other_layout(
+    name: &str,
+    found: (Span, (String, String)),
+    carried: (Span, (String, String)),
+) -> Diagnostic {
+    let text = |(electrodes, half): &(String, String)| format!("{electrodes} electrodes and a half width of {half}");
+    let title = format!("`{name}` has {}, the device carries {}", text(&found.1), text(&carried.1));
+    Diagnostic::new(Code::E0521, title)
+        .label(found.0, "another layout")
+        .label(carried.0, "what the device carries")
+        .help("leave the layout out, and it is that of the device; one board carries parts of one layout")
+}
+
+/// The part that stands too near, then the one that was there before.
+pub fn starts_too_near(
+    [(name, cell, span), (other, at, other_span)]: [Place; 2],
+    apart: u32,
+    free: Option<Cell>,
+) -> Diagnostic {
+    let title = match cell.apart(at) {
+        0 => format!("parts `{other}` and `{name}` start on one cell"),
+        distance => format!("parts `{other}` and `{name}` start {}, {apart} are needed", electrodes(distance)),
+    };
+    Diagnostic::new(Code::E0523, title)
+        .label(span, format!("`{name}` starts here"))
+        .label_elsewhere(other_span, span, format!("`{other}` starts here"))
+        .help_if(nearest(free, &format!("that is free for `{name}`")))
+}
+
+fn electrodes(distance: u32) -> String {
+    if distance == 1 { "1 electrode apart".to_owned() } else { format!("{distance} electrodes apart") }
+}
+
+/// The goal that is too near, then the one that was given before.
+pub fn goals_too_near(
+    [(name, cell, span), (other, at, other_span)]: [Place; 2],
+    apart: u32,
+    free: Option<Cell>,
+) -> Diagnostic {
+    let title = match cell.apart(at) {
+        0 => format!("parts `{other}` and `{name}` have one goal"),
+        distance => format!("the goals of `{other}` and `{name}` are {}, {apart} are needed", electrodes(distance)),
+    };
+    Diagnostic::new(Code::E0524, title)
+        .label(span, format!("goal of `{name}`"))
+        .label_elsewhere(other_span, span, format!("goal of `{other}`"))
+        .help_if(nearest(free, &format!("that is free for `{name}`")))
+}
+
+pub fn near_standing_part(
+    (name, cell, span): Place,
+    (other, at, since): Place,
+    apart: u32,
+    free: Option<Cell>,
+) -> Diagnostic {
+    let title = match cell.apart(at) {
+        0 => format!("`{name}` is sent to {cell}, where `{other}` stands"),
+        distance => {
+            format!("`{name}` is sent to {cell}, `{other}` stands {} at {at}, {apart} are needed", electrodes(distance))
+        }
+    };
+    let aside = format!("send `{other}` away before, or in the same `together`");
+    Diagnostic::new(Code::E0524, title)
+        .label(span, "too near")
+        .label_elsewhere(since, span, format!("`{other}` stands at {at} by then"))
+        .help(nearest(free, "that is free").map(|free| format!("{free}; or {aside}")).unwrap_or(aside))
+}
+
+pub fn two_goals(name: &str, span: Span, earlier: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0525, format!("`{name}` has two goals at the same time"))
+        .label(span, "again here")
+        .label_elsewhere(earlier, span, "first here")
+        .help("write two steps, one below the other, or one `move` with `via`")
+}
+
+pub fn merged_away(span: Span, name: &str, merged: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0526, format!("`{name}` has merged with another part by then"))
+        .label(span, "is no part of its own any more")
+        .label_elsewhere(merged, span, "merged here")
+        .help("what has merged goes by the name before `with` from then on")
+}
+
+pub fn parts_do_not_merge(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0527, "parts with (2, 2) electrodes do not merge, droplets with (1, 1) do")
+        .label(span, "not on this device")
+        .help("write two `move`s to cells that are far enough apart")
+}
+
+pub fn merges_with_itself(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0527, format!("`{name}` cannot merge with itself"))
+        .label(span, "one droplet, named twice")
+        .help("name two droplets of the scene")
+}
+
+pub fn unlike_parts(run: Span, device: &str, name: &str) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0528,
+        format!("tasks of `{device}` in one schedule have unlike parts: `{name}` is not in both scenes"),
+    )
+    .label(run, "runs with other parts than before")
+    .help("a board keeps its parts between tasks: give all of them one scene, or scenes with parts of the same names")
+}

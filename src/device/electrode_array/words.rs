@@ -1,0 +1,201 @@
+//! The vocabulary of the electrode array.
+
+use super::{MAX_APART, MAX_EXPANSIONS, MAX_SIDE};
+use crate::device::shape::Form;
+use crate::device::{
+    Choice, Count, Field, Need, Noun, Outcome, Phrase, Planner, Range, Sort, Together, Verb, Vocabulary,
+};
+use crate::quantity::Dimension;
+
+const fn positive(dimension: Dimension) -> Sort {
+    Sort::Quantity { dimension, range: Range::Positive }
+}
+
+const fn not_negative(dimension: Dimension) -> Sort {
+    Sort::Quantity { dimension, range: Range::NotNegative }
+}
+
+const fn required(name: &'static str, sort: Sort, doc: &'static str) -> Field {
+    Field { name, sort, need: Need::Required, doc }
+}
+
+const fn optional(name: &'static str, sort: Sort, without: &'static str, doc: &'static str) -> Field {
+    Field { name, sort, need: Need::Optional(without), doc }
+}
+
+const SEPARATION: [Choice; 1] =
+    [Choice { name: "as_published", doc: "Table 3 of the paper as it is printed, which is not safe everywhere" }];
+
+const FORCES: [Field; 7] = [
+    required("radius", positive(Dimension::LENGTH), "the electrode radius that the row is for"),
+    required("potential", positive(Dimension::VOLTAGE), "the potential of the row, the least that moves a part"),
+    required("permittivity", positive(Dimension::NUMBER), "the relative permittivity of the row's dielectric"),
+    required("distance", positive(Dimension::LENGTH), "the distance of centres at which the row's forces act"),
+    required("vertical_force", not_negative(Dimension::FORCE), "the electrodes' pull towards the board"),
+    required("weight", not_negative(Dimension::FORCE), "the weight of a part"),
+    required("lateral_force", positive(Dimension::FORCE), "the electrodes' pull along the board"),
+];
+
+const FIELDS: &[Field] = &[
+    required("columns", Sort::Count { least: 1, most: MAX_SIDE }, "electrodes along a row"),
+    required("rows", Sort::Count { least: 1, most: MAX_SIDE }, "electrodes along a column"),
+    required("radius", positive(Dimension::LENGTH), "of an electrode"),
+    required(
+        "pitch_ratio",
+        positive(Dimension::NUMBER),
+        "gap between the rims of neighbouring electrodes over their radius, d1",
+    ),
+    optional("least_pitch_ratio", positive(Dimension::NUMBER), "no limit", "the least `pitch_ratio` without arcing"),
+    optional("most_pitch_ratio", positive(Dimension::NUMBER), "no limit", "the greatest `pitch_ratio` that carries"),
+    required("potential", positive(Dimension::VOLTAGE), "on an electrode that is on"),
+    optional(
+        "least_potential",
+        positive(Dimension::VOLTAGE),
+        "what `forces` ask for",
+        "the least potential that moves a part, where it was measured",
+    ),
+    required("step_duration", positive(Dimension::TIME), "one move to a neighbouring cell, settling included"),
+    optional(
+        "settling",
+        not_negative(Dimension::TIME),
+        "what the equation of motion gives where there are `forces`",
+        "from one cell to rest on the next, where it was measured",
+    ),
+    required("part", Sort::Shape(Form::Layout), "what every part of the board looks like from below"),
+    optional(
+        "hold",
+        Sort::Flag,
+        "false",
+        "whether the electrodes that brought a part to its cell stay on while it rests",
+    ),
+    required(
+        "separation",
+        Sort::CountOrWord { least: 1, most: MAX_APART, words: &SEPARATION },
+        "how many electrodes the centres of two parts keep apart, along columns or along rows",
+    ),
+    required(
+        "clearance",
+        Sort::Count { least: 1, most: MAX_APART },
+        "how many electrodes a centre keeps from an electrode under an obstacle",
+    ),
+    optional("forces", Sort::Table(&FORCES), "forces are not checked", "what pulls on a part, by electrode radius"),
+    optional(
+        "permittivity",
+        positive(Dimension::NUMBER),
+        "that of `forces`",
+        "relative permittivity of the dielectric on the board; forces grow with it",
+    ),
+    optional("friction", not_negative(Dimension::NUMBER), "0", "coefficient of static friction of a part on the board"),
+    optional(
+        "peak_distance",
+        positive(Dimension::NUMBER),
+        "1",
+        "distance of centres, over the radius, at which an electrode pulls hardest",
+    ),
+    optional(
+        "rest_share",
+        positive(Dimension::NUMBER),
+        "2 %",
+        "share of the pitch, and of the greatest speed, within which a part is at rest",
+    ),
+    optional("density", positive(Dimension::DENSITY), "`mass` says it", "of a part, a plate half a radius thick"),
+    optional("mass", positive(Dimension::MASS), "by `density`", "of a part, where it was measured"),
+    optional("viscosity", positive(Dimension::VISCOSITY), "`damping` says it", "of the liquid that parts glide on"),
+    optional("damping", positive(Dimension::DAMPING), "by `viscosity`", "drag over speed, where it was measured"),
+];
+
+const SETTINGS: &[Field] = &[Field {
+    name: "may_yield",
+    sort: Sort::Flag,
+    need: Need::Optional("false"),
+    doc: "whether parts without a goal may step aside, and come back",
+}];
+
+const VERBS: &[Verb] = &[
+    Verb {
+        name: "move",
+        object: Some(Sort::Object("part")),
+        phrases: &[
+            Phrase { preposition: "to", sort: Sort::Cell, count: Count::Once },
+            Phrase { preposition: "via", sort: Sort::Cell, count: Count::AnyNumber },
+        ],
+        doc: "carries a part to a cell, by way of others in the order of writing",
+        example: "move m1 to (26, 31) via (5, 20)",
+    },
+    Verb {
+        name: "merge",
+        object: Some(Sort::Object("part")),
+        phrases: &[
+            Phrase { preposition: "with", sort: Sort::Object("part"), count: Count::Once },
+            Phrase { preposition: "at", sort: Sort::Cell, count: Count::Once },
+        ],
+        doc: "brings two droplets together at a cell; the first name is that of both from then on",
+        example: "merge sample with reagent at (7, 4)",
+    },
+];
+
+const BUDGET: [Field; 1] = [Field {
+    name: "expansions",
+    sort: Sort::Count { least: 1, most: MAX_EXPANSIONS },
+    need: Need::Optional("20 million"),
+    doc: "how many states the search of one step may expand before it gives up",
+}];
+
+const fn planner(name: &'static str, doc: &'static str) -> Planner {
+    Planner { name, options: &BUDGET, doc }
+}
+
+/// The names of the planners, as `using` takes them and reports show them.
+const PLANNERS: &[Planner] = &[
+    planner(
+        "portfolio",
+        "Tweeze's own: prioritised search in space and time and repair for a first plan, search in large neighbourhoods for better ones, conflict-based search for the proof",
+    ),
+    planner(
+        "cooperative_astar",
+        "the paper's algorithm 1 with its heuristic of equation 12: greedy, and may miss a plan",
+    ),
+    planner("plain_cooperative_astar", "the same with the plain heuristic of equation 13"),
+];
+
+const OUTCOMES: &[Outcome] = &[
+    Outcome { name: "steps", dimension: Dimension::NUMBER, doc: "steps of the board until the last arrival" },
+    Outcome {
+        name: "sum_of_costs",
+        dimension: Dimension::NUMBER,
+        doc: "the steps until each part's last arrival, added up over all parts",
+    },
+    Outcome { name: "moves", dimension: Dimension::NUMBER, doc: "moves of parts from cell to cell" },
+    Outcome {
+        name: "time",
+        dimension: Dimension::TIME,
+        doc: "from the beginning of the task to the end of its last step",
+    },
+];
+
+/// The words of the kind.
+pub const VOCABULARY: Vocabulary = Vocabulary {
+    name: "electrode_array",
+    summary: "a board of electrodes that carries many parts or droplets at once",
+    library: ("std.electrode_array", "electrode_array.smart_platform"),
+    fields: FIELDS,
+    nouns: &[
+        Noun {
+            name: "obstacle",
+            doc: "electrodes that no part may come near: a block, one cell, or a part that is stuck",
+            shapes: &[Form::Cells, Form::Layout],
+        },
+        Noun { name: "part", doc: "a part that the electrodes carry", shapes: &[Form::Layout] },
+    ],
+    settings: SETTINGS,
+    state: None,
+    together: Together::Yes,
+    verbs: VERBS,
+    objectives: &[
+        Choice { name: "makespan", doc: "the steps until the last part has arrived" },
+        Choice { name: "sum_of_costs", doc: "the steps until each part's last arrival, added up" },
+    ],
+    planners: PLANNERS,
+    outcomes: OUTCOMES,
+    channels: "<device>.e<column>_<row>: the voltage on an electrode",
+};
