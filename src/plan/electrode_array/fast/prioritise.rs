@@ -8,10 +8,16 @@
 use super::super::board::{Cell, Paths};
 use super::crew::{Crew, Wish};
 use super::reservations::{Others, Reservations};
-use crate::plan::search::Meter;
+use crate::plan::search::{Budget, Meter};
 
 /// How many orders are tried.
 const ORDERS: usize = 8;
+
+/// A search may take so many steps
+const SEARCH_STEPS: u64 = 4_000;
+
+/// and so many more for each move that its agent has to make; then another order is the cheaper try.
+const SEARCH_STEPS_PER_MOVE: u64 = 100;
 
 /// How long a start without a path is a hazard, in separations.
 const HAZARD_SEPARATIONS: u32 = 6;
@@ -60,7 +66,10 @@ fn attempt(crew: &mut Crew, order: &[usize], most: usize, meter: &mut Meter) -> 
     let wish = Wish { others: Others::Hard, weight: HAZARD_WEIGHT, limit: u32::MAX, delay: 0, detour: None };
     for agent in order {
         crew.table.remove_hazard(*agent, crew.instance.agents[*agent].start);
-        let path = crew.plan(*agent, wish, meter);
+        let allowed = (SEARCH_STEPS + SEARCH_STEPS_PER_MOVE * u64::from(crew.least[*agent])).min(meter.left().steps);
+        let mut part = Meter::new(Budget::of(allowed));
+        let path = crew.plan(*agent, wish, &mut part);
+        meter.charge(part.spent());
         match &path {
             Some(path) => crew.table.add(*agent, path),
             None => failed.push(*agent),
