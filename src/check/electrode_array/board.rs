@@ -88,7 +88,7 @@ pub fn layout_of(shape: &ShapeValue) -> Option<Layout> {
         [2, 2] => Electrodes::Quad,
         _ => return None,
     };
-    Some(Layout { electrodes, half_width })
+    Some(Layout { electrodes, half_width_pitches: half_width })
 }
 
 /// `(3, 3)`, as it was written.
@@ -105,7 +105,7 @@ fn electrodes_reach(facts: &Facts) -> f64 {
 }
 
 fn covers_electrodes(facts: &Facts, device: &Device, sink: &mut Sink) {
-    let (half, reach) = (facts.layout.half_width, electrodes_reach(facts));
+    let (half, reach) = (facts.layout.half_width_pitches, electrodes_reach(facts));
     if half < reach * (1.0 - 1e-9) {
         let wrong = errors::body_too_small(half, rounded_up(reach));
         sink.push(told(device, wrong, &[("part", format!("reaches {} pitches from its centre", number(half)))]));
@@ -114,7 +114,7 @@ fn covers_electrodes(facts: &Facts, device: &Device, sink: &mut Sink) {
 
 /// Parts touch no other part, pull on none, and pass over no obstacle.
 fn keeps_apart(facts: &Facts, device: &Device, sink: &mut Sink) {
-    let half = facts.layout.half_width;
+    let half = facts.layout.half_width_pitches;
     let apart = facts.separation.apart();
     let by_bodies = beyond(2.0 * half);
     let by_pull = facts.layout.electrodes.least_apart();

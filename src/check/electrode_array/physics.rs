@@ -136,7 +136,7 @@ fn glide(facts: &Facts, forces: &Forces, device: &Device, sink: &mut Sink) -> Op
     let pitch_m = facts.pitch_um() / 1e6;
     // Section 3.1.1 of the paper: as wide as the body, half an electrode radius thick.
     let thickness_m = facts.radius_um / 1e6 / 2.0;
-    let width_m = 2.0 * facts.layout.half_width * pitch_m;
+    let width_m = 2.0 * facts.layout.half_width_pitches * pitch_m;
     let mass_kg = si(device, "mass").or(si(device, "density").map(|density| density * width_m.powi(2) * thickness_m));
     // Section 3.2: the viscosity times the square between the part's electrodes, over half an electrode radius.
     let square_m = match facts.layout.electrodes {

@@ -129,7 +129,8 @@ impl Reader<'_> {
         }
         let own = self.facts.layout;
         let is_own = board::layout_of(&shape.value).is_some_and(|layout| {
-            layout.electrodes == own.electrodes && (layout.half_width - own.half_width).abs() <= 1e-9 * own.half_width
+            layout.electrodes == own.electrodes
+                && (layout.half_width_pitches - own.half_width_pitches).abs() <= 1e-9 * own.half_width_pitches
         });
         if !is_own {
             let describe = |shape: &ShapeValue| {

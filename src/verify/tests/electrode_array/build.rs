@@ -26,7 +26,7 @@ pub fn platform(columns: u32, rows: u32) -> Facts {
         pitch_ratio: 0.5,
         potential_v: 100.0,
         step_ns: BEAT,
-        layout: Layout { electrodes: Electrodes::Quad, half_width: 1.5 },
+        layout: Layout { electrodes: Electrodes::Quad, half_width_pitches: 1.5 },
         hold: Hold::Off,
         separation: Separation::Apart(4),
         clearance: 3,
@@ -36,7 +36,7 @@ pub fn platform(columns: u32, rows: u32) -> Facts {
 /// A board of droplets.
 pub fn chip(columns: u32, rows: u32) -> Facts {
     Facts {
-        layout: Layout { electrodes: Electrodes::Single, half_width: 0.55 },
+        layout: Layout { electrodes: Electrodes::Single, half_width_pitches: 0.55 },
         hold: Hold::On,
         separation: Separation::Apart(2),
         clearance: 2,

@@ -108,7 +108,7 @@ proptest! {
         let cells: Vec<_> = cells.into_iter().map(|(column, row)| cell(column, row)).collect();
         (order.facts.columns, order.facts.rows, order.facts.clearance) = (columns, rows, clearance);
         order.facts.separation = Separation::Apart(separation);
-        (order.facts.potential_v, order.facts.layout.half_width) = (numbers[0], numbers[1]);
+        (order.facts.potential_v, order.facts.layout.half_width_pitches) = (numbers[0], numbers[1]);
         (order.facts.radius_um, order.facts.pitch_ratio) = (numbers[2], numbers[3]);
         order.facts.layout.electrodes = if is_quad { Electrodes::Quad } else { Electrodes::Single };
         order.facts.hold = if is_held { Hold::On } else { Hold::Off };
@@ -138,7 +138,7 @@ fn claims_that_no_program_has_are_inconclusive() {
         ("not finite", |order| order.facts.radius_um = f64::NAN),
         ("pulls nothing", |order| order.facts.potential_v = 0.0),
         ("without length", |order| order.facts.step_ns = 0),
-        ("body out of its range", |order| order.facts.layout.half_width = -0.1),
+        ("body out of its range", |order| order.facts.layout.half_width_pitches = -0.1),
         ("no clearance", |order| order.facts.clearance = 0),
         ("separation out of its range", |order| order.facts.separation = Separation::Apart(0)),
         ("separation out of its range", |order| order.facts.separation = Separation::Apart(1_001)),
