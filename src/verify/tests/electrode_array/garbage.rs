@@ -181,3 +181,18 @@ fn the_parts_of_a_device_are_the_same_in_all_its_runs() {
     let Verdict::Inconclusive { why } = verify(schedule, &claims) else { panic!("other parts") };
     assert_eq!(why, "the claims hold two sets of parts on the device `board`");
 }
+
+/// As large as the planner is to be good for: 400 parts, 400 by 400 electrodes, 300 steps of the board.
+#[test]
+fn a_large_schedule_is_followed() {
+    let word: String = "RRRUUULLLDDD".chars().cycle().take(300).collect();
+    let names: Vec<String> = (0..400).map(|part| format!("part{part}")).collect();
+    let place = |part: u32| (10 + 6 * (part % 20), 10 + 6 * (part / 20));
+    let parts: Vec<(&str, u32, u32)> =
+        (0..400).zip(&names).map(|(part, name)| (name.as_str(), place(part).0, place(part).1)).collect();
+    let goals = (0..400).map(|part| go(part as usize, &[place(part)])).collect();
+    let words = vec![word.as_str(); 400];
+    let (schedule, claims) = one_step(moving(platform(400, 400), &parts, goals), &words);
+    assert_eq!(schedule.actuations.len(), 240_000);
+    passes(&schedule, &claims);
+}
