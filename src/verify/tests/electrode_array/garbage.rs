@@ -56,7 +56,7 @@ fn spoiled(schedule: &mut Schedule, (what, at): (u8, usize), value: u64, small: 
         6 => drop(pick(actuations, at).map(|actuation| actuation.channel = small)),
         7 => drop(pick(actuations, at).map(|actuation| actuation.step = small)),
         8 => drop(pick(channels, at).map(|channel| channel.name = format!("board.e{small}_{}", at + 1))),
-        9 => drop(plans.iter_mut().for_each(|plan| plan.states.truncate(at))),
+        9 => plans.iter_mut().for_each(|plan| plan.states.truncate(at)),
         10 => drop((at < actuations.len()).then(|| actuations.remove(at))),
         _ => drop(pick(plans, 0).and_then(|plan| pick(&mut plan.states, at)).map(|state| {
             let State::ElectrodeArray { parts } = &mut state.state else { return };
