@@ -123,7 +123,9 @@ fn step(facts: &Facts, forces: Option<&Forces>, device: &Device, sink: &mut Sink
         }
         None => {
             let drag = if device.fields.contains_key("damping") { "damping" } else { "viscosity" };
-            sink.push(told(device, errors::never_settles(drag), &[(drag, "too little, or far too much".into())]));
+            let heft = if device.fields.contains_key("mass") { "mass" } else { "density" };
+            let labels = [(drag, "too little, or far too much".to_owned()), (heft, "against this".to_owned())];
+            sink.push(told(device, errors::never_settles(drag), &labels));
         }
     }
 }
