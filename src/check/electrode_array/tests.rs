@@ -242,7 +242,7 @@ fn layouts_are_those_that_boards_carry() {
     device("part: layout { electrodes: (2, 2), half_width: 1.3704 }", &[]);
     device("part: layout { electrodes: (2, 2), half_width: 1.37 }", &["E0413"]);
     device("part: layout { electrodes: (2, 2), half_width: 1.999 }, step_duration: 10 ms", &[]);
-    device("part: layout { electrodes: (2, 2), half_width: 2 }", &["E0414"]);
+    device("part: layout { electrodes: (2, 2), half_width: 2 }, step_duration: 10 ms", &["E0414"]);
     device("separation: 3", &["E0414"]);
     device("clearance: 2", &[]);
     device("clearance: 1", &["E0414"]);
