@@ -70,7 +70,9 @@ fn planner(parts: &Parts, asked: (Objective, Bystanders), facts: &Facts, sink: &
     if method != Method::Portfolio
         && let Some((what, span)) = beyond_published(parts, asked, planner.span)
     {
-        sink.push(errors::planner_cannot(planner.span, planner.value.name, what, span));
+        let wrong = errors::planner_cannot(planner.span, planner.value.name, what, span);
+        let both = "give the device `separation: 4` and leave `using` out: Tweeze's own planner does it".to_owned();
+        sink.push(wrong.help_if((facts.separation == Separation::AsPublished).then_some(both)));
         return None;
     }
     let given = match options.get("expansions").map(|option| &option.value) {

@@ -11,7 +11,7 @@ const MAX_INSTANTS: usize = 1_000_000;
 const INSTANTS_PER_RADIAN: f64 = 200.0;
 
 /// Damping over the frequency of the oscillation beyond which inertia is left out.
-const CREEPING: f64 = 1e3;
+const CREEPING: f64 = 20.0;
 
 /// The lateral force over distance: 2 F u / (1 + u²) with u the distance over that of the peak.
 #[derive(Debug, Clone, Copy)]

@@ -119,11 +119,17 @@ fn step(facts: &Facts, forces: Option<&Forces>, device: &Device, sink: &mut Sink
         Some(settling_s) => {
             let wrong = errors::step_too_short(&step.to_string(), &time(settling_s), &time(rounded_up(settling_s)));
             let why = if by == "settling" { "known to take this long" } else { "a part of these electrodes" };
-            sink.push(told(device, wrong, &[("step_duration", "too short".into()), (by, why.into())]));
+            let mut labels = vec![("step_duration", "too short".to_owned()), (by, why.to_owned())];
+            let is_own = |name: &&str| device.fields.get(name).is_some_and(|field| field.span.file == device.span.file);
+            let own = ["potential", "viscosity", "damping", "density", "mass"].into_iter().filter(is_own);
+            labels.extend(own.filter(|_| by == "radius").map(|name| (name, "settling depends on this".to_owned())));
+            sink.push(told(device, wrong, &labels));
         }
         None => {
             let drag = if device.fields.contains_key("damping") { "damping" } else { "viscosity" };
-            sink.push(told(device, errors::never_settles(drag), &[(drag, "too little, or far too much".into())]));
+            let heft = if device.fields.contains_key("mass") { "mass" } else { "density" };
+            let labels = [(drag, "too little, or far too much".to_owned()), (heft, "against this".to_owned())];
+            sink.push(told(device, errors::never_settles(drag), &labels));
         }
     }
 }

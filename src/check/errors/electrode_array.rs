@@ -5,7 +5,7 @@
 use crate::check::value::Value;
 use crate::device::electrode_array::{Cell, Facts};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::digits;
+use crate::quantity::{Dimension, digits};
 use crate::source::Span;
 
 /// A part with a cell and where that stands in the source.
@@ -100,21 +100,20 @@ pub fn body_too_small(half: f64, least: f64) -> Diagnostic {
 }
 
 pub fn bodies_touch(apart: u32, width: f64, least: u32) -> Diagnostic {
-    let title = format!("a separation of {apart} electrodes, parts of {} pitches touch", digits(width));
+    let title = format!("a separation of {apart}, parts of {} pitches touch", digits(width));
     Diagnostic::new(Code::E0414, title).help(format!("make `separation` {least} or more"))
 }
 
 pub fn parts_pulled(apart: u32, least: u32) -> Diagnostic {
     Diagnostic::new(
         Code::E0414,
-        format!("a separation of {apart} electrodes, one part's electrodes pull on the next up to {}", least - 1),
+        format!("a separation of {apart}, one part's electrodes pull on the next up to {}", least - 1),
     )
     .help(format!("make `separation` {least} or more: an electrode pulls what lies beside it, diagonals included"))
 }
 
 pub fn obstacle_under_body(clearance: u32, half: f64, least: u32) -> Diagnostic {
-    let title =
-        format!("a clearance of {clearance} electrodes, a part reaches {} pitches from its centre", digits(half));
+    let title = format!("a clearance of {clearance}, a part reaches {} pitches from its centre", digits(half));
     Diagnostic::new(Code::E0414, title).help(format!("make `clearance` {least} or more"))
 }
 
@@ -159,9 +158,20 @@ pub fn stands_nowhere(span: Span, noun: &str, name: &str) -> Diagnostic {
 }
 
 pub fn no_cell(span: Span, found: &Value) -> Diagnostic {
-    Diagnostic::new(Code::E0515, format!("a whole cell belongs here, this is {}", found.describe_fully()))
+    Diagnostic::new(Code::E0515, format!("a whole cell belongs here, this is {}", written(found)))
         .label(span, found.describe())
         .help("write `(5, 3)`: the column and the row of an electrode, whole numbers from 1")
+}
+
+/// A point of numbers as it was written, anything else by its sort.
+fn written(found: &Value) -> String {
+    match found {
+        Value::Point(point) if point.iter().all(|number| number.dimension == Dimension::NUMBER) => {
+            let numbers: Vec<String> = point.iter().map(ToString::to_string).collect();
+            format!("({})", numbers.join(", "))
+        }
+        other => other.describe_fully(),
+    }
 }
 
 pub fn off_board(span: Span, noun: &str, name: &str, pair: [i64; 2], facts: &Facts, device: &str) -> Diagnostic {

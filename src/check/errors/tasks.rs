@@ -288,9 +288,9 @@ pub fn no_start(span: Span, vocabulary: &Vocabulary) -> Diagnostic {
 }
 
 pub fn shape_of_other_kind(span: Span, shape: &str, noun: &str, kind: &str, known: &[&str]) -> Diagnostic {
-    Diagnostic::new(Code::E0514, format!("a {noun} of a {kind} cannot be a {shape}"))
+    Diagnostic::new(Code::E0514, format!("`{shape}` is no shape for the noun `{noun}` of the kind {kind}"))
         .label(span, "not a shape of this noun")
-        .help(format!("it may be {}", listed(known.iter().copied())))
+        .help(format!("it may be {}", super::either(known)))
 }
 
 pub fn run_in_task(span: Span, task: &str) -> Diagnostic {
