@@ -205,7 +205,7 @@ impl<'r, 'a> Board<'r, 'a> {
     /// A step of parts lasts for a whole number of beats.
     fn whole_beats(&self, nth: usize) -> Result<u64, Violation> {
         let (step, step_ns) = (self.run.step(nth), self.order.facts.step_ns);
-        if step.duration_ns % step_ns == 0 {
+        if step.duration_ns.is_multiple_of(step_ns) {
             return Ok(step.duration_ns / step_ns);
         }
         let (lasts, due) = (ms(step.duration_ns), ms(step_ns));
@@ -219,7 +219,7 @@ impl<'r, 'a> Board<'r, 'a> {
         let mut pulses = Vec::with_capacity(self.pulses[nth].len());
         for (cell, part) in &self.pulses[nth] {
             let after_ns = part.start_ns - step.start_ns;
-            if after_ns % beat_ns != 0 || part.duration_ns % beat_ns != 0 {
+            if !after_ns.is_multiple_of(beat_ns) || !part.duration_ns.is_multiple_of(beat_ns) {
                 let (from, to, beat) = (ms(part.start_ns), ms(part.end_ns()), ms(beat_ns));
                 let begins = ms(step.start_ns);
                 let title = format!(

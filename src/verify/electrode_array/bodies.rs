@@ -106,8 +106,7 @@ impl Scene {
 
     /// The first obstacle of electrodes that a centre is too near to, with its distance.
     pub fn blocked(&self, at: Cell) -> Option<(usize, u32)> {
-        let near = first(&self.blocks, &self.block_boxes, &Way::new(at, at), self.clearance - 1);
-        near.map(|(obstacle, apart)| (obstacle, apart))
+        first(&self.blocks, &self.block_boxes, &Way::new(at, at), self.clearance - 1)
     }
 
     /// The first part that is stuck and that another comes too near to, with the distance.

@@ -64,12 +64,12 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
         switch_on(s, (17, 14), 0, 0, 1);
         switch_on(s, (17, 16), 0, 0, 1);
     }),
-    ("another start", Rule::Start, |s| parts(s, 0).extend([("a".to_owned(), [5, 6])].into_iter())),
+    ("another start", Rule::Start, |s| parts(s, 0).extend([("a".to_owned(), [5, 6])])),
     ("a start without a part", Rule::Start, |s| {
         parts(s, 0).remove("c");
     }),
-    ("another state", Rule::State, |s| parts(s, 2).extend([("b".to_owned(), [5, 12])].into_iter())),
-    ("a part too many", Rule::State, |s| parts(s, 3).extend([("d".to_owned(), [1, 1])].into_iter())),
+    ("another state", Rule::State, |s| parts(s, 2).extend([("b".to_owned(), [5, 12])])),
+    ("a part too many", Rule::State, |s| parts(s, 3).extend([("d".to_owned(), [1, 1])])),
     ("a state too late", Rule::State, |s| s.plans[0].states[1].t_ns += 1),
     ("a state less", Rule::State, |s| drop(s.plans[0].states.pop())),
     ("a state twice", Rule::State, |s| {

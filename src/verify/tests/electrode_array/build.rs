@@ -141,6 +141,7 @@ struct Writer {
     schedule: Schedule,
     at_ns: u64,
     cells: Vec<Option<Cell>>,
+    channels: BTreeMap<Cell, u32>,
 }
 
 /// The schedule of these words, with true records.
@@ -154,7 +155,7 @@ pub fn schedule(claims: &Claims, words: Words) -> Schedule {
         steps: Vec::new(),
         plans: Vec::new(),
     };
-    let mut writer = Writer { schedule, at_ns: 0, cells: Vec::new() };
+    let mut writer = Writer { schedule, at_ns: 0, cells: Vec::new(), channels: BTreeMap::new() };
     for (index, job) in claims.jobs.iter().enumerate() {
         let Order::ElectrodeArray(order) = &job.order else { panic!("an order of a board") };
         if index == 0 {
@@ -284,19 +285,28 @@ impl Writer {
     fn on(&mut self, order: &ElectrodeArrayOrder, cell: Cell, start_ns: u64, duration_ns: u64) {
         let volts = order.facts.potential_v;
         let step = self.schedule.steps.len() as u32;
-        let channel = channel(&mut self.schedule, cell);
+        let channels = &mut self.schedule.channels;
+        let channel = *self.channels.entry(cell).or_insert_with(|| {
+            channels.push(named(cell));
+            channels.len() as u32 - 1
+        });
         self.schedule.actuations.push(Actuation { channel, start_ns, duration_ns, from: volts, to: volts, step });
     }
 }
 
 /// The index of an electrode's channel, which is added if it is missing.
 pub fn channel(schedule: &mut Schedule, cell: Cell) -> u32 {
-    let name = format!("board.e{}_{}", cell.column, cell.row);
-    let known = schedule.channels.iter().position(|channel| channel.name == name);
+    let new = named(cell);
+    let known = schedule.channels.iter().position(|channel| channel.name == new.name);
     known.unwrap_or_else(|| {
-        schedule.channels.push(Channel { name, device: "board".into(), unit: Unit::Volt, wire: None });
+        schedule.channels.push(new);
         schedule.channels.len() - 1
     }) as u32
+}
+
+fn named(cell: Cell) -> Channel {
+    let name = format!("board.e{}_{}", cell.column, cell.row);
+    Channel { name, device: "board".into(), unit: Unit::Volt, wire: None }
 }
 
 /// One more electrode that is on, in a step.

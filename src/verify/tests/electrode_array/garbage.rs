@@ -56,7 +56,7 @@ fn spoiled(schedule: &mut Schedule, (what, at): (u8, usize), value: u64, small: 
         6 => drop(pick(actuations, at).map(|actuation| actuation.channel = small)),
         7 => drop(pick(actuations, at).map(|actuation| actuation.step = small)),
         8 => drop(pick(channels, at).map(|channel| channel.name = format!("board.e{small}_{}", at + 1))),
-        9 => drop(plans.iter_mut().for_each(|plan| plan.states.truncate(at))),
+        9 => plans.iter_mut().for_each(|plan| plan.states.truncate(at)),
         10 => drop((at < actuations.len()).then(|| actuations.remove(at))),
         _ => drop(pick(plans, 0).and_then(|plan| pick(&mut plan.states, at)).map(|state| {
             let State::ElectrodeArray { parts } = &mut state.state else { return };
@@ -180,4 +180,19 @@ fn the_parts_of_a_device_are_the_same_in_all_its_runs() {
     let schedule = schedule(&claims, &[&[&[]], &[&[]]]);
     let Verdict::Inconclusive { why } = verify(schedule, &claims) else { panic!("other parts") };
     assert_eq!(why, "the claims hold two sets of parts on the device `board`");
+}
+
+/// As large as the planner is to be good for: 400 parts, 400 by 400 electrodes, 300 steps of the board.
+#[test]
+fn a_large_schedule_is_followed() {
+    let word: String = "RRRUUULLLDDD".chars().cycle().take(300).collect();
+    let names: Vec<String> = (0..400).map(|part| format!("part{part}")).collect();
+    let place = |part: u32| (10 + 6 * (part % 20), 10 + 6 * (part / 20));
+    let parts: Vec<(&str, u32, u32)> =
+        (0..400).zip(&names).map(|(part, name)| (name.as_str(), place(part).0, place(part).1)).collect();
+    let goals = (0..400).map(|part| go(part as usize, &[place(part)])).collect();
+    let words = vec![word.as_str(); 400];
+    let (schedule, claims) = one_step(moving(platform(400, 400), &parts, goals), &words);
+    assert_eq!(schedule.actuations.len(), 240_000);
+    passes(&schedule, &claims);
 }

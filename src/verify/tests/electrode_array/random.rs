@@ -211,6 +211,21 @@ fn mutate(schedule: &mut Schedule, mutation: &Mutation) {
     schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
 }
 
+/// A stroll, and then the way to a goal, cut at the first arrival there: as a word and as cells.
+fn to_goal(start: Cell, stroll: &[usize], rows_first: bool, goal: Cell) -> (String, Vec<Cell>) {
+    let (mut word, mut path) = (String::new(), vec![start]);
+    let mut stroll = stroll.iter();
+    while let Some(at) = path.last().copied().filter(|at| *at != goal) {
+        let columns = if at.column < goal.column { 'R' } else { 'L' };
+        let rows = if at.row < goal.row { 'U' } else { 'D' };
+        let straight = if at.column == goal.column || (rows_first && at.row != goal.row) { rows } else { columns };
+        let letter = stroll.next().map_or(straight, |letter| LETTERS[*letter]);
+        path.push(moved(at, letter));
+        word.push(letter);
+    }
+    (word, path)
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -225,6 +240,34 @@ proptest! {
             let refused = !rules(&mutant, &scenario.claims).is_empty();
             prop_assert_eq!(refused, mutant.actuations != sound.actuations, "{:?}", mutation);
         }
+    }
+
+    /// Two droplets that merge keep the rule but for what they do on their goal; and there they stay.
+    #[test]
+    fn merging_is_judged_by_the_rule_besides_the_goal(
+        is_held: bool,
+        starts in [(0..7u32, 0..7u32), (0..7u32, 0..7u32)],
+        strolls in [prop::collection::vec(0..5usize, 0..4), prop::collection::vec(0..5usize, 0..4)],
+        rows_first in any::<[bool; 2]>(),
+    ) {
+        let goal = cell(8, 8);
+        let starts = starts.map(|(column, row)| cell(5 + column, 5 + row));
+        let [one, other] = [0, 1].map(|at| to_goal(starts[at], &strolls[at], rows_first[at], goal));
+        let position = |path: &[Cell], instant: usize| path[instant.min(path.len() - 1)];
+        let near = |a: Cell, b: Cell| a != goal && b != goal && a.apart(b) < 2;
+        // Before the first step nothing is on the way to the goal, so parts stand apart as any others.
+        let safe = starts[0].apart(starts[1]) >= 2 && (0..one.1.len().max(other.1.len())).all(|t| {
+            let now = [position(&one.1, t), position(&other.1, t)];
+            let next = [position(&one.1, t + 1), position(&other.1, t + 1)];
+            !(near(now[0], now[1]) || near(now[0], next[1]) || near(next[0], now[1]))
+        });
+        let facts = Facts { hold: if is_held { Hold::On } else { Hold::Off }, ..chip(20, 20) };
+        let names = [("a", starts[0]), ("b", starts[1])].map(|(name, at)| (name, at.column, at.row));
+        let (schedule, claims) = one_step(moving(facts, &names, vec![merge(0, 1, (8, 8))]), &[&one.0, &other.0]);
+        let accepted = rules(&schedule, &claims).is_empty();
+        // A droplet that nothing holds follows the other one's electrode where it would rest beside the goal.
+        prop_assert!(safe || !accepted);
+        prop_assert!(accepted || !safe || !is_held);
     }
 
     /// Words that nobody held against the rule are accepted exactly if they keep it.
