@@ -129,7 +129,7 @@ impl Baseline<'_> {
             if cell == goal && instant >= stays_from {
                 return Some(trace((cell, instant), &from));
             }
-            if closed.len() % 1024 == 0 && running() >= self.deadline {
+            if closed.len().is_multiple_of(1024) && running() >= self.deadline {
                 return None;
             }
             let later = instant + 1;
