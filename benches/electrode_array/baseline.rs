@@ -4,11 +4,12 @@
 //! As it is usually written: a binary heap, a hash set of (cell, instant), and a look at every path that is already there for each
 //! position. Parts without a path yet are not seen.
 
+use crate::clock::running;
 use crate::scenes::Chance;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tweeze::plan::electrode_array::board::{Cell, Costs, Instance, Objective, Paths, position};
 
 /// Failures until the order is shuffled.
@@ -19,7 +20,6 @@ type Node = (Cell, u32);
 
 /// What it found within its time.
 pub struct Found {
-    pub first_after: Duration,
     pub first: Paths,
     pub best: Paths,
 }
@@ -29,26 +29,34 @@ struct Baseline<'a> {
     /// For each part, the distances from its goal; `u32::MAX` where there is no way.
     distances: Vec<Vec<u32>>,
     horizon: u32,
-    deadline: Instant,
+    /// Of the time that this thread has run.
+    deadline: Duration,
+}
+
+/// How long the search goes on.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Until {
+    First,
+    TheEnd,
 }
 
 /// The first plan and the best one (makespan, then sum of costs) within a time; ends early where both bounds are met.
-pub fn run(instance: &Instance, bounds: Costs, seed: u64, time: Duration) -> Option<Found> {
-    let begun = Instant::now();
+pub fn run(instance: &Instance, bounds: Costs, until: Until, time: Duration) -> Option<Found> {
     let distances = instance.agents.iter().map(|agent| distances(instance, agent.goal())).collect();
     let horizon = bounds.makespan as u32 * 2 + 64;
-    let baseline = Baseline { instance, distances, horizon, deadline: begun + time };
-    let mut chance = Chance(seed);
+    let baseline = Baseline { instance, distances, horizon, deadline: running() + time };
+    let mut chance = Chance(1);
     let mut order: Vec<usize> = (0..instance.agents.len()).collect();
     let mut found: Option<Found> = None;
+    let is_enough = |found: &Found| until == Until::First || Costs::of(&found.best) == bounds;
     let mut failures = 0;
-    while Instant::now() < baseline.deadline && found.as_ref().is_none_or(|found| Costs::of(&found.best) != bounds) {
+    while running() < baseline.deadline && !found.as_ref().is_some_and(is_enough) {
         match baseline.plan(&order) {
             Ok(paths) => {
                 match &mut found {
                     Some(found) if key(&paths) < key(&found.best) => found.best = paths,
                     Some(_) => {}
-                    None => found = Some(Found { first_after: begun.elapsed(), first: paths.clone(), best: paths }),
+                    None => found = Some(Found { first: paths.clone(), best: paths }),
                 }
                 failures = PATIENCE;
             }
@@ -121,7 +129,7 @@ impl Baseline<'_> {
             if cell == goal && instant >= stays_from {
                 return Some(trace((cell, instant), &from));
             }
-            if closed.len() % 1024 == 0 && Instant::now() >= self.deadline {
+            if closed.len().is_multiple_of(1024) && running() >= self.deadline {
                 return None;
             }
             let later = instant + 1;

@@ -1,12 +1,12 @@
 //! 400 parts on 400 x 400 electrodes. Each instance has a process of its own, so that its peak of memory is its own.
 
-use crate::sample::{costs, mean, milliseconds, ratios, spread};
+use crate::clock::timed;
+use crate::sample::{self, costs, mean, ratios, spread};
 use crate::scenes::{Chance, Shape};
 use std::process::Command;
-use std::time::Instant;
 use tweeze::plan::electrode_array::board::{Answer, Objective};
 use tweeze::plan::electrode_array::{fast, solve};
-use tweeze::plan::search::{Budget, Meter};
+use tweeze::plan::search::Budget;
 
 /// The argument that makes this program measure one instance.
 pub const CHILD: &str = "measure-large";
@@ -52,16 +52,13 @@ fn child(seed: u64) -> Vec<f64> {
 pub fn measure(seed: u64) {
     let instance = SHAPE.instance(&mut Chance(seed)).expect("the board holds so many");
     let bounds = fast::bounds(&instance).expect("no part is walled in");
-    let begun = Instant::now();
-    let first = fast::first(&instance, fast::Terms::default(), &mut Meter::new(Budget::DEFAULT)).expect("a plan");
-    let ms = milliseconds(begun);
+    let (ms, first) = sample::first(&instance).expect("a plan");
     let first_peak = peak_mb();
     let [makespan, sum] = ratios(costs(&instance, &first), bounds);
     println!("{ms} {makespan} {sum} {first_peak}");
     drop(first);
-    let begun = Instant::now();
-    let answer = solve(&instance, Objective::Makespan, None, BUDGET);
-    let seconds = begun.elapsed().as_secs_f64();
+    let (time, answer) = timed(|| solve(&instance, Objective::Makespan, None, BUDGET));
+    let seconds = time.as_secs_f64();
     let last_peak = peak_mb();
     let Answer::Found { paths, .. } = answer else { panic!("a plan was found before") };
     let [makespan, sum] = ratios(costs(&instance, &paths), bounds);

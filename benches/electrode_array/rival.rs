@@ -2,9 +2,10 @@
 //! follow into a cell that is left in the same step, which our rule at separation 1 does not. So our plans are plans for it, and
 //! its plans need not be plans for us.
 
+use crate::clock::timed;
 use mapf_rs::algorithms::lacam;
 use mapf_rs::base::{AgentId, Deadline, Graph, Instance as Theirs, Solution, VertexId};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tweeze::plan::electrode_array::board::{Cell, Costs, Instance};
 
 /// The same instance for the rival, and its graph.
@@ -31,9 +32,8 @@ impl<'a> Rival<'a> {
 
     /// LaCAM up to its first plan: the time and the costs.
     pub fn first(&self, limit: Duration) -> Option<(Duration, Costs)> {
-        let begun = Instant::now();
-        let solution = lacam::solve(&self.theirs, 0, &Deadline::new(limit))?;
-        Some((begun.elapsed(), self.costs(&solution)))
+        let (time, solution) = timed(|| lacam::solve(&self.theirs, 0, &Deadline::new(limit)));
+        solution.map(|solution| (time, self.costs(&solution)))
     }
 
     /// LaCAM*, which betters its plan until the time is over.

@@ -1,8 +1,9 @@
 //! What is measured of one instance, and the figures of many.
 
-use crate::baseline;
+use crate::baseline::{self, Until};
 use crate::check::{fault, judged};
-use std::time::{Duration, Instant};
+use crate::clock::{running, timed};
+use std::time::Duration;
 use tweeze::plan::electrode_array::board::{Answer, Costs, Instance, Objective, Paths};
 use tweeze::plan::electrode_array::{fast, solve};
 use tweeze::plan::search::{Budget, Meter};
@@ -26,27 +27,29 @@ pub struct Sample {
 /// Ours: the first plan alone, then the whole portfolio from the beginning with a budget.
 pub fn ours(instance: &Instance, budget: Budget) -> Sample {
     let simple = fast::bounds(instance).expect("no part is walled in");
-    let begun = Instant::now();
-    let first = fast::first(instance, fast::Terms::default(), &mut Meter::new(FIRST));
-    let first_ms = milliseconds(begun);
-    let first = first.map(|paths| (first_ms, costs(instance, &paths)));
-    let begun = Instant::now();
-    let answer = solve(instance, Objective::Makespan, None, budget);
-    let seconds = begun.elapsed().as_secs_f64();
+    let first = first(instance).map(|(ms, paths)| (ms, costs(instance, &paths)));
+    let (time, answer) = timed(|| solve(instance, Objective::Makespan, None, budget));
     assert!(!matches!(answer, Answer::Impossible(_)), "none of these instances is impossible");
     let judged = judged(instance, &answer);
-    let last = judged.map(|(costs, _)| (seconds, costs));
+    let last = judged.map(|(costs, _)| (time.as_secs_f64(), costs));
     Sample { first, last, simple, proven: judged.map_or(simple, |(_, bounds)| bounds) }
+}
+
+/// The first plan and the milliseconds to it.
+pub fn first(instance: &Instance) -> Option<(f64, Paths)> {
+    let (time, first) = timed(|| fast::first(instance, fast::Terms::default(), &mut Meter::new(FIRST)));
+    first.map(|paths| (milliseconds(time), paths))
 }
 
 /// The plain baseline within a time.
 pub fn plain(instance: &Instance, time: Duration) -> Sample {
     let simple = fast::bounds(instance).expect("no part is walled in");
-    let begun = Instant::now();
-    let found = baseline::run(instance, simple, 1, time);
-    let seconds = begun.elapsed().as_secs_f64();
-    let first = found.as_ref().map(|found| (found.first_after.as_secs_f64() * 1e3, costs(instance, &found.first)));
-    let last = found.map(|found| (seconds, costs(instance, &found.best)));
+    let (first_time, first) = timed(|| baseline::run(instance, simple, Until::First, time));
+    let Some(first) = first else { return Sample { simple, proven: simple, ..Sample::default() } };
+    let begun = running();
+    let best = baseline::run(instance, simple, Until::TheEnd, time).map_or(first.first.clone(), |found| found.best);
+    let last = Some(((running() - begun).as_secs_f64(), costs(instance, &best)));
+    let first = Some((milliseconds(first_time), costs(instance, &first.first)));
     Sample { first, last, simple, proven: simple }
 }
 
@@ -56,8 +59,8 @@ pub fn costs(instance: &Instance, paths: &Paths) -> Costs {
     Costs::of(paths)
 }
 
-pub fn milliseconds(begun: Instant) -> f64 {
-    begun.elapsed().as_secs_f64() * 1e3
+pub fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
 }
 
 /// Costs over their bounds.

@@ -1,150 +1,189 @@
-//! The truth about tiny instances: every joint state of a few parts, by breadth first and by Dijkstra. Plain and slow.
+//! The truth about tiny instances: every joint state of a few parts, each step of all of them tried. Plain and exhaustive.
 //!
-//! A part's place is its cell and how many of its stops it has come by; for the sum of costs also whether it has arrived for good,
-//! after which it stays and is free of charge.
+//! A part's state is its cell, how many of its stops it has come by, and, for the sum of costs, whether it has arrived for good,
+//! after which it stays and is free of charge. All joint states are numbered, and Dijkstra's algorithm runs over the numbers.
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap, HashSet, VecDeque};
+use std::collections::BinaryHeap;
 use tweeze::plan::electrode_array::board::{Cell, Instance, Objective};
-
-/// Cell, stops done, arrived for good.
-type Part = (Cell, usize, bool);
 
 /// The least makespan or sum of costs, or none if no plan exists; of the agents of `group`, as if the others were not there.
 pub fn least(instance: &Instance, group: &[usize], objective: Objective) -> Option<u64> {
-    let joint = Joint { instance, group };
-    match objective {
-        Objective::Makespan => joint.breadth_first(),
-        Objective::SumOfCosts => joint.dijkstra(),
-    }
+    Joint::new(instance, group, objective).search()
 }
 
-/// The plain bound of one part alone; none if it is walled in.
-pub fn alone(instance: &Instance, agent: usize) -> Option<u64> {
-    least(instance, &[agent], Objective::Makespan)
+/// How many joint states a search of so many agents may have.
+pub fn states(instance: &Instance, group: &[usize]) -> u64 {
+    let free = (0..instance.board.cells() as Cell).filter(|cell| !instance.board.is_blocked(*cell)).count() as u64;
+    free.saturating_pow(group.len() as u32)
 }
 
 struct Joint<'a> {
     instance: &'a Instance,
     group: &'a [usize],
+    objective: Objective,
+    /// For each member and each of its states, the cell and the states one step later.
+    members: Vec<Vec<(Cell, Vec<usize>)>>,
+    starts: Vec<usize>,
+    /// For each member, its state on its goal.
+    homes: Vec<usize>,
+    /// The same; for the sum of costs, its state when it has arrived for good.
+    ends: Vec<usize>,
 }
 
-impl Joint<'_> {
-    fn start(&self) -> Vec<Part> {
-        let start = |agent: &usize| self.at(*agent, self.instance.agents[*agent].start, 0);
-        self.group.iter().map(start).collect()
-    }
-
-    fn at(&self, agent: usize, cell: Cell, done: usize) -> Part {
-        let stops = &self.instance.agents[agent].stops[done..];
-        (cell, done + stops.iter().take_while(|stop| **stop == cell).count(), false)
-    }
-
-    fn is_home(&self, agent: usize, part: Part) -> bool {
-        let stops = &self.instance.agents[agent].stops;
-        part.1 == stops.len() && stops.last() == Some(&part.0)
-    }
-
-    fn breadth_first(&self) -> Option<u64> {
-        let mut seen = HashSet::from([self.start()]);
-        let mut open = VecDeque::from([(self.start(), 0)]);
-        while let Some((state, instant)) = open.pop_front() {
-            if self.group.iter().zip(&state).all(|(agent, part)| self.is_home(*agent, *part)) {
-                return Some(instant);
-            }
-            for next in self.successors(&state) {
-                if seen.insert(next.clone()) {
-                    open.push_back((next, instant + 1));
-                }
-            }
+impl<'a> Joint<'a> {
+    fn new(instance: &'a Instance, group: &'a [usize], objective: Objective) -> Self {
+        let mut joint =
+            Joint { instance, group, objective, members: vec![], starts: vec![], homes: vec![], ends: vec![] };
+        for agent in group {
+            joint.add(*agent);
         }
-        None
+        joint
     }
 
-    fn dijkstra(&self) -> Option<u64> {
-        let mut least: HashMap<Vec<Part>, u64> = HashMap::new();
-        let mut open: BinaryHeap<Reverse<(u64, Vec<Part>)>> =
-            self.with_arrivals(self.start()).into_iter().map(|state| Reverse((0, state))).collect();
-        while let Some(Reverse((cost, state))) = open.pop() {
-            if state.iter().all(|part| part.2) {
+    /// The states of one agent: those on the way by cell and stops done, then the one of having arrived for good.
+    fn add(&mut self, agent: usize) {
+        let board = &self.instance.board;
+        let stops = &self.instance.agents[agent].stops;
+        let goal = *stops.last().expect("an agent has a goal");
+        let free: Vec<Cell> = (0..board.cells() as Cell).filter(|cell| !board.is_blocked(*cell)).collect();
+        let merges = self.instance.merges.iter().flatten().any(|merging| *merging == agent);
+        let enter = |cell: Cell, done: usize| {
+            let done = done + stops[done..].iter().take_while(|stop| **stop == cell).count();
+            let place = free.binary_search(&cell).expect("a free cell");
+            done * free.len() + place
+        };
+        let home = enter(goal, stops.len());
+        let settled = free.len() * (stops.len() + 1);
+        let counts_all = self.objective == Objective::SumOfCosts;
+        let states = (0..=stops.len()).flat_map(|done| free.iter().map(move |cell| (*cell, done)));
+        let mut table: Vec<(Cell, Vec<usize>)> = Vec::with_capacity(settled + 1);
+        for (cell, done) in states {
+            let stays = merges && enter(cell, done) == home;
+            let around = if stays { vec![cell] } else { self.steps(cell) };
+            let mut next: Vec<usize> = around.into_iter().map(|to| enter(to, done)).collect();
+            if counts_all && next.contains(&home) {
+                next.push(settled);
+            }
+            table.push((cell, next));
+        }
+        table.push((goal, vec![settled]));
+        self.members.push(table);
+        self.starts.push(enter(self.instance.agents[agent].start, 0));
+        self.homes.push(home);
+        self.ends.push(if counts_all { settled } else { home });
+    }
+
+    /// A free cell and its free neighbours.
+    fn steps(&self, cell: Cell) -> Vec<Cell> {
+        let board = &self.instance.board;
+        let (width, height) = (i64::from(board.width()), i64::from(board.height()));
+        let (column, row) = (i64::from(cell) % width, i64::from(cell) / width);
+        let around = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)].map(|(right, up)| (column + right, row + up));
+        let on_board =
+            around.into_iter().filter(|(column, row)| (0..width).contains(column) && (0..height).contains(row));
+        let cells = on_board.map(|(column, row)| (row * width + column) as Cell);
+        cells.filter(|cell| !board.is_blocked(*cell)).collect()
+    }
+
+    fn search(&self) -> Option<u64> {
+        let size = self.members.iter().map(Vec::len).product();
+        let mut least = vec![u64::MAX; size];
+        let mut open = BinaryHeap::new();
+        for start in self.starting() {
+            least[self.number(&start)] = 0;
+            open.push(Reverse((0, self.number(&start))));
+        }
+        let (end, mut later) = (self.number(&self.ends), Vec::new());
+        while let Some(Reverse((cost, number))) = open.pop() {
+            if number == end {
                 return Some(cost);
             }
-            if least.get(&state).is_some_and(|known| *known < cost) {
+            if least[number] < cost {
                 continue;
             }
-            let cost = cost + state.iter().filter(|part| !part.2).count() as u64;
-            for next in self.successors(&state).into_iter().flat_map(|next| self.with_arrivals(next)) {
-                if least.get(&next).is_none_or(|known| cost < *known) {
-                    least.insert(next.clone(), cost);
-                    open.push(Reverse((cost, next)));
+            let state = self.state(number);
+            let cost = cost + self.price(&state);
+            later.clear();
+            self.successors(&state, &mut vec![], &mut later);
+            for next in &later {
+                if cost < least[*next] {
+                    least[*next] = cost;
+                    open.push(Reverse((cost, *next)));
                 }
             }
         }
         None
     }
 
-    /// The state itself, and each in which some of those at home have arrived for good.
-    fn with_arrivals(&self, state: Vec<Part>) -> Vec<Vec<Part>> {
-        let mut all = vec![state];
-        for (member, agent) in self.group.iter().enumerate() {
-            let home: Vec<Vec<Part>> =
-                all.iter().filter(|state| self.is_home(*agent, state[member]) && !state[member].2).cloned().collect();
-            all.extend(home.into_iter().map(|mut state| {
-                state[member].2 = true;
-                state
-            }));
+    /// All agents at their starts; for the sum of costs also with some of those that are at home there for good.
+    fn starting(&self) -> Vec<Vec<usize>> {
+        let mut all = vec![self.starts.clone()];
+        for member in 0..self.group.len() {
+            let settled = self.ends[member];
+            let at_home = self.starts[member] == self.homes[member] && settled != self.homes[member];
+            if at_home {
+                let arrived = all.clone().into_iter().map(|mut state| {
+                    state[member] = settled;
+                    state
+                });
+                all.extend(arrived.collect::<Vec<_>>());
+            }
         }
         all
     }
 
-    fn successors(&self, state: &[Part]) -> Vec<Vec<Part>> {
-        let mut partial: Vec<Vec<Part>> = vec![vec![]];
-        for member in 0..self.group.len() {
-            let moves = self.moves(self.group[member], state[member]);
-            let extended = partial.iter().flat_map(|before| {
-                let fits = moves.iter().filter(|to| self.fits(state, before, **to));
-                fits.map(|to| before.iter().copied().chain([*to]).collect())
-            });
-            partial = extended.collect();
+    fn price(&self, state: &[usize]) -> u64 {
+        match self.objective {
+            Objective::Makespan => 1,
+            Objective::SumOfCosts => state.iter().zip(&self.ends).filter(|(at, end)| at != end).count() as u64,
         }
-        partial
     }
 
-    fn moves(&self, agent: usize, (cell, done, arrived): Part) -> Vec<Part> {
-        let merges = self.instance.merges.iter().flatten().any(|merging| *merging == agent);
-        if arrived || merges && self.is_home(agent, (cell, done, arrived)) {
-            return vec![(cell, done, arrived)];
-        }
-        let board = &self.instance.board;
-        let (width, height) = (i64::from(board.width()), i64::from(board.height()));
-        let (column, row) = (i64::from(cell) % width, i64::from(cell) / width);
-        [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)]
-            .into_iter()
-            .map(|(right, up)| (column + right, row + up))
-            .filter(|(column, row)| (0..width).contains(column) && (0..height).contains(row))
-            .map(|(column, row)| (row * width + column) as Cell)
-            .filter(|next| !board.is_blocked(*next))
-            .map(|next| self.at(agent, next, done))
-            .collect()
+    fn number(&self, state: &[usize]) -> usize {
+        state.iter().zip(&self.members).fold(0, |number, (at, states)| number * states.len() + at)
     }
 
-    /// Whether a member's move keeps the rule with the moves of those before it.
-    fn fits(&self, from: &[Part], before: &[Part], to: Part) -> bool {
-        let member = before.len();
-        let own = [from[member].0, to.0];
-        before.iter().enumerate().all(|(other, other_to)| {
-            let theirs = [from[other].0, other_to.0];
-            own.iter().all(|at| theirs.iter().all(|their| !self.clash((member, *at), (other, *their))))
-        })
+    fn state(&self, mut number: usize) -> Vec<usize> {
+        let mut state = vec![0; self.members.len()];
+        for (at, states) in state.iter_mut().zip(&self.members).rev() {
+            *at = number % states.len();
+            number /= states.len();
+        }
+        state
+    }
+
+    /// The numbers of all joint states one step later; calls itself once for each member.
+    fn successors(&self, from: &[usize], to: &mut Vec<usize>, found: &mut Vec<usize>) {
+        let member = to.len();
+        if member == from.len() {
+            return found.push(self.number(to));
+        }
+        for next in &self.members[member][from[member]].1 {
+            to.push(*next);
+            if self.last_fits(from, to) {
+                self.successors(from, to, found);
+            }
+            to.pop();
+        }
+    }
+
+    /// Whether the last member's move keeps the rule with the moves of those before it.
+    fn last_fits(&self, from: &[usize], to: &[usize]) -> bool {
+        let last = to.len() - 1;
+        let ends = |member: usize| [from[member], to[member]].map(|state| self.members[member][state].0);
+        let own = ends(last);
+        (0..last)
+            .all(|other| ends(other).iter().all(|their| own.iter().all(|at| !self.clash((last, *at), (other, *their)))))
     }
 
     fn clash(&self, (member, cell): (usize, Cell), (other, at): (usize, Cell)) -> bool {
         let width = i64::from(self.instance.board.width());
         let [one, two] = [cell, at].map(|cell| (i64::from(cell) % width, i64::from(cell) / width));
         let apart = (one.0 - two.0).abs().max((one.1 - two.1).abs());
+        let goal = self.instance.agents[self.group[member]].stops.last();
         let pair = [self.group[other], self.group[member]];
-        let goal = self.instance.agents[self.group[member]].goal();
-        let excused = self.instance.merges.contains(&pair) && (cell == goal || at == goal);
+        let excused = self.instance.merges.contains(&pair) && (goal == Some(&cell) || goal == Some(&at));
         apart < i64::from(self.instance.separation) && !excused
     }
 }

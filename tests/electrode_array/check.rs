@@ -132,7 +132,7 @@ impl<'a> Crowd<'a> {
     fn clash(&self, (part, cell): (usize, Cell), (other, at): (usize, Cell)) -> bool {
         let (one, two) = (place(self.instance, cell), place(self.instance, at));
         let apart = (one.0 - two.0).abs().max((one.1 - two.1).abs());
-        let merge = self.instance.merges.iter().any(|pair| *pair == [other, part]);
+        let merge = self.instance.merges.contains(&[other, part]);
         let goal = self.instance.agents[part].stops.last();
         let excused = merge && (goal == Some(&cell) || goal == Some(&at));
         apart < i64::from(self.instance.separation) && !excused

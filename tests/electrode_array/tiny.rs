@@ -9,7 +9,7 @@ use tweeze::plan::electrode_array::solve;
 use tweeze::plan::search::Budget;
 
 /// Enough to decide each of these instances.
-const PLENTY: Budget = Budget::of(20_000_000);
+const PLENTY: Budget = Budget::of(600_000);
 
 /// Columns and rows, separation, parts, blocked cells in a hundred, and what is special.
 type Tiny = ((u32, u32), u32, usize, u32, Special);
