@@ -5,7 +5,8 @@ It takes the messages below and nothing else; everything that it is told can be 
 
 import yaml
 
-OUTPUTS = 4096
+# Of one instrument. The simulation tries every message on every output, so a schedule of hundreds goes to a rack of them.
+OUTPUTS = 32
 
 NUMBER = {"min": 0, "max": 1000, "type": "float"}
 
@@ -38,10 +39,24 @@ def properties():
     return described
 
 
-def write(path):
-    """Writes the description; the instrument is then `TCPIP::awg::INSTR` of `<path>@sim`."""
+def address(index):
+    """The resource of an instrument of the rack; the first one has outputs 1 to OUTPUTS."""
+    return f"TCPIP::awg{index}::INSTR"
+
+
+def write(path, outputs):
+    """Writes the description of a rack with so many outputs, counted through; it is then `<path>@sim`."""
+    starts = range(1, outputs + 1, OUTPUTS)
+    devices = {f"awg{index}": device(range(start, start + OUTPUTS)) for index, start in enumerate(starts)}
+    resources = {address(index): {"device": f"awg{index}"} for index in range(len(starts))}
+    path.write_text(yaml.safe_dump({"spec": "1.1", "devices": devices, "resources": resources}))
+    return list(resources)
+
+
+def device(outputs):
+    """One instrument with these outputs."""
     silent = ["*RST", "*CLS", ":FORM:BORD NORM", "*TRG"]
-    device = {
+    return {
         "eom": {"TCPIP INSTR": {"q": "\n", "r": "\n"}},
         "error": {
             "status_register": [{"q": "*ESR?", "command_error": 32, "query_error": 4}],
@@ -57,12 +72,10 @@ def write(path):
         "dialogues": [{"q": message} for message in silent],
         "channels": {
             "output": {
-                "ids": list(range(1, OUTPUTS + 1)),
+                "ids": list(outputs),
                 "can_select": True,
                 "dialogues": [{"q": ":SOUR{ch_id}:DATA:VOL:CLE"}],
                 "properties": properties(),
             }
         },
     }
-    document = {"spec": "1.1", "devices": {"awg": device}, "resources": {"TCPIP::awg::INSTR": {"device": "awg"}}}
-    path.write_text(yaml.safe_dump(document))

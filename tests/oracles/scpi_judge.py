@@ -3,6 +3,7 @@
 The simulation speaks text only, so blocks are taken apart by pyvisa, put together again by it, and sent as numbers.
 """
 
+import re
 import tempfile
 from pathlib import Path
 
@@ -45,23 +46,49 @@ def as_text(message):
 
 def judge(path, schedule):
     sent = messages(path.read_bytes())
-    demand(len(schedule.channels) <= instrument.OUTPUTS, "the simulated instrument has too few outputs")
     with tempfile.TemporaryDirectory() as folder:
-        description = Path(folder) / "instrument.yaml"
-        instrument.write(description)
-        manager = pyvisa.ResourceManager(f"{description}@sim")
-        awg = manager.open_resource("TCPIP::awg::INSTR", read_termination="\n", write_termination="\n")
+        rack = Rack(Path(folder) / "rack.yaml", max(len(schedule.channels), 1))
         try:
             for message in sent:
-                send(awg, as_text(message))
-            points = [compare(awg, output, channel, schedule) for output, channel in enumerate(schedule.channels, 1)]
+                rack.send(as_text(message))
+            points = [compare(rack, output, channel, schedule) for output, channel in enumerate(schedule.channels, 1)]
         finally:
-            awg.close()
-            manager.close()
+            rack.close()
     asked = sent.count(b":SYST:ERR?")
     demand(asked == len(schedule.channels) + 1, f"errors are asked for {asked} times")
     demand(sent[-1] == b"*TRG", "it does not end with the trigger")
     return f"{len(sent)} messages taken without error, {sum(points)} samples of {len(points)} outputs are the schedule"
+
+
+class Rack:
+    """Instruments whose outputs are counted through: what names an output goes to its instrument, all else to every one."""
+
+    def __init__(self, description, outputs):
+        addresses = instrument.write(description, outputs)
+        self.manager = pyvisa.ResourceManager(f"{description}@sim")
+        open_one = lambda address: self.manager.open_resource(address, read_termination="\n", write_termination="\n")
+        self.instruments = [open_one(address) for address in addresses]
+
+    def close(self):
+        for one in self.instruments:
+            one.close()
+        self.manager.close()
+
+    def meant(self, text):
+        """The instruments that a message is for."""
+        found = re.match(r":[A-Z]+(\d+)", text)
+        if not found:
+            return self.instruments
+        index = (int(found.group(1)) - 1) // instrument.OUTPUTS
+        demand(index < len(self.instruments), f"no instrument has the output of {text[:80]}")
+        return [self.instruments[index]]
+
+    def send(self, text):
+        for one in self.meant(text):
+            send(one, text)
+
+    def query(self, text):
+        return self.meant(text)[0].query(text)
 
 
 def send(awg, text):
@@ -73,9 +100,9 @@ def send(awg, text):
     demand(error == NO_ERROR, f"{error} after {text[:80]}")
 
 
-def compare(awg, output, channel, schedule):
+def compare(rack, output, channel, schedule):
     """What an output would play: samples times scale, at their times."""
-    ask = lambda header: awg.query(header.replace("{}", str(output)) + "?")
+    ask = lambda header: rack.query(header.replace("{}", str(output)) + "?")
     wanted = {":OUTP{}": "ON", ":SOUR{}:FUNC": "ARB", ":SOUR{}:BURS:STAT": "ON", ":TRIG{}:SOUR": "BUS", ":OUTP{}:LOAD": "INF"}
     for header, value in wanted.items():
         demand(ask(header) == value, f"output {output}: {header} is {ask(header)}")
