@@ -9,7 +9,7 @@ mod scene;
 use super::Topic;
 use super::bench;
 use super::foxglove::{self, PosesInFrame};
-use super::frames::Mover;
+use super::frames::{Mover, Place};
 use crate::device::electrode_array::{Cell, Facts};
 use crate::schedule::State;
 use crate::verify::Verified;
@@ -99,7 +99,7 @@ fn poses(device: &str, moments: &[Moment]) -> Topic {
 fn movers(device: &str, moments: &[Moment]) -> Vec<Mover> {
     let Some(first) = moments.first() else { return Vec::new() };
     let of_part = |name: &String| {
-        let mut places: Vec<(u64, Option<[f64; 3]>)> = Vec::new();
+        let mut places: Vec<(u64, Place)> = Vec::new();
         let mut last: Option<Cell> = None;
         for (index, moment) in moments.iter().enumerate() {
             let cell = moment.parts.get(name).copied();

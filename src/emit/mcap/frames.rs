@@ -7,24 +7,27 @@ use super::{Topic, WORLD, foxglove};
 use foxglove::{FrameTransform, FrameTransforms, Quaternion, Vector3};
 use std::collections::BTreeMap;
 
+/// Where something is, if it is still there.
+pub type Place = Option<[f64; 3]>;
+
 /// Something that moves in the frame of its device.
 pub struct Mover {
     /// Its own frame.
     pub frame: String,
     pub device: String,
     /// Its places from each instant on, in order of time; `None` where it is no longer there.
-    pub places: Vec<(u64, Option<[f64; 3]>)>,
+    pub places: Vec<(u64, Place)>,
 }
 
 /// `/tf`: all frames whenever one of them moves, since a viewer that jumps in time reads the last message only.
 pub fn topic(benches: &[Bench], movers: &[Mover]) -> Topic {
-    let mut moves: BTreeMap<u64, Vec<(usize, Option<[f64; 3]>)>> = BTreeMap::new();
+    let mut moves: BTreeMap<u64, Vec<(usize, Place)>> = BTreeMap::new();
     for (index, mover) in movers.iter().enumerate() {
         for (t_ns, place) in &mover.places {
             moves.entry(*t_ns).or_default().push((index, *place));
         }
     }
-    let mut places: Vec<Option<[f64; 3]>> = vec![None; movers.len()];
+    let mut places: Vec<Place> = vec![None; movers.len()];
     let mut messages = Vec::new();
     for (t_ns, moved) in moves {
         for (index, place) in moved {
