@@ -99,8 +99,8 @@ pub fn body_too_small(half: f64, least: f64) -> Diagnostic {
         .help(format!("make `half_width` {} or more: the body holds its electrodes", digits(least)))
 }
 
-pub fn bodies_touch(apart: u32, width: f64, least: u32) -> Diagnostic {
-    let title = format!("a separation of {apart}, parts of {} pitches touch", digits(width));
+pub fn bodies_touch(apart: u32, width_pitches: f64, least: u32) -> Diagnostic {
+    let title = format!("a separation of {apart}, parts of {} pitches touch", digits(width_pitches));
     Diagnostic::new(Code::E0414, title).help(format!("make `separation` {least} or more"))
 }
 
