@@ -148,6 +148,9 @@ const NAMED: &[Named] = &[
     named(Dimension::CHARGE, "a charge", "C", "nC"),
     named(Dimension::VOLTAGE, "a voltage", "V", "V"),
     named(Dimension::CAPACITANCE, "a capacitance", "F", "pF"),
+    named(Dimension::DENSITY, "a density", "kg/m^3", "kg/m^3"),
+    named(Dimension::VISCOSITY, "a viscosity", "Pa*s", "Pa*s"),
+    named(Dimension::DAMPING, "a damping", "N*s/m", "uN*s/m"),
 ];
 
 const fn named(dimension: Dimension, with_article: &'static str, symbol: &'static str, example: &'static str) -> Named {
@@ -348,6 +351,8 @@ impl fmt::Display for Quantity {
         }
         match self.dimension.named().map(|named| named.symbol) {
             Some("") => f.write_str(&digits(self.si)),
+            // It has its prefix.
+            Some(symbol) if symbol.starts_with("kg") => write!(f, "{} {symbol}", digits(self.si)),
             Some(symbol) => prefixed(f, self.si, symbol),
             None => write!(f, "{} {}", digits(self.si), self.dimension.base_units()),
         }

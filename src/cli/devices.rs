@@ -3,7 +3,7 @@
 use super::arguments::DevicesArguments;
 use super::{Exit, terminal};
 use crate::check::scope::nearest;
-use crate::device::{Choice, Count, Field, Kind, Need, Sort, Vocabulary, shape::Form};
+use crate::device::{Choice, Count, Field, Kind, Need, Sort, Together, Vocabulary, shape::Form};
 use crate::quantity::Dimension;
 use std::fmt::Write;
 
@@ -29,7 +29,7 @@ fn kinds() -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{:<12} {}\n{:<12} use {file}, then `device bot : {device} {{ … }}`",
+            "{:<16} {}\n{:<16} use {file}, then `device bot : {device} {{ … }}`",
             vocabulary.name, vocabulary.summary, ""
         );
     }
@@ -47,7 +47,12 @@ fn page(vocabulary: &'static Vocabulary) -> String {
     );
     page.section(
         "Steps of a task",
-        vocabulary.verbs.iter().map(|verb| (verb.example.to_owned(), verb_doc(verb))).chain([wait()]),
+        vocabulary
+            .verbs
+            .iter()
+            .map(|verb| (verb.example.to_owned(), verb_doc(verb)))
+            .chain(together(vocabulary))
+            .chain([wait()]),
     );
     page.section("minimize", vocabulary.objectives.iter().map(choice));
     page.section(
@@ -59,7 +64,8 @@ fn page(vocabulary: &'static Vocabulary) -> String {
     );
     page.section("using", vocabulary.planners.iter().map(|planner| (planner.name.to_owned(), planner.doc.to_owned())));
     page.section("In a scene", vocabulary.nouns.iter().map(|noun| (noun.name.to_owned(), noun.doc.to_owned())));
-    page.section("Shapes", Form::ALL.iter().map(|form| (shape(*form), form.doc().to_owned())));
+    let used = |form: &&Form| vocabulary.nouns.iter().any(|noun| noun.shapes.contains(form));
+    page.section("Shapes", Form::ALL.iter().filter(used).map(|form| (shape(*form), form.doc().to_owned())));
     page.text("\nChannels");
     for line in wrapped(vocabulary.channels, PAGE_WIDTH - 2) {
         page.text(&format!("  {line}"));
@@ -168,24 +174,41 @@ fn verb_doc(verb: &crate::device::Verb) -> String {
     if phrases.is_empty() { verb.doc.to_owned() } else { format!("{} ({})", verb.doc, phrases.join(", ")) }
 }
 
+fn together(vocabulary: &Vocabulary) -> Option<(String, String)> {
+    let entry = || ("together { … }".to_owned(), "the goals in the braces at the same time".to_owned());
+    match vocabulary.together {
+        Together::Yes => Some(entry()),
+        Together::No => None,
+    }
+}
+
 fn wait() -> (String, String) {
     ("wait 10 ms".to_owned(), "nothing is switched for so long".to_owned())
 }
 
 fn common_settings(vocabulary: &Vocabulary) -> Vec<(String, String)> {
     let default = vocabulary.objectives.first().map_or("", |objective| objective.name);
-    vec![
+    let planner = vocabulary.planners.first().map_or("", |planner| planner.name);
+    let mut settings = vec![
         ("minimize WHAT".to_owned(), format!("what the plan is best in (else {default})")),
         (
             "using PLANNER".to_owned(),
-            "how the plan is searched; `using astar { expansions: 5000000 }` sets its budget".to_owned(),
+            format!("how the plan is searched; `using {planner} {{ expansions: 5000000 }}` sets its budget"),
         ),
-        (
+    ];
+    if vocabulary.state.is_some() {
+        settings.push((
             "start at STATE".to_owned(),
             "where the device stands (else where its last task left it, or its home)".to_owned(),
-        ),
-        ("require CONDITION".to_owned(), "a limit that the plan must keep, as `require time <= 400 ms`".to_owned()),
-    ]
+        ));
+    }
+    let outcome = vocabulary.outcomes.iter().find(|outcome| outcome.dimension == Dimension::TIME);
+    let outcome = outcome.map_or("cost", |outcome| outcome.name);
+    settings.push((
+        "require CONDITION".to_owned(),
+        format!("a limit that the plan must keep, as `require {outcome} <= 400 ms`"),
+    ));
+    settings
 }
 
 fn shape(form: Form) -> String {

@@ -69,3 +69,12 @@ fn dimensions_have_names() {
     assert_eq!(Dimension::ENERGY.name(), "energy");
     assert_eq!(Dimension::LENGTH.power(2).expect("small").with_article(), "a quantity in m^2");
 }
+
+#[test]
+fn compound_quantities_print_in_the_units_that_people_write() {
+    let shown = |si: f64, dimension: Dimension| Quantity::new(si, dimension).to_string();
+    assert_eq!(shown(1180.0, Dimension::DENSITY), "1180 kg/m^3");
+    assert_eq!(shown(0.005, Dimension::VISCOSITY), "5 mPa*s");
+    assert_eq!(shown(2e-6, Dimension::DAMPING), "2 uN*s/m");
+    assert!(["kg/m^3", "Pa*s", "uN*s/m"].into_iter().all(|unit| Unit::parse(unit).is_ok()));
+}

@@ -11,6 +11,7 @@ use super::bench;
 use super::foxglove::{self, PosesInFrame};
 use super::frames::{Mover, Place};
 use crate::device::electrode_array::{Cell, Facts};
+use crate::quantity::{Dimension, Quantity};
 use crate::schedule::State;
 use crate::verify::Verified;
 use std::collections::BTreeMap;
@@ -38,7 +39,8 @@ pub fn topics(verified: &Verified, device: &str) -> (Vec<Topic>, Vec<Mover>) {
     topics.extend(scene::topics(verified, device));
     let orders = bench::jobs(verified, device);
     if let Some(order) = orders.first().and_then(|(job, _)| job.order.electrode_array()) {
-        let pitch = format!("1 unit is a pitch of {} um", order.facts.pitch_um());
+        let pitch = Quantity::new(order.facts.pitch_um() / 1e6, Dimension::LENGTH);
+        let pitch = format!("1 unit is a pitch of {pitch}");
         topics.iter_mut().for_each(|topic| drop(topic.metadata.insert("scale".to_owned(), pitch.clone())));
     }
     (topics, movers(device, &moments))

@@ -5,12 +5,13 @@
 
 use super::{frame, place};
 use crate::check::claims::electrode_array::{Action, Body, ElectrodeArrayOrder, Obstacle};
-use crate::device::electrode_array::{Cell, Facts};
+use crate::device::electrode_array::{Cell, Electrodes, Facts};
 use crate::emit::mcap::Topic;
 use crate::emit::mcap::bench;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, cloud, rectangle};
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
+use crate::quantity::{Dimension, Quantity};
 use crate::schedule::{PlanRecord, State};
 use crate::verify::Verified;
 use nalgebra::Point2;
@@ -95,7 +96,10 @@ fn scenery(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> Vec<SceneEnt
         let mut entity = drawing::entity(format!("{device}/part/{}", part.name), &frame(device, &part.name), t_ns);
         let half = facts.layout.half_width_pitches;
         let slab = Slab { bottom_um: ELECTRODE_HEIGHT, height_um: PART_HEIGHT, color: color_of(index) };
-        drawing::cuboid(&mut entity, [-half, -half], [half, half], slab);
+        match facts.layout.electrodes {
+            Electrodes::Quad => drawing::cuboid(&mut entity, [-half, -half], [half, half], slab),
+            Electrodes::Single => drawing::disc(&mut entity, Point2::origin(), half, slab),
+        }
         if index < MAX_LABELS {
             drawing::text(&mut entity, [0.0, 0.0, LABEL_HEIGHT], part.name.clone(), color_of(index));
         }
@@ -124,7 +128,8 @@ fn board(facts: &Facts, device: &str, t_ns: u64) -> SceneEntity {
             }
         }
     }
-    let title = format!("{device}: {} x {} electrodes, {:.1} um apart", facts.columns, facts.rows, facts.pitch_um());
+    let pitch = Quantity::new(facts.pitch_um() / 1e6, Dimension::LENGTH);
+    let title = format!("{device}: {} x {} electrodes, {pitch} apart", facts.columns, facts.rows);
     drawing::text(&mut entity, [(x0 + x1) / 2.0, y1 + 1.0, 0.0], title, color::LATTICE);
     entity
 }
