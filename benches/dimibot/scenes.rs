@@ -1,22 +1,10 @@
 //! Scenes and queries from fixed seeds.
 
+#[path = "../../tests/support/random.rs"]
+mod random;
+
+pub use random::Random;
 use tweeze::plan::dimibot::{Cell, Field, Lattice, Obstacle, Weights};
-
-pub struct Random(pub u64);
-
-impl Random {
-    /// splitmix64.
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let a = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let b = (a ^ (a >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        b ^ (b >> 31)
-    }
-
-    pub fn below(&mut self, n: u32) -> u32 {
-        (self.next() % u64::from(n)) as u32
-    }
-}
 
 pub struct Scene {
     pub modules: u32,

@@ -5,7 +5,7 @@
 //! position. Parts without a path yet are not seen.
 
 use crate::clock::running;
-use crate::scenes::Chance;
+use crate::scenes::Random;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
@@ -45,7 +45,7 @@ pub fn run(instance: &Instance, bounds: Costs, until: Until, time: Duration) -> 
     let distances = instance.agents.iter().map(|agent| distances(instance, agent.goal())).collect();
     let horizon = bounds.makespan as u32 * 2 + 64;
     let baseline = Baseline { instance, distances, horizon, deadline: running() + time };
-    let mut chance = Chance(1);
+    let mut chance = Random(1);
     let mut order: Vec<usize> = (0..instance.agents.len()).collect();
     let mut found: Option<Found> = None;
     let is_enough = |found: &Found| until == Until::First || Costs::of(&found.best) == bounds;
@@ -73,7 +73,7 @@ pub fn run(instance: &Instance, bounds: Costs, until: Until, time: Duration) -> 
     found
 }
 
-fn shuffle(order: &mut [usize], chance: &mut Chance) {
+fn shuffle(order: &mut [usize], chance: &mut Random) {
     for last in (1..order.len()).rev() {
         order.swap(last, chance.below(last as u32 + 1) as usize);
     }

@@ -2,7 +2,7 @@
 
 use crate::clock::timed;
 use crate::sample::{self, costs, mean, ratios, spread};
-use crate::scenes::{Chance, Shape};
+use crate::scenes::{Random, Shape};
 use std::process::Command;
 use tweeze::plan::electrode_array::board::{Answer, Objective};
 use tweeze::plan::electrode_array::{fast, solve};
@@ -50,7 +50,7 @@ fn child(seed: u64) -> Vec<f64> {
 
 /// Prints time, ratios and peak memory at the first plan and in the end.
 pub fn measure(seed: u64) {
-    let instance = SHAPE.instance(&mut Chance(seed)).expect("the board holds so many");
+    let instance = SHAPE.instance(&mut Random(seed)).expect("the board holds so many");
     let bounds = fast::bounds(&instance).expect("no part is walled in");
     let (ms, first) = sample::first(&instance).expect("a plan");
     let first_peak = peak_mb();

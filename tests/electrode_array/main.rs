@@ -6,7 +6,7 @@ mod scenes;
 mod tiny;
 
 use check::{fault, judged};
-use scenes::{Chance, Shape, block, droplets, rimmed, table_6};
+use scenes::{Random, Shape, block, droplets, rimmed, table_6};
 use tweeze::plan::electrode_array::board::{Agent, Answer, Board, Costs, Instance, Objective, Why};
 use tweeze::plan::electrode_array::solve;
 use tweeze::plan::search::Budget;
@@ -45,7 +45,7 @@ fn simple_bounds(instance: &Instance) -> Option<Costs> {
 
 #[test]
 fn random_instances_end_in_legal_plans_or_proofs() {
-    let mut chance = Chance(0x7465_7a65);
+    let mut chance = Random(0x7465_7a65);
     let (mut found, mut impossible, mut gave_up) = (0, 0, 0);
     for round in 0..60 {
         let side = || 14 + round * 46 / 59;
@@ -74,7 +74,7 @@ fn random_instances_end_in_legal_plans_or_proofs() {
 
 #[test]
 fn a_limit_on_the_steps_is_kept_and_a_smaller_one_is_refused() {
-    let mut chance = Chance(77);
+    let mut chance = Random(77);
     let (mut kept, mut refused) = (0, 0);
     for _ in 0..25 {
         let shape = Shape { size: (16, 16), rim: 1, separation: 2, agents: 5, obstacles: 4 };
@@ -140,7 +140,7 @@ fn two_parts_cannot_swap_in_a_corridor_whatever_the_others_do() {
 #[test]
 fn few_parts_on_a_huge_empty_board_are_planned_within_a_small_budget() {
     let shape = Shape { size: (1000, 1000), rim: 1, separation: 4, agents: 50, obstacles: 0 };
-    let instance = shape.instance(&mut Chance(5)).expect("fifty parts fit");
+    let instance = shape.instance(&mut Random(5)).expect("fifty parts fit");
     let answer = solve(&instance, Objective::Makespan, None, Budget::of(1_000_000));
     let (costs, bounds) = judged(&instance, &answer).expect("a plan");
     assert_eq!(costs.makespan, bounds.makespan);
@@ -149,7 +149,7 @@ fn few_parts_on_a_huge_empty_board_are_planned_within_a_small_budget() {
 #[test]
 fn thousands_of_parts_on_a_crowded_board_end_with_the_budget() {
     let shape = Shape { size: (150, 150), rim: 1, separation: 2, agents: 2000, obstacles: 0 };
-    let instance = shape.instance(&mut Chance(9)).expect("two thousand parts fit");
+    let instance = shape.instance(&mut Random(9)).expect("two thousand parts fit");
     let answer = solve(&instance, Objective::Makespan, None, Budget::of(300_000));
     match &answer {
         Answer::Found { .. } => assert!(judged(&instance, &answer).is_some()),

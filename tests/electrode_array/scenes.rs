@@ -1,28 +1,14 @@
 //! Instances: random ones from seeds, the droplet routing set, and the five parts of the paper's Table 6.
 
+#[path = "../support/random.rs"]
+mod random;
+
+pub use random::Random;
 use serde_json::Value;
 use tweeze::plan::electrode_array::board::{Agent, Board, Cell, Instance};
 
 /// How often a random cell is tried before a scene counts as full.
 const TRIES: usize = 20_000;
-
-/// splitmix64.
-pub struct Chance(pub u64);
-
-impl Chance {
-    /// The next number.
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let a = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let b = (a ^ (a >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        b ^ (b >> 31)
-    }
-
-    /// A number below `n`.
-    pub fn below(&mut self, n: u32) -> u32 {
-        (self.next() % u64::from(n)) as u32
-    }
-}
 
 /// What random instances have in common.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +25,7 @@ pub struct Shape {
 
 impl Shape {
     /// A random instance; none if the parts do not fit.
-    pub fn instance(self, chance: &mut Chance) -> Option<Instance> {
+    pub fn instance(self, chance: &mut Random) -> Option<Instance> {
         let mut board = rimmed(self.size, self.rim);
         for _ in 0..self.obstacles {
             let corner = (chance.below(self.size.0), chance.below(self.size.1));
@@ -53,7 +39,7 @@ impl Shape {
     }
 
     /// Free cells that keep the separation.
-    pub fn scatter(self, board: &Board, chance: &mut Chance) -> Option<Vec<Cell>> {
+    pub fn scatter(self, board: &Board, chance: &mut Random) -> Option<Vec<Cell>> {
         let mut free = board.clone();
         let mut cells = Vec::with_capacity(self.agents);
         for _ in 0..self.agents {

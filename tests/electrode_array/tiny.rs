@@ -2,7 +2,7 @@
 
 use crate::brute::least;
 use crate::check::judged;
-use crate::scenes::Chance;
+use crate::scenes::Random;
 use crate::{OBJECTIVES, confirm};
 use tweeze::plan::electrode_array::board::{Agent, Answer, Board, Cell, Costs, Instance, Objective};
 use tweeze::plan::electrode_array::solve;
@@ -23,7 +23,7 @@ enum Special {
     Merge,
 }
 
-fn instance(((width, height), separation, count, blocked, special): Tiny, chance: &mut Chance) -> Option<Instance> {
+fn instance(((width, height), separation, count, blocked, special): Tiny, chance: &mut Random) -> Option<Instance> {
     let mut board = Board::new(width, height);
     for cell in 0..width * height {
         if chance.below(100) < blocked {
@@ -46,7 +46,7 @@ fn instance(((width, height), separation, count, blocked, special): Tiny, chance
     Some(Instance { board, separation, agents, merges })
 }
 
-fn scatter(board: &Board, separation: u32, count: usize, chance: &mut Chance) -> Option<Vec<Cell>> {
+fn scatter(board: &Board, separation: u32, count: usize, chance: &mut Random) -> Option<Vec<Cell>> {
     let mut cells: Vec<Cell> = Vec::new();
     for _ in 0..50 {
         let cell = chance.below(board.cells() as u32);
@@ -91,7 +91,7 @@ fn compare(instance: &Instance) -> bool {
 
 /// Instances of a kind, so many that have a plan and so many that have none at least.
 fn agree(tiny: &[Tiny], rounds: u32, seed: u64, [with, without]: [usize; 2]) {
-    let mut chance = Chance(seed);
+    let mut chance = Random(seed);
     let mut seen = [0, 0];
     for _ in 0..rounds {
         for kind in tiny {

@@ -1,31 +1,13 @@
 //! Random programs for one DiMiBot: as text for the compiler, and as numbers for the oracle.
 
+#[path = "../support/random.rs"]
+mod random;
+
 use super::geometry::{Body, Point};
+pub use random::Random;
 use std::fmt::Write;
 
 pub type Cell = [u32; 2];
-
-/// A deterministic source of numbers (splitmix64).
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let a = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let b = (a ^ (a >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        b ^ (b >> 31)
-    }
-
-    pub fn below(&mut self, n: u32) -> u32 {
-        (self.next() % u64::from(n)) as u32
-    }
-
-    /// A number of thousandths in `from..to`, so that its text is exact.
-    pub fn thousandths(&mut self, from: f64, to: f64) -> f64 {
-        let steps = ((to - from) * 1000.0) as u32;
-        ((from * 1000.0).round() + f64::from(self.below(steps.max(1)))) / 1000.0
-    }
-}
 
 /// What stands in the way.
 #[derive(Debug, Clone)]

@@ -1,29 +1,13 @@
 //! Brute force: which segments and rectangles are free, from distances between segments; Dijkstra over all cells with a linear scan.
 
+#[path = "../../../../tests/support/random.rs"]
+mod random;
+
 use crate::geometry::Shape;
 use crate::plan::dimibot::*;
+pub use random::Random;
 
 type P = [f64; 2];
-
-/// A deterministic source of numbers (splitmix64).
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let a = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let b = (a ^ (a >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        b ^ (b >> 31)
-    }
-
-    pub fn below(&mut self, n: u32) -> u32 {
-        (self.next() % u64::from(n)) as u32
-    }
-
-    pub fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
 
 pub struct Oracle<'a> {
     pub lattice: Lattice,
