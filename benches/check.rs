@@ -1,4 +1,5 @@
-//! Reading and checking a generated program of 10,000 steps: the median of several runs, in milliseconds.
+//! Reading and checking a generated program of 10,000 steps, judging a crowded scene, and drawing reports on a large file: the
+//! median of several runs, in milliseconds.
 //!
 //! `cargo bench --bench check`. The text comes from a fixed seed. There is no public library that does the same work.
 
@@ -7,11 +8,13 @@ use std::time::Instant;
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
 use tweeze::compile::{Program, check};
-use tweeze::diagnostic::Sink;
-use tweeze::source::{FileId, Sources};
+use tweeze::diagnostic::render::{Characters, Colour, Look, human};
+use tweeze::diagnostic::{Code, Diagnostic, Sink};
+use tweeze::source::{FileId, Sources, Span};
 
 const STEPS: u32 = 10_000;
 const RUNS: usize = 21;
+const REPORTS: usize = 200;
 
 struct Nothing;
 
@@ -33,10 +36,21 @@ fn main() {
         let program = Program { name: "steps.twz", text: &text, library: &Nothing, options: &options };
         assert!(check(&program, &mut sources, &mut sink).is_some(), "the program has no errors");
     });
+    let crowded = crowded();
+    let judging = median_ms(|| {
+        let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
+        let program = Program { name: "crowd.twz", text: &crowded, library: &Nothing, options: &options };
+        check(&program, &mut sources, &mut sink);
+    });
+    let mut sources = Sources::default();
+    sources.add("large.twz", "let x = 1 um + 2 um\n".repeat(500_000));
+    let drawing = median_ms(|| report(&sources));
     let megabytes = text.len() as f64 / 1e6;
     println!("{STEPS} steps, 200 obstacles, {megabytes:.2} MB");
     println!("read             {reading:6.1} ms, {:.1} MB/s", megabytes / reading * 1e3);
     println!("read and checked {checking:6.1} ms, {:.1} MB/s", megabytes / checking * 1e3);
+    println!("50,000 obstacles, {STEPS} steps on or beside them: read and checked {judging:6.1} ms");
+    println!("{REPORTS} reports on a file of 10 MB: {drawing:6.1} ms");
 }
 
 /// Moves among 200 obstacle cells, none of them onto one.
@@ -53,6 +67,33 @@ fn program() -> String {
     }
     text.push_str("}\n");
     text
+}
+
+/// As many steps among 50,000 discs, some of them onto one.
+fn crowded() -> String {
+    let mut text =
+        "use std.dimibot\ndevice bot : dimibot.femto_st { left: 10, right: 10, repeatability: 1 nm }\n".to_owned();
+    text.push_str("scene bench {\n");
+    for i in 0..50_000 {
+        let (x, y) = (1 + i % 223 / 20, 1 + i / 4600);
+        writeln!(text, "  obstacle d{i} : disc {{ radius: 2 nm }} at ({x} um, {y} um)").expect("a string takes all");
+    }
+    text.push_str("}\ntask walk on bot in bench {\n");
+    for i in 0..STEPS {
+        writeln!(text, "  move to ({}, {})", i * 7 % 1000, i / 12 + 30).expect("a string takes all");
+    }
+    text.push_str("}\n");
+    text
+}
+
+/// Draws reports all over a file.
+fn report(sources: &Sources) {
+    let look = Look { colour: Colour::Plain, characters: Characters::Unicode, width: 100 };
+    for number in 0..REPORTS {
+        let span = Span::new(FileId(0), number * 50_000, number * 50_000 + 3);
+        let diagnostic = Diagnostic::new(Code::E0201, "a title").label(span, "");
+        assert!(human(&diagnostic, sources, look).len() < 2_000);
+    }
 }
 
 fn median_ms(mut work: impl FnMut()) -> f64 {

@@ -311,6 +311,14 @@ fn arms_above(lines: &[&str], at: usize) -> Vec<String> {
         .collect()
 }
 
+/// How fast something is, is for `benches/`: a test that looks at the clock fails on a busy machine.
+#[test]
+fn no_test_looks_at_the_clock() {
+    for (path, text) in rust().into_iter().filter(|(path, _)| path.starts_with("tests/") || is_test_file(path)) {
+        assert!(!code(&text).contains("time::Instant"), "{path}");
+    }
+}
+
 /// A number of micrometres, nanoseconds or volts says so at the end of its name.
 #[test]
 fn units_are_the_last_word() {

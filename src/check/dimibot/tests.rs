@@ -1,9 +1,6 @@
 //! The index of covered cells against asking every obstacle, and how fast large programs are checked.
 
 use super::*;
-use crate::check::imports::{self, Library};
-use crate::source::Sources;
-use std::time::Instant;
 
 fn facts() -> dimibot::Facts {
     dimibot::Facts { tip_radius_um: 0.1, ..dimibot::tests::femto_st(7, 6) }
@@ -57,32 +54,4 @@ fn the_index_of_covered_cells_agrees_with_asking_every_obstacle() {
         }
     }
     assert!(covered > 100, "only {covered} covered cells: the test says little");
-}
-
-struct Nothing;
-
-impl Library for Nothing {
-    fn read(&self, _from: &str, _path: &str) -> Result<(String, String), String> {
-        Err("there is none".to_owned())
-    }
-}
-
-#[test]
-fn many_obstacles_and_many_steps_are_checked_fast() {
-    let obstacles: String = (0..50_000)
-        .map(|i| {
-            format!("  obstacle d{i} : disc {{ radius: 2 nm }} at ({} um, {} um)\n", 1 + i % 223 / 20, 1 + i / 4600)
-        })
-        .collect();
-    let steps: String = (0..10_000).map(|i| format!("  move to ({}, {})\n", i * 7 % 1000, i / 12 + 30)).collect();
-    let text = format!(
-        "use std.dimibot\ndevice bot : dimibot.femto_st {{ left: 10, right: 10, repeatability: 1 nm }}\n\
-         scene bench {{\n{obstacles}}}\ntask fetch on bot in bench {{\n{steps}}}\n"
-    );
-    let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let modules = imports::load(&mut sources, "a.twz", &text, &Nothing, &mut sink);
-    let begun = Instant::now();
-    crate::check::check(&mut sources, &modules, &crate::check::Options::default(), &mut sink);
-    let seconds = begun.elapsed().as_secs_f64();
-    assert!(seconds < 20.0, "{seconds} s without optimisation");
 }
