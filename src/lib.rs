@@ -25,8 +25,9 @@
 //!
 //! - **The type is the ticket.** Only `verify` makes a `Verified` value, and only a `Verified` value can be emitted.
 //! - **The claims come from the program, never from a planner,** and no predicate is shared between a planner and the verifier.
-//! - **A device kind is vocabulary.** It is one file of facts in `device`, one of judgements in `check`, a planner in `plan`, a lowering in
-//!   `schedule`, a judge in `verify`, and a file of published devices in `stdlib/`. It adds no syntax.
+//! - **A device kind is vocabulary.** It is one file of facts in `device`, of claims and of judgements in `check`, a planner in `plan`, a
+//!   lowering in `schedule`, a judge in `verify`, its pictures in `emit/mcap`, its line of the report in `cli/report`, and a file of
+//!   published devices in `stdlib/`, all of one name. It adds no syntax; exhaustive matches say where else it is asked for.
 //! - **Nothing is silent.** All errors of a stage are reported in one run, each with a code, the user's own text labelled, and the
 //!   mend. "No plan" is a proof; a search that gave up says so.
 //! - **Same input, same bytes.** Budgets count steps and not seconds; no clock, hash order or thread reaches the output.

@@ -257,7 +257,7 @@ fn every_file_says_what_it_is() {
 #[test]
 fn a_kind_has_the_same_name_in_every_stage() {
     for kind in KINDS {
-        for stage in ["device", "check", "plan", "verify", "schedule"] {
+        for stage in ["device", "check", "check/claims", "plan", "schedule", "verify", "emit/mcap", "cli/report"] {
             let file = root().join(format!("src/{stage}/{kind}.rs"));
             let folder = root().join(format!("src/{stage}/{kind}/mod.rs"));
             assert!(file.exists() || folder.exists(), "`{stage}` has nothing named `{kind}`");

@@ -240,3 +240,39 @@ fn the_published_planner_says_that_it_is_greedy_when_it_finds_nothing() {
     order.planner.method = Method::Portfolio;
     assert_eq!(found(order).proof, Optimality::Proven);
 }
+
+/// Whether a part at `i` and one at (2, 2) may make these moves at the same time.
+fn may(i: (u32, u32), one: char, other: char) -> bool {
+    use super::board::{Board, Instance};
+    let board = Board::new(20, 20);
+    let moved = |(column, row): (u32, u32), way: char| match way {
+        '>' => (column + 1, row),
+        '<' => (column - 1, row),
+        'v' => (column, row - 1),
+        _ => (column, row + 1),
+    };
+    let cell = |(column, row): (u32, u32)| board.cell(column, row);
+    let (from_i, to_i) = (cell(i), cell(moved(i, one)));
+    let (from_j, to_j) = (cell((2, 2)), cell(moved((2, 2), other)));
+    let instance = Instance { board: board.clone(), separation: 4, agents: Vec::new(), merges: Vec::new() };
+    let pairs = [(from_i, from_j), (to_i, from_j), (from_i, to_j), (to_i, to_j)];
+    pairs.into_iter().all(|(i, j)| !instance.too_near((0, i), (1, j)))
+}
+
+#[test]
+fn pairs_of_moves_are_safe_or_not_as_derived_by_hand() {
+    let golden = [
+        ((6, 2), '<', '>', false),
+        ((8, 2), '<', '>', true),
+        ((7, 2), '<', '<', true),
+        ((6, 2), '<', '<', false),
+        ((6, 2), '>', '<', true),
+        ((6, 6), '<', '^', false),
+        ((7, 3), '<', '^', true),
+        ((6, 3), '<', 'v', false),
+        ((5, 6), '<', 'v', true),
+    ];
+    for (i, one, other, expected) in golden {
+        assert_eq!(may(i, one, other), expected, "{i:?} {one} and (2, 2) {other}");
+    }
+}
