@@ -51,8 +51,16 @@ fn microparts() {
     println!("\nmicroparts: 50 x 50 electrodes, separation 4; 20 random instances in a row");
     sample::header();
     for agents in [5, 10, 20, 30, 40, 50] {
-        compare(Shape { size: (50, 50), rim: 1, separation: 4, agents, obstacles: 0 }, 20);
+        compare(micropart_shape(agents), 20);
     }
+    println!("with the default budget:");
+    let samples: Vec<Sample> =
+        instances(micropart_shape(50), 20).iter().map(|instance| ours(instance, Budget::DEFAULT)).collect();
+    sample::row("tweeze", 50, &samples);
+}
+
+fn micropart_shape(agents: usize) -> Shape {
+    Shape { size: (50, 50), rim: 1, separation: 4, agents, obstacles: 0 }
 }
 
 fn crowd() {

@@ -8,7 +8,7 @@ use tweeze::plan::electrode_array::board::{Answer, Costs, Instance, Objective, P
 use tweeze::plan::electrode_array::{fast, solve};
 use tweeze::plan::search::{Budget, Meter};
 
-/// A first plan gets the part of the default budget that the portfolio gives it.
+/// A first plan by itself gets half of the default budget.
 const FIRST: Budget = Budget::of(Budget::DEFAULT.steps / 2);
 
 /// What a planner did on one instance.

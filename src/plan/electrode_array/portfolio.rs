@@ -1,37 +1,47 @@
 //! The default planner: a plan fast, then better ones, then the proof.
 //!
 //! Problem: one stage, many parts to their goals at the same time. Method, in this order:
-//! - [`fast::first`] for a short while; what it does not find is either hard or impossible, so [`exact::prove`] has a short look
-//!   at small joint spaces and parts that block each other, and then [`fast::first`] may go on;
-//! - [`fast::improve`] in rounds, until the objective meets its bound or its share of the budget is spent;
+//! - By turns, each longer than the one before, [`fast::first`] looks for a plan and [`exact::prove`] for a reason why there is
+//!   none (small joint spaces, parts that block each other) until one of them has found something.
+//! - Until the objective meets its bound or their share of the budget is spent: [`fast::improve`] in rounds and, where a round leaves
+//!   the makespan as it was, [`fast::first`] within one step less.
 //! - [`exact::prove`] with what is left, which betters plan and bounds until they meet.
 //!
 //! Guaranteed: the answer is a legal plan with bounds that hold for every plan, a proof that there is none, or neither when the
-//! budget is spent. Same instance and budget, same answer. What is not minimised is bettered too, but only for a while, and not
-//! proven where that takes a search. Cost: one step of the budget is one node of one search.
+//! budget is spent. Same instance and budget, same answer. What is not minimised is bettered too, but only while that goes quickly,
+//! and not proven where that takes a search. Cost: one step of the budget is one node of one search.
 
 use super::board::{Answer, Costs, Instance, Objective, Paths};
 use super::{exact, fast};
 use crate::plan::search::{Budget, Meter};
 
-/// Steps of the first look for a plan: nearly all instances that are not crowded need fewer.
-const QUICK_STEPS: u64 = 300_000;
+/// Steps of the first turn: nearly all instances that are not crowded need fewer.
+const TURN_STEPS: u64 = 20_000;
 
-/// The part of what is left for the look at what may be impossible.
-const DOUBT_SHARE: u64 = 8;
+/// How many times longer each turn is than the one before.
+const TURN_GROWTH: u64 = 4;
 
-/// The part of what is left for a first plan, once it is known to be hard.
-const HARD_SHARE: u64 = 2;
+/// In a turn, the look at what may be impossible gets this part of the steps of the look for a plan.
+const DOUBT_SHARE: u64 = 1;
+
+/// The part of the budget that the turns leave for the proof that there is no plan.
+const HARD_SHARE: u64 = 4;
 
 /// The part of what is left for better plans.
 const IMPROVE_SHARE: u64 = 4;
 
-/// Steps of one round of improvement.
+/// Steps of one round of improvement, and of one look for a plan with a step less; and so many more for each step of the parts.
 const ROUND_STEPS: u64 = 100_000;
+const SQUEEZE_STEPS: u64 = 400_000;
+const STEPS_PER_MOVE: u64 = 5;
 
-/// The most steps for what is not minimised, and the part of what is left that they are.
-const TIE_STEPS: u64 = 500_000;
+/// Steps of one round for what is not minimised, besides one for each step of the parts; and the part of what is left that all are
+/// at most.
+const TIE_STEPS: u64 = 20_000;
 const TIE_SHARE: u64 = 16;
+
+/// A round gains little if it is no more than this part.
+const TIE_GAIN: u64 = 500;
 
 /// A plan for a stage of at most `limit` steps.
 pub fn solve(instance: &Instance, objective: Objective, limit: Option<u64>, budget: Budget) -> Answer {
@@ -60,29 +70,47 @@ impl Search<'_> {
     /// A first plan, or the proof that there is none; `None` if neither was found within its shares.
     fn first(&mut self) -> Option<Answer> {
         let (instance, objective, limit, bounds) = (self.instance, self.objective, self.limit, self.bounds);
+        let reserve = self.meter.left().steps / HARD_SHARE;
+        let (mut steps, mut seed) = (TURN_STEPS, 1);
+        while self.meter.left().steps > reserve {
+            let most = self.meter.left().steps - reserve;
+            if let Some(paths) = self.within(limit, seed, steps.min(most)) {
+                return Some(Answer::Found { paths, bounds });
+            }
+            let doubt = steps.min(most) / DOUBT_SHARE;
+            match self.spend(doubt, |share| exact::prove(instance, objective, None, limit, share)) {
+                Answer::GaveUp { .. } => {}
+                decided => return Some(decided),
+            }
+            steps = steps.saturating_mul(TURN_GROWTH);
+            seed += 1;
+        }
+        None
+    }
+
+    /// A plan of at most `limit` steps, if one is found.
+    fn within(&mut self, limit: Option<u64>, seed: u64, steps: u64) -> Option<Paths> {
+        let instance = self.instance;
         let step_limit = limit.map(|limit| u32::try_from(limit).unwrap_or(u32::MAX));
-        let found = |paths: Option<Paths>| paths.map(|paths| Answer::Found { paths, bounds });
-        let fast = |seed: u64| move |share: &mut Meter| fast::first(instance, fast::Terms { seed, step_limit }, share);
-        let quick = QUICK_STEPS.min(self.meter.left().steps / HARD_SHARE);
-        if let Some(plan) = found(self.spend(quick, fast(1))) {
-            return Some(plan);
-        }
-        let doubt = self.meter.left().steps / DOUBT_SHARE;
-        match self.spend(doubt, |share| exact::prove(instance, objective, None, limit, share)) {
-            Answer::GaveUp { .. } => {}
-            decided => return Some(decided),
-        }
-        let hard = self.meter.left().steps / HARD_SHARE;
-        found(self.spend(hard, fast(2)))
+        self.searched(steps, |share| fast::first(instance, fast::Terms { seed, step_limit }, share))
     }
 
     /// The best plan that the budget allows from a first one on.
     fn better(mut self, first: Paths) -> Answer {
         let mut best = first;
         let end = self.meter.left().steps - self.meter.left().steps / IMPROVE_SHARE;
+        let more = STEPS_PER_MOVE * self.bounds.sum_of_costs;
         let mut seed = 1;
         while !self.is_met(&best) && self.meter.left().steps > end {
-            best = self.round(best, seed, ROUND_STEPS);
+            let before = Costs::of(&best).makespan;
+            best = self.round(best, seed, ROUND_STEPS + more);
+            if self.objective == Objective::Makespan
+                && Costs::of(&best).makespan == before
+                && before > self.bounds.makespan
+            {
+                let steps = (SQUEEZE_STEPS + more).min(self.meter.left().steps.saturating_sub(end));
+                best = self.within(Some(before - 1), seed, steps).unwrap_or(best);
+            }
             seed += 1;
         }
         if self.is_met(&best) {
@@ -92,25 +120,27 @@ impl Search<'_> {
         exact::prove(self.instance, self.objective, Some(&best), self.limit, &mut self.meter)
     }
 
-    /// Betters what is not minimised.
-    fn ties(&mut self, paths: Paths, seed: u64) -> Paths {
-        let costs = Costs::of(&paths);
-        if costs.makespan <= self.bounds.makespan && costs.sum_of_costs <= self.bounds.sum_of_costs {
-            return paths;
+    /// Betters what is not minimised, in rounds until one of them gains little.
+    fn ties(&mut self, mut paths: Paths, mut seed: u64) -> Paths {
+        let steps = TIE_STEPS + self.bounds.sum_of_costs;
+        let end = self.meter.left().steps - self.meter.left().steps / TIE_SHARE;
+        while Costs::of(&paths) != self.bounds && self.meter.left().steps > end {
+            let before = Costs::of(&paths);
+            paths = self.round(paths, seed, steps.min(self.meter.left().steps - end));
+            let after = Costs::of(&paths);
+            let total = |costs: Costs| costs.makespan + costs.sum_of_costs;
+            if total(before) - total(after) <= total(before) / TIE_GAIN {
+                break;
+            }
+            seed += 1;
         }
-        let steps = TIE_STEPS.min(self.meter.left().steps / TIE_SHARE);
-        self.round(paths, seed, steps)
+        paths
     }
 
     /// One round of improvement; a plan that breaks the limit is not taken.
     fn round(&mut self, paths: Paths, seed: u64, steps: u64) -> Paths {
         let (instance, objective) = (self.instance, self.objective);
-        let before = self.meter.spent();
-        let better = self.spend(steps, |share| fast::improve(instance, paths.clone(), objective, seed, share));
-        // A round that had nothing to search still is a round, so that rounds end.
-        if self.meter.spent() == before {
-            self.meter.charge(steps.max(1));
-        }
+        let better = self.searched(steps, |share| fast::improve(instance, paths.clone(), objective, seed, share));
         let keeps = self.limit.is_none_or(|limit| Costs::of(&better).makespan <= limit);
         if keeps { better } else { paths }
     }
@@ -122,6 +152,16 @@ impl Search<'_> {
             Objective::Makespan => costs.makespan <= self.bounds.makespan,
             Objective::SumOfCosts => costs.sum_of_costs <= self.bounds.sum_of_costs,
         }
+    }
+
+    /// Runs a search that is one of many: if it took no step it still counts as done, so that there is an end.
+    fn searched<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
+        let before = self.meter.spent();
+        let result = self.spend(steps, search);
+        if self.meter.spent() == before {
+            self.meter.charge(steps.max(1));
+        }
+        result
     }
 
     /// Runs a search on so many steps of what is left.

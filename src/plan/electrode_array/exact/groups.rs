@@ -123,23 +123,23 @@ impl Groups<'_> {
         false
     }
 
-    /// Of the groups with paths that clash those two with the fewest members, the smaller index first.
+    /// Of the groups with paths that clash those two that come first, so that one cluster grows; the smaller index first.
     fn clashing(&mut self, meter: &mut Meter) -> Option<(usize, usize)> {
-        let mut fewest: Option<(usize, usize, usize)> = None;
+        let mut first: Option<(usize, usize)> = None;
         for one in (0..self.groups.len()).filter(|one| !self.groups[*one].is_checked).collect::<Vec<usize>>() {
             let mut clashes = false;
             for other in (0..self.groups.len()).filter(|other| *other != one) {
                 let sizes = [one, other].map(|group| self.groups[group].members.len());
                 meter.charge((sizes[0] * sizes[1]) as u64);
                 if self.clash(&self.groups[one], &self.groups[other]) {
-                    let found = (sizes[0] + sizes[1], one.min(other), one.max(other));
-                    fewest = Some(fewest.map_or(found, |known| known.min(found)));
+                    let found = (one.max(other), one.min(other));
+                    first = Some(first.map_or(found, |known| known.min(found)));
                     clashes = true;
                 }
             }
             self.groups[one].is_checked = !clashes;
         }
-        fewest.map(|(_, one, other)| (one, other))
+        first.map(|(other, one)| (one, other))
     }
 
     fn clash(&self, one: &Group, other: &Group) -> bool {

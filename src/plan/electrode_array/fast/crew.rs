@@ -27,6 +27,8 @@ pub(super) struct Wish {
     pub(super) others: Others,
     /// How many instants one unit of soft cost weighs.
     pub(super) weight: u32,
+    /// How much the search hurries, see [`Query::haste`].
+    pub(super) haste: u32,
     /// The last instant at which it may arrive.
     pub(super) limit: u32,
     /// Until this instant it stays on its start.
@@ -74,6 +76,7 @@ impl<'a> Crew<'a> {
             route: &route,
             asking,
             weight: wish.weight,
+            haste: wish.haste,
             limit: wish.limit.min(self.step_limit),
             delay: wish.delay,
         };

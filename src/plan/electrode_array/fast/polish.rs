@@ -79,7 +79,7 @@ pub(super) fn polish(crew: &mut Crew, paths: Paths, objective: Objective, bounds
     crew.enter_all(&paths);
     let mut state = Polish {
         crew,
-        paths,
+        paths: paths.clone(),
         objective,
         bounds,
         choices: Weights([EVEN; CHOICES.len()]),
@@ -89,7 +89,9 @@ pub(super) fn polish(crew: &mut Crew, paths: Paths, objective: Objective, bounds
     while state.is_open() && meter.step().is_some() {
         state.round(meter);
     }
-    state.paths
+    // Less too late in all may have cost more in sum than the last arrival has gained.
+    let worse = Costs::of(&state.paths).key(objective) > Costs::of(&paths).key(objective);
+    if worse { paths } else { state.paths }
 }
 
 impl Polish<'_, '_> {
@@ -235,7 +237,7 @@ impl Polish<'_, '_> {
         for (turn, agent) in order.iter().enumerate() {
             let least = u64::from(self.crew.least[*agent]);
             let limit = limit.min(least.saturating_add(slack)).min(u64::from(u32::MAX));
-            let wish = Wish { others: Others::Hard, weight: 0, limit: limit as u32, delay: 0, detour: None };
+            let wish = Wish { others: Others::Hard, weight: 0, haste: 0, limit: limit as u32, delay: 0, detour: None };
             let Some(path) = self.crew.plan(*agent, wish, meter) else { break };
             slack -= (path.len() as u64 - 1 - least).min(slack);
             if turn + 1 < order.len() {

@@ -17,6 +17,9 @@ const LARGEST: usize = 5;
 /// How many instants of detour one instant of conflict is worth.
 const WEIGHT: u32 = 500;
 
+/// How much the searches hurry, see [`super::sipp::Query::haste`].
+const HASTE: u32 = 2;
+
 /// One of so many agents that are planned again is delayed,
 const DELAYED: usize = 8;
 
@@ -89,7 +92,7 @@ fn begin(crew: &mut Crew, part: Vec<Option<Vec<Cell>>>, meter: &mut Meter) -> Op
     Some(state)
 }
 
-const SOFT: Wish = Wish { others: Others::Soft, weight: WEIGHT, limit: u32::MAX, delay: 0, detour: None };
+const SOFT: Wish = Wish { others: Others::Soft, weight: WEIGHT, haste: HASTE, limit: u32::MAX, delay: 0, detour: None };
 
 /// A few agents round a conflict: a walk from conflict to conflict, filled up with agents that pass near.
 fn neighbourhood(crew: &mut Crew, state: &State) -> Vec<usize> {

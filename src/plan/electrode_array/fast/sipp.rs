@@ -3,7 +3,8 @@
 //! Method: safe-interval path planning (Phillips and Likhachev, ICRA 2011) over the segments of
 //! [`Reservations`], with soft segments at a cost as in SIPPS (Li and others, AAAI 2022). The rule of distance forbids single
 //! positions and no moves, so the earliest arrival in each segment stands for all later ones.
-//! Guaranteed with hard segments only: a path with the earliest last arrival within the limit, if the meter lets the search end.
+//! Guaranteed with hard segments only and no haste: a path with the earliest last arrival within the limit, if the meter lets the
+//! search end. With haste it may arrive later, by no more than that part of the earliest arrival.
 //! With soft ones: a path of least cost plus arrival in the weights asked, as far as the earliest arrivals tell.
 //! Cost: one step for each expanded node; there are at most as many nodes as segments times stops, with soft segments a few
 //! times as many.
@@ -21,6 +22,9 @@ use crate::plan::search::Meter;
 /// No node.
 const NONE: u32 = u32::MAX;
 
+/// The unit of [`Query::haste`].
+const GRAIN: u64 = 16;
+
 /// What is asked of a search.
 pub(super) struct Query<'a> {
     pub(super) board: &'a Board,
@@ -29,6 +33,8 @@ pub(super) struct Query<'a> {
     pub(super) asking: Asking<'a>,
     /// How many instants one unit of cost weighs.
     pub(super) weight: u32,
+    /// How much more than a step taken a step ahead weighs, in parts of [`GRAIN`]: with more the search goes straight to the goal.
+    pub(super) haste: u32,
     /// The last instant at which it may arrive.
     pub(super) limit: u32,
     /// Until this instant it stays on its start.
@@ -297,7 +303,8 @@ impl Sipp {
         let (_, head) = self.head(query, node.segment, node.layer);
         self.heads[head] = index;
         self.nodes.push(node);
-        let first = (u64::from(total) + u64::from(query.weight) * u64::from(node.cost)).min(u64::from(u32::MAX));
+        let worth = u64::from(total) + u64::from(query.weight) * u64::from(node.cost);
+        let first = (GRAIN * worth + u64::from(query.haste) * u64::from(ahead)).min(u64::from(u32::MAX));
         let second = u64::from(ahead.min(0xf_ffff));
         self.open.push(Reverse((first << 32 | second << 12 | u64::from(dice), index)));
     }

@@ -82,7 +82,7 @@ fn the_earliest_arrival_is_found() {
             crew.table.add(agent, path);
         }
         let truth = by_instants(&instance, &paths);
-        let wish = |limit| Wish { others: Others::Hard, weight: 0, limit, delay: 0, detour: None };
+        let wish = |limit| Wish { others: Others::Hard, weight: 0, haste: 0, limit, delay: 0, detour: None };
         let path = crew.plan(paths.len(), wish(HORIZON), &mut meter);
         assert_eq!(path.as_ref().map(|path| path.len() as u32 - 1), truth, "{instance:?} {paths:?}");
         if let Some(arrival) = truth.filter(|arrival| *arrival > 0) {
@@ -105,7 +105,7 @@ fn soft_paths_touch_no_one_where_hard_ones_exist() {
         for (agent, path) in paths.iter().enumerate() {
             crew.table.add(agent, path);
         }
-        let wish = Wish { others: Others::Soft, weight: 1_000, limit: u32::MAX, delay: 0, detour: None };
+        let wish = Wish { others: Others::Soft, weight: 1_000, haste: 0, limit: u32::MAX, delay: 0, detour: None };
         let path = crew.plan(paths.len(), wish, &mut meter).expect("soft paths always exist");
         let touched = !crew.conflicts(paths.len(), &path).is_empty();
         assert_eq!(touched, by_instants(&instance, &paths).is_none());
@@ -119,7 +119,7 @@ fn a_search_ends_with_its_meter() {
         Instance { board, separation: 4, agents: vec![Agent { start: 0, stops: vec![399] }], merges: vec![] };
     let mut meter = Meter::new(Budget::of(5));
     let mut crew = Crew::new(&instance, 0, &mut meter).expect("open");
-    let wish = Wish { others: Others::Hard, weight: 0, limit: u32::MAX, delay: 0, detour: None };
+    let wish = Wish { others: Others::Hard, weight: 0, haste: 0, limit: u32::MAX, delay: 0, detour: None };
     assert_eq!(crew.plan(0, wish, &mut meter), None);
     assert_eq!(meter.spent(), 5);
 }
