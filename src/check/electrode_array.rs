@@ -10,7 +10,7 @@ mod places;
 mod tray;
 
 pub use board::facts;
-pub use places::places_agree;
+pub use places::{Origins, places_agree};
 pub use tray::Judged;
 
 /// States that the search of one step may expand where the task does not say.

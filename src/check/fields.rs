@@ -5,6 +5,7 @@ use super::errors::{self, Wanted};
 use super::scope::{Scope, nearest, path_text};
 use super::value::{ObjectName, ShapeValue, TableValue, Value, whole};
 use crate::device::{self, Need, Sort};
+use crate::diagnostic::Diagnostic;
 use crate::quantity::{Dimension, digits};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Expr, ExprKind};
@@ -76,6 +77,10 @@ impl Checker<'_> {
         {
             return Some(word);
         }
+        if let Some(wrong) = self.unknown_word(sort, expr, scope, wanted) {
+            self.sink.push(wrong);
+            return None;
+        }
         if let Sort::Object(noun) = sort {
             return self.accept_object(noun, expr, scope, wanted);
         }
@@ -113,6 +118,35 @@ impl Checker<'_> {
         let text = path_text(path);
         let choice = words.iter().find(|choice| choice.name == text)?;
         (scope.local(&text).is_none() && self.find(path, scope).is_none()).then(|| Value::Text(choice.name.to_owned()))
+    }
+
+    /// What is said of a bare name that is no value, where words or truth values belong.
+    fn unknown_word(&self, sort: Sort, expr: &Expr, scope: &Scope, wanted: &Wanted) -> Option<Diagnostic> {
+        let ExprKind::Path(path) = &expr.kind else { return None };
+        let text = path_text(path);
+        if text.contains('.') || scope.local(&text).is_some() || self.find(path, scope).is_some() {
+            return None;
+        }
+        match sort {
+            Sort::CountOrWord { words, .. } => {
+                let names: Vec<&str> = words.iter().map(|word| word.name).collect();
+                let near = nearest(&text, names.iter().copied());
+                Some(errors::neither_count_nor_word(wanted, &names, (expr.span, &text), near))
+            }
+            Sort::Flag => Some(errors::no_truth_value(wanted, expr.span, &text)),
+            Sort::Count { .. }
+            | Sort::Quantity { .. }
+            | Sort::Word(_)
+            | Sort::State
+            | Sort::Target
+            | Sort::Targets
+            | Sort::Cell
+            | Sort::Size
+            | Sort::Places
+            | Sort::Shape(_)
+            | Sort::Table(_)
+            | Sort::Object(_) => None,
+        }
     }
 
     /// The name of something in the task's scene: `m1`, `m[i]`, or a parameter that stands for one.

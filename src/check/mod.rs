@@ -121,6 +121,7 @@ pub(crate) struct Checker<'a> {
     /// What scenes are to devices, each scene judged once with each device.
     covers: BTreeMap<(Place, Place), dimibot::Judged>,
     trays: BTreeMap<(Place, Place), electrode_array::Judged>,
+    origins: electrode_array::Origins,
     repetitions: usize,
 }
 
@@ -140,6 +141,7 @@ impl<'a> Checker<'a> {
             jobs: BTreeMap::new(),
             covers: BTreeMap::new(),
             trays: BTreeMap::new(),
+            origins: electrode_array::Origins::new(),
             repetitions: 0,
         }
     }

@@ -163,7 +163,7 @@ impl<'a> Checker<'a> {
         }
         let errors = self.sink.errors();
         dimibot::starts_agree(&draft.jobs, self.sink);
-        electrode_array::places_agree(&draft.jobs, self.sink);
+        electrode_array::places_agree(&draft.jobs, &self.origins, self.sink);
         if self.sink.errors() > errors {
             return None;
         }

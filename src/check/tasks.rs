@@ -408,7 +408,8 @@ impl<'a> Checker<'a> {
         let Some(verb) = vocabulary.verb(&step.head.text) else {
             let verbs: Vec<&str> = vocabulary.verbs.iter().map(|verb| verb.name).collect();
             let near = nearest(&step.head.text, verbs.iter().copied().chain(STEP_WORDS));
-            self.sink.push(errors::unknown_verb(step.head.span, &step.head.text, vocabulary.name, near, &verbs));
+            let written = (step.head.span, step.head.text.as_str());
+            self.sink.push(errors::unknown_verb(written, vocabulary.name, near, &verbs, vocabulary.together));
             return None;
         };
         if let Some(noun) = &step.noun {
@@ -447,8 +448,8 @@ impl<'a> Checker<'a> {
                 });
                 None
             }
-            (None, Some(_)) => {
-                self.sink.push(errors::missing_part(step.span, verb, "an object"));
+            (None, Some(sort)) => {
+                self.sink.push(errors::missing_part(step.span, verb, &lacking(sort)));
                 None
             }
         }
@@ -480,8 +481,8 @@ impl<'a> Checker<'a> {
                 None => is_whole = false,
             }
         }
-        // An object where there should be none stands for the phrase that is lacking, and was reported.
-        let is_told = step.object.is_some() && verb.object.is_none();
+        // An object where there should be none stands for the phrase that is lacking, as a phrase that is wrong does, and was told.
+        let is_told = !is_whole || (step.object.is_some() && verb.object.is_none());
         let needed = verb.phrases.iter().filter(|entry| entry.count == Count::Once && !is_told);
         for entry in needed.filter(|entry| !seen.contains_key(entry.preposition)) {
             self.sink.push(errors::missing_part(step.span, verb, &format!("`{}`", entry.preposition)));
@@ -489,6 +490,11 @@ impl<'a> Checker<'a> {
         }
         is_whole.then_some(accepted)
     }
+}
+
+/// What a verb lacks that has no object.
+fn lacking(sort: device::Sort) -> String {
+    if let device::Sort::Object(noun) = sort { format!("a {noun}") } else { "an object".to_owned() }
 }
 
 /// The words that begin a step and are no goals.

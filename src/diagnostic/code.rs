@@ -140,6 +140,8 @@ ledger! {
     E0526 "a part that has merged with another"
     E0527 "parts that cannot merge"
     E0528 "scenes with unlike parts in one schedule"
+    E0529 "a merge on a device that does not hold"
+    E0530 "a part that stands where a later scene has an obstacle"
     W0501 "an obstacle outside the workspace"
     W0502 "a task that is never run"
     W0503 "nothing to build"

@@ -51,9 +51,12 @@ fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
 }
 
 pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, planner: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0602, format!("{what} gave up after {budget} expansions"))
-        .label(step, format!("the way to {to} is neither found nor disproved; none costs less than {bound}"))
-        .help(more_allowed(budget, planner))
+    Diagnostic::new(
+        Code::E0602,
+        format!("{what} gave up after {budget} expansion{}", if budget == 1 { "" } else { "s" }),
+    )
+    .label(step, format!("the way to {to} is neither found nor disproved; none costs less than {bound}"))
+    .help(more_allowed(budget, planner))
 }
 
 /// Of a greedy planner, whose failure proves nothing.
@@ -68,12 +71,17 @@ pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)]) -> Diagnostic 
     let names: Vec<String> = parts.iter().take(MAX_LABELS).map(|(name, _)| format!("`{name}`")).collect();
     let more = parts.len().saturating_sub(MAX_LABELS);
     let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-    let title = format!("no plan: {}{rest} cannot pass one another", names.join(", "));
+    let others = if parts.len() == 2 { "the other" } else { "the others" };
+    let names = match names.as_slice() {
+        [one, other] => format!("{one} and {other}"),
+        _ => names.join(", "),
+    };
+    let title = format!("no plan: {names}{rest} cannot pass one another");
     let mut diagnostic = Diagnostic::new(Code::E0601, title);
     let mut said: Vec<Span> = Vec::new();
     for (name, span) in parts.iter().take(MAX_LABELS) {
         if !said.contains(span) {
-            diagnostic = diagnostic.label(*span, format!("`{name}` is in the way of the others"));
+            diagnostic = diagnostic.label(*span, format!("`{name}` is in the way of {others}"));
             said.push(*span);
         }
     }

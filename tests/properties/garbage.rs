@@ -41,6 +41,28 @@ const TOKENS: &[&str] = &[
     ".",
     "dimibot",
     "femto_st",
+    "electrode_array",
+    "ea",
+    "plate",
+    "chip",
+    "part",
+    "droplet",
+    "merge",
+    "makespan",
+    "sum_of_costs",
+    "steps",
+    "portfolio",
+    "cooperative_astar",
+    "may_yield",
+    "hold",
+    "separation",
+    "as_published",
+    "(3, 3)",
+    "(0, 0)",
+    "(99, 1)",
+    "4",
+    "1",
+    "0",
     "bot",
     "bench",
     "obstacle",
@@ -125,6 +147,9 @@ const PAPER: &str = include_str!("../../examples/dimibot_paper.twz");
 
 const UNEQUAL: &str = include_str!("../../examples/dimibot_unequal.twz");
 
+/// Small boards, so that what a mutation makes unsolvable is proven so fast.
+const ARRAYS: &str = include_str!("../data/arrays.twz");
+
 /// Either schedules come back, or an error was reported; the verifier never finds fault with a planner.
 fn is_answered(built: &Built) -> bool {
     let failed = built.codes.iter().any(|code| code.starts_with('E'));
@@ -199,7 +224,7 @@ proptest! {
 
     #[test]
     fn a_mutated_program_is_answered(
-        program in select(&[PROGRAM, PAPER, UNEQUAL][..]),
+        program in select(&[PROGRAM, PAPER, UNEQUAL, ARRAYS, ARRAYS][..]),
         mutations in proptest::collection::vec(mutation(), 1..4),
     ) {
         prop_assert!(is_answered(&build(&mutated(program, &mutations))));

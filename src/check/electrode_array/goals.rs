@@ -2,6 +2,7 @@
 
 use super::DEFAULT_EXPANSIONS;
 use super::cover::{Spread, nearest_cell};
+use super::places::Origins;
 use super::tray::{Blocked, Judged, on_board, on_obstacle, whole_cell};
 use crate::check::claims::electrode_array::{
     Action, Bystanders, ElectrodeArrayOrder, Method, Move, Objective, Planner, Step, Stop,
@@ -11,7 +12,7 @@ use crate::check::scope::nearest;
 use crate::check::tasks::{self, Call, Parts, Site};
 use crate::check::value::{Value, whole};
 use crate::check::{Checker, errors};
-use crate::device::electrode_array::{Cell, Electrodes, Facts, Separation};
+use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Separation};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::source::Span;
 use std::collections::BTreeMap;
@@ -25,7 +26,8 @@ impl Checker<'_> {
         let bystanders = bystanders(&parts);
         let planner = planner(&parts, (objective, bystanders), facts, self.sink);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
-        let mut judge = Judge { facts, tray: &tray, scene, sink: self.sink };
+        let hold = site.device.fields.get("hold").map(|field| field.span);
+        let mut judge = Judge { facts, tray: &tray, scene, hold, origins: &mut self.origins, sink: self.sink };
         let steps: Vec<Option<Step>> = parts.steps.iter().map(|step| judge.step(step)).collect();
         let steps: Option<Vec<Step>> = steps.into_iter().collect();
         let order = ElectrodeArrayOrder {
@@ -126,6 +128,9 @@ struct Judge<'a> {
     tray: &'a Judged,
     /// Where the task's scene is declared.
     scene: Option<Span>,
+    /// Where the device says whether it holds its parts, if it does.
+    hold: Option<Span>,
+    origins: &'a mut Origins,
     sink: &'a mut Sink,
 }
 
@@ -169,10 +174,12 @@ impl Judge<'_> {
         Some(Move { part: part?, with, stops, span: call.span })
     }
 
-    /// Droplets merge, and two of them.
+    /// Droplets merge, two of them, where electrodes hold them.
     fn may_merge(&mut self, call: &Call, part: Option<usize>, with: Option<usize>) -> Option<()> {
         let wrong = if self.facts.layout.electrodes != Electrodes::Single {
             Some(errors::parts_do_not_merge(call.span))
+        } else if self.facts.hold == Hold::Off {
+            Some(errors::merges_without_hold(call.span, self.hold))
         } else if part.is_some() && part == with {
             Some(errors::merges_with_itself(call.span, self.name(part?)))
         } else {
@@ -190,6 +197,12 @@ impl Judge<'_> {
         let Value::Object(object) = &argument.value else { return None };
         if let Some(known) = self.tray.names.get(&object.name) {
             return *known;
+        }
+        if let Some(obstacle) = self.tray.obstacles.iter().find(|obstacle| obstacle.name == object.name) {
+            let found = ("obstacle", obstacle.span);
+            let wrong = errors::object_of_other_noun(argument.span, &object.name, object.noun, found);
+            self.unless(Some(wrong), Some(argument));
+            return None;
         }
         let near = nearest(&object.name, self.tray.names.keys().map(String::as_str));
         // A scene of too many parts is known by none of their names.
@@ -219,7 +232,17 @@ impl Judge<'_> {
             on_obstacle(&place, &self.tray.obstacles[index], self.facts, nearest_cell(cell, self.facts, is_free))
         });
         self.unless(wrong, Some(target))?;
+        self.remember(target, cell);
         Some(Stop { cell, span: target.span })
+    }
+
+    /// Where the cell of a stop was given, for what is found when it is known where the parts stand by then.
+    fn remember(&mut self, target: &Argument, cell: Cell) {
+        let Some(origin) = &target.origin else { return };
+        let known = self.origins.entry((target.span, cell)).or_insert_with(|| Some(origin.clone()));
+        if known.as_ref().is_some_and(|known| known.span != origin.span) {
+            *known = None;
+        }
     }
 
     /// Pushes what is wrong, if anything is, with the place where the value was given.

@@ -4,19 +4,25 @@
 //! near to a part that stays where it is, or that comes back there.
 
 use super::cover::{Cover, Spread, nearest_cell};
+use super::tray::distance_to;
 use crate::check::claims::Job;
-use crate::check::claims::electrode_array::{Action, Bystanders, ElectrodeArrayOrder, Move, Part, Stop};
+use crate::check::claims::electrode_array::{Action, Bystanders, ElectrodeArrayOrder, Move, Obstacle, Part, Stop};
 use crate::check::errors;
+use crate::check::lets::Origin;
 use crate::device::electrode_array::Cell;
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 use std::sync::Arc;
 
+/// Where the cell of a stop was given, if a name stands for it; `None` if several names stand for it in several runs.
+pub type Origins = BTreeMap<(Span, Cell), Option<Origin>>;
+
 /// Where parts stand between the tasks of a schedule, as far as that is known before planning.
-pub fn places_agree(jobs: &[Job], sink: &mut Sink) {
+pub fn places_agree(jobs: &[Job], origins: &Origins, sink: &mut Sink) {
     let mut boards: BTreeMap<&str, Board> = BTreeMap::new();
-    let mut told: BTreeSet<Finding> = BTreeSet::new();
+    let mut walk = Walk { origins, told: BTreeSet::new(), covers: BTreeMap::new() };
     for job in jobs {
         let Some(order) = job.order.electrode_array() else { continue };
         let board = boards.entry(&job.device).or_insert_with(|| Board::of(order));
@@ -27,17 +33,36 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) {
             }
             board.reorder(&order.parts);
         }
+        if !Arc::ptr_eq(&board.obstacles, &order.obstacles) {
+            board.obstacles = Arc::clone(&order.obstacles);
+            board.stands_clear(job, order, &mut walk).into_iter().for_each(|wrong| sink.push(wrong));
+        }
         for step in &order.steps {
             match &step.action {
                 Action::Wait(_) => {}
                 Action::Move(moves) => {
                     let run = if job.run_span == job.span { step.span } else { job.run_span };
-                    for diagnostic in board.advance(moves, order, &mut told) {
+                    for diagnostic in board.advance(moves, order, &mut walk) {
                         sink.push(diagnostic.label_elsewhere(run, step.span, "run here"));
                     }
                 }
             }
         }
+    }
+}
+
+/// What is kept on the way through the runs of a schedule.
+struct Walk<'a> {
+    origins: &'a Origins,
+    told: BTreeSet<Finding>,
+    /// By the list of obstacles that is painted.
+    covers: BTreeMap<*const Vec<Obstacle>, Rc<Cover>>,
+}
+
+impl Walk<'_> {
+    fn cover(&mut self, order: &ElectrodeArrayOrder) -> Rc<Cover> {
+        let painted = || Rc::new(Cover::of(&order.obstacles, &order.facts));
+        Rc::clone(self.covers.entry(Arc::as_ptr(&order.obstacles)).or_insert_with(painted))
     }
 }
 
@@ -63,6 +88,8 @@ enum Stand {
 /// A board between two steps.
 struct Board {
     parts: Arc<Vec<Part>>,
+    /// Of the scene of the last run; all parts stand clear of them.
+    obstacles: Arc<Vec<Obstacle>>,
     /// One for each part.
     stands: Vec<Stand>,
     /// The parts that are still there, by index.
@@ -73,7 +100,8 @@ impl Board {
     fn of(order: &ElectrodeArrayOrder) -> Board {
         let stands = order.parts.iter().map(|part| Stand::At(part.cell, part.span)).collect();
         let spread = Spread::new(order.facts.separation.apart());
-        let mut board = Board { parts: Arc::clone(&order.parts), stands, spread };
+        let (parts, obstacles) = (Arc::clone(&order.parts), Arc::clone(&order.obstacles));
+        let mut board = Board { parts, obstacles, stands, spread };
         (0..board.stands.len()).for_each(|part| board.enter(part));
         board
     }
@@ -104,14 +132,26 @@ impl Board {
         (0..self.stands.len()).for_each(|part| self.enter(part));
     }
 
+    /// What the parts stand too near to when a scene with other obstacles comes.
+    fn stands_clear(&self, job: &Job, order: &ElectrodeArrayOrder, walk: &mut Walk) -> Vec<Diagnostic> {
+        let cover = walk.cover(order);
+        let mut found = Vec::new();
+        for (part, stand) in self.parts.iter().zip(&self.stands) {
+            let Stand::At(cell, since) = *stand else { continue };
+            let Some(obstacle) = cover.covering(cell).map(|index| &order.obstacles[index]) else { continue };
+            if walk.told.insert((job.run_span, Some(cell))) {
+                let distance = distance_to(obstacle, cell, &order.facts);
+                let place = (part.name.as_str(), cell, since);
+                let obstacle = (obstacle.name.as_str(), obstacle.span);
+                found.push(errors::obstacle_comes_near(job.run_span, place, obstacle, distance));
+            }
+        }
+        found
+    }
+
     /// Judges a step, and moves its parts to their goals; what was told is not said again.
-    fn advance(
-        &mut self,
-        moves: &[Move],
-        order: &ElectrodeArrayOrder,
-        told: &mut BTreeSet<Finding>,
-    ) -> Vec<Diagnostic> {
-        let mut found = self.merged_before(moves, told);
+    fn advance(&mut self, moves: &[Move], order: &ElectrodeArrayOrder, walk: &mut Walk) -> Vec<Diagnostic> {
+        let mut found = self.merged_before(moves, &mut walk.told);
         moves.iter().flat_map(of_move).for_each(|part| self.leave(part));
         for step in moves {
             let stops = match order.bystanders {
@@ -121,9 +161,11 @@ impl Board {
             };
             let near = stops.iter().find_map(|stop| Some((stop, self.spread.near(stop.cell)?)));
             if let Some((stop, (_, other))) = near
-                && told.insert((stop.span, Some(stop.cell)))
+                && walk.told.insert((stop.span, Some(stop.cell)))
             {
-                found.push(self.too_near((step, stop), other, moves, order));
+                let wrong = self.too_near((step, stop), other, (moves, order), &walk.cover(order));
+                let origin = walk.origins.get(&(stop.span, stop.cell)).and_then(Option::as_ref);
+                found.push(errors::given_from(wrong, stop.span, origin));
             }
         }
         for step in moves {
@@ -156,14 +198,13 @@ impl Board {
         &self,
         (step, stop): (&Move, &Stop),
         other: usize,
-        moves: &[Move],
-        order: &ElectrodeArrayOrder,
+        (moves, order): (&[Move], &ElectrodeArrayOrder),
+        cover: &Cover,
     ) -> Diagnostic {
         let Stand::At(cell, since) = self.stands[other] else {
             return errors::merged_away(step.span, &self.parts[other].name, step.span);
         };
         let apart = order.facts.separation.apart();
-        let cover = Cover::of(&order.obstacles, &order.facts);
         let goals = moves.iter().filter(|one| one.part != step.part).map(|one| one.goal().cell);
         let free = nearest_cell(stop.cell, &order.facts, |cell| {
             cover.covering(cell).is_none()

@@ -414,6 +414,38 @@ fn scenes_of_one_schedule_have_the_same_parts() {
     assert_codes(&text("part m2 at (25, 3)"), &["E0528"]);
 }
 
+#[test]
+fn obstacles_of_a_later_scene_leave_room_for_the_parts() {
+    let text = |obstacle: &str| {
+        format!(
+            "device plate : ea.smart_platform
+             scene before {{ part m1 at (5, 3) }}
+             scene after : before {{ obstacle o {obstacle} }}
+             task bring on plate in before {{ move m1 to (15, 5) }}
+             task clear on plate in after {{ move m1 to (5, 3) }}
+             program day {{ for i in 0..2 {{ run bring, run clear }} }}"
+        )
+    };
+    assert_codes(&text("at (18, 5)"), &[]);
+    assert_codes(&text("at (17, 5)"), &["E0530"]);
+    assert_codes(&text("at (15, 5)"), &["E0530"]);
+    assert_codes(&text(": ea.micropart at (19, 5)"), &[]);
+    assert_codes(&text(": ea.micropart at (18, 5)"), &["E0530"]);
+}
+
+#[test]
+fn droplets_merge_where_they_are_held() {
+    let text = |hold: &str| {
+        format!(
+            "device chip : ea.droplet_chip {{ hold: {hold} }}
+             scene tray {{ part a at (2, 2), part b at (8, 2) }}
+             task t on chip in tray {{ merge a with b at (5, 2) }}"
+        )
+    };
+    assert_codes(&text("true"), &[]);
+    assert_codes(&text("false"), &["E0529"]);
+}
+
 fn board(columns: u32, rows: u32) -> Facts {
     Facts {
         columns,

@@ -275,19 +275,17 @@ pub struct Blocked {
 
 /// What is said of a cell that is too near to an obstacle.
 pub fn on_obstacle(place: &Blocked, obstacle: &Obstacle, facts: &Facts, free: Option<Cell>) -> Diagnostic {
-    let (distance, apart) = match obstacle.body {
+    let distance = distance_to(obstacle, place.cell, facts);
+    errors::near_obstacle((place.code, place.span), place.cell, (&obstacle.name, obstacle.span), distance, free)
+}
+
+/// How far a centre is from an obstacle, and how far it has to be, in electrodes.
+pub fn distance_to(obstacle: &Obstacle, centre: Cell, facts: &Facts) -> (u32, u32) {
+    match obstacle.body {
         Body::Electrodes { from, to } => {
-            let near =
-                Cell::new(place.cell.column.clamp(from.column, to.column), place.cell.row.clamp(from.row, to.row));
-            (place.cell.apart(near), facts.clearance)
+            let near = Cell::new(centre.column.clamp(from.column, to.column), centre.row.clamp(from.row, to.row));
+            (centre.apart(near), facts.clearance)
         }
-        Body::Fixed(cell) => (place.cell.apart(cell), facts.separation.apart()),
-    };
-    errors::near_obstacle(
-        (place.code, place.span),
-        place.cell,
-        (&obstacle.name, obstacle.span),
-        (distance, apart),
-        free,
-    )
+        Body::Fixed(cell) => (centre.apart(cell), facts.separation.apart()),
+    }
 }

@@ -66,7 +66,7 @@ pub fn potential_too_low(
         (None, None) => format!("a potential of {potential} moves no part"),
     };
     let forces = balance.map(|Balance { lateral, friction, net, margin }| {
-        let margin = margin.as_ref().map(|margin| format!(", {margin} too little")).unwrap_or_default();
+        let margin = margin.as_ref().map(|margin| format!(", {margin} less than there")).unwrap_or_default();
         format!(": at {potential} a part is pulled with {lateral}, static friction is {friction}, net {net}{margin}")
     });
     let mend = match (least, most_friction) {
@@ -159,14 +159,19 @@ pub fn stands_nowhere(span: Span, noun: &str, name: &str) -> Diagnostic {
 
 pub fn no_cell(span: Span, found: &Value) -> Diagnostic {
     Diagnostic::new(Code::E0515, format!("a whole cell belongs here, this is {}", written(found)))
-        .label(span, found.describe())
+        .label(span, if is_cell(found) { "no electrode".to_owned() } else { found.describe() })
         .help("write `(5, 3)`: the column and the row of an electrode, whole numbers from 1")
+}
+
+/// Whether these are numbers, two of them, which may be no whole ones.
+fn is_cell(found: &Value) -> bool {
+    matches!(found, Value::Point(point) if point.iter().all(|number| number.dimension == Dimension::NUMBER))
 }
 
 /// A point of numbers as it was written, anything else by its sort.
 fn written(found: &Value) -> String {
     match found {
-        Value::Point(point) if point.iter().all(|number| number.dimension == Dimension::NUMBER) => {
+        Value::Point(point) if is_cell(found) => {
             let numbers: Vec<String> = point.iter().map(ToString::to_string).collect();
             format!("({})", numbers.join(", "))
         }
@@ -176,11 +181,20 @@ fn written(found: &Value) -> String {
 
 pub fn off_board(span: Span, noun: &str, name: &str, pair: [i64; 2], facts: &Facts, device: &str) -> Diagnostic {
     let Facts { columns, rows, .. } = facts;
+    let (what, [first, last]) = match (noun, facts.reach()) {
+        ("part", Some(reach)) => ("cell that it can take", reach),
+        _ => ("electrode", [Cell::new(1, 1), Cell::new(*columns, *rows)]),
+    };
+    let near = |at: i64, first: u32, last: u32| at.clamp(first.into(), last.into());
     let [column, row] = pair;
     let title =
         format!("{noun} `{name}` at ({column}, {row}) lies off the board, which is (1, 1) to ({columns}, {rows})");
     Diagnostic::new(Code::E0515, title).label(span, format!("`{device}` has {columns} columns and {rows} rows")).help(
-        format!("the nearest electrode is ({}, {})", column.clamp(1, (*columns).into()), row.clamp(1, (*rows).into())),
+        format!(
+            "the nearest {what} is ({}, {})",
+            near(column, first.column, last.column),
+            near(row, first.row, last.row)
+        ),
     )
 }
 
@@ -291,12 +305,13 @@ pub fn near_standing_part(
     let title = match cell.apart(at) {
         0 => format!("`{name}` is sent to {cell}, where `{other}` stands"),
         distance => {
-            format!("`{name}` is sent to {cell}, `{other}` stands {} at {at}, {apart} are needed", electrodes(distance))
+            let distance = electrodes(distance).replace(" apart", " away");
+            format!("`{name}` is sent to {cell}, `{other}` stands {distance} at {at}, {apart} are needed")
         }
     };
     let aside = format!("send `{other}` away before, or in the same `together`");
     Diagnostic::new(Code::E0524, title)
-        .label(span, "too near")
+        .label(span, if cell == at { "taken" } else { "too near" })
         .label_elsewhere(since, span, format!("`{other}` stands at {at} by then"))
         .help(nearest(free, "that is free").map(|free| format!("{free}; or {aside}")).unwrap_or(aside))
 }
@@ -325,6 +340,39 @@ pub fn merges_with_itself(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0527, format!("`{name}` cannot merge with itself"))
         .label(span, "one droplet, named twice")
         .help("name two droplets of the scene")
+}
+
+/// `hold` is where the device says that it does not hold its parts.
+pub fn merges_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
+    let diagnostic =
+        Diagnostic::new(Code::E0529, "droplets merge on a device that holds them, this one has `hold: false`")
+            .label(span, "the first to arrive would not be held for the second");
+    let diagnostic = match hold {
+        Some(hold) => diagnostic.label(hold, "electrodes are on only to move a droplet"),
+        None => diagnostic,
+    };
+    diagnostic.help("give the device `hold: true`")
+}
+
+/// A part that stands where the scene of a later run has an obstacle, since the goal that brought it there.
+pub fn obstacle_comes_near(
+    run: Span,
+    (name, cell, since): Place,
+    (obstacle, at): (&str, Span),
+    (distance, apart): (u32, u32),
+) -> Diagnostic {
+    let title = match distance {
+        0 => format!("`{name}` stands at {cell} by then, on obstacle `{obstacle}` of this run's scene"),
+        distance => {
+            let distance = electrodes(distance).replace(" apart", "");
+            format!("`{name}` stands at {cell} by then, {distance} from obstacle `{obstacle}`, {apart} are needed")
+        }
+    };
+    Diagnostic::new(Code::E0530, title)
+        .label(run, "begins with another scene than the run before")
+        .label(since, format!("`{name}` stands at {cell} since this"))
+        .label(at, "the obstacle")
+        .help(format!("send `{name}` away before this run, or give the tasks of the device one scene"))
 }
 
 pub fn unlike_parts(run: Span, device: &str, name: &str) -> Diagnostic {

@@ -31,6 +31,12 @@ fn either(words: &[&str]) -> String {
     }
 }
 
+/// A word after its article: "a dimibot", "an electrode_array".
+fn with_article(word: &str) -> String {
+    let article = if word.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+    format!("{article} {word}")
+}
+
 /// "did you mean `x`?", where something is near.
 fn meant(near: Option<&str>) -> Option<String> {
     near.map(|near| format!("did you mean `{near}`?"))

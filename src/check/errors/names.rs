@@ -1,12 +1,14 @@
 //! Names: E02xx.
 
-use super::{listed, meant};
+use super::{listed, meant, with_article};
 use crate::check::scope::{Declaration, DeclarationSort, FUNCTIONS, path_text};
+use crate::device::Together;
 use crate::device::shape::Form;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::stdlib;
 use crate::syntax::tree::{Ident, Path};
+use std::collections::BTreeSet;
 
 pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<&str>) -> Diagnostic {
     Diagnostic::new(Code::E0201, format!("no {} is named `{name}`", sort.name()))
@@ -150,9 +152,21 @@ pub fn too_deep(span: Span, what: &str, limit: usize) -> Diagnostic {
         .help("let some of them start from one further up")
 }
 
-pub fn unknown_verb(span: Span, verb: &str, kind: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {
-    let list = format!("a {kind} can {}; besides there are `wait` and the settings", listed(known.iter().copied()));
-    Diagnostic::new(Code::E0208, format!("a {kind} cannot `{verb}`"))
+pub fn unknown_verb(
+    (span, verb): (Span, &str),
+    kind: &str,
+    near: Option<&str>,
+    known: &[&str],
+    together: Together,
+) -> Diagnostic {
+    let besides = match together {
+        Together::Yes => ["wait", "together"].as_slice(),
+        Together::No => ["wait"].as_slice(),
+    };
+    let kind = with_article(kind);
+    let besides = besides.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
+    let list = format!("{kind} can {}; besides there are {besides} and the settings", listed(known.iter().copied()));
+    Diagnostic::new(Code::E0208, format!("{kind} cannot `{verb}`"))
         .label(span, "not a step")
         .help(meant(near).unwrap_or(list))
 }
@@ -168,7 +182,8 @@ pub fn unknown_field(name: &Ident, owner: &str, near: Option<&str>, known: &[&st
 }
 
 pub fn unknown_noun(span: Span, noun: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {
-    let list = format!("a scene may hold {}", listed(known.iter().copied()));
+    let known: BTreeSet<&str> = known.iter().copied().collect();
+    let list = format!("a scene may hold {}", listed(known));
     Diagnostic::new(Code::E0210, format!("no object of a scene is called `{noun}`"))
         .label(span, "not a noun of this device")
         .help(meant(near).unwrap_or(list))
@@ -198,9 +213,21 @@ pub fn never_run_with_parameters(span: Span, sort: DeclarationSort, name: &str) 
         .help(format!("add a program: `program all {{ run {name}(…) }}`"))
 }
 
+/// Something of a scene that is named where something else of it belongs.
+pub fn object_of_other_noun(span: Span, name: &str, noun: &str, found: (&str, Span)) -> Diagnostic {
+    let title = format!("`{name}` is {}, {} belongs here", with_article(found.0), with_article(noun));
+    Diagnostic::new(Code::E0211, title)
+        .label(span, format!("not {}", with_article(noun)))
+        .label(found.1, format!("{} by this", with_article(found.0)))
+        .help(format!("if it can be moved, declare it as `{noun} {name} at …`"))
+}
+
 pub fn unknown_object(span: Span, name: &str, noun: &str, near: Option<&str>, scene: Option<Span>) -> Diagnostic {
-    let diagnostic = Diagnostic::new(Code::E0211, format!("the scene of this task has no {noun} `{name}`"));
-    let diagnostic = diagnostic.label(span, "no such object");
+    let title = match scene {
+        Some(_) => format!("the scene of this task has no {noun} `{name}`"),
+        None => format!("this task has no scene, and no {noun} `{name}`"),
+    };
+    let diagnostic = Diagnostic::new(Code::E0211, title).label(span, "no such object");
     match (near, scene) {
         (Some(_), _) => diagnostic.help_if(meant(near)),
         (None, Some(_)) => diagnostic.help(format!("declare it in the scene: `{noun} {name} at (5, 3)`")),

@@ -1,7 +1,7 @@
 //! Scenes, tasks and programs: E05xx.
 
-use super::{listed, meant};
-use crate::check::lets::Argument;
+use super::{listed, meant, with_article};
+use crate::check::lets::{Argument, Origin};
 use crate::check::value::Value;
 use crate::device::{Verb, Vocabulary};
 use crate::diagnostic::{Code, Diagnostic};
@@ -30,8 +30,13 @@ pub fn on_obstacle(
 
 /// Adds the place where an argument's value was given, if it has a name.
 pub fn given_at(diagnostic: Diagnostic, argument: &Argument) -> Diagnostic {
-    match &argument.origin {
-        Some(origin) => diagnostic.label_elsewhere(origin.span, argument.span, origin.text.clone()),
+    given_from(diagnostic, argument.span, argument.origin.as_ref())
+}
+
+/// The same of a value that is labelled already, by its span.
+pub fn given_from(diagnostic: Diagnostic, labelled: Span, origin: Option<&Origin>) -> Diagnostic {
+    match origin {
+        Some(origin) => diagnostic.label_elsewhere(origin.span, labelled, origin.text.clone()),
         None => diagnostic,
     }
 }
@@ -202,7 +207,11 @@ pub fn task_needs_arguments(span: Span, name: &str) -> Diagnostic {
 pub fn shape_wanted(span: Span, found: &Value) -> Diagnostic {
     Diagnostic::new(Code::E0304, format!("a shape belongs here, this is {}", found.describe_fully()))
         .label(span, found.describe())
-        .help("write `disc { radius: 0.8 um }`, or leave `: shape` out for a point")
+        .help(if matches!(found, Value::Point(_)) {
+            "write `at` instead of `:` before a place"
+        } else {
+            "write `disc { radius: 0.8 um }`, or leave `: shape` out for a point"
+        })
 }
 
 pub fn bad_shape(span: Span, what: &str, why: &str, help: &str) -> Diagnostic {
@@ -222,7 +231,7 @@ pub fn wrong_place(span: Span, found: &Value, wanted: &str) -> Diagnostic {
 }
 
 pub fn noun_of_other_kind(span: Span, noun: &str, kind: &str, known: &[&str]) -> Diagnostic {
-    Diagnostic::new(Code::E0210, format!("a {kind} knows no `{noun}`"))
+    Diagnostic::new(Code::E0210, format!("{} knows no `{noun}`", with_article(kind)))
         .label(span, "not a noun of this device")
         .help(format!("its scenes may hold {}", listed(known.iter().copied())))
 }
@@ -237,21 +246,23 @@ pub fn bad_requirement(span: Span, vocabulary: &Vocabulary) -> Diagnostic {
     let known = listed(vocabulary.outcomes.iter().map(|outcome| outcome.name));
     Diagnostic::new(Code::E0516, "`require` compares an outcome with a limit")
         .label(span, "not such a comparison")
-        .help(format!("write `require time <= 400 ms`; a {} has {known}", vocabulary.name))
+        .help(format!("write `require time <= 400 ms`; {} has {known}", with_article(vocabulary.name)))
 }
 
 pub fn unknown_outcome(span: Span, name: &str, near: Option<&str>, vocabulary: &Vocabulary) -> Diagnostic {
     let known = listed(vocabulary.outcomes.iter().map(|outcome| outcome.name));
-    Diagnostic::new(Code::E0516, format!("a plan of a {} has no `{name}`", vocabulary.name))
+    Diagnostic::new(Code::E0516, format!("a plan of {} has no `{name}`", with_article(vocabulary.name)))
         .label(span, "unknown outcome")
         .help(meant(near).unwrap_or_else(|| format!("it has {known}")))
 }
 
 pub fn unknown_planner(span: Span, name: &str, near: Option<&str>, vocabulary: &Vocabulary) -> Diagnostic {
     let known = listed(vocabulary.planners.iter().map(|planner| planner.name));
-    Diagnostic::new(Code::E0517, format!("a {} has no planner `{name}`", vocabulary.name))
+    Diagnostic::new(Code::E0517, format!("{} has no planner `{name}`", with_article(vocabulary.name)))
         .label(span, "unknown planner")
-        .help(meant(near).unwrap_or_else(|| format!("write one of {known}, as `using dijkstra`")))
+        .help(
+            meant(near).unwrap_or_else(|| format!("write one of {known}, as `using {}`", vocabulary.planners[0].name)),
+        )
 }
 
 pub fn planner_cannot(span: Span, name: &str, what: &str, asked: Span) -> Diagnostic {
@@ -262,7 +273,7 @@ pub fn planner_cannot(span: Span, name: &str, what: &str, asked: Span) -> Diagno
 }
 
 pub fn together_in_task(span: Span, kind: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0518, format!("a {kind} has one end-effector and nothing to move together"))
+    Diagnostic::new(Code::E0518, format!("{} has one end-effector and nothing to move together", with_article(kind)))
         .label(span, "not in this task")
         .help("write the steps one below the other; several devices run together in a `program`")
 }
@@ -282,7 +293,7 @@ pub fn not_together(word: &Ident) -> Diagnostic {
 pub fn no_start(span: Span, vocabulary: &Vocabulary) -> Diagnostic {
     let nouns: Vec<&str> = vocabulary.nouns.iter().map(|noun| noun.name).filter(|noun| *noun != "obstacle").collect();
     let nouns = nouns.join(", ");
-    Diagnostic::new(Code::E0518, format!("a task of an {} does not say where it starts", vocabulary.name))
+    Diagnostic::new(Code::E0518, format!("a task of {} does not say where it starts", with_article(vocabulary.name)))
         .label(span, "not in this task")
         .help(format!("the scene says where each {nouns} stands, and later each stands where the last task left it"))
 }

@@ -78,9 +78,31 @@ pub fn wrong_word(
     wanted.declared_on(diagnostic.label(span, "not one of these words")).help(meant(near).unwrap_or(list.join("; ")))
 }
 
+/// A bare name where a whole number or one of some words belongs.
+pub fn neither_count_nor_word(
+    wanted: &Wanted,
+    words: &[&str],
+    (span, found): (Span, &str),
+    near: Option<&str>,
+) -> Diagnostic {
+    let words = either(words);
+    let title = format!("{} wants a whole number or {words}, this is `{found}`", wanted.name);
+    let diagnostic = Diagnostic::new(Code::E0311, title).label(span, "no such word, and no value of this name");
+    wanted.declared_on(diagnostic).help(meant(near).unwrap_or_else(|| format!("write a whole number, or {words}")))
+}
+
+/// A bare name where true or false belongs.
+pub fn no_truth_value(wanted: &Wanted, span: Span, found: &str) -> Diagnostic {
+    let title = format!("{} wants true or false, this is `{found}`", wanted.name);
+    let likely = if matches!(found, "no" | "off" | "never" | "False" | "FALSE") { "false" } else { "true" };
+    let diagnostic = Diagnostic::new(Code::E0311, title).label(span, "no value of this name");
+    wanted.declared_on(diagnostic).help(format!("write `{likely}`"))
+}
+
 pub fn out_of_range(wanted: &Wanted, span: Span, found: &str, limit: &str) -> Diagnostic {
     let diagnostic = Diagnostic::new(Code::E0403, format!("{} is {found}, it must be {limit}", wanted.name));
-    let about = (!wanted.doc.is_empty()).then(|| format!("write a value {limit} ({})", wanted.doc));
+    let what = if limit.starts_with("a ") { limit.to_owned() } else { format!("a value {limit}") };
+    let about = (!wanted.doc.is_empty()).then(|| format!("write {what} ({})", wanted.doc));
     wanted.declared_on(diagnostic.label(span, format!("must be {limit}"))).help_if(about)
 }
 

@@ -5,7 +5,7 @@
 
 use super::board::{self, Answer, Costs, Paths, Why};
 use super::published::{self, Check, Heuristic, Outcome, Reading, Ties, Zero};
-use super::stage::{self, Stage};
+use super::stage::{self, Blocker, Ground, Stage};
 use super::{portfolio, why};
 use crate::check::claims::electrode_array::{Action, ElectrodeArrayOrder, Method, Move, Objective, Step};
 use crate::check::claims::{Job, Relation};
@@ -71,7 +71,9 @@ fn planned(
     start: Vec<Option<Cell>>,
     sink: &mut Sink,
 ) -> (Option<Plan>, Vec<Option<Cell>>) {
-    let mut tasks = Tasks { job, order, cells: start.clone(), costs: Costs::default(), bounds: Costs::default(), sink };
+    let ground = Ground::new(order);
+    let (costs, bounds) = (Costs::default(), Costs::default());
+    let mut tasks = Tasks { job, order, ground: &ground, cells: start.clone(), costs, bounds, sink };
     let steps: Vec<Option<StepMotion>> = order.steps.iter().map(|step| tasks.step(step)).collect();
     let (costs, bounds, end) = (tasks.costs, tasks.bounds, tasks.cells);
     let Some(steps) = steps.into_iter().collect::<Option<Vec<StepMotion>>>() else { return (None, end) };
@@ -97,6 +99,7 @@ fn best(job: &Job, order: &ElectrodeArrayOrder, outcome: &str, start: Vec<Option
 struct Tasks<'a> {
     job: &'a Job,
     order: &'a ElectrodeArrayOrder,
+    ground: &'a Ground<'a>,
     /// Where the parts stand by now.
     cells: Vec<Option<Cell>>,
     costs: Costs,
@@ -110,7 +113,7 @@ impl Tasks<'_> {
         match &step.action {
             Action::Wait(duration_ns) => Some(StepMotion::Wait(*duration_ns)),
             Action::Move(moves) => {
-                let stage = Stage::new(self.order, &self.cells, moves);
+                let stage = Stage::new(self.order, self.ground, &self.cells, moves);
                 let paths = self.paths(step, &stage);
                 let motion = paths.map(|paths| self.motion(&stage, &paths));
                 self.arrive(moves);
@@ -229,8 +232,10 @@ impl Tasks<'_> {
         let from = if stop == 0 { asked.start } else { asked.stops[stop - 1] };
         let to = asked.stops[stop];
         let (blamed, removal) = why::why(stage, from, to);
-        let blamed: Vec<(&str, Span)> =
-            blamed.into_iter().map(|index| (stage.blockers[index].name.as_str(), stage.blockers[index].span)).collect();
+        let blockers: Vec<&Blocker> = stage.blockers().collect();
+        let blamed: Vec<(String, Span)> =
+            blamed.into_iter().map(|index| (blockers[index].name(), blockers[index].span)).collect();
+        let blamed: Vec<(&str, Span)> = blamed.iter().map(|(name, span)| (name.as_str(), *span)).collect();
         let part = &self.order.parts[actor.part];
         let span = actor.asked.map_or(part.span, |action| action.span);
         let text = |cell| stage::cell(self.order, cell).to_string();

@@ -5,18 +5,39 @@
 //! as the model says, or a part that stays where it is.
 
 use super::board::{self, Agent, Board, Instance};
-use crate::check::claims::electrode_array::{Body, Bystanders, ElectrodeArrayOrder, Move};
-use crate::device::electrode_array::Cell;
+use crate::check::claims::electrode_array::{Body, Bystanders, ElectrodeArrayOrder, Move, Obstacle};
+use crate::device::electrode_array::{Cell, Facts};
 use crate::source::Span;
+use std::ops::RangeInclusive;
 
 /// A step of a task, ready for a planner.
 pub struct Stage<'a> {
     pub instance: Instance,
     /// For each agent its part, and the move that asks for it, if one does.
     pub agents: Vec<Actor<'a>>,
-    pub blockers: Vec<Blocker>,
+    pub ground: &'a Ground<'a>,
+    /// The obstacles of the ground, then the parts that stay.
+    standing: Vec<Blocker<'a>>,
+}
+
+/// What is the same in all steps of a task.
+pub struct Ground<'a> {
+    obstacles: Vec<Blocker<'a>>,
     /// The board with nothing on it but its rim.
     pub bare: Board,
+    /// The board with its obstacles.
+    board: Board,
+}
+
+impl<'a> Ground<'a> {
+    /// The board of an order and its obstacles, each grown as the model says.
+    pub fn new(order: &'a ElectrodeArrayOrder) -> Ground<'a> {
+        let obstacles: Vec<Blocker> = order.obstacles.iter().map(|obstacle| grown(obstacle, &order.facts)).collect();
+        let bare = bare(order);
+        let mut board = bare.clone();
+        cover(&mut board, &obstacles);
+        Ground { obstacles, bare, board }
+    }
 }
 
 /// A part that may move in a step.
@@ -28,21 +49,67 @@ pub struct Actor<'a> {
 }
 
 /// Something that closes a rectangle of cells to the centres of parts.
-pub struct Blocker {
-    pub name: String,
+pub struct Blocker<'a> {
+    name: &'a str,
+    /// Where it stands now, if it is a part.
+    at: Option<Cell>,
     pub span: Span,
     /// Columns and rows from 0, both ends included; may reach over the rim.
     pub columns: [i64; 2],
     pub rows: [i64; 2],
 }
 
-impl Blocker {
+impl Blocker<'_> {
+    /// What a message calls it.
+    pub fn name(&self) -> String {
+        self.at.map_or(self.name.to_owned(), |at| format!("{} at {at}", self.name))
+    }
+
+    /// Its columns and rows on a board.
+    fn clipped(&self, board: &Board) -> [RangeInclusive<i64>; 2] {
+        let clip = |[low, high]: [i64; 2], size: u32| low.max(0)..=high.min(i64::from(size) - 1);
+        [clip(self.columns, board.width()), clip(self.rows, board.height())]
+    }
+
     /// Its cells on a board.
     pub fn cells(&self, board: &Board) -> impl Iterator<Item = board::Cell> + use<> {
-        let clip = |[low, high]: [i64; 2], size: u32| low.max(0)..=high.min(i64::from(size) - 1);
-        let (columns, width) = (clip(self.columns, board.width()), board.width());
-        clip(self.rows, board.height())
-            .flat_map(move |row| columns.clone().map(move |column| row as u32 * width + column as u32))
+        let ([columns, rows], width) = (self.clipped(board), board.width());
+        rows.flat_map(move |row| columns.clone().map(move |column| row as u32 * width + column as u32))
+    }
+
+    /// How many cells of a board it covers.
+    pub fn area(&self, board: &Board) -> usize {
+        self.clipped(board).into_iter().map(Iterator::count).product()
+    }
+}
+
+/// Blocks what some blockers cover; many large ones cost no more than the board and their number.
+fn cover(board: &mut Board, blockers: &[Blocker]) {
+    let width = board.width() as usize + 1;
+    // How many blockers begin at a cell less those that end before it, along rows and along columns.
+    let mut changes = vec![0i32; width * (board.height() as usize + 1)];
+    for [columns, rows] in blockers.iter().map(|blocker| blocker.clipped(board)) {
+        if columns.is_empty() || rows.is_empty() {
+            continue;
+        }
+        let [from, to] = [*columns.start() as usize, *columns.end() as usize + 1];
+        let [low, high] = [*rows.start() as usize * width, (*rows.end() as usize + 1) * width];
+        changes[low + from] += 1;
+        changes[low + to] -= 1;
+        changes[high + from] -= 1;
+        changes[high + to] += 1;
+    }
+    let mut over = vec![0i32; width];
+    for row in 0..board.height() {
+        let mut covered = 0;
+        for column in 0..board.width() {
+            let at = column as usize;
+            over[at] += changes[row as usize * width + at];
+            covered += over[at];
+            if covered > 0 {
+                board.block(board.cell(column, row));
+            }
+        }
     }
 }
 
@@ -58,9 +125,14 @@ pub fn cell(order: &ElectrodeArrayOrder, flat: board::Cell) -> Cell {
 
 impl<'a> Stage<'a> {
     /// The stage of a step that asks for `moves`, the parts standing at `cells`.
-    pub fn new(order: &ElectrodeArrayOrder, cells: &[Option<Cell>], moves: &'a [Move]) -> Stage<'a> {
+    pub fn new(
+        order: &'a ElectrodeArrayOrder,
+        ground: &'a Ground<'a>,
+        cells: &[Option<Cell>],
+        moves: &'a [Move],
+    ) -> Stage<'a> {
         let asked = |part: usize| moves.iter().find(|action| action.part == part || action.with == Some(part));
-        let (mut agents, mut actors, mut blockers) = (Vec::new(), Vec::new(), obstacles(order));
+        let (mut agents, mut actors, mut standing) = (Vec::new(), Vec::new(), Vec::new());
         // Those that are asked for come first, in the order of writing, which is their priority.
         for action in moves {
             for part in [Some(action.part), action.with].into_iter().flatten() {
@@ -70,8 +142,8 @@ impl<'a> Stage<'a> {
                 actors.push(Actor { part, asked: Some(action) });
             }
         }
-        for (part, standing) in cells.iter().enumerate() {
-            let (Some(at), None) = (*standing, asked(part)) else { continue };
+        for (part, cell) in cells.iter().enumerate() {
+            let (Some(at), None) = (*cell, asked(part)) else { continue };
             match order.bystanders {
                 Bystanders::Yield => {
                     agents.push(Agent { start: flat(order, at), stops: vec![flat(order, at)] });
@@ -79,19 +151,23 @@ impl<'a> Stage<'a> {
                 }
                 Bystanders::Stay => {
                     let part = &order.parts[part];
-                    let name = format!("{} at {at}", part.name);
-                    blockers.push(square(name, part.span, at, order.facts.separation.apart()));
+                    let around = square((&part.name, part.span), at, order.facts.separation.apart());
+                    standing.push(Blocker { at: Some(at), ..around });
                 }
             }
         }
-        let bare = bare(order);
-        let mut board = bare.clone();
-        for blocker in &blockers {
-            blocker.cells(&bare).for_each(|cell| board.block(cell));
+        let mut board = ground.board.clone();
+        for blocker in &standing {
+            blocker.cells(&ground.bare).for_each(|cell| board.block(cell));
         }
         let merges = merges(&actors);
         let instance = Instance { board, separation: order.facts.separation.apart(), agents, merges };
-        Stage { instance, agents: actors, blockers, bare }
+        Stage { instance, agents: actors, ground, standing }
+    }
+
+    /// All that blocks, obstacles first.
+    pub fn blockers(&self) -> impl Iterator<Item = &Blocker<'a>> {
+        self.ground.obstacles.iter().chain(&self.standing)
     }
 }
 
@@ -117,27 +193,27 @@ fn bare(order: &ElectrodeArrayOrder) -> Board {
     board
 }
 
-fn obstacles(order: &ElectrodeArrayOrder) -> Vec<Blocker> {
-    let facts = &order.facts;
-    let blocker = |obstacle: &crate::check::claims::electrode_array::Obstacle| match obstacle.body {
-        Body::Fixed(cell) => square(obstacle.name.clone(), obstacle.span, cell, facts.separation.apart()),
+/// An obstacle, grown as the model says.
+fn grown<'a>(obstacle: &'a Obstacle, facts: &Facts) -> Blocker<'a> {
+    match obstacle.body {
+        Body::Fixed(cell) => square((&obstacle.name, obstacle.span), cell, facts.separation.apart()),
         Body::Electrodes { from, to } => {
             let growth = i64::from(facts.clearance) - 1;
             let grown = |low: u32, high: u32| [i64::from(low) - 1 - growth, i64::from(high) - 1 + growth];
             Blocker {
-                name: obstacle.name.clone(),
+                name: &obstacle.name,
+                at: None,
                 span: obstacle.span,
                 columns: grown(from.column, to.column),
                 rows: grown(from.row, to.row),
             }
         }
-    };
-    order.obstacles.iter().map(blocker).collect()
+    }
 }
 
 /// All cells nearer than `distance` to a part that stays at `cell`.
-fn square(name: String, span: Span, cell: Cell, distance: u32) -> Blocker {
+fn square<'a>((name, span): (&'a str, Span), cell: Cell, distance: u32) -> Blocker<'a> {
     let reach = i64::from(distance) - 1;
     let around = |at: u32| [i64::from(at) - 1 - reach, i64::from(at) - 1 + reach];
-    Blocker { name, span, columns: around(cell.column), rows: around(cell.row) }
+    Blocker { name, at: None, span, columns: around(cell.column), rows: around(cell.row) }
 }

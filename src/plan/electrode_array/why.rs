@@ -15,8 +15,8 @@ const MAX_COVERED: usize = 1 << 23;
 
 /// The blockers to be removed, as indices of the stage's, for a way from one cell to another, and what is known of their removal.
 pub fn why(stage: &Stage, from: board::Cell, to: board::Cell) -> (Vec<usize>, Removal) {
-    let board = &stage.bare;
-    let covered: usize = stage.blockers.iter().map(|blocker| blocker.cells(board).count()).sum();
+    let board = &stage.ground.bare;
+    let covered: usize = stage.blockers().map(|blocker| blocker.area(board)).sum();
     if covered > MAX_COVERED {
         return (Vec::new(), Removal::Unknown);
     }
@@ -36,12 +36,13 @@ pub fn why(stage: &Stage, from: board::Cell, to: board::Cell) -> (Vec<usize>, Re
 
 /// The blockers on a way that enters as few as possible.
 fn fewest_entered(stage: &Stage, from: board::Cell, to: board::Cell) -> Option<Vec<usize>> {
-    let board = &stage.bare;
-    let over = Covering::new(board, &stage.blockers);
+    let board = &stage.ground.bare;
+    let blockers: Vec<&Blocker> = stage.blockers().collect();
+    let over = Covering::new(board, &blockers);
     let mut cost = vec![u32::MAX; board.cells()];
     let mut parent = vec![board::Cell::MAX; board.cells()];
     // Buckets by cost; a way enters each blocker at most once if it is best.
-    let mut buckets: Vec<VecDeque<board::Cell>> = vec![VecDeque::new(); stage.blockers.len() + 2];
+    let mut buckets: Vec<VecDeque<board::Cell>> = vec![VecDeque::new(); blockers.len() + 2];
     cost[from as usize] = 0;
     buckets[0].push_back(from);
     let mut lowest = 0;
@@ -78,10 +79,10 @@ fn fewest_entered(stage: &Stage, from: board::Cell, to: board::Cell) -> Option<V
 
 /// Whether there is a way when the blockers of a set are gone.
 fn is_open(stage: &Stage, gone: &[usize], from: board::Cell, to: board::Cell) -> bool {
-    let mut board = stage.bare.clone();
-    for (index, blocker) in stage.blockers.iter().enumerate() {
+    let mut board = stage.ground.bare.clone();
+    for (index, blocker) in stage.blockers().enumerate() {
         if !gone.contains(&index) {
-            blocker.cells(&stage.bare).for_each(|cell| board.block(cell));
+            blocker.cells(&stage.ground.bare).for_each(|cell| board.block(cell));
         }
     }
     let mut met = vec![false; board.cells()];
@@ -107,7 +108,7 @@ struct Covering {
 }
 
 impl Covering {
-    fn new(board: &Board, blockers: &[Blocker]) -> Covering {
+    fn new(board: &Board, blockers: &[&Blocker]) -> Covering {
         let mut starts = vec![0; board.cells() + 1];
         for blocker in blockers {
             blocker.cells(board).for_each(|cell| starts[cell as usize + 1] += 1);
