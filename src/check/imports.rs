@@ -108,11 +108,14 @@ impl Loader<'_> {
     }
 
     fn library_file(&mut self, words: &[tree::Ident], span: Span) -> Option<usize> {
-        let name = words[1..].iter().map(|word| word.text.as_str()).collect::<Vec<_>>().join(".");
-        let Some(text) = stdlib::file(&name).filter(|_| words[0].text == "std") else {
-            let known: Vec<&str> = stdlib::names().collect();
-            let near = super::scope::nearest(&name, known.iter().copied());
-            self.sink.push(errors::unknown_library(span, &name, near, &known));
+        let path = words.iter().map(|word| word.text.as_str()).collect::<Vec<_>>().join(".");
+        let name = path.strip_prefix("std.").unwrap_or_default();
+        let Some(text) = stdlib::file(name) else {
+            let known: Vec<String> = stdlib::names().map(|name| format!("std.{name}")).collect();
+            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            let full = if path.starts_with("std.") { path.clone() } else { format!("std.{path}") };
+            let near = super::scope::nearest(&full, known.iter().copied());
+            self.sink.push(errors::unknown_library(span, &path, near, &known));
             return None;
         };
         self.module(&format!("std.{name}"), text, Origin::Library, span)

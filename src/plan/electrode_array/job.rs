@@ -22,6 +22,9 @@ use std::collections::BTreeMap;
 /// a board of 50 by 50.
 const PUBLISHED_HORIZON: usize = 4;
 
+/// Looks at a pair of parts that take the published planner as long as another planner's expansion.
+const LOOKS_PER_EXPANSION: u64 = 20;
+
 /// What the parts of a board do.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Motion {
@@ -174,6 +177,12 @@ impl Tasks<'_> {
         let facts = &self.order.facts;
         let horizon = PUBLISHED_HORIZON * (facts.columns + facts.rows) as usize;
         let reading = Reading { heuristic, check, ties: Ties::default() };
+        if !self.affords(stage, horizon) {
+            let (what, to) = ("the greedy planner", goals(stage));
+            let planner = method_name(self.order.planner.method);
+            self.sink.push(errors::gave_up(step.span, &to, what, self.order.planner.expansions, "0 steps", planner));
+            return None;
+        }
         let bounds = match super::fast::bounds(&stage.instance) {
             Ok(bounds) => bounds,
             Err(why) => {
@@ -194,6 +203,13 @@ impl Tasks<'_> {
         }
         self.add(&paths, bounds);
         Some(paths)
+    }
+
+    /// Whether the budget allows the published planner, which looks at every pair of parts at every instant up to its horizon.
+    fn affords(&self, stage: &Stage, horizon: usize) -> bool {
+        let agents = stage.agents.len() as u64;
+        let looks = agents.saturating_mul(agents).saturating_mul(horizon as u64);
+        looks / LOOKS_PER_EXPANSION <= self.order.planner.expansions
     }
 
     fn stuck(&mut self, stage: &Stage, agent: usize, path: &[board::Cell], how: &str) {
@@ -293,6 +309,14 @@ fn objective(objective: Objective) -> board::Objective {
     }
 }
 
+fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Portfolio => "portfolio",
+        Method::CooperativeAstar => "cooperative_astar",
+        Method::PlainCooperativeAstar => "plain_cooperative_astar",
+    }
+}
+
 /// The plan with its figures.
 fn finished(order: &ElectrodeArrayOrder, motion: Motion, costs: Costs, bounds: Costs) -> Plan {
     let (name, cost, bound, other) = match order.objective {
@@ -303,13 +327,8 @@ fn finished(order: &ElectrodeArrayOrder, motion: Motion, costs: Costs, bounds: C
             ("sum_of_costs", costs.sum_of_costs, bounds.sum_of_costs, ("steps".to_owned(), bounds.makespan as f64))
         }
     };
-    let planner = match order.planner.method {
-        Method::Portfolio => "portfolio",
-        Method::CooperativeAstar => "cooperative_astar",
-        Method::PlainCooperativeAstar => "plain_cooperative_astar",
-    };
     Plan {
-        planner,
+        planner: method_name(order.planner.method),
         objective: name,
         unit: "",
         cost: cost as f64,

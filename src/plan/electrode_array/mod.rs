@@ -4,6 +4,7 @@
 //! (a task, step by step), `stage` (one step as a problem in flat numbers, [`board`]), `portfolio` (the default planner: [`fast`]
 //! finds plans, [`exact`] and [`joint`] prove them best or impossible), [`published`] (the paper's own), `why` (what stands in the way).
 
+mod alone;
 pub mod board;
 pub mod exact;
 pub mod fast;

@@ -1,6 +1,7 @@
 //! The default planner: a plan fast, then better ones, then the proof.
 //!
-//! Problem: one stage, many parts to their goals at the same time. Method, in this order:
+//! Problem: one stage, many parts to their goals at the same time. A part by itself has its shortest way ([`alone`]). Method for
+//! several, in this order:
 //! - By turns, each longer than the one before, [`fast::first`] looks for a plan and [`exact::prove`] for a reason why there is
 //!   none (small joint spaces, parts that block each other) until one of them has found something.
 //! - Until the objective meets its bound or their share of the budget is spent: [`fast::improve`] in rounds and, where a round leaves
@@ -11,8 +12,8 @@
 //! budget is spent. Same instance and budget, same answer. What is not minimised is bettered too, but only while that goes quickly,
 //! and not proven where that takes a search. Cost: one step of the budget is one node of one search.
 
-use super::board::{Answer, Costs, Instance, Objective, Paths};
-use super::{exact, fast};
+use super::board::{Answer, Costs, Instance, Objective, Paths, Why};
+use super::{alone, exact, fast};
 use crate::plan::search::{Budget, Meter};
 
 /// Steps of the first turn: nearly all instances that are not crowded need fewer.
@@ -45,6 +46,9 @@ const TIE_GAIN: u64 = 500;
 
 /// A plan for a stage of at most `limit` steps.
 pub fn solve(instance: &Instance, objective: Objective, limit: Option<u64>, budget: Budget) -> Answer {
+    if instance.agents.len() == 1 {
+        return by_itself(instance, limit);
+    }
     let bounds = match fast::bounds(instance) {
         Ok(bounds) => bounds,
         Err(why) => return Answer::Impossible(why),
@@ -54,6 +58,23 @@ pub fn solve(instance: &Instance, objective: Objective, limit: Option<u64>, budg
         Some(Answer::Found { paths, .. }) => search.better(paths),
         Some(decided) => decided,
         None => exact::prove(instance, objective, None, limit, &mut search.meter),
+    }
+}
+
+/// The plan of a part that nothing that moves can be in the way of.
+fn by_itself(instance: &Instance, limit: Option<u64>) -> Answer {
+    match alone::way(instance) {
+        Err(why) => Answer::Impossible(why),
+        Ok(way) => {
+            let paths = vec![way];
+            let bounds = Costs::of(&paths);
+            match limit {
+                Some(limit) if bounds.makespan > limit => {
+                    Answer::Impossible(Why::TooFewSteps { least: bounds.makespan })
+                }
+                Some(_) | None => Answer::Found { paths, bounds },
+            }
+        }
     }
 }
 
@@ -129,7 +150,7 @@ impl Search<'_> {
             paths = self.round(paths, seed, steps.min(self.meter.left().steps - end));
             let after = Costs::of(&paths);
             let total = |costs: Costs| costs.makespan + costs.sum_of_costs;
-            if total(before) - total(after) <= total(before) / TIE_GAIN {
+            if total(before).saturating_sub(total(after)) <= total(before) / TIE_GAIN {
                 break;
             }
             seed += 1;

@@ -1,0 +1,116 @@
+//! One part by itself: the shortest way by its stops to its goal.
+//!
+//! Problem: most steps of long tasks move one part past parts that stay, and those are blocked cells. Method: A* with the
+//! Manhattan distance (Hart, Nilsson, Raphael 1968), from stop to stop; a move toward the stop leaves the estimate of the whole
+//! as it is and any other adds 2, so two stacks stand for the queue. Guaranteed: the shortest way, or that there is none.
+//! Cost: about the cells of the way where little stands in it, at most the cells of the board for each stop.
+
+use super::board::{Board, Cell, Instance, Why};
+use rustc_hash::FxHashMap;
+
+/// The way of the only agent of an instance.
+pub fn way(instance: &Instance) -> Result<Vec<Cell>, Why> {
+    let agent = &instance.agents[0];
+    let mut way = vec![agent.start];
+    for (stop, &to) in agent.stops.iter().enumerate() {
+        let from = way[way.len() - 1];
+        let leg = leg(&instance.board, from, to).ok_or(Why::Closed { agent: 0, stop })?;
+        way.extend(leg);
+    }
+    Ok(way)
+}
+
+/// The cells after `from` on a shortest way to `to`.
+fn leg(board: &Board, from: Cell, to: Cell) -> Option<Vec<Cell>> {
+    let mut parents: FxHashMap<Cell, Cell> = FxHashMap::default();
+    // Cells to be looked at, with the one before: those of the least estimate, and those of the next.
+    let (mut now, mut next) = (vec![(from, from)], Vec::new());
+    loop {
+        let Some((cell, parent)) = now.pop() else {
+            if next.is_empty() {
+                return None;
+            }
+            std::mem::swap(&mut now, &mut next);
+            continue;
+        };
+        if parents.contains_key(&cell) {
+            continue;
+        }
+        parents.insert(cell, parent);
+        if cell == to {
+            break;
+        }
+        let distance = board.manhattan(cell, to);
+        for beside in board.neighbours(cell).filter(|beside| !parents.contains_key(beside)) {
+            let queue = if board.manhattan(beside, to) < distance { &mut now } else { &mut next };
+            queue.push((beside, cell));
+        }
+    }
+    let mut leg = Vec::new();
+    let mut cell = to;
+    while cell != from {
+        leg.push(cell);
+        cell = parents[&cell];
+    }
+    leg.reverse();
+    Some(leg)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::electrode_array::board::Agent;
+    use std::collections::VecDeque;
+
+    /// The steps of a plain breadth-first search.
+    fn plain(board: &Board, from: Cell, to: Cell) -> Option<usize> {
+        let mut steps = vec![usize::MAX; board.cells()];
+        let mut open = VecDeque::from([from]);
+        steps[from as usize] = 0;
+        while let Some(cell) = open.pop_front() {
+            for beside in board.neighbours(cell) {
+                if steps[beside as usize] == usize::MAX {
+                    steps[beside as usize] = steps[cell as usize] + 1;
+                    open.push_back(beside);
+                }
+            }
+        }
+        Some(steps[to as usize]).filter(|steps| *steps != usize::MAX)
+    }
+
+    #[test]
+    fn ways_are_as_short_as_those_of_a_plain_search() {
+        let mut seed = 1u64;
+        let mut draw = |below: u32| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) as u32 % below
+        };
+        let mut closed = 0;
+        for _ in 0..400 {
+            let (width, height) = (1 + draw(14), 1 + draw(14));
+            let mut board = Board::new(width, height);
+            for _ in 0..draw(width * height) {
+                board.block(draw(width * height));
+            }
+            let free: Vec<Cell> = (0..width * height).filter(|cell| !board.is_blocked(*cell)).collect();
+            if free.is_empty() {
+                continue;
+            }
+            let mut pick = || free[draw(free.len() as u32) as usize];
+            let (start, stops) = (pick(), vec![pick(), pick()]);
+            let legs = [plain(&board, start, stops[0]), plain(&board, stops[0], stops[1])];
+            let agents = vec![Agent { start, stops }];
+            let instance = Instance { board, separation: 4, agents, merges: Vec::new() };
+            match (way(&instance), legs) {
+                (Ok(way), [Some(first), Some(second)]) => {
+                    assert_eq!(way.len() - 1, first + second);
+                    assert!(way.windows(2).all(|pair| instance.board.neighbours(pair[0]).any(|cell| cell == pair[1])));
+                }
+                (Err(Why::Closed { agent: 0, stop: 0 }), [None, _]) => closed += 1,
+                (Err(Why::Closed { agent: 0, stop: 1 }), [Some(_), None]) => closed += 1,
+                (answer, legs) => panic!("{answer:?}, but {legs:?}"),
+            }
+        }
+        assert!(closed > 20, "both outcomes are met");
+    }
+}
