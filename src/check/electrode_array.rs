@@ -14,7 +14,7 @@ pub use places::{Origins, places_agree};
 pub use tray::Judged;
 
 /// States that the search of one step may expand where the task does not say.
-pub const DEFAULT_EXPANSIONS: u64 = 10_000_000;
+pub const DEFAULT_EXPANSIONS: u64 = 16_000_000;
 
 #[cfg(test)]
 mod tests;

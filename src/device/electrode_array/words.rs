@@ -137,7 +137,7 @@ const VERBS: &[Verb] = &[
 const BUDGET: [Field; 1] = [Field {
     name: "expansions",
     sort: Sort::Count { least: 1, most: MAX_EXPANSIONS },
-    need: Need::Optional("10 million"),
+    need: Need::Optional("16 million"),
     doc: "how many states the search of one step may expand before it gives up",
 }];
 
