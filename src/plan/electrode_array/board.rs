@@ -2,7 +2,7 @@
 //!
 //! A cell is one number, `row * width + column`, both from 0. One step moves each part to one of its four neighbours or leaves it.
 //! The rule of distance is a rule about pairs of positions at the same and at neighbouring instants: a part at `q` at instant
-//! `t` and another at `p` at `t - 1`, `t` or `t + 1` keep the Chebyshev distance of the [`Rule`]. That is the rule for steps
+//! `t` and another at `p` at `t - 1`, `t` or `t + 1` keep the Chebyshev distance of the rule. That is the rule for steps
 //! "all four combinations of the starts and ends of two parts", taken apart into single positions, so a path is legal exactly if
 //! no position of it lies too near to three positions of another; no pair of moves has to be looked at.
 

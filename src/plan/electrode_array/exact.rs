@@ -5,7 +5,7 @@
 //! - The distances of the agents alone bound both costs; a plan that meets its bound is proven at once.
 //! - A small joint space is searched exhaustively ([`joint`]); that decides every question.
 //! - Without a plan, pairs of agents that cannot pass one another whatever the others do are looked for, in the pairs' joint space.
-//! - Conflict-based search on independent groups ([`tree`], [`groups`]): for the sum of costs directly, for the makespan by asking
+//! - Conflict-based search on independent groups (`tree`, `groups`): for the sum of costs directly, for the makespan by asking
 //!   for each number of steps from the bound on whether it suffices.
 //! - Still without a plan: the joint space of all, as far as the budget goes.
 //!
