@@ -265,8 +265,7 @@ impl Checker<'_> {
     }
 
     fn shape_base(&mut self, base: &Path, scope: &Scope) -> Option<super::value::ShapeValue> {
-        let is_known = scope.local(&base.segments[0].name.text).is_some() || self.find(base, scope).is_some();
-        if !is_known && is_word(base) {
+        if !self.names_value(base, scope) && is_word(base) {
             let text = path_text(base);
             let near = nearest(&text, Form::ALL.iter().map(|form| form.name()));
             self.sink.push(errors::unknown_shape(base.span, &text, near));

@@ -117,14 +117,14 @@ impl Checker<'_> {
         let ExprKind::Path(path) = &expr.kind else { return None };
         let text = path_text(path);
         let choice = words.iter().find(|choice| choice.name == text)?;
-        (scope.local(&text).is_none() && self.find(path, scope).is_none()).then(|| Value::Text(choice.name.to_owned()))
+        (!self.names_value(path, scope)).then(|| Value::Text(choice.name.to_owned()))
     }
 
     /// What is said of a bare name that is no value, where words or truth values belong.
     fn unknown_word(&self, sort: Sort, expr: &Expr, scope: &Scope, wanted: &Wanted) -> Option<Diagnostic> {
         let ExprKind::Path(path) = &expr.kind else { return None };
         let text = path_text(path);
-        if text.contains('.') || scope.local(&text).is_some() || self.find(path, scope).is_some() {
+        if text.contains('.') || self.names_value(path, scope) {
             return None;
         }
         match sort {
@@ -151,26 +151,10 @@ impl Checker<'_> {
 
     /// The name of something in the task's scene: `m1`, `m[i]`, or a parameter that stands for one.
     pub fn accept_object(&mut self, noun: &'static str, expr: &Expr, scope: &Scope, wanted: &Wanted) -> Option<Value> {
-        let path = match &expr.kind {
-            ExprKind::Path(path) if path.segments.len() == 1 => path,
-            ExprKind::Error => return None,
-            _ => {
-                let found = self.evaluate(expr, scope);
-                if !found.is_unknown() {
-                    self.sink.push(errors::wrong_value(
-                        wanted,
-                        &format!("the name of a {noun}"),
-                        "m1",
-                        expr.span,
-                        &found,
-                    ));
-                }
-                return None;
-            }
-        };
-        let segment = &path.segments[0];
-        let is_value = scope.local(&segment.name.text).is_some() || self.find(path, scope).is_some();
-        if !is_value {
+        if let ExprKind::Path(path) = &expr.kind
+            && let [segment] = path.segments.as_slice()
+            && !self.names_value(path, scope)
+        {
             let name = self.joined(&segment.name.text, &segment.indices, scope)?;
             return Some(Value::Object(ObjectName { noun, name }));
         }

@@ -202,6 +202,11 @@ impl<'a> Checker<'a> {
         Some((Place { module, item: declaration.item }, 1))
     }
 
+    /// Whether a path names a local or a declaration, so that it is no bare word.
+    fn names_value(&self, path: &Path, scope: &Scope) -> bool {
+        scope.local(&path.segments[0].name.text).is_some() || self.find(path, scope).is_some()
+    }
+
     /// The declaration of a sort that a path names; what is wrong with it is reported.
     fn resolve(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort) -> Option<Place> {
         if let Some(segment) = path.segments.iter().find(|segment| !segment.indices.is_empty()) {

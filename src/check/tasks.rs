@@ -316,8 +316,7 @@ impl<'a> Checker<'a> {
         let ExprKind::Path(path) = &expr.kind else { return None };
         let name = path.segments[0].name.text.as_str();
         let bare = path.segments.len() == 1 && path.segments[0].indices.is_empty();
-        let is_value = scope.local(name).is_some() || self.find(path, scope).is_some();
-        (bare && !is_value).then_some((name, path.span))
+        (bare && !self.names_value(path, scope)).then_some((name, path.span))
     }
 
     fn bad_requirement(&mut self, expr: &Expr, vocabulary: &'static Vocabulary) -> Option<Requirement> {

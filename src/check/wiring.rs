@@ -99,11 +99,7 @@ impl<'a> Checker<'a> {
     fn channel_name(&mut self, path: &tree::Path, scope: &Scope) -> Option<String> {
         let mut words = Vec::with_capacity(path.segments.len());
         for segment in &path.segments {
-            let mut indices = Vec::with_capacity(segment.indices.len());
-            for index in &segment.indices {
-                indices.push(self.index(index, scope)?.to_string());
-            }
-            words.push(format!("{}{}", segment.name.text, indices.join("_")));
+            words.push(self.joined(&segment.name.text, &segment.indices, scope)?);
         }
         Some(words.join("."))
     }

@@ -18,9 +18,6 @@ pub const MAX_MODULES: u32 = 20;
 /// The widest workspace, in micrometres: within it the rounding of a double stays far below the margins of planning.
 pub const MAX_REACH_UM: f64 = 1e5;
 
-/// The most states that one search may be allowed to expand: some ten gigabytes of memory.
-pub const MAX_EXPANSIONS: u32 = 200_000_000;
-
 /// The most places that one `visit` may name.
 pub const MAX_VISITS: usize = 64;
 
@@ -373,12 +370,8 @@ const VERBS: &[Verb] = &[
     },
 ];
 
-const BUDGET: [Field; 1] = [Field {
-    name: "expansions",
-    sort: Sort::Count { least: 1, most: MAX_EXPANSIONS },
-    need: Need::Optional("20 million"),
-    doc: "how many states the search may expand before it gives up",
-}];
+const BUDGET: [Field; 1] =
+    [super::expansions("20 million", "how many states the search may expand before it gives up")];
 
 const fn planner(name: &'static str, doc: &'static str) -> Planner {
     Planner { name, options: &BUDGET, doc }

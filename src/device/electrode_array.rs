@@ -23,9 +23,6 @@ pub const MAX_OBSTACLES: usize = 100_000;
 /// The largest distance that parts may be asked to keep from each other or from obstacles, in electrodes.
 pub const MAX_APART: u32 = 100;
 
-/// The most states that the search of one step of a task may be allowed to expand.
-pub const MAX_EXPANSIONS: u32 = 200_000_000;
-
 /// An electrode, and so a place for the centre of a part: column and row, both from 1, rows upward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Cell {

@@ -10,6 +10,9 @@ pub mod shape;
 use crate::quantity::Dimension;
 use serde::{Deserialize, Serialize};
 
+/// The most states that one search may be allowed to expand: some ten gigabytes of memory.
+pub const MAX_EXPANSIONS: u32 = 200_000_000;
+
 /// The kinds of device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -103,6 +106,12 @@ pub struct Field {
     pub sort: Sort,
     pub need: Need,
     pub doc: &'static str,
+}
+
+/// The option of a planner that limits its search, which is `default` steps where it is left out.
+const fn expansions(default: &'static str, doc: &'static str) -> Field {
+    let sort = Sort::Count { least: 1, most: MAX_EXPANSIONS };
+    Field { name: "expansions", sort, need: Need::Optional(default), doc }
 }
 
 /// Whether a field may be left out.

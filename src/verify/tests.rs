@@ -30,6 +30,21 @@ fn only(rule: Rule, schedule: &Schedule, claims: &Claims) {
     assert_eq!(rules(schedule, claims), [rule]);
 }
 
+/// An edit that breaks something.
+type Edit = fn(&mut Schedule);
+
+/// Asserts that each edit of a sound schedule breaks its rule and no other.
+#[track_caller]
+fn each_alone(sound: &Schedule, claims: &Claims, broken: &[(&str, Rule, Edit)]) {
+    let found = broken.iter().map(|(name, _, edit)| {
+        let mut broken = sound.clone();
+        edit(&mut broken);
+        (*name, rules(&broken, claims))
+    });
+    let expected: Vec<_> = broken.iter().map(|(name, rule, _)| (*name, vec![*rule])).collect();
+    assert_eq!(found.collect::<Vec<_>>(), expected);
+}
+
 /// Asserts that nothing is broken.
 #[track_caller]
 fn passes(schedule: &Schedule, claims: &Claims) {

@@ -1,9 +1,9 @@
 //! The vocabulary of the electrode array.
 
-use super::{MAX_APART, MAX_EXPANSIONS, MAX_SIDE};
+use super::{MAX_APART, MAX_SIDE};
 use crate::device::shape::Form;
 use crate::device::{
-    Choice, Count, Field, Need, Noun, Outcome, Phrase, Planner, Range, Sort, Together, Verb, Vocabulary,
+    Choice, Count, Field, Need, Noun, Outcome, Phrase, Planner, Range, Sort, Together, Verb, Vocabulary, expansions,
 };
 use crate::quantity::Dimension;
 
@@ -134,12 +134,8 @@ const VERBS: &[Verb] = &[
     },
 ];
 
-const BUDGET: [Field; 1] = [Field {
-    name: "expansions",
-    sort: Sort::Count { least: 1, most: MAX_EXPANSIONS },
-    need: Need::Optional("16 million"),
-    doc: "how many states the search of one step may expand before it gives up",
-}];
+const BUDGET: [Field; 1] =
+    [expansions("16 million", "how many states the search of one step may expand before it gives up")];
 
 const fn planner(name: &'static str, doc: &'static str) -> Planner {
     Planner { name, options: &BUDGET, doc }

@@ -1,4 +1,4 @@
-use super::{only, passes, rules};
+use super::{Edit, each_alone, only, passes, rules};
 use crate::check::claims::Claims;
 use crate::check::claims::electrode_array::{Action, Body, Bystanders, ElectrodeArrayOrder, Move, Objective};
 use crate::device::electrode_array::{Hold, Separation};
@@ -24,8 +24,6 @@ fn day() -> Claims {
 }
 
 const DAY: Words = &[&[&["RRR", "U.U", ""], &[], &["", "RDDL", ""]]];
-
-type Edit = fn(&mut Schedule);
 
 /// Each edit of the day's schedule breaks one rule and no other.
 const BROKEN: &[(&str, Rule, Edit)] = &[
@@ -102,14 +100,7 @@ fn the_day_is_sound() {
 
 #[test]
 fn each_break_is_caught_by_its_rule_alone() {
-    let sound = schedule(&day(), DAY);
-    let found = BROKEN.iter().map(|(name, _, edit)| {
-        let mut broken = sound.clone();
-        edit(&mut broken);
-        (*name, rules(&broken, &day()))
-    });
-    let expected: Vec<_> = BROKEN.iter().map(|(name, rule, _)| (*name, vec![*rule])).collect();
-    assert_eq!(found.collect::<Vec<_>>(), expected);
+    each_alone(&schedule(&day(), DAY), &day(), BROKEN);
 }
 
 #[test]
