@@ -38,6 +38,8 @@ impl Dimension {
     pub const CAPACITANCE: Dimension = dimension(-2, -1, 4, 2, 0, 0);
     pub const DENSITY: Dimension = dimension(-3, 1, 0, 0, 0, 0);
     pub const VISCOSITY: Dimension = dimension(-1, 1, -1, 0, 0, 0);
+    /// Angle over length.
+    pub const TURNING: Dimension = dimension(-1, 0, 0, 0, 0, 1);
     /// Force over speed.
     pub const DAMPING: Dimension = dimension(0, 1, -1, 0, 0, 0);
 
@@ -150,6 +152,7 @@ const NAMED: &[Named] = &[
     named(Dimension::CAPACITANCE, "a capacitance", "F", "pF"),
     named(Dimension::DENSITY, "a density", "kg/m^3", "kg/m^3"),
     named(Dimension::VISCOSITY, "a viscosity", "Pa*s", "Pa*s"),
+    named(Dimension::TURNING, "a turning rate", "deg/mm", "deg/mm"),
     named(Dimension::DAMPING, "a damping", "N*s/m", "uN*s/m"),
 ];
 

@@ -27,7 +27,7 @@ const SIGHT: &[(&str, &[&str])] = &[
 ];
 
 /// The kinds of device; each has the same file name in every stage.
-const KINDS: [&str; 2] = ["dimibot", "electrode_array"];
+const KINDS: [&str; 3] = ["dimibot", "electrode_array", "microrobots"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -5,6 +5,7 @@
 
 pub mod dimibot;
 pub mod electrode_array;
+pub mod microrobots;
 
 use crate::device::Kind;
 use crate::source::Span;
@@ -62,6 +63,7 @@ impl Job {
         match &self.order {
             Order::Dimibot(order) => order.steps.len(),
             Order::ElectrodeArray(order) => order.steps.len(),
+            Order::Microrobots(order) => order.steps.len(),
         }
     }
 
@@ -70,6 +72,7 @@ impl Job {
         match &self.order {
             Order::Dimibot(_) => Kind::Dimibot,
             Order::ElectrodeArray(_) => Kind::ElectrodeArray,
+            Order::Microrobots(_) => Kind::Microrobots,
         }
     }
 }
@@ -80,6 +83,7 @@ impl Job {
 pub enum Order {
     Dimibot(dimibot::DimibotOrder),
     ElectrodeArray(electrode_array::ElectrodeArrayOrder),
+    Microrobots(microrobots::MicrorobotsOrder),
 }
 
 impl Order {
@@ -87,7 +91,7 @@ impl Order {
     pub fn dimibot(&self) -> Option<&dimibot::DimibotOrder> {
         match self {
             Order::Dimibot(order) => Some(order),
-            Order::ElectrodeArray(_) => None,
+            Order::ElectrodeArray(_) | Order::Microrobots(_) => None,
         }
     }
 
@@ -95,7 +99,15 @@ impl Order {
     pub fn electrode_array(&self) -> Option<&electrode_array::ElectrodeArrayOrder> {
         match self {
             Order::ElectrodeArray(order) => Some(order),
-            Order::Dimibot(_) => None,
+            Order::Dimibot(_) | Order::Microrobots(_) => None,
+        }
+    }
+
+    /// The order, if it is of microrobots.
+    pub fn microrobots(&self) -> Option<&microrobots::MicrorobotsOrder> {
+        match self {
+            Order::Microrobots(order) => Some(order),
+            Order::Dimibot(_) | Order::ElectrodeArray(_) => None,
         }
     }
 }

@@ -4,7 +4,7 @@ use super::fields::{Accepted, Given, Owner};
 use super::lets::Origin;
 use super::lineage::Base;
 use super::scope::{DeclarationSort, Place, nearest, path_text};
-use super::{Checker, dimibot, electrode_array, errors};
+use super::{Checker, dimibot, electrode_array, errors, microrobots};
 use crate::device::{self, Kind};
 use crate::source::Span;
 use crate::syntax::tree::{self, Item};
@@ -42,6 +42,7 @@ fn owner(kind: Kind, name: &str, span: Span) -> Owner {
 pub enum Facts {
     Dimibot(Rc<device::dimibot::Facts>),
     ElectrodeArray(Rc<device::electrode_array::Facts>),
+    Microrobots(Rc<microrobots::Bed>),
 }
 
 impl Facts {
@@ -50,6 +51,7 @@ impl Facts {
         match self {
             Facts::Dimibot(facts) => facts.channels().iter().any(|channel| channel == name),
             Facts::ElectrodeArray(facts) => facts.electrode(name).is_some(),
+            Facts::Microrobots(_) => name == device::microrobots::CHANNEL,
         }
     }
 
@@ -61,6 +63,7 @@ impl Facts {
                 let last = device::electrode_array::Cell::new(facts.columns, facts.rows);
                 [device::electrode_array::Cell::new(1, 1), last].map(device::electrode_array::Facts::channel).to_vec()
             }
+            Facts::Microrobots(_) => vec![device::microrobots::CHANNEL.to_owned()],
         }
     }
 }
@@ -168,6 +171,7 @@ impl Checker<'_> {
             Kind::ElectrodeArray => {
                 electrode_array::facts(device, self.sink).map(|facts| Facts::ElectrodeArray(Rc::new(facts)))
             }
+            Kind::Microrobots => microrobots::bed(device, self.sink).map(|bed| Facts::Microrobots(Rc::new(bed))),
         }
     }
 }

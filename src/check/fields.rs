@@ -145,7 +145,10 @@ impl Checker<'_> {
             | Sort::Places
             | Sort::Shape(_)
             | Sort::Table(_)
-            | Sort::Object(_) => None,
+            | Sort::Object(_)
+            | Sort::Name
+            | Sort::Pose
+            | Sort::Control => None,
         }
     }
 
@@ -211,7 +214,22 @@ fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(), B
     match sort {
         Sort::Count { least, most } => judge_count((least, most), value, span, wanted),
         Sort::Quantity { dimension, range } => judge_quantity(dimension, range, value, span, wanted),
-        Sort::Word(_) | Sort::Object(_) => Ok(()),
+        Sort::Word(choices) => match value {
+            Value::Text(text) if choices.iter().any(|choice| choice.name == text) => Ok(()),
+            Value::Text(text) => {
+                let near = nearest(text, choices.iter().map(|choice| choice.name));
+                Err(Box::new(errors::wrong_word(wanted, choices, (span, text), near)))
+            }
+            _ => wrong("a word", choices.first().map_or("", |choice| choice.name)),
+        },
+        Sort::Object(_) => Ok(()),
+        Sort::Name if matches!(value, Value::Text(text) if is_name(text)) => Ok(()),
+        Sort::Name => wrong("a name", "D1"),
+        Sort::Pose if matches!(value, Value::Pose(_)) => Ok(()),
+        Sort::Pose => wrong("a pose", "pose(1.8 mm, 1.5 mm, 90 deg)"),
+        Sort::Control if matches!(value, Value::Word(_)) => Ok(()),
+        Sort::Control if matches!(value, Value::Quantity(number) if whole(*number).is_some_and(|n| n >= 0)) => Ok(()),
+        Sort::Control => wrong("the number of a control state, or a word of its arms", "2"),
         Sort::CountOrWord { least, most, .. } => judge_count((least, most), value, span, wanted),
         Sort::Flag if matches!(value, Value::Bool(_)) => Ok(()),
         Sort::Flag => wrong("true or false", "true"),
@@ -290,6 +308,11 @@ fn judge_table(
 
 fn is_point(value: &Value, dimension: Dimension) -> bool {
     matches!(value, Value::Point(point) if point.len() == 2 && point[0].dimension == dimension)
+}
+
+/// Whether a text could stand for itself where names are asked for.
+fn is_name(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
 fn is_target(value: &Value) -> bool {

@@ -15,6 +15,7 @@ mod functions;
 pub mod imports;
 pub mod lets;
 mod lineage;
+pub mod microrobots;
 mod programs;
 mod scenes;
 pub mod scope;
@@ -122,6 +123,7 @@ pub(crate) struct Checker<'a> {
     covers: BTreeMap<(Place, Place), dimibot::Judged>,
     trays: BTreeMap<(Place, Place), electrode_array::Judged>,
     origins: electrode_array::Origins,
+    grounds: BTreeMap<(Place, Place), Option<microrobots::Ground>>,
     repetitions: usize,
 }
 
@@ -142,6 +144,7 @@ impl<'a> Checker<'a> {
             covers: BTreeMap::new(),
             trays: BTreeMap::new(),
             origins: electrode_array::Origins::new(),
+            grounds: BTreeMap::new(),
             repetitions: 0,
         }
     }

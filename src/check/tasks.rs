@@ -55,6 +55,15 @@ pub struct Call {
     pub verb: &'static device::Verb,
     pub object: Option<Argument>,
     pub phrases: Vec<(&'static str, Argument)>,
+    /// What stands in its braces.
+    pub entries: Vec<Entered>,
+    pub span: Span,
+}
+
+/// An entry of a verb's braces: an object with its prepositions.
+pub struct Entered {
+    pub object: Argument,
+    pub phrases: Vec<(&'static str, Argument)>,
     pub span: Span,
 }
 
@@ -116,6 +125,7 @@ impl<'a> Checker<'a> {
         let order = match self.facts(place)? {
             Facts::Dimibot(facts) => self.dimibot_order(&site, &facts, parts).map(Order::Dimibot),
             Facts::ElectrodeArray(facts) => self.electrode_array_order(&site, &facts, parts).map(Order::ElectrodeArray),
+            Facts::Microrobots(bed) => self.microrobots_order(&site, &bed, parts).map(Order::Microrobots),
         };
         Some(Job {
             task: item.name.text.clone(),
@@ -411,17 +421,102 @@ impl<'a> Checker<'a> {
             self.sink.push(errors::unknown_verb(written, vocabulary.name, near, &verbs, vocabulary.together));
             return None;
         };
-        if let Some(noun) = &step.noun {
-            self.sink.push(errors::unexpected_part(noun.span, verb, "a noun"));
-            return None;
-        }
-        if step.block.is_some() {
-            self.sink.push(errors::unexpected_part(step.head.span, verb, "a block"));
-            return None;
-        }
+        self.noun(step, verb)?;
+        let entries = self.braces(step, verb, scope);
         let object = self.verb_object(step, verb, scope);
-        let phrases = self.phrases(step, verb, scope);
-        Some(Call { verb, object: object?, phrases: phrases?, span: step.span })
+        let phrases = self.phrases(step, verb, verb.phrases, scope);
+        Some(Call { verb, object: object?, phrases: phrases?, entries: entries?, span: step.span })
+    }
+
+    /// The word before the object is the verb's own; `None` after an error.
+    fn noun(&mut self, step: &tree::Step, verb: &'static device::Verb) -> Option<()> {
+        match (&step.noun, verb.noun) {
+            (None, None) => return Some(()),
+            (Some(noun), Some(own)) if noun.text == own => return Some(()),
+            (Some(noun), Some(own)) => {
+                let near = nearest(&noun.text, [own].into_iter());
+                self.sink.push(errors::wrong_noun(noun, verb, own, near));
+            }
+            (Some(noun), None) => self.sink.push(errors::unexpected_part(noun.span, verb, "a noun")),
+            (None, Some(own)) => self.sink.push(errors::missing_part(step.span, verb, &format!("`{own}`"))),
+        }
+        None
+    }
+
+    /// What stands in a verb's braces; `None` after an error.
+    fn braces(&mut self, step: &tree::Step, verb: &'static device::Verb, scope: &Scope) -> Option<Vec<Entered>> {
+        match (&step.block, verb.block) {
+            (None, None) => Some(Vec::new()),
+            (Some(_), None) => {
+                self.sink.push(errors::unexpected_part(step.head.span, verb, "a block"));
+                None
+            }
+            (None, Some(_)) => {
+                self.sink.push(errors::missing_part(step.span, verb, "its braces"));
+                None
+            }
+            (Some(entries), Some(block)) => {
+                let mut entered = Vec::new();
+                let is_whole = self.entered(entries, &mut scope.clone(), (verb, block), &mut entered);
+                is_whole.then_some(entered)
+            }
+        }
+    }
+
+    /// The entries of a verb's braces; whether nothing had to be left out.
+    fn entered(
+        &mut self,
+        entries: &[Entry],
+        scope: &mut Scope,
+        (verb, block): (&'static device::Verb, &'static device::Block),
+        found: &mut Vec<Entered>,
+    ) -> bool {
+        let mut is_whole = true;
+        for entry in entries {
+            is_whole &= match entry {
+                Entry::Step(step) => match self.one_entered(step, scope, (verb, block)) {
+                    Some(one) => {
+                        found.push(one);
+                        true
+                    }
+                    None => false,
+                },
+                Entry::For(each) => {
+                    let mut all = true;
+                    self.repeat(each, scope, &mut |checker, scope| {
+                        all &= checker.entered(&each.entries, scope, (verb, block), found);
+                    });
+                    all
+                }
+                Entry::Field(field) => {
+                    self.sink.push(errors::no_entry(field.name.span, verb));
+                    false
+                }
+                Entry::Error(_) => false,
+            };
+        }
+        is_whole
+    }
+
+    /// `D3 to pose(…)`: the head is the object.
+    fn one_entered(
+        &mut self,
+        step: &tree::Step,
+        scope: &Scope,
+        (verb, block): (&'static device::Verb, &'static device::Block),
+    ) -> Option<Entered> {
+        if step.noun.is_some() || step.object.is_some() || step.block.is_some() {
+            self.sink.push(errors::no_entry(step.span, verb));
+            return None;
+        }
+        let name = tree::IndexedName { name: step.head.clone(), indices: step.indices.clone(), span: step.head.span };
+        let path = tree::Path { segments: vec![name], span: step.head.span };
+        let head = Expr { kind: ExprKind::Path(path), span: step.head.span };
+        let wanted = Wanted { name: format!("`{}`", verb.name), doc: verb.doc.to_owned(), declared: None };
+        let object = self.accept(block.object, &head, scope, &wanted);
+        let object = object.map(|value| self.argument_of(&head, value, scope));
+        let phrases = self.phrases(step, verb, block.phrases, scope);
+        Some(Entered { object: object?, phrases: phrases?, span: step.span })
     }
 
     fn verb_object(
@@ -458,6 +553,7 @@ impl<'a> Checker<'a> {
         &mut self,
         step: &tree::Step,
         verb: &'static device::Verb,
+        known: &'static [device::Phrase],
         scope: &Scope,
     ) -> Option<Vec<(&'static str, Argument)>> {
         let mut accepted = Vec::new();
@@ -465,8 +561,8 @@ impl<'a> Checker<'a> {
         let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
         for phrase in &step.phrases {
             let name = phrase.preposition.text.as_str();
-            let Some(entry) = verb.phrases.iter().find(|entry| entry.preposition == name) else {
-                self.sink.push(errors::unknown_preposition(&phrase.preposition, verb));
+            let Some(entry) = known.iter().find(|entry| entry.preposition == name) else {
+                self.sink.push(errors::unknown_preposition(&phrase.preposition, verb, known));
                 is_whole = false;
                 continue;
             };
@@ -482,7 +578,7 @@ impl<'a> Checker<'a> {
         }
         // An object where there should be none stands for the phrase that is lacking, as a phrase that is wrong does, and was told.
         let is_told = !is_whole || (step.object.is_some() && verb.object.is_none());
-        let needed = verb.phrases.iter().filter(|entry| entry.count == Count::Once && !is_told);
+        let needed = known.iter().filter(|entry| entry.count == Count::Once && !is_told);
         for entry in needed.filter(|entry| !seen.contains_key(entry.preposition)) {
             self.sink.push(errors::missing_part(step.span, verb, &format!("`{}`", entry.preposition)));
             is_whole = false;

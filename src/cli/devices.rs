@@ -159,6 +159,9 @@ fn sort(sort: Sort) -> String {
             format!("table of {}", columns.join(" | "))
         }
         Sort::Object(noun) => noun.to_owned(),
+        Sort::Name => "name".to_owned(),
+        Sort::Pose => "pose".to_owned(),
+        Sort::Control => "number, or word of arms".to_owned(),
     }
 }
 

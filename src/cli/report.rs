@@ -4,6 +4,7 @@
 
 mod dimibot;
 mod electrode_array;
+mod microrobots;
 
 use super::terminal;
 use crate::check::Tally;
@@ -33,15 +34,17 @@ type Note = (Topic, String);
 enum Topic {
     Visits,
     Nearest,
+    Guaranteed,
 }
 
 impl Topic {
-    const ALL: [Topic; 2] = [Topic::Visits, Topic::Nearest];
+    const ALL: [Topic; 3] = [Topic::Visits, Topic::Nearest, Topic::Guaranteed];
 
     fn label(self) -> &'static str {
         match self {
             Topic::Visits => "Visits",
             Topic::Nearest => "Nearest",
+            Topic::Guaranteed => "Guaranteed",
         }
     }
 }
@@ -119,6 +122,7 @@ fn cost(run: &Told) -> String {
     match &run.job.order {
         Order::Dimibot(order) => dimibot::cost(run.plan, order),
         Order::ElectrodeArray(order) => electrode_array::cost(run.plan, order),
+        Order::Microrobots(_) => microrobots::cost(run.plan),
     }
 }
 
@@ -126,6 +130,7 @@ fn notes(run: &Told) -> Vec<Note> {
     match &run.job.order {
         Order::Dimibot(order) => dimibot::notes(run, order),
         Order::ElectrodeArray(_) => Vec::new(),
+        Order::Microrobots(_) => microrobots::notes(run),
     }
 }
 

@@ -353,18 +353,22 @@ const SETTINGS: &[Field] = &[
 const VERBS: &[Verb] = &[
     Verb {
         name: "move",
+        noun: None,
         object: None,
         phrases: &[
             Phrase { preposition: "to", sort: Sort::Target, count: Count::Once },
             Phrase { preposition: "via", sort: Sort::Target, count: Count::AnyNumber },
         ],
+        block: None,
         doc: "carries the end-effector to a cell or a place, by way of others in the order of writing",
         example: "move to (3.2 um, 5.9 um) via (3, 9)",
     },
     Verb {
         name: "visit",
+        noun: None,
         object: Some(Sort::Targets),
         phrases: &[],
+        block: None,
         doc: "carries the end-effector to each of these cells and places, in the best order, and ends at the last one",
         example: "visit [(3, 9), (12, 4), (3.2 um, 5.9 um)]",
     },

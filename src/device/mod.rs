@@ -5,6 +5,7 @@
 
 pub mod dimibot;
 pub mod electrode_array;
+pub mod microrobots;
 pub mod shape;
 
 use crate::quantity::Dimension;
@@ -19,11 +20,12 @@ pub const MAX_EXPANSIONS: u32 = 200_000_000;
 pub enum Kind {
     Dimibot,
     ElectrodeArray,
+    Microrobots,
 }
 
 impl Kind {
     /// Every kind, in the order of the handbook.
-    pub const ALL: &'static [Kind] = &[Kind::Dimibot, Kind::ElectrodeArray];
+    pub const ALL: &'static [Kind] = &[Kind::Dimibot, Kind::ElectrodeArray, Kind::Microrobots];
 
     /// The kind's word in the language.
     pub fn name(self) -> &'static str {
@@ -40,6 +42,7 @@ impl Kind {
         match self {
             Kind::Dimibot => &dimibot::VOCABULARY,
             Kind::ElectrodeArray => &electrode_array::VOCABULARY,
+            Kind::Microrobots => &microrobots::VOCABULARY,
         }
     }
 }
@@ -153,6 +156,12 @@ pub enum Sort {
     Table(&'static [Field]),
     /// Something of the task's scene, by this noun.
     Object(&'static str),
+    /// A bare word that names something, as in the first column of a table.
+    Name,
+    /// A place and a heading.
+    Pose,
+    /// A control state of microrobots: its number, or a word with a digit for each arm.
+    Control,
 }
 
 /// The values that a quantity may take, in SI units.
@@ -195,10 +204,21 @@ pub struct Noun {
 #[derive(Debug)]
 pub struct Verb {
     pub name: &'static str,
+    /// The word before the object, as `state` in `apply state 2`.
+    pub noun: Option<&'static str>,
     pub object: Option<Sort>,
     pub phrases: &'static [Phrase],
+    /// What stands in its braces, if it has some.
+    pub block: Option<&'static Block>,
     pub doc: &'static str,
     pub example: &'static str,
+}
+
+/// The entries of a verb's braces, as `D3 to pose(…)` in `assemble { … }`: an object with prepositions, without a verb.
+#[derive(Debug)]
+pub struct Block {
+    pub object: Sort,
+    pub phrases: &'static [Phrase],
 }
 
 /// A preposition that a verb understands.

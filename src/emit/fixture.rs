@@ -164,7 +164,15 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[Cell], start_ns: u64)
             *state ^= bit;
             let channel = first as u32 + 2 * module + u32::from(*state & bit == 0);
             let (duration_ns, volts) = (facts.pulse_duration_ns, facts.pulse_voltage_v);
-            schedule.actuations.push(Actuation { channel, start_ns: t_ns, duration_ns, from: volts, to: volts, step });
+            schedule.actuations.push(Actuation {
+                channel,
+                start_ns: t_ns,
+                duration_ns,
+                from: volts,
+                to: volts,
+                swing: None,
+                step,
+            });
             states.push(timed(facts, cell, t_ns + duration_ns));
             t_ns += duration_ns + facts.rest_ns;
         }
@@ -196,6 +204,7 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[Cell], start_ns: u64)
         start_ns,
         duration_ns: t_ns - start_ns,
         states,
+        remarks: Vec::new(),
     });
 }
 
@@ -223,7 +232,15 @@ pub fn crowd() -> (Verified, Provenance) {
             duration_ns: 1000,
             span: Span::default(),
         }];
-        let pulse = |channel, start_ns, from, to| Actuation { channel, start_ns, duration_ns: 300, from, to, step: 0 };
+        let pulse = |channel, start_ns, from, to| Actuation {
+            channel,
+            start_ns,
+            duration_ns: 300,
+            from,
+            to,
+            swing: None,
+            step: 0,
+        };
         schedule.actuations = vec![
             pulse(0, 0, 1.0, 2.0),
             pulse(7, 100, -0.1, 0.3),

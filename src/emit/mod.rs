@@ -106,7 +106,7 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
 fn check_finite(schedule: &Schedule) -> Result<(), EmitError> {
     let actuations = schedule.actuations.iter().flat_map(|actuation| [actuation.from, actuation.to]);
     let plans = schedule.plans.iter().flat_map(|plan| {
-        let states = plan.states.iter().flat_map(|timed| timed.state.floats()).copied();
+        let states = plan.states.iter().flat_map(|timed| timed.state.floats());
         let outcomes = plan.outcomes.values().chain(plan.bounds.values()).copied();
         states.chain(outcomes).chain([plan.cost, plan.bound])
     });

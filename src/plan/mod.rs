@@ -7,11 +7,13 @@
 pub mod dimibot;
 pub mod electrode_array;
 mod errors;
+pub mod microrobots;
 mod requirements;
 pub mod search;
 
 use crate::check::claims::{Claims, Order};
 use crate::diagnostic::Sink;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// How a job is done.
@@ -29,7 +31,16 @@ pub struct Plan {
     pub bounds: BTreeMap<String, f64>,
     /// In SI units, by the names of the vocabulary's outcomes.
     pub outcomes: BTreeMap<String, f64>,
+    /// What the planner has to say of it besides, for reports.
+    pub remarks: Vec<Remark>,
     pub motion: Motion,
+}
+
+/// A line of a report: what it is about, and what is said.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Remark {
+    pub subject: String,
+    pub text: String,
 }
 
 /// Whether a plan is known to be the best.
@@ -44,6 +55,7 @@ pub enum Optimality {
 pub enum Motion {
     Dimibot(dimibot::Motion),
     ElectrodeArray(electrode_array::Motion),
+    Microrobots(microrobots::Motion),
 }
 
 /// Told before each job is planned: which one of how many, and its task.
@@ -53,12 +65,14 @@ pub type Progress<'a> = &'a mut dyn FnMut(usize, usize, &str);
 pub fn plan(claims: &Claims, sink: &mut Sink, progress: Progress) -> Option<Vec<Plan>> {
     let mut robots = dimibot::Standing::default();
     let mut trays = electrode_array::Standing::default();
+    let mut beds = microrobots::Standing::default();
     let mut plans = Vec::with_capacity(claims.jobs.len());
     for (index, job) in claims.jobs.iter().enumerate() {
         progress(index, claims.jobs.len(), &job.task);
         plans.push(match &job.order {
             Order::Dimibot(order) => dimibot::plan(job, order, &mut robots, sink),
             Order::ElectrodeArray(order) => electrode_array::plan(job, order, &mut trays, sink),
+            Order::Microrobots(order) => microrobots::plan(job, order, &mut beds, sink),
         });
     }
     plans.into_iter().collect()

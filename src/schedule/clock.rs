@@ -1,6 +1,9 @@
 //! Puts the plans of a program on one clock.
 
-use super::{Actuation, Channel, PlanRecord, Schedule, SourceRef, Step, TimedState, Unit, dimibot, electrode_array};
+use super::{
+    Actuation, Channel, PlanRecord, Schedule, SourceRef, Step, Swing, TimedState, Unit, dimibot, electrode_array,
+    microrobots,
+};
 use crate::check::claims::{Claims, Job, Order, Timeline};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::plan::{Motion, Optimality, Plan};
@@ -27,6 +30,7 @@ pub struct RunActuation {
     pub duration_ns: u64,
     pub from: f64,
     pub to: f64,
+    pub swing: Option<Swing>,
     pub step: usize,
 }
 
@@ -41,7 +45,10 @@ pub fn schedule(claims: &Claims, plans: &[Plan], sources: &Sources, sink: &mut S
         .map(|(job, plan)| match (&job.order, &plan.motion) {
             (Order::Dimibot(order), Motion::Dimibot(motion)) => dimibot::run(order, motion),
             (Order::ElectrodeArray(order), Motion::ElectrodeArray(motion)) => electrode_array::run(order, motion),
-            (Order::Dimibot(_), Motion::ElectrodeArray(_)) | (Order::ElectrodeArray(_), Motion::Dimibot(_)) => {
+            (Order::Microrobots(order), Motion::Microrobots(motion)) => microrobots::run(order, motion),
+            (Order::Dimibot(_), Motion::ElectrodeArray(_) | Motion::Microrobots(_))
+            | (Order::ElectrodeArray(_), Motion::Dimibot(_) | Motion::Microrobots(_))
+            | (Order::Microrobots(_), Motion::Dimibot(_) | Motion::ElectrodeArray(_)) => {
                 unreachable!("the planner answers an order with a motion of its kind")
             }
         })
@@ -72,6 +79,7 @@ fn channels(job: &Job, claims: &Claims, runs: &[Run]) -> Vec<(String, Unit)> {
             let own = claims.jobs.iter().zip(runs).filter(|(other, _)| other.device == job.device).map(|(_, run)| run);
             electrode_array::channels(&order.facts, own)
         }
+        Order::Microrobots(_) => vec![(crate::device::microrobots::CHANNEL.to_owned(), Unit::Volt)],
     }
 }
 
@@ -151,6 +159,7 @@ impl<'a> Builder<'a> {
                 duration_ns: actuation.duration_ns,
                 from: actuation.from,
                 to: actuation.to,
+                swing: actuation.swing,
                 step: (first_step + actuation.step) as u32,
             });
         }
@@ -194,6 +203,7 @@ impl<'a> Builder<'a> {
             start_ns,
             duration_ns: run.duration_ns,
             states: run.states.into_iter().map(on_clock).collect(),
+            remarks: plan.remarks.clone(),
         }
     }
 

@@ -38,7 +38,7 @@ fn fire(run: &mut Run, facts: &Facts, cell: Cell, pulse: Pulse, step: usize) -> 
         for module in (0..facts.modules(side)).filter(|module| mask >> module & 1 == 1) {
             let switch = if bits >> module & 1 == 1 { Switch::Reset } else { Switch::Set };
             let volts = facts.pulse_voltage_v;
-            let actuation = RunActuation { start_ns, duration_ns, from: volts, to: volts, step };
+            let actuation = RunActuation { start_ns, duration_ns, from: volts, to: volts, swing: None, step };
             run.actuations.push((Facts::channel(side, module, switch), actuation));
         }
     }

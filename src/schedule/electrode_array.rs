@@ -98,7 +98,7 @@ impl Board<'_> {
             let stays = wanted.contains(cell);
             if !stays {
                 let (start_ns, duration_ns) = (*since_ns, now_ns - *since_ns);
-                let actuation = RunActuation { start_ns, duration_ns, from: volts, to: volts, step };
+                let actuation = RunActuation { start_ns, duration_ns, from: volts, to: volts, swing: None, step };
                 self.run.actuations.push((Facts::channel(*cell), actuation));
             }
             stays

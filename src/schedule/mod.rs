@@ -7,10 +7,12 @@
 pub mod clock;
 mod dimibot;
 pub(crate) mod electrode_array;
+pub(crate) mod microrobots;
 
 pub use clock::{schedule, source_ref};
 pub mod json;
 
+use crate::plan::Remark;
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
 
@@ -75,8 +77,20 @@ pub struct Actuation {
     pub duration_ns: u64,
     pub from: f64,
     pub to: f64,
+    /// Where the value swings between two levels all the time; `from` and `to` are then the first and the last of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub swing: Option<Swing>,
     /// Index of the schedule's steps.
     pub step: u32,
+}
+
+/// A repeated segment: half of each period at the one level, then half at the other.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Swing {
+    /// Even and above zero; the actuation lasts a whole number of periods.
+    pub period_ns: u64,
+    /// In the order in which they come.
+    pub levels: [f64; 2],
 }
 
 impl Actuation {
@@ -128,6 +142,9 @@ pub struct PlanRecord {
     pub duration_ns: u64,
     /// The state at the beginning and after every change, in order of time.
     pub states: Vec<TimedState>,
+    /// What the planner has to say of it besides.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub remarks: Vec<Remark>,
 }
 
 /// A state from an instant on.
@@ -140,10 +157,11 @@ pub struct TimedState {
 
 impl State {
     /// The numbers in it that are not whole.
-    pub fn floats(&self) -> &[f64] {
+    pub fn floats(&self) -> Vec<f64> {
         match self {
-            State::Dimibot { position_um, .. } => position_um,
-            State::ElectrodeArray { .. } => &[],
+            State::Dimibot { position_um, .. } => position_um.to_vec(),
+            State::ElectrodeArray { .. } => Vec::new(),
+            State::Microrobots { poses, .. } => poses.values().flatten().copied().collect(),
         }
     }
 }
@@ -161,5 +179,16 @@ pub enum State {
     ElectrodeArray {
         /// Column and row of each part, both from 1, by its name; a part that has merged with another is gone.
         parts: std::collections::BTreeMap<String, [u32; 2]>,
+    },
+    Microrobots {
+        /// Index of the control state of the leg that begins here.
+        control: usize,
+        /// Of that leg, in the order of the table: 1 for an arm that is down.
+        arms: Vec<u8>,
+        /// The robots that stick in a structure and move no more, by name in order.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        docked: Vec<String>,
+        /// Place in micrometres and heading in radians, as in `pose(…)`, of each robot on the bed, by its name.
+        poses: std::collections::BTreeMap<String, [f64; 3]>,
     },
 }

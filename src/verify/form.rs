@@ -4,7 +4,7 @@
 //! start and a duration overflows, every number is finite, and every channel is one of a claimed device.
 
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{dimibot, electrode_array};
+use super::{dimibot, electrode_array, microrobots};
 use crate::check::claims::{Claims, Order};
 use crate::schedule::{Actuation, Schedule, Unit};
 use std::collections::{BTreeMap, BTreeSet};
@@ -113,6 +113,7 @@ fn owner<'a>(name: &str, orders: &BTreeMap<&'a str, &Order>) -> Option<(&'a str,
         let unit = match order {
             Order::Dimibot(order) => dimibot::unit(channel, order),
             Order::ElectrodeArray(order) => electrode_array::unit(channel, order),
+            Order::Microrobots(_) => microrobots::unit(channel),
         };
         unit.map(|unit| (*device, unit))
     })

@@ -16,6 +16,7 @@ mod dimibot;
 mod electrode_array;
 mod form;
 pub mod log;
+mod microrobots;
 mod premise;
 mod record;
 mod rule;
@@ -151,6 +152,7 @@ fn judge(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, Unfit> 
         let replay = match &run.job.order {
             Order::Dimibot(order) => dimibot::replay(run, order, &mut standing, &mut findings).map_err(Halt::from),
             Order::ElectrodeArray(order) => electrode_array::replay(run, order, &mut standing, &mut findings),
+            Order::Microrobots(order) => microrobots::replay(run, order, &mut standing, &mut findings),
         };
         match replay {
             Ok(replay) => record::check(run, &replay, &mut findings),

@@ -3,8 +3,9 @@
 //! Input: claims. Output: nothing, or why not. Claims that the checker made always pass; those of a hostile log may not,
 //! and the rules rely on what is asked here.
 
-use super::{Unfit, dimibot, electrode_array};
+use super::{Unfit, dimibot, electrode_array, microrobots};
 use crate::check::claims::electrode_array::ElectrodeArrayOrder;
+use crate::check::claims::microrobots::MicrorobotsOrder;
 use crate::check::claims::{Claims, Job, Order, Timeline};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,6 +25,7 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
         match &job.order {
             Order::Dimibot(order) => dimibot::check_claims(order)?,
             Order::ElectrodeArray(order) => electrode_array::check_claims(order)?,
+            Order::Microrobots(order) => microrobots::check_claims(order)?,
         }
         let first = devices.entry(job.device.as_str()).or_insert(job);
         if !same_facts(first, job) {
@@ -71,7 +73,15 @@ fn same_facts(one: &Job, other: &Job) -> bool {
     match (&one.order, &other.order) {
         (Order::Dimibot(one), Order::Dimibot(other)) => one.facts == other.facts,
         (Order::ElectrodeArray(one), Order::ElectrodeArray(other)) => one.facts == other.facts,
-        (Order::Dimibot(_), Order::ElectrodeArray(_)) | (Order::ElectrodeArray(_), Order::Dimibot(_)) => false,
+        (Order::Microrobots(one), Order::Microrobots(other)) => {
+            let same = |one: &MicrorobotsOrder, other: &MicrorobotsOrder| {
+                one.facts == other.facts && one.states == other.states
+            };
+            std::sync::Arc::ptr_eq(&one.facts, &other.facts) || same(one, other)
+        }
+        (Order::Dimibot(_), Order::ElectrodeArray(_) | Order::Microrobots(_))
+        | (Order::ElectrodeArray(_), Order::Dimibot(_) | Order::Microrobots(_))
+        | (Order::Microrobots(_), Order::Dimibot(_) | Order::ElectrodeArray(_)) => false,
     }
 }
 
@@ -84,8 +94,12 @@ fn same_parts(one: &Job, other: &Job) -> bool {
             };
             std::sync::Arc::ptr_eq(&one.parts, &other.parts) || names(one) == names(other)
         }
-        (Order::Dimibot(_), Order::Dimibot(_))
-        | (Order::Dimibot(_), Order::ElectrodeArray(_))
-        | (Order::ElectrodeArray(_), Order::Dimibot(_)) => true,
+        (Order::Microrobots(one), Order::Microrobots(other)) => {
+            let rows = |order: &MicrorobotsOrder| order.robots.iter().map(|robot| robot.row).collect::<Vec<_>>();
+            rows(one) == rows(other)
+        }
+        (Order::Dimibot(_), Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Microrobots(_))
+        | (Order::ElectrodeArray(_), Order::Dimibot(_) | Order::Microrobots(_))
+        | (Order::Microrobots(_), Order::Dimibot(_) | Order::ElectrodeArray(_)) => true,
     }
 }

@@ -5,7 +5,7 @@
 
 use super::clock::Run;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{Replay, Terms, dimibot, electrode_array};
+use super::{Replay, Terms, dimibot, electrode_array, microrobots};
 use crate::check::claims::{Order, Relation, Requirement};
 use crate::device::Outcome;
 use crate::quantity::{Dimension, Quantity, digits};
@@ -32,6 +32,7 @@ fn terms(run: &Run) -> Terms {
     match &run.job.order {
         Order::Dimibot(order) => dimibot::terms(order),
         Order::ElectrodeArray(order) => electrode_array::terms(order),
+        Order::Microrobots(_) => microrobots::terms(),
     }
 }
 
@@ -170,8 +171,21 @@ fn same(recorded: &State, replayed: &State) -> bool {
             State::Dimibot { word: true_word, cell: true_cell, position_um: true_um },
         ) => word == true_word && cell == true_cell && position_um.iter().zip(true_um).all(near),
         (State::ElectrodeArray { parts }, State::ElectrodeArray { parts: true_parts }) => parts == true_parts,
-        (State::Dimibot { .. }, State::ElectrodeArray { .. })
-        | (State::ElectrodeArray { .. }, State::Dimibot { .. }) => false,
+        (
+            State::Microrobots { control, arms, docked, poses },
+            State::Microrobots { control: true_control, arms: true_arms, docked: true_docked, poses: true_poses },
+        ) => {
+            control == true_control
+                && arms == true_arms
+                && docked == true_docked
+                && poses.len() == true_poses.len()
+                && poses.iter().zip(true_poses).all(|((name, pose), (true_name, true_pose))| {
+                    name == true_name && microrobots::near(pose, true_pose)
+                })
+        }
+        (State::Dimibot { .. }, State::ElectrodeArray { .. } | State::Microrobots { .. })
+        | (State::ElectrodeArray { .. }, State::Dimibot { .. } | State::Microrobots { .. })
+        | (State::Microrobots { .. }, State::Dimibot { .. } | State::ElectrodeArray { .. }) => false,
     }
 }
 
@@ -181,6 +195,7 @@ fn shown(state: &State) -> String {
             format!("cell ({x}, {y}), word {word}, at ({}, {}) um", digits(*x_um), digits(*y_um))
         }
         State::ElectrodeArray { parts } => electrode_array::shown(parts),
+        State::Microrobots { control, poses, .. } => microrobots::shown(*control, poses),
     }
 }
 
@@ -228,6 +243,7 @@ fn mend(run: &Run, relation: Relation, name: &'static str, value: &str) -> Strin
     let objective = match &run.job.order {
         Order::Dimibot(_) => dimibot::minimized_as(name),
         Order::ElectrodeArray(_) => electrode_array::minimized_as(name),
+        Order::Microrobots(_) => microrobots::minimized_as(name),
     };
     let limit = match relation {
         Relation::AtMost | Relation::AtLeast | Relation::Equal => format!("a limit of {value} would hold"),

@@ -3,7 +3,7 @@
 use super::{listed, meant, with_article};
 use crate::check::lets::{Argument, Origin};
 use crate::check::value::Value;
-use crate::device::{Verb, Vocabulary};
+use crate::device::{Phrase, Verb, Vocabulary};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::syntax::tree::Ident;
@@ -103,11 +103,29 @@ pub fn unexpected_part(span: Span, verb: &Verb, part: &str) -> Diagnostic {
     .help(format!("write `{}`", verb.example))
 }
 
-pub fn unknown_preposition(preposition: &Ident, verb: &Verb) -> Diagnostic {
-    let known = listed(verb.phrases.iter().map(|phrase| phrase.preposition));
+/// A word before the object that is not the verb's.
+pub fn wrong_noun(noun: &Ident, verb: &Verb, own: &str, near: Option<&str>) -> Diagnostic {
+    let help = match near {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("write `{}`", verb.example),
+    };
+    Diagnostic::new(Code::E0509, format!("`{}` takes a `{own}`, not a `{}`", verb.name, noun.text))
+        .label(noun.span, format!("`{own}` belongs here"))
+        .help(help)
+}
+
+/// Something in a verb's braces that is no entry.
+pub fn no_entry(span: Span, verb: &Verb) -> Diagnostic {
+    Diagnostic::new(Code::E0509, format!("this is no entry of `{}`", verb.name))
+        .label(span, "an object and its prepositions belong here, without a verb")
+        .help(format!("write `{}`", verb.example))
+}
+
+pub fn unknown_preposition(preposition: &Ident, verb: &Verb, taken: &[Phrase]) -> Diagnostic {
+    let known = listed(taken.iter().map(|phrase| phrase.preposition));
     Diagnostic::new(Code::E0509, format!("`{}` does not go with `{}`", verb.name, preposition.text))
         .label(preposition.span, "not understood here")
-        .help(match verb.phrases {
+        .help(match taken {
             [] => format!("write it as in `{}`", verb.example),
             _ => format!("it takes {known}, as in `{}`", verb.example),
         })

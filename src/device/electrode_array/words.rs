@@ -114,21 +114,25 @@ const SETTINGS: &[Field] = &[Field {
 const VERBS: &[Verb] = &[
     Verb {
         name: "move",
+        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[
             Phrase { preposition: "to", sort: Sort::Cell, count: Count::Once },
             Phrase { preposition: "via", sort: Sort::Cell, count: Count::AnyNumber },
         ],
+        block: None,
         doc: "carries a part to a cell, by way of others in the order of writing",
         example: "move m1 to (26, 31) via (5, 20)",
     },
     Verb {
         name: "merge",
+        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[
             Phrase { preposition: "with", sort: Sort::Object("part"), count: Count::Once },
             Phrase { preposition: "at", sort: Sort::Cell, count: Count::Once },
         ],
+        block: None,
         doc: "brings two droplets together at a cell; the first name is that of both from then on",
         example: "merge sample with reagent at (7, 4)",
     },

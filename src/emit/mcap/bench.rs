@@ -1,6 +1,6 @@
 //! The devices of a log, side by side, with their jobs in order of time.
 
-use super::{dimibot, electrode_array};
+use super::{dimibot, electrode_array, microrobots};
 use crate::check::claims::{Job, Order};
 use crate::schedule::PlanRecord;
 use crate::verify::Verified;
@@ -37,6 +37,7 @@ fn width(job: &Job) -> f64 {
     match &job.order {
         Order::Dimibot(order) => dimibot::width_um(&order.facts),
         Order::ElectrodeArray(order) => electrode_array::width(&order.facts),
+        Order::Microrobots(order) => microrobots::width(order),
     }
 }
 

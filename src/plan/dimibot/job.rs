@@ -366,6 +366,7 @@ fn finished(order: &DimibotOrder, motion: Motion, tally: Tally) -> Plan {
         bounds: BTreeMap::new(),
         proof: if tally.cost == tally.bound { Optimality::Proven } else { Optimality::Open },
         outcomes: outcomes(order, &motion),
+        remarks: Vec::new(),
         motion: AnyMotion::Dimibot(motion),
     }
 }

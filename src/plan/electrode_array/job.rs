@@ -336,6 +336,7 @@ fn finished(order: &ElectrodeArrayOrder, motion: Motion, costs: Costs, bounds: C
         proof: if cost <= bound { Optimality::Proven } else { Optimality::Open },
         bounds: BTreeMap::from([other]),
         outcomes: outcomes(order, &motion, costs),
+        remarks: Vec::new(),
         motion: AnyMotion::ElectrodeArray(motion),
     }
 }

@@ -67,6 +67,7 @@ pub(crate) fn carried(facts: &Facts, steps: &[Vec<Vec<(u32, u32)>>]) -> (Claims,
         proof: Optimality::Open,
         bounds: Default::default(),
         outcomes: Default::default(),
+        remarks: Vec::new(),
         motion: AnyMotion::ElectrodeArray(Motion { start, steps: ways.iter().map(motion).collect() }),
     };
     let job = Job {

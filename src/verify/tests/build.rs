@@ -143,6 +143,7 @@ fn empty_plan(job: &Job) -> PlanRecord {
         start_ns: 0,
         duration_ns: 0,
         states: Vec::new(),
+        remarks: Vec::new(),
     }
 }
 
@@ -177,6 +178,7 @@ fn lay_run(index: usize, start_ns: u64, claims: &Claims, pulses: &[&[&str]], sch
                     duration_ns: pulse_duration_ns,
                     from: volts,
                     to: volts,
+                    swing: None,
                     step,
                 };
                 schedule.actuations.push(shape);

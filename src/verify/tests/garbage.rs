@@ -114,7 +114,7 @@ proptest! {
         list in prop::collection::vec((index(), instant(), instant(), number(), index()), 0..20),
     ) {
         let (claims, mut schedule) = sound();
-        let actuation = |(channel, start_ns, duration_ns, from, step)| Actuation { channel, start_ns, duration_ns, from, to: from, step };
+        let actuation = |(channel, start_ns, duration_ns, from, step)| Actuation { channel, start_ns, duration_ns, from, to: from, swing: None, step };
         schedule.actuations = list.into_iter().map(actuation).collect();
         verify(schedule, &claims);
     }

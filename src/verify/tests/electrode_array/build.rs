@@ -236,6 +236,7 @@ impl Writer {
             start_ns,
             duration_ns,
             states,
+            remarks: Vec::new(),
         }
     }
 
@@ -290,7 +291,15 @@ impl Writer {
             channels.push(named(cell));
             channels.len() as u32 - 1
         });
-        self.schedule.actuations.push(Actuation { channel, start_ns, duration_ns, from: volts, to: volts, step });
+        self.schedule.actuations.push(Actuation {
+            channel,
+            start_ns,
+            duration_ns,
+            from: volts,
+            to: volts,
+            swing: None,
+            step,
+        });
     }
 }
 
@@ -313,7 +322,15 @@ fn named(cell: Cell) -> Channel {
 pub fn switch_on(schedule: &mut Schedule, (column, row): (u32, u32), step: usize, from: u64, beats: u64) {
     let channel = channel(schedule, cell(column, row));
     let start_ns = schedule.steps[step].start_ns + from * BEAT;
-    let like = Actuation { channel, start_ns, duration_ns: beats * BEAT, from: 100.0, to: 100.0, step: step as u32 };
+    let like = Actuation {
+        channel,
+        start_ns,
+        duration_ns: beats * BEAT,
+        from: 100.0,
+        to: 100.0,
+        swing: None,
+        step: step as u32,
+    };
     schedule.actuations.push(like);
     schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
 }

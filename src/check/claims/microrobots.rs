@@ -1,0 +1,111 @@
+//! What a task claims of STRING microrobots.
+
+use crate::device::microrobots::{ControlState, Facts};
+use crate::geometry::{Pose, Shape};
+use crate::source::Span;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// A task of microrobots.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MicrorobotsOrder {
+    /// Shared by all tasks of one device, like the states.
+    pub facts: Arc<Facts>,
+    /// The control states that the bed's voltage can reach; `apply state 2` is that of index 2. Of a STRING table, state j lowers
+    /// the j arms that snap first.
+    pub states: Arc<Vec<ControlState>>,
+    /// Shared by all tasks of one device in one scene, like the robots.
+    pub obstacles: Arc<Vec<Obstacle>>,
+    /// The robots of the scene, in the order of the table; rows that the scene leaves out are not on the bed. All tasks of one
+    /// device in one schedule have the same robots.
+    pub robots: Arc<Vec<Placed>>,
+    /// Ways that the search of one step may expand.
+    pub expansions: u64,
+    pub precision: Precision,
+    pub assurance: Assurance,
+    pub steps: Vec<Step>,
+}
+
+impl MicrorobotsOrder {
+    /// The facts of a robot of the scene, by its index in `robots`.
+    pub fn robot(&self, index: usize) -> &crate::device::microrobots::Robot {
+        &self.facts.robots[self.robots[index].row]
+    }
+}
+
+/// What no robot may come near.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Obstacle {
+    /// The name in the scene.
+    pub name: String,
+    pub shape: Shape,
+    pub pose: Pose,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// A robot on the bed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Placed {
+    /// Index of the facts' robots.
+    pub row: usize,
+    /// Where it stands before the device's first task.
+    pub pose: Pose,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// How near to its goal a robot has to end.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Precision {
+    pub place_um: f64,
+    pub heading_rad: f64,
+}
+
+/// What becomes of a goal that cannot be guaranteed under the device's error bounds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Assurance {
+    /// It is reported.
+    Told,
+    /// It is an error.
+    Demanded,
+}
+
+/// One step of a task.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    pub action: Action,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// What a step does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Action {
+    /// The drive train in a control state for so long, without its control cycle; rounded up to whole strokes.
+    Apply { state: usize, duration_ns: u64 },
+    /// One robot through poses in this order; the last one is its goal.
+    Drive { robot: usize, stops: Vec<Stop> },
+    /// Robots to goals where they dock with one another; at least two, each once.
+    Assemble(Vec<Dock>),
+    /// The bed is at 0 V for so long, in nanoseconds: all arms go up and nothing moves.
+    Wait(u64),
+}
+
+/// A pose to be reached.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stop {
+    pub pose: Pose,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// A robot's place in a structure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Dock {
+    /// Index of the order's robots.
+    pub robot: usize,
+    pub goal: Stop,
+}

@@ -1,0 +1,212 @@
+//! STRING microrobots: stress-engineered scratch drives on one bed, all fed with one and the same voltage.
+//!
+//! Facts, kinematics and vocabulary of the kind. Each robot lowers its steering arm at its own snap-down voltage and raises it at
+//! its own release voltage; with the arm down it turns on a circle, with the arm up it runs straight. Source of the model:
+//! Donald, Levey, Paprotny, Rus, *Simultaneous control of multiple MEMS microrobots*, WAFR 2008 (supporting material), with
+//! its headings and formulas put right (the standard library's file says how).
+
+use crate::geometry::Pose;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+mod words;
+
+pub use words::VOCABULARY;
+
+/// The most robots of one table.
+pub const MAX_ROBOTS: usize = 128;
+
+/// The most obstacles of one scene.
+pub const MAX_OBSTACLES: usize = 1_000;
+
+/// The most levels that one control cycle may visit.
+pub const MAX_LEVELS: u32 = 64;
+
+/// The channel of a bed, without the device's name.
+pub const CHANNEL: &str = "bed";
+
+/// Where a steering arm is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Arm {
+    /// The robot runs straight.
+    Up,
+    /// The robot turns.
+    Down,
+}
+
+impl Arm {
+    /// The digit of a control state: 1 for down.
+    pub const fn digit(self) -> u8 {
+        match self {
+            Arm::Up => 0,
+            Arm::Down => 1,
+        }
+    }
+}
+
+/// To which side a robot turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Turning {
+    Clockwise,
+    Counterclockwise,
+}
+
+impl Turning {
+    /// The sign of the turning rate: positive is counter-clockwise.
+    pub const fn sign(self) -> f64 {
+        match self {
+            Turning::Clockwise => -1.0,
+            Turning::Counterclockwise => 1.0,
+        }
+    }
+}
+
+/// A row of the table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Robot {
+    pub name: String,
+    /// At or above it the arm goes down.
+    pub snap_down_v: f64,
+    /// At or below it the arm goes up.
+    pub release_v: f64,
+    /// Of its centre's circle, arm down.
+    pub turning_radius_um: f64,
+    /// How far one pulse of the drive train carries its centre.
+    pub step_um: f64,
+    pub turning: Turning,
+    /// Of its body, along its heading; the pose is that of the body's centre.
+    pub length_um: f64,
+    /// Of its body, across its heading.
+    pub width_um: f64,
+}
+
+impl Robot {
+    /// Where its centre is after so many micrometres of its way.
+    ///
+    /// The exact step of the unicycle with the turning rate v/r (equation 4 of the paper, whose equation 5 contradicts it).
+    pub fn moved(&self, pose: Pose, arm: Arm, way_um: f64) -> Pose {
+        let (sin, cos) = pose.heading_rad.sin_cos();
+        match arm {
+            Arm::Up => Pose { x_um: pose.x_um + way_um * cos, y_um: pose.y_um + way_um * sin, ..pose },
+            Arm::Down => {
+                let curve = self.turning.sign() * self.turning_radius_um;
+                let heading_rad = pose.heading_rad + way_um / curve;
+                let (later_sin, later_cos) = heading_rad.sin_cos();
+                Pose {
+                    x_um: pose.x_um + curve * (later_sin - sin),
+                    y_um: pose.y_um - curve * (later_cos - cos),
+                    heading_rad: wrapped_rad(heading_rad),
+                }
+            }
+        }
+    }
+
+    /// The middle of the circle that it turns on.
+    pub fn orbit_centre_um(&self, pose: Pose) -> [f64; 2] {
+        let (sin, cos) = pose.heading_rad.sin_cos();
+        let curve = self.turning.sign() * self.turning_radius_um;
+        [pose.x_um - curve * sin, pose.y_um + curve * cos]
+    }
+
+    /// The radius of the disc that its body sweeps on its orbit: to the corner that lies farthest out.
+    pub fn orbit_reach_um(&self) -> f64 {
+        (self.turning_radius_um + self.width_um / 2.0).hypot(self.length_um / 2.0)
+    }
+}
+
+/// A heading between -180 and 180 degrees, the latter included.
+pub fn wrapped_rad(heading_rad: f64) -> f64 {
+    let turned_rad = heading_rad.rem_euclid(TAU);
+    if turned_rad > TAU / 2.0 { turned_rad - TAU } else { turned_rad }
+}
+
+/// How robots may meet.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Docking {
+    /// Two robots that meet head on align themselves up to this angle between their axes.
+    pub self_aligning_rad: f64,
+    /// And up to this distance of their axes.
+    pub self_aligning_um: f64,
+    /// A robot that meets a structure sticks up to this angle from the normal of the edge that it meets.
+    pub sticking_rad: f64,
+    /// How far bodies that are docked may lie apart or overlap.
+    pub tolerance_um: f64,
+}
+
+/// How the last stretch before a goal is driven: by turns between turning and running straight.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Fine {
+    /// The way of the robot from the intermediate configuration to the goal.
+    pub length_um: f64,
+    /// The way in which each of the two or three primitives comes once.
+    pub cycle_um: f64,
+}
+
+/// Bounds on what robots and measurements may depart from their figures.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// Of the speed, as a share of it.
+    pub speed_ratio: f64,
+    /// Of the heading, for each micrometre of the way.
+    pub turning_rad_per_um: f64,
+    /// Of a measured place, in any direction.
+    pub place_um: f64,
+    /// Of a measured heading.
+    pub heading_rad: f64,
+    /// From one measurement to the next.
+    pub replan_ns: u64,
+}
+
+/// What a device of this kind is: the fields of its declaration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Facts {
+    /// In the order of the table; 1 to [`MAX_ROBOTS`].
+    pub robots: Vec<Robot>,
+    /// Each snap-down and release voltage is known to plus or minus this.
+    pub margin_v: f64,
+    /// The most that the source gives.
+    pub max_v: f64,
+    /// Between the strokes of the drive train.
+    pub relax_v: f64,
+    /// At the strokes of the drive train.
+    pub flex_v: f64,
+    /// Of one stroke: half of it at the flex level, then half at the relax level. Even, at least 2.
+    pub period_ns: u64,
+    /// How long each level of a control cycle lasts.
+    pub dwell_ns: u64,
+    /// What a moving body keeps from obstacles and other bodies.
+    pub clearance_um: f64,
+    /// What everything keeps from the disc that an orbiting robot sweeps.
+    pub orbit_clearance_um: f64,
+    pub docking: Docking,
+    pub fine: Fine,
+    /// `None` where the device does not say them all: nothing can be guaranteed or simulated then.
+    pub errors: Option<Errors>,
+}
+
+impl Facts {
+    /// The row of a name.
+    pub fn row(&self, name: &str) -> Option<usize> {
+        self.robots.iter().position(|robot| robot.name == name)
+    }
+}
+
+/// An arm pattern that the bed's voltage can set, from whatever arms were before.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ControlState {
+    /// In the order of the table.
+    pub arms: Vec<Arm>,
+    /// The levels of its control cycle, each held for the dwell time: as few as there can be.
+    pub levels_v: Vec<f64>,
+    /// By how much every level may be off before an arm is no longer certain.
+    pub slack_v: f64,
+}
+
+impl ControlState {
+    /// One digit for each robot, in the order of the table.
+    pub fn digits(&self) -> String {
+        self.arms.iter().map(|arm| char::from(b'0' + arm.digit())).collect()
+    }
+}

@@ -1,0 +1,186 @@
+//! The vocabulary of the STRING microrobots.
+
+use super::MAX_LEVELS;
+use crate::device::shape::Form;
+use crate::device::{
+    Block, Choice, Count, Field, Need, Noun, Outcome, Phrase, Planner, Range, Sort, Together, Verb, Vocabulary,
+    expansions,
+};
+use crate::quantity::Dimension;
+
+const fn positive(dimension: Dimension) -> Sort {
+    Sort::Quantity { dimension, range: Range::Positive }
+}
+
+const fn not_negative(dimension: Dimension) -> Sort {
+    Sort::Quantity { dimension, range: Range::NotNegative }
+}
+
+const fn required(name: &'static str, sort: Sort, doc: &'static str) -> Field {
+    Field { name, sort, need: Need::Required, doc }
+}
+
+const fn optional(name: &'static str, sort: Sort, without: &'static str, doc: &'static str) -> Field {
+    Field { name, sort, need: Need::Optional(without), doc }
+}
+
+const TURNS: [Choice; 2] = [
+    Choice { name: "clockwise", doc: "its heading falls while its arm is down" },
+    Choice { name: "counterclockwise", doc: "its heading rises while its arm is down" },
+];
+
+const ROBOTS: [Field; 8] = [
+    required("robot", Sort::Name, "its name, as scenes and tasks say it"),
+    required("snap_down", positive(Dimension::VOLTAGE), "at or above it the arm goes down"),
+    required("release", positive(Dimension::VOLTAGE), "at or below it the arm goes up"),
+    required("turning_radius", positive(Dimension::LENGTH), "of its circle while the arm is down"),
+    optional("speed", positive(Dimension::SPEED), "`step_size` times `drive_frequency`", "while the bed is driven"),
+    optional("turns", Sort::Word(&TURNS), "clockwise", "to which side it turns"),
+    optional("length", positive(Dimension::LENGTH), "the device's", "of its body, along its heading"),
+    optional("width", positive(Dimension::LENGTH), "the device's", "of its body, across its heading"),
+];
+
+const FIELDS: &[Field] = &[
+    required("robots", Sort::Table(&ROBOTS), "what is known of each robot"),
+    required("margin", positive(Dimension::VOLTAGE), "each transition voltage is known to plus or minus this"),
+    required("max_voltage", positive(Dimension::VOLTAGE), "the most that the source gives"),
+    required("relax", positive(Dimension::VOLTAGE), "the level between the strokes of the drive train"),
+    required("flex", positive(Dimension::VOLTAGE), "the level of the strokes of the drive train"),
+    required("drive_frequency", positive(Dimension::FREQUENCY), "strokes of the drive train"),
+    required("step_size", positive(Dimension::LENGTH), "how far one stroke carries a robot"),
+    required("dwell", positive(Dimension::TIME), "how long each level of a control cycle lasts"),
+    optional("levels", Sort::Count { least: 1, most: MAX_LEVELS }, "8", "the most levels of one control cycle"),
+    optional(
+        "non_string",
+        Sort::Flag,
+        "false",
+        "whether a table may be used whose gaps are nested, if it still lets every task be planned",
+    ),
+    required("length", positive(Dimension::LENGTH), "of a robot's body, along its heading"),
+    required("width", positive(Dimension::LENGTH), "of a robot's body, across its heading"),
+    required("clearance", not_negative(Dimension::LENGTH), "what a moving body keeps from obstacles and other bodies"),
+    required(
+        "orbit_clearance",
+        not_negative(Dimension::LENGTH),
+        "what everything keeps from the disc that an orbiting robot sweeps",
+    ),
+    required(
+        "self_aligning_angle",
+        positive(Dimension::ANGLE),
+        "up to this angle between their axes two robots that meet head on align themselves",
+    ),
+    required(
+        "self_aligning_offset",
+        positive(Dimension::LENGTH),
+        "up to this distance of their axes two robots that meet head on align themselves",
+    ),
+    required(
+        "sticking_angle",
+        positive(Dimension::ANGLE),
+        "up to this angle from the normal of an edge a robot that meets a structure sticks to it",
+    ),
+    required(
+        "docking_tolerance",
+        positive(Dimension::LENGTH),
+        "how far bodies that are docked may lie apart or overlap",
+    ),
+    required("fine_length", positive(Dimension::LENGTH), "the way of the fine motion before a goal"),
+    required("fine_cycle", positive(Dimension::LENGTH), "the way in which a fine motion visits each primitive once"),
+    optional(
+        "speed_error",
+        not_negative(Dimension::NUMBER),
+        "unknown",
+        "bound on the error of a speed, as a share of it",
+    ),
+    optional(
+        "turning_error",
+        not_negative(Dimension::TURNING),
+        "unknown",
+        "bound on the error of a heading, for the way that is driven",
+    ),
+    optional("place_error", not_negative(Dimension::LENGTH), "unknown", "bound on the error of a measured place"),
+    optional("heading_error", not_negative(Dimension::ANGLE), "unknown", "bound on the error of a measured heading"),
+    optional("replan_interval", positive(Dimension::TIME), "unknown", "from one measurement to the next"),
+];
+
+const SETTINGS: &[Field] = &[
+    optional("precision", positive(Dimension::LENGTH), "0.5 um", "how far from its goal a robot may end"),
+    optional("heading_precision", positive(Dimension::ANGLE), "0.5 deg", "by how much its heading may then be off"),
+    optional("guaranteed", Sort::Flag, "false", "whether a goal that cannot be guaranteed is an error"),
+];
+
+const TO_POSE: Phrase = Phrase { preposition: "to", sort: Sort::Pose, count: Count::Once };
+
+const VERBS: &[Verb] = &[
+    Verb {
+        name: "apply",
+        noun: Some("state"),
+        object: Some(Sort::Control),
+        phrases: &[Phrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once }],
+        block: None,
+        doc: "sets the arms of a control state, then drives for so long",
+        example: "apply state 2 for 3 s",
+    },
+    Verb {
+        name: "drive",
+        noun: None,
+        object: Some(Sort::Object("robot")),
+        phrases: &[TO_POSE, Phrase { preposition: "via", sort: Sort::Pose, count: Count::AnyNumber }],
+        block: None,
+        doc: "brings one robot to a pose, by way of others in the order of writing; the other robots move along",
+        example: "drive D3 to pose(1.8 mm, 1.5 mm, 90 deg)",
+    },
+    Verb {
+        name: "assemble",
+        noun: None,
+        object: None,
+        phrases: &[],
+        block: Some(&Block { object: Sort::Object("robot"), phrases: &[TO_POSE] }),
+        doc: "brings robots together: the two that snap last at the same time, then the others one by one",
+        example: "assemble { D2 to pose(1.8 mm, 1.5 mm, 90 deg), D1 to pose(1.8 mm, 1.76 mm, 270 deg) }",
+    },
+];
+
+const BUDGET: [Field; 1] =
+    [expansions("200 000", "how many ways the search of one step may expand before it gives up")];
+
+const PLANNERS: &[Planner] = &[Planner {
+    name: "one_way_dubins",
+    options: &BUDGET,
+    doc: "shortest ways of turns to one side and straight lines, searched over the middles of the turns; for \
+          assemblies the paper's two stages, with the order and the phase of the orbits searched",
+}];
+
+const OUTCOMES: &[Outcome] = &[
+    Outcome {
+        name: "time",
+        dimension: Dimension::TIME,
+        doc: "from the beginning of the task to the end of its last step",
+    },
+    Outcome { name: "switches", dimension: Dimension::NUMBER, doc: "control cycles" },
+    Outcome { name: "strokes", dimension: Dimension::NUMBER, doc: "strokes of the drive train" },
+];
+
+/// The words of the kind.
+pub const VOCABULARY: Vocabulary = Vocabulary {
+    name: "microrobots",
+    summary: "scratch-drive robots on one bed, all driven by the same voltage",
+    library: ("std.microrobots", "microrobots.bed"),
+    fields: FIELDS,
+    nouns: &[
+        Noun { name: "robot", doc: "a robot of the device's table, where it stands at first", shapes: &[] },
+        Noun {
+            name: "obstacle",
+            doc: "what no robot may come near",
+            shapes: &[Form::Disc, Form::Box, Form::Polygon, Form::Capsule],
+        },
+    ],
+    settings: SETTINGS,
+    state: None,
+    together: Together::No,
+    verbs: VERBS,
+    objectives: &[Choice { name: "time", doc: "from the beginning of the task to the end of its last step" }],
+    planners: PLANNERS,
+    outcomes: OUTCOMES,
+    channels: "<device>.bed: the voltage of the whole bed",
+};

@@ -1,0 +1,79 @@
+//! The planner of STRING microrobots: one voltage drives all robots, so that a plan is one sequence of control states, each
+//! with a train of strokes, and every robot moves with every stroke.
+
+mod job;
+
+pub use job::{Standing, plan};
+
+use crate::geometry::Pose;
+
+/// What the bed does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// Where each robot of the order stands at first.
+    pub start: Vec<Pose>,
+    /// Whether it sticks in a structure at first.
+    pub docked: Vec<bool>,
+    /// One for each step of the order.
+    pub steps: Vec<StepMotion>,
+}
+
+/// What the bed does in one step of the task.
+#[derive(Debug, Clone, PartialEq)]
+pub enum StepMotion {
+    Legs {
+        /// Each begins with the control cycle of its state; neighbours have different states.
+        legs: Vec<Leg>,
+        /// The robots that dock in this step, in order of time.
+        docks: Vec<Docking>,
+        /// How robots were brought together, for `simulate`: in order of time; empty but for `assemble`.
+        stages: Vec<Stage>,
+    },
+    /// In nanoseconds.
+    Wait(u64),
+}
+
+/// A control state and the strokes that are driven in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Leg {
+    /// Index of the order's states.
+    pub state: usize,
+    /// At least 1.
+    pub strokes: u64,
+}
+
+/// A robot that comes to its goal and stays there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Docking {
+    /// Index of the order's robots.
+    pub robot: usize,
+    /// It moves no more after this leg of the step.
+    pub leg: usize,
+}
+
+/// A stage of an assembly.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Stage {
+    /// The first two robots, of the paper's two stages: `first` is driven while `second` orbits; then `second` is driven while
+    /// `first` runs straight; then both come to their goals in a fine motion of three primitives.
+    Pair {
+        first: usize,
+        second: usize,
+        /// Indices of the control states in which both turn, only `second` turns, and none of the two turns.
+        states: [usize; 3],
+        /// Where `first` is when its own driving ends.
+        intermediate: Pose,
+        /// Where both are when the fine motion begins, `first` before `second`.
+        approach: [Pose; 2],
+        goals: [Pose; 2],
+    },
+    /// One robot to the structure, while those that are not docked orbit.
+    Single {
+        robot: usize,
+        /// Indices of the control states in which it turns and runs straight.
+        states: [usize; 2],
+        /// Where it is when the fine motion begins.
+        approach: Pose,
+        goal: Pose,
+    },
+}
