@@ -3,7 +3,7 @@
 
 mod job;
 
-pub use job::{Standing, plan};
+pub use job::{Crew, Standing, leg_ns, plan};
 
 use crate::geometry::Pose;
 
