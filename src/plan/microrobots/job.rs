@@ -21,16 +21,14 @@ pub struct Crew {
 }
 
 impl Crew {
-    /// After a leg of a step, at the end of which some robots dock.
-    fn follow(&mut self, order: &MicrorobotsOrder, legs: &[Leg], docks: &[Docking]) {
-        for (index, leg) in legs.iter().enumerate() {
-            for robot in (0..self.poses.len()).filter(|robot| !self.docked[*robot]) {
-                let facts = order.robot(robot);
-                let arm = order.states[leg.state].arms[order.robots[robot].row];
-                self.poses[robot] = facts.moved(self.poses[robot], arm, facts.step_um * leg.strokes as f64);
-            }
-            docks.iter().filter(|dock| dock.leg == index).for_each(|dock| self.docked[dock.robot] = true);
+    /// Carries all robots through the leg of a step at an index of its legs; some may dock at its end.
+    pub fn follow(&mut self, order: &MicrorobotsOrder, (index, leg): (usize, &Leg), docks: &[Docking]) {
+        for robot in (0..self.poses.len()).filter(|robot| !self.docked[*robot]) {
+            let facts = order.robot(robot);
+            let arm = order.states[leg.state].arms[order.robots[robot].row];
+            self.poses[robot] = facts.moved(self.poses[robot], arm, facts.step_um * leg.strokes as f64);
         }
+        docks.iter().filter(|dock| dock.leg == index).for_each(|dock| self.docked[dock.robot] = true);
     }
 }
 
@@ -68,12 +66,12 @@ fn planned(job: &Job, order: &MicrorobotsOrder, start: Crew, sink: &mut Sink) ->
     for step in &order.steps {
         let done = step_done(order, step, &crew, sink)?;
         if let StepMotion::Legs { legs, docks, .. } = &done.motion {
-            crew.follow(order, legs, docks);
+            legs.iter().enumerate().for_each(|leg| crew.follow(order, leg, docks));
         }
         tally.add(order, &done);
         steps.push(done.motion);
     }
-    let motion = Motion { start: start.poses, docked: start.docked, steps };
+    let motion = Motion { start, steps };
     let plan = tally.plan(motion);
     let kept = require(job, &plan, &mut |_| None, sink);
     Some(((kept == Kept::Yes).then_some(plan), crew))

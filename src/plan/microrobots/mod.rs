@@ -10,10 +10,8 @@ use crate::geometry::Pose;
 /// What the bed does.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
-    /// Where each robot of the order stands at first.
-    pub start: Vec<Pose>,
-    /// Whether it sticks in a structure at first.
-    pub docked: Vec<bool>,
+    /// Where the robots are at first.
+    pub start: Crew,
     /// One for each step of the order.
     pub steps: Vec<StepMotion>,
 }
