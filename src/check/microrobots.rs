@@ -1,5 +1,8 @@
 //! Checks of STRING microrobots: the table, what its voltages can reach, the scene, the steps.
 
+pub mod relays;
+pub mod suggest;
+
 use super::Checker;
 use super::claims::microrobots::{MicrorobotsOrder, Obstacle, Placed};
 use super::devices::Device;
