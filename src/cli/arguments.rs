@@ -137,6 +137,9 @@ pub struct DevicesArguments {
     /// The flex level of the drive train, if it is given
     #[arg(long, value_name = "VOLTAGE", requires_all = ["suggest", "relax"], value_parser = voltage)]
     pub flex: Option<f64>,
+    /// How far the flex level is to be above the relax level, where they are not given
+    #[arg(long, value_name = "VOLTAGE", requires = "suggest", default_value = "38V", value_parser = voltage)]
+    pub swing: f64,
 }
 
 /// A voltage above zero, in volts.

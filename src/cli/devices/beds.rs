@@ -3,10 +3,13 @@
 use super::aligned;
 use super::program::length;
 use crate::check::microrobots::Bed;
+use crate::check::microrobots::relays::Row;
+use crate::check::microrobots::suggest::{self, Limits, Suggestion};
 use crate::cli::arguments::DevicesArguments;
 use crate::cli::{Exit, terminal};
 use crate::device::microrobots::{ControlState, Robot};
 use crate::quantity::{Dimension, Quantity, digits};
+use std::fmt::Write;
 
 /// The table of a bed, and the control states that its voltage can reach.
 pub fn told(name: &str, bed: &Bed) -> String {
@@ -52,11 +55,56 @@ fn matrix(bed: &Bed) -> String {
 
 /// A voltage to a hundredth of a volt, which is more than a table knows.
 fn volts(volts: f64) -> String {
-    format!("{} V", digits((volts * 100.0).round() / 100.0))
+    format!("{} V", rounded(volts))
+}
+
+fn rounded(volts: f64) -> String {
+    digits((volts * 100.0).round() / 100.0)
 }
 
 /// A table for robots that are still to be built.
 pub fn suggest(arguments: &DevicesArguments) -> Exit {
-    let _ = arguments;
-    terminal::answer("")
+    let (Some(robots), Some(margin_v), Some(max_v)) = (arguments.robots, arguments.margin, arguments.max) else {
+        return Exit::Usage;
+    };
+    let drive_v = arguments.relax.zip(arguments.flex).map(|(relax_v, flex_v)| [relax_v, flex_v]);
+    let limits = Limits { margin_v, max_v, drive_v, swing_v: arguments.swing };
+    let suggestion = suggest::suggest(robots as usize, limits);
+    match &suggestion.table {
+        Some(table) => terminal::answer(&declaration(table, &suggestion, limits)),
+        None => {
+            let (most, plural) = (suggestion.most, if suggestion.most == 1 { "" } else { "s" });
+            eprintln!(
+                "{robots} robots do not fit: with a margin of {} and a source of {} at most {most} robot{plural} can be told apart",
+                volts(margin_v),
+                volts(max_v)
+            );
+            Exit::Errors
+        }
+    }
+}
+
+/// A device that can be put into a program as it is.
+fn declaration(table: &[Row], suggestion: &Suggestion, limits: Limits) -> String {
+    let mut text = format!(
+        "// The best table for {} robots: every level of every control cycle may be off by {}. At most {} robots would fit.\n\
+         // Only the voltages are suggested; the turning radius is an example.\n\
+         use std.microrobots\n\n\
+         device bed : microrobots.bed {{\n  robots: table {{\n    \
+         robot | snap_down [V] | release [V] | turning_radius [um]\n",
+        table.len(),
+        volts(suggestion.slack_v),
+        suggestion.most
+    );
+    for (label, row) in (1..).zip(table) {
+        let name = format!("D{label}");
+        let (snap_down, release) = (rounded(row.snap_down_v), rounded(row.release_v));
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "    {name:<5} | {snap_down:<13} | {release:<11} | 165");
+    }
+    let levels = [limits.margin_v, limits.max_v, suggestion.relax_v, suggestion.flex_v].map(rounded);
+    let [margin, max, relax, flex] = levels;
+    let _ =
+        writeln!(text, "  }}\n  margin: {margin} V\n  max_voltage: {max} V\n  relax: {relax} V\n  flex: {flex} V\n}}");
+    text
 }
