@@ -4,6 +4,8 @@ mod bodies;
 mod facts;
 mod goals;
 mod ground;
+pub mod relays;
+pub mod suggest;
 mod table;
 mod validity;
 
@@ -22,6 +24,3 @@ pub struct Bed {
     pub facts: Arc<Facts>,
     pub states: Arc<Vec<ControlState>>,
 }
-
-#[cfg(test)]
-mod tests;

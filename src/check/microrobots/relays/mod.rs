@@ -1,0 +1,120 @@
+//! Which arm patterns one voltage can set, and by which levels.
+//!
+//! Input: the voltages of a table and the limits of the source. Output: [`Analysis`], the control states with a shortest control
+//! cycle each, or what is wrong with the table and the smallest change of one voltage that mends it.
+
+use crate::device::microrobots::ControlState;
+
+/// The most faults that are reported one by one.
+pub const MAX_FAULTS: usize = 16;
+
+/// The most control states of a table that is not STRING.
+pub const MAX_STATES: usize = 4_096;
+
+/// The voltages of one robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    pub snap_down_v: f64,
+    pub release_v: f64,
+}
+
+/// What the source gives and how well the transition voltages are known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Source {
+    /// Each transition voltage is known to plus or minus this.
+    pub margin_v: f64,
+    pub relax_v: f64,
+    pub flex_v: f64,
+    pub max_v: f64,
+    /// The most levels of a control cycle.
+    pub most_levels: usize,
+}
+
+/// Which tables are allowed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Gaps {
+    /// Strictly non-nested hysteresis gaps: a chain of n + 1 states.
+    String,
+    /// Nested gaps and equal rows too.
+    Any,
+}
+
+/// One of the two voltages of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Transition {
+    SnapDown,
+    Release,
+}
+
+/// A change of one voltage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mend {
+    pub row: usize,
+    pub transition: Transition,
+    pub to_v: f64,
+}
+
+/// Something wrong with the table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fault {
+    pub problem: Problem,
+    /// The smallest change of one voltage after which the table has no fault; where there is none, the smallest that mends this
+    /// fault. Rounded so that it holds when typed in. `None` where no single voltage mends it.
+    pub mend: Option<Mend>,
+}
+
+/// Two rows that a state would have to tell apart by one of their voltages.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gap {
+    /// Its arm has to be down.
+    pub down: usize,
+    /// Its arm has to be up.
+    pub up: usize,
+    /// By how much the voltage of `up` is above that of `down`.
+    pub gap_v: f64,
+}
+
+/// What is wrong; rows are indices of the table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Problem {
+    /// The relax level could release an arm: the release voltage is above `most_v`, relax level - 2 margins.
+    Hold { row: usize, most_v: f64 },
+    /// The flex level could snap an arm down: the snap-down voltage is below `least_v`, flex level + 2 margins.
+    Drive { row: usize, least_v: f64 },
+    /// The source could fail to snap an arm down: the snap-down voltage is above `most_v`, maximum - margin.
+    Range { row: usize, most_v: f64 },
+    /// Even 0 V could fail to release an arm: the release voltage is below `least_v`, the margin.
+    Floor { row: usize, least_v: f64 },
+    /// Snap-down is less than `least_v`, two margins, above release.
+    Narrow { row: usize, gap_v: f64, least_v: f64 },
+    /// `outer` snaps down after `inner` and is released after it too, both by `least_v` (two margins) or more.
+    Nested { outer: usize, inner: usize, snap_down_gap_v: f64, release_gap_v: f64, least_v: f64 },
+    /// Neither voltages are `least_v`, two margins, apart: no level moves one arm without the other. Gaps are absolute.
+    Alike { one: usize, other: usize, snap_down_gap_v: f64, release_gap_v: f64, least_v: f64 },
+    /// The state that lowers the first `state` arms takes `levels` levels, more than allowed, because neither gap is `least_v`.
+    NoSequence { state: usize, levels: usize, snap_down: Gap, release: Gap, least_v: f64 },
+    /// More than [`MAX_STATES`] control states.
+    Crowd { most: usize },
+}
+
+/// What a table can do.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Analysis {
+    /// The row that snaps first, second and so on; empty where the table is not STRING.
+    pub order: Vec<usize>,
+    /// Empty after a fault. With [`Gaps::String`] state j lowers the first j arms of `order`; with [`Gaps::Any`] they are sorted
+    /// by how many arms are down, then by their digits.
+    pub states: Vec<ControlState>,
+    pub faults: Vec<Fault>,
+    /// Faults beyond [`MAX_FAULTS`].
+    pub more_faults: usize,
+    /// With [`Gaps::Any`]: patterns that only a longer control cycle than allowed would set.
+    pub too_long: usize,
+}
+
+/// Analyses a table of at most [`crate::device::microrobots::MAX_ROBOTS`] rows.
+///
+/// Limits are met by equality too: a gap of exactly two margins is enough, with a slack of 0 V.
+pub fn analyse(_rows: &[Row], _source: Source, _gaps: Gaps) -> Analysis {
+    Analysis::default()
+}
