@@ -10,6 +10,7 @@ mod table;
 mod validity;
 
 pub use facts::bed;
+pub use goals::Origins;
 pub use ground::Ground;
 
 use crate::device::microrobots::{ControlState, Facts};
