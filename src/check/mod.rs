@@ -126,7 +126,8 @@ pub(crate) struct Checker<'a> {
     covers: BTreeMap<(Place, Place), dimibot::Judged>,
     trays: BTreeMap<(Place, Place), electrode_array::Judged>,
     origins: electrode_array::Origins,
-    grounds: BTreeMap<(Place, Place), Option<microrobots::Ground>>,
+    grounds: BTreeMap<(Place, Place), microrobots::Ground>,
+    pose_origins: microrobots::Origins,
     repetitions: usize,
 }
 
@@ -148,6 +149,7 @@ impl<'a> Checker<'a> {
             trays: BTreeMap::new(),
             origins: electrode_array::Origins::new(),
             grounds: BTreeMap::new(),
+            pose_origins: microrobots::Origins::new(),
             repetitions: 0,
         }
     }

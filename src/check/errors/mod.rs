@@ -2,12 +2,14 @@
 
 mod devices;
 mod electrode_array;
+mod microrobots;
 mod names;
 mod tasks;
 mod values;
 
 pub use devices::*;
 pub use electrode_array::*;
+pub use microrobots::*;
 pub use names::*;
 pub use tasks::*;
 pub use values::*;

@@ -230,7 +230,10 @@ pub fn unknown_object(span: Span, name: &str, noun: &str, near: Option<&str>, sc
     let diagnostic = Diagnostic::new(Code::E0211, title).label(span, "no such object");
     match (near, scene) {
         (Some(_), _) => diagnostic.help_if(meant(near)),
-        (None, Some(_)) => diagnostic.help(format!("declare it in the scene: `{noun} {name} at (5, 3)`")),
+        (None, Some(_)) => {
+            let at = if noun == "robot" { "pose(0 um, 0 um, 90 deg)" } else { "(5, 3)" };
+            diagnostic.help(format!("declare it in the scene: `{noun} {name} at {at}`"))
+        }
         (None, None) => diagnostic.help("say in which scene the task runs, as `task swap on plate in tray`"),
     }
 }

@@ -1,0 +1,378 @@
+//! Microrobots: E0416 and on, E0531 and on.
+//!
+//! What is wrong with a device comes without labels: the caller puts them on fields and cells, of whichever file they are.
+
+use super::{listed, meant};
+use crate::check::value::Value;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::geometry::Pose;
+use crate::quantity::{Dimension, Quantity};
+use crate::source::Span;
+
+/// A voltage for a message.
+fn volts(v: f64) -> String {
+    Quantity::new(six_digits(v), Dimension::VOLTAGE).to_string()
+}
+
+/// A length for a message.
+pub fn length(um: f64) -> String {
+    Quantity::new(six_digits(um / 1e6), Dimension::LENGTH).to_string()
+}
+
+/// An angle for a message.
+fn angle(rad: f64) -> String {
+    Quantity::new(six_digits(rad.to_degrees()).to_radians(), Dimension::ANGLE).to_string()
+}
+
+/// What rounding left of a difference is no figure for a message.
+fn six_digits(value: f64) -> f64 {
+    if value.abs() < 1e-12 { 0.0 } else { format!("{value:.5e}").parse().unwrap_or(value) }
+}
+
+/// A pose as a program would say it.
+pub fn pose_text(pose: &Pose) -> String {
+    let Pose { x_um, y_um, heading_rad } = *pose;
+    format!("pose({}, {}, {})", length(x_um), length(y_um), angle(heading_rad))
+}
+
+pub fn too_many_robots(found: usize, most: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0416, format!("a table of {found} robots, one bed takes {most}"))
+        .help("divide the robots among several beds")
+}
+
+pub fn robot_twice(name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0417, format!("two rows for the robot `{name}`"))
+        .help("give each robot a name of its own, and one row")
+}
+
+pub fn stroke_out_of_clock(frequency: Quantity) -> Diagnostic {
+    let title = format!("a stroke at {frequency} does not fit the clock, which counts whole nanoseconds");
+    Diagnostic::new(Code::E0404, title).help("make `drive_frequency` 500 MHz or less, and 10 uHz or more")
+}
+
+pub fn beyond_extent(name: &str, found: Quantity, most_um: f64) -> Diagnostic {
+    let (limit, unit) = (length(most_um), if name == "speed" { " in one stroke" } else { "" });
+    Diagnostic::new(Code::E0403, format!("`{name}` of {found}, at most {limit}{unit} is planned with"))
+        .help("check its unit")
+}
+
+pub fn some_error_bounds(missing: &[&str]) -> Diagnostic {
+    let list = listed(missing.iter().copied());
+    Diagnostic::new(Code::W0404, format!("bounds on errors without {list}: nothing can be guaranteed"))
+        .help(format!("add {list}, 0 where there is no such error, or leave the others out"))
+}
+
+pub fn no_stroke(relax: &str, flex: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0419, format!("a relax level of {relax}, it has to be below the flex level of {flex}"))
+        .help("a stroke goes up to `flex` and back to `relax`: make `relax` the lower one")
+}
+
+pub fn flex_beyond_source(flex: &str, most: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0419, format!("a flex level of {flex}, the source gives at most {most}"))
+        .help(format!("make `flex` {most} or less"))
+}
+
+pub fn docking_sideways(name: &str, found: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0424, format!("`{name}` of {found}, it has to be less than 90 deg"))
+        .help("robots meet by their fronts: 60 deg and 45 deg were measured for meeting head on and for sticking")
+}
+
+pub fn cycle_beyond_fine_motion(cycle: &str, fine: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0424, format!("a fine cycle of {cycle} in a fine motion of {fine}"))
+        .help(format!("make `fine_cycle` {fine} or less: a fine motion consists of whole cycles"))
+}
+
+pub fn relay_label(name: &str, snap_down_v: f64, release_v: f64) -> String {
+    format!("`{name}`: down at {}, up at {}", volts(snap_down_v), volts(release_v))
+}
+
+pub fn release_above_snap_down(name: &str, release_v: f64, snap_down_v: f64) -> Diagnostic {
+    let (release, snap_down) = (volts(release_v), volts(snap_down_v));
+    let title = format!("the arm of `{name}` is released at {release}, it has to be below the {snap_down} of snap-down");
+    Diagnostic::new(Code::E0418, title)
+        .help("an arm that is down stays there until the voltage has fallen far below what lowered it")
+}
+
+/// A level that a voltage of the table has to keep away from.
+#[derive(Debug, Clone, Copy)]
+pub enum Limit {
+    Hold { relax_v: f64, most_v: f64 },
+    Drive { flex_v: f64, least_v: f64 },
+    Range { max_v: f64, most_v: f64 },
+    Floor { least_v: f64 },
+}
+
+impl Limit {
+    /// What stands at the cell.
+    pub fn label(self) -> String {
+        match self {
+            Limit::Hold { most_v, .. } | Limit::Range { most_v, .. } => format!("{} at most", volts(most_v)),
+            Limit::Drive { least_v, .. } | Limit::Floor { least_v } => format!("{} at least", volts(least_v)),
+        }
+    }
+}
+
+pub fn voltage_out_of_limit(name: &str, found_v: f64, limit: Limit, margin_v: f64) -> Diagnostic {
+    let (found, margin) = (volts(found_v), volts(margin_v));
+    let (code, title) = match limit {
+        Limit::Hold { relax_v, most_v } => {
+            let (relax, short) = (volts(relax_v), volts(found_v - most_v));
+            let title = format!(
+                "a relax level of {relax} could raise the arm of `{name}`: it is released at {found}, {short} too near"
+            );
+            (Code::E0419, title)
+        }
+        Limit::Drive { flex_v, least_v } => {
+            let (flex, short) = (volts(flex_v), volts(least_v - found_v));
+            let title = format!(
+                "a flex level of {flex} could lower the arm of `{name}`: it snaps down at {found}, {short} too near"
+            );
+            (Code::E0419, title)
+        }
+        Limit::Range { max_v, .. } => {
+            let most = volts(max_v);
+            let title = format!("{most}, the most there is, may not lower the arm of `{name}`: {found} +- {margin}");
+            (Code::E0418, title)
+        }
+        Limit::Floor { .. } => {
+            (Code::E0418, format!("even 0 V may not raise the arm of `{name}`: it is released at {found} +- {margin}"))
+        }
+    };
+    Diagnostic::new(code, title)
+}
+
+pub fn narrow_gap(name: &str, gap_v: f64, least_v: f64) -> Diagnostic {
+    let (gap, least) = (volts(gap_v), volts(least_v));
+    let title = format!("`{name}` is released {gap} below its snap-down, 2 x margin = {least} is needed");
+    Diagnostic::new(Code::E0418, title)
+}
+
+pub fn nested_gaps(outer: &str, inner: &str, [snap_down_v, release_v]: [f64; 2]) -> Diagnostic {
+    let (snap_down, release) = (volts(snap_down_v), volts(release_v));
+    let title = format!(
+        "nested gaps: `{outer}` snaps down {snap_down} above `{inner}`, and is released {release} below it"
+    );
+    Diagnostic::new(Code::E0420, title).help(
+        "the robot that snaps down later has to be released earlier; or give the device `non_string: true`",
+    )
+}
+
+pub fn alike_robots(one: &str, other: &str, [snap_down_v, release_v]: [f64; 2], least_v: f64) -> Diagnostic {
+    let title = if snap_down_v == 0.0 && release_v == 0.0 {
+        format!("`{one}` and `{other}` have the same voltages, no level moves one arm without the other")
+    } else {
+        let [snap_down, release, least] = [snap_down_v, release_v, least_v].map(volts);
+        format!(
+            "`{one}` and `{other}` differ by {snap_down} in snap-down and {release} in release, 2 x margin = {least} is \
+             needed in one of them"
+        )
+    };
+    Diagnostic::new(Code::E0421, title).help("no voltage moves one of the two arms without the other")
+}
+
+/// The state with the robots that it lowers; `levels` are those that it takes and those that are allowed.
+pub fn no_sequence((state, lowered): (usize, &[&str]), [levels, most]: [usize; 2], least_v: f64) -> Diagnostic {
+    let least = volts(least_v);
+    let title = match lowered {
+        _ if levels > most => format!("control state {state} takes a cycle of {levels} levels, {most} are allowed"),
+        [] => format!("no control cycle of {most} levels or fewer raises all arms"),
+        lowered => {
+            let list = listed(lowered.iter().copied());
+            format!("no control cycle of {most} levels or fewer lowers {list} and raises the others")
+        }
+    };
+    Diagnostic::new(Code::E0422, title)
+        .help(format!("2 x margin = {least} between the labelled voltages, in one of the columns, lets two levels do it"))
+}
+
+/// Labels of the voltages that lie too near: of the arm that has to be down, and of the one that has to be up.
+pub fn gap_labels(column: &str, [down, up]: [&str; 2], gap_v: f64) -> [String; 2] {
+    let gap = volts(gap_v.abs());
+    let verb = if column == "release" { "is released" } else { "snaps down" };
+    let low = format!("`{down}` has to be down");
+    let high = match gap_v {
+        gap_v if gap_v > 0.0 => format!("`{up}`, to be up, {verb} {gap} above"),
+        gap_v if gap_v < 0.0 => format!("`{up}`, to be up, {verb} {gap} below"),
+        _ => format!("`{up}`, to be up, {verb} at the same voltage"),
+    };
+    [low, high]
+}
+
+pub fn too_many_states(most: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0423, format!("more than {most} control states, so many cannot be planned with"))
+        .help("nested gaps multiply the states: give robots that are used alike rows with the same voltages")
+}
+
+pub fn more_faults(count: usize) -> Diagnostic {
+    let title = format!("{count} more pairs of voltages that clash");
+    Diagnostic::new(Code::E0422, title).help("mend the others first")
+}
+
+/// The change of one voltage that mends a table.
+pub fn voltage_mend(column: &str, name: &str, [now_v, to_v]: [f64; 2]) -> String {
+    let verb = if to_v > now_v { "raise" } else { "lower" };
+    format!("{verb} `{column}` of `{name}` from {} to {}", volts(now_v), volts(to_v))
+}
+
+pub fn small_slack((state, digits): (usize, &str), slack_v: f64, margin_v: f64) -> Diagnostic {
+    let (slack, share) = (volts(slack_v), volts(margin_v / 10.0));
+    let title = format!("control state {state} (0b{digits}) has a slack of {slack}, less than 10 % of the margin, {share}");
+    Diagnostic::new(Code::W0403, title)
+        .help("levels that are off by more than the slack leave an arm uncertain: move the voltages further apart")
+}
+
+/// `device` is its name, and where its table stands.
+pub fn robot_without_row(
+    span: Span,
+    name: &str,
+    near: Option<&str>,
+    known: &[&str],
+    (device, table): (&str, Option<Span>),
+) -> Diagnostic {
+    let diagnostic = Diagnostic::new(Code::E0532, format!("the table of `{device}` has no robot `{name}`"))
+        .label(span, "not in the table");
+    let diagnostic = match table {
+        Some(table) => diagnostic.label(table, "the table"),
+        None => diagnostic,
+    };
+    let few = &known[..known.len().min(12)];
+    diagnostic.help(format!("its robots are {}{}", listed(few.iter().copied()), rest(known.len(), 12))).help_if(meant(near))
+}
+
+/// What a list leaves out.
+fn rest(count: usize, shown: usize) -> String {
+    if count > shown { format!(" and {} more", count - shown) } else { String::new() }
+}
+
+pub fn robot_with_shape(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0514, format!("robot `{name}` has the body of its device, not one of its own"))
+        .label(span, "no shape belongs here")
+        .help(format!("write `robot {name} at pose(0 um, 0 um, 90 deg)`; `length` and `width` may be columns of the table"))
+}
+
+pub fn robot_stands_nowhere(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0515, format!("robot `{name}` stands nowhere"))
+        .label(span, "where?")
+        .help(format!("write `robot {name} at pose(0 um, 0 um, 90 deg)`: place and heading, 0 deg faces +x"))
+}
+
+pub fn no_heading(span: Span, name: &str, found: &Value) -> Diagnostic {
+    let help = match found {
+        Value::Point(point) if point.len() == 2 && point[0].dimension == Dimension::LENGTH => {
+            format!("write `pose({}, {}, 90 deg)`: 0 deg faces +x, 90 deg faces +y", point[0], point[1])
+        }
+        _ => "write `pose(0 um, 0 um, 90 deg)`: place and heading, 0 deg faces +x, 90 deg faces +y".to_owned(),
+    };
+    Diagnostic::new(Code::E0533, format!("robot `{name}` needs a heading, this is {}", found.describe()))
+        .label(span, "where does it face?")
+        .help(help)
+}
+
+pub fn pose_too_far(span: Span, most_um: f64) -> Diagnostic {
+    Diagnostic::new(Code::E0501, format!("a place further from the origin than {}", length(most_um)))
+        .label(span, "cannot be reached")
+        .help("check the units of its coordinates")
+}
+
+/// A robot at a start or a goal, by its code, that something keeps it from.
+pub struct Blocked<'a> {
+    pub code: Code,
+    pub robot: &'a str,
+    pub span: Span,
+}
+
+/// How far bodies lie apart, for a title: what is and what is needed.
+fn shortage([gap_um, kept_um]: [f64; 2], other: &str) -> String {
+    if gap_um > 0.0 {
+        format!("lies {} from {other}, {} is needed", length(gap_um), length(kept_um))
+    } else if kept_um > 0.0 {
+        format!("touches {other}, {} between them is needed", length(kept_um))
+    } else {
+        format!("touches {other}")
+    }
+}
+
+/// `free` is the nearest pose that is clear.
+pub fn robot_near_obstacle(
+    what: &Blocked,
+    (name, obstacle): (&str, Span),
+    (gap_um, kept_um): (f64, f64),
+    free: Option<Pose>,
+) -> Diagnostic {
+    let short = shortage([gap_um, kept_um], &format!("obstacle `{name}`"));
+    Diagnostic::new(what.code, format!("the body of `{}` {short}", what.robot))
+        .label(what.span, if gap_um > 0.0 { "too near" } else { "covered" })
+        .label(obstacle, "the obstacle")
+        .help_if(free.map(|pose| format!("the nearest place that is free is {}", pose_text(&pose))))
+}
+
+/// The robot that stands too near, then the one that was there before.
+pub fn robots_start_too_near(
+    (name, span): (&str, Span),
+    (other, other_span): (&str, Span),
+    (gap_um, kept_um): (f64, f64),
+) -> Diagnostic {
+    let short = shortage([gap_um, kept_um], &format!("`{other}`"));
+    Diagnostic::new(Code::E0534, format!("at its start `{name}` {short}"))
+        .label(span, format!("`{name}` starts here"))
+        .label_elsewhere(other_span, span, format!("`{other}` starts here"))
+        .help("all robots move with every stroke: let them start further apart")
+}
+
+/// Accessible states as `0 (0b000)`, a few of them.
+fn few_states(states: &[(usize, String)]) -> String {
+    const SHOWN: usize = 12;
+    let shown: Vec<String> = states.iter().take(SHOWN).map(|(index, digits)| format!("{index} (0b{digits})")).collect();
+    format!("{}{}", shown.join(", "), rest(states.len(), SHOWN))
+}
+
+/// `asked` is the number or the pattern as it was written.
+pub fn inaccessible_state(span: Span, asked: &str, device: &str, states: &[(usize, String)]) -> Diagnostic {
+    Diagnostic::new(Code::E0531, format!("no voltage brings the arms of `{device}` to {asked}"))
+        .label(span, "not accessible")
+        .help(format!("its control states are {}, one digit for each row of the table", few_states(states)))
+}
+
+pub fn unknown_state(span: Span, asked: &str, device: &str, states: &[(usize, String)]) -> Diagnostic {
+    let last = states.len().saturating_sub(1);
+    Diagnostic::new(Code::E0531, format!("control state {asked} of `{device}`, its states are 0 to {last}"))
+        .label(span, "no such state")
+        .help(format!("they are {}, one digit for each row of the table", few_states(states)))
+}
+
+pub fn pattern_of_wrong_width(span: Span, found: u32, robots: usize, device: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0504, format!("a word of {found} digits for a table of {robots} robots"))
+        .label(span, format!("`{device}` has {robots} robots"))
+        .help(format!("write one digit for each row, the first row first, 1 for an arm that is down: {robots} digits"))
+}
+
+pub fn precision_below_step(span: Span, precision_um: f64, name: &str, step_um: f64) -> Diagnostic {
+    let (precision, step) = (length(precision_um), length(step_um));
+    Diagnostic::new(Code::E0506, format!("a precision of {precision}, one stroke carries `{name}` {step}"))
+        .label(span, "finer than the robot moves")
+        .help(format!("make it {} or more", length(step_um / 2.0)))
+}
+
+pub fn assembly_too_small(span: Span, count: usize) -> Diagnostic {
+    let found = if count == 0 { "no robot".to_owned() } else { "one robot alone".to_owned() };
+    Diagnostic::new(Code::E0535, format!("an assembly of {found}, two or more dock with one another"))
+        .label(span, "nothing to dock with")
+        .help("name two robots or more, as in `assemble { D2 to pose(…), D1 to pose(…) }`; `drive` brings one to a pose")
+}
+
+pub fn assembled_twice(name: &str, span: Span, earlier: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0535, format!("`{name}` stands twice in one assembly"))
+        .label(span, "again here")
+        .label_elsewhere(earlier, span, "first here")
+        .help("each robot docks once, and stays there")
+}
+
+pub fn unlike_robots(run: Span, device: &str, name: &str) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0528,
+        format!("tasks of `{device}` in one schedule have unlike robots: `{name}` is not in both scenes"),
+    )
+    .label(run, "runs with other robots than before")
+    .help("a bed keeps its robots between tasks: give all of them one scene, or scenes with robots of the same names")
+}
+

@@ -1,0 +1,150 @@
+//! Bodies of robots, discs of their orbits and obstacles: how far they lie from each other.
+
+use crate::check::claims::microrobots::Obstacle;
+use crate::device::microrobots::Robot;
+use crate::geometry::{Core, Pose, Rounded, distance};
+use nalgebra::{Point2, Vector2};
+
+/// What may be lost in the arithmetic of a distance, in micrometres.
+pub const SLACK_UM: f64 = 1e-6;
+
+/// The body of a robot at a pose: a rectangle about the pose's place, its long side along the heading.
+#[derive(Debug, Clone, Copy)]
+pub struct Body {
+    /// Counter-clockwise, from the right of the front.
+    pub corners: [Point2<f64>; 4],
+    centre: Point2<f64>,
+    reach_um: f64,
+}
+
+impl Body {
+    /// The body of a robot that stands somewhere.
+    pub fn of(robot: &Robot, pose: Pose) -> Body {
+        let (half_um, side_um) = (robot.length_um / 2.0, robot.width_um / 2.0);
+        let frame = pose.isometry();
+        let corners = [(half_um, -side_um), (half_um, side_um), (-half_um, side_um), (-half_um, -side_um)];
+        Body {
+            corners: corners.map(|(x_um, y_um)| frame * Point2::new(x_um, y_um)),
+            centre: Point2::new(pose.x_um, pose.y_um),
+            reach_um: half_um.hypot(side_um),
+        }
+    }
+
+    /// The outward normals of its sides, each with a corner of that side: front, left, back, right.
+    pub fn sides(&self) -> [(Vector2<f64>, Point2<f64>); 4] {
+        [0, 1, 2, 3].map(|at| {
+            let along = (self.corners[(at + 1) % 4] - self.corners[at]).normalize();
+            (Vector2::new(along.y, -along.x), self.corners[at])
+        })
+    }
+
+    /// How far it lies from another body; negative is the depth of the overlap, the least way out of it.
+    pub fn gap_um(&self, other: &Body) -> f64 {
+        let depth_um = self.way_out(other).map_or(0.0, |way| way.norm());
+        if depth_um > 0.0 { -depth_um } else { self.way_to(other).norm() }
+    }
+
+    /// The shortest way that brings it into touch with a body that it does not overlap.
+    pub fn way_to(&self, other: &Body) -> Vector2<f64> {
+        let towards = self.corners.iter().map(|corner| nearest_of(*corner, &other.corners) - corner);
+        let back = other.corners.iter().map(|corner| corner - nearest_of(*corner, &self.corners));
+        let shorter = |one: Vector2<f64>, other: Vector2<f64>| if other.norm() < one.norm() { other } else { one };
+        towards.chain(back).reduce(shorter).unwrap_or_default()
+    }
+
+    /// The shortest way that brings it out of a body that it overlaps; `None` if it overlaps it nowhere.
+    pub fn way_out(&self, other: &Body) -> Option<Vector2<f64>> {
+        let of_other = other.sides().map(|(normal, at)| normal * -self.beyond_um(normal, at));
+        let own = self.sides().map(|(normal, at)| normal * other.beyond_um(normal, at));
+        let lies_apart = other.sides().iter().any(|(normal, at)| self.beyond_um(*normal, *at) >= 0.0)
+            || self.sides().iter().any(|(normal, at)| other.beyond_um(*normal, *at) >= 0.0);
+        let shorter = |one: Vector2<f64>, other: Vector2<f64>| if other.norm() < one.norm() { other } else { one };
+        of_other.into_iter().chain(own).reduce(shorter).filter(|_| !lies_apart)
+    }
+
+    /// How far its nearest corner lies beyond a line; negative where it reaches across.
+    pub fn beyond_um(&self, normal: Vector2<f64>, at: Point2<f64>) -> f64 {
+        self.corners.iter().map(|corner| (corner - at).dot(&normal)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The point of a rectangle's rim that is nearest to a point.
+fn nearest_of(point: Point2<f64>, corners: &[Point2<f64>; 4]) -> Point2<f64> {
+    let sides = (0..4).map(|at| [corners[at], corners[(at + 1) % 4]]);
+    let candidates = sides.map(|[from, to]| {
+        let along = to - from;
+        let share = ((point - from).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        from + along * share
+    });
+    let nearer = |one: Point2<f64>, other: Point2<f64>| {
+        if (other - point).norm() < (one - point).norm() { other } else { one }
+    };
+    candidates.reduce(nearer).unwrap_or(point)
+}
+
+/// The disc that a robot sweeps on its orbit.
+#[derive(Debug, Clone, Copy)]
+pub struct Orbit {
+    pub centre: Point2<f64>,
+    pub reach_um: f64,
+}
+
+impl Orbit {
+    /// The orbit of a robot that stands somewhere and lowers its arm.
+    pub fn of(robot: &Robot, pose: Pose) -> Orbit {
+        Orbit { centre: Point2::from(robot.orbit_centre_um(pose)), reach_um: robot.orbit_reach_um() }
+    }
+
+    /// How far another orbit lies from it; negative where they overlap.
+    pub fn gap_um(&self, other: &Orbit) -> f64 {
+        (self.centre - other.centre).norm() - self.reach_um - other.reach_um
+    }
+
+    /// How far a body lies from it; negative where it reaches in.
+    pub fn gap_to_body_um(&self, body: &Body) -> f64 {
+        distance::segment_polygon([self.centre; 2], &body.corners) - self.reach_um
+    }
+}
+
+/// An obstacle in the plane.
+pub struct Solid {
+    body: Rounded,
+    centre: Point2<f64>,
+    reach_um: f64,
+}
+
+impl Solid {
+    /// `None` for a shape that cannot be placed, which the scene has been told of.
+    pub fn of(obstacle: &Obstacle) -> Option<Solid> {
+        let body = obstacle.shape.grown(&obstacle.pose, 0.0).ok()?;
+        let corners = match &body.core {
+            Core::Point(point) => std::slice::from_ref(point),
+            Core::Segment(ends) => ends.as_slice(),
+            Core::Polygon(corners) => corners.as_slice(),
+        };
+        let sum = corners.iter().fold(Vector2::zeros(), |sum, corner| sum + corner.coords);
+        let centre = Point2::from(sum / corners.len() as f64);
+        let farthest_um = corners.iter().map(|corner| (corner - centre).norm()).fold(0.0, f64::max);
+        let reach_um = farthest_um + body.radius_um;
+        Some(Solid { body, centre, reach_um })
+    }
+
+    /// How far a robot's body lies from it; no more than 0 where they touch. Only exact up to `enough_um`.
+    pub fn gap_um(&self, body: &Body, enough_um: f64) -> f64 {
+        let least_um = (self.centre - body.centre).norm() - self.reach_um - body.reach_um;
+        if least_um > enough_um {
+            return least_um;
+        }
+        distance::quadrilateral_core(body.corners, &self.body.core) - self.body.radius_um
+    }
+
+    /// How far an orbit lies from it; negative where they overlap.
+    pub fn gap_to_orbit_um(&self, orbit: &Orbit) -> f64 {
+        distance::segment_core([orbit.centre; 2], &self.body.core) - self.body.radius_um - orbit.reach_um
+    }
+}
+
+/// Whether a gap is less than what is to be kept; bodies that touch are always too near.
+pub fn is_too_near(gap_um: f64, kept_um: f64) -> bool {
+    gap_um < kept_um - SLACK_UM || gap_um <= SLACK_UM
+}

@@ -1,0 +1,241 @@
+//! The facts of a bed: its table, its levels, how robots meet, and how far figures may be off.
+
+use super::table::Table;
+use super::{Bed, validity};
+use crate::check::devices::Device;
+use crate::check::errors;
+use crate::check::value::Value;
+use crate::device::microrobots::{Docking, Errors, Facts, Fine, MAX_ROBOTS, Robot, Turning};
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::geometry::shape::MAX_EXTENT_UM;
+use crate::quantity::Quantity;
+use crate::source::Span;
+use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+
+/// The fields that bound what robots and measurements depart from their figures.
+const ERROR_FIELDS: [&str; 5] = ["speed_error", "turning_error", "place_error", "heading_error", "replan_interval"];
+
+/// The facts of a device and the control states of its bed; `None` after an error.
+pub fn bed(device: &Device, sink: &mut Sink) -> Option<Bed> {
+    if device.fields.values().any(|field| field.value.is_unknown()) {
+        return None;
+    }
+    let table = Table::of(device)?;
+    let errors = sink.errors();
+    fits_a_bed(&table, device, sink);
+    names_apart(&table, device, sink);
+    (sink.errors() == errors).then_some(())?;
+    let facts = facts(device, &table, sink)?;
+    bodies_are_countable(&facts, &table, device, sink);
+    levels_in_order(&facts, device, sink);
+    meets_forwards(&facts, device, sink);
+    fine_motion_has_room(&facts, device, sink);
+    let states = validity::states(&facts, &table, device, sink)?;
+    (sink.errors() == errors).then(|| Bed { facts: Arc::new(facts), states: Arc::new(states) })
+}
+
+/// A figure of the device; `None` where it is not given.
+pub fn quantity(device: &Device, name: &str) -> Option<Quantity> {
+    match device.fields.get(name).map(|field| &field.value) {
+        Some(Value::Quantity(quantity)) => Some(*quantity),
+        _ => None,
+    }
+}
+
+fn fits_a_bed(table: &Table, device: &Device, sink: &mut Sink) {
+    if table.rows() > MAX_ROBOTS {
+        let wrong = errors::too_many_robots(table.rows(), MAX_ROBOTS);
+        let labels = [(table.place(MAX_ROBOTS, "robot"), "one too many".to_owned())];
+        sink.push(told(device, wrong, &labels));
+    }
+}
+
+fn names_apart(table: &Table, device: &Device, sink: &mut Sink) {
+    let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
+    for row in 0..table.rows() {
+        let Some(name) = table.text(row, "robot") else { continue };
+        if let Some(first) = seen.get(name) {
+            let again = (table.place(row, "robot"), "again here".to_owned());
+            let labels = [again, (table.place(*first, "robot"), "first here".to_owned())];
+            sink.push(told(device, errors::robot_twice(name), &labels));
+        } else {
+            seen.insert(name, row);
+        }
+    }
+}
+
+fn facts(device: &Device, table: &Table, sink: &mut Sink) -> Option<Facts> {
+    let si = |name: &str| quantity(device, name).map(|quantity| quantity.si);
+    let um = |name: &str| quantity(device, name).map(|quantity| quantity.in_unit("um"));
+    let period_ns = period_ns(device, sink);
+    let dwell = device.fields.get("dwell")?;
+    let dwell_ns = crate::check::clock_ns(quantity(device, "dwell")?, dwell.span, "`dwell`", sink);
+    let errors = errors_of(device, sink);
+    let period_ns = period_ns?;
+    let robots: Option<Vec<Robot>> = (0..table.rows()).map(|row| robot(row, table, device, period_ns)).collect();
+    Some(Facts {
+        robots: robots?,
+        margin_v: si("margin")?,
+        max_v: si("max_voltage")?,
+        relax_v: si("relax")?,
+        flex_v: si("flex")?,
+        period_ns,
+        dwell_ns: dwell_ns?,
+        clearance_um: um("clearance")?,
+        orbit_clearance_um: um("orbit_clearance")?,
+        docking: Docking {
+            self_aligning_rad: si("self_aligning_angle")?,
+            self_aligning_um: um("self_aligning_offset")?,
+            sticking_rad: si("sticking_angle")?,
+            tolerance_um: um("docking_tolerance")?,
+        },
+        fine: Fine { length_um: um("fine_length")?, cycle_um: um("fine_cycle")? },
+        errors: errors?,
+    })
+}
+
+/// The time of one stroke, of two equal halves; `None` if the clock cannot count it.
+fn period_ns(device: &Device, sink: &mut Sink) -> Option<u64> {
+    let frequency = quantity(device, "drive_frequency")?;
+    let half_ns = (0.5e9 / frequency.si).round();
+    let limit = crate::check::MAX_TIME_NS as f64 / 2.0;
+    if (1.0..=limit).contains(&half_ns) {
+        return Some(2 * half_ns as u64);
+    }
+    sink.push(told(device, errors::stroke_out_of_clock(frequency), &at(device, "drive_frequency", "of one stroke")));
+    None
+}
+
+fn robot(row: usize, table: &Table, device: &Device, period_ns: u64) -> Option<Robot> {
+    let um = |name: &str| table.quantity(row, name).or(quantity(device, name)).map(|length| length.in_unit("um"));
+    let step_um = match table.quantity(row, "speed") {
+        Some(speed) => speed.in_unit("um/s") * period_ns as f64 / 1e9,
+        None => quantity(device, "step_size")?.in_unit("um"),
+    };
+    let turning = match table.text(row, "turns") {
+        Some("counterclockwise") => Turning::Counterclockwise,
+        Some(_) | None => Turning::Clockwise,
+    };
+    Some(Robot {
+        name: table.text(row, "robot")?.to_owned(),
+        snap_down_v: table.quantity(row, "snap_down")?.si,
+        release_v: table.quantity(row, "release")?.si,
+        turning_radius_um: um("turning_radius")?,
+        step_um,
+        turning,
+        length_um: um("length")?,
+        width_um: um("width")?,
+    })
+}
+
+/// The bounds on errors, if all of them are given; the outer `None` after an error.
+fn errors_of(device: &Device, sink: &mut Sink) -> Option<Option<Errors>> {
+    let is_given = |name: &&str| device.fields.contains_key(*name);
+    let (given, missing): (Vec<&str>, Vec<&str>) = ERROR_FIELDS.iter().copied().partition(is_given);
+    if given.is_empty() {
+        return Some(None);
+    }
+    if !missing.is_empty() {
+        let labels: Vec<(Span, String)> =
+            given.iter().flat_map(|name| at(device, name, "without the others")).collect();
+        sink.push(told(device, errors::some_error_bounds(&missing), &labels));
+        return Some(None);
+    }
+    let interval = device.fields.get("replan_interval")?;
+    let replan = quantity(device, "replan_interval")?;
+    Some(Some(Errors {
+        speed_ratio: quantity(device, "speed_error")?.si,
+        // Radians for each metre.
+        turning_rad_per_um: quantity(device, "turning_error")?.si / 1e6,
+        place_um: quantity(device, "place_error")?.in_unit("um"),
+        heading_rad: quantity(device, "heading_error")?.si,
+        replan_ns: crate::check::clock_ns(replan, interval.span, "`replan_interval`", sink)?,
+    }))
+}
+
+/// Lengths beyond what geometry counts exactly are a slip of the unit.
+fn bodies_are_countable(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) {
+    let mut of_device = BTreeMap::new();
+    for (row, robot) in facts.robots.iter().enumerate() {
+        let figures = [
+            ("turning_radius", robot.turning_radius_um),
+            ("length", robot.length_um),
+            ("width", robot.width_um),
+            ("speed", robot.step_um),
+        ];
+        for (name, um) in figures.into_iter().filter(|(_, um)| *um > MAX_EXTENT_UM) {
+            match (table.quantity(row, name), name) {
+                (Some(found), _) => {
+                    let labels = [(table.place(row, name), "out of range".to_owned())];
+                    sink.push(told(device, errors::beyond_extent(name, found, MAX_EXTENT_UM), &labels));
+                }
+                (None, "speed") => drop(of_device.insert("step_size", um)),
+                (None, _) => drop(of_device.insert(name, um)),
+            }
+        }
+    }
+    let own = [
+        ("clearance", facts.clearance_um),
+        ("orbit_clearance", facts.orbit_clearance_um),
+        ("fine_length", facts.fine.length_um),
+        ("docking_tolerance", facts.docking.tolerance_um),
+    ];
+    of_device.extend(own.into_iter().filter(|(_, um)| *um > MAX_EXTENT_UM));
+    for name in of_device.into_keys() {
+        let Some(found) = quantity(device, name) else { continue };
+        let wrong = errors::beyond_extent(name, found, MAX_EXTENT_UM);
+        sink.push(told(device, wrong, &at(device, name, "out of range")));
+    }
+}
+
+/// The drive train swings upwards, and no higher than the source.
+fn levels_in_order(facts: &Facts, device: &Device, sink: &mut Sink) {
+    let voltage = |name: &str| quantity(device, name).map_or(String::new(), |voltage| voltage.to_string());
+    if facts.relax_v >= facts.flex_v {
+        let mut labels = at(device, "relax", "not below `flex`");
+        labels.extend(at(device, "flex", "not above `relax`"));
+        sink.push(told(device, errors::no_stroke(&voltage("relax"), &voltage("flex")), &labels));
+    }
+    if facts.flex_v > facts.max_v {
+        let mut labels = at(device, "flex", "more than the source gives");
+        labels.extend(at(device, "max_voltage", "the most that it gives"));
+        sink.push(told(device, errors::flex_beyond_source(&voltage("flex"), &voltage("max_voltage")), &labels));
+    }
+}
+
+/// A robot meets what it docks with by its front: docking angles are below a right angle.
+fn meets_forwards(facts: &Facts, device: &Device, sink: &mut Sink) {
+    let angles =
+        [("self_aligning_angle", facts.docking.self_aligning_rad), ("sticking_angle", facts.docking.sticking_rad)];
+    for (name, _) in angles.into_iter().filter(|(_, angle_rad)| *angle_rad >= FRAC_PI_2) {
+        let found = quantity(device, name).map_or(String::new(), |angle| angle.to_string());
+        sink.push(told(device, errors::docking_sideways(name, &found), &at(device, name, "a right angle or more")));
+    }
+}
+
+fn fine_motion_has_room(facts: &Facts, device: &Device, sink: &mut Sink) {
+    if facts.fine.cycle_um > facts.fine.length_um {
+        let found = ["fine_cycle", "fine_length"]
+            .map(|name| quantity(device, name).map_or(String::new(), |length| length.to_string()));
+        let mut labels = at(device, "fine_cycle", "longer than the whole fine motion");
+        labels.extend(at(device, "fine_length", "the fine motion"));
+        sink.push(told(device, errors::cycle_beyond_fine_motion(&found[0], &found[1]), &labels));
+    }
+}
+
+/// The label of a field, and of the place where its value was given, if a name stands in it.
+pub fn at(device: &Device, name: &str, text: &str) -> Vec<(Span, String)> {
+    let Some(field) = device.fields.get(name) else { return Vec::new() };
+    let origin = device.origins.get(name).filter(|origin| origin.span != field.span);
+    let own = (field.span, text.to_owned());
+    std::iter::once(own).chain(origin.map(|origin| (origin.span, origin.text.clone()))).collect()
+}
+
+/// Puts labels on a finding about a device, those of the device's own file first.
+pub fn told(device: &Device, diagnostic: Diagnostic, labels: &[(Span, String)]) -> Diagnostic {
+    let (own, inherited): (Vec<_>, Vec<_>) = labels.iter().partition(|(span, _)| span.file == device.span.file);
+    let diagnostic = if own.is_empty() { diagnostic.label(device.span, "this device") } else { diagnostic };
+    own.into_iter().chain(inherited).fold(diagnostic, |told, (span, text)| told.label(*span, text.clone()))
+}

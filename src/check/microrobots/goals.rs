@@ -1,0 +1,290 @@
+//! The steps of a task: what can be judged of them without knowing where the robots stand by then.
+
+use super::bodies::{Body, Solid};
+use super::ground::{Ground, first_near, is_near};
+use super::{Bed, DEFAULT_EXPANSIONS};
+use crate::check::claims::microrobots::{
+    Action, Assurance, Dock, MicrorobotsOrder, Precision, Step, Stop,
+};
+use crate::check::fields::Accepted;
+use crate::check::lets::{Argument, Origin};
+use crate::check::scope::nearest;
+use crate::check::tasks::{self, Call, Parts, Site};
+use crate::check::value::{ModuleWord, Value, whole};
+use crate::check::{Checker, errors, shapes};
+use crate::diagnostic::{Code, Diagnostic, Sink};
+use crate::geometry::Pose;
+use crate::geometry::shape::MAX_EXTENT_UM;
+use crate::source::Span;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// How far from its goal a robot may end where the task does not say.
+const DEFAULT_PRECISION: Precision = Precision { place_um: 0.5, heading_rad: 0.5 * std::f64::consts::PI / 180.0 };
+
+/// Where the pose of a goal was given, if a name stands for it; `None` if several names stand for it in several runs.
+pub type Origins = BTreeMap<Span, Option<Origin>>;
+
+impl Checker<'_> {
+    /// A task's body in the kind's own terms; `None` after an error.
+    pub fn microrobots_order(&mut self, site: &Site, bed: &Bed, parts: Parts) -> Option<MicrorobotsOrder> {
+        let ground = self.ground(site, bed);
+        let precision = precision(&parts.settings, bed, &ground, self.sink);
+        let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
+        let solids = ground.obstacles.iter().map(Solid::of).collect();
+        let (device, origins) = (site.device.name.as_str(), &mut self.pose_origins);
+        let mut judge = Judge { bed, ground: &ground, solids, scene, device, origins, sink: self.sink };
+        let steps: Vec<Option<Step>> = parts.steps.iter().map(|step| judge.step(step)).collect();
+        let steps: Option<Vec<Step>> = steps.into_iter().collect();
+        let order = MicrorobotsOrder {
+            facts: Arc::clone(&bed.facts),
+            states: Arc::clone(&bed.states),
+            obstacles: Arc::clone(&ground.obstacles),
+            robots: Arc::clone(&ground.robots),
+            expansions: expansions(&parts),
+            precision: precision?,
+            assurance: assurance(&parts.settings),
+            steps: steps?,
+        };
+        ground.is_whole.then_some(order)
+    }
+}
+
+fn expansions(parts: &Parts) -> u64 {
+    let options = parts.planner.as_ref().map(|(_, options)| options);
+    let given = match options.and_then(|options| options.get("expansions")).map(|option| &option.value) {
+        Some(Value::Quantity(quantity)) => whole(*quantity).and_then(|number| u64::try_from(number).ok()),
+        _ => None,
+    };
+    given.unwrap_or(DEFAULT_EXPANSIONS)
+}
+
+fn assurance(settings: &Accepted) -> Assurance {
+    match settings.get("guaranteed").map(|setting| &setting.value) {
+        Some(Value::Bool(true)) => Assurance::Demanded,
+        _ => Assurance::Told,
+    }
+}
+
+/// How near goals are met; a robot ends no nearer than half a stroke.
+fn precision(settings: &Accepted, bed: &Bed, ground: &Ground, sink: &mut Sink) -> Option<Precision> {
+    let given = |name: &str| match settings.get(name).map(|setting| &setting.value) {
+        Some(Value::Quantity(quantity)) => Ok(Some(*quantity)),
+        Some(_) => Err(()),
+        None => Ok(None),
+    };
+    let (place, heading) = (given("precision").ok()?, given("heading_precision").ok()?);
+    let found = Precision {
+        place_um: place.map_or(DEFAULT_PRECISION.place_um, |place| place.in_unit("um")),
+        heading_rad: heading.map_or(DEFAULT_PRECISION.heading_rad, |heading| heading.si),
+    };
+    let robots = ground.robots.iter().map(|placed| &bed.facts.robots[placed.row]);
+    let coarsest = robots.max_by(|one, other| one.step_um.total_cmp(&other.step_um));
+    if let (Some(robot), Some(setting)) = (coarsest, settings.get("precision"))
+        && found.place_um < robot.step_um / 2.0
+    {
+        sink.push(errors::precision_below_step(setting.span, found.place_um, &robot.name, robot.step_um));
+        return None;
+    }
+    Some(found)
+}
+
+/// Judges the steps of one task.
+struct Judge<'a> {
+    bed: &'a Bed,
+    ground: &'a Ground,
+    /// One for each obstacle.
+    solids: Vec<Option<Solid>>,
+    /// Where the task's scene is declared.
+    scene: Option<Span>,
+    /// The device's name.
+    device: &'a str,
+    origins: &'a mut Origins,
+    sink: &'a mut Sink,
+}
+
+impl Judge<'_> {
+    fn step(&mut self, step: &tasks::Step) -> Option<Step> {
+        let action = match &step.action {
+            tasks::Action::Wait(duration_ns) => Action::Wait(*duration_ns),
+            tasks::Action::Verb(call) => self.call(call)?,
+            // The kind has no goals at the same time, which was said.
+            tasks::Action::Together(_) => return None,
+        };
+        Some(Step { action, span: step.span })
+    }
+
+    fn call(&mut self, call: &Call) -> Option<Action> {
+        match call.verb.name {
+            "apply" => self.apply(call),
+            "drive" => self.drive(call),
+            _ => self.assemble(call),
+        }
+    }
+
+    fn apply(&mut self, call: &Call) -> Option<Action> {
+        let state = self.state(call.object.as_ref()?);
+        let (_, duration) = call.phrases.first()?;
+        let Value::Quantity(time) = duration.value else { return None };
+        let duration_ns = crate::check::clock_ns(time, duration.span, "`apply`", self.sink);
+        Some(Action::Apply { state: state?, duration_ns: duration_ns? })
+    }
+
+    /// A control state by its number or by its arms.
+    fn state(&mut self, argument: &Argument) -> Option<usize> {
+        let states = &self.bed.states;
+        let wrong = match &argument.value {
+            Value::Quantity(number) => {
+                let index = whole(*number).and_then(|number| usize::try_from(number).ok());
+                if let Some(index) = index.filter(|index| *index < states.len()) {
+                    return Some(index);
+                }
+                errors::unknown_state(argument.span, &number.to_string(), self.device, &self.accessible())
+            }
+            Value::Word(word) => {
+                let robots = self.bed.facts.robots.len();
+                if word.width as usize != robots {
+                    errors::pattern_of_wrong_width(argument.span, word.width, robots, self.device)
+                } else {
+                    let digits = digits(*word);
+                    if let Some(index) = states.iter().position(|state| state.digits() == digits) {
+                        return Some(index);
+                    }
+                    errors::inaccessible_state(argument.span, &format!("0b{digits}"), self.device, &self.accessible())
+                }
+            }
+            _ => return None,
+        };
+        self.unless(Some(wrong), Some(argument));
+        None
+    }
+
+    fn accessible(&self) -> Vec<(usize, String)> {
+        self.bed.states.iter().map(|state| state.digits()).enumerate().collect()
+    }
+
+    fn drive(&mut self, call: &Call) -> Option<Action> {
+        let robot = self.robot(call.object.as_ref()?);
+        let targets = phrases(&call.phrases, "via").chain(phrases(&call.phrases, "to"));
+        let stops: Vec<Option<Stop>> = targets.map(|target| self.stop(target, robot)).collect();
+        Some(Action::Drive { robot: robot?, stops: stops.into_iter().collect::<Option<Vec<Stop>>>()? })
+    }
+
+    fn assemble(&mut self, call: &Call) -> Option<Action> {
+        let mut docks: Vec<Option<Dock>> = Vec::with_capacity(call.entries.len());
+        let mut seen: BTreeMap<usize, Span> = BTreeMap::new();
+        for entry in &call.entries {
+            let robot = self.robot(&entry.object);
+            let goal = phrases(&entry.phrases, "to").next().and_then(|target| self.stop(target, robot));
+            let earlier = robot.and_then(|robot| seen.insert(robot, entry.object.span));
+            let wrong = earlier.map(|earlier| errors::assembled_twice(self.name(robot), entry.object.span, earlier));
+            let is_first = self.unless(wrong, Some(&entry.object)).is_some();
+            docks.push(robot.zip(goal).filter(|_| is_first).map(|(robot, goal)| Dock { robot, goal }));
+        }
+        let is_small = (call.entries.len() < 2).then(|| errors::assembly_too_small(call.span, call.entries.len()));
+        self.unless(is_small, None)?;
+        docks.into_iter().collect::<Option<Vec<Dock>>>().map(Action::Assemble)
+    }
+
+    fn name(&self, robot: Option<usize>) -> &str {
+        let placed = robot.and_then(|robot| self.ground.robots.get(robot));
+        placed.map_or("", |placed| self.bed.facts.robots[placed.row].name.as_str())
+    }
+
+    /// The robot that an argument names; without a diagnostic if what is wrong with that robot was said.
+    fn robot(&mut self, argument: &Argument) -> Option<usize> {
+        let Value::Object(object) = &argument.value else { return None };
+        if let Some(known) = self.ground.names.get(&object.name) {
+            return *known;
+        }
+        if let Some(obstacle) = self.ground.obstacles.iter().find(|obstacle| obstacle.name == object.name) {
+            let found = ("obstacle", obstacle.span);
+            let wrong = errors::object_of_other_noun(argument.span, &object.name, object.noun, found);
+            self.unless(Some(wrong), Some(argument));
+            return None;
+        }
+        let near = nearest(&object.name, self.ground.names.keys().map(String::as_str));
+        // A scene of too many robots is known by none of their names.
+        let is_cut = self.scene.is_some() && !self.ground.is_whole && self.ground.names.is_empty();
+        let wrong = errors::unknown_object(argument.span, &object.name, object.noun, near, self.scene);
+        self.unless((!is_cut).then_some(wrong), Some(argument));
+        None
+    }
+
+    /// A pose at which the robot's body is clear of obstacles.
+    fn stop(&mut self, target: &Argument, robot: Option<usize>) -> Option<Stop> {
+        let pose = shapes::pose_of(&target.value)?;
+        let far = (!is_near(&pose)).then(|| errors::pose_too_far(target.span, MAX_EXTENT_UM));
+        self.unless(far, Some(target))?;
+        let wrong = robot.and_then(|robot| self.on_obstacle(robot, pose, target.span));
+        self.unless(wrong, Some(target))?;
+        self.remember(target);
+        Some(Stop { pose, span: target.span })
+    }
+
+    fn on_obstacle(&self, robot: usize, pose: Pose, span: Span) -> Option<Diagnostic> {
+        let facts = &self.bed.facts;
+        let placed = self.ground.robots.get(robot)?;
+        let kept_um = facts.clearance_um;
+        let body = |pose: Pose| Body::of(&facts.robots[placed.row], pose);
+        let near = |pose: Pose| first_near(&body(pose), &self.ground.obstacles, &self.solids, kept_um);
+        let (obstacle, gap_um) = near(pose)?;
+        let free = nearest_pose(pose, |pose| near(pose).is_none());
+        let what = errors::Blocked { code: Code::E0502, robot: self.name(Some(robot)), span };
+        let obstacle = (obstacle.name.as_str(), obstacle.span);
+        Some(errors::robot_near_obstacle(&what, obstacle, (gap_um, kept_um), free))
+    }
+
+    /// Where the pose of a stop was given, for what is found when it is known what has docked by then.
+    fn remember(&mut self, target: &Argument) {
+        let Some(origin) = &target.origin else { return };
+        let known = self.origins.entry(target.span).or_insert_with(|| Some(origin.clone()));
+        if known.as_ref().is_some_and(|known| known.span != origin.span) {
+            *known = None;
+        }
+    }
+
+    /// Pushes what is wrong, if anything is, with the place where the value was given.
+    fn unless(&mut self, wrong: Option<Diagnostic>, given: Option<&Argument>) -> Option<()> {
+        match wrong {
+            Some(diagnostic) => {
+                let diagnostic = match given {
+                    Some(argument) => errors::given_at(diagnostic, argument),
+                    None => diagnostic,
+                };
+                self.sink.push(diagnostic);
+                None
+            }
+            None => Some(()),
+        }
+    }
+}
+
+fn phrases<'c>(phrases: &'c [(&'static str, Argument)], preposition: &'c str) -> impl Iterator<Item = &'c Argument> {
+    phrases.iter().filter(move |(name, _)| *name == preposition).map(|(_, argument)| argument)
+}
+
+/// The digits of a word, the first one first.
+fn digits(word: ModuleWord) -> String {
+    (0..word.width).rev().map(|at| if word.bits >> at & 1 == 1 { '1' } else { '0' }).collect()
+}
+
+/// How many rings of places round a pose are searched for a better one, and how many places each has.
+const RINGS: [u32; 2] = [60, 24];
+
+/// The nearest pose with the same heading, a whole number of micrometres away in rings that widen, that is as asked.
+pub fn nearest_pose(pose: Pose, is_fine: impl Fn(Pose) -> bool) -> Option<Pose> {
+    let [rings, places] = RINGS;
+    let mut radius_um = 0.0;
+    for _ in 0..rings {
+        radius_um = f64::max(radius_um + 1.0, radius_um * 1.1).ceil();
+        let on_ring = (0..places).map(|at| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(at) / f64::from(places)).sin_cos();
+            Pose { x_um: (pose.x_um + radius_um * cos).round(), y_um: (pose.y_um + radius_um * sin).round(), ..pose }
+        });
+        if let Some(found) = on_ring.into_iter().find(|pose| is_fine(*pose)) {
+            return Some(found);
+        }
+    }
+    None
+}

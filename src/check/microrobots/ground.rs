@@ -1,0 +1,232 @@
+//! A scene as one bed meets it: obstacles, and where each robot stands at first.
+
+use super::Bed;
+use super::bodies::{Body, Solid, is_too_near};
+use crate::check::claims::microrobots::{Obstacle, Placed};
+use crate::check::devices::Device;
+use crate::check::lets::Argument;
+use crate::check::scenes::{Object, Scene};
+use crate::check::scope::nearest;
+use crate::check::tasks::Site;
+use crate::check::value::Value;
+use crate::check::{Checker, errors, shapes};
+use crate::device::microrobots::{Facts, MAX_OBSTACLES, MAX_ROBOTS, VOCABULARY};
+use crate::device::shape::Form;
+use crate::diagnostic::{Code, Sink};
+use crate::geometry::shape::MAX_EXTENT_UM;
+use crate::geometry::{Pose, Shape};
+use crate::source::Span;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// A scene as a bed sees it.
+#[derive(Debug, Clone)]
+pub struct Ground {
+    pub obstacles: Arc<Vec<Obstacle>>,
+    /// In the order of the table.
+    pub robots: Arc<Vec<Placed>>,
+    /// Every robot that the scene names, with its index if nothing is wrong with it.
+    pub names: Rc<BTreeMap<String, Option<usize>>>,
+    /// Whether none of its objects is impossible.
+    pub is_whole: bool,
+}
+
+impl Checker<'_> {
+    /// The scene of a task for its device, judged once.
+    pub fn ground(&mut self, site: &Site, bed: &Bed) -> Ground {
+        let Some((place, scene)) = &site.scene else { return judged(&[], &site.device, &bed.facts, self.sink) };
+        let key = (*place, site.place);
+        if let Some(known) = self.grounds.get(&key) {
+            return known.clone();
+        }
+        let ground = judged_scene(scene, &site.device, &bed.facts, self.sink);
+        self.grounds.insert(key, ground.clone());
+        ground
+    }
+}
+
+fn judged_scene(scene: &Scene, device: &Device, facts: &Facts, sink: &mut Sink) -> Ground {
+    for (noun, most) in [("robot", MAX_ROBOTS), ("obstacle", MAX_OBSTACLES)] {
+        let count = scene.objects.iter().filter(|object| object.noun == noun).count();
+        if let Some(first) = scene.objects.iter().filter(|object| object.noun == noun).nth(most) {
+            sink.push(errors::too_many_objects(first.span, noun, count, most));
+            return Ground { is_whole: false, ..judged(&[], device, facts, sink) };
+        }
+    }
+    judged(&scene.objects, device, facts, sink)
+}
+
+/// A robot that was read: where it stands, with the place of that figure.
+struct Standing {
+    name: String,
+    placed: Placed,
+    at: Argument,
+}
+
+fn judged(objects: &[Rc<Object>], device: &Device, facts: &Facts, sink: &mut Sink) -> Ground {
+    let before = sink.errors();
+    let (mut obstacles, mut standing) = (Vec::new(), Vec::new());
+    let mut names = BTreeMap::new();
+    for object in objects {
+        let mut reader = Reader { object, device, facts, sink };
+        match object.noun.as_str() {
+            "robot" => {
+                names.insert(object.name.clone(), None);
+                standing.extend(reader.robot());
+            }
+            "obstacle" => obstacles.extend(reader.obstacle()),
+            _ => reader.stranger(),
+        }
+    }
+    standing.sort_by_key(|standing| standing.placed.row);
+    for (index, standing) in standing.iter().enumerate() {
+        names.insert(standing.name.clone(), Some(index));
+    }
+    starts(&standing, &obstacles, facts, sink);
+    Ground {
+        obstacles: Arc::new(obstacles),
+        robots: Arc::new(standing.into_iter().map(|standing| standing.placed).collect()),
+        names: Rc::new(names),
+        is_whole: sink.errors() == before,
+    }
+}
+
+/// Reads one object of a scene.
+struct Reader<'a> {
+    object: &'a Object,
+    device: &'a Device,
+    facts: &'a Facts,
+    sink: &'a mut Sink,
+}
+
+impl Reader<'_> {
+    fn stranger(&mut self) {
+        let known: Vec<&str> = VOCABULARY.nouns.iter().map(|noun| noun.name).collect();
+        let object = self.object;
+        self.sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, VOCABULARY.name, &known));
+    }
+
+    fn robot(&mut self) -> Option<Standing> {
+        let row = self.row();
+        let has_own_body = self.has_own_body();
+        let (at, pose) = self.pose()?;
+        let placed = Placed { row: row?, pose, span: self.object.span };
+        (!has_own_body).then(|| Standing { name: self.object.name.clone(), placed, at })
+    }
+
+    /// The row of the table that bears the robot's name.
+    fn row(&mut self) -> Option<usize> {
+        let name = &self.object.name;
+        let row = self.facts.row(name);
+        if row.is_none() {
+            let known: Vec<&str> = self.facts.robots.iter().map(|robot| robot.name.as_str()).collect();
+            let table = self.device.fields.get("robots").map(|field| field.span);
+            let near = nearest(name, known.iter().copied());
+            let wrong = errors::robot_without_row(self.object.span, name, near, &known, (&self.device.name, table));
+            self.sink.push(wrong);
+        }
+        row
+    }
+
+    /// The body of a robot is that of the table; a shape of its own is an error.
+    fn has_own_body(&mut self) -> bool {
+        let Some(shape) = &self.object.shape else { return false };
+        self.sink.push(errors::robot_with_shape(shape.span, &self.object.name));
+        true
+    }
+
+    fn pose(&mut self) -> Option<(Argument, Pose)> {
+        let object = self.object;
+        let Some(at) = &object.at else {
+            self.sink.push(errors::robot_stands_nowhere(object.span, &object.name));
+            return None;
+        };
+        let at = Argument { value: at.value.clone(), span: at.span, origin: object.origin.clone() };
+        let Value::Pose(_) = at.value else {
+            self.sink.push(errors::given_at(errors::no_heading(at.span, &object.name, &at.value), &at));
+            return None;
+        };
+        let pose = shapes::pose_of(&at.value)?;
+        if !is_near(&pose) {
+            self.sink.push(errors::given_at(errors::pose_too_far(at.span, MAX_EXTENT_UM), &at));
+            return None;
+        }
+        Some((at, pose))
+    }
+
+    fn obstacle(&mut self) -> Option<Obstacle> {
+        let object = self.object;
+        let forms = VOCABULARY.noun("obstacle").map_or(&[][..], |noun| noun.shapes);
+        let shape = match &object.shape {
+            None => Shape::Point,
+            Some(shape) if forms.contains(&shape.value.form) => shapes::in_plane(&shape.value)?,
+            Some(shape) => {
+                let known: Vec<&str> = forms.iter().map(|form: &Form| form.name()).collect();
+                let form = shape.value.form.name();
+                let wrong =
+                    errors::shape_of_other_kind(shape.span, form, &object.noun, VOCABULARY.name, &known);
+                self.sink.push(wrong);
+                return None;
+            }
+        };
+        let pose = match &object.at {
+            None => Pose::at(0.0, 0.0),
+            Some(at) => match shapes::pose_of(&at.value) {
+                Some(pose) => pose,
+                None => {
+                    self.sink.push(errors::wrong_place(at.span, &at.value, "a place or a pose"));
+                    return None;
+                }
+            },
+        };
+        if !shapes::within_extent(&shape, &pose) {
+            self.sink.push(errors::shape_too_large(object.span, &errors::length(MAX_EXTENT_UM)));
+            return None;
+        }
+        Some(Obstacle { name: object.name.clone(), shape, pose, span: object.span })
+    }
+}
+
+/// Whether a pose lies where geometry counts exactly.
+pub fn is_near(pose: &Pose) -> bool {
+    pose.x_um.abs().max(pose.y_um.abs()) <= MAX_EXTENT_UM
+}
+
+/// Robots start clear of obstacles and of each other: all of them move with the first stroke.
+fn starts(standing: &[Standing], obstacles: &[Obstacle], facts: &Facts, sink: &mut Sink) {
+    let solids: Vec<Option<Solid>> = obstacles.iter().map(Solid::of).collect();
+    let body = |standing: &Standing| Body::of(&facts.robots[standing.placed.row], standing.placed.pose);
+    let bodies: Vec<Body> = standing.iter().map(body).collect();
+    let kept_um = facts.clearance_um;
+    for (index, Standing { name, at, .. }) in standing.iter().enumerate() {
+        let what = errors::Blocked { code: Code::E0505, robot: name, span: at.span };
+        if let Some((obstacle, gap_um)) = first_near(&bodies[index], obstacles, &solids, kept_um) {
+            let wrong = errors::robot_near_obstacle(&what, (&obstacle.name, obstacle.span), (gap_um, kept_um), None);
+            sink.push(errors::given_at(wrong, at));
+        }
+        let gaps = bodies[..index].iter().map(|other| bodies[index].gap_um(other));
+        if let Some((other, gap_um)) = gaps.enumerate().find(|(_, gap_um)| is_too_near(*gap_um, kept_um)) {
+            let other = (standing[other].name.as_str(), standing[other].at.span);
+            let wrong = errors::robots_start_too_near((name, at.span), other, (gap_um, kept_um));
+            sink.push(errors::given_at(wrong, at));
+        }
+    }
+}
+
+/// The first obstacle that a body lies too near to, and how far it lies from it.
+pub fn first_near<'o>(
+    body: &Body,
+    obstacles: &'o [Obstacle],
+    solids: &[Option<Solid>],
+    kept_um: f64,
+) -> Option<(&'o Obstacle, f64)> {
+    let gaps = solids.iter().map(|solid| solid.as_ref().map_or(f64::INFINITY, |solid| solid.gap_um(body, kept_um)));
+    let near = obstacles.iter().zip(gaps).find(|(_, gap_um)| is_too_near(*gap_um, kept_um));
+    near
+}
+
+/// Spans of the robots, for messages.
+pub fn span_of(robots: &[Placed], robot: usize) -> Span {
+    robots.get(robot).map_or(Span::default(), |placed| placed.span)
+}

@@ -1,0 +1,55 @@
+//! The table of a bed's robots, each figure with its place in the source.
+
+use crate::check::devices::Device;
+use crate::check::value::{TableValue, Value};
+use crate::quantity::Quantity;
+use crate::source::{Span, Spanned};
+
+/// The field `robots` of a device; its columns and cells were held against the vocabulary.
+#[derive(Clone, Copy)]
+pub struct Table<'a> {
+    value: &'a TableValue,
+    /// The whole table.
+    pub span: Span,
+}
+
+impl<'a> Table<'a> {
+    /// `None` where a cell is unknown, which was said.
+    pub fn of(device: &'a Device) -> Option<Table<'a>> {
+        let field = device.fields.get("robots")?;
+        let Value::Table(value) = &field.value else { return None };
+        let is_known = value.rows.iter().flatten().all(|cell| !cell.value.is_unknown());
+        is_known.then_some(Table { value, span: field.span })
+    }
+
+    /// How many rows it has.
+    pub fn rows(&self) -> usize {
+        self.value.rows.len()
+    }
+
+    fn cell(&self, row: usize, column: &str) -> Option<&'a Spanned<Value>> {
+        let at = self.value.columns.iter().position(|(name, _)| name == column)?;
+        self.value.rows.get(row)?.get(at)
+    }
+
+    /// A figure; `None` where the table has no such column.
+    pub fn quantity(&self, row: usize, column: &str) -> Option<Quantity> {
+        match self.cell(row, column)?.value {
+            Value::Quantity(quantity) => Some(quantity),
+            _ => None,
+        }
+    }
+
+    /// A word; `None` where the table has no such column.
+    pub fn text(&self, row: usize, column: &str) -> Option<&'a str> {
+        match &self.cell(row, column)?.value {
+            Value::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// Where a cell stands; the whole table where it has no such column.
+    pub fn place(&self, row: usize, column: &str) -> Span {
+        self.cell(row, column).map_or(self.span, |cell| cell.span)
+    }
+}

@@ -1,0 +1,266 @@
+//! What the relays of a table allow, and what is said where they do not.
+
+use super::facts::{at, quantity, told};
+use super::relays::{self, Analysis, Fault, Gaps, Mend, Problem, Row, Source, Transition};
+use super::table::Table;
+use crate::check::devices::Device;
+use crate::check::errors::{self, Limit};
+use crate::check::value::{Value, whole};
+use crate::device::microrobots::{Arm, ControlState, Facts, MAX_LEVELS, Robot};
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::source::Span;
+
+/// The most levels of a control cycle where the device does not say.
+const DEFAULT_LEVELS: usize = 8;
+
+/// Below this share of the margin the slack of a control state is told.
+const SMALL_SLACK: f64 = 0.1;
+
+/// The control states of a bed; `None` after an error.
+pub fn states(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) -> Option<Vec<ControlState>> {
+    let judge = Judge { facts, table, device };
+    let errors = sink.errors();
+    (0..facts.robots.len()).filter_map(|row| judge.upside_down(row)).for_each(|wrong| sink.push(wrong));
+    (sink.errors() == errors).then_some(())?;
+    let mut analysis = relays::analyse(&rows(facts), source(facts, device), gaps(device));
+    if analysis.states.is_empty() && analysis.faults.is_empty() {
+        stand_in(facts, &mut analysis);
+    }
+    analysis.faults.iter().map(|fault| judge.told_fault(fault, &analysis)).for_each(|wrong| sink.push(wrong));
+    if analysis.more_faults > 0 {
+        sink.push(told(device, errors::more_faults(analysis.more_faults), &[(table.span, "in this table".to_owned())]));
+    }
+    (sink.errors() == errors).then_some(())?;
+    judge.warnings(&analysis).into_iter().for_each(|warning| sink.push(warning));
+    Some(analysis.states)
+}
+
+fn rows(facts: &Facts) -> Vec<Row> {
+    let row = |robot: &Robot| Row {
+        snap_down_v: robot.snap_down_v,
+        release_v: robot.release_v,
+    };
+    facts.robots.iter().map(row).collect()
+}
+
+fn source(facts: &Facts, device: &Device) -> Source {
+    let levels = quantity(device, "levels").and_then(whole).and_then(|levels| usize::try_from(levels).ok());
+    let Facts { margin_v, relax_v, flex_v, max_v, .. } = *facts;
+    Source { margin_v, relax_v, flex_v, max_v, most_levels: levels.unwrap_or(DEFAULT_LEVELS) }
+}
+
+fn gaps(device: &Device) -> Gaps {
+    match device.fields.get("non_string").map(|field| &field.value) {
+        Some(Value::Bool(true)) => Gaps::Any,
+        _ => Gaps::String,
+    }
+}
+
+/// Says what is wrong with a table, at the rows that it is about.
+struct Judge<'a> {
+    facts: &'a Facts,
+    table: &'a Table<'a>,
+    device: &'a Device,
+}
+
+/// Labels of a finding, the first one where it points.
+type Labels = Vec<(Span, String)>;
+
+impl Judge<'_> {
+    fn name(&self, row: usize) -> &str {
+        &self.facts.robots[row].name
+    }
+
+    fn cell(&self, row: usize, transition: Transition, text: impl Into<String>) -> (Span, String) {
+        (self.table.place(row, column(transition)), text.into())
+    }
+
+    /// Both voltages of a row under one label, if the row stands on one line as rows do.
+    fn row(&self, row: usize) -> (Span, String) {
+        let [down, up] = [Transition::SnapDown, Transition::Release].map(|which| self.table.place(row, column(which)));
+        let robot = &self.facts.robots[row];
+        (down.to(up), errors::relay_label(&robot.name, robot.snap_down_v, robot.release_v))
+    }
+
+    /// An arm that would be released before it snaps down.
+    fn upside_down(&self, row: usize) -> Option<Diagnostic> {
+        let robot = &self.facts.robots[row];
+        (robot.release_v >= robot.snap_down_v).then(|| {
+            let labels = [
+                self.cell(row, Transition::Release, "not below `snap_down`"),
+                self.cell(row, Transition::SnapDown, "the arm goes down here"),
+            ];
+            told(self.device, errors::release_above_snap_down(&robot.name, robot.release_v, robot.snap_down_v), &labels)
+        })
+    }
+
+    fn told_fault(&self, fault: &Fault, analysis: &Analysis) -> Diagnostic {
+        let (wrong, labels) = self.fault(&fault.problem, analysis);
+        let wrong = wrong.help_if(fault.mend.as_ref().map(|mend| self.mend(mend, &fault.problem)));
+        told(self.device, wrong, &labels)
+    }
+
+    fn mend(&self, mend: &Mend, problem: &Problem) -> String {
+        let robot = &self.facts.robots[mend.row];
+        let now_v = match mend.transition {
+            Transition::SnapDown => robot.snap_down_v,
+            Transition::Release => robot.release_v,
+        };
+        let mend = errors::voltage_mend(column(mend.transition), &robot.name, [now_v, mend.to_v]);
+        match problem {
+            Problem::Nested { .. } => format!("{mend}; or give the device `non_string: true`"),
+            Problem::NoSequence { levels, .. } if *levels <= MAX_LEVELS as usize => {
+                format!("{mend}; or allow longer control cycles, `levels: {levels}`")
+            }
+            Problem::NoSequence { .. }
+            | Problem::Hold { .. }
+            | Problem::Drive { .. }
+            | Problem::Range { .. }
+            | Problem::Floor { .. }
+            | Problem::Narrow { .. }
+            | Problem::Alike { .. }
+            | Problem::Crowd { .. } => mend,
+        }
+    }
+
+    fn fault(&self, problem: &Problem, analysis: &Analysis) -> (Diagnostic, Labels) {
+        match *problem {
+            Problem::Hold { row, most_v } => {
+                self.limit(row, Limit::Hold { relax_v: self.facts.relax_v, most_v })
+            }
+            Problem::Drive { row, least_v } => {
+                self.limit(row, Limit::Drive { flex_v: self.facts.flex_v, least_v })
+            }
+            Problem::Range { row, most_v } => {
+                self.limit(row, Limit::Range { max_v: self.facts.max_v, most_v })
+            }
+            Problem::Floor { row, least_v } => self.limit(row, Limit::Floor { least_v }),
+            Problem::Narrow { row, gap_v, least_v } => {
+                (errors::narrow_gap(self.name(row), gap_v, least_v), vec![self.row(row)])
+            }
+            Problem::Nested { outer, inner, snap_down_gap_v, release_gap_v, .. } => {
+                let gaps_v = [snap_down_gap_v, release_gap_v];
+                let wrong = errors::nested_gaps(self.name(outer), self.name(inner), gaps_v);
+                (wrong, vec![self.row(outer), self.row(inner)])
+            }
+            Problem::Alike { one, other, snap_down_gap_v, release_gap_v, least_v } => {
+                let gaps_v = [snap_down_gap_v, release_gap_v];
+                let wrong = errors::alike_robots(self.name(one), self.name(other), gaps_v, least_v);
+                (wrong, vec![self.row(one), self.row(other)])
+            }
+            Problem::NoSequence { state, levels, snap_down, release, least_v } => {
+                let lowered: Vec<&str> = analysis.order.iter().take(state).map(|row| self.name(*row)).collect();
+                let most = source(self.facts, self.device).most_levels;
+                let wrong = errors::no_sequence((state, &lowered), [levels, most], least_v);
+                let gaps = [(snap_down, Transition::SnapDown), (release, Transition::Release)];
+                let labels = gaps.into_iter().flat_map(|(gap, transition)| self.gap(gap, transition)).collect();
+                (wrong, labels)
+            }
+            Problem::Crowd { most } => {
+                (errors::too_many_states(most), vec![(self.table.span, "of this table".to_owned())])
+            }
+        }
+    }
+
+    /// A voltage that clashes with a level of the device.
+    fn limit(&self, row: usize, limit: Limit) -> (Diagnostic, Labels) {
+        let robot = &self.facts.robots[row];
+        let (transition, found_v, field) = match limit {
+            Limit::Hold { .. } => (Transition::Release, robot.release_v, Some("relax")),
+            Limit::Drive { .. } => (Transition::SnapDown, robot.snap_down_v, Some("flex")),
+            Limit::Range { .. } => (Transition::SnapDown, robot.snap_down_v, Some("max_voltage")),
+            Limit::Floor { .. } => (Transition::Release, robot.release_v, None),
+        };
+        let mut labels = vec![self.cell(row, transition, limit.label())];
+        labels.extend(field.into_iter().flat_map(|field| at(self.device, field, "against this level")));
+        labels.extend(at(self.device, "margin", "known no better than this"));
+        (errors::voltage_out_of_limit(&robot.name, found_v, limit, self.facts.margin_v), labels)
+    }
+
+    /// The two cells that a state would have to tell apart by one voltage.
+    fn gap(&self, gap: relays::Gap, transition: Transition) -> Labels {
+        let (down, up) = (self.name(gap.down), self.name(gap.up));
+        let [low, high] = errors::gap_labels(column(transition), [down, up], gap.gap_v);
+        vec![self.cell(gap.down, transition, low), self.cell(gap.up, transition, high)]
+    }
+
+    /// States that hold, but only just.
+    fn warnings(&self, analysis: &Analysis) -> Vec<Diagnostic> {
+        let least_v = SMALL_SLACK * self.facts.margin_v;
+        let thin = analysis.states.iter().enumerate().filter(|(_, state)| state.slack_v < least_v);
+        thin.map(|(index, state)| {
+            let wrong = errors::small_slack((index, &state.digits()), state.slack_v, self.facts.margin_v);
+            told(self.device, wrong, &self.binding(state))
+        })
+        .collect()
+    }
+
+    /// The cells that leave a state no more slack than it has.
+    fn binding(&self, state: &ControlState) -> Labels {
+        let facts = self.facts;
+        let is_binding = |slack_v: f64| (slack_v - state.slack_v).abs() <= 1e-9 * facts.max_v;
+        let of = |arm: Arm| move |row: &usize| state.arms[*row] == arm;
+        let rows = 0..facts.robots.len();
+        for transition in [Transition::SnapDown, Transition::Release] {
+            let voltage = |row: usize| match transition {
+                Transition::SnapDown => facts.robots[row].snap_down_v,
+                Transition::Release => facts.robots[row].release_v,
+            };
+            let by_voltage = |one: &usize, other: &usize| voltage(*one).total_cmp(&voltage(*other));
+            let down = rows.clone().filter(of(Arm::Down)).max_by(by_voltage);
+            let up = rows.clone().filter(of(Arm::Up)).min_by(by_voltage);
+            let (Some(down), Some(up)) = (down, up) else { continue };
+            let gap_v = voltage(up) - voltage(down);
+            if is_binding(gap_v / 2.0 - facts.margin_v) {
+                return self.gap(relays::Gap { down, up, gap_v }, transition);
+            }
+        }
+        let highest = rows.clone().find(|row| {
+            is_binding((facts.max_v - facts.robots[*row].snap_down_v - facts.margin_v) / 2.0)
+        });
+        if let Some(row) = highest {
+            return vec![self.cell(row, Transition::SnapDown, "barely below `max_voltage`")];
+        }
+        match rows.into_iter().find(|row| is_binding((facts.robots[*row].release_v - facts.margin_v) / 2.0)) {
+            Some(row) => vec![self.cell(row, Transition::Release, "barely above 0 V")],
+            None => vec![(self.table.span, "in this table".to_owned())],
+        }
+    }
+}
+
+fn column(transition: Transition) -> &'static str {
+    match transition {
+        Transition::SnapDown => "snap_down",
+        Transition::Release => "release",
+    }
+}
+
+/// Until the analysis is there: the chain of a table without faults, each state by two levels.
+fn stand_in(facts: &Facts, analysis: &mut Analysis) {
+    let robots = &facts.robots;
+    let mut order: Vec<usize> = (0..robots.len()).collect();
+    order.sort_by(|a, b| {
+        let key = |row: usize| robots[row].snap_down_v + robots[row].release_v;
+        key(*a).total_cmp(&key(*b))
+    });
+    let (n, margin_v) = (order.len(), facts.margin_v);
+    for down in 0..=n {
+        let mut arms = vec![Arm::Up; n];
+        order[..down].iter().for_each(|row| arms[*row] = Arm::Down);
+        let most = |f: fn(&Robot) -> f64| order[..down].iter().map(|row| f(&robots[*row])).fold(0.0, f64::max);
+        let least = |f: fn(&Robot) -> f64| order[down..].iter().map(|row| f(&robots[*row])).fold(facts.max_v, f64::min);
+        let (d, u): (fn(&Robot) -> f64, fn(&Robot) -> f64) = (|r| r.snap_down_v, |r| r.release_v);
+        let (gd, gu) = (least(d) - most(d), least(u) - most(u));
+        let (levels_v, slack_v) = if down == 0 {
+            (vec![(least(u) - margin_v) / 2.0], (least(u) - margin_v) / 2.0)
+        } else if down == n {
+            (vec![(most(d) + margin_v + facts.max_v) / 2.0], (facts.max_v - most(d) - margin_v) / 2.0)
+        } else if gu >= gd {
+            (vec![(most(d) + margin_v + facts.max_v) / 2.0, (most(u) + least(u)) / 2.0], gu / 2.0 - margin_v)
+        } else {
+            (vec![(least(u) - margin_v) / 2.0, (most(d) + least(d)) / 2.0], gd / 2.0 - margin_v)
+        };
+        analysis.states.push(ControlState { arms, levels_v, slack_v });
+    }
+    analysis.order = order;
+}
