@@ -34,7 +34,8 @@ fn is_file(subject: &str) -> bool {
     path.extension().is_some() || path.components().count() > 1 || path.is_file()
 }
 
-/// Rows in columns, each as wide as its widest entry, two blanks apart and two from the margin; numbers stand at the right.
+/// Rows in columns, each as wide as its widest entry, two blanks apart and two from the margin; numbers stand at the right, but
+/// for those of the last column.
 fn aligned(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let entries = |column: usize| rows.iter().filter_map(move |row| row.get(column));
@@ -43,8 +44,8 @@ fn aligned(rows: &[Vec<String>]) -> String {
     let mut text = String::new();
     for row in rows {
         let mut line = String::new();
-        for (entry, &width) in row.iter().zip(&widths) {
-            let is_number = entry.starts_with(|c: char| c.is_ascii_digit()) && !entry.contains(',');
+        for (column, (entry, &width)) in row.iter().zip(&widths).enumerate() {
+            let is_number = entry.starts_with(|c: char| c.is_ascii_digit()) && column + 1 < columns;
             line.push_str("  ");
             line.push_str(&if is_number { format!("{entry:>width$}") } else { format!("{entry:<width$}") });
         }
