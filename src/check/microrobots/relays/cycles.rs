@@ -25,8 +25,8 @@
 //! range nearer by s. So the greatest s is that with which a chain of the least length is still found: from the chain for some s
 //! follow intervals for its levels; the least half of their widths is at least s, and is the answer if nothing is found above it.
 
-use super::table::{Ranked, Table, middle_v, volts_v};
 use super::arms;
+use super::table::{Ranked, Table, middle_v, volts_v};
 use crate::device::microrobots::ControlState;
 
 /// Which way the level before the last one lies.

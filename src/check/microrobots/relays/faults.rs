@@ -57,7 +57,8 @@ pub fn alone(table: &Table, row: usize) -> impl Iterator<Item = Problem> {
     [
         (release > table.relax - gap).then(|| Problem::Hold { row, most_v: volts_v(table.relax - gap) }),
         (snap_down < table.flex + gap).then(|| Problem::Drive { row, least_v: volts_v(table.flex + gap) }),
-        (snap_down > table.max - table.margin).then(|| Problem::Range { row, most_v: volts_v(table.max - table.margin) }),
+        (snap_down > table.max - table.margin)
+            .then(|| Problem::Range { row, most_v: volts_v(table.max - table.margin) }),
         (release < table.margin).then(|| Problem::Floor { row, least_v: volts_v(table.margin) }),
         (snap_down - release < gap).then(|| Problem::Narrow {
             row,

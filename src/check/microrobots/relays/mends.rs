@@ -131,7 +131,7 @@ impl Clinic<'_> {
         let alone = faults::alone(changed, row).count();
         let left = alone + faults::shared(changed, self.gaps, row);
         let before = self.census.of_row(row);
-        if left == 0 && self.census.total() == before && self.has_short_cycles(changed) {
+        if left == 0 && self.census.total() == before && has_short_cycles(changed, self.gaps) {
             return Some(Good::All);
         }
         let is_better = match self.problem {
@@ -155,15 +155,14 @@ impl Clinic<'_> {
             Problem::Crowd { .. } => false,
         }
     }
+}
 
-    /// Whether each state of a table without faults of rows has a cycle that is short enough.
-    fn has_short_cycles(&self, changed: &Table) -> bool {
-        match self.gaps {
-            Gaps::Any => true,
-            Gaps::String => changed
-                .order()
-                .is_some_and(|order| (0..=order.len()).all(|state| is_short(changed, &order, state))),
-        }
+/// Whether each state of a table without other faults has a cycle that is short enough.
+pub fn has_short_cycles(table: &Table, gaps: Gaps) -> bool {
+    let all_short = |order: Vec<usize>| (0..=order.len()).all(|state| is_short(table, &order, state));
+    match gaps {
+        Gaps::Any => true,
+        Gaps::String => table.order().is_some_and(all_short),
     }
 }
 

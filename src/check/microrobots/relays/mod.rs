@@ -10,7 +10,7 @@ mod cycles;
 mod faults;
 mod mends;
 mod patterns;
-mod table;
+pub(super) mod table;
 
 use crate::device::microrobots::{Arm, ControlState};
 use cycles::Target;
@@ -178,10 +178,8 @@ fn any(table: &Table, order: Vec<usize>) -> Analysis {
         return Analysis { order, faults, ..Analysis::default() };
     };
     let ranked = table.ranked();
-    let found: Vec<ControlState> = patterns
-        .iter()
-        .filter_map(|is_down| Target::new(table, &ranked, is_down).state(is_down).ok())
-        .collect();
+    let found: Vec<ControlState> =
+        patterns.iter().filter_map(|is_down| Target::new(table, &ranked, is_down).state(is_down).ok()).collect();
     Analysis { order, too_long: patterns.len() - found.len(), states: found, ..Analysis::default() }
 }
 

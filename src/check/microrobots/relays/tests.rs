@@ -73,7 +73,7 @@ fn pairs_that_no_chain_allows() {
     let gaps = (0.0, 0.0);
     let (snap_down_gap_v, release_gap_v) = gaps;
     assert_eq!(alike.problem, Problem::Alike { one: 0, other: 1, snap_down_gap_v, release_gap_v, least_v: 4.0 });
-    assert_eq!(alike.mend, Some(Mend { row: 0, transition: Transition::SnapDown, to_v: 114.0 }));
+    assert_eq!(alike.mend, Some(Mend { row: 0, transition: Transition::SnapDown, to_v: 106.0 }));
     let nested = only_fault(&[(150.0, 20.0), (140.0, 35.0)], SOURCE);
     let (snap_down_gap_v, release_gap_v) = (10.0, 15.0);
     let (outer, inner) = (0, 1);
@@ -137,7 +137,7 @@ fn a_crowd_of_states_is_a_fault() {
     assert_eq!(analyse(&rows(&nested(12)), SOURCE, Gaps::Any).states.len(), MAX_STATES);
     let crowd = analyse(&rows(&nested(13)), SOURCE, Gaps::Any);
     assert_eq!(crowd.faults, [Fault { problem: Problem::Crowd { most: MAX_STATES }, mend: None }]);
-    assert_eq!(analyse(&rows(&nested(5)), Source { most_levels: 3, ..SOURCE }, Gaps::Any).too_long, 12);
+    assert_eq!(analyse(&rows(&nested(5)), Source { most_levels: 3, ..SOURCE }, Gaps::Any).too_long, 10);
 }
 
 #[test]
@@ -177,8 +177,8 @@ fn ten_thousand_random_tables_agree_with_simulated_relays() {
         agree(&table, source, number % 10 == 0, &mut tally);
     }
     let Tally { valid, limits, nested, alike, too_long, long_cycles, longest } = tally;
-    assert!([valid, limits, nested, alike].iter().all(|count| *count > 1_000), "{tally:?}");
-    assert!(too_long > 100 && long_cycles > 100 && longest >= 4, "{tally:?}");
+    assert!([valid, limits, nested, alike].iter().all(|count| *count > 500), "{tally:?}");
+    assert!(too_long > 300 && long_cycles > 300 && longest >= 4, "{tally:?}");
 }
 
 fn agree(table: &[Row], source: Source, slacks: bool, tally: &mut Tally) {
@@ -202,7 +202,8 @@ fn agree(table: &[Row], source: Source, slacks: bool, tally: &mut Tally) {
     found.sort();
     assert_eq!(found, expected, "{table:?} {source:?}");
     assert_eq!(any.too_long, accessible.len() - expected.len());
-    let is_chain = oracle::is_chain(&accessible.keys().cloned().collect::<Vec<_>>(), table.len());
+    let is_chain = oracle::are_pairs_chains(table, source);
+    assert!(!is_chain || oracle::is_chain(&accessible.keys().cloned().collect::<Vec<_>>(), table.len()));
     assert_eq!(string.states.len() == table.len() + 1, is_chain && any.too_long == 0, "{table:?} {string:?}");
     assert_eq!(string.faults.is_empty(), is_chain && any.too_long == 0);
     for state in any.states.iter().chain(&string.states) {
@@ -225,9 +226,8 @@ fn agree(table: &[Row], source: Source, slacks: bool, tally: &mut Tally) {
 /// Levels may be off by the slack, each for itself; with more, no cycle of that length does.
 fn best_slack(bed: &Bed, table: &[Row], source: Source, state: &ControlState) {
     for signs in 0..1 << state.levels_v.len().min(6) {
-        let off = |(at, level): (usize, &f64)| {
-            level + if signs >> at & 1 == 1 { state.slack_v } else { -state.slack_v }
-        };
+        let off =
+            |(at, level): (usize, &f64)| level + if signs >> at & 1 == 1 { state.slack_v } else { -state.slack_v };
         let levels: Vec<f64> = state.levels_v.iter().enumerate().map(off).collect();
         assert!(levels.iter().all(|level| (0.0..=source.max_v).contains(level)));
         assert_eq!(bed.after(&levels), Some(state.digits()), "{table:?} {source:?} {state:?}");
@@ -278,7 +278,7 @@ fn mends_mend_and_are_small() {
             }
         }
     }
-    assert!(whole > 200 && part > 100, "{whole} {part}");
+    assert!(whole > 150 && part > 150, "{whole} {part}");
 }
 
 fn is_alike(one: &Fault, other: &Fault) -> bool {

@@ -1,6 +1,6 @@
 //! Relays by simulation: every arm from both states and with its voltages at every corner of the margin, one bit for each.
 
-use super::{Gaps, Row, Source, analyse};
+use super::{Gaps, Row, Source, Table, faults, mends};
 use rustc_hash::FxHashMap;
 use std::collections::{BTreeMap, VecDeque};
 
@@ -102,6 +102,15 @@ impl Bed {
     }
 }
 
+/// Whether the relays of each pair of rows by themselves have three patterns, one after the other.
+pub fn are_pairs_chains(rows: &[Row], source: Source) -> bool {
+    let is_chain_of = |pair: [Row; 2]| {
+        let accessible = Bed::new(&pair, source, 0.0).accessible();
+        is_chain(&accessible.into_keys().collect::<Vec<_>>(), 2)
+    };
+    (0..rows.len()).all(|one| (0..one).all(|other| is_chain_of([rows[one], rows[other]])))
+}
+
 /// Whether patterns lower one arm after the other, up to all.
 pub fn is_chain(patterns: &[String], robots: usize) -> bool {
     let count = |pattern: &String| pattern.matches('1').count();
@@ -125,8 +134,10 @@ pub fn breaks_limits(row: Row, source: Source) -> bool {
 pub fn least_mend_v(table: &[Row], source: Source) -> Option<f64> {
     let is_sound = |row: usize, snap_down_v: f64, release_v: f64| {
         let mut changed = table.to_vec();
-        changed[row] = Row { snap_down_v: changed[row].snap_down_v + snap_down_v, release_v: changed[row].release_v + release_v };
-        analyse(&changed, source, Gaps::String).faults.is_empty()
+        changed[row] =
+            Row { snap_down_v: changed[row].snap_down_v + snap_down_v, release_v: changed[row].release_v + release_v };
+        let changed = Table::new(&changed, source);
+        faults::problems(&changed, Gaps::String, 1).is_empty() && mends::has_short_cycles(&changed, Gaps::String)
     };
     let mut sizes_v = (1..200).map(|step| f64::from(step) * source.margin_v / 16.0);
     sizes_v.find(|size_v| {
@@ -157,12 +168,13 @@ impl Random {
         let margin_v = [0.5, 1.0, 2.0, 4.0][self.below(4) as usize];
         let grain_v = margin_v / [1.0, 2.0, 4.0][self.below(3) as usize];
         let steps = (margin_v / grain_v) as i64;
-        let shyness = 1 + self.below(3) as i64;
+        let back = [4 * steps, steps, steps / 2, steps / 3][self.below(4) as usize];
+        let most = if back == 4 * steps { 4 } else { most };
         let mut row = Row { snap_down_v: 150.0, release_v: 60.0 };
         let mut table = vec![row];
         for _ in 0..self.below(most) {
-            row.snap_down_v += self.between(-steps / shyness, 4 * steps) * grain_v;
-            row.release_v += self.between(-steps / shyness, 4 * steps) * grain_v;
+            row.snap_down_v += self.between(-back, 4 * steps) * grain_v;
+            row.release_v += self.between(-back, 4 * steps) * grain_v;
             table.push(row);
         }
         for last in (1..table.len()).rev() {
