@@ -2,8 +2,20 @@
 //!
 //! Input: the voltages of a table and the limits of the source. Output: [`Analysis`], the control states with a shortest control
 //! cycle each, or what is wrong with the table and the smallest change of one voltage that mends it.
+//!
+//! Voltages are compared as whole numbers ([`table::Table`]), so that a gap of exactly two margins is one. Which patterns can be
+//! set follows from pairs of rows ([`table::Table::separates`]); how, and why nothing else can, is proven in [`cycles`].
 
-use crate::device::microrobots::ControlState;
+mod cycles;
+mod faults;
+mod mends;
+mod patterns;
+mod table;
+
+use crate::device::microrobots::{Arm, ControlState};
+use cycles::Target;
+use faults::Census;
+use table::Table;
 
 /// The most faults that are reported one by one.
 pub const MAX_FAULTS: usize = 16;
@@ -115,6 +127,65 @@ pub struct Analysis {
 /// Analyses a table of at most [`crate::device::microrobots::MAX_ROBOTS`] rows.
 ///
 /// Limits are met by equality too: a gap of exactly two margins is enough, with a slack of 0 V.
-pub fn analyse(_rows: &[Row], _source: Source, _gaps: Gaps) -> Analysis {
-    Analysis::default()
+pub fn analyse(rows: &[Row], source: Source, gaps: Gaps) -> Analysis {
+    let table = Table::new(rows, source);
+    let census = Census::of(&table, gaps);
+    let order = table.order().unwrap_or_default();
+    let problems = faults::problems(&table, gaps, MAX_FAULTS);
+    if !problems.is_empty() {
+        return refused(&table, gaps, order, &problems, census.total());
+    }
+    match gaps {
+        Gaps::String => string(&table, order),
+        Gaps::Any => any(&table, order),
+    }
 }
+
+fn refused(table: &Table, gaps: Gaps, order: Vec<usize>, problems: &[Problem], total: usize) -> Analysis {
+    let faults: Vec<Fault> = problems
+        .iter()
+        .take(MAX_FAULTS)
+        .map(|problem| Fault { problem: *problem, mend: mends::mend(table, gaps, problem) })
+        .collect();
+    Analysis { order, more_faults: total - faults.len(), faults, ..Analysis::default() }
+}
+
+/// The chain of states of a table whose rows are all told apart.
+fn string(table: &Table, order: Vec<usize>) -> Analysis {
+    let ranked = table.ranked();
+    let mut is_down = vec![false; table.len()];
+    let mut states = Vec::with_capacity(table.len() + 1);
+    let mut problems = Vec::new();
+    for state in 0..=order.len() {
+        if let Some(last) = state.checked_sub(1) {
+            is_down[order[last]] = true;
+        }
+        match Target::new(table, &ranked, &is_down).state(&is_down) {
+            Ok(found) => states.push(found),
+            Err(levels) => problems.push(faults::no_sequence(table, &is_down, state, levels)),
+        }
+    }
+    match problems.is_empty() {
+        true => Analysis { order, states, ..Analysis::default() },
+        false => refused(table, Gaps::String, order, &problems, problems.len()),
+    }
+}
+
+/// All patterns of a table, of whatever form.
+fn any(table: &Table, order: Vec<usize>) -> Analysis {
+    let Some(patterns) = patterns::accessible(table, MAX_STATES) else {
+        let faults = vec![Fault { problem: Problem::Crowd { most: MAX_STATES }, mend: None }];
+        return Analysis { order, faults, ..Analysis::default() };
+    };
+    let ranked = table.ranked();
+    let found: Vec<ControlState> =
+        patterns.iter().filter_map(|is_down| Target::new(table, &ranked, is_down).state(is_down).ok()).collect();
+    Analysis { order, too_long: patterns.len() - found.len(), states: found, ..Analysis::default() }
+}
+
+fn arms(is_down: &[bool]) -> Vec<Arm> {
+    is_down.iter().map(|is_down| if *is_down { Arm::Down } else { Arm::Up }).collect()
+}
+
+#[cfg(test)]
+mod tests;

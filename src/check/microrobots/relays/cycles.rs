@@ -1,0 +1,221 @@
+//! The shortest control cycle that sets an arm pattern, from whatever arms were before and with every transition voltage off by
+//! less than the margin; of these, one whose levels may be off the farthest.
+//!
+//! The method looks back from the last level. Let the arms of set D have to end down, those of set U up. Of the levels from the
+//! last back to any other, only the highest `b` and the lowest `a` matter. An arm of D is *settled* by them if its snap-down
+//! voltage + margin is at most `b`, and then no earlier level matters to it; as long as it is not, no level may release it: levels
+//! are at least L(b), the highest release voltage + margin of arms of D that are not settled. In the same way an arm of U is settled
+//! if its release voltage - margin is at least `a`, and levels are at most H(a), the lowest snap-down voltage - margin of arms of U
+//! that are not settled. A cycle is right exactly if all its levels keep to L and H, and all arms are settled in the end.
+//!
+//! Shortest. A level between `a` and `b` settles nothing and can be left out; of two neighbours that both raise `b`, the later in
+//! time can be left out, as H(a) does not change between them; so looking back, a shortest cycle alternates between levels that
+//! lower `a` and such that raise `b`. L falls (weakly) as `b` rises, and H rises as `a` falls. So whatever a cycle does, the one that
+//! always takes L(b) when it lowers and H(a) when it raises has, level for level, an `a` as low and a `b` as high, by induction. The
+//! last level itself lowers and raises; if the one before it is higher, only how low it is matters, and it is L of all of D; else
+//! H of all of U. Both beginnings are followed, and the shorter chain is a shortest cycle. With n arms a level costs O(log n), and
+//! there are at most n + 1, as each but the last settles an arm.
+//!
+//! When. If each arm of D is separated from each of U ([`Table::separates`]), a chain never gets stuck: among the arms that are
+//! not settled let u be that of U with the lowest snap-down voltage and d that of D with the highest release voltage; if they are
+//! separated by snap-down, raising to H settles d, and if by release, lowering to L settles u. If some d is not separated from some
+//! u, no cycle sets the pattern: a level that settles the one would disturb the other. So pairs tell which patterns can be set.
+//!
+//! Slack. A cycle whose levels may each be off by s is one that is right with the margin greater by s and the ends of the source's
+//! range nearer by s. So the greatest s is that with which a chain of the least length is still found: from the chain for some s
+//! follow intervals for its levels; the least half of their widths is at least s, and is the answer if nothing is found above it.
+
+use super::arms;
+use super::table::{Ranked, Table, middle_v, volts_v};
+use crate::device::microrobots::ControlState;
+
+/// Which way the level before the last one lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Above,
+    Below,
+}
+
+impl Side {
+    fn other(self) -> Side {
+        match self {
+            Side::Above => Side::Below,
+            Side::Below => Side::Above,
+        }
+    }
+}
+
+/// The levels that are allowed at one place of a cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Interval {
+    low: i64,
+    high: i64,
+}
+
+/// Arms of one set that are not settled, by the voltage that settles them, and what they demand of levels.
+struct Waiting {
+    /// The hardest to settle first.
+    settling: Vec<i64>,
+    /// The hardest demand of the first arm, the first two and so on.
+    demands: Vec<i64>,
+}
+
+/// A pattern to be set.
+pub struct Target<'a> {
+    table: &'a Table,
+    /// Arms that have to be down: settled by snap-down voltages, they demand by release voltages.
+    downs: Waiting,
+    /// Arms that have to be up: settled by release voltages, they demand by snap-down voltages.
+    ups: Waiting,
+}
+
+/// A cycle looked at from its end.
+struct Chain {
+    /// The last level in time first.
+    intervals: Vec<Interval>,
+    /// The least half of their widths.
+    slack: i64,
+    /// To which end of the range the first level in time lies.
+    first: Side,
+}
+
+impl<'a> Target<'a> {
+    pub fn new(table: &'a Table, ranked: &Ranked, is_down: &[bool]) -> Self {
+        let downs = ranked.snap_downs.iter().filter(|row| is_down[**row]);
+        let ups = ranked.releases.iter().filter(|row| !is_down[**row]);
+        Target {
+            table,
+            downs: Waiting::new(downs.map(|row| (table.snap_downs[*row], table.releases[*row])), i64::max),
+            ups: Waiting::new(ups.map(|row| (table.releases[*row], table.snap_downs[*row])), i64::min),
+        }
+    }
+
+    /// The pattern with its best cycle, or how many levels it takes if these are too many.
+    pub fn state(&self, is_down: &[bool]) -> Result<ControlState, usize> {
+        let length = self.length();
+        if length > self.table.most_levels {
+            return Err(length);
+        }
+        let above = self.best(Side::Above, length);
+        let below = self.best(Side::Below, length);
+        let best = match (above, below) {
+            (Some(above), Some(below)) if below.slack > above.slack => below,
+            (Some(above), _) => above,
+            (None, Some(below)) => below,
+            (None, None) => return Err(usize::MAX),
+        };
+        Ok(ControlState { arms: arms(is_down), levels_v: self.levels_v(&best), slack_v: volts_v(best.slack) })
+    }
+
+    /// How many levels it takes; `usize::MAX` if the pattern cannot be set.
+    pub fn length(&self) -> usize {
+        let length = |side| self.chain(side, 0, usize::MAX).map_or(usize::MAX, |chain| chain.intervals.len());
+        length(Side::Above).min(length(Side::Below))
+    }
+
+    /// The chain of a length and a side with the greatest slack.
+    fn best(&self, side: Side, length: usize) -> Option<Chain> {
+        let mut best = self.chain(side, 0, length)?;
+        while let Some(better) = self.chain(side, best.slack + 1, length) {
+            best = better;
+        }
+        Some(best)
+    }
+
+    /// The chain whose levels may all be off by `slack`, if it has at most so many; `side` is where the level before the last
+    /// one lies.
+    fn chain(&self, side: Side, slack: i64, most: usize) -> Option<Chain> {
+        let (least, highest) = (slack, self.table.max - slack);
+        let reach = self.table.margin + slack;
+        let (mut downs, mut ups) = (self.downs.all(), self.ups.all());
+        let mut intervals = Vec::new();
+        let mut next = side.other();
+        while intervals.len() < most {
+            let low = self.downs.demand(downs).map_or(least, |demand| demand + reach).max(least);
+            let high = self.ups.demand(ups).map_or(highest, |demand| demand - reach).min(highest);
+            if low > high {
+                return None;
+            }
+            let level = if next == Side::Above { high } else { low };
+            let downs_left = self.downs.left(downs, |voltage| voltage + reach > level);
+            let ups_left = self.ups.left(ups, |voltage| voltage - reach < level);
+            if !intervals.is_empty() && (downs_left, ups_left) == (downs, ups) {
+                return None;
+            }
+            intervals.push(self.interval([downs, downs_left], [ups, ups_left]));
+            (downs, ups) = (downs_left, ups_left);
+            if downs == 0 && ups == 0 {
+                let half = |interval: &Interval| (interval.high - interval.low) / 2;
+                let slack = intervals.iter().map(half).min().unwrap_or_default();
+                return Some(Chain { intervals, slack, first: next });
+            }
+            next = next.other();
+        }
+        None
+    }
+
+    /// The levels that demand nothing of arms that are settled, and settle those that are not left.
+    fn interval(&self, [downs, downs_left]: [usize; 2], [ups, ups_left]: [usize; 2]) -> Interval {
+        let margin = self.table.margin;
+        let kept = self.downs.demand(downs).map_or(0, |voltage| voltage + margin);
+        let snapped = (downs_left < downs).then(|| self.downs.settling[downs_left] + margin);
+        let released = (ups_left < ups).then(|| self.ups.settling[ups_left] - margin);
+        let unsnapped = self.ups.demand(ups).map_or(self.table.max, |voltage| voltage - margin);
+        Interval {
+            low: kept.max(snapped.unwrap_or(0)).max(0),
+            high: unsnapped.min(released.unwrap_or(self.table.max)).min(self.table.max),
+        }
+    }
+
+    /// The middles of the intervals in order of time.
+    ///
+    /// The first level only has to be far enough out. If that costs no slack, it is the one that moves all arms of the table: so
+    /// that cycles have few different levels in all.
+    fn levels_v(&self, chain: &Chain) -> Vec<f64> {
+        let mut intervals = chain.intervals.clone();
+        intervals.reverse();
+        if let Some(first) = intervals.first_mut() {
+            let table = self.table;
+            let all = match chain.first {
+                Side::Above => Interval {
+                    low: table.snap_downs.iter().max().map_or(0, |voltage| voltage + table.margin),
+                    high: table.max,
+                },
+                Side::Below => Interval {
+                    low: 0,
+                    high: table.releases.iter().min().map_or(table.max, |voltage| voltage - table.margin),
+                },
+            };
+            let is_inside = first.low <= all.low && all.high <= first.high;
+            if is_inside && all.high - all.low >= 2 * chain.slack {
+                *first = all;
+            }
+        }
+        intervals.iter().map(|interval| middle_v(interval.low, interval.high)).collect()
+    }
+}
+
+impl Waiting {
+    /// From the voltages that settle the arms, hardest first, and those by which they demand.
+    fn new(arms: impl Iterator<Item = (i64, i64)>, harder: fn(i64, i64) -> i64) -> Self {
+        let (settling, mut demands): (Vec<i64>, Vec<i64>) = arms.unzip();
+        for at in 1..demands.len() {
+            demands[at] = harder(demands[at - 1], demands[at]);
+        }
+        Waiting { settling, demands }
+    }
+
+    fn all(&self) -> usize {
+        self.settling.len()
+    }
+
+    /// What the first `count` arms demand together.
+    fn demand(&self, count: usize) -> Option<i64> {
+        count.checked_sub(1).map(|last| self.demands[last])
+    }
+
+    /// How many of the first `count` arms a level leaves unsettled.
+    fn left(&self, count: usize, is_left: impl Fn(i64) -> bool) -> usize {
+        self.settling[..count].partition_point(|voltage| is_left(*voltage))
+    }
+}

@@ -1,0 +1,103 @@
+//! What is wrong with a table: rows by themselves, pairs of rows, states.
+
+use super::table::{Table, volts_v};
+use super::{Gap, Gaps, Problem};
+
+/// How many faults each row has a part in.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Census {
+    /// Of the row by itself.
+    alone: Vec<usize>,
+    /// With other rows.
+    shared: Vec<usize>,
+}
+
+impl Census {
+    pub fn of(table: &Table, gaps: Gaps) -> Self {
+        let rows = 0..table.len();
+        Census {
+            alone: rows.clone().map(|row| alone(table, row).count()).collect(),
+            shared: rows.map(|row| shared(table, gaps, row)).collect(),
+        }
+    }
+
+    pub fn total(&self) -> usize {
+        self.alone.iter().sum::<usize>() + self.shared.iter().sum::<usize>() / 2
+    }
+
+    /// The faults that a row has a part in.
+    pub fn of_row(&self, row: usize) -> usize {
+        self.alone[row] + self.shared[row]
+    }
+}
+
+/// In how many pairs with others a row is at fault.
+pub fn shared(table: &Table, gaps: Gaps, row: usize) -> usize {
+    match gaps {
+        Gaps::String => (0..table.len()).filter(|other| *other != row && !table.is_ordered(row, *other)).count(),
+        Gaps::Any => 0,
+    }
+}
+
+/// The faults of rows and pairs, rows first; at most so many.
+pub fn problems(table: &Table, gaps: Gaps, most: usize) -> Vec<Problem> {
+    let rows = 0..table.len();
+    let alone = rows.clone().flat_map(|row| alone(table, row));
+    let pairs = rows.flat_map(|one| (one + 1..table.len()).filter_map(move |other| pair(table, one, other)));
+    match gaps {
+        Gaps::String => alone.chain(pairs).take(most).collect(),
+        Gaps::Any => alone.take(most).collect(),
+    }
+}
+
+/// The faults of a row by itself.
+pub fn alone(table: &Table, row: usize) -> impl Iterator<Item = Problem> {
+    let (snap_down, release) = (table.snap_downs[row], table.releases[row]);
+    let gap = 2 * table.margin;
+    [
+        (release > table.relax - gap).then(|| Problem::Hold { row, most_v: volts_v(table.relax - gap) }),
+        (snap_down < table.flex + gap).then(|| Problem::Drive { row, least_v: volts_v(table.flex + gap) }),
+        (snap_down > table.max - table.margin)
+            .then(|| Problem::Range { row, most_v: volts_v(table.max - table.margin) }),
+        (release < table.margin).then(|| Problem::Floor { row, least_v: volts_v(table.margin) }),
+        (snap_down - release < gap).then(|| Problem::Narrow {
+            row,
+            gap_v: volts_v(snap_down - release),
+            least_v: volts_v(gap),
+        }),
+    ]
+    .into_iter()
+    .flatten()
+}
+
+/// The fault of two rows of a STRING table.
+fn pair(table: &Table, one: usize, other: usize) -> Option<Problem> {
+    let snap_down_gap_v = volts_v((table.snap_downs[one] - table.snap_downs[other]).abs());
+    let release_gap_v = volts_v((table.releases[one] - table.releases[other]).abs());
+    let least_v = volts_v(2 * table.margin);
+    match (table.separates(one, other), table.separates(other, one)) {
+        (true, true) => {
+            let is_inner = table.snap_downs[one] < table.snap_downs[other];
+            let (outer, inner) = if is_inner { (other, one) } else { (one, other) };
+            Some(Problem::Nested { outer, inner, snap_down_gap_v, release_gap_v, least_v })
+        }
+        (false, false) => Some(Problem::Alike { one, other, snap_down_gap_v, release_gap_v, least_v }),
+        (true, false) | (false, true) => None,
+    }
+}
+
+/// The fault of a state that takes too many levels, with the rows for which two are not enough.
+pub fn no_sequence(table: &Table, is_down: &[bool], state: usize, levels: usize) -> Problem {
+    let gap = |voltages: &[i64]| {
+        let down = (0..voltages.len()).filter(|row| is_down[*row]).max_by_key(|row| voltages[*row]).unwrap_or_default();
+        let up = (0..voltages.len()).filter(|row| !is_down[*row]).min_by_key(|row| voltages[*row]).unwrap_or_default();
+        Gap { down, up, gap_v: volts_v(voltages[up] - voltages[down]) }
+    };
+    Problem::NoSequence {
+        state,
+        levels,
+        snap_down: gap(&table.snap_downs),
+        release: gap(&table.releases),
+        least_v: volts_v(2 * table.margin),
+    }
+}

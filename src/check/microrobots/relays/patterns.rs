@@ -1,0 +1,59 @@
+//! All arm patterns that can be set.
+//!
+//! An arm that is down keeps down every arm that it is not separated from, and so on: the patterns that can be set are those
+//! closed under this (`cycles` says why). They are listed by deciding one arm after the other and what follows from it, so
+//! that no decision is ever taken back, and n arms cost O(n) for each pattern.
+
+use super::table::Table;
+
+/// One bit for each row.
+type Mask = u128;
+
+/// The patterns by the number of arms that are down, then by digits; `None` if there are more than so many.
+pub fn accessible(table: &Table, most: usize) -> Option<Vec<Vec<bool>>> {
+    if table.len() > Mask::BITS as usize {
+        return None;
+    }
+    let downs = kept_down(table);
+    let ups: Vec<Mask> = (0..table.len()).map(|row| column(&downs, row)).collect();
+    let mut patterns = Vec::new();
+    let mut open: Vec<(Mask, Mask)> = vec![(0, 0)];
+    while let Some((down, up)) = open.pop() {
+        let undecided = (down | up).trailing_ones() as usize;
+        if undecided >= table.len() {
+            patterns.push(down);
+            if patterns.len() > most {
+                return None;
+            }
+            continue;
+        }
+        open.push((down | downs[undecided], up));
+        open.push((down, up | ups[undecided]));
+    }
+    let bools = |mask: Mask| (0..table.len()).map(|row| mask >> row & 1 == 1).collect::<Vec<bool>>();
+    let mut patterns: Vec<Vec<bool>> = patterns.into_iter().map(bools).collect();
+    patterns.sort_by_cached_key(|pattern| (pattern.iter().filter(|is_down| **is_down).count(), pattern.clone()));
+    Some(patterns)
+}
+
+/// For each row those that are down when it is, itself among them.
+fn kept_down(table: &Table) -> Vec<Mask> {
+    let rows = 0..table.len();
+    let direct = |row: usize| rows.clone().filter(move |other| !table.separates(row, *other));
+    let mut kept: Vec<Mask> =
+        rows.clone().map(|row| direct(row).fold(1 << row, |mask, other| mask | 1 << other)).collect();
+    for middle in rows.clone() {
+        let further = kept[middle];
+        for mask in &mut kept {
+            if *mask >> middle & 1 == 1 {
+                *mask |= further;
+            }
+        }
+    }
+    kept
+}
+
+/// The rows whose mask has a bit.
+fn column(masks: &[Mask], bit: usize) -> Mask {
+    masks.iter().enumerate().fold(0, |rows, (row, mask)| rows | (mask >> bit & 1) << row)
+}

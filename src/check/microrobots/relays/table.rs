@@ -1,0 +1,121 @@
+//! A table of voltages in whole numbers.
+
+use super::{Row, Source, Transition};
+
+/// How many units a volt has: half nanovolts. What is given is rounded to whole nanovolts, so that the middle of two levels is
+/// a whole number too.
+pub const UNITS_PER_VOLT: f64 = 2e9;
+
+/// A nanovolt.
+const LEAST_MARGIN: i64 = 2;
+
+/// Larger voltages are cut off here: sums of some of them stay within 64 bits.
+const MOST_V: f64 = 1e8;
+
+/// The voltages of a table and its source, in units of half a nanovolt.
+#[derive(Debug, Clone)]
+pub struct Table {
+    pub snap_downs: Vec<i64>,
+    pub releases: Vec<i64>,
+    /// At least a nanovolt: a level at which an arm moves is not one at which it stays.
+    pub margin: i64,
+    pub relax: i64,
+    pub flex: i64,
+    pub max: i64,
+    pub most_levels: usize,
+}
+
+/// The rows of a table by their voltages.
+pub struct Ranked {
+    /// The highest snap-down voltage first.
+    pub snap_downs: Vec<usize>,
+    /// The lowest release voltage first.
+    pub releases: Vec<usize>,
+}
+
+impl Table {
+    pub fn new(rows: &[Row], source: Source) -> Self {
+        Table {
+            snap_downs: rows.iter().map(|row| units(row.snap_down_v)).collect(),
+            releases: rows.iter().map(|row| units(row.release_v)).collect(),
+            margin: units(source.margin_v).max(LEAST_MARGIN),
+            relax: units(source.relax_v),
+            flex: units(source.flex_v),
+            max: units(source.max_v),
+            most_levels: source.most_levels,
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        self.snap_downs.len()
+    }
+
+    /// Whether some level moves the arm of `up` and for certain not that of `down`, which is then down while `up` is up.
+    pub fn separates(&self, down: usize, up: usize) -> bool {
+        let gap = 2 * self.margin;
+        self.snap_downs[up] - self.snap_downs[down] >= gap || self.releases[up] - self.releases[down] >= gap
+    }
+
+    /// The rows such that each is separated from all later ones and from no earlier one; `None` if no order is such.
+    pub fn order(&self) -> Option<Vec<usize>> {
+        let mut order: Vec<Option<usize>> = vec![None; self.len()];
+        for row in 0..self.len() {
+            let others = (0..self.len()).filter(|other| *other != row);
+            let place = others.filter(|other| self.separates(*other, row)).count();
+            let is_strict = (0..self.len()).all(|other| other == row || self.is_ordered(row, other));
+            if !is_strict || order[place].replace(row).is_some() {
+                return None;
+            }
+        }
+        order.into_iter().collect()
+    }
+
+    /// Whether exactly one of two rows can be down while the other is up.
+    pub fn is_ordered(&self, one: usize, other: usize) -> bool {
+        self.separates(one, other) != self.separates(other, one)
+    }
+
+    pub fn ranked(&self) -> Ranked {
+        let mut snap_downs: Vec<usize> = (0..self.len()).collect();
+        let mut releases = snap_downs.clone();
+        snap_downs.sort_by_key(|row| -self.snap_downs[*row]);
+        releases.sort_by_key(|row| self.releases[*row]);
+        Ranked { snap_downs, releases }
+    }
+
+    pub fn voltage(&self, row: usize, transition: Transition) -> i64 {
+        match transition {
+            Transition::SnapDown => self.snap_downs[row],
+            Transition::Release => self.releases[row],
+        }
+    }
+
+    /// The voltages of all rows for one transition.
+    pub fn voltages(&self, transition: Transition) -> &[i64] {
+        match transition {
+            Transition::SnapDown => &self.snap_downs,
+            Transition::Release => &self.releases,
+        }
+    }
+
+    pub fn set(&mut self, row: usize, transition: Transition, to: i64) {
+        match transition {
+            Transition::SnapDown => self.snap_downs[row] = to,
+            Transition::Release => self.releases[row] = to,
+        }
+    }
+}
+
+/// Volts in units; what is no number is 0.
+pub fn units(volts_v: f64) -> i64 {
+    (volts_v.clamp(-MOST_V, MOST_V) * UNITS_PER_VOLT / 2.0).round() as i64 * 2
+}
+
+pub fn volts_v(units: i64) -> f64 {
+    units as f64 / UNITS_PER_VOLT
+}
+
+/// The middle between two voltages.
+pub fn middle_v(low: i64, high: i64) -> f64 {
+    (low + high) as f64 / (2.0 * UNITS_PER_VOLT)
+}
