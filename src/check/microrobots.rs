@@ -1,6 +1,7 @@
 //! Is this bed possible, what can its voltage reach, is this scene possible for it, are these goals?
 
 mod bodies;
+mod docking;
 mod facts;
 mod goals;
 mod ground;
@@ -8,10 +9,12 @@ pub mod relays;
 pub mod suggest;
 mod table;
 mod validity;
+mod walk;
 
 pub use facts::bed;
 pub use goals::Origins;
 pub use ground::Ground;
+pub use walk::beds_agree;
 
 use crate::device::microrobots::{ControlState, Facts};
 use std::sync::Arc;

@@ -376,3 +376,136 @@ pub fn unlike_robots(run: Span, device: &str, name: &str) -> Diagnostic {
     .help("a bed keeps its robots between tasks: give all of them one scene, or scenes with robots of the same names")
 }
 
+
+/// A robot's goal, and where it stands in the source.
+pub struct Goal {
+    pub robot: String,
+    pub span: Span,
+}
+
+impl Goal {
+    fn label(&self) -> String {
+        format!("goal of `{}`", self.robot)
+    }
+}
+
+fn mended_at(mended: Option<Pose>, does: &str) -> Option<String> {
+    mended.map(|pose| format!("the nearest pose at which it {does} is {}", pose_text(&pose)))
+}
+
+pub fn docked_overlap(goal: &Goal, other: &Goal, (depth_um, most_um): (f64, f64), mended: Option<Pose>) -> Diagnostic {
+    let (depth, most) = (length(depth_um), length(most_um));
+    let title = format!("`{}` at its goal overlaps `{}` by {depth}, at most {most} is allowed", goal.robot, other.robot);
+    Diagnostic::new(Code::E0536, title)
+        .label(goal.span, goal.label())
+        .label_elsewhere(other.span, goal.span, other.label())
+        .help("poses are those of the middle of a body: put the goals further apart")
+        .help_if(mended_at(mended, "only touches"))
+}
+
+pub fn docked_apart(goal: &Goal, other: &Goal, (gap_um, most_um): (f64, f64), mended: Option<Pose>) -> Diagnostic {
+    let (gap, most) = (length(gap_um), length(most_um));
+    let title = format!("`{}` at its goal touches nothing: it is {gap} from `{}`, {most} at most", goal.robot, other.robot);
+    Diagnostic::new(Code::E0536, title)
+        .label(goal.span, goal.label())
+        .label_elsewhere(other.span, goal.span, format!("the nearest it could dock with, the {}", other.label()))
+        .help("robots dock in the order in which they are released: put the goal at one that has docked before it")
+        .help_if(mended_at(mended, "docks"))
+}
+
+/// `found` is the angle between the axes and their distance, if the two face each other.
+pub fn not_head_on(
+    goal: &Goal,
+    other: &Goal,
+    found: Option<(f64, f64)>,
+    (most_rad, most_um): (f64, f64),
+    mended: Option<Pose>,
+) -> Diagnostic {
+    let (one, two) = (&goal.robot, &other.robot);
+    let title = match found {
+        None => format!("`{one}` and `{two}` begin a structure, but do not face each other"),
+        Some((angle_rad, _)) if angle_rad > most_rad => format!(
+            "`{one}` and `{two}` meet at {} from head on, they align themselves up to {}",
+            angle(angle_rad),
+            angle(most_rad)
+        ),
+        Some((_, offset_um)) => format!(
+            "`{one}` and `{two}` meet {} beside each other, they align themselves up to {}",
+            length(offset_um),
+            length(most_um)
+        ),
+    };
+    Diagnostic::new(Code::E0537, title)
+        .label(goal.span, goal.label())
+        .label_elsewhere(other.span, goal.span, other.label())
+        .help("the first two robots of a structure meet with their fronts, as 90 deg meets 270 deg")
+        .help_if(mended.map(|pose| format!("straight head on, `{one}` is at {}", pose_text(&pose))))
+}
+
+pub fn docked_askew(goal: &Goal, met: &Goal, (angle_rad, most_rad): (f64, f64)) -> Diagnostic {
+    let (found, most) = (angle(angle_rad), angle(most_rad));
+    let title = format!("`{}` meets `{}` at {found} from its edge's normal, it sticks up to {most}", goal.robot, met.robot);
+    Diagnostic::new(Code::E0537, title)
+        .label(goal.span, goal.label())
+        .label_elsewhere(met.span, goal.span, met.label())
+        .help("a robot docks with its front: turn its goal towards the edge that it meets")
+}
+
+/// `asked` is what is asked of it: `driven`, `assembled`.
+pub fn docked_before(name: &str, (span, asked): (Span, &str), since: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0539, format!("`{name}` has docked by then, and does not move any more"))
+        .label(span, format!("{asked} here"))
+        .label_elsewhere(since, span, "docked here")
+        .help("drive it before it is assembled, or assemble it once")
+}
+
+pub fn goal_on_docked(goal: &Goal, docked: &Goal, (gap_um, kept_um): (f64, f64)) -> Diagnostic {
+    let short = shortage([gap_um, kept_um], &format!("`{}`, which has docked by then", docked.robot));
+    Diagnostic::new(Code::E0502, format!("the body of `{}` {short}", goal.robot))
+        .label(goal.span, if gap_um > 0.0 { "too near" } else { "covered" })
+        .label_elsewhere(docked.span, goal.span, format!("`{}` has docked here", docked.robot))
+        .help("docked robots do not move any more: choose a place further away, or assemble the robot")
+}
+
+/// A robot that orbits about where it starts.
+pub struct Orbiting {
+    pub robot: String,
+    /// Its name in the scene.
+    pub start: Span,
+    pub centre_um: [f64; 2],
+    pub reach_um: f64,
+}
+
+impl Orbiting {
+    fn describe(&self) -> String {
+        let [x, y] = self.centre_um.map(length);
+        format!("until its turn comes `{}` sweeps all within {} of ({x}, {y})", self.robot, length(self.reach_um))
+    }
+}
+
+/// How far something lies from an orbit, for a title.
+fn orbit_shortage(what: &str, orbiting: &Orbiting, (gap_um, kept_um): (f64, f64)) -> String {
+    let orbit = format!("the orbit of `{}`", orbiting.robot);
+    if gap_um > 0.0 {
+        format!("{what} lies {} from {orbit}, {} is needed", length(gap_um), length(kept_um))
+    } else {
+        format!("{what} reaches {} into {orbit}", length(-gap_um))
+    }
+}
+
+/// Something that stands in an orbit about a start: what it is, and where it stands in the source.
+pub fn orbit_too_near(orbiting: &Orbiting, (what, span): (&str, Span), bounds: (f64, f64)) -> Diagnostic {
+    let short = length(bounds.1 - bounds.0);
+    Diagnostic::new(Code::E0538, orbit_shortage(what, orbiting, bounds))
+        .label(orbiting.start, format!("`{}` orbits from here while others are assembled", orbiting.robot))
+        .label_elsewhere(span, orbiting.start, "in its way")
+        .help(format!("{}: let it start {short} or more further away, or drive it there first", orbiting.describe()))
+}
+
+pub fn goal_in_orbit(goal: &Goal, orbiting: &Orbiting, bounds: (f64, f64)) -> Diagnostic {
+    let short = length(bounds.1 - bounds.0);
+    Diagnostic::new(Code::E0538, orbit_shortage(&format!("the goal of `{}`", goal.robot), orbiting, bounds))
+        .label(goal.span, goal.label())
+        .label_elsewhere(orbiting.start, goal.span, format!("`{}` orbits from here meanwhile", orbiting.robot))
+        .help(format!("{}: assemble {short} or more further away, or drive it away first", orbiting.describe()))
+}

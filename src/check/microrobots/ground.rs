@@ -15,7 +15,6 @@ use crate::device::shape::Form;
 use crate::diagnostic::{Code, Sink};
 use crate::geometry::shape::MAX_EXTENT_UM;
 use crate::geometry::{Pose, Shape};
-use crate::source::Span;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -222,11 +221,5 @@ pub fn first_near<'o>(
     kept_um: f64,
 ) -> Option<(&'o Obstacle, f64)> {
     let gaps = solids.iter().map(|solid| solid.as_ref().map_or(f64::INFINITY, |solid| solid.gap_um(body, kept_um)));
-    let near = obstacles.iter().zip(gaps).find(|(_, gap_um)| is_too_near(*gap_um, kept_um));
-    near
-}
-
-/// Spans of the robots, for messages.
-pub fn span_of(robots: &[Placed], robot: usize) -> Span {
-    robots.get(robot).map_or(Span::default(), |placed| placed.span)
+    obstacles.iter().zip(gaps).find(|(_, gap_um)| is_too_near(*gap_um, kept_um))
 }

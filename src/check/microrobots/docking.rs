@@ -1,0 +1,192 @@
+//! Whether robots at their goals hold together: the first two meet head on, each further one meets the structure by its front.
+//!
+//! Section 3.5 of the paper: two robots that meet head on align themselves, within an angle between their axes and a distance of
+//! them; a robot that comes to a structure sticks, within an angle from the normal of the edge that it meets.
+
+use super::bodies::{Body, SLACK_UM};
+use crate::check::errors;
+use crate::device::microrobots::{Docking, Robot, wrapped_rad};
+use crate::diagnostic::Diagnostic;
+use crate::geometry::Pose;
+use crate::source::Span;
+use nalgebra::{Point2, Vector2};
+
+/// What may be lost in the arithmetic of an angle.
+const SLACK_RAD: f64 = 1e-9;
+
+/// A robot at its goal.
+#[derive(Debug, Clone, Copy)]
+pub struct Docked<'a> {
+    /// Index of the order's robots.
+    pub robot: usize,
+    pub facts: &'a Robot,
+    pub pose: Pose,
+    /// Where the goal stands in the source.
+    pub span: Span,
+}
+
+impl Docked<'_> {
+    /// The body at the goal.
+    pub fn body(&self) -> Body {
+        Body::of(self.facts, self.pose)
+    }
+
+    fn heading(&self) -> Vector2<f64> {
+        let (sin, cos) = self.pose.heading_rad.sin_cos();
+        Vector2::new(cos, sin)
+    }
+
+    fn front(&self) -> Point2<f64> {
+        Point2::new(self.pose.x_um, self.pose.y_um) + self.heading() * (self.facts.length_um / 2.0)
+    }
+}
+
+/// Whether two bodies touch as docked bodies may.
+pub fn touches(one: &Docked, other: &Docked, docking: &Docking) -> bool {
+    one.body().gap_um(&other.body()).abs() <= docking.tolerance_um + SLACK_UM
+}
+
+/// How two robots meet head on.
+#[derive(Debug, Clone, Copy)]
+pub struct HeadOn {
+    /// Between the heading of the one and the back of the other, 0 to 180 degrees.
+    pub angle_rad: f64,
+    /// The greater distance of a front's middle from the axis of the other robot.
+    pub offset_um: f64,
+    /// Whether each has the other before it.
+    pub faces: bool,
+}
+
+impl HeadOn {
+    /// How these two meet.
+    pub fn of(one: &Docked, other: &Docked) -> HeadOn {
+        let angle_rad = wrapped_rad(one.pose.heading_rad - other.pose.heading_rad - std::f64::consts::PI).abs();
+        let off = |one: &Docked, other: &Docked| one.heading().perp(&(other.front() - one.front())).abs();
+        let before = |one: &Docked, other: &Docked| {
+            let way = Vector2::new(other.pose.x_um - one.pose.x_um, other.pose.y_um - one.pose.y_um);
+            one.heading().dot(&way) > 0.0
+        };
+        HeadOn {
+            angle_rad,
+            offset_um: off(one, other).max(off(other, one)),
+            faces: before(one, other) && before(other, one),
+        }
+    }
+
+    /// Whether they align themselves.
+    pub fn holds(&self, docking: &Docking) -> bool {
+        self.faces
+            && self.angle_rad <= docking.self_aligning_rad + SLACK_RAD
+            && self.offset_um <= docking.self_aligning_um + SLACK_UM
+    }
+}
+
+/// The angle between the heading of a robot and the inward normal of the edge that it meets.
+pub fn incidence_rad(one: &Docked, met: &Docked) -> f64 {
+    let body = one.body();
+    let edge = met.body().sides().into_iter().max_by(|(normal, at), (other, other_at)| {
+        body.beyond_um(*normal, *at).total_cmp(&body.beyond_um(*other, *other_at))
+    });
+    edge.map_or(std::f64::consts::PI, |(normal, _)| one.heading().angle(&-normal))
+}
+
+/// Whether a robot that meets a docked one sticks to it.
+pub fn sticks(one: &Docked, met: &Docked, docking: &Docking) -> bool {
+    touches(one, met, docking) && incidence_rad(one, met) <= docking.sticking_rad + SLACK_RAD
+}
+
+/// What is wrong with one goal of an assembly.
+pub enum Misfit<'a> {
+    /// It overlaps another goal, by so much.
+    Overlaps { other: Docked<'a>, depth_um: f64 },
+    /// It is so far from what it could dock with.
+    Apart { nearest: Docked<'a>, gap_um: f64 },
+    /// The first two do not meet head on.
+    NotHeadOn { other: Docked<'a>, meeting: HeadOn },
+    /// It meets what it docks with at too great an angle.
+    Slips { met: Docked<'a>, angle_rad: f64 },
+}
+
+/// What a robot docks with.
+#[derive(Debug, Clone, Copy)]
+pub enum Partner<'a> {
+    /// Nothing yet: it is the first of a new structure.
+    Nothing,
+    /// The first of a new structure, which it has to meet head on.
+    First(&'a Docked<'a>),
+    /// Any robot that has docked.
+    Structure,
+}
+
+/// What is wrong with a goal, given those that are docked by then.
+pub fn misfit<'a>(one: &Docked, before: &[Docked<'a>], partner: Partner<'a>, docking: &Docking) -> Option<Misfit<'a>> {
+    let gap_um = |other: &Docked| one.body().gap_um(&other.body());
+    let nearest = *before.iter().min_by(|a, b| gap_um(a).total_cmp(&gap_um(b)))?;
+    let depth_um = -gap_um(&nearest);
+    if depth_um > docking.tolerance_um + SLACK_UM {
+        return Some(Misfit::Overlaps { other: nearest, depth_um });
+    }
+    let apart = |nearest: Docked<'a>| Misfit::Apart { nearest, gap_um: gap_um(&nearest) };
+    match partner {
+        Partner::Nothing => None,
+        Partner::First(first) if !touches(one, first, docking) => Some(apart(*first)),
+        Partner::First(first) => {
+            let meeting = HeadOn::of(one, first);
+            (!meeting.holds(docking)).then_some(Misfit::NotHeadOn { other: *first, meeting })
+        }
+        Partner::Structure if !touches(one, &nearest, docking) => Some(apart(nearest)),
+        Partner::Structure if before.iter().any(|met| sticks(one, met, docking)) => None,
+        Partner::Structure => {
+            let touched = before.iter().filter(|met| touches(one, met, docking));
+            let met = *touched.min_by(|a, b| incidence_rad(one, a).total_cmp(&incidence_rad(one, b)))?;
+            Some(Misfit::Slips { met, angle_rad: incidence_rad(one, &met) })
+        }
+    }
+}
+
+/// The nearest pose of the same heading at which a body neither overlaps what it docks with nor lies apart from it.
+pub fn mended(one: &Docked, other: &Docked, accepts: impl Fn(&Docked) -> bool) -> Option<Pose> {
+    let body = one.body();
+    let way = body.way_out(&other.body()).unwrap_or_else(|| body.way_to(&other.body()));
+    let moved = Pose { x_um: one.pose.x_um + way.x, y_um: one.pose.y_um + way.y, ..one.pose };
+    let rounded = |per_um: f64| Pose {
+        x_um: (moved.x_um * per_um).round() / per_um,
+        y_um: (moved.y_um * per_um).round() / per_um,
+        ..moved
+    };
+    let candidates = [rounded(1.0), rounded(100.0)];
+    candidates.into_iter().find(|pose| accepts(&Docked { pose: *pose, ..*one }))
+}
+
+/// What is said of a goal that does not fit.
+pub fn told(one: &Docked, before: &[Docked], partner: Partner, misfit: &Misfit, docking: &Docking) -> Diagnostic {
+    let place = |docked: &Docked| errors::Goal { robot: docked.facts.name.clone(), span: docked.span };
+    let fits = |moved: &Docked| self::misfit(moved, before, partner, docking).is_none();
+    match misfit {
+        Misfit::Overlaps { other, depth_um } => {
+            let bounds = (*depth_um, docking.tolerance_um);
+            errors::docked_overlap(&place(one), &place(other), bounds, mended(one, other, fits))
+        }
+        Misfit::Apart { nearest, gap_um } => {
+            let bounds = (*gap_um, docking.tolerance_um);
+            errors::docked_apart(&place(one), &place(nearest), bounds, mended(one, nearest, fits))
+        }
+        Misfit::NotHeadOn { other, meeting } => {
+            let limits = (docking.self_aligning_rad, docking.self_aligning_um);
+            let found = meeting.faces.then_some((meeting.angle_rad, meeting.offset_um));
+            errors::not_head_on(&place(one), &place(other), found, limits, facing(one, other, fits))
+        }
+        Misfit::Slips { met, angle_rad } => {
+            errors::docked_askew(&place(one), &place(met), (*angle_rad, docking.sticking_rad))
+        }
+    }
+}
+
+/// The pose in which a robot meets another straight head on.
+fn facing(one: &Docked, other: &Docked, accepts: impl Fn(&Docked) -> bool) -> Option<Pose> {
+    let heading = other.heading();
+    let centre = other.front() + heading * (one.facts.length_um / 2.0);
+    let heading_rad = wrapped_rad(other.pose.heading_rad + std::f64::consts::PI);
+    let pose = Pose { x_um: centre.x.round(), y_um: centre.y.round(), heading_rad };
+    accepts(&Docked { pose, ..*one }).then_some(pose)
+}

@@ -1,0 +1,284 @@
+//! What has docked when a step begins, and which robots orbit meanwhile: goals of assemblies are fixed, so that this is known
+//! before planning.
+//!
+//! The runs of a schedule are walked in their order. Where undocked robots stand is known until the bed first moves.
+
+use super::bodies::{Body, Orbit, Solid, is_too_near};
+use super::docking::{self, Docked, Partner};
+use super::goals::Origins;
+use crate::check::claims::Job;
+use crate::check::claims::microrobots::{Action, Dock, MicrorobotsOrder, Placed, Stop};
+use crate::check::errors;
+use crate::device::microrobots::{Arm, Docking};
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::source::Span;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// What a schedule asks of robots that have docked, and of those that orbit until they do.
+pub fn beds_agree(jobs: &[Job], origins: &Origins, sink: &mut Sink) {
+    let mut beds: BTreeMap<&str, Walk> = BTreeMap::new();
+    for job in jobs {
+        let Some(order) = job.order.microrobots() else { continue };
+        let walk = beds.entry(&job.device).or_insert_with(|| Walk::of(order));
+        if let Some(name) = walk.odd_robot(order) {
+            sink.push(errors::unlike_robots(job.run_span, &job.device, name));
+            return;
+        }
+        for step in &order.steps {
+            let run = if job.run_span == job.span { step.span } else { job.run_span };
+            for diagnostic in walk.advance(&step.action, step.span, order) {
+                let at = diagnostic.span().unwrap_or(step.span);
+                let origin = origins.get(&at).and_then(Option::as_ref);
+                let told = errors::given_from(diagnostic, at, origin);
+                sink.push(told.label_elsewhere(run, step.span, "run here"));
+            }
+        }
+    }
+}
+
+/// Whether robots are still where the scene puts them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Bed {
+    Untouched,
+    Moved,
+}
+
+/// A bed between two steps.
+struct Walk {
+    robots: Arc<Vec<Placed>>,
+    bed: Bed,
+    /// Where robots have docked, by their index.
+    docked: BTreeMap<usize, Stop>,
+}
+
+impl Walk {
+    fn of(order: &MicrorobotsOrder) -> Walk {
+        Walk { robots: Arc::clone(&order.robots), bed: Bed::Untouched, docked: BTreeMap::new() }
+    }
+
+    /// A robot that only one of two scenes has.
+    fn odd_robot<'o>(&self, order: &'o MicrorobotsOrder) -> Option<&'o str> {
+        let rows = |robots: &[Placed]| -> BTreeSet<usize> { robots.iter().map(|placed| placed.row).collect() };
+        let (before, now) = (rows(&self.robots), rows(&order.robots));
+        let odd = now.symmetric_difference(&before).next()?;
+        Some(order.facts.robots[*odd].name.as_str())
+    }
+
+    /// Judges a step, and docks what it assembles.
+    fn advance(&mut self, action: &Action, span: Span, order: &MicrorobotsOrder) -> Vec<Diagnostic> {
+        match action {
+            Action::Wait(_) => Vec::new(),
+            Action::Apply { .. } => {
+                self.bed = Bed::Moved;
+                Vec::new()
+            }
+            Action::Drive { robot, stops } => {
+                self.bed = Bed::Moved;
+                if let Some(since) = self.docked.get(robot) {
+                    return vec![errors::docked_before(&order.robot(*robot).name, (span, "driven"), since.span)];
+                }
+                stops.iter().find_map(|stop| self.on_docked(*robot, stop, order)).into_iter().collect()
+            }
+            Action::Assemble(docks) => {
+                let found = self.assemble(docks, order);
+                self.bed = Bed::Moved;
+                docks.iter().for_each(|dock| drop(self.docked.insert(dock.robot, dock.goal.clone())));
+                found
+            }
+        }
+    }
+
+    /// A stop at which a robot would be too near to one that has docked.
+    fn on_docked(&self, robot: usize, stop: &Stop, order: &MicrorobotsOrder) -> Option<Diagnostic> {
+        let body = Body::of(order.robot(robot), stop.pose);
+        let kept_um = order.facts.clearance_um;
+        self.docked.iter().find_map(|(other, at)| {
+            let gap_um = body.gap_um(&Body::of(order.robot(*other), at.pose));
+            is_too_near(gap_um, kept_um).then(|| {
+                let goal = errors::Goal { robot: order.robot(robot).name.clone(), span: stop.span };
+                let docked = errors::Goal { robot: order.robot(*other).name.clone(), span: at.span };
+                errors::goal_on_docked(&goal, &docked, (gap_um, kept_um))
+            })
+        })
+    }
+
+    fn assemble(&self, docks: &[Dock], order: &MicrorobotsOrder) -> Vec<Diagnostic> {
+        let again = docks.iter().filter_map(|dock| {
+            let since = self.docked.get(&dock.robot)?;
+            Some(errors::docked_before(&order.robot(dock.robot).name, (dock.goal.span, "assembled"), since.span))
+        });
+        let again: Vec<Diagnostic> = again.collect();
+        if !again.is_empty() {
+            return again;
+        }
+        let structure: Vec<Docked> = self.docked.iter().map(|(robot, at)| docked(*robot, at, order)).collect();
+        let goals: Vec<Docked> = docks.iter().map(|dock| docked(dock.robot, &dock.goal, order)).collect();
+        let docking = &order.facts.docking;
+        let Some(ranks) = ranks(order) else {
+            return in_any_order(&structure, &goals, docking).into_iter().collect();
+        };
+        let mut goals = goals;
+        goals.sort_by_key(|goal| std::cmp::Reverse(ranks[goal.robot]));
+        if let Some(wrong) = in_this_order(&structure, &goals, docking) {
+            return vec![wrong];
+        }
+        match self.bed {
+            Bed::Untouched => self.orbits(&goals, &ranks, order).into_iter().collect(),
+            Bed::Moved => Vec::new(),
+        }
+    }
+
+    /// Which orbit about a start something stands in, until the orbiting robot is driven itself.
+    fn orbits(&self, goals: &[Docked], ranks: &[usize], order: &MicrorobotsOrder) -> Option<Diagnostic> {
+        let pair_rank = goals.get(1).map_or(0, |goal| ranks[goal.robot]);
+        let orbiting: Vec<(usize, Orbit)> = (0..order.robots.len())
+            .filter(|robot| ranks[*robot] < pair_rank)
+            .map(|robot| (robot, Orbit::of(order.robot(robot), order.robots[robot].pose)))
+            .collect();
+        let judge = Orbits { order, orbiting: &orbiting };
+        judge.obstacle().or_else(|| judge.pair()).or_else(|| judge.start()).or_else(|| judge.goal(goals, ranks))
+    }
+}
+
+/// The orbits about the starts of robots that wait for their turn.
+struct Orbits<'a> {
+    order: &'a MicrorobotsOrder,
+    orbiting: &'a [(usize, Orbit)],
+}
+
+impl Orbits<'_> {
+    fn start(&self) -> Option<Diagnostic> {
+        let stands = (0..self.order.robots.len()).filter(|robot| self.orbiting.iter().all(|(other, _)| other != robot));
+        let bodies: Vec<(usize, Body)> =
+            stands.map(|robot| (robot, Body::of(self.order.robot(robot), self.order.robots[robot].pose))).collect();
+        self.orbiting.iter().find_map(|(robot, orbit)| {
+            bodies.iter().find_map(|(other, body)| {
+                let what = format!("the start of `{}`", self.order.robot(*other).name);
+                self.near((*robot, orbit), orbit.gap_to_body_um(body), (&what, self.order.robots[*other].span))
+            })
+        })
+    }
+
+    fn pair(&self) -> Option<Diagnostic> {
+        let pairs = self.orbiting.iter().enumerate();
+        pairs.into_iter().find_map(|(at, (robot, orbit))| {
+            self.orbiting[..at].iter().find_map(|(other, before)| {
+                let what = format!("the orbit of `{}`", self.order.robot(*other).name);
+                self.near((*robot, orbit), orbit.gap_um(before), (&what, self.order.robots[*other].span))
+            })
+        })
+    }
+
+    fn obstacle(&self) -> Option<Diagnostic> {
+        let obstacles = self.order.obstacles.iter();
+        let solids: Vec<_> = obstacles.filter_map(|obstacle| Some((obstacle, Solid::of(obstacle)?))).collect();
+        self.orbiting.iter().find_map(|(robot, orbit)| {
+            solids.iter().find_map(|(obstacle, solid)| {
+                let what = format!("obstacle `{}`", obstacle.name);
+                self.near((*robot, orbit), solid.gap_to_orbit_um(orbit), (&what, obstacle.span))
+            })
+        })
+    }
+
+    /// Goals that are taken while a robot still orbits.
+    fn goal(&self, goals: &[Docked], ranks: &[usize]) -> Option<Diagnostic> {
+        self.orbiting.iter().find_map(|(robot, orbit)| {
+            let before = goals.iter().filter(|goal| ranks[goal.robot] > ranks[*robot]);
+            before.into_iter().find_map(|goal| {
+                let gap_um = orbit.gap_to_body_um(&goal.body());
+                let place = errors::Goal { robot: goal.facts.name.clone(), span: goal.span };
+                let kept_um = self.order.facts.orbit_clearance_um;
+                is_too_near(gap_um, kept_um)
+                    .then(|| errors::goal_in_orbit(&place, &self.told(*robot, orbit), (gap_um, kept_um)))
+            })
+        })
+    }
+
+    fn near(&self, (robot, orbit): (usize, &Orbit), gap_um: f64, other: (&str, Span)) -> Option<Diagnostic> {
+        let kept_um = self.order.facts.orbit_clearance_um;
+        is_too_near(gap_um, kept_um).then(|| {
+            errors::orbit_too_near(&self.told(robot, orbit), other, (gap_um, kept_um))
+        })
+    }
+
+    /// An orbit for a message.
+    fn told(&self, robot: usize, orbit: &Orbit) -> errors::Orbiting {
+        errors::Orbiting {
+            robot: self.order.robot(robot).name.clone(),
+            start: self.order.robots[robot].span,
+            centre_um: [orbit.centre.x, orbit.centre.y],
+            reach_um: orbit.reach_um,
+        }
+    }
+}
+
+fn docked<'a>(robot: usize, at: &Stop, order: &'a MicrorobotsOrder) -> Docked<'a> {
+    let Stop { pose, span } = *at;
+    Docked { robot, facts: order.robot(robot), pose, span }
+}
+
+/// How late each robot of the order snaps down: the states of a STRING table lower one after the other. `None` where they do not.
+fn ranks(order: &MicrorobotsOrder) -> Option<Vec<usize>> {
+    let row = |robot: usize| order.robots[robot].row;
+    let is_down = |robot: usize| order.states.iter().map(move |state| state.arms[row(robot)] == Arm::Down);
+    let lowered = |robot: usize| is_down(robot).filter(|is_down| *is_down).count();
+    let lowered: Vec<usize> = (0..order.robots.len()).map(lowered).collect();
+    let is_chain = (0..lowered.len()).all(|one| {
+        (0..one).all(|other| {
+            let (few, many) = if lowered[one] < lowered[other] { (one, other) } else { (other, one) };
+            lowered[few] < lowered[many] && is_down(few).zip(is_down(many)).all(|(few, many)| many || !few)
+        })
+    });
+    is_chain.then(|| lowered.iter().map(|lowered| order.states.len() - lowered).collect())
+}
+
+/// What is wrong with goals that are taken in this order.
+fn in_this_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> Option<Diagnostic> {
+    let mut before = structure.to_vec();
+    for (at, goal) in goals.iter().enumerate() {
+        let partner = partner(structure, goals, at, docking);
+        if let Some(misfit) = docking::misfit(goal, &before, partner, docking) {
+            return Some(docking::told(goal, &before, partner, &misfit, docking));
+        }
+        before.push(*goal);
+    }
+    None
+}
+
+/// What the goal at an index docks with: the first two begin a structure of their own, unless the first one touches another.
+fn partner<'a>(structure: &[Docked], goals: &'a [Docked<'a>], at: usize, docking: &Docking) -> Partner<'a> {
+    let first = &goals[0];
+    let is_new = structure.iter().all(|docked| !docking::touches(first, docked, docking));
+    match at {
+        0 if is_new => Partner::Nothing,
+        1 if is_new => Partner::First(first),
+        _ => Partner::Structure,
+    }
+}
+
+/// What is wrong with goals whatever the order in which they are taken: of all orders, in the one that goes furthest.
+fn in_any_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> Option<Diagnostic> {
+    let mut best: Option<(usize, Diagnostic)> = None;
+    for first in 0..goals.len() {
+        let mut ordered = goals.to_vec();
+        ordered.swap(0, first);
+        for next in 1..ordered.len() {
+            let before = [structure, &ordered[..next]].concat();
+            let fits = |at: &usize| {
+                let mut tried = ordered.clone();
+                tried.swap(next, *at);
+                docking::misfit(&tried[next], &before, partner(structure, &tried, next, docking), docking).is_none()
+            };
+            let Some(at) = (next..ordered.len()).find(fits) else { break };
+            ordered.swap(next, at);
+        }
+        let wrong = in_this_order(structure, &ordered, docking)?;
+        let fitting = (1..ordered.len()).take_while(|count| in_this_order(structure, &ordered[..*count], docking).is_none());
+        let count = fitting.count();
+        if best.as_ref().is_none_or(|(most, _)| count > *most) {
+            best = Some((count, wrong));
+        }
+    }
+    best.map(|(_, wrong)| wrong)
+}
