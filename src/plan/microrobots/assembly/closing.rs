@@ -8,11 +8,14 @@
 
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
-use crate::plan::microrobots::free::{Segment, turn_rad};
+use crate::plan::microrobots::free::{Segment, length_um, turn_rad};
 use std::f64::consts::TAU;
 
 /// First stretches that are tried, evenly over what the length allows.
 const FIRST_STRETCHES: usize = 24;
+
+/// How far apart the stretches of detours are, as a share of the turning radius.
+const STRETCH_SHARE: f64 = 0.25;
 
 /// Full circles beyond what the headings ask for.
 const MAX_CIRCLES: usize = 3;
@@ -41,6 +44,25 @@ pub fn turn_straight_turn(robot: &Robot, from: Pose, to: Pose) -> [Segment; 3] {
         Segment { arm: Arm::Up, way_um: straight_um },
         Segment { arm: Arm::Down, way_um: turn_um(heading_rad, to.heading_rad) },
     ]
+}
+
+/// Ways from pose to pose, the shortest first: straight for one of these stretches, turn–straight–turn, straight for one of those.
+pub fn detours(robot: &Robot, from: Pose, to: Pose, firsts_um: &[f64], lasts_um: &[f64]) -> Vec<Vec<Segment>> {
+    let way = |first_um: f64, last_um: f64| {
+        let [leave, arrive] = [robot.moved(from, Arm::Up, first_um), robot.moved(to, Arm::Up, -last_um)];
+        let run = |way_um| Segment { arm: Arm::Up, way_um };
+        let middle = turn_straight_turn(robot, leave, arrive);
+        [run(first_um)].into_iter().chain(middle).chain([run(last_um)]).collect::<Vec<Segment>>()
+    };
+    let mut ways: Vec<Vec<Segment>> =
+        firsts_um.iter().flat_map(|&first_um| lasts_um.iter().map(move |&last_um| (first_um, last_um))).map(|(a, b)| way(a, b)).collect();
+    ways.sort_by(|a, b| length_um(a).total_cmp(&length_um(b)));
+    ways
+}
+
+/// Stretches from 0 on, a share of the robot's turning radius apart.
+pub fn stretches(robot: &Robot, count: usize) -> Vec<f64> {
+    (0..count).map(|index| index as f64 * STRETCH_SHARE * robot.turning_radius_um).collect()
 }
 
 /// Ways of the length that was asked for, those without a first stretch before others, and those with few full circles first.

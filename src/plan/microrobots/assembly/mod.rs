@@ -57,12 +57,25 @@ pub enum Stuck {
     Blocked { robot: usize, partner: Option<usize>, hit: Hit },
     /// No two ways that were tried bring both to their goals at the same time, with whole strokes within precision.
     Untimely { first: usize, second: usize },
-    /// No way was found around obstacles, docked bodies and the discs of those that orbit.
-    NoWay { robot: usize },
+    /// No way was found around obstacles, docked bodies and the discs of those that orbit; the shortest one meets this.
+    NoWay { robot: usize, blocker: Blocker },
+    /// The robot has to orbit while others are driven, and has no room for it.
+    NoOrbit { robot: usize, blocker: Blocker },
     /// Whole strokes do not bring the robot to its goal within precision.
     Coarse { robot: usize },
     /// The budget is spent.
     GaveUp,
+}
+
+/// What is in the way of a robot, or of its orbit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Blocker {
+    /// Index of the order's obstacles.
+    Obstacle(usize),
+    /// The disc of this robot, which orbits.
+    Orbit(usize),
+    /// The body of this robot, which is docked.
+    Docked(usize),
 }
 
 /// What a [`Stuck`] is worth.
@@ -81,6 +94,7 @@ impl Stuck {
             Stuck::Blocked { .. }
             | Stuck::Untimely { .. }
             | Stuck::NoWay { .. }
+            | Stuck::NoOrbit { .. }
             | Stuck::Coarse { .. }
             | Stuck::GaveUp => Certainty::Open,
         }

@@ -106,6 +106,7 @@ impl<'a> Orders<'a> {
             Stuck::Blocked { .. }
             | Stuck::Untimely { .. }
             | Stuck::NoWay { .. }
+            | Stuck::NoOrbit { .. }
             | Stuck::Coarse { .. }
             | Stuck::GaveUp => 3,
         })

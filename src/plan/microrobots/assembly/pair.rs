@@ -10,7 +10,7 @@
 //! precision. No promise that there is no shorter one; cost grows with the times that have to be looked at.
 
 use super::bed::{Bed, Stretch, joined, legs_of_two};
-use super::closing::{Asked, closings, turn_straight_turn};
+use super::closing::{Asked, closings, detours, stretches};
 use super::track::{Aim, Track, whole};
 use super::Stuck;
 use super::ground::Ground;
@@ -18,14 +18,14 @@ use crate::check::claims::microrobots::Dock;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
 use crate::plan::microrobots::fine::Cycles;
-use crate::plan::microrobots::free::{Segment, length_um};
+use crate::plan::microrobots::free::{Segment, joined as joined_segments, length_um};
+use crate::plan::microrobots::world::{Fixtures, Obstruction};
 use crate::plan::microrobots::{Leg, Stage};
 use crate::plan::search::Meter;
 use std::f64::consts::TAU;
 
-/// Stretches of the second robot on its goal's axis that are tried, and how far apart, as a share of its turning radius.
+/// Stretches of the second robot on its goal's axis that are tried.
 const RUNS: usize = 40;
-const RUN_SHARE: f64 = 0.25;
 
 /// Full circles of the second robot's orbit that are tried beyond its shortest way.
 const MAX_ORBITS: usize = 8;
@@ -55,8 +55,10 @@ pub fn roles(bed: &Bed, first: usize, second: usize) -> Option<Roles> {
 pub fn plan(bed: &Bed, roles: Roles, docks: [&Dock; 2], ground: &Ground, meter: &mut Meter) -> Result<Stretch, Stuck> {
     let pairing = Pairing::new(bed, roles, docks);
     let mut stuck = Stuck::Untimely { first: roles.first, second: roles.second };
-    for departure in pairing.departures() {
-        for legs in pairing.timed(&departure) {
+    let fixtures = ground.fixtures(bed, &[roles.first, roles.second])?;
+    let in_the_way = |obstruction| ground.no_way(bed, roles.second, &[roles.first, roles.second], obstruction);
+    for departure in pairing.departures(ground, &fixtures).map_err(in_the_way)? {
+        for legs in pairing.timed(&departure, ground, &fixtures) {
             meter.step().ok_or(Stuck::GaveUp)?;
             let stretch = pairing.stretch(legs);
             match ground.first_hit(bed, &stretch) {
@@ -103,31 +105,33 @@ impl<'a> Pairing<'a> {
         Pairing { bed, roles, facts, from, goals, approach, aims, cycles, forced }
     }
 
-    /// Ways of the second robot, the shortest first.
-    fn departures(&self) -> Vec<Departure> {
-        let second = self.facts[1];
-        let mut found = Vec::new();
-        for run in 0..RUNS {
-            let run_um = run as f64 * RUN_SHARE * second.turning_radius_um;
-            let before = second.moved(self.approach[1], Arm::Up, -run_um);
-            let [turn, straight, other] = turn_straight_turn(second, self.from[1], before);
+    /// Ways of the second robot that meet nothing that rests, the shortest first; or what the shortest of all meets.
+    fn departures(&self, ground: &Ground, fixtures: &Fixtures) -> Result<Vec<Departure>, Obstruction> {
+        let (second, from) = (self.facts[1], self.from[1]);
+        let (mut found, mut met) = (Vec::new(), None);
+        for way in detours(second, from, self.approach[1], &[0.0], &stretches(second, RUNS)) {
+            if let Some((_, obstruction)) = ground.world.obstruction_on(self.roles.second, from, &way, fixtures) {
+                met = met.or(Some(obstruction));
+                continue;
+            }
             for orbits in 0..=MAX_ORBITS {
-                let way_um = turn.way_um + TAU * second.turning_radius_um * orbits as f64;
-                let last = Segment { arm: Arm::Up, way_um: run_um };
-                let way = vec![Segment { way_um, ..turn }, straight, other, last];
+                let circles_um = TAU * second.turning_radius_um * orbits as f64;
+                let circles = Segment { arm: Arm::Down, way_um: circles_um };
+                let way: Vec<Segment> = joined_segments([circles].into_iter().chain(way.iter().copied()));
                 let total_um = length_um(&way);
                 found.push(Departure { way, total_um });
             }
         }
         found.sort_by(|a, b| a.total_um.total_cmp(&b.total_um));
-        found
+        met.filter(|_| found.is_empty()).map_or(Ok(found), Err)
     }
 
     /// Legs that bring both robots to their approaches at the same time, the second by this way.
-    fn timed(&self, departure: &Departure) -> Vec<Vec<Leg>> {
+    fn timed(&self, departure: &Departure, ground: &Ground, fixtures: &Fixtures) -> Vec<Vec<Leg>> {
         let [first, second] = self.facts;
         let total = (departure.total_um / second.step_um).round() as u64;
-        let orbit_um = departure.way.first().map_or(0.0, |segment| segment.way_um);
+        let turns = departure.way.first().filter(|segment| segment.arm == Arm::Down);
+        let orbit_um = turns.map_or(0.0, |segment| segment.way_um);
         let straight = ((departure.total_um - orbit_um) / second.step_um).ceil();
         let forced = u64::from(self.forced.is_some());
         let start = self.forced.map_or(self.from[0], |arm| first.moved(self.from[0], arm, first.step_um));
@@ -137,7 +141,9 @@ impl<'a> Pairing<'a> {
             length_um: total.saturating_sub(forced) as f64 * first.step_um,
             least_last_um: straight * first.step_um,
         };
-        let ways = closings(first, &asked);
+        let index = self.roles.first;
+        let clear = |way: &Vec<Segment>| ground.world.obstruction_on(index, start, way, fixtures).is_none();
+        let ways: Vec<Vec<Segment>> = closings(first, &asked).into_iter().filter(clear).take(MAX_WAYS).collect();
         if ways.is_empty() {
             return Vec::new();
         }
@@ -148,7 +154,7 @@ impl<'a> Pairing<'a> {
             track.extend(&whole(first, start, way, &self.aims[0], total.checked_sub(forced)?)?);
             legs_of_two(&track, &seconds, self.roles.states)
         };
-        ways.iter().filter_map(legs).take(MAX_WAYS).collect()
+        ways.iter().filter_map(legs).collect()
     }
 
     /// The whole stage, after legs that bring both to their approaches.
