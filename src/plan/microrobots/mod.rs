@@ -1,6 +1,8 @@
 //! The planner of STRING microrobots: one voltage drives all robots, so that a plan is one sequence of control states, each
 //! with a train of strokes, and every robot moves with every stroke.
 
+pub mod assembly;
+pub mod fine;
 pub mod free;
 mod job;
 pub mod world;

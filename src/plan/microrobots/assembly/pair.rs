@@ -1,0 +1,173 @@
+//! The first two robots of a structure: both come to their goals at once.
+//!
+//! The problem: while the first robot is driven, the second orbits; while the second is driven, the first runs straight (the paper's
+//! section 2.1). Method: the second robot leaves its orbit for its approach by a known way, so that the time from the start to its
+//! approach is known but for full circles, and for a stretch by which it may run on to its goal's axis earlier. For each such time, the
+//! shortest first, the first robot needs a way of exactly that length whose last stretch is straight at least from when the
+//! second leaves its orbit; such ways are in closed form ([`super::closing`]). This is the paper's phase condition with the phase
+//! free; the paper's choice, the second robot back where it began, is among the times, and its racetrack detour among the ways.
+//! Promise: the stretch that is returned meets no rule of collision's objection, and brings both robots to their goals within
+//! precision. No promise that there is no shorter one; cost grows with the times that have to be looked at.
+
+use super::bed::{Bed, Stretch, joined, legs_of_two};
+use super::closing::{Asked, closings, detours, stretches};
+use super::track::{Aim, Track, whole};
+use super::Stuck;
+use super::ground::Ground;
+use crate::check::claims::microrobots::Dock;
+use crate::device::microrobots::{Arm, Robot};
+use crate::geometry::Pose;
+use crate::plan::microrobots::fine::Cycles;
+use crate::plan::microrobots::free::{Segment, joined as joined_segments, length_um};
+use crate::plan::microrobots::world::{Fixtures, Obstruction};
+use crate::plan::microrobots::{Leg, Stage};
+use crate::plan::search::Meter;
+use std::f64::consts::TAU;
+
+/// Stretches of the second robot on its goal's axis that are tried.
+const RUNS: usize = 40;
+
+/// Full circles of the second robot's orbit that are tried beyond its shortest way.
+const MAX_ORBITS: usize = 8;
+
+/// Ways of the first robot that are looked at for one time.
+const MAX_WAYS: usize = 12;
+
+/// Two robots, and how the bed can steer them while all others orbit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Roles {
+    pub first: usize,
+    pub second: usize,
+    /// Both turn, only the second turns, none of the two turns.
+    pub states: [usize; 3],
+}
+
+/// Arms of the first and of the second robot in these states.
+const ARMS: [[Arm; 3]; 2] = [[Arm::Down, Arm::Up, Arm::Up], [Arm::Down, Arm::Down, Arm::Up]];
+
+/// How two robots can be steered, if they can.
+pub fn roles(bed: &Bed, first: usize, second: usize) -> Option<Roles> {
+    let state = |part: usize| bed.state(&[(first, ARMS[0][part]), (second, ARMS[1][part])]);
+    Some(Roles { first, second, states: [state(0)?, state(1)?, state(2)?] })
+}
+
+/// The stretch that docks both.
+pub fn plan(bed: &Bed, roles: Roles, docks: [&Dock; 2], ground: &Ground, meter: &mut Meter) -> Result<Stretch, Stuck> {
+    let pairing = Pairing::new(bed, roles, docks);
+    let mut stuck = Stuck::Untimely { first: roles.first, second: roles.second };
+    let fixtures = ground.fixtures(bed, &[roles.first, roles.second])?;
+    let in_the_way = |obstruction| ground.no_way(bed, roles.second, &[roles.first, roles.second], obstruction);
+    for departure in pairing.departures(ground, &fixtures).map_err(in_the_way)? {
+        for legs in pairing.timed(&departure, ground, &fixtures) {
+            meter.step().ok_or(Stuck::GaveUp)?;
+            let stretch = pairing.stretch(legs);
+            match ground.first_hit(bed, &stretch) {
+                None => return Ok(stretch),
+                Some(hit) => stuck = Stuck::Blocked { robot: roles.first, partner: Some(roles.second), hit },
+            }
+        }
+    }
+    Err(stuck)
+}
+
+/// What does not change while ways are looked for.
+struct Pairing<'a> {
+    bed: &'a Bed<'a>,
+    roles: Roles,
+    facts: [&'a Robot; 2],
+    from: [Pose; 2],
+    goals: [Pose; 2],
+    approach: [Pose; 2],
+    aims: [Aim; 2],
+    cycles: Cycles<3>,
+    /// How the first robot's arm has to be at first, since legs that follow one another differ in their states.
+    forced: Option<Arm>,
+}
+
+/// A way of the second robot from where it is to its approach; it turns at first.
+struct Departure {
+    way: Vec<Segment>,
+    total_um: f64,
+}
+
+impl<'a> Pairing<'a> {
+    fn new(bed: &'a Bed<'a>, roles: Roles, docks: [&Dock; 2]) -> Self {
+        let robots = [roles.first, roles.second];
+        let facts = robots.map(|robot| bed.robot(robot));
+        let goals = docks.map(|dock| dock.goal.pose);
+        let cycles = Cycles::symmetric(&bed.order.facts.fine, &facts.map(|facts| facts.step_um));
+        let approach = [0, 1].map(|at| cycles.backward(facts[at], ARMS[at], goals[at]));
+        let motion = [0, 1].map(|at| cycles.forward(facts[at], ARMS[at], Pose::at(0.0, 0.0)));
+        let aims = [0, 1].map(|at| Aim { goal: goals[at], precision: bed.order.precision, motion: motion[at] });
+        let [both, one, _] = roles.states.map(|state| bed.last_state() == Some(state));
+        let forced = if both { Some(Arm::Up) } else { one.then_some(Arm::Down) };
+        let from = robots.map(|robot| bed.poses[robot]);
+        Pairing { bed, roles, facts, from, goals, approach, aims, cycles, forced }
+    }
+
+    /// Ways of the second robot that meet nothing that rests, the shortest first; or what the shortest of all meets.
+    fn departures(&self, ground: &Ground, fixtures: &Fixtures) -> Result<Vec<Departure>, Obstruction> {
+        let (second, from) = (self.facts[1], self.from[1]);
+        let (mut found, mut met) = (Vec::new(), None);
+        for way in detours(second, from, self.approach[1], &[0.0], &stretches(second, RUNS)) {
+            if let Some((_, obstruction)) = ground.world.obstruction_on(self.roles.second, from, &way, fixtures) {
+                met = met.or(Some(obstruction));
+                continue;
+            }
+            for orbits in 0..=MAX_ORBITS {
+                let circles_um = TAU * second.turning_radius_um * orbits as f64;
+                let circles = Segment { arm: Arm::Down, way_um: circles_um };
+                let way: Vec<Segment> = joined_segments([circles].into_iter().chain(way.iter().copied()));
+                let total_um = length_um(&way);
+                found.push(Departure { way, total_um });
+            }
+        }
+        found.sort_by(|a, b| a.total_um.total_cmp(&b.total_um));
+        met.filter(|_| found.is_empty()).map_or(Ok(found), Err)
+    }
+
+    /// Legs that bring both robots to their approaches at the same time, the second by this way.
+    fn timed(&self, departure: &Departure, ground: &Ground, fixtures: &Fixtures) -> Vec<Vec<Leg>> {
+        let [first, second] = self.facts;
+        let total = (departure.total_um / second.step_um).round() as u64;
+        let turns = departure.way.first().filter(|segment| segment.arm == Arm::Down);
+        let orbit_um = turns.map_or(0.0, |segment| segment.way_um);
+        let straight = ((departure.total_um - orbit_um) / second.step_um).ceil();
+        let forced = u64::from(self.forced.is_some());
+        let start = self.forced.map_or(self.from[0], |arm| first.moved(self.from[0], arm, first.step_um));
+        let asked = Asked {
+            from: start,
+            to: self.approach[0],
+            length_um: total.saturating_sub(forced) as f64 * first.step_um,
+            least_last_um: straight * first.step_um,
+        };
+        let index = self.roles.first;
+        let clear = |way: &Vec<Segment>| ground.world.obstruction_on(index, start, way, fixtures).is_none();
+        let ways: Vec<Vec<Segment>> = closings(first, &asked).into_iter().filter(clear).take(MAX_WAYS).collect();
+        if ways.is_empty() {
+            return Vec::new();
+        }
+        let Some(seconds) = whole(second, self.from[1], &departure.way, &self.aims[1], total) else { return Vec::new() };
+        let legs = |way: &Vec<Segment>| {
+            let mut track = Track::default();
+            self.forced.into_iter().for_each(|arm| track.push(arm, 1));
+            track.extend(&whole(first, start, way, &self.aims[0], total.checked_sub(forced)?)?);
+            legs_of_two(&track, &seconds, self.roles.states)
+        };
+        ways.iter().filter_map(legs).collect()
+    }
+
+    /// The whole stage, after legs that bring both to their approaches.
+    fn stretch(&self, legs: Vec<Leg>) -> Stretch {
+        let Roles { first, second, states } = self.roles;
+        let driven = legs.iter().rposition(|leg| leg.state == states[0]).map_or(0, |last| last + 1);
+        let intermediate = legs[..driven].iter().fold(self.from[0], |pose, leg| {
+            let arm = if leg.state == states[0] { Arm::Down } else { Arm::Up };
+            self.facts[0].moved(pose, arm, self.facts[0].step_um * leg.strokes as f64)
+        });
+        let stage =
+            Stage::Pair { first, second, states, intermediate, approach: self.approach, goals: self.goals };
+        let legs = joined(legs.into_iter().chain(self.cycles.legs(states)));
+        Stretch { legs, docking: vec![first, second], stage }
+    }
+}
