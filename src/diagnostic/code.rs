@@ -170,6 +170,7 @@ ledger! {
     E0603 "a condition that the plan does not keep"
     E0604 "a schedule too long for the clock"
     E0605 "a goal cannot be guaranteed"
+    E0606 "a control state that carries robots into something"
     E0701 "a schedule names a channel, step or plan that it does not have"
     E0702 "a number in a schedule cannot be"
     E0703 "actuations are not in order of time"

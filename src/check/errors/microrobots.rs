@@ -88,7 +88,8 @@ pub fn relay_label(name: &str, snap_down_v: f64, release_v: f64) -> String {
 
 pub fn release_above_snap_down(name: &str, release_v: f64, snap_down_v: f64) -> Diagnostic {
     let (release, snap_down) = (volts(release_v), volts(snap_down_v));
-    let title = format!("the arm of `{name}` is released at {release}, it has to be below the {snap_down} of snap-down");
+    let title =
+        format!("the arm of `{name}` is released at {release}, it has to be below the {snap_down} of snap-down");
     Diagnostic::new(Code::E0418, title)
         .help("an arm that is down stays there until the voltage has fallen far below what lowered it")
 }
@@ -149,12 +150,10 @@ pub fn narrow_gap(name: &str, gap_v: f64, least_v: f64) -> Diagnostic {
 
 pub fn nested_gaps(outer: &str, inner: &str, [snap_down_v, release_v]: [f64; 2]) -> Diagnostic {
     let (snap_down, release) = (volts(snap_down_v), volts(release_v));
-    let title = format!(
-        "nested gaps: `{outer}` snaps down {snap_down} above `{inner}`, and is released {release} below it"
-    );
-    Diagnostic::new(Code::E0420, title).help(
-        "the robot that snaps down later has to be released earlier; or give the device `non_string: true`",
-    )
+    let title =
+        format!("nested gaps: `{outer}` snaps down {snap_down} above `{inner}`, and is released {release} below it");
+    Diagnostic::new(Code::E0420, title)
+        .help("the robot that snaps down later has to be released earlier; or give the device `non_string: true`")
 }
 
 pub fn alike_robots(one: &str, other: &str, [snap_down_v, release_v]: [f64; 2], least_v: f64) -> Diagnostic {
@@ -181,8 +180,9 @@ pub fn no_sequence((state, lowered): (usize, &[&str]), [levels, most]: [usize; 2
             format!("no control cycle of {most} levels or fewer lowers {list} and raises the others")
         }
     };
-    Diagnostic::new(Code::E0422, title)
-        .help(format!("2 x margin = {least} between the labelled voltages, in one of the columns, lets two levels do it"))
+    Diagnostic::new(Code::E0422, title).help(format!(
+        "2 x margin = {least} between the labelled voltages, in one of the columns, lets two levels do it"
+    ))
 }
 
 /// Labels of the voltages that lie too near: of the arm that has to be down, and of the one that has to be up.
@@ -216,7 +216,8 @@ pub fn voltage_mend(column: &str, name: &str, [now_v, to_v]: [f64; 2]) -> String
 
 pub fn small_slack((state, digits): (usize, &str), slack_v: f64, margin_v: f64) -> Diagnostic {
     let (slack, share) = (volts(slack_v), volts(margin_v / 10.0));
-    let title = format!("control state {state} (0b{digits}) has a slack of {slack}, less than 10 % of the margin, {share}");
+    let title =
+        format!("control state {state} (0b{digits}) has a slack of {slack}, less than 10 % of the margin, {share}");
     Diagnostic::new(Code::W0403, title)
         .help("levels that are off by more than the slack leave an arm uncertain: move the voltages further apart")
 }
@@ -236,7 +237,9 @@ pub fn robot_without_row(
         None => diagnostic,
     };
     let few = &known[..known.len().min(12)];
-    diagnostic.help(format!("its robots are {}{}", listed(few.iter().copied()), rest(known.len(), 12))).help_if(meant(near))
+    diagnostic
+        .help(format!("its robots are {}{}", listed(few.iter().copied()), rest(known.len(), 12)))
+        .help_if(meant(near))
 }
 
 /// What a list leaves out.
@@ -247,7 +250,9 @@ fn rest(count: usize, shown: usize) -> String {
 pub fn robot_with_shape(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0514, format!("robot `{name}` has the body of its device, not one of its own"))
         .label(span, "no shape belongs here")
-        .help(format!("write `robot {name} at pose(0 um, 0 um, 90 deg)`; `length` and `width` may be columns of the table"))
+        .help(format!(
+            "write `robot {name} at pose(0 um, 0 um, 90 deg)`; `length` and `width` may be columns of the table"
+        ))
 }
 
 pub fn robot_stands_nowhere(span: Span, name: &str) -> Diagnostic {
@@ -357,7 +362,9 @@ pub fn assembly_too_small(span: Span, count: usize) -> Diagnostic {
     let found = if count == 0 { "no robot".to_owned() } else { "one robot alone".to_owned() };
     Diagnostic::new(Code::E0535, format!("an assembly of {found}, two or more dock with one another"))
         .label(span, "nothing to dock with")
-        .help("name two robots or more, as in `assemble { D2 to pose(…), D1 to pose(…) }`; `drive` brings one to a pose")
+        .help(
+            "name two robots or more, as in `assemble { D2 to pose(…), D1 to pose(…) }`; `drive` brings one to a pose",
+        )
 }
 
 pub fn assembled_twice(name: &str, span: Span, earlier: Span) -> Diagnostic {
@@ -375,7 +382,6 @@ pub fn unlike_robots(run: Span, device: &str, name: &str) -> Diagnostic {
     .label(run, "runs with other robots than before")
     .help("a bed keeps its robots between tasks: give all of them one scene, or scenes with robots of the same names")
 }
-
 
 /// A robot's goal, and where it stands in the source.
 pub struct Goal {
@@ -395,7 +401,8 @@ fn mended_at(mended: Option<Pose>, does: &str) -> Option<String> {
 
 pub fn docked_overlap(goal: &Goal, other: &Goal, (depth_um, most_um): (f64, f64), mended: Option<Pose>) -> Diagnostic {
     let (depth, most) = (length(depth_um), length(most_um));
-    let title = format!("`{}` at its goal overlaps `{}` by {depth}, at most {most} is allowed", goal.robot, other.robot);
+    let title =
+        format!("`{}` at its goal overlaps `{}` by {depth}, at most {most} is allowed", goal.robot, other.robot);
     Diagnostic::new(Code::E0536, title)
         .label(goal.span, goal.label())
         .label_elsewhere(other.span, goal.span, other.label())
@@ -405,7 +412,8 @@ pub fn docked_overlap(goal: &Goal, other: &Goal, (depth_um, most_um): (f64, f64)
 
 pub fn docked_apart(goal: &Goal, other: &Goal, (gap_um, most_um): (f64, f64), mended: Option<Pose>) -> Diagnostic {
     let (gap, most) = (length(gap_um), length(most_um));
-    let title = format!("`{}` at its goal touches nothing: it is {gap} from `{}`, {most} at most", goal.robot, other.robot);
+    let title =
+        format!("`{}` at its goal touches nothing: it is {gap} from `{}`, {most} at most", goal.robot, other.robot);
     Diagnostic::new(Code::E0536, title)
         .label(goal.span, goal.label())
         .label_elsewhere(other.span, goal.span, format!("the nearest it could dock with, the {}", other.label()))
@@ -444,7 +452,8 @@ pub fn not_head_on(
 
 pub fn docked_askew(goal: &Goal, met: &Goal, (angle_rad, most_rad): (f64, f64)) -> Diagnostic {
     let (found, most) = (angle(angle_rad), angle(most_rad));
-    let title = format!("`{}` meets `{}` at {found} from its edge's normal, it sticks up to {most}", goal.robot, met.robot);
+    let title =
+        format!("`{}` meets `{}` at {found} from its edge's normal, it sticks up to {most}", goal.robot, met.robot);
     Diagnostic::new(Code::E0537, title)
         .label(goal.span, goal.label())
         .label_elsewhere(met.span, goal.span, met.label())

@@ -163,8 +163,7 @@ impl Reader<'_> {
             Some(shape) => {
                 let known: Vec<&str> = forms.iter().map(|form: &Form| form.name()).collect();
                 let form = shape.value.form.name();
-                let wrong =
-                    errors::shape_of_other_kind(shape.span, form, &object.noun, VOCABULARY.name, &known);
+                let wrong = errors::shape_of_other_kind(shape.span, form, &object.noun, VOCABULARY.name, &known);
                 self.sink.push(wrong);
                 return None;
             }

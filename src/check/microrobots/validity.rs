@@ -36,10 +36,7 @@ pub fn states(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) ->
 }
 
 fn rows(facts: &Facts) -> Vec<Row> {
-    let row = |robot: &Robot| Row {
-        snap_down_v: robot.snap_down_v,
-        release_v: robot.release_v,
-    };
+    let row = |robot: &Robot| Row { snap_down_v: robot.snap_down_v, release_v: robot.release_v };
     facts.robots.iter().map(row).collect()
 }
 
@@ -125,15 +122,9 @@ impl Judge<'_> {
 
     fn fault(&self, problem: &Problem, analysis: &Analysis) -> (Diagnostic, Labels) {
         match *problem {
-            Problem::Hold { row, most_v } => {
-                self.limit(row, Limit::Hold { relax_v: self.facts.relax_v, most_v })
-            }
-            Problem::Drive { row, least_v } => {
-                self.limit(row, Limit::Drive { flex_v: self.facts.flex_v, least_v })
-            }
-            Problem::Range { row, most_v } => {
-                self.limit(row, Limit::Range { max_v: self.facts.max_v, most_v })
-            }
+            Problem::Hold { row, most_v } => self.limit(row, Limit::Hold { relax_v: self.facts.relax_v, most_v }),
+            Problem::Drive { row, least_v } => self.limit(row, Limit::Drive { flex_v: self.facts.flex_v, least_v }),
+            Problem::Range { row, most_v } => self.limit(row, Limit::Range { max_v: self.facts.max_v, most_v }),
             Problem::Floor { row, least_v } => self.limit(row, Limit::Floor { least_v }),
             Problem::Narrow { row, gap_v, least_v } => {
                 (errors::narrow_gap(self.name(row), gap_v, least_v), vec![self.row(row)])
@@ -215,9 +206,8 @@ impl Judge<'_> {
                 return self.gap(relays::Gap { down, up, gap_v }, transition);
             }
         }
-        let highest = rows.clone().find(|row| {
-            is_binding((facts.max_v - facts.robots[*row].snap_down_v - facts.margin_v) / 2.0)
-        });
+        let highest =
+            rows.clone().find(|row| is_binding((facts.max_v - facts.robots[*row].snap_down_v - facts.margin_v) / 2.0));
         if let Some(row) = highest {
             return vec![self.cell(row, Transition::SnapDown, "barely below `max_voltage`")];
         }

@@ -197,9 +197,7 @@ impl Orbits<'_> {
 
     fn near(&self, (robot, orbit): (usize, &Orbit), gap_um: f64, other: (&str, Span)) -> Option<Diagnostic> {
         let kept_um = self.order.facts.orbit_clearance_um;
-        is_too_near(gap_um, kept_um).then(|| {
-            errors::orbit_too_near(&self.told(robot, orbit), other, (gap_um, kept_um))
-        })
+        is_too_near(gap_um, kept_um).then(|| errors::orbit_too_near(&self.told(robot, orbit), other, (gap_um, kept_um)))
     }
 
     /// An orbit for a message.
@@ -274,7 +272,8 @@ fn in_any_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> Op
             ordered.swap(next, at);
         }
         let wrong = in_this_order(structure, &ordered, docking)?;
-        let fitting = (1..ordered.len()).take_while(|count| in_this_order(structure, &ordered[..*count], docking).is_none());
+        let fitting =
+            (1..ordered.len()).take_while(|count| in_this_order(structure, &ordered[..*count], docking).is_none());
         let count = fitting.count();
         if best.as_ref().is_none_or(|(most, _)| count > *most) {
             best = Some((count, wrong));

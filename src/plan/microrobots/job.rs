@@ -3,12 +3,16 @@
 //! After each step every robot stands where the strokes have carried it, so a step that has no plan leaves those after it
 //! without a beginning: the job ends there.
 
+use super::assembly::{self, Assembled};
+use super::why::Why;
+use super::world::World;
 use super::{Docking, Leg, Motion, Stage, StepMotion};
 use crate::check::claims::Job;
-use crate::check::claims::microrobots::{Action, MicrorobotsOrder, Step};
+use crate::check::claims::microrobots::{Action, Dock, MicrorobotsOrder, Step};
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
 use crate::plan::requirements::{Kept, require};
+use crate::plan::search::Budget;
 use crate::plan::{Motion as AnyMotion, Optimality, Plan, Remark};
 use std::collections::BTreeMap;
 
@@ -85,17 +89,38 @@ struct Done {
     remarks: Vec<Remark>,
 }
 
-fn step_done(order: &MicrorobotsOrder, step: &Step, _crew: &Crew, _sink: &mut Sink) -> Option<Done> {
+fn step_done(order: &MicrorobotsOrder, step: &Step, crew: &Crew, sink: &mut Sink) -> Option<Done> {
+    let why = Why { order, step };
     match &step.action {
         Action::Wait(duration_ns) => {
             Some(Done { motion: StepMotion::Wait(*duration_ns), bound_ns: *duration_ns, remarks: Vec::new() })
         }
         Action::Apply { state, duration_ns } => {
             let leg = Leg { state: *state, strokes: duration_ns.div_ceil(order.facts.period_ns) };
+            if let Some(hit) = World::new(order).first_hit(&crew.poses, &crew.docked, &[leg], &[]) {
+                sink.push(why.applied_into(&hit));
+                return None;
+            }
             Some(Done { bound_ns: leg_ns(order, leg), motion: legs(vec![leg]), remarks: Vec::new() })
         }
-        Action::Drive { .. } | Action::Assemble(_) => None,
+        Action::Drive { .. } => None,
+        Action::Assemble(docks) => assembled(&why, docks, crew, sink),
     }
+}
+
+fn assembled(why: &Why, docks: &[Dock], crew: &Crew, sink: &mut Sink) -> Option<Done> {
+    let order = why.order;
+    let budget = Budget::of(order.expansions);
+    let assembled = match assembly::assemble(order, &crew.poses, &crew.docked, docks, budget) {
+        Ok(assembled) => assembled,
+        Err(stuck) => {
+            let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
+            sink.push(why.not_assembled(&stuck, &|robot| goal(robot).unwrap_or(why.step.span)));
+            return None;
+        }
+    };
+    let Assembled { legs, docks, stages, least_ns, .. } = assembled;
+    Some(Done { motion: StepMotion::Legs { legs, docks, stages }, bound_ns: least_ns, remarks: Vec::new() })
 }
 
 fn legs(legs: Vec<Leg>) -> StepMotion {

@@ -5,6 +5,7 @@ pub mod assembly;
 pub mod fine;
 pub mod free;
 mod job;
+mod why;
 pub mod world;
 
 pub use job::{Crew, Standing, leg_ns, plan};

@@ -168,7 +168,9 @@ impl<'a> Search<'a> {
             self.best = Some((duration_ns, bed.clone()));
             return;
         }
-        for step in self.orders.moves(bed).into_iter().filter(|step| self.orders.leads_on(bed, step)).collect::<Vec<_>>() {
+        for step in
+            self.orders.moves(bed).into_iter().filter(|step| self.orders.leads_on(bed, step)).collect::<Vec<_>>()
+        {
             if self.plans >= MAX_PLANS {
                 return;
             }

@@ -9,11 +9,11 @@
 //! Promise: the stretch that is returned meets no rule of collision's objection, and brings both robots to their goals within
 //! precision. No promise that there is no shorter one; cost grows with the times that have to be looked at.
 
+use super::Stuck;
 use super::bed::{Bed, Stretch, joined, legs_of_two};
 use super::closing::{Asked, closings, detours, stretches};
-use super::track::{Aim, Track, whole};
-use super::Stuck;
 use super::ground::Ground;
+use super::track::{Aim, Track, whole};
 use crate::check::claims::microrobots::Dock;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
@@ -147,7 +147,9 @@ impl<'a> Pairing<'a> {
         if ways.is_empty() {
             return Vec::new();
         }
-        let Some(seconds) = whole(second, self.from[1], &departure.way, &self.aims[1], total) else { return Vec::new() };
+        let Some(seconds) = whole(second, self.from[1], &departure.way, &self.aims[1], total) else {
+            return Vec::new();
+        };
         let legs = |way: &Vec<Segment>| {
             let mut track = Track::default();
             self.forced.into_iter().for_each(|arm| track.push(arm, 1));
@@ -165,8 +167,7 @@ impl<'a> Pairing<'a> {
             let arm = if leg.state == states[0] { Arm::Down } else { Arm::Up };
             self.facts[0].moved(pose, arm, self.facts[0].step_um * leg.strokes as f64)
         });
-        let stage =
-            Stage::Pair { first, second, states, intermediate, approach: self.approach, goals: self.goals };
+        let stage = Stage::Pair { first, second, states, intermediate, approach: self.approach, goals: self.goals };
         let legs = joined(legs.into_iter().chain(self.cycles.legs(states)));
         Stretch { legs, docking: vec![first, second], stage }
     }

@@ -94,7 +94,13 @@ fn structure(count: usize, at: Pose) -> Vec<Dock> {
 }
 
 /// Carries legs out stroke for stroke but for its sums, and finds the docks by the rule of recognition.
-fn simulated(order: &MicrorobotsOrder, starts: &[Pose], docked: &[bool], legs: &[Leg], docks: &[Dock]) -> (Vec<Pose>, Vec<Docking>) {
+fn simulated(
+    order: &MicrorobotsOrder,
+    starts: &[Pose],
+    docked: &[bool],
+    legs: &[Leg],
+    docks: &[Dock],
+) -> (Vec<Pose>, Vec<Docking>) {
     let (mut poses, mut docked, mut found) = (starts.to_vec(), docked.to_vec(), Vec::new());
     let world = World::new(order);
     for (index, leg) in legs.iter().enumerate() {
@@ -174,6 +180,11 @@ fn structures_of_two_to_five_robots_are_assembled() {
         let docks = structure(count, pose(1000.0, 1800.0, 20.0));
         let found = assembled(&order, &docks).unwrap_or_else(|stuck| panic!("{count} robots: {stuck:?}"));
         assert_eq!(found.stages.len(), count - 1);
-        println!("{count}: {} legs {:.2} s, least {:.2} s", found.legs.len(), found.duration_ns as f64 / 1e9, found.least_ns as f64 / 1e9);
+        println!(
+            "{count}: {} legs {:.2} s, least {:.2} s",
+            found.legs.len(),
+            found.duration_ns as f64 / 1e9,
+            found.least_ns as f64 / 1e9
+        );
     }
 }
