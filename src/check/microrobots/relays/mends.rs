@@ -8,8 +8,8 @@ use super::faults::{self, Census};
 use super::table::{Table, volts_v};
 use super::{Gaps, Mend, Problem, Transition};
 
-/// Decimals that are tried: tenths of a volt first, the nanovolt last.
-const GRAINS: [i64; 5] = [200_000_000, 20_000_000, 2_000_000, 2_000, 2];
+/// Decimals that are tried: a nanovolt to a tenth of a volt.
+const GRAINS: [i64; 5] = [2, 2_000, 2_000_000, 20_000_000, 200_000_000];
 
 /// How much good a change does; the best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,11 +43,10 @@ fn mend(clinic: &Clinic) -> Option<Mend> {
         if best.is_some_and(|(good, far, _)| far + clinic.patience(good) <= place.far()) {
             break;
         }
-        for (good, to) in clinic.tried(place) {
-            let far = (to - place.from).abs();
-            if best.is_none_or(|(other, least, _)| (good, far) < (other, least)) {
-                best = Some((good, far, Mend { row: place.row, transition: place.transition, to_v: volts_v(to) }));
-            }
+        let Some((good, to)) = clinic.tried(place) else { continue };
+        let far = (to - place.from).abs();
+        if best.is_none_or(|(other, least, _)| (good, far) < (other, least)) {
+            best = Some((good, far, Mend { row: place.row, transition: place.transition, to_v: volts_v(to) }));
         }
     }
     best.map(|(_, _, mend)| mend)
@@ -128,22 +127,17 @@ impl Clinic<'_> {
         limits.into_iter().chain(others).filter(|to| (0..=table.max).contains(to)).flat_map(place).collect()
     }
 
-    /// Round voltages at a place that do some good; the coarsest that do all or the most.
-    fn tried(&self, place: Place) -> Vec<(Good, i64)> {
-        let mut found: Vec<(Good, i64)> = Vec::new();
+    /// The coarsest voltage at a place that does as much good as one just there.
+    fn tried(&self, place: Place) -> Option<(Good, i64)> {
         let mut changed = self.table.clone();
-        for to in GRAINS.iter().flat_map(|grain| place.rounded(*grain)) {
+        let mut good_of = |to: i64| {
             changed.set(place.row, place.transition, to);
-            if let Some(good) = self.good(&changed, place)
-                && found.iter().all(|(other, _)| good < *other)
-            {
-                found.push((good, to));
-                if good == Good::All {
-                    break;
-                }
-            }
-        }
-        found
+            self.good(&changed, place)
+        };
+        let [finest, ..] = GRAINS;
+        let best = place.rounded(finest).into_iter().filter_map(&mut good_of).min()?;
+        let rounded = GRAINS.iter().rev().flat_map(|grain| place.rounded(*grain));
+        rounded.map(|to| (good_of(to), to)).find_map(|(good, to)| good.filter(|good| *good <= best).zip(Some(to)))
     }
 
     /// How much good a table with a change in one row does.
