@@ -1,8 +1,11 @@
 //! The planner of STRING microrobots: one voltage drives all robots, so that a plan is one sequence of control states, each
 //! with a train of strokes, and every robot moves with every stroke.
 
+pub mod drive;
 pub mod free;
 mod job;
+pub mod strokes;
+pub mod ways;
 pub mod world;
 
 pub use job::{Standing, plan};

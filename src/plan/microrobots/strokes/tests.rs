@@ -15,7 +15,8 @@ fn robot(radius_um: f64, step_um: f64, turning: Turning) -> Robot {
 
 fn robots() -> impl Strategy<Value = Robot> {
     let turning = prop_oneof![Just(Turning::Clockwise), Just(Turning::Counterclockwise)];
-    (30.0..400.0f64, 0.01..0.02f64, turning).prop_map(|(radius_um, step_um, turning)| robot(radius_um, step_um, turning))
+    (30.0..400.0f64, 0.01..0.02f64, turning)
+        .prop_map(|(radius_um, step_um, turning)| robot(radius_um, step_um, turning))
 }
 
 fn pose() -> impl Strategy<Value = Pose> {

@@ -96,7 +96,11 @@ fn of_obstacle(body: &Rounded, keep_um: f64, points: &mut Vec<Point>) {
     let side = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]).atan2(b[0] - a[0]);
     match &body.core {
         Core::Point(point) => {
-            of_disc(&Disc { centre_um: [point.x, point.y], radius_um: body.radius_um }, keep_um - body.radius_um, points);
+            of_disc(
+                &Disc { centre_um: [point.x, point.y], radius_um: body.radius_um },
+                keep_um - body.radius_um,
+                points,
+            );
         }
         Core::Segment([a, b]) => {
             let heading_rad = side([a.x, a.y], [b.x, b.y]);
@@ -180,4 +184,3 @@ fn lattice(task: &Task, points: &[Point], found: &mut Vec<[f64; 2]>) {
     let at = |axis: usize, index: usize| low[axis] + (high[axis] - low[axis]) * index as f64 / (LATTICE - 1) as f64;
     found.extend((0..LATTICE * LATTICE).map(|index| [at(0, index % LATTICE), at(1, index / LATTICE)]));
 }
-

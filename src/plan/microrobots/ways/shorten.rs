@@ -20,7 +20,9 @@ pub(super) fn shortened(task: &Task, way: Vec<Segment>) -> Vec<Segment> {
     let mut tries = 0;
     let mut step_um = STEPS_UM[0];
     while step_um >= STEPS_UM[1] && tries < MAX_TRIES {
-        if leave_one_out(task, &mut corners, &mut best, &mut tries) || move_one(task, &mut corners, &mut best, &mut tries, step_um) {
+        if leave_one_out(task, &mut corners, &mut best, &mut tries)
+            || move_one(task, &mut corners, &mut best, &mut tries, step_um)
+        {
             continue;
         }
         step_um /= 2.0;
@@ -68,12 +70,7 @@ fn improves(task: &Task, corners: &[[f64; 2]], best: &mut (f64, Vec<Segment>), t
     better
 }
 
-fn leave_one_out(
-    task: &Task,
-    corners: &mut Vec<[f64; 2]>,
-    best: &mut (f64, Vec<Segment>),
-    tries: &mut usize,
-) -> bool {
+fn leave_one_out(task: &Task, corners: &mut Vec<[f64; 2]>, best: &mut (f64, Vec<Segment>), tries: &mut usize) -> bool {
     for index in 0..corners.len() {
         let corner = corners.remove(index);
         if improves(task, corners, best, tries) {
@@ -93,7 +90,14 @@ fn move_one(
 ) -> bool {
     let half = step_um * std::f64::consts::FRAC_1_SQRT_2;
     let moves = [
-        [step_um, 0.0], [half, half], [0.0, step_um], [-half, half], [-step_um, 0.0], [-half, -half], [0.0, -step_um], [half, -half],
+        [step_um, 0.0],
+        [half, half],
+        [0.0, step_um],
+        [-half, half],
+        [-step_um, 0.0],
+        [-half, -half],
+        [0.0, -step_um],
+        [half, -half],
     ];
     let mut moved = false;
     for index in 0..corners.len() {

@@ -14,7 +14,11 @@ fn disc(x_um: f64, y_um: f64, radius_um: f64) -> crate::check::claims::microrobo
 }
 
 /// The way found, proven to be free by samples; with the states that were taken.
-fn found(obstacles: Vec<crate::check::claims::microrobots::Obstacle>, from: Pose, to: Pose) -> Result<(Found, u64), NoWay> {
+fn found(
+    obstacles: Vec<crate::check::claims::microrobots::Obstacle>,
+    from: Pose,
+    to: Pose,
+) -> Result<(Found, u64), NoWay> {
     let order = bed(vec![(robot("D1", 150.0, 0.015), from)], obstacles);
     let world = World::new(&order);
     let fixtures = Fixtures::default();
@@ -30,21 +34,27 @@ fn found(obstacles: Vec<crate::check::claims::microrobots::Obstacle>, from: Pose
         at = task.facts().moved(at, segment.arm, segment.way_um);
     }
     assert!((at.x_um - to.x_um).hypot(at.y_um - to.y_um) < 1e-3, "{at:?}");
-    assert!(free::turn_rad(task.facts(), at.heading_rad, to.heading_rad).min(TAU - free::turn_rad(task.facts(), at.heading_rad, to.heading_rad)) < 1e-6);
+    assert!(
+        free::turn_rad(task.facts(), at.heading_rad, to.heading_rad)
+            .min(TAU - free::turn_rad(task.facts(), at.heading_rad, to.heading_rad))
+            < 1e-6
+    );
     println!("{:.1} of {:.1} in {} legs, {} taken", found.length_um, found.bound_um, found.way.len(), meter.spent());
     Ok((found, meter.spent()))
 }
 
 #[test]
 fn nothing_in_the_way_is_the_optimum() {
-    let (found, taken) = found(vec![disc(0.0, 3_000.0, 50.0)], pose(0.0, 0.0, 0.0), pose(2_000.0, -500.0, -60.0)).unwrap();
+    let (found, taken) =
+        found(vec![disc(0.0, 3_000.0, 50.0)], pose(0.0, 0.0, 0.0), pose(2_000.0, -500.0, -60.0)).unwrap();
     assert!(taken == 0 && (found.length_um - found.bound_um).abs() < 1e-9);
 }
 
 #[test]
 fn a_disc_in_the_way_is_passed() {
     for y_um in [-60.0, 0.0, 60.0] {
-        let (found, taken) = found(vec![disc(1_000.0, y_um, 50.0)], pose(0.0, 0.0, 0.0), pose(2_000.0, 0.0, 0.0)).unwrap();
+        let (found, taken) =
+            found(vec![disc(1_000.0, y_um, 50.0)], pose(0.0, 0.0, 0.0), pose(2_000.0, 0.0, 0.0)).unwrap();
         // To the side and back takes a whole turn.
         assert!(found.length_um < 2_000.0 + TAU * 150.0 + 60.0, "{found:?}");
         assert!(taken < 20_000, "{taken}");

@@ -58,7 +58,6 @@ impl Track {
         }
     }
 
-
     /// The body at an instant.
     pub(super) fn at(&self, strokes: f64) -> Rectangle {
         let (centre_um, axis) = match self.kind {
