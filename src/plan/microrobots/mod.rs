@@ -2,9 +2,12 @@
 //! with a train of strokes, and every robot moves with every stroke.
 
 pub mod assembly;
+pub mod drive;
 pub mod fine;
 pub mod free;
 mod job;
+pub mod strokes;
+pub mod ways;
 mod why;
 pub mod world;
 
