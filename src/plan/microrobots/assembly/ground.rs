@@ -60,12 +60,11 @@ impl Ground {
 
 /// What is in the way, by its index in the order.
 fn blocker(bed: &Bed, steered: &[usize], obstruction: Obstruction) -> Blocker {
-    let nth = |mut robots: Box<dyn Iterator<Item = usize> + '_>, index| robots.nth(index).unwrap_or(usize::MAX);
+    let waiting = |index| bed.others(steered).nth(index).unwrap_or(usize::MAX);
+    let docked = |index| (0..bed.poses.len()).filter(|robot| bed.docked[*robot]).nth(index).unwrap_or(usize::MAX);
     match obstruction {
         Obstruction::Obstacle(index) => Blocker::Obstacle(index),
-        Obstruction::Disc(index) => Blocker::Orbit(nth(Box::new(bed.others(steered)), index)),
-        Obstruction::Body(index) => {
-            Blocker::Docked(nth(Box::new((0..bed.poses.len()).filter(|robot| bed.docked[*robot])), index))
-        }
+        Obstruction::Disc(index) => Blocker::Orbit(waiting(index)),
+        Obstruction::Body(index) => Blocker::Docked(docked(index)),
     }
 }

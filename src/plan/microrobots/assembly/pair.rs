@@ -33,6 +33,9 @@ const MAX_ORBITS: usize = 8;
 /// Ways of the first robot that are looked at for one time.
 const MAX_WAYS: usize = 12;
 
+/// By how many strokes a way changes at most when it is put into whole ones, more or less.
+const FEW_STROKES: f64 = 4.0;
+
 /// Two robots, and how the bed can steer them while all others orbit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Roles {
@@ -114,25 +117,33 @@ impl<'a> Pairing<'a> {
                 met = met.or(Some(obstruction));
                 continue;
             }
-            for orbits in 0..=MAX_ORBITS {
-                let circles_um = TAU * second.turning_radius_um * orbits as f64;
-                let circles = Segment { arm: Arm::Down, way_um: circles_um };
-                let way: Vec<Segment> = joined_segments([circles].into_iter().chain(way.iter().copied()));
-                let total_um = length_um(&way);
-                found.push(Departure { way, total_um });
-            }
+            found.extend(self.with_circles(&way));
         }
         found.sort_by(|a, b| a.total_um.total_cmp(&b.total_um));
         met.filter(|_| found.is_empty()).map_or(Ok(found), Err)
+    }
+
+    /// A way of the second robot with full circles at its start, and where it turns last: the first can be driven meanwhile.
+    fn with_circles(&self, way: &[Segment]) -> Vec<Departure> {
+        let circle_um = TAU * self.facts[1].turning_radius_um;
+        let circles = |count: usize| [Segment { arm: Arm::Down, way_um: circle_um * count as f64 }];
+        let way = joined_segments(way.iter().copied());
+        let later = way.iter().rposition(|segment| segment.arm == Arm::Down).filter(|at| *at > 0).unwrap_or(way.len());
+        let (before, after) = way.split_at(later);
+        let departure = |(early, late): (usize, usize)| {
+            let before = circles(early).into_iter().chain(before.iter().copied());
+            let way = joined_segments(before.chain(circles(late)).chain(after.iter().copied()));
+            Departure { total_um: length_um(&way), way }
+        };
+        (0..=MAX_ORBITS).flat_map(|all| (0..=all).map(move |late| (all - late, late))).map(departure).collect()
     }
 
     /// Legs that bring both robots to their approaches at the same time, the second by this way.
     fn timed(&self, departure: &Departure, ground: &Ground, fixtures: &Fixtures) -> Vec<Vec<Leg>> {
         let [first, second] = self.facts;
         let total = (departure.total_um / second.step_um).round() as u64;
-        let turns = departure.way.first().filter(|segment| segment.arm == Arm::Down);
-        let orbit_um = turns.map_or(0.0, |segment| segment.way_um);
-        let straight = ((departure.total_um - orbit_um) / second.step_um).ceil();
+        let last = departure.way.last().filter(|segment| segment.arm == Arm::Up);
+        let straight = last.map_or(0.0, |segment| (segment.way_um / second.step_um).ceil());
         let forced = u64::from(self.forced.is_some());
         let start = self.forced.map_or(self.from[0], |arm| first.moved(self.from[0], arm, first.step_um));
         let asked = Asked {
@@ -142,8 +153,11 @@ impl<'a> Pairing<'a> {
             least_last_um: straight * first.step_um,
         };
         let index = self.roles.first;
+        let fits = |way: &Vec<Segment>| {
+            turns_within((way, forced as f64, first.step_um), (&departure.way, second.step_um))
+        };
         let clear = |way: &Vec<Segment>| ground.world.obstruction_on(index, start, way, fixtures).is_none();
-        let ways: Vec<Vec<Segment>> = closings(first, &asked).into_iter().filter(clear).take(MAX_WAYS).collect();
+        let ways: Vec<Vec<Segment>> = closings(first, &asked).into_iter().filter(fits).filter(clear).take(MAX_WAYS).collect();
         if ways.is_empty() {
             return Vec::new();
         }
@@ -170,4 +184,26 @@ impl<'a> Pairing<'a> {
         let legs = joined(legs.into_iter().chain(self.cycles.legs(states)));
         Stretch { legs, docking: vec![first, second], stage }
     }
+}
+
+/// Whether one robot turns only while the other does, up to a few strokes. The ways come with what one stroke is of them, the first one
+/// with the strokes before it, too.
+fn turns_within((way, before, step_um): (&[Segment], f64, f64), (other, other_step_um): (&[Segment], f64)) -> bool {
+    let turns = |way: &[Segment], before: f64, step_um: f64| {
+        let mut end = before;
+        let mut spans: Vec<[f64; 2]> = Vec::new();
+        for segment in way {
+            let start = end;
+            end += segment.way_um / step_um;
+            if segment.arm == Arm::Down && end - start > FEW_STROKES {
+                spans.push([start + FEW_STROKES, end - FEW_STROKES]);
+            }
+        }
+        spans
+    };
+    let theirs = turns(other, 0.0, other_step_um);
+    let covered = |span: &[f64; 2]| {
+        theirs.iter().any(|other| other[0] - FEW_STROKES <= span[0] && span[1] <= other[1] + FEW_STROKES)
+    };
+    turns(way, before, step_um).iter().all(covered)
 }

@@ -177,3 +177,57 @@ fn structures_of_two_to_five_robots_are_assembled() {
         println!("{count}: {} legs {:.2} s, least {:.2} s", found.legs.len(), found.duration_ns as f64 / 1e9, found.least_ns as f64 / 1e9);
     }
 }
+
+/// A small generator of numbers from 0 to 1.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// A disc in the scene.
+fn disc(x_um: f64, y_um: f64, radius_um: f64) -> Obstacle {
+    Obstacle { name: "disc".into(), shape: Shape::Disc { radius_um }, pose: pose(x_um, y_um, 0.0), span: Default::default() }
+}
+
+/// Places that keep apart from one another, on a bed of `side_um`.
+fn scattered(dice: &mut Dice, count: usize, side_um: f64, apart_um: f64) -> Vec<Pose> {
+    let mut found: Vec<Pose> = Vec::new();
+    while found.len() < count {
+        let next = pose(side_um * dice.roll(), side_um * dice.roll(), 360.0 * dice.roll());
+        if found.iter().all(|other| (other.x_um - next.x_um).hypot(other.y_um - next.y_um) >= apart_um) {
+            found.push(next);
+        }
+    }
+    found
+}
+
+#[test]
+fn explore() {
+    let mut dice = Dice(7);
+    let mut failed = std::collections::BTreeMap::new();
+    for trial in 0..400 {
+        let count = 2 + trial % 4;
+        let obstacles = (trial / 4) % 5;
+        let places = scattered(&mut dice, count + 1 + obstacles, 4500.0, 900.0);
+        let starts = &places[..count];
+        let docks = structure(count, places[count]);
+        let blocks = places[count + 1..].iter().map(|p| disc(p.x_um, p.y_um, 60.0 + 100.0 * dice.roll())).collect();
+        let order = order(starts, string_states(count), blocks);
+        let begun = std::time::SystemTime::now();
+        let found = assembled(&order, &docks);
+        let took = begun.elapsed().unwrap().as_secs_f64();
+        let what = match &found {
+            Ok(found) => format!("ok {:.1} / {:.1}", found.duration_ns as f64 / 1e9, found.least_ns as f64 / 1e9),
+            Err(stuck) => format!("{stuck:?}"),
+        };
+        if took > 0.1 || found.is_err() {
+            println!("trial {trial} robots {count} obstacles {obstacles}: {took:.3} s {what}");
+        }
+        *failed.entry((count, found.is_ok())).or_insert(0) += 1;
+    }
+    println!("{failed:?}");
+}
