@@ -19,7 +19,8 @@ use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
 use crate::plan::microrobots::fine::Cycles;
 use crate::plan::microrobots::free::{Segment, joined as joined_segments, length_um};
-use crate::plan::microrobots::world::{Fixtures, Obstruction};
+use crate::plan::microrobots::ways::{NoWay, Task};
+use crate::plan::microrobots::world::Fixtures;
 use crate::plan::microrobots::{Leg, Stage};
 use crate::plan::search::Meter;
 use std::f64::consts::TAU;
@@ -59,9 +60,8 @@ pub fn plan(bed: &Bed, roles: Roles, docks: [&Dock; 2], ground: &Ground, meter: 
     let pairing = Pairing::new(bed, roles, docks);
     let mut stuck = Stuck::Untimely { first: roles.first, second: roles.second };
     let fixtures = ground.fixtures(bed, &[roles.first, roles.second])?;
-    let in_the_way = |obstruction| ground.no_way(bed, roles.second, &[roles.first, roles.second], obstruction);
-    for departure in pairing.departures(ground, &fixtures).map_err(in_the_way)? {
-        for legs in pairing.timed(&departure, ground, &fixtures) {
+    for departure in pairing.departures((ground, &fixtures), meter)? {
+        for legs in pairing.timed(&departure, (ground, &fixtures)) {
             meter.step().ok_or(Stuck::GaveUp)?;
             let stretch = pairing.stretch(legs);
             match ground.first_hit(bed, &stretch) {
@@ -87,6 +87,9 @@ struct Pairing<'a> {
     forced: Option<Arm>,
 }
 
+/// The rules of collision, and what rests while the two are steered.
+type Site<'a> = (&'a Ground, &'a Fixtures);
+
 /// A way of the second robot from where it is to its approach; it turns at first.
 struct Departure {
     way: Vec<Segment>,
@@ -108,19 +111,26 @@ impl<'a> Pairing<'a> {
         Pairing { bed, roles, facts, from, goals, approach, aims, cycles, forced }
     }
 
-    /// Ways of the second robot that meet nothing that rests, the shortest first; or what the shortest of all meets.
-    fn departures(&self, ground: &Ground, fixtures: &Fixtures) -> Result<Vec<Departure>, Obstruction> {
-        let (second, from) = (self.facts[1], self.from[1]);
-        let (mut found, mut met) = (Vec::new(), None);
-        for way in detours(second, from, self.approach[1], &[0.0], &stretches(second, RUNS)) {
-            if let Some((_, obstruction)) = ground.world.obstruction_on(self.roles.second, from, &way, fixtures) {
-                met = met.or(Some(obstruction));
-                continue;
+    /// Ways of the second robot that meet nothing that rests, the shortest first.
+    fn departures(&self, (ground, fixtures): Site, meter: &mut Meter) -> Result<Vec<Departure>, Stuck> {
+        let (second, from, to) = (self.facts[1], self.from[1], self.approach[1]);
+        let index = self.roles.second;
+        let clear = |way: &Vec<Segment>| ground.world.obstruction_on(index, from, way, fixtures).is_none();
+        let mut ways: Vec<Vec<Segment>> =
+            detours(second, from, to, &[0.0], &stretches(second, RUNS)).into_iter().filter(clear).collect();
+        let task = Task { world: &ground.world, robot: index, from, to, fixtures };
+        match task.find(meter) {
+            Ok(found) => ways.push(found.way),
+            Err(NoWay::GaveUp(_)) => return Err(Stuck::GaveUp),
+            Err(NoWay::Start(other) | NoWay::Goal(other) | NoWay::Blocked(other)) if ways.is_empty() => {
+                let steered = [self.roles.first, self.roles.second];
+                return Err(ground.no_way(self.bed, index, &steered, other));
             }
-            found.extend(self.with_circles(&way));
+            Err(NoWay::Start(_) | NoWay::Goal(_) | NoWay::Blocked(_)) => {}
         }
+        let mut found: Vec<Departure> = ways.iter().flat_map(|way| self.with_circles(way)).collect();
         found.sort_by(|a, b| a.total_um.total_cmp(&b.total_um));
-        met.filter(|_| found.is_empty()).map_or(Ok(found), Err)
+        Ok(found)
     }
 
     /// A way of the second robot with full circles at its start, and where it turns last: the first can be driven meanwhile.
@@ -139,7 +149,7 @@ impl<'a> Pairing<'a> {
     }
 
     /// Legs that bring both robots to their approaches at the same time, the second by this way.
-    fn timed(&self, departure: &Departure, ground: &Ground, fixtures: &Fixtures) -> Vec<Vec<Leg>> {
+    fn timed(&self, departure: &Departure, (ground, fixtures): Site) -> Vec<Vec<Leg>> {
         let [first, second] = self.facts;
         let total = (departure.total_um / second.step_um).round() as u64;
         let last = departure.way.last().filter(|segment| segment.arm == Arm::Up);
