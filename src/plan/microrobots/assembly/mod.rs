@@ -14,6 +14,7 @@ mod closing;
 mod ground;
 mod orders;
 mod pair;
+mod roundabout;
 mod single;
 mod track;
 

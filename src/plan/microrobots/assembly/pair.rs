@@ -60,27 +60,33 @@ pub fn plan(bed: &Bed, roles: Roles, docks: [&Dock; 2], ground: &Ground, meter: 
     let pairing = Pairing::new(bed, roles, docks);
     let mut stuck = Stuck::Untimely { first: roles.first, second: roles.second };
     let fixtures = ground.fixtures(bed, &[roles.first, roles.second])?;
-    for departure in pairing.departures((ground, &fixtures), meter)? {
-        for legs in pairing.timed(&departure, (ground, &fixtures)) {
-            meter.step().ok_or(Stuck::GaveUp)?;
-            let stretch = pairing.stretch(legs);
-            match ground.first_hit(bed, &stretch) {
-                None => return Ok(stretch),
-                Some(hit) => stuck = Stuck::Blocked { robot: roles.first, partner: Some(roles.second), hit },
-            }
+    let site = (ground, &fixtures);
+    let ways = pairing.ways_of_second(site, meter)?;
+    let mut departures: Vec<Departure> = ways.iter().flat_map(|way| pairing.with_circles(way)).collect();
+    departures.sort_by(|a, b| a.total_um.total_cmp(&b.total_um));
+    for departure in departures {
+        let legs = pairing.timed(&departure, site);
+        if let Some(stretch) = pairing.first_free(&departure, legs, (ground, meter), &mut stuck)? {
+            return Ok(stretch);
+        }
+    }
+    for (departure, way) in pairing.roundabout(&ways, site, meter)? {
+        let legs = pairing.legs(&departure, vec![way], site);
+        if let Some(stretch) = pairing.first_free(&departure, legs, (ground, meter), &mut stuck)? {
+            return Ok(stretch);
         }
     }
     Err(stuck)
 }
 
 /// What does not change while ways are looked for.
-struct Pairing<'a> {
-    bed: &'a Bed<'a>,
-    roles: Roles,
-    facts: [&'a Robot; 2],
+pub(super) struct Pairing<'a> {
+    pub bed: &'a Bed<'a>,
+    pub roles: Roles,
+    pub facts: [&'a Robot; 2],
     from: [Pose; 2],
     goals: [Pose; 2],
-    approach: [Pose; 2],
+    pub approach: [Pose; 2],
     aims: [Aim; 2],
     cycles: Cycles<3>,
     /// How the first robot's arm has to be at first, since legs that follow one another differ in their states.
@@ -88,12 +94,15 @@ struct Pairing<'a> {
 }
 
 /// The rules of collision, and what rests while the two are steered.
-type Site<'a> = (&'a Ground, &'a Fixtures);
+pub(super) type Site<'a> = (&'a Ground, &'a Fixtures);
 
 /// A way of the second robot from where it is to its approach; it turns at first.
-struct Departure {
-    way: Vec<Segment>,
-    total_um: f64,
+#[derive(Debug, Clone)]
+pub(super) struct Departure {
+    pub way: Vec<Segment>,
+    pub total_um: f64,
+    /// Where it orbits a second time, if it does.
+    pub halt: Option<Pose>,
 }
 
 impl<'a> Pairing<'a> {
@@ -111,8 +120,27 @@ impl<'a> Pairing<'a> {
         Pairing { bed, roles, facts, from, goals, approach, aims, cycles, forced }
     }
 
-    /// Ways of the second robot that meet nothing that rests, the shortest first.
-    fn departures(&self, (ground, fixtures): Site, meter: &mut Meter) -> Result<Vec<Departure>, Stuck> {
+    /// The first of these that the rules of collision allow; what stops the last one is noted.
+    fn first_free(
+        &self,
+        departure: &Departure,
+        legs: Vec<Vec<Leg>>,
+        (ground, meter): (&Ground, &mut Meter),
+        stuck: &mut Stuck,
+    ) -> Result<Option<Stretch>, Stuck> {
+        for legs in legs {
+            meter.step().ok_or(Stuck::GaveUp)?;
+            let stretch = self.stretch(legs, departure.halt);
+            match ground.first_hit(self.bed, &stretch) {
+                None => return Ok(Some(stretch)),
+                Some(hit) => *stuck = Stuck::Blocked { robot: self.roles.first, partner: Some(self.roles.second), hit },
+            }
+        }
+        Ok(None)
+    }
+
+    /// Ways of the second robot that meet nothing that rests, those along its goal's axis first, the shortest first.
+    fn ways_of_second(&self, (ground, fixtures): Site, meter: &mut Meter) -> Result<Vec<Vec<Segment>>, Stuck> {
         let (second, from, to) = (self.facts[1], self.from[1], self.approach[1]);
         let index = self.roles.second;
         let clear = |way: &Vec<Segment>| ground.world.obstruction_on(index, from, way, fixtures).is_none();
@@ -128,71 +156,90 @@ impl<'a> Pairing<'a> {
             }
             Err(NoWay::Start(_) | NoWay::Goal(_) | NoWay::Blocked(_)) => {}
         }
-        let mut found: Vec<Departure> = ways.iter().flat_map(|way| self.with_circles(way)).collect();
-        found.sort_by(|a, b| a.total_um.total_cmp(&b.total_um));
-        Ok(found)
+        Ok(ways)
     }
 
-    /// A way of the second robot with full circles at its start, and where it turns last: the first can be driven meanwhile.
+    /// Ways of the second robot with full circles at its start, and where it turns last: the first can be driven meanwhile.
     fn with_circles(&self, way: &[Segment]) -> Vec<Departure> {
-        let circle_um = TAU * self.facts[1].turning_radius_um;
-        let circles = |count: usize| [Segment { arm: Arm::Down, way_um: circle_um * count as f64 }];
+        let counts = (0..=MAX_ORBITS).flat_map(|all| (0..=all).map(move |late| [all - late, late]));
+        counts.map(|circles| self.departure(way, circles)).collect()
+    }
+
+    pub fn departure(&self, way: &[Segment], [early, late]: [usize; 2]) -> Departure {
+        let second = self.facts[1];
+        let circles =
+            |count: usize| [Segment { arm: Arm::Down, way_um: TAU * second.turning_radius_um * count as f64 }];
         let way = joined_segments(way.iter().copied());
         let later = way.iter().rposition(|segment| segment.arm == Arm::Down).filter(|at| *at > 0).unwrap_or(way.len());
         let (before, after) = way.split_at(later);
-        let departure = |(early, late): (usize, usize)| {
-            let before = circles(early).into_iter().chain(before.iter().copied());
-            let way = joined_segments(before.chain(circles(late)).chain(after.iter().copied()));
-            Departure { total_um: length_um(&way), way }
-        };
-        (0..=MAX_ORBITS).flat_map(|all| (0..=all).map(move |late| (all - late, late))).map(departure).collect()
+        let go = |pose, segment: &Segment| second.moved(pose, segment.arm, segment.way_um);
+        let halt = (late > 0).then(|| before.iter().fold(self.from[1], go));
+        let before = circles(early).into_iter().chain(before.iter().copied());
+        let way = joined_segments(before.chain(circles(late)).chain(after.iter().copied()));
+        Departure { total_um: length_um(&way), way, halt }
     }
 
     /// Legs that bring both robots to their approaches at the same time, the second by this way.
-    fn timed(&self, departure: &Departure, (ground, fixtures): Site) -> Vec<Vec<Leg>> {
-        let [first, second] = self.facts;
-        let total = (departure.total_um / second.step_um).round() as u64;
+    fn timed(&self, departure: &Departure, site: Site) -> Vec<Vec<Leg>> {
+        let first = self.facts[0];
         let last = departure.way.last().filter(|segment| segment.arm == Arm::Up);
-        let straight = last.map_or(0.0, |segment| (segment.way_um / second.step_um).ceil());
-        let forced = u64::from(self.forced.is_some());
-        let start = self.forced.map_or(self.from[0], |arm| first.moved(self.from[0], arm, first.step_um));
         let asked = Asked {
-            from: start,
+            from: self.first_from(),
             to: self.approach[0],
-            length_um: total.saturating_sub(forced) as f64 * first.step_um,
-            least_last_um: straight * first.step_um,
+            length_um: (self.total(departure) - self.forced_strokes()) as f64 * first.step_um,
+            least_last_um: last.map_or(0.0, |segment| segment.way_um / self.facts[1].step_um * first.step_um),
         };
-        let index = self.roles.first;
+        self.legs(departure, closings(first, &asked), site)
+    }
+
+    /// Strokes of a way of the second robot, and so of the first one's: at least one more than are forced.
+    pub fn total(&self, departure: &Departure) -> u64 {
+        ((departure.total_um / self.facts[1].step_um).round() as u64).max(2)
+    }
+
+    pub fn forced_strokes(&self) -> u64 {
+        u64::from(self.forced.is_some())
+    }
+
+    /// Where the first robot is when it can be driven freely.
+    pub fn first_from(&self) -> Pose {
+        let first = self.facts[0];
+        self.forced.map_or(self.from[0], |arm| first.moved(self.from[0], arm, first.step_um))
+    }
+
+    /// Legs for those ways of the first robot that fit the second's, and meet nothing that rests.
+    fn legs(&self, departure: &Departure, ways: Vec<Vec<Segment>>, (ground, fixtures): Site) -> Vec<Vec<Leg>> {
+        let ([first, second], index, start) = (self.facts, self.roles.first, self.first_from());
+        let forced = self.forced_strokes();
         let fits = |way: &Vec<Segment>| {
             turns_within((way, forced as f64, first.step_um), (&departure.way, second.step_um))
         };
         let clear = |way: &Vec<Segment>| ground.world.obstruction_on(index, start, way, fixtures).is_none();
-        let ways: Vec<Vec<Segment>> = closings(first, &asked).into_iter().filter(fits).filter(clear).take(MAX_WAYS).collect();
-        if ways.is_empty() {
-            return Vec::new();
-        }
-        let Some(seconds) = whole(second, self.from[1], &departure.way, &self.aims[1], total) else { return Vec::new() };
+        let ways: Vec<Vec<Segment>> = ways.into_iter().filter(fits).filter(clear).take(MAX_WAYS).collect();
+        let total = self.total(departure);
+        let whole_second = || whole(second, self.from[1], &departure.way, &self.aims[1], total);
+        let Some(seconds) = (!ways.is_empty()).then(whole_second).flatten() else { return Vec::new() };
         let legs = |way: &Vec<Segment>| {
             let mut track = Track::default();
             self.forced.into_iter().for_each(|arm| track.push(arm, 1));
-            track.extend(&whole(first, start, way, &self.aims[0], total.checked_sub(forced)?)?);
+            track.extend(&whole(first, start, way, &self.aims[0], total - forced)?);
             legs_of_two(&track, &seconds, self.roles.states)
         };
         ways.iter().filter_map(legs).collect()
     }
 
     /// The whole stage, after legs that bring both to their approaches.
-    fn stretch(&self, legs: Vec<Leg>) -> Stretch {
+    fn stretch(&self, legs: Vec<Leg>, halt: Option<Pose>) -> Stretch {
         let Roles { first, second, states } = self.roles;
         let driven = legs.iter().rposition(|leg| leg.state == states[0]).map_or(0, |last| last + 1);
         let intermediate = legs[..driven].iter().fold(self.from[0], |pose, leg| {
             let arm = if leg.state == states[0] { Arm::Down } else { Arm::Up };
             self.facts[0].moved(pose, arm, self.facts[0].step_um * leg.strokes as f64)
         });
-        let stage =
-            Stage::Pair { first, second, states, intermediate, approach: self.approach, goals: self.goals };
+        let pair = Stage::Pair { first, second, states, intermediate, approach: self.approach, goals: self.goals };
+        let escort = halt.map(|to| Stage::Escort { robot: second, beside: first, states, to });
         let legs = joined(legs.into_iter().chain(self.cycles.legs(states)));
-        Stretch { legs, docking: vec![first, second], stage }
+        Stretch { legs, docking: vec![first, second], stages: escort.into_iter().chain([pair]).collect() }
     }
 }
 

@@ -102,7 +102,7 @@ impl<'a> Visit<'a> {
         let legs = legs_of_one(&track, self.states).into_iter().chain(self.cycles.legs(self.states));
         let Visit { index: robot, states, approach, goal, .. } = *self;
         let stage = Stage::Single { robot, states, approach, goal };
-        let stretch = Stretch { legs: joined(legs), docking: vec![robot], stage };
+        let stretch = Stretch { legs: joined(legs), docking: vec![robot], stages: vec![stage] };
         match ground.first_hit(self.bed, &stretch) {
             None => Ok(stretch),
             Some(hit) => Err(Stuck::Blocked { robot, partner: None, hit }),

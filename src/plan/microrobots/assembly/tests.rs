@@ -228,6 +228,7 @@ fn explore() {
             println!("trial {trial} robots {count} obstacles {obstacles}: {took:.3} s {what}");
         }
         *failed.entry((count, found.is_ok())).or_insert(0) += 1;
+        if let Ok(found) = &found { println!("T {trial} {:.2}", found.duration_ns as f64 / 1e9); }
     }
     println!("{failed:?}");
 }
