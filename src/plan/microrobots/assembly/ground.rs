@@ -3,9 +3,15 @@
 use super::bed::{Bed, Stretch};
 use super::{Blocker, Stuck};
 use crate::geometry::Pose;
+use crate::plan::microrobots::free::Segment;
+use crate::plan::microrobots::ways::{NoWay, Task};
 use crate::plan::microrobots::world::{Fixtures, Hit, Obstruction, World};
 use crate::plan::microrobots::{Docking, Leg};
+use crate::plan::search::{Budget, Meter};
 use std::f64::consts::TAU;
+
+/// States of one search for a way.
+const MAX_STATES: u64 = 5_000;
 
 /// The bed's world, and where everything stood when the assembly began.
 pub struct Ground {
@@ -35,9 +41,24 @@ impl Ground {
         Ok(fixtures)
     }
 
-    /// The failure of a robot with something in its way.
-    pub fn no_way(&self, bed: &Bed, robot: usize, steered: &[usize], obstruction: Obstruction) -> Stuck {
-        Stuck::NoWay { robot, blocker: blocker(bed, steered, obstruction) }
+    /// A way of a robot around what rests while some robots are steered.
+    pub fn way(
+        &self,
+        bed: &Bed,
+        steered: &[usize],
+        task: &Task,
+        meter: &mut Meter,
+    ) -> Result<Vec<Segment>, Stuck> {
+        let mut own = Meter::new(Budget::of(meter.left().steps.min(MAX_STATES)));
+        let found = task.find(&mut own);
+        meter.charge(own.spent());
+        match found {
+            Ok(found) => Ok(found.way),
+            Err(NoWay::GaveUp(_)) if meter.left().steps == 0 => Err(Stuck::GaveUp),
+            Err(NoWay::Start(by) | NoWay::Goal(by) | NoWay::Blocked(by) | NoWay::GaveUp(by)) => {
+                Err(Stuck::NoWay { robot: task.robot, blocker: blocker(bed, steered, by) })
+            }
+        }
     }
 
     /// What a bed's legs and one more stretch bring too near to one another, with the robots that wait orbiting once more

@@ -19,7 +19,7 @@ use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
 use crate::plan::microrobots::fine::Cycles;
 use crate::plan::microrobots::free::{Segment, joined as joined_segments, length_um};
-use crate::plan::microrobots::ways::{NoWay, Task};
+use crate::plan::microrobots::ways::Task;
 use crate::plan::microrobots::world::Fixtures;
 use crate::plan::microrobots::{Leg, Stage};
 use crate::plan::search::Meter;
@@ -30,6 +30,9 @@ const RUNS: usize = 40;
 
 /// Full circles of the second robot's orbit that are tried beyond its shortest way.
 const MAX_ORBITS: usize = 8;
+
+/// Shares of the fine motion that are tried where the whole of it has no room.
+pub const FINE_SHARES: [u64; 3] = [1, 2, 4];
 
 /// Ways of the first robot that are looked at for one time.
 const MAX_WAYS: usize = 12;
@@ -57,10 +60,23 @@ pub fn roles(bed: &Bed, first: usize, second: usize) -> Option<Roles> {
 
 /// The stretch that docks both.
 pub fn plan(bed: &Bed, roles: Roles, docks: [&Dock; 2], ground: &Ground, meter: &mut Meter) -> Result<Stretch, Stuck> {
-    let pairing = Pairing::new(bed, roles, docks);
-    let mut stuck = Stuck::Untimely { first: roles.first, second: roles.second };
     let fixtures = ground.fixtures(bed, &[roles.first, roles.second])?;
-    let site = (ground, &fixtures);
+    let mut worst = None;
+    for share in FINE_SHARES {
+        let pairing = Pairing::new(bed, roles, docks, share);
+        match brought_together(&pairing, (ground, &fixtures), meter) {
+            Ok(stretch) => return Ok(stretch),
+            Err(Stuck::GaveUp) => return Err(Stuck::GaveUp),
+            Err(stuck) => worst = worst.or(Some(stuck)),
+        }
+    }
+    Err(worst.unwrap_or(Stuck::GaveUp))
+}
+
+/// The same with one length of the fine motion.
+fn brought_together(pairing: &Pairing, site: Site, meter: &mut Meter) -> Result<Stretch, Stuck> {
+    let (ground, roles) = (site.0, pairing.roles);
+    let mut stuck = Stuck::Untimely { first: roles.first, second: roles.second };
     let ways = pairing.ways_of_second(site, meter)?;
     let mut departures: Vec<Departure> = ways.iter().flat_map(|way| pairing.with_circles(way)).collect();
     departures.sort_by(|a, b| a.total_um.total_cmp(&b.total_um));
@@ -106,11 +122,12 @@ pub(super) struct Departure {
 }
 
 impl<'a> Pairing<'a> {
-    fn new(bed: &'a Bed<'a>, roles: Roles, docks: [&Dock; 2]) -> Self {
+    fn new(bed: &'a Bed<'a>, roles: Roles, docks: [&Dock; 2], share: u64) -> Self {
         let robots = [roles.first, roles.second];
         let facts = robots.map(|robot| bed.robot(robot));
         let goals = docks.map(|dock| dock.goal.pose);
         let cycles = Cycles::symmetric(&bed.order.facts.fine, &facts.map(|facts| facts.step_um));
+        let cycles = Cycles { count: cycles.count.div_ceil(share), ..cycles };
         let approach = [0, 1].map(|at| cycles.backward(facts[at], ARMS[at], goals[at]));
         let motion = [0, 1].map(|at| cycles.forward(facts[at], ARMS[at], Pose::at(0.0, 0.0)));
         let aims = [0, 1].map(|at| Aim { goal: goals[at], precision: bed.order.precision, motion: motion[at] });
@@ -147,14 +164,10 @@ impl<'a> Pairing<'a> {
         let mut ways: Vec<Vec<Segment>> =
             detours(second, from, to, &[0.0], &stretches(second, RUNS)).into_iter().filter(clear).collect();
         let task = Task { world: &ground.world, robot: index, from, to, fixtures };
-        match task.find(meter) {
-            Ok(found) => ways.push(found.way),
-            Err(NoWay::GaveUp(_)) => return Err(Stuck::GaveUp),
-            Err(NoWay::Start(other) | NoWay::Goal(other) | NoWay::Blocked(other)) if ways.is_empty() => {
-                let steered = [self.roles.first, self.roles.second];
-                return Err(ground.no_way(self.bed, index, &steered, other));
-            }
-            Err(NoWay::Start(_) | NoWay::Goal(_) | NoWay::Blocked(_)) => {}
+        match ground.way(self.bed, &[self.roles.first, index], &task, meter) {
+            Ok(way) => ways.push(way),
+            Err(stuck) if ways.is_empty() || stuck == Stuck::GaveUp => return Err(stuck),
+            Err(_) => {}
         }
         Ok(ways)
     }

@@ -9,7 +9,7 @@ use super::pair::{Departure, Pairing, Site};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::free::{Segment, joined, length_um};
-use crate::plan::microrobots::ways::{NoWay, Task};
+use crate::plan::microrobots::ways::Task;
 use crate::plan::search::Meter;
 use std::f64::consts::{PI, TAU};
 
@@ -67,10 +67,10 @@ impl Pairing<'_> {
         let from: Pose = first.moved(self.first_from(), Arm::Up, before_um);
         let to: Pose = first.moved(self.approach[0], Arm::Up, -after_um - lead_um);
         let task = Task { world: &ground.world, robot: self.roles.first, from, to, fixtures };
-        let middle = match task.find(meter) {
-            Ok(found) => found.way,
-            Err(NoWay::GaveUp(_)) => return Err(Stuck::GaveUp),
-            Err(NoWay::Start(_) | NoWay::Goal(_) | NoWay::Blocked(_)) => return Ok(Vec::new()),
+        let middle = match ground.way(self.bed, &[self.roles.first, self.roles.second], &task, meter) {
+            Ok(way) => way,
+            Err(Stuck::GaveUp) => return Err(Stuck::GaveUp),
+            Err(_) => return Ok(Vec::new()),
         };
         let needed_um = length_um(&middle) + before_um + after_um + lead_um + TAU * first.turning_radius_um;
         let departures = (0..=MAX_CIRCLES).map(|circles| match orbit {

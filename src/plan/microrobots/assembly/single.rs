@@ -4,13 +4,14 @@ use super::bed::{Bed, Stretch, joined, legs_of_one};
 use super::closing::{detours, stretches};
 use super::ground::Ground;
 use super::Stuck;
+use super::pair::FINE_SHARES;
 use super::track::{Aim, Track, whole};
 use crate::check::claims::microrobots::Dock;
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::fine::Cycles;
 use crate::plan::microrobots::free::{Segment, length_um};
-use crate::plan::microrobots::ways::{NoWay, Task};
+use crate::plan::microrobots::ways::Task;
 use crate::plan::microrobots::world::Fixtures;
 use crate::plan::microrobots::Stage;
 use crate::plan::search::Meter;
@@ -21,9 +22,6 @@ const ARMS: [Arm; 2] = [Arm::Down, Arm::Up];
 /// Straight stretches at the start and on the goal's axis that are tried.
 const FIRST_RUNS: usize = 24;
 const LAST_RUNS: usize = 40;
-
-/// Shares of the fine motion that are tried where the whole of it has no room.
-const FINE_SHARES: [u64; 3] = [1, 2, 4];
 
 /// The stretch that docks one robot, with the states in which it turns and runs straight.
 pub fn plan(bed: &Bed, seat: (&Dock, [usize; 2]), ground: &Ground, meter: &mut Meter) -> Result<Stretch, Stuck> {
@@ -82,12 +80,10 @@ impl<'a> Visit<'a> {
                 }
             }
         }
-        match task.find(meter) {
-            Ok(found) => self.along(&found.way, ground),
-            Err(NoWay::GaveUp(_)) => Err(Stuck::GaveUp),
-            Err(NoWay::Start(other) | NoWay::Goal(other) | NoWay::Blocked(other)) => {
-                Err(stuck.unwrap_or_else(|| ground.no_way(self.bed, self.index, &[self.index], other)))
-            }
+        match ground.way(self.bed, &[self.index], &task, meter) {
+            Ok(way) => self.along(&way, ground),
+            Err(Stuck::GaveUp) => Err(Stuck::GaveUp),
+            Err(other) => Err(stuck.unwrap_or(other)),
         }
     }
 
