@@ -3,8 +3,11 @@
 
 pub mod assembly;
 pub mod fine;
+pub mod drive;
 pub mod free;
 mod job;
+pub mod strokes;
+pub mod ways;
 pub mod world;
 
 pub use job::{Standing, plan};

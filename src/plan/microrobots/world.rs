@@ -11,11 +11,13 @@
 //! Promise: stricter than the rules by [`MARGIN_UM`], so that roundings decide nothing. What is not told apart within [`MAX_SAMPLES`] instants
 //! of one pair in one leg counts as a meeting. Cost: pairs of robots + robots × obstacles for each leg, most of them by their bounds alone.
 
+mod bed;
 mod pairs;
 mod rectangle;
 mod statics;
 mod tracks;
 
+pub use bed::Bed;
 pub use rectangle::Rectangle;
 pub use statics::{Disc, Fixtures, Obstruction};
 
@@ -85,6 +87,8 @@ pub struct Hit {
     pub strokes: f64,
     /// Where the first robot of the meeting is then.
     pub at: Pose,
+    /// Where the other robot is then; the first one, if there is none.
+    pub with: Pose,
 }
 
 impl World {

@@ -10,11 +10,12 @@ use crate::check::claims::microrobots::Dock;
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::fine::Cycles;
-use crate::plan::microrobots::free::{Segment, length_um};
+use crate::plan::microrobots::free::{Segment, distance_um, length_um};
 use crate::plan::microrobots::ways::Task;
 use crate::plan::microrobots::world::Fixtures;
 use crate::plan::microrobots::Stage;
 use crate::plan::search::Meter;
+use std::f64::consts::TAU;
 
 /// Arms in the two states.
 const ARMS: [Arm; 2] = [Arm::Down, Arm::Up];
@@ -69,22 +70,41 @@ impl<'a> Visit<'a> {
         let robot = self.bed.robot(self.index);
         let from = self.before.end(robot, self.bed.poses[self.index]);
         let task = Task { world: &ground.world, robot: self.index, from, to: self.approach, fixtures };
-        let mut stuck = None;
+        let most_um = distance_um(robot, from, self.approach) + TAU * robot.turning_radius_um;
+        let clear = |way: &Vec<Segment>| ground.world.obstruction_on(self.index, from, way, fixtures).is_none();
         let detours = detours(robot, from, self.approach, &stretches(robot, FIRST_RUNS), &stretches(robot, LAST_RUNS));
-        for way in task.direct().map(|found| found.way).into_iter().chain(detours) {
+        let (near, far): (Vec<_>, Vec<_>) = detours.into_iter().partition(|way| length_um(way) <= most_um);
+        let near = task.direct().map(|found| found.way).into_iter().chain(near.into_iter().filter(clear));
+        let mut stuck = None;
+        if let Some(stretch) = self.first_free(near, (ground, meter), &mut stuck)? {
+            return Ok(stretch);
+        }
+        let found = ground.way(self.bed, &[self.index], &task, meter);
+        if found == Err(Stuck::GaveUp) {
+            return Err(Stuck::GaveUp);
+        }
+        let far = found.iter().cloned().chain(far.into_iter().filter(clear));
+        match self.first_free(far, (ground, meter), &mut stuck)? {
+            Some(stretch) => Ok(stretch),
+            None => Err(stuck.or(found.err()).unwrap_or(Stuck::GaveUp)),
+        }
+    }
+
+    /// The stretch with the first of these ways that the rules of collision allow; what stops the last one is noted.
+    fn first_free(
+        &self,
+        ways: impl Iterator<Item = Vec<Segment>>,
+        (ground, meter): (&Ground, &mut Meter),
+        stuck: &mut Option<Stuck>,
+    ) -> Result<Option<Stretch>, Stuck> {
+        for way in ways {
             meter.step().ok_or(Stuck::GaveUp)?;
-            if ground.world.obstruction_on(self.index, from, &way, fixtures).is_none() {
-                match self.along(&way, ground) {
-                    Ok(stretch) => return Ok(stretch),
-                    Err(other) => stuck = Some(other),
-                }
+            match self.along(&way, ground) {
+                Ok(stretch) => return Ok(Some(stretch)),
+                Err(other) => *stuck = Some(other),
             }
         }
-        match ground.way(self.bed, &[self.index], &task, meter) {
-            Ok(way) => self.along(&way, ground),
-            Err(Stuck::GaveUp) => Err(Stuck::GaveUp),
-            Err(other) => Err(stuck.unwrap_or(other)),
-        }
+        Ok(None)
     }
 
     /// The stretch with this way to the approach.

@@ -24,12 +24,9 @@ impl Course<'_> {
             }
         }
         let (strokes, meeting) = first?;
-        let (Meeting::Obstacle { robot, .. }
-        | Meeting::Robots { robot, .. }
-        | Meeting::OrbitObstacle { robot, .. }
-        | Meeting::OrbitRobot { robot, .. }
-        | Meeting::Orbits { robot, .. }) = meeting;
-        Some(Hit { meeting, leg, strokes, at: self.tracks[robot].pose_at(strokes) })
+        let (robot, other) = meeting.robots();
+        let [at, with] = [robot, other].map(|robot| self.tracks[robot].pose_at(strokes));
+        Some(Hit { meeting, leg, strokes, at, with })
     }
 
     fn obstacles_of(&self, robot: usize, told: &mut impl FnMut(Option<f64>, Meeting)) {
@@ -80,4 +77,16 @@ fn bodies_near(one: &Track, two: &Track, span: [f64; 2], keep_um: f64) -> Option
         return first_near(span, one.speed_um + two.speed_um, keep_um, distance_um);
     }
     first_near_convex(span, keep_um, distance_um)
+}
+
+impl Meeting {
+    /// The first robot, and the other one, or the first one again.
+    pub fn robots(&self) -> (usize, usize) {
+        match *self {
+            Meeting::Obstacle { robot, .. } | Meeting::OrbitObstacle { robot, .. } => (robot, robot),
+            Meeting::Robots { robot, other }
+            | Meeting::OrbitRobot { robot, other }
+            | Meeting::Orbits { robot, other } => (robot, other),
+        }
+    }
 }

@@ -58,10 +58,6 @@ impl Track {
         }
     }
 
-    pub(super) fn way_um(&self) -> f64 {
-        self.step_um * self.strokes
-    }
-
     /// The body at an instant.
     pub(super) fn at(&self, strokes: f64) -> Rectangle {
         let (centre_um, axis) = match self.kind {
