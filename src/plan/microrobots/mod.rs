@@ -2,8 +2,8 @@
 //! with a train of strokes, and every robot moves with every stroke.
 
 pub mod assembly;
-pub mod fine;
 pub mod drive;
+pub mod fine;
 pub mod free;
 mod job;
 pub mod strokes;

@@ -54,8 +54,11 @@ pub fn detours(robot: &Robot, from: Pose, to: Pose, firsts_um: &[f64], lasts_um:
         let middle = turn_straight_turn(robot, leave, arrive);
         [run(first_um)].into_iter().chain(middle).chain([run(last_um)]).collect::<Vec<Segment>>()
     };
-    let mut ways: Vec<Vec<Segment>> =
-        firsts_um.iter().flat_map(|&first_um| lasts_um.iter().map(move |&last_um| (first_um, last_um))).map(|(a, b)| way(a, b)).collect();
+    let mut ways: Vec<Vec<Segment>> = firsts_um
+        .iter()
+        .flat_map(|&first_um| lasts_um.iter().map(move |&last_um| (first_um, last_um)))
+        .map(|(a, b)| way(a, b))
+        .collect();
     ways.sort_by(|a, b| length_um(a).total_cmp(&length_um(b)));
     ways
 }

@@ -11,7 +11,7 @@ use crate::plan::search::{Budget, Meter};
 use std::f64::consts::TAU;
 
 /// States of one search for a way.
-const MAX_STATES: u64 = 5_000;
+const MAX_STATES: u64 = 2_000;
 
 /// The bed's world, and where everything stood when the assembly began.
 pub struct Ground {
@@ -42,13 +42,7 @@ impl Ground {
     }
 
     /// A way of a robot around what rests while some robots are steered.
-    pub fn way(
-        &self,
-        bed: &Bed,
-        steered: &[usize],
-        task: &Task,
-        meter: &mut Meter,
-    ) -> Result<Vec<Segment>, Stuck> {
+    pub fn way(&self, bed: &Bed, steered: &[usize], task: &Task, meter: &mut Meter) -> Result<Vec<Segment>, Stuck> {
         let mut own = Meter::new(Budget::of(meter.left().steps.min(MAX_STATES)));
         let found = task.find(&mut own);
         meter.charge(own.spent());

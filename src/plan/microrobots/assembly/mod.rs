@@ -119,8 +119,14 @@ pub fn assemble(
     if let Some(stuck) = orders.disproof(&bed) {
         return Err(stuck);
     }
-    let mut search =
-        Search { orders, ground: Ground::new(&bed), meter: Meter::new(budget), best: None, stuck: None, plans: MAX_PLANS };
+    let mut search = Search {
+        orders,
+        ground: Ground::new(&bed),
+        meter: Meter::new(budget),
+        best: None,
+        stuck: None,
+        plans: MAX_PLANS,
+    };
     search.descend(&bed);
     match (search.best, search.stuck) {
         (Some((duration_ns, bed)), _) => {
@@ -174,7 +180,9 @@ impl<'a> Search<'a> {
             self.plans = self.plans.min(MAX_MORE_PLANS);
             return;
         }
-        for step in self.orders.moves(bed).into_iter().filter(|step| self.orders.leads_on(bed, step)).collect::<Vec<_>>() {
+        for step in
+            self.orders.moves(bed).into_iter().filter(|step| self.orders.leads_on(bed, step)).collect::<Vec<_>>()
+        {
             if self.plans == 0 {
                 return;
             }

@@ -5,9 +5,9 @@
 //! robots that are neither docked nor steered orbit where they are. What is docked takes no option from those that come
 //! later, so moves can be tried in any order to see whether they lead to the end.
 
+use super::Stuck;
 use super::bed::Bed;
 use super::pair::{Roles, roles};
-use super::Stuck;
 use crate::check::claims::microrobots::Dock;
 use crate::device::microrobots::Arm;
 use crate::geometry::{Core, Pose, distance};
@@ -18,7 +18,10 @@ use nalgebra::Point2;
 pub enum Move {
     Pair(Roles),
     /// States in which it turns and runs straight.
-    Single { robot: usize, states: [usize; 2] },
+    Single {
+        robot: usize,
+        states: [usize; 2],
+    },
 }
 
 /// The goals.
@@ -144,7 +147,8 @@ fn downs(bed: &Bed, robot: usize) -> usize {
 /// Which robot keeps the others from being steered.
 fn unsteerable(bed: &Bed, robots: &[usize], patterns: &[&[Arm]]) -> Stuck {
     let arm = |state: usize, robot: usize| bed.order.states[state].arms[bed.order.robots[robot].row];
-    let steers = |state: usize, pattern: &[Arm]| robots.iter().zip(pattern).all(|(robot, wanted)| arm(state, *robot) == *wanted);
+    let steers =
+        |state: usize, pattern: &[Arm]| robots.iter().zip(pattern).all(|(robot, wanted)| arm(state, *robot) == *wanted);
     let states = 0..bed.order.states.len();
     let holds = |other: usize, pattern: &[Arm]| {
         states.clone().any(|state| steers(state, pattern) && arm(state, other) == Arm::Down)

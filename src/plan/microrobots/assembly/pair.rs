@@ -9,11 +9,11 @@
 //! Promise: the stretch that is returned meets no rule of collision's objection, and brings both robots to their goals within
 //! precision. No promise that there is no shorter one; cost grows with the times that have to be looked at.
 
+use super::Stuck;
 use super::bed::{Bed, Stretch, joined, legs_of_two};
 use super::closing::{Asked, closings, detours, stretches};
-use super::track::{Aim, Track, whole};
-use super::Stuck;
 use super::ground::Ground;
+use super::track::{Aim, Track, whole};
 use crate::check::claims::microrobots::Dock;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
@@ -224,9 +224,8 @@ impl<'a> Pairing<'a> {
     fn legs(&self, departure: &Departure, ways: Vec<Vec<Segment>>, (ground, fixtures): Site) -> Vec<Vec<Leg>> {
         let ([first, second], index, start) = (self.facts, self.roles.first, self.first_from());
         let forced = self.forced_strokes();
-        let fits = |way: &Vec<Segment>| {
-            turns_within((way, forced as f64, first.step_um), (&departure.way, second.step_um))
-        };
+        let fits =
+            |way: &Vec<Segment>| turns_within((way, forced as f64, first.step_um), (&departure.way, second.step_um));
         let clear = |way: &Vec<Segment>| ground.world.obstruction_on(index, start, way, fixtures).is_none();
         let ways: Vec<Vec<Segment>> = ways.into_iter().filter(fits).filter(clear).take(MAX_WAYS).collect();
         let total = self.total(departure);

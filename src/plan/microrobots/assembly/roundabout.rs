@@ -77,9 +77,8 @@ impl Pairing<'_> {
             Orbit::Early => self.departure(way, [circles, 0]),
             Orbit::Late => self.departure(way, [0, circles]),
         });
-        let spare_um = |departure: &Departure| {
-            (self.total(departure) - self.forced_strokes()) as f64 * first.step_um - needed_um
-        };
+        let spare_um =
+            |departure: &Departure| (self.total(departure) - self.forced_strokes()) as f64 * first.step_um - needed_um;
         let long = departures.filter(|departure| spare_um(departure) >= 0.0).take(MORE_CIRCLES);
         let mut found = Vec::new();
         for departure in long {

@@ -1,19 +1,19 @@
 //! One robot to the structure, while those that are still to come orbit.
 
+use super::Stuck;
 use super::bed::{Bed, Stretch, joined, legs_of_one};
 use super::closing::{detours, stretches};
 use super::ground::Ground;
-use super::Stuck;
 use super::pair::FINE_SHARES;
 use super::track::{Aim, Track, whole};
 use crate::check::claims::microrobots::Dock;
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
+use crate::plan::microrobots::Stage;
 use crate::plan::microrobots::fine::Cycles;
 use crate::plan::microrobots::free::{Segment, distance_um, length_um};
 use crate::plan::microrobots::ways::Task;
 use crate::plan::microrobots::world::Fixtures;
-use crate::plan::microrobots::Stage;
 use crate::plan::search::Meter;
 use std::f64::consts::TAU;
 

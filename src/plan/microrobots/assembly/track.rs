@@ -100,13 +100,7 @@ pub fn composed(frame: Pose, pose: Pose) -> Pose {
 ///
 /// Rounding keeps the sums of turns and of straight lines near theirs; what error is left is taken up by a descent over strokes
 /// that are moved from one piece to another.
-pub fn whole(
-    robot: &Robot,
-    from: Pose,
-    way: &[Segment],
-    aim: &Aim,
-    total: u64,
-) -> Option<Track> {
+pub fn whole(robot: &Robot, from: Pose, way: &[Segment], aim: &Aim, total: u64) -> Option<Track> {
     let mut pieces = rounded(robot, way);
     let excess = pieces.iter().map(|piece| piece.1).sum::<u64>() as i64 - total as i64;
     let longest = (0..pieces.len()).filter(|&at| pieces[at].0 == Arm::Up).max_by_key(|&at| pieces[at].1)?;
@@ -129,7 +123,9 @@ fn descend(robot: &Robot, from: Pose, pieces: &mut [(Arm, u64)], aim: &Aim) -> f
                 if best <= GOOD_SHARE {
                     return best;
                 }
-                let (Some(less), true) = (pieces[giver].1.checked_add_signed(-change), giver != taker) else { continue };
+                let (Some(less), true) = (pieces[giver].1.checked_add_signed(-change), giver != taker) else {
+                    continue;
+                };
                 let old = (pieces[giver].1, pieces[taker].1);
                 (pieces[giver].1, pieces[taker].1) = (less, old.1.saturating_add_signed(change));
                 let found = aim.miss(end(robot, from, pieces));
