@@ -60,6 +60,16 @@ pub struct Docking {
 /// A stage of an assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Stage {
+    /// Before a [`Stage::Pair`], of its second robot: it is driven to where it orbits while the first one is driven, and `beside`,
+    /// the first one, runs straight meanwhile (it may turn while `robot` does).
+    Escort {
+        robot: usize,
+        beside: usize,
+        /// As those of the pair: both turn, only `robot` turns, none of the two turns.
+        states: [usize; 3],
+        /// Where `robot` begins to orbit.
+        to: Pose,
+    },
     /// The first two robots, of the paper's two stages: `first` is driven while `second` orbits; then `second` is driven while
     /// `first` runs straight; then both come to their goals in a fine motion of three primitives.
     Pair {

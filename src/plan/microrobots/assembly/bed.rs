@@ -23,7 +23,8 @@ pub struct Bed<'a> {
 pub struct Stretch {
     pub legs: Vec<Leg>,
     pub docking: Vec<usize>,
-    pub stage: Stage,
+    /// In order of time.
+    pub stages: Vec<Stage>,
 }
 
 impl<'a> Bed<'a> {
@@ -58,7 +59,7 @@ impl<'a> Bed<'a> {
         let leg = bed.legs.len() - 1;
         bed.docks.extend(stretch.docking.iter().map(|&robot| Docking { robot, leg }));
         stretch.docking.iter().for_each(|&robot| bed.docked[robot] = true);
-        bed.stages.push(stretch.stage);
+        bed.stages.extend(stretch.stages);
         bed
     }
 

@@ -3,9 +3,15 @@
 use super::bed::{Bed, Stretch};
 use super::{Blocker, Stuck};
 use crate::geometry::Pose;
+use crate::plan::microrobots::free::Segment;
+use crate::plan::microrobots::ways::{NoWay, Task};
 use crate::plan::microrobots::world::{Fixtures, Hit, Obstruction, World};
 use crate::plan::microrobots::{Docking, Leg};
+use crate::plan::search::{Budget, Meter};
 use std::f64::consts::TAU;
+
+/// States of one search for a way.
+const MAX_STATES: u64 = 2_000;
 
 /// The bed's world, and where everything stood when the assembly began.
 pub struct Ground {
@@ -35,9 +41,18 @@ impl Ground {
         Ok(fixtures)
     }
 
-    /// The failure of a robot with something in its way.
-    pub fn no_way(&self, bed: &Bed, robot: usize, steered: &[usize], obstruction: Obstruction) -> Stuck {
-        Stuck::NoWay { robot, blocker: blocker(bed, steered, obstruction) }
+    /// A way of a robot around what rests while some robots are steered.
+    pub fn way(&self, bed: &Bed, steered: &[usize], task: &Task, meter: &mut Meter) -> Result<Vec<Segment>, Stuck> {
+        let mut own = Meter::new(Budget::of(meter.left().steps.min(MAX_STATES)));
+        let found = task.find(&mut own);
+        meter.charge(own.spent());
+        match found {
+            Ok(found) => Ok(found.way),
+            Err(NoWay::GaveUp(_)) if meter.left().steps == 0 => Err(Stuck::GaveUp),
+            Err(NoWay::Start(by) | NoWay::Goal(by) | NoWay::Blocked(by) | NoWay::GaveUp(by)) => {
+                Err(Stuck::NoWay { robot: task.robot, blocker: blocker(bed, steered, by) })
+            }
+        }
     }
 
     /// What a bed's legs and one more stretch bring too near to one another, with the robots that wait orbiting once more
@@ -60,12 +75,11 @@ impl Ground {
 
 /// What is in the way, by its index in the order.
 fn blocker(bed: &Bed, steered: &[usize], obstruction: Obstruction) -> Blocker {
-    let nth = |mut robots: Box<dyn Iterator<Item = usize> + '_>, index| robots.nth(index).unwrap_or(usize::MAX);
+    let waiting = |index| bed.others(steered).nth(index).unwrap_or(usize::MAX);
+    let docked = |index| (0..bed.poses.len()).filter(|robot| bed.docked[*robot]).nth(index).unwrap_or(usize::MAX);
     match obstruction {
         Obstruction::Obstacle(index) => Blocker::Obstacle(index),
-        Obstruction::Disc(index) => Blocker::Orbit(nth(Box::new(bed.others(steered)), index)),
-        Obstruction::Body(index) => {
-            Blocker::Docked(nth(Box::new((0..bed.poses.len()).filter(|robot| bed.docked[*robot])), index))
-        }
+        Obstruction::Disc(index) => Blocker::Orbit(waiting(index)),
+        Obstruction::Body(index) => Blocker::Docked(docked(index)),
     }
 }

@@ -14,6 +14,7 @@ mod closing;
 mod ground;
 mod orders;
 mod pair;
+mod roundabout;
 mod single;
 mod track;
 
@@ -28,6 +29,9 @@ use orders::{Move, Orders};
 
 /// Stages that are planned in all, while orders are tried.
 pub const MAX_PLANS: usize = 400;
+
+/// Stages that are planned after the first assembly was found, for a faster one.
+pub const MAX_MORE_PLANS: usize = 24;
 
 /// An assembly.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,8 +119,14 @@ pub fn assemble(
     if let Some(stuck) = orders.disproof(&bed) {
         return Err(stuck);
     }
-    let mut search =
-        Search { orders, ground: Ground::new(&bed), meter: Meter::new(budget), best: None, stuck: None, plans: 0 };
+    let mut search = Search {
+        orders,
+        ground: Ground::new(&bed),
+        meter: Meter::new(budget),
+        best: None,
+        stuck: None,
+        plans: MAX_PLANS,
+    };
     search.descend(&bed);
     match (search.best, search.stuck) {
         (Some((duration_ns, bed)), _) => {
@@ -153,6 +163,7 @@ struct Search<'a> {
     best: Option<(u64, Bed<'a>)>,
     /// Of the failures, the one with the most robots docked; of these the first.
     stuck: Option<(usize, Stuck)>,
+    /// Stages that may still be planned.
     plans: usize,
 }
 
@@ -166,15 +177,16 @@ impl<'a> Search<'a> {
         }
         if self.orders.open(bed).next().is_none() {
             self.best = Some((duration_ns, bed.clone()));
+            self.plans = self.plans.min(MAX_MORE_PLANS);
             return;
         }
         for step in
             self.orders.moves(bed).into_iter().filter(|step| self.orders.leads_on(bed, step)).collect::<Vec<_>>()
         {
-            if self.plans >= MAX_PLANS {
+            if self.plans == 0 {
                 return;
             }
-            self.plans += 1;
+            self.plans -= 1;
             match self.plan(bed, &step) {
                 Ok(stretch) => self.descend(&bed.after(stretch)),
                 Err(stuck) => self.note(bed.docks.len(), stuck),
