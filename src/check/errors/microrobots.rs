@@ -6,17 +6,38 @@ use super::{listed, meant};
 use crate::check::value::Value;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Pose;
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::{Dimension, Quantity, digits};
 use crate::source::Span;
 
 /// A voltage for a message.
 fn volts(v: f64) -> String {
-    Quantity::new(six_digits(v), Dimension::VOLTAGE).to_string()
+    format!("{} V", digits(six_digits(v)))
 }
 
 /// A length for a message.
 pub fn length(um: f64) -> String {
     Quantity::new(six_digits(um / 1e6), Dimension::LENGTH).to_string()
+}
+
+/// A length of three digits that is no more, for what falls short.
+fn at_most(um: f64) -> String {
+    length(three_digits(um, f64::floor))
+}
+
+/// A length of three digits that is no less, for what is too much and for what mends.
+fn at_least(um: f64) -> String {
+    length(three_digits(um, f64::ceil))
+}
+
+fn three_digits(value: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
+    if value <= 1e-6 {
+        return 0.0;
+    }
+    let scale = 10f64.powi(2 - value.log10().floor() as i32);
+    // What was lost in arithmetic is no reason for another digit.
+    let scaled = value * scale;
+    let whole = if (scaled - scaled.round()).abs() < 1e-6 { scaled.round() } else { to_whole(scaled) };
+    whole / scale
 }
 
 /// An angle for a message.
@@ -32,7 +53,8 @@ fn six_digits(value: f64) -> f64 {
 /// A pose as a program would say it.
 pub fn pose_text(pose: &Pose) -> String {
     let Pose { x_um, y_um, heading_rad } = *pose;
-    format!("pose({}, {}, {})", length(x_um), length(y_um), angle(heading_rad))
+    let heading = angle(heading_rad.rem_euclid(std::f64::consts::TAU));
+    format!("pose({}, {}, {heading})", length(x_um), length(y_um))
 }
 
 pub fn too_many_robots(found: usize, most: usize) -> Diagnostic {
@@ -88,7 +110,8 @@ pub fn relay_label(name: &str, snap_down_v: f64, release_v: f64) -> String {
 
 pub fn release_above_snap_down(name: &str, release_v: f64, snap_down_v: f64) -> Diagnostic {
     let (release, snap_down) = (volts(release_v), volts(snap_down_v));
-    let title = format!("the arm of `{name}` is released at {release}, it has to be below the {snap_down} of snap-down");
+    let title =
+        format!("the arm of `{name}` is released at {release}, it has to be below the {snap_down} of snap-down");
     Diagnostic::new(Code::E0418, title)
         .help("an arm that is down stays there until the voltage has fallen far below what lowered it")
 }
@@ -118,14 +141,14 @@ pub fn voltage_out_of_limit(name: &str, found_v: f64, limit: Limit, margin_v: f6
         Limit::Hold { relax_v, most_v } => {
             let (relax, short) = (volts(relax_v), volts(found_v - most_v));
             let title = format!(
-                "a relax level of {relax} could raise the arm of `{name}`: it is released at {found}, {short} too near"
+                "a relax level of {relax} could raise the arm of `{name}`: it is released at {found}, {short} too high"
             );
             (Code::E0419, title)
         }
         Limit::Drive { flex_v, least_v } => {
             let (flex, short) = (volts(flex_v), volts(least_v - found_v));
             let title = format!(
-                "a flex level of {flex} could lower the arm of `{name}`: it snaps down at {found}, {short} too near"
+                "a flex level of {flex} could lower the arm of `{name}`: it snaps down at {found}, {short} too low"
             );
             (Code::E0419, title)
         }
@@ -149,12 +172,10 @@ pub fn narrow_gap(name: &str, gap_v: f64, least_v: f64) -> Diagnostic {
 
 pub fn nested_gaps(outer: &str, inner: &str, [snap_down_v, release_v]: [f64; 2]) -> Diagnostic {
     let (snap_down, release) = (volts(snap_down_v), volts(release_v));
-    let title = format!(
-        "nested gaps: `{outer}` snaps down {snap_down} above `{inner}`, and is released {release} below it"
-    );
-    Diagnostic::new(Code::E0420, title).help(
-        "the robot that snaps down later has to be released earlier; or give the device `non_string: true`",
-    )
+    let title =
+        format!("nested gaps: `{outer}` snaps down {snap_down} above `{inner}`, and is released {release} below it");
+    Diagnostic::new(Code::E0420, title)
+        .help("the robot that snaps down later has to be released earlier; or give the device `non_string: true`")
 }
 
 pub fn alike_robots(one: &str, other: &str, [snap_down_v, release_v]: [f64; 2], least_v: f64) -> Diagnostic {
@@ -181,8 +202,9 @@ pub fn no_sequence((state, lowered): (usize, &[&str]), [levels, most]: [usize; 2
             format!("no control cycle of {most} levels or fewer lowers {list} and raises the others")
         }
     };
-    Diagnostic::new(Code::E0422, title)
-        .help(format!("2 x margin = {least} between the labelled voltages, in one of the columns, lets two levels do it"))
+    Diagnostic::new(Code::E0422, title).help(format!(
+        "2 x margin = {least} between the labelled voltages, in one of the columns, lets two levels do it"
+    ))
 }
 
 /// Labels of the voltages that lie too near: of the arm that has to be down, and of the one that has to be up.
@@ -214,9 +236,15 @@ pub fn voltage_mend(column: &str, name: &str, [now_v, to_v]: [f64; 2]) -> String
     format!("{verb} `{column}` of `{name}` from {} to {}", volts(now_v), volts(to_v))
 }
 
+/// The change of a level of the device that mends a table.
+pub fn level_mend(field: &str, [now_v, to_v]: [f64; 2]) -> String {
+    format!("{} `{field}` to {}", if to_v > now_v { "raise" } else { "lower" }, volts(to_v))
+}
+
 pub fn small_slack((state, digits): (usize, &str), slack_v: f64, margin_v: f64) -> Diagnostic {
     let (slack, share) = (volts(slack_v), volts(margin_v / 10.0));
-    let title = format!("control state {state} (0b{digits}) has a slack of {slack}, less than 10 % of the margin, {share}");
+    let title =
+        format!("control state {state} (0b{digits}) has a slack of {slack}, less than 10 % of the margin, {share}");
     Diagnostic::new(Code::W0403, title)
         .help("levels that are off by more than the slack leave an arm uncertain: move the voltages further apart")
 }
@@ -236,7 +264,11 @@ pub fn robot_without_row(
         None => diagnostic,
     };
     let few = &known[..known.len().min(12)];
-    diagnostic.help(format!("its robots are {}{}", listed(few.iter().copied()), rest(known.len(), 12))).help_if(meant(near))
+    let list = format!("its robots are {}{}", listed(few.iter().copied()), rest(known.len(), 12));
+    diagnostic.help(match meant(near) {
+        Some(meant) => format!("{meant} {list}"),
+        None => list,
+    })
 }
 
 /// What a list leaves out.
@@ -247,7 +279,9 @@ fn rest(count: usize, shown: usize) -> String {
 pub fn robot_with_shape(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0514, format!("robot `{name}` has the body of its device, not one of its own"))
         .label(span, "no shape belongs here")
-        .help(format!("write `robot {name} at pose(0 um, 0 um, 90 deg)`; `length` and `width` may be columns of the table"))
+        .help(format!(
+            "write `robot {name} at pose(0 um, 0 um, 90 deg)`; `length` and `width` may be columns of the table"
+        ))
 }
 
 pub fn robot_stands_nowhere(span: Span, name: &str) -> Diagnostic {
@@ -268,6 +302,15 @@ pub fn no_heading(span: Span, name: &str, found: &Value) -> Diagnostic {
         .help(help)
 }
 
+pub fn obstacle_without_place(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0515,
+        format!("an obstacle of a bed stands at a place or a pose, this is {}", found.describe()),
+    )
+    .label(span, found.describe())
+    .help("write `at (900 um, 2.5 mm)`, or `at pose(900 um, 2.5 mm, 30 deg)` for a turned shape")
+}
+
 pub fn pose_too_far(span: Span, most_um: f64) -> Diagnostic {
     Diagnostic::new(Code::E0501, format!("a place further from the origin than {}", length(most_um)))
         .label(span, "cannot be reached")
@@ -284,7 +327,7 @@ pub struct Blocked<'a> {
 /// How far bodies lie apart, for a title: what is and what is needed.
 fn shortage([gap_um, kept_um]: [f64; 2], other: &str) -> String {
     if gap_um > 0.0 {
-        format!("lies {} from {other}, {} is needed", length(gap_um), length(kept_um))
+        format!("lies {} from {other}, {} is needed", at_most(gap_um), length(kept_um))
     } else if kept_um > 0.0 {
         format!("touches {other}, {} between them is needed", length(kept_um))
     } else {
@@ -357,7 +400,9 @@ pub fn assembly_too_small(span: Span, count: usize) -> Diagnostic {
     let found = if count == 0 { "no robot".to_owned() } else { "one robot alone".to_owned() };
     Diagnostic::new(Code::E0535, format!("an assembly of {found}, two or more dock with one another"))
         .label(span, "nothing to dock with")
-        .help("name two robots or more, as in `assemble { D2 to pose(…), D1 to pose(…) }`; `drive` brings one to a pose")
+        .help(
+            "name two robots or more, as in `assemble { D2 to pose(…), D1 to pose(…) }`; `drive` brings one to a pose",
+        )
 }
 
 pub fn assembled_twice(name: &str, span: Span, earlier: Span) -> Diagnostic {
@@ -365,6 +410,16 @@ pub fn assembled_twice(name: &str, span: Span, earlier: Span) -> Diagnostic {
         .label(span, "again here")
         .label_elsewhere(earlier, span, "first here")
         .help("each robot docks once, and stays there")
+}
+
+/// A docked robot that lies on an obstacle of a later scene.
+pub fn obstacle_on_docked(run: Span, docked: &Goal, (obstacle, at): (&str, Span)) -> Diagnostic {
+    let name = &docked.robot;
+    Diagnostic::new(Code::E0530, format!("`{name}` has docked by then, on obstacle `{obstacle}` of this run's scene"))
+        .label(run, "begins with another scene than the run before")
+        .label(docked.span, format!("`{name}` has docked here"))
+        .label(at, "the obstacle")
+        .help("give the tasks of the device one scene, or leave the structure free in the later one")
 }
 
 pub fn unlike_robots(run: Span, device: &str, name: &str) -> Diagnostic {
@@ -375,7 +430,6 @@ pub fn unlike_robots(run: Span, device: &str, name: &str) -> Diagnostic {
     .label(run, "runs with other robots than before")
     .help("a bed keeps its robots between tasks: give all of them one scene, or scenes with robots of the same names")
 }
-
 
 /// A robot's goal, and where it stands in the source.
 pub struct Goal {
@@ -390,12 +444,13 @@ impl Goal {
 }
 
 fn mended_at(mended: Option<Pose>, does: &str) -> Option<String> {
-    mended.map(|pose| format!("the nearest pose at which it {does} is {}", pose_text(&pose)))
+    mended.map(|pose| format!("a pose at which it {does} is {}", pose_text(&pose)))
 }
 
 pub fn docked_overlap(goal: &Goal, other: &Goal, (depth_um, most_um): (f64, f64), mended: Option<Pose>) -> Diagnostic {
-    let (depth, most) = (length(depth_um), length(most_um));
-    let title = format!("`{}` at its goal overlaps `{}` by {depth}, at most {most} is allowed", goal.robot, other.robot);
+    let (depth, most) = (at_least(depth_um), length(most_um));
+    let title =
+        format!("`{}` at its goal overlaps `{}` by {depth}, at most {most} is allowed", goal.robot, other.robot);
     Diagnostic::new(Code::E0536, title)
         .label(goal.span, goal.label())
         .label_elsewhere(other.span, goal.span, other.label())
@@ -404,12 +459,13 @@ pub fn docked_overlap(goal: &Goal, other: &Goal, (depth_um, most_um): (f64, f64)
 }
 
 pub fn docked_apart(goal: &Goal, other: &Goal, (gap_um, most_um): (f64, f64), mended: Option<Pose>) -> Diagnostic {
-    let (gap, most) = (length(gap_um), length(most_um));
-    let title = format!("`{}` at its goal touches nothing: it is {gap} from `{}`, {most} at most", goal.robot, other.robot);
+    let (gap, most) = (at_least(gap_um), length(most_um));
+    let title =
+        format!("`{}` at its goal touches nothing: it is {gap} from `{}`, {most} at most", goal.robot, other.robot);
     Diagnostic::new(Code::E0536, title)
         .label(goal.span, goal.label())
         .label_elsewhere(other.span, goal.span, format!("the nearest it could dock with, the {}", other.label()))
-        .help("robots dock in the order in which they are released: put the goal at one that has docked before it")
+        .help("the robots that snap down last dock first: put the goal at one that docks before this one")
         .help_if(mended_at(mended, "docks"))
 }
 
@@ -431,7 +487,7 @@ pub fn not_head_on(
         ),
         Some((_, offset_um)) => format!(
             "`{one}` and `{two}` meet {} beside each other, they align themselves up to {}",
-            length(offset_um),
+            at_least(offset_um),
             length(most_um)
         ),
     };
@@ -444,7 +500,8 @@ pub fn not_head_on(
 
 pub fn docked_askew(goal: &Goal, met: &Goal, (angle_rad, most_rad): (f64, f64)) -> Diagnostic {
     let (found, most) = (angle(angle_rad), angle(most_rad));
-    let title = format!("`{}` meets `{}` at {found} from its edge's normal, it sticks up to {most}", goal.robot, met.robot);
+    let title =
+        format!("`{}` meets `{}` at {found} from its edge's normal, it sticks up to {most}", goal.robot, met.robot);
     Diagnostic::new(Code::E0537, title)
         .label(goal.span, goal.label())
         .label_elsewhere(met.span, goal.span, met.label())
@@ -478,8 +535,8 @@ pub struct Orbiting {
 
 impl Orbiting {
     fn describe(&self) -> String {
-        let [x, y] = self.centre_um.map(length);
-        format!("until its turn comes `{}` sweeps all within {} of ({x}, {y})", self.robot, length(self.reach_um))
+        let [x, y] = self.centre_um.map(|um| length((um * 10.0).round() / 10.0));
+        format!("meanwhile `{}` sweeps all within {} of ({x}, {y})", self.robot, at_least(self.reach_um))
     }
 }
 
@@ -487,15 +544,15 @@ impl Orbiting {
 fn orbit_shortage(what: &str, orbiting: &Orbiting, (gap_um, kept_um): (f64, f64)) -> String {
     let orbit = format!("the orbit of `{}`", orbiting.robot);
     if gap_um > 0.0 {
-        format!("{what} lies {} from {orbit}, {} is needed", length(gap_um), length(kept_um))
+        format!("{what} lies {} from {orbit}, {} is needed", at_most(gap_um), length(kept_um))
     } else {
-        format!("{what} reaches {} into {orbit}", length(-gap_um))
+        format!("{what} reaches {} into {orbit}", at_least(-gap_um))
     }
 }
 
 /// Something that stands in an orbit about a start: what it is, and where it stands in the source.
 pub fn orbit_too_near(orbiting: &Orbiting, (what, span): (&str, Span), bounds: (f64, f64)) -> Diagnostic {
-    let short = length(bounds.1 - bounds.0);
+    let short = at_least(bounds.1 - bounds.0);
     Diagnostic::new(Code::E0538, orbit_shortage(what, orbiting, bounds))
         .label(orbiting.start, format!("`{}` orbits from here while others are assembled", orbiting.robot))
         .label_elsewhere(span, orbiting.start, "in its way")
@@ -503,7 +560,7 @@ pub fn orbit_too_near(orbiting: &Orbiting, (what, span): (&str, Span), bounds: (
 }
 
 pub fn goal_in_orbit(goal: &Goal, orbiting: &Orbiting, bounds: (f64, f64)) -> Diagnostic {
-    let short = length(bounds.1 - bounds.0);
+    let short = at_least(bounds.1 - bounds.0);
     Diagnostic::new(Code::E0538, orbit_shortage(&format!("the goal of `{}`", goal.robot), orbiting, bounds))
         .label(goal.span, goal.label())
         .label_elsewhere(orbiting.start, goal.span, format!("`{}` orbits from here meanwhile", orbiting.robot))

@@ -3,9 +3,7 @@
 use super::bodies::{Body, Solid};
 use super::ground::{Ground, first_near, is_near};
 use super::{Bed, DEFAULT_EXPANSIONS};
-use crate::check::claims::microrobots::{
-    Action, Assurance, Dock, MicrorobotsOrder, Precision, Step, Stop,
-};
+use crate::check::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Precision, Step, Stop};
 use crate::check::fields::Accepted;
 use crate::check::lets::{Argument, Origin};
 use crate::check::scope::nearest;

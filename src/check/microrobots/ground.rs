@@ -163,8 +163,7 @@ impl Reader<'_> {
             Some(shape) => {
                 let known: Vec<&str> = forms.iter().map(|form: &Form| form.name()).collect();
                 let form = shape.value.form.name();
-                let wrong =
-                    errors::shape_of_other_kind(shape.span, form, &object.noun, VOCABULARY.name, &known);
+                let wrong = errors::shape_of_other_kind(shape.span, form, &object.noun, VOCABULARY.name, &known);
                 self.sink.push(wrong);
                 return None;
             }
@@ -174,7 +173,7 @@ impl Reader<'_> {
             Some(at) => match shapes::pose_of(&at.value) {
                 Some(pose) => pose,
                 None => {
-                    self.sink.push(errors::wrong_place(at.span, &at.value, "a place or a pose"));
+                    self.sink.push(errors::obstacle_without_place(at.span, &at.value));
                     return None;
                 }
             },

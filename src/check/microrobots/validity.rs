@@ -22,10 +22,7 @@ pub fn states(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) ->
     let errors = sink.errors();
     (0..facts.robots.len()).filter_map(|row| judge.upside_down(row)).for_each(|wrong| sink.push(wrong));
     (sink.errors() == errors).then_some(())?;
-    let mut analysis = relays::analyse(&rows(facts), source(facts, device), gaps(device));
-    if analysis.states.is_empty() && analysis.faults.is_empty() {
-        stand_in(facts, &mut analysis);
-    }
+    let analysis = relays::analyse(&rows(facts), source(facts, device), gaps(device));
     analysis.faults.iter().map(|fault| judge.told_fault(fault, &analysis)).for_each(|wrong| sink.push(wrong));
     if analysis.more_faults > 0 {
         sink.push(told(device, errors::more_faults(analysis.more_faults), &[(table.span, "in this table".to_owned())]));
@@ -36,10 +33,7 @@ pub fn states(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) ->
 }
 
 fn rows(facts: &Facts) -> Vec<Row> {
-    let row = |robot: &Robot| Row {
-        snap_down_v: robot.snap_down_v,
-        release_v: robot.release_v,
-    };
+    let row = |robot: &Robot| Row { snap_down_v: robot.snap_down_v, release_v: robot.release_v };
     facts.robots.iter().map(row).collect()
 }
 
@@ -96,8 +90,38 @@ impl Judge<'_> {
 
     fn told_fault(&self, fault: &Fault, analysis: &Analysis) -> Diagnostic {
         let (wrong, labels) = self.fault(&fault.problem, analysis);
-        let wrong = wrong.help_if(fault.mend.as_ref().map(|mend| self.mend(mend, &fault.problem)));
+        let mend = fault.mend.as_ref().map(|mend| self.mend(mend, &fault.problem));
+        let mends: Vec<String> = mend.into_iter().chain(self.other_level(&fault.problem)).collect();
+        let wrong = wrong.help_if((!mends.is_empty()).then(|| mends.join("; or ")));
         told(self.device, wrong, &labels)
+    }
+
+    /// The level of the device that would suit every row, where the drive train still swings.
+    fn other_level(&self, problem: &Problem) -> Option<String> {
+        let Facts { margin_v, relax_v, flex_v, .. } = *self.facts;
+        let robots = &self.facts.robots;
+        let highest = |voltage: fn(&Robot) -> f64| robots.iter().map(voltage).fold(0.0, f64::max);
+        let lowest_v = robots.iter().map(|robot| robot.snap_down_v).fold(f64::INFINITY, f64::min);
+        match problem {
+            Problem::Hold { .. } => {
+                let least_v = highest(|robot| robot.release_v) + 2.0 * margin_v;
+                (least_v < flex_v).then(|| errors::level_mend("relax", [relax_v, least_v]))
+            }
+            Problem::Drive { .. } => {
+                let most_v = lowest_v - 2.0 * margin_v;
+                (most_v > relax_v).then(|| errors::level_mend("flex", [flex_v, most_v]))
+            }
+            Problem::Range { .. } => {
+                let least_v = highest(|robot| robot.snap_down_v) + margin_v;
+                Some(errors::level_mend("max_voltage", [self.facts.max_v, least_v]))
+            }
+            Problem::Floor { .. }
+            | Problem::Narrow { .. }
+            | Problem::Nested { .. }
+            | Problem::Alike { .. }
+            | Problem::NoSequence { .. }
+            | Problem::Crowd { .. } => None,
+        }
     }
 
     fn mend(&self, mend: &Mend, problem: &Problem) -> String {
@@ -125,15 +149,9 @@ impl Judge<'_> {
 
     fn fault(&self, problem: &Problem, analysis: &Analysis) -> (Diagnostic, Labels) {
         match *problem {
-            Problem::Hold { row, most_v } => {
-                self.limit(row, Limit::Hold { relax_v: self.facts.relax_v, most_v })
-            }
-            Problem::Drive { row, least_v } => {
-                self.limit(row, Limit::Drive { flex_v: self.facts.flex_v, least_v })
-            }
-            Problem::Range { row, most_v } => {
-                self.limit(row, Limit::Range { max_v: self.facts.max_v, most_v })
-            }
+            Problem::Hold { row, most_v } => self.limit(row, Limit::Hold { relax_v: self.facts.relax_v, most_v }),
+            Problem::Drive { row, least_v } => self.limit(row, Limit::Drive { flex_v: self.facts.flex_v, least_v }),
+            Problem::Range { row, most_v } => self.limit(row, Limit::Range { max_v: self.facts.max_v, most_v }),
             Problem::Floor { row, least_v } => self.limit(row, Limit::Floor { least_v }),
             Problem::Narrow { row, gap_v, least_v } => {
                 (errors::narrow_gap(self.name(row), gap_v, least_v), vec![self.row(row)])
@@ -215,9 +233,8 @@ impl Judge<'_> {
                 return self.gap(relays::Gap { down, up, gap_v }, transition);
             }
         }
-        let highest = rows.clone().find(|row| {
-            is_binding((facts.max_v - facts.robots[*row].snap_down_v - facts.margin_v) / 2.0)
-        });
+        let highest =
+            rows.clone().find(|row| is_binding((facts.max_v - facts.robots[*row].snap_down_v - facts.margin_v) / 2.0));
         if let Some(row) = highest {
             return vec![self.cell(row, Transition::SnapDown, "barely below `max_voltage`")];
         }
@@ -233,34 +250,4 @@ fn column(transition: Transition) -> &'static str {
         Transition::SnapDown => "snap_down",
         Transition::Release => "release",
     }
-}
-
-/// Until the analysis is there: the chain of a table without faults, each state by two levels.
-fn stand_in(facts: &Facts, analysis: &mut Analysis) {
-    let robots = &facts.robots;
-    let mut order: Vec<usize> = (0..robots.len()).collect();
-    order.sort_by(|a, b| {
-        let key = |row: usize| robots[row].snap_down_v + robots[row].release_v;
-        key(*a).total_cmp(&key(*b))
-    });
-    let (n, margin_v) = (order.len(), facts.margin_v);
-    for down in 0..=n {
-        let mut arms = vec![Arm::Up; n];
-        order[..down].iter().for_each(|row| arms[*row] = Arm::Down);
-        let most = |f: fn(&Robot) -> f64| order[..down].iter().map(|row| f(&robots[*row])).fold(0.0, f64::max);
-        let least = |f: fn(&Robot) -> f64| order[down..].iter().map(|row| f(&robots[*row])).fold(facts.max_v, f64::min);
-        let (d, u): (fn(&Robot) -> f64, fn(&Robot) -> f64) = (|r| r.snap_down_v, |r| r.release_v);
-        let (gd, gu) = (least(d) - most(d), least(u) - most(u));
-        let (levels_v, slack_v) = if down == 0 {
-            (vec![(least(u) - margin_v) / 2.0], (least(u) - margin_v) / 2.0)
-        } else if down == n {
-            (vec![(most(d) + margin_v + facts.max_v) / 2.0], (facts.max_v - most(d) - margin_v) / 2.0)
-        } else if gu >= gd {
-            (vec![(most(d) + margin_v + facts.max_v) / 2.0, (most(u) + least(u)) / 2.0], gu / 2.0 - margin_v)
-        } else {
-            (vec![(least(u) - margin_v) / 2.0, (most(d) + least(d)) / 2.0], gd / 2.0 - margin_v)
-        };
-        analysis.states.push(ControlState { arms, levels_v, slack_v });
-    }
-    analysis.order = order;
 }
