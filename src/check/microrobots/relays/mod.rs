@@ -10,7 +10,7 @@ mod cycles;
 mod faults;
 mod mends;
 mod patterns;
-mod table;
+pub(super) mod table;
 
 use crate::device::microrobots::{Arm, ControlState};
 use cycles::Target;
