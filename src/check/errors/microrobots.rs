@@ -58,7 +58,7 @@ pub fn pose_text(pose: &Pose) -> String {
 }
 
 pub fn too_many_robots(found: usize, most: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0416, format!("a table of {found} robots, one bed takes {most}"))
+    Diagnostic::new(Code::E0403, format!("a table of {found} robots, one bed takes {most}"))
         .help("divide the robots among several beds")
 }
 
@@ -95,12 +95,12 @@ pub fn flex_beyond_source(flex: &str, most: &str) -> Diagnostic {
 }
 
 pub fn docking_sideways(name: &str, found: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0424, format!("`{name}` of {found}, it has to be less than 90 deg"))
+    Diagnostic::new(Code::E0423, format!("`{name}` of {found}, it has to be less than 90 deg"))
         .help("robots meet by their fronts: 60 deg and 45 deg were measured for meeting head on and for sticking")
 }
 
 pub fn cycle_beyond_fine_motion(cycle: &str, fine: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0424, format!("a fine cycle of {cycle} in a fine motion of {fine}"))
+    Diagnostic::new(Code::E0423, format!("a fine cycle of {cycle} in a fine motion of {fine}"))
         .help(format!("make `fine_cycle` {fine} or less: a fine motion consists of whole cycles"))
 }
 
@@ -221,13 +221,13 @@ pub fn gap_labels(column: &str, [down, up]: [&str; 2], gap_v: f64) -> [String; 2
 }
 
 pub fn too_many_states(most: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0423, format!("more than {most} control states, so many cannot be planned with"))
+    Diagnostic::new(Code::E0416, format!("more than {most} control states, so many cannot be planned with"))
         .help("nested gaps multiply the states: give robots that are used alike rows with the same voltages")
 }
 
-pub fn more_faults(count: usize) -> Diagnostic {
-    let title = format!("{count} more pairs of voltages that clash");
-    Diagnostic::new(Code::E0422, title).help("mend the others first")
+/// `code` is that of the last fault that was told.
+pub fn more_faults(code: Code, count: usize) -> Diagnostic {
+    Diagnostic::new(code, format!("{count} more faults of this table")).help("mend the others first")
 }
 
 /// The change of one voltage that mends a table.
@@ -247,6 +247,11 @@ pub fn small_slack((state, digits): (usize, &str), slack_v: f64, margin_v: f64) 
         format!("control state {state} (0b{digits}) has a slack of {slack}, less than 10 % of the margin, {share}");
     Diagnostic::new(Code::W0403, title)
         .help("levels that are off by more than the slack leave an arm uncertain: move the voltages further apart")
+}
+
+pub fn more_small_slacks(count: usize) -> Diagnostic {
+    Diagnostic::new(Code::W0403, format!("{count} more control states with a slack of less than 10 % of the margin"))
+        .help("move the voltages further apart, or measure them better")
 }
 
 /// `device` is its name, and where its table stands.
