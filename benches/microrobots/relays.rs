@@ -12,15 +12,16 @@ const SOURCE: Source = Source { margin_v: 0.5, relax_v: 250.0, flex_v: 290.0, ma
 pub fn check() {
     println!("\ncheck: whether a table of 100 robots is STRING, with a control cycle for each state or the faults");
     println!("table                     states faults longest cycle      ms");
-    check_row("even steps", &even(100));
-    check_row("random steps", &random(100, 7));
-    check_row("cycles of many levels", &interleaved(100));
-    check_row("all rows alike", &[Row { snap_down_v: 400.0, release_v: 100.0 }; 100]);
-    check_row("all rows nested", &nested(100));
+    check_row("even steps", &even(100), SOURCE);
+    check_row("random steps", &random(100, 7), SOURCE);
+    check_row("cycles of three levels", &interleaved(100), SOURCE);
+    check_row("only two levels allowed", &interleaved(100), Source { most_levels: 2, ..SOURCE });
+    check_row("all rows alike", &[Row { snap_down_v: 400.0, release_v: 100.0 }; 100], SOURCE);
+    check_row("all rows nested", &nested(100), SOURCE);
 }
 
-fn check_row(name: &str, table: &[Row]) {
-    let (time, analysis) = timed(|| analyse(table, SOURCE, Gaps::String));
+fn check_row(name: &str, table: &[Row], source: Source) {
+    let (time, analysis) = timed(|| analyse(table, source, Gaps::String));
     let faults = analysis.faults.len() + analysis.more_faults;
     let longest = analysis.states.iter().map(|state| state.levels_v.len()).max().unwrap_or(0);
     println!("{name:23} {:8} {faults:6} {longest:13} {:9.3}", analysis.states.len(), milliseconds(time));
@@ -33,7 +34,7 @@ pub fn states() {
     for robots in [8, 12] {
         states_row("even steps", &even(robots));
         states_row("random steps", &random(robots, 7));
-        states_row("many levels", &interleaved(robots));
+        states_row("three levels", &interleaved(robots));
         states_row("grid", &grid(robots / 4, 4));
         states_row("nested", &nested(robots));
     }

@@ -8,8 +8,8 @@ use super::faults::{self, Census};
 use super::table::{Table, volts_v};
 use super::{Gaps, Mend, Problem, Transition};
 
-/// Decimals that are tried: tenths of a volt first, the nanovolt last.
-const GRAINS: [i64; 5] = [200_000_000, 20_000_000, 2_000_000, 2_000, 2];
+/// Decimals that are tried: a nanovolt to a tenth of a volt.
+const GRAINS: [i64; 5] = [2, 2_000, 2_000_000, 20_000_000, 200_000_000];
 
 /// How much good a change does; the best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -22,21 +22,31 @@ enum Good {
     Some,
 }
 
-/// The smallest change for a fault, of those that do the most good.
-pub fn mend(table: &Table, gaps: Gaps, problem: &Problem) -> Option<Mend> {
-    let clinic = Clinic { table, gaps, census: Census::of(table, gaps), problem };
+/// The smallest change for each fault, of those that do the most good to it.
+///
+/// `problems` are all faults of the table, or as many as are to be reported.
+pub fn mends(table: &Table, gaps: Gaps, problems: &[Problem]) -> Vec<Option<Mend>> {
+    let census = Census::of(table, gaps);
+    let ranks = table.ranks();
+    let too_long: Vec<usize> = problems.iter().filter_map(|problem| problem.state()).collect();
+    let (census, ranks, too_long) = (&census, &ranks[..], &too_long[..]);
+    let mend_of = |problem| mend(&Clinic { table, gaps, census, ranks, too_long, problem });
+    problems.iter().map(mend_of).collect()
+}
+
+fn mend(clinic: &Clinic) -> Option<Mend> {
     let mut places: Vec<Place> = clinic.voltages().into_iter().flat_map(|voltage| clinic.places(voltage)).collect();
-    places.sort_by_key(|place| (place.far(), place.row));
+    places.sort_by_key(|place| (place.far(), place.row, place.transition, -place.to, place.way));
+    places.dedup();
     let mut best: Option<(Good, i64, Mend)> = None;
     for place in places {
-        if best.is_some_and(|(good, far, _)| good == Good::All && far <= place.far()) {
+        if best.is_some_and(|(good, far, _)| far + clinic.patience(good) <= place.far()) {
             break;
         }
-        for (good, to) in clinic.tried(place) {
-            let far = (to - place.from).abs();
-            if best.is_none_or(|(other, least, _)| (good, far) < (other, least)) {
-                best = Some((good, far, Mend { row: place.row, transition: place.transition, to_v: volts_v(to) }));
-            }
+        let Some((good, to)) = clinic.tried(place) else { continue };
+        let far = (to - place.from).abs();
+        if best.is_none_or(|(other, least, _)| (good, far) < (other, least)) {
+            best = Some((good, far, Mend { row: place.row, transition: place.transition, to_v: volts_v(to) }));
         }
     }
     best.map(|(_, _, mend)| mend)
@@ -46,12 +56,16 @@ pub fn mend(table: &Table, gaps: Gaps, problem: &Problem) -> Option<Mend> {
 struct Clinic<'a> {
     table: &'a Table,
     gaps: Gaps,
-    census: Census,
+    census: &'a Census,
+    /// Where each row stands in the order.
+    ranks: &'a [usize],
+    /// States that take too many levels.
+    too_long: &'a [usize],
     problem: &'a Problem,
 }
 
 /// Where moving a voltage may change something.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Place {
     row: usize,
     transition: Transition,
@@ -74,6 +88,15 @@ impl Place {
 }
 
 impl Clinic<'_> {
+    /// How much farther than a change that does some good to look for one that does more.
+    fn patience(&self, good: Good) -> i64 {
+        match (good, self.problem.state()) {
+            (Good::All, _) => 0,
+            (Good::More | Good::Some, Some(_)) => 4 * self.table.margin,
+            (Good::More | Good::Some, None) => self.table.max,
+        }
+    }
+
     /// The voltages that have a part in the fault.
     fn voltages(&self) -> Vec<(usize, Transition)> {
         let both = |row: usize| [(row, Transition::SnapDown), (row, Transition::Release)];
@@ -104,41 +127,38 @@ impl Clinic<'_> {
         limits.into_iter().chain(others).filter(|to| (0..=table.max).contains(to)).flat_map(place).collect()
     }
 
-    /// Round voltages at a place that do some good; the coarsest that do all or the most.
-    fn tried(&self, place: Place) -> Vec<(Good, i64)> {
-        let mut found: Vec<(Good, i64)> = Vec::new();
+    /// The coarsest voltage at a place that does as much good as one just there.
+    fn tried(&self, place: Place) -> Option<(Good, i64)> {
         let mut changed = self.table.clone();
-        for to in GRAINS.iter().flat_map(|grain| place.rounded(*grain)) {
+        let mut good_of = |to: i64| {
             changed.set(place.row, place.transition, to);
-            if let Some(good) = self.good(&changed, place)
-                && found.iter().all(|(other, _)| good < *other)
-            {
-                found.push((good, to));
-                if good == Good::All {
-                    break;
-                }
-            }
-        }
-        found
+            self.good(&changed, place)
+        };
+        let [finest, ..] = GRAINS;
+        let best = place.rounded(finest).into_iter().filter_map(&mut good_of).min()?;
+        let rounded = GRAINS.iter().rev().flat_map(|grain| place.rounded(*grain));
+        rounded.map(|to| (good_of(to), to)).find_map(|(good, to)| good.filter(|good| *good <= best).zip(Some(to)))
     }
 
     /// How much good a table with a change in one row does.
     fn good(&self, changed: &Table, place: Place) -> Option<Good> {
         let row = place.row;
-        if !keeps_limits(changed, row, place.transition) || !self.is_mended(changed) {
+        if !keeps_limits(changed, row, place.transition) {
             return None;
         }
-        let alone = faults::alone(changed, row).count();
-        let left = alone + faults::shared(changed, self.gaps, row);
+        let left = faults::alone(changed, row).count() + faults::shared(changed, self.gaps, row);
+        let is_mended = match self.problem.state() {
+            Some(state) => left == 0 && self.is_short(changed, row, state),
+            None => self.is_mended(changed),
+        };
+        if !is_mended {
+            return None;
+        }
         let before = self.census.of_row(row);
-        if left == 0 && self.census.total() == before && has_short_cycles(changed, self.gaps) {
+        if left == 0 && self.census.total() == before && self.has_short_cycles(changed, row) {
             return Some(Good::All);
         }
-        let is_better = match self.problem {
-            Problem::NoSequence { .. } => left == 0,
-            _ => left < before,
-        };
-        Some(if is_better { Good::More } else { Good::Some })
+        Some(if left < before.max(1) { Good::More } else { Good::Some })
     }
 
     fn is_mended(&self, changed: &Table) -> bool {
@@ -151,18 +171,35 @@ impl Clinic<'_> {
             Problem::Nested { outer: one, inner: other, .. } | Problem::Alike { one, other, .. } => {
                 changed.is_ordered(one, other)
             }
-            Problem::NoSequence { state, .. } => changed.order().is_some_and(|order| is_short(changed, &order, state)),
-            Problem::Crowd { .. } => false,
+            Problem::NoSequence { .. } | Problem::Crowd { .. } => false,
         }
     }
-}
 
-/// Whether each state of a table without other faults has a cycle that is short enough.
-pub fn has_short_cycles(table: &Table, gaps: Gaps) -> bool {
-    let all_short = |order: Vec<usize>| (0..=order.len()).all(|state| is_short(table, &order, state));
-    match gaps {
-        Gaps::Any => true,
-        Gaps::String => table.order().is_some_and(all_short),
+    /// Whether each state has a cycle that is short enough, after a change in a row that leaves no other faults.
+    fn has_short_cycles(&self, changed: &Table, row: usize) -> bool {
+        match self.gaps {
+            Gaps::Any => true,
+            Gaps::String => {
+                self.too_long.iter().copied().chain(0..=changed.len()).all(|state| self.is_short(changed, row, state))
+            }
+        }
+    }
+
+    /// The same of one state.
+    fn is_short(&self, changed: &Table, row: usize, state: usize) -> bool {
+        let is_down: Vec<bool> = (0..changed.len()).map(|other| self.rank(changed, row, other) < state).collect();
+        Target::new(changed, &changed.ranked(), &is_down).length() <= changed.most_levels
+    }
+
+    /// Where a row stands in the order after a change in one.
+    fn rank(&self, changed: &Table, row: usize, of: usize) -> usize {
+        match of == row {
+            true => changed.rank(row),
+            false => {
+                let before = usize::from(self.table.separates(row, of));
+                self.ranks[of] + usize::from(changed.separates(row, of)) - before
+            }
+        }
     }
 }
 
@@ -174,10 +211,4 @@ fn keeps_limits(table: &Table, row: usize, transition: Transition) -> bool {
             Transition::SnapDown => snap_down >= table.flex + gap && snap_down <= table.max - table.margin,
             Transition::Release => release <= table.relax - gap && release >= table.margin,
         }
-}
-
-fn is_short(table: &Table, order: &[usize], state: usize) -> bool {
-    let mut is_down = vec![false; table.len()];
-    order[..state].iter().for_each(|row| is_down[*row] = true);
-    Target::new(table, &table.ranked(), &is_down).length() <= table.most_levels
 }

@@ -52,7 +52,7 @@ pub enum Gaps {
 }
 
 /// One of the two voltages of a row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Transition {
     SnapDown,
     Release,
@@ -109,6 +109,23 @@ pub enum Problem {
     Crowd { most: usize },
 }
 
+impl Problem {
+    /// The state that it is about.
+    fn state(&self) -> Option<usize> {
+        match *self {
+            Problem::NoSequence { state, .. } => Some(state),
+            Problem::Hold { .. }
+            | Problem::Drive { .. }
+            | Problem::Range { .. }
+            | Problem::Floor { .. }
+            | Problem::Narrow { .. }
+            | Problem::Nested { .. }
+            | Problem::Alike { .. }
+            | Problem::Crowd { .. } => None,
+        }
+    }
+}
+
 /// What a table can do.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Analysis {
@@ -142,11 +159,10 @@ pub fn analyse(rows: &[Row], source: Source, gaps: Gaps) -> Analysis {
 }
 
 fn refused(table: &Table, gaps: Gaps, order: Vec<usize>, problems: &[Problem], total: usize) -> Analysis {
-    let faults: Vec<Fault> = problems
-        .iter()
-        .take(MAX_FAULTS)
-        .map(|problem| Fault { problem: *problem, mend: mends::mend(table, gaps, problem) })
-        .collect();
+    let problems = &problems[..problems.len().min(MAX_FAULTS)];
+    let mends = mends::mends(table, gaps, problems);
+    let faults: Vec<Fault> =
+        problems.iter().zip(mends).map(|(problem, mend)| Fault { problem: *problem, mend }).collect();
     Analysis { order, more_faults: total - faults.len(), faults, ..Analysis::default() }
 }
 

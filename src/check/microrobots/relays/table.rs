@@ -59,15 +59,23 @@ impl Table {
     /// The rows such that each is separated from all later ones and from no earlier one; `None` if no order is such.
     pub fn order(&self) -> Option<Vec<usize>> {
         let mut order: Vec<Option<usize>> = vec![None; self.len()];
-        for row in 0..self.len() {
-            let others = (0..self.len()).filter(|other| *other != row);
-            let place = others.filter(|other| self.separates(*other, row)).count();
+        for (row, rank) in self.ranks().into_iter().enumerate() {
             let is_strict = (0..self.len()).all(|other| other == row || self.is_ordered(row, other));
-            if !is_strict || order[place].replace(row).is_some() {
+            if !is_strict || order[rank].replace(row).is_some() {
                 return None;
             }
         }
         order.into_iter().collect()
+    }
+
+    /// For each row, how many others can be down while it is up.
+    pub fn ranks(&self) -> Vec<usize> {
+        (0..self.len()).map(|row| self.rank(row)).collect()
+    }
+
+    /// How many others can be down while this row is up: in an order its place.
+    pub fn rank(&self, row: usize) -> usize {
+        (0..self.len()).filter(|other| *other != row && self.separates(*other, row)).count()
     }
 
     /// Whether exactly one of two rows can be down while the other is up.

@@ -73,7 +73,7 @@ fn pairs_that_no_chain_allows() {
     let gaps = (0.0, 0.0);
     let (snap_down_gap_v, release_gap_v) = gaps;
     assert_eq!(alike.problem, Problem::Alike { one: 0, other: 1, snap_down_gap_v, release_gap_v, least_v: 4.0 });
-    assert_eq!(alike.mend, Some(Mend { row: 0, transition: Transition::SnapDown, to_v: 106.0 }));
+    assert_eq!(alike.mend, Some(Mend { row: 0, transition: Transition::SnapDown, to_v: 114.0 }));
     let nested = only_fault(&[(150.0, 20.0), (140.0, 35.0)], SOURCE);
     let (snap_down_gap_v, release_gap_v) = (10.0, 15.0);
     let (outer, inner) = (0, 1);

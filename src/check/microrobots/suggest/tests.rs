@@ -33,8 +33,8 @@ fn best_on_grid_v(robots: usize, limits: Limits, drive_v: [f64; 2]) -> Option<f6
             best_v = best_v.into_iter().chain(found_v).reduce(f64::max);
             continue;
         }
-        for at in next..rows.len() {
-            let more = [&chosen[..], &[rows[at]]].concat();
+        for (at, row) in rows.iter().enumerate().skip(next) {
+            let more = [&chosen[..], &[*row]].concat();
             let source = Source {
                 margin_v: limits.margin_v,
                 relax_v: drive_v[0],

@@ -1,6 +1,6 @@
 //! Relays by simulation: every arm from both states and with its voltages at every corner of the margin, one bit for each.
 
-use super::{Gaps, Row, Source, Table, faults, mends};
+use super::{Gaps, Row, Source, Table, Target, faults};
 use rustc_hash::FxHashMap;
 use std::collections::{BTreeMap, VecDeque};
 
@@ -137,13 +137,21 @@ pub fn least_mend_v(table: &[Row], source: Source) -> Option<f64> {
         changed[row] =
             Row { snap_down_v: changed[row].snap_down_v + snap_down_v, release_v: changed[row].release_v + release_v };
         let changed = Table::new(&changed, source);
-        faults::problems(&changed, Gaps::String, 1).is_empty() && mends::has_short_cycles(&changed, Gaps::String)
+        faults::problems(&changed, Gaps::String, 1).is_empty() && has_short_cycles(&changed)
     };
     let mut sizes_v = (1..200).map(|step| f64::from(step) * source.margin_v / 16.0);
     sizes_v.find(|size_v| {
         (0..table.len()).any(|row| {
             [*size_v, -size_v].iter().any(|change_v| is_sound(row, *change_v, 0.0) || is_sound(row, 0.0, *change_v))
         })
+    })
+}
+
+fn has_short_cycles(table: &Table) -> bool {
+    let order = table.order().expect("a table without faults of rows and pairs has an order");
+    (0..=order.len()).all(|state| {
+        let is_down: Vec<bool> = (0..order.len()).map(|row| order[..state].contains(&row)).collect();
+        Target::new(table, &table.ranked(), &is_down).length() <= table.most_levels
     })
 }
 
