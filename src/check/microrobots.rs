@@ -28,3 +28,6 @@ pub struct Bed {
     pub facts: Arc<Facts>,
     pub states: Arc<Vec<ControlState>>,
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,17 +6,38 @@ use super::{listed, meant};
 use crate::check::value::Value;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Pose;
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::{Dimension, Quantity, digits};
 use crate::source::Span;
 
 /// A voltage for a message.
 fn volts(v: f64) -> String {
-    Quantity::new(six_digits(v), Dimension::VOLTAGE).to_string()
+    format!("{} V", digits(six_digits(v)))
 }
 
 /// A length for a message.
 pub fn length(um: f64) -> String {
     Quantity::new(six_digits(um / 1e6), Dimension::LENGTH).to_string()
+}
+
+/// A length of three digits that is no more, for what falls short.
+fn at_most(um: f64) -> String {
+    length(three_digits(um, f64::floor))
+}
+
+/// A length of three digits that is no less, for what is too much and for what mends.
+fn at_least(um: f64) -> String {
+    length(three_digits(um, f64::ceil))
+}
+
+fn three_digits(value: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
+    if value <= 1e-6 {
+        return 0.0;
+    }
+    let scale = 10f64.powi(2 - value.log10().floor() as i32);
+    // What was lost in arithmetic is no reason for another digit.
+    let scaled = value * scale;
+    let whole = if (scaled - scaled.round()).abs() < 1e-6 { scaled.round() } else { to_whole(scaled) };
+    whole / scale
 }
 
 /// An angle for a message.
@@ -32,11 +53,12 @@ fn six_digits(value: f64) -> f64 {
 /// A pose as a program would say it.
 pub fn pose_text(pose: &Pose) -> String {
     let Pose { x_um, y_um, heading_rad } = *pose;
-    format!("pose({}, {}, {})", length(x_um), length(y_um), angle(heading_rad))
+    let heading = angle(heading_rad.rem_euclid(std::f64::consts::TAU));
+    format!("pose({}, {}, {heading})", length(x_um), length(y_um))
 }
 
 pub fn too_many_robots(found: usize, most: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0416, format!("a table of {found} robots, one bed takes {most}"))
+    Diagnostic::new(Code::E0403, format!("a table of {found} robots, one bed takes {most}"))
         .help("divide the robots among several beds")
 }
 
@@ -73,12 +95,12 @@ pub fn flex_beyond_source(flex: &str, most: &str) -> Diagnostic {
 }
 
 pub fn docking_sideways(name: &str, found: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0424, format!("`{name}` of {found}, it has to be less than 90 deg"))
+    Diagnostic::new(Code::E0423, format!("`{name}` of {found}, it has to be less than 90 deg"))
         .help("robots meet by their fronts: 60 deg and 45 deg were measured for meeting head on and for sticking")
 }
 
 pub fn cycle_beyond_fine_motion(cycle: &str, fine: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0424, format!("a fine cycle of {cycle} in a fine motion of {fine}"))
+    Diagnostic::new(Code::E0423, format!("a fine cycle of {cycle} in a fine motion of {fine}"))
         .help(format!("make `fine_cycle` {fine} or less: a fine motion consists of whole cycles"))
 }
 
@@ -119,14 +141,14 @@ pub fn voltage_out_of_limit(name: &str, found_v: f64, limit: Limit, margin_v: f6
         Limit::Hold { relax_v, most_v } => {
             let (relax, short) = (volts(relax_v), volts(found_v - most_v));
             let title = format!(
-                "a relax level of {relax} could raise the arm of `{name}`: it is released at {found}, {short} too near"
+                "a relax level of {relax} could raise the arm of `{name}`: it is released at {found}, {short} too high"
             );
             (Code::E0419, title)
         }
         Limit::Drive { flex_v, least_v } => {
             let (flex, short) = (volts(flex_v), volts(least_v - found_v));
             let title = format!(
-                "a flex level of {flex} could lower the arm of `{name}`: it snaps down at {found}, {short} too near"
+                "a flex level of {flex} could lower the arm of `{name}`: it snaps down at {found}, {short} too low"
             );
             (Code::E0419, title)
         }
@@ -199,13 +221,13 @@ pub fn gap_labels(column: &str, [down, up]: [&str; 2], gap_v: f64) -> [String; 2
 }
 
 pub fn too_many_states(most: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0423, format!("more than {most} control states, so many cannot be planned with"))
+    Diagnostic::new(Code::E0416, format!("more than {most} control states, so many cannot be planned with"))
         .help("nested gaps multiply the states: give robots that are used alike rows with the same voltages")
 }
 
-pub fn more_faults(count: usize) -> Diagnostic {
-    let title = format!("{count} more pairs of voltages that clash");
-    Diagnostic::new(Code::E0422, title).help("mend the others first")
+/// `code` is that of the last fault that was told.
+pub fn more_faults(code: Code, count: usize) -> Diagnostic {
+    Diagnostic::new(code, format!("{count} more faults of this table")).help("mend the others first")
 }
 
 /// The change of one voltage that mends a table.
@@ -214,12 +236,22 @@ pub fn voltage_mend(column: &str, name: &str, [now_v, to_v]: [f64; 2]) -> String
     format!("{verb} `{column}` of `{name}` from {} to {}", volts(now_v), volts(to_v))
 }
 
+/// The change of a level of the device that mends a table.
+pub fn level_mend(field: &str, [now_v, to_v]: [f64; 2]) -> String {
+    format!("{} `{field}` to {}", if to_v > now_v { "raise" } else { "lower" }, volts(to_v))
+}
+
 pub fn small_slack((state, digits): (usize, &str), slack_v: f64, margin_v: f64) -> Diagnostic {
     let (slack, share) = (volts(slack_v), volts(margin_v / 10.0));
     let title =
         format!("control state {state} (0b{digits}) has a slack of {slack}, less than 10 % of the margin, {share}");
     Diagnostic::new(Code::W0403, title)
         .help("levels that are off by more than the slack leave an arm uncertain: move the voltages further apart")
+}
+
+pub fn more_small_slacks(count: usize) -> Diagnostic {
+    Diagnostic::new(Code::W0403, format!("{count} more control states with a slack of less than 10 % of the margin"))
+        .help("move the voltages further apart, or measure them better")
 }
 
 /// `device` is its name, and where its table stands.
@@ -237,9 +269,11 @@ pub fn robot_without_row(
         None => diagnostic,
     };
     let few = &known[..known.len().min(12)];
-    diagnostic
-        .help(format!("its robots are {}{}", listed(few.iter().copied()), rest(known.len(), 12)))
-        .help_if(meant(near))
+    let list = format!("its robots are {}{}", listed(few.iter().copied()), rest(known.len(), 12));
+    diagnostic.help(match meant(near) {
+        Some(meant) => format!("{meant} {list}"),
+        None => list,
+    })
 }
 
 /// What a list leaves out.
@@ -273,6 +307,15 @@ pub fn no_heading(span: Span, name: &str, found: &Value) -> Diagnostic {
         .help(help)
 }
 
+pub fn obstacle_without_place(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0515,
+        format!("an obstacle of a bed stands at a place or a pose, this is {}", found.describe()),
+    )
+    .label(span, found.describe())
+    .help("write `at (900 um, 2.5 mm)`, or `at pose(900 um, 2.5 mm, 30 deg)` for a turned shape")
+}
+
 pub fn pose_too_far(span: Span, most_um: f64) -> Diagnostic {
     Diagnostic::new(Code::E0501, format!("a place further from the origin than {}", length(most_um)))
         .label(span, "cannot be reached")
@@ -289,7 +332,7 @@ pub struct Blocked<'a> {
 /// How far bodies lie apart, for a title: what is and what is needed.
 fn shortage([gap_um, kept_um]: [f64; 2], other: &str) -> String {
     if gap_um > 0.0 {
-        format!("lies {} from {other}, {} is needed", length(gap_um), length(kept_um))
+        format!("lies {} from {other}, {} is needed", at_most(gap_um), length(kept_um))
     } else if kept_um > 0.0 {
         format!("touches {other}, {} between them is needed", length(kept_um))
     } else {
@@ -374,6 +417,16 @@ pub fn assembled_twice(name: &str, span: Span, earlier: Span) -> Diagnostic {
         .help("each robot docks once, and stays there")
 }
 
+/// A docked robot that lies on an obstacle of a later scene.
+pub fn obstacle_on_docked(run: Span, docked: &Goal, (obstacle, at): (&str, Span)) -> Diagnostic {
+    let name = &docked.robot;
+    Diagnostic::new(Code::E0530, format!("`{name}` has docked by then, on obstacle `{obstacle}` of this run's scene"))
+        .label(run, "begins with another scene than the run before")
+        .label(docked.span, format!("`{name}` has docked here"))
+        .label(at, "the obstacle")
+        .help("give the tasks of the device one scene, or leave the structure free in the later one")
+}
+
 pub fn unlike_robots(run: Span, device: &str, name: &str) -> Diagnostic {
     Diagnostic::new(
         Code::E0528,
@@ -396,11 +449,11 @@ impl Goal {
 }
 
 fn mended_at(mended: Option<Pose>, does: &str) -> Option<String> {
-    mended.map(|pose| format!("the nearest pose at which it {does} is {}", pose_text(&pose)))
+    mended.map(|pose| format!("a pose at which it {does} is {}", pose_text(&pose)))
 }
 
 pub fn docked_overlap(goal: &Goal, other: &Goal, (depth_um, most_um): (f64, f64), mended: Option<Pose>) -> Diagnostic {
-    let (depth, most) = (length(depth_um), length(most_um));
+    let (depth, most) = (at_least(depth_um), length(most_um));
     let title =
         format!("`{}` at its goal overlaps `{}` by {depth}, at most {most} is allowed", goal.robot, other.robot);
     Diagnostic::new(Code::E0536, title)
@@ -411,13 +464,13 @@ pub fn docked_overlap(goal: &Goal, other: &Goal, (depth_um, most_um): (f64, f64)
 }
 
 pub fn docked_apart(goal: &Goal, other: &Goal, (gap_um, most_um): (f64, f64), mended: Option<Pose>) -> Diagnostic {
-    let (gap, most) = (length(gap_um), length(most_um));
+    let (gap, most) = (at_least(gap_um), length(most_um));
     let title =
         format!("`{}` at its goal touches nothing: it is {gap} from `{}`, {most} at most", goal.robot, other.robot);
     Diagnostic::new(Code::E0536, title)
         .label(goal.span, goal.label())
         .label_elsewhere(other.span, goal.span, format!("the nearest it could dock with, the {}", other.label()))
-        .help("robots dock in the order in which they are released: put the goal at one that has docked before it")
+        .help("the robots that snap down last dock first: put the goal at one that docks before this one")
         .help_if(mended_at(mended, "docks"))
 }
 
@@ -439,7 +492,7 @@ pub fn not_head_on(
         ),
         Some((_, offset_um)) => format!(
             "`{one}` and `{two}` meet {} beside each other, they align themselves up to {}",
-            length(offset_um),
+            at_least(offset_um),
             length(most_um)
         ),
     };
@@ -487,8 +540,8 @@ pub struct Orbiting {
 
 impl Orbiting {
     fn describe(&self) -> String {
-        let [x, y] = self.centre_um.map(length);
-        format!("until its turn comes `{}` sweeps all within {} of ({x}, {y})", self.robot, length(self.reach_um))
+        let [x, y] = self.centre_um.map(|um| length((um * 10.0).round() / 10.0));
+        format!("meanwhile `{}` sweeps all within {} of ({x}, {y})", self.robot, at_least(self.reach_um))
     }
 }
 
@@ -496,15 +549,15 @@ impl Orbiting {
 fn orbit_shortage(what: &str, orbiting: &Orbiting, (gap_um, kept_um): (f64, f64)) -> String {
     let orbit = format!("the orbit of `{}`", orbiting.robot);
     if gap_um > 0.0 {
-        format!("{what} lies {} from {orbit}, {} is needed", length(gap_um), length(kept_um))
+        format!("{what} lies {} from {orbit}, {} is needed", at_most(gap_um), length(kept_um))
     } else {
-        format!("{what} reaches {} into {orbit}", length(-gap_um))
+        format!("{what} reaches {} into {orbit}", at_least(-gap_um))
     }
 }
 
 /// Something that stands in an orbit about a start: what it is, and where it stands in the source.
 pub fn orbit_too_near(orbiting: &Orbiting, (what, span): (&str, Span), bounds: (f64, f64)) -> Diagnostic {
-    let short = length(bounds.1 - bounds.0);
+    let short = at_least(bounds.1 - bounds.0);
     Diagnostic::new(Code::E0538, orbit_shortage(what, orbiting, bounds))
         .label(orbiting.start, format!("`{}` orbits from here while others are assembled", orbiting.robot))
         .label_elsewhere(span, orbiting.start, "in its way")
@@ -512,7 +565,7 @@ pub fn orbit_too_near(orbiting: &Orbiting, (what, span): (&str, Span), bounds: (
 }
 
 pub fn goal_in_orbit(goal: &Goal, orbiting: &Orbiting, bounds: (f64, f64)) -> Diagnostic {
-    let short = length(bounds.1 - bounds.0);
+    let short = at_least(bounds.1 - bounds.0);
     Diagnostic::new(Code::E0538, orbit_shortage(&format!("the goal of `{}`", goal.robot), orbiting, bounds))
         .label(goal.span, goal.label())
         .label_elsewhere(orbiting.start, goal.span, format!("`{}` orbits from here meanwhile", orbiting.robot))

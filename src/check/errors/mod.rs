@@ -33,8 +33,11 @@ fn either(words: &[&str]) -> String {
     }
 }
 
-/// A word after its article: "a dimibot", "an electrode_array".
+/// A word after its article: "a dimibot", "an electrode_array", "a device of microrobots".
 fn with_article(word: &str) -> String {
+    if word.ends_with('s') {
+        return format!("a device of {word}");
+    }
     let article = if word.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
     format!("{article} {word}")
 }

@@ -291,7 +291,11 @@ pub fn planner_cannot(span: Span, name: &str, what: &str, asked: Span) -> Diagno
 }
 
 pub fn together_in_task(span: Span, kind: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0518, format!("{} has one end-effector and nothing to move together", with_article(kind)))
+    let title = match kind {
+        "microrobots" => "one voltage drives all robots: goals at the same time are an assembly".to_owned(),
+        _ => format!("{} has one end-effector and nothing to move together", with_article(kind)),
+    };
+    Diagnostic::new(Code::E0518, title)
         .label(span, "not in this task")
         .help("write the steps one below the other; several devices run together in a `program`")
 }

@@ -10,6 +10,7 @@ use crate::diagnostic::Diagnostic;
 use crate::geometry::Pose;
 use crate::source::Span;
 use nalgebra::{Point2, Vector2};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// What may be lost in the arithmetic of an angle.
 const SLACK_RAD: f64 = 1e-9;
@@ -53,23 +54,21 @@ pub struct HeadOn {
     pub angle_rad: f64,
     /// The greater distance of a front's middle from the axis of the other robot.
     pub offset_um: f64,
-    /// Whether each has the other before it.
+    /// Whether their fronts meet.
     pub faces: bool,
 }
 
 impl HeadOn {
     /// How these two meet.
-    pub fn of(one: &Docked, other: &Docked) -> HeadOn {
-        let angle_rad = wrapped_rad(one.pose.heading_rad - other.pose.heading_rad - std::f64::consts::PI).abs();
+    pub fn of(one: &Docked, other: &Docked, docking: &Docking) -> HeadOn {
+        let angle_rad = wrapped_rad(one.pose.heading_rad - other.pose.heading_rad - PI).abs();
         let off = |one: &Docked, other: &Docked| one.heading().perp(&(other.front() - one.front())).abs();
-        let before = |one: &Docked, other: &Docked| {
-            let way = Vector2::new(other.pose.x_um - one.pose.x_um, other.pose.y_um - one.pose.y_um);
-            one.heading().dot(&way) > 0.0
-        };
         HeadOn {
             angle_rad,
             offset_um: off(one, other).max(off(other, one)),
-            faces: before(one, other) && before(other, one),
+            faces: angle_rad < FRAC_PI_2
+                && (lies_before(&one.body(), &other.body(), docking)
+                    || lies_before(&other.body(), &one.body(), docking)),
         }
     }
 
@@ -81,18 +80,23 @@ impl HeadOn {
     }
 }
 
-/// The angle between the heading of a robot and the inward normal of the edge that it meets.
-pub fn incidence_rad(one: &Docked, met: &Docked) -> f64 {
+/// Whether a body lies before the front of another, but for what docked bodies may overlap.
+fn lies_before(body: &Body, other: &Body, docking: &Docking) -> bool {
+    let [(normal, at), ..] = other.sides();
+    body.beyond_um(normal, at) >= -docking.tolerance_um - SLACK_UM
+}
+
+/// The angle between the heading of a robot and the inward normal of the edge that it meets; at a corner the smaller one.
+pub fn incidence_rad(one: &Docked, met: &Docked, docking: &Docking) -> f64 {
     let body = one.body();
-    let edge = met.body().sides().into_iter().max_by(|(normal, at), (other, other_at)| {
-        body.beyond_um(*normal, *at).total_cmp(&body.beyond_um(*other, *other_at))
-    });
-    edge.map_or(std::f64::consts::PI, |(normal, _)| one.heading().angle(&-normal))
+    let edges = met.body().sides().into_iter();
+    let met = edges.filter(|(normal, at)| body.beyond_um(*normal, *at) >= -docking.tolerance_um - SLACK_UM);
+    met.map(|(normal, _)| one.heading().angle(&-normal)).fold(PI, f64::min)
 }
 
 /// Whether a robot that meets a docked one sticks to it.
 pub fn sticks(one: &Docked, met: &Docked, docking: &Docking) -> bool {
-    touches(one, met, docking) && incidence_rad(one, met) <= docking.sticking_rad + SLACK_RAD
+    touches(one, met, docking) && incidence_rad(one, met, docking) <= docking.sticking_rad + SLACK_RAD
 }
 
 /// What is wrong with one goal of an assembly.
@@ -131,15 +135,16 @@ pub fn misfit<'a>(one: &Docked, before: &[Docked<'a>], partner: Partner<'a>, doc
         Partner::Nothing => None,
         Partner::First(first) if !touches(one, first, docking) => Some(apart(*first)),
         Partner::First(first) => {
-            let meeting = HeadOn::of(one, first);
+            let meeting = HeadOn::of(one, first, docking);
             (!meeting.holds(docking)).then_some(Misfit::NotHeadOn { other: *first, meeting })
         }
         Partner::Structure if !touches(one, &nearest, docking) => Some(apart(nearest)),
         Partner::Structure if before.iter().any(|met| sticks(one, met, docking)) => None,
         Partner::Structure => {
+            let angle_rad = |met: &Docked| incidence_rad(one, met, docking);
             let touched = before.iter().filter(|met| touches(one, met, docking));
-            let met = *touched.min_by(|a, b| incidence_rad(one, a).total_cmp(&incidence_rad(one, b)))?;
-            Some(Misfit::Slips { met, angle_rad: incidence_rad(one, &met) })
+            let met = *touched.min_by(|a, b| angle_rad(a).total_cmp(&angle_rad(b)))?;
+            Some(Misfit::Slips { met, angle_rad: angle_rad(&met) })
         }
     }
 }
@@ -162,19 +167,23 @@ pub fn mended(one: &Docked, other: &Docked, accepts: impl Fn(&Docked) -> bool) -
 pub fn told(one: &Docked, before: &[Docked], partner: Partner, misfit: &Misfit, docking: &Docking) -> Diagnostic {
     let place = |docked: &Docked| errors::Goal { robot: docked.facts.name.clone(), span: docked.span };
     let fits = |moved: &Docked| self::misfit(moved, before, partner, docking).is_none();
+    let head_on = || match partner {
+        Partner::First(first) => facing(one, first, fits),
+        Partner::Nothing | Partner::Structure => None,
+    };
     match misfit {
         Misfit::Overlaps { other, depth_um } => {
             let bounds = (*depth_um, docking.tolerance_um);
-            errors::docked_overlap(&place(one), &place(other), bounds, mended(one, other, fits))
+            errors::docked_overlap(&place(one), &place(other), bounds, mended(one, other, fits).or_else(head_on))
         }
         Misfit::Apart { nearest, gap_um } => {
             let bounds = (*gap_um, docking.tolerance_um);
-            errors::docked_apart(&place(one), &place(nearest), bounds, mended(one, nearest, fits))
+            errors::docked_apart(&place(one), &place(nearest), bounds, mended(one, nearest, fits).or_else(head_on))
         }
         Misfit::NotHeadOn { other, meeting } => {
             let limits = (docking.self_aligning_rad, docking.self_aligning_um);
             let found = meeting.faces.then_some((meeting.angle_rad, meeting.offset_um));
-            errors::not_head_on(&place(one), &place(other), found, limits, facing(one, other, fits))
+            errors::not_head_on(&place(one), &place(other), found, limits, head_on())
         }
         Misfit::Slips { met, angle_rad } => {
             errors::docked_askew(&place(one), &place(met), (*angle_rad, docking.sticking_rad))
@@ -186,7 +195,7 @@ pub fn told(one: &Docked, before: &[Docked], partner: Partner, misfit: &Misfit, 
 fn facing(one: &Docked, other: &Docked, accepts: impl Fn(&Docked) -> bool) -> Option<Pose> {
     let heading = other.heading();
     let centre = other.front() + heading * (one.facts.length_um / 2.0);
-    let heading_rad = wrapped_rad(other.pose.heading_rad + std::f64::consts::PI);
+    let heading_rad = wrapped_rad(other.pose.heading_rad + PI);
     let pose = Pose { x_um: centre.x.round(), y_um: centre.y.round(), heading_rad };
     accepts(&Docked { pose, ..*one }).then_some(pose)
 }

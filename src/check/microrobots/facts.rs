@@ -29,9 +29,9 @@ pub fn bed(device: &Device, sink: &mut Sink) -> Option<Bed> {
     (sink.errors() == errors).then_some(())?;
     let facts = facts(device, &table, sink)?;
     bodies_are_countable(&facts, &table, device, sink);
-    levels_in_order(&facts, device, sink);
     meets_forwards(&facts, device, sink);
     fine_motion_has_room(&facts, device, sink);
+    levels_in_order(&facts, device, sink)?;
     let states = validity::states(&facts, &table, device, sink)?;
     (sink.errors() == errors).then(|| Bed { facts: Arc::new(facts), states: Arc::new(states) })
 }
@@ -99,10 +99,10 @@ fn facts(device: &Device, table: &Table, sink: &mut Sink) -> Option<Facts> {
 /// The time of one stroke, of two equal halves; `None` if the clock cannot count it.
 fn period_ns(device: &Device, sink: &mut Sink) -> Option<u64> {
     let frequency = quantity(device, "drive_frequency")?;
-    let half_ns = (0.5e9 / frequency.si).round();
+    let half_ns = 0.5e9 / frequency.si;
     let limit = crate::check::MAX_TIME_NS as f64 / 2.0;
     if (1.0..=limit).contains(&half_ns) {
-        return Some(2 * half_ns as u64);
+        return Some(2 * half_ns.round() as u64);
     }
     sink.push(told(device, errors::stroke_out_of_clock(frequency), &at(device, "drive_frequency", "of one stroke")));
     None
@@ -190,8 +190,9 @@ fn bodies_are_countable(facts: &Facts, table: &Table, device: &Device, sink: &mu
     }
 }
 
-/// The drive train swings upwards, and no higher than the source.
-fn levels_in_order(facts: &Facts, device: &Device, sink: &mut Sink) {
+/// The drive train swings upwards, and no higher than the source; `None` if it does not.
+fn levels_in_order(facts: &Facts, device: &Device, sink: &mut Sink) -> Option<()> {
+    let errors = sink.errors();
     let voltage = |name: &str| quantity(device, name).map_or(String::new(), |voltage| voltage.to_string());
     if facts.relax_v >= facts.flex_v {
         let mut labels = at(device, "relax", "not below `flex`");
@@ -203,6 +204,7 @@ fn levels_in_order(facts: &Facts, device: &Device, sink: &mut Sink) {
         labels.extend(at(device, "max_voltage", "the most that it gives"));
         sink.push(told(device, errors::flex_beyond_source(&voltage("flex"), &voltage("max_voltage")), &labels));
     }
+    (sink.errors() == errors).then_some(())
 }
 
 /// A robot meets what it docks with by its front: docking angles are below a right angle.

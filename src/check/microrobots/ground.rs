@@ -173,7 +173,7 @@ impl Reader<'_> {
             Some(at) => match shapes::pose_of(&at.value) {
                 Some(pose) => pose,
                 None => {
-                    self.sink.push(errors::wrong_place(at.span, &at.value, "a place or a pose"));
+                    self.sink.push(errors::obstacle_without_place(at.span, &at.value));
                     return None;
                 }
             },

@@ -16,20 +16,22 @@ const DEFAULT_LEVELS: usize = 8;
 /// Below this share of the margin the slack of a control state is told.
 const SMALL_SLACK: f64 = 0.1;
 
+/// The most control states whose slack is told one by one.
+const MAX_WARNINGS: usize = 8;
+
 /// The control states of a bed; `None` after an error.
 pub fn states(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) -> Option<Vec<ControlState>> {
     let judge = Judge { facts, table, device };
     let errors = sink.errors();
     (0..facts.robots.len()).filter_map(|row| judge.upside_down(row)).for_each(|wrong| sink.push(wrong));
     (sink.errors() == errors).then_some(())?;
-    let mut analysis = relays::analyse(&rows(facts), source(facts, device), gaps(device));
-    if analysis.states.is_empty() && analysis.faults.is_empty() {
-        stand_in(facts, &mut analysis);
-    }
-    analysis.faults.iter().map(|fault| judge.told_fault(fault, &analysis)).for_each(|wrong| sink.push(wrong));
-    if analysis.more_faults > 0 {
-        sink.push(told(device, errors::more_faults(analysis.more_faults), &[(table.span, "in this table".to_owned())]));
-    }
+    let analysis = relays::analyse(&rows(facts), source(facts, device), gaps(device));
+    let faults: Vec<Diagnostic> = analysis.faults.iter().map(|fault| judge.told_fault(fault, &analysis)).collect();
+    let rest = faults.last().filter(|_| analysis.more_faults > 0).map(|last| {
+        let labels = [(table.span, "in this table".to_owned())];
+        told(device, errors::more_faults(last.code, analysis.more_faults), &labels)
+    });
+    faults.into_iter().chain(rest).for_each(|wrong| sink.push(wrong));
     (sink.errors() == errors).then_some(())?;
     judge.warnings(&analysis).into_iter().for_each(|warning| sink.push(warning));
     Some(analysis.states)
@@ -93,16 +95,43 @@ impl Judge<'_> {
 
     fn told_fault(&self, fault: &Fault, analysis: &Analysis) -> Diagnostic {
         let (wrong, labels) = self.fault(&fault.problem, analysis);
-        let wrong = wrong.help_if(fault.mend.as_ref().map(|mend| self.mend(mend, &fault.problem)));
+        let mend = fault.mend.as_ref().map(|mend| self.mend(mend, &fault.problem));
+        let mends: Vec<String> = mend.into_iter().chain(self.other_level(&fault.problem)).collect();
+        let wrong = wrong.help_if((!mends.is_empty()).then(|| mends.join("; or ")));
         told(self.device, wrong, &labels)
+    }
+
+    /// The level of the device that would suit every row, where the drive train still swings.
+    fn other_level(&self, problem: &Problem) -> Option<String> {
+        let Facts { margin_v, relax_v, flex_v, .. } = *self.facts;
+        let robots = &self.facts.robots;
+        let highest = |voltage: fn(&Robot) -> f64| robots.iter().map(voltage).fold(0.0, f64::max);
+        let lowest_v = robots.iter().map(|robot| robot.snap_down_v).fold(f64::INFINITY, f64::min);
+        match problem {
+            Problem::Hold { .. } => {
+                let least_v = highest(|robot| robot.release_v) + 2.0 * margin_v;
+                (least_v < flex_v).then(|| errors::level_mend("relax", [relax_v, least_v]))
+            }
+            Problem::Drive { .. } => {
+                let most_v = lowest_v - 2.0 * margin_v;
+                (most_v > relax_v).then(|| errors::level_mend("flex", [flex_v, most_v]))
+            }
+            Problem::Range { .. } => {
+                let least_v = highest(|robot| robot.snap_down_v) + margin_v;
+                Some(errors::level_mend("max_voltage", [self.facts.max_v, least_v]))
+            }
+            Problem::Floor { .. }
+            | Problem::Narrow { .. }
+            | Problem::Nested { .. }
+            | Problem::Alike { .. }
+            | Problem::NoSequence { .. }
+            | Problem::Crowd { .. } => None,
+        }
     }
 
     fn mend(&self, mend: &Mend, problem: &Problem) -> String {
         let robot = &self.facts.robots[mend.row];
-        let now_v = match mend.transition {
-            Transition::SnapDown => robot.snap_down_v,
-            Transition::Release => robot.release_v,
-        };
+        let now_v = self.voltage(mend.row, mend.transition);
         let mend = errors::voltage_mend(column(mend.transition), &robot.name, [now_v, mend.to_v]);
         match problem {
             Problem::Nested { .. } => format!("{mend}; or give the device `non_string: true`"),
@@ -175,45 +204,55 @@ impl Judge<'_> {
         vec![self.cell(gap.down, transition, low), self.cell(gap.up, transition, high)]
     }
 
-    /// States that hold, but only just.
+    /// States that hold, but only just; of very many the first ones.
     fn warnings(&self, analysis: &Analysis) -> Vec<Diagnostic> {
         let least_v = SMALL_SLACK * self.facts.margin_v;
-        let thin = analysis.states.iter().enumerate().filter(|(_, state)| state.slack_v < least_v);
-        thin.map(|(index, state)| {
-            let wrong = errors::small_slack((index, &state.digits()), state.slack_v, self.facts.margin_v);
+        let is_thin = |(_, state): &(usize, &ControlState)| state.slack_v < least_v;
+        let thin: Vec<(usize, &ControlState)> = analysis.states.iter().enumerate().filter(is_thin).collect();
+        let told_of = thin.iter().take(MAX_WARNINGS).map(|(index, state)| {
+            let wrong = errors::small_slack((*index, &state.digits()), state.slack_v, self.facts.margin_v);
             told(self.device, wrong, &self.binding(state))
-        })
-        .collect()
+        });
+        let rest = thin.len().checked_sub(MAX_WARNINGS + 1).map(|rest| {
+            let labels = [(self.table.span, "of this table".to_owned())];
+            told(self.device, errors::more_small_slacks(rest + 1), &labels)
+        });
+        told_of.chain(rest).collect()
     }
 
     /// The cells that leave a state no more slack than it has.
     fn binding(&self, state: &ControlState) -> Labels {
         let facts = self.facts;
         let is_binding = |slack_v: f64| (slack_v - state.slack_v).abs() <= 1e-9 * facts.max_v;
-        let of = |arm: Arm| move |row: &usize| state.arms[*row] == arm;
         let rows = 0..facts.robots.len();
-        for transition in [Transition::SnapDown, Transition::Release] {
-            let voltage = |row: usize| match transition {
-                Transition::SnapDown => facts.robots[row].snap_down_v,
-                Transition::Release => facts.robots[row].release_v,
-            };
-            let by_voltage = |one: &usize, other: &usize| voltage(*one).total_cmp(&voltage(*other));
-            let down = rows.clone().filter(of(Arm::Down)).max_by(by_voltage);
-            let up = rows.clone().filter(of(Arm::Up)).min_by(by_voltage);
-            let (Some(down), Some(up)) = (down, up) else { continue };
-            let gap_v = voltage(up) - voltage(down);
-            if is_binding(gap_v / 2.0 - facts.margin_v) {
-                return self.gap(relays::Gap { down, up, gap_v }, transition);
-            }
+        let gaps = rows.clone().flat_map(|down| rows.clone().map(move |up| (down, up)));
+        let told_apart = gaps.filter(|(down, up)| state.arms[*down] == Arm::Down && state.arms[*up] == Arm::Up);
+        let gap = told_apart
+            .flat_map(|(down, up)| {
+                [Transition::SnapDown, Transition::Release].map(|transition| {
+                    let gap_v = self.voltage(up, transition) - self.voltage(down, transition);
+                    (relays::Gap { down, up, gap_v }, transition)
+                })
+            })
+            .find(|(gap, _)| is_binding(gap.gap_v.abs() / 2.0 - facts.margin_v));
+        if let Some((gap, transition)) = gap {
+            return self.gap(gap, transition);
         }
-        let highest =
-            rows.clone().find(|row| is_binding((facts.max_v - facts.robots[*row].snap_down_v - facts.margin_v) / 2.0));
-        if let Some(row) = highest {
+        let below_v = |row: &usize| (facts.max_v - facts.robots[*row].snap_down_v - facts.margin_v) / 2.0;
+        if let Some(row) = rows.clone().find(|row| is_binding(below_v(row))) {
             return vec![self.cell(row, Transition::SnapDown, "barely below `max_voltage`")];
         }
-        match rows.into_iter().find(|row| is_binding((facts.robots[*row].release_v - facts.margin_v) / 2.0)) {
+        let above_v = |row: &usize| (facts.robots[*row].release_v - facts.margin_v) / 2.0;
+        match rows.into_iter().find(|row| is_binding(above_v(row))) {
             Some(row) => vec![self.cell(row, Transition::Release, "barely above 0 V")],
             None => vec![(self.table.span, "in this table".to_owned())],
+        }
+    }
+
+    fn voltage(&self, row: usize, transition: Transition) -> f64 {
+        match transition {
+            Transition::SnapDown => self.facts.robots[row].snap_down_v,
+            Transition::Release => self.facts.robots[row].release_v,
         }
     }
 }
@@ -223,34 +262,4 @@ fn column(transition: Transition) -> &'static str {
         Transition::SnapDown => "snap_down",
         Transition::Release => "release",
     }
-}
-
-/// Until the analysis is there: the chain of a table without faults, each state by two levels.
-fn stand_in(facts: &Facts, analysis: &mut Analysis) {
-    let robots = &facts.robots;
-    let mut order: Vec<usize> = (0..robots.len()).collect();
-    order.sort_by(|a, b| {
-        let key = |row: usize| robots[row].snap_down_v + robots[row].release_v;
-        key(*a).total_cmp(&key(*b))
-    });
-    let (n, margin_v) = (order.len(), facts.margin_v);
-    for down in 0..=n {
-        let mut arms = vec![Arm::Up; n];
-        order[..down].iter().for_each(|row| arms[*row] = Arm::Down);
-        let most = |f: fn(&Robot) -> f64| order[..down].iter().map(|row| f(&robots[*row])).fold(0.0, f64::max);
-        let least = |f: fn(&Robot) -> f64| order[down..].iter().map(|row| f(&robots[*row])).fold(facts.max_v, f64::min);
-        let (d, u): (fn(&Robot) -> f64, fn(&Robot) -> f64) = (|r| r.snap_down_v, |r| r.release_v);
-        let (gd, gu) = (least(d) - most(d), least(u) - most(u));
-        let (levels_v, slack_v) = if down == 0 {
-            (vec![(least(u) - margin_v) / 2.0], (least(u) - margin_v) / 2.0)
-        } else if down == n {
-            (vec![(most(d) + margin_v + facts.max_v) / 2.0], (facts.max_v - most(d) - margin_v) / 2.0)
-        } else if gu >= gd {
-            (vec![(most(d) + margin_v + facts.max_v) / 2.0, (most(u) + least(u)) / 2.0], gu / 2.0 - margin_v)
-        } else {
-            (vec![(least(u) - margin_v) / 2.0, (most(d) + least(d)) / 2.0], gd / 2.0 - margin_v)
-        };
-        analysis.states.push(ControlState { arms, levels_v, slack_v });
-    }
-    analysis.order = order;
 }

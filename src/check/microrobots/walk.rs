@@ -6,8 +6,9 @@
 use super::bodies::{Body, Orbit, Solid, is_too_near};
 use super::docking::{self, Docked, Partner};
 use super::goals::Origins;
+use super::ground::first_near;
 use crate::check::claims::Job;
-use crate::check::claims::microrobots::{Action, Dock, MicrorobotsOrder, Placed, Stop};
+use crate::check::claims::microrobots::{Action, Dock, MicrorobotsOrder, Obstacle, Placed, Stop};
 use crate::check::errors;
 use crate::device::microrobots::{Arm, Docking};
 use crate::diagnostic::{Diagnostic, Sink};
@@ -25,6 +26,7 @@ pub fn beds_agree(jobs: &[Job], origins: &Origins, sink: &mut Sink) {
             sink.push(errors::unlike_robots(job.run_span, &job.device, name));
             return;
         }
+        walk.furnish(job, order).into_iter().for_each(|wrong| sink.push(wrong));
         for step in &order.steps {
             let run = if job.run_span == job.span { step.span } else { job.run_span };
             for diagnostic in walk.advance(&step.action, step.span, order) {
@@ -46,7 +48,10 @@ enum Bed {
 
 /// A bed between two steps.
 struct Walk {
+    /// As the first scene puts them.
     robots: Arc<Vec<Placed>>,
+    /// Of the scene of the last run.
+    obstacles: Arc<Vec<Obstacle>>,
     bed: Bed,
     /// Where robots have docked, by their index.
     docked: BTreeMap<usize, Stop>,
@@ -54,7 +59,8 @@ struct Walk {
 
 impl Walk {
     fn of(order: &MicrorobotsOrder) -> Walk {
-        Walk { robots: Arc::clone(&order.robots), bed: Bed::Untouched, docked: BTreeMap::new() }
+        let (robots, obstacles) = (Arc::clone(&order.robots), Arc::clone(&order.obstacles));
+        Walk { robots, obstacles, bed: Bed::Untouched, docked: BTreeMap::new() }
     }
 
     /// A robot that only one of two scenes has.
@@ -63,6 +69,21 @@ impl Walk {
         let (before, now) = (rows(&self.robots), rows(&order.robots));
         let odd = now.symmetric_difference(&before).next()?;
         Some(order.facts.robots[*odd].name.as_str())
+    }
+
+    /// Takes over the obstacles of another scene, which no docked robot may lie on.
+    fn furnish(&mut self, job: &Job, order: &MicrorobotsOrder) -> Option<Diagnostic> {
+        if Arc::ptr_eq(&self.obstacles, &order.obstacles) {
+            return None;
+        }
+        self.obstacles = Arc::clone(&order.obstacles);
+        let solids: Vec<Option<Solid>> = order.obstacles.iter().map(Solid::of).collect();
+        self.docked.iter().find_map(|(robot, at)| {
+            let body = Body::of(order.robot(*robot), at.pose);
+            let (obstacle, _) = first_near(&body, &order.obstacles, &solids, 0.0)?;
+            let docked = errors::Goal { robot: order.robot(*robot).name.clone(), span: at.span };
+            Some(errors::obstacle_on_docked(job.run_span, &docked, (&obstacle.name, obstacle.span)))
+        })
     }
 
     /// Judges a step, and docks what it assembles.
@@ -129,14 +150,16 @@ impl Walk {
         }
     }
 
-    /// Which orbit about a start something stands in, until the orbiting robot is driven itself.
+    /// What stands in an orbit about a start, of all robots that are not driven at first.
+    ///
+    /// The first robot of the assembly is driven while all others orbit, the second one too.
     fn orbits(&self, goals: &[Docked], ranks: &[usize], order: &MicrorobotsOrder) -> Option<Diagnostic> {
-        let pair_rank = goals.get(1).map_or(0, |goal| ranks[goal.robot]);
+        let second = goals.get(1).map_or(0, |goal| ranks[goal.robot]);
         let orbiting: Vec<(usize, Orbit)> = (0..order.robots.len())
-            .filter(|robot| ranks[*robot] < pair_rank)
-            .map(|robot| (robot, Orbit::of(order.robot(robot), order.robots[robot].pose)))
+            .filter(|robot| ranks[*robot] <= second)
+            .map(|robot| (robot, Orbit::of(order.robot(robot), self.robots[robot].pose)))
             .collect();
-        let judge = Orbits { order, orbiting: &orbiting };
+        let judge = Orbits { order, starts: &self.robots, orbiting: &orbiting };
         judge.obstacle().or_else(|| judge.pair()).or_else(|| judge.start()).or_else(|| judge.goal(goals, ranks))
     }
 }
@@ -144,6 +167,8 @@ impl Walk {
 /// The orbits about the starts of robots that wait for their turn.
 struct Orbits<'a> {
     order: &'a MicrorobotsOrder,
+    /// One for each robot of the order.
+    starts: &'a [Placed],
     orbiting: &'a [(usize, Orbit)],
 }
 
@@ -151,11 +176,11 @@ impl Orbits<'_> {
     fn start(&self) -> Option<Diagnostic> {
         let stands = (0..self.order.robots.len()).filter(|robot| self.orbiting.iter().all(|(other, _)| other != robot));
         let bodies: Vec<(usize, Body)> =
-            stands.map(|robot| (robot, Body::of(self.order.robot(robot), self.order.robots[robot].pose))).collect();
+            stands.map(|robot| (robot, Body::of(self.order.robot(robot), self.starts[robot].pose))).collect();
         self.orbiting.iter().find_map(|(robot, orbit)| {
             bodies.iter().find_map(|(other, body)| {
                 let what = format!("the start of `{}`", self.order.robot(*other).name);
-                self.near((*robot, orbit), orbit.gap_to_body_um(body), (&what, self.order.robots[*other].span))
+                self.near((*robot, orbit), orbit.gap_to_body_um(body), (&what, self.starts[*other].span))
             })
         })
     }
@@ -165,7 +190,7 @@ impl Orbits<'_> {
         pairs.into_iter().find_map(|(at, (robot, orbit))| {
             self.orbiting[..at].iter().find_map(|(other, before)| {
                 let what = format!("the orbit of `{}`", self.order.robot(*other).name);
-                self.near((*robot, orbit), orbit.gap_um(before), (&what, self.order.robots[*other].span))
+                self.near((*robot, orbit), orbit.gap_um(before), (&what, self.starts[*other].span))
             })
         })
     }
@@ -181,9 +206,10 @@ impl Orbits<'_> {
         })
     }
 
-    /// Goals that are taken while a robot still orbits.
+    /// Goals that are taken while a robot still orbits; the first two of an assembly come to theirs together.
     fn goal(&self, goals: &[Docked], ranks: &[usize]) -> Option<Diagnostic> {
-        self.orbiting.iter().find_map(|(robot, orbit)| {
+        let second = goals.get(1).map_or(0, |goal| ranks[goal.robot]);
+        self.orbiting.iter().filter(|(robot, _)| ranks[*robot] < second).find_map(|(robot, orbit)| {
             let before = goals.iter().filter(|goal| ranks[goal.robot] > ranks[*robot]);
             before.into_iter().find_map(|goal| {
                 let gap_um = orbit.gap_to_body_um(&goal.body());
@@ -204,7 +230,7 @@ impl Orbits<'_> {
     fn told(&self, robot: usize, orbit: &Orbit) -> errors::Orbiting {
         errors::Orbiting {
             robot: self.order.robot(robot).name.clone(),
-            start: self.order.robots[robot].span,
+            start: self.starts[robot].span,
             centre_um: [orbit.centre.x, orbit.centre.y],
             reach_um: orbit.reach_um,
         }
