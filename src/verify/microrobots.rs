@@ -369,3 +369,6 @@ fn curve_um(robot: &Robot) -> f64 {
         Turning::Counterclockwise => -robot.turning_radius_um,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -13,7 +13,7 @@ const RESOLUTION_UM: f64 = 5e-4;
 pub(super) const ROUNDING_UM: f64 = 1e-6;
 
 /// How often one run may be looked at before the verifier gives up on it.
-const MAX_LOOKS: u64 = 1 << 25;
+const MAX_LOOKS: u64 = 1 << 24;
 
 /// What is left of the looks.
 #[derive(Debug)]
