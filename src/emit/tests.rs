@@ -92,13 +92,14 @@ fn what_is_not_finite_is_refused() {
 }
 
 /// Writes every format of every fixture into the folder that `TWEEZE_FIXTURES` names, for `tests/oracles/run.py`; what runs on
-/// slopes, and so cannot be written in every format, into its folder `slopes`.
+/// slopes, and so cannot be written in every format, into its folder `slopes`, and a long drive train into `trains`.
 #[test]
 #[ignore = "writes files: for the judges under tests/oracles"]
 fn write_fixtures() {
     let folder = std::env::var_os("TWEEZE_FIXTURES").expect("TWEEZE_FIXTURES names a folder");
     let folder = std::path::PathBuf::from(folder);
-    let slopes = folder.join("slopes");
+    let (slopes, trains) = (folder.join("slopes"), folder.join("trains"));
+    std::fs::create_dir_all(&trains).unwrap();
     std::fs::create_dir_all(&slopes).unwrap();
     let write = |folder: &std::path::Path, format: Format, (verified, provenance): (Verified, Provenance)| {
         for file in emit(format, &verified, &provenance).unwrap() {
@@ -111,6 +112,11 @@ fn write_fixtures() {
         {
             write(&folder, *format, fixture);
         }
+    }
+    for format in [Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi] {
+        // Longer than the deck goes on.
+        let long = fixture::changed(&fixture::train(12_000), |schedule| schedule.name = "long".to_owned());
+        write(&trains, format, (long, Provenance::default()));
     }
     for format in [Format::Mcap, Format::Json, Format::Pwl] {
         write(&slopes, format, fixture::crowd());

@@ -35,23 +35,37 @@ def judge(path, schedule):
 
 
 def voltages(channel, messages, device, schedule, table):
-    """Every value against the JSON, and against the CSV where there is one; and no edge may be left out."""
-    fields = {path: name for path, name in channel.metadata.items() if not path.endswith(".wire")}
-    expected = {entry["name"] for entry in schedule.document["channels"] if entry["device"] == device}
-    demand(set(fields.values()) == expected, f"/{device}/voltages has other channels")
-    for path, name in fields.items():
-        demand(channel.metadata.get(f"{path}.wire") == schedule.wires[name], f"the wire of {name} is another")
+    """Every value against the JSON, and against the CSV where there is one; and no edge may be left out.
+
+    A channel with drive trains is there twice, with their lower and their higher level."""
+    fields = columns(channel.metadata, device, schedule)
     for t_ns, proto in messages:
-        for path, name in fields.items():
-            found, wanted = field(proto, path), schedule.value(name, t_ns)
-            demand(abs(found - wanted) <= 1e-12 * abs(wanted), f"{name} is {found} V at {t_ns} ns, not {wanted} V")
-            if table:
+        for path, (name, bound) in fields.items():
+            found, wanted = field(proto, path), schedule.envelope(name, t_ns)[bound or 0]
+            demand(abs(found - wanted) <= 1e-12 * abs(wanted), f"{path} is {found} V at {t_ns} ns, not {wanted} V")
+            if table and bound is None:
                 in_csv = held(table[1], table[2][:, table[0].index(header(table[0], name))], t_ns)
                 demand(found == in_csv, f"{name} is {found} V at {t_ns} ns, and {in_csv} V in the CSV file")
     times = {t_ns for t_ns, _ in messages}
-    own = {t for name in expected for edge in schedule.edges(name) for t in (edge, edge - 1) if t >= 0}
+    own = {t for name, _ in fields.values() for edge in schedule.ends(name) for t in (edge, edge - 1) if t >= 0}
     demand(own | {0, schedule.duration_ns} <= times, f"/{device}/voltages leaves out an edge")
     return len(messages) * len(fields)
+
+
+def columns(metadata, device, schedule):
+    """What each field is: a channel, and which level of its drive trains."""
+    fields, kinds = {}, {"low": 0, "high": 1, None: None}
+    for path, name in metadata.items():
+        if path.endswith((".wire", ".bound", ".period_ns")):
+            continue
+        fields[path] = (name, kinds[metadata.get(f"{path}.bound")])
+        demand(metadata.get(f"{path}.wire") == schedule.wires[name], f"the wire of {name} is another")
+        periods = [int(period) for period in metadata.get(f"{path}.period_ns", "").split()]
+        demand(periods == schedule.periods(name), f"the drive trains of {name} have other periods")
+    expected = {entry["name"] for entry in schedule.document["channels"] if entry["device"] == device}
+    wanted = {(name, bound) for name in expected for bound in ((0, 1) if schedule.periods(name) else (None,))}
+    demand(set(fields.values()) == wanted, f"/{device}/voltages has other channels")
+    return fields
 
 
 def field(proto, path):
@@ -74,7 +88,7 @@ def log_lines(messages, schedule):
 def motion(topics, schedule):
     """Poses, ways and scenes against the states of the plans."""
     for plan in schedule.document["plans"]:
-        {"dimibot": robot, "electrode_array": board}[plan["kind"]](topics, plan)
+        {"dimibot": robot, "electrode_array": board, "microrobots": bed}[plan["kind"]](topics, plan)
     frames = {f.child_frame_id for _, m in topics["/tf"][1] for f in m.transforms}
     demand({plan["device"] for plan in schedule.document["plans"]} <= frames, "/tf lacks a device")
 
@@ -110,6 +124,10 @@ def board(topics, plan):
         body = entities.get(f"{device}/part/{name}")
         demand(body is not None and body.frame_id == f"{device}/{name}", f"{device} draws no part {name}")
         demand(body.frame_id in frames, f"/tf lacks the part {name}")
+
+
+def bed(topics, plan):
+    """Nothing of it is drawn yet."""
 
 
 def provenance(attachments, metadata, schedule):
