@@ -1,6 +1,7 @@
 """MCAP, read by the `mcap` package with the descriptors in the file and all checksums."""
 
 import hashlib
+import math
 
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
@@ -127,7 +128,40 @@ def board(topics, plan):
 
 
 def bed(topics, plan):
-    """Nothing of it is drawn yet."""
+    """Robots where the states say, and turned so; arms as numbers; for each robot a frame, a body and a way."""
+    device, states = plan["device"], plan["states"]
+    channel, messages = topics[f"/{device}/poses"]
+    names = channel.metadata["robots"].split()
+    poses = {t: dict(zip(names, m.poses, strict=True)) for t, m in messages}
+    arms_channel, messages = topics[f"/{device}/arms"]
+    rows = [field for field in messages[0][1].DESCRIPTOR.fields_by_name if field != "control"]
+    demand(all(field in arms_channel.metadata for field in rows), f"/{device}/arms does not say which arm is which")
+    arms = dict(messages)
+    for index, state in enumerate(states):
+        t_ns = state["t_ns"]
+        if any(later["t_ns"] == t_ns for later in states[index + 1 :]):
+            continue
+        said = poses[max(t for t in poses if t <= t_ns)]
+        for name, (x, y, heading) in state["poses"].items():
+            at, turn = said[name].position, said[name].orientation
+            off = math.hypot(at.x - x, at.y - y)
+            demand(off < 1e-5, f"{name} is {off} um from its place at {t_ns} ns")
+            off = math.sin(math.atan2(turn.z, turn.w) - heading / 2)
+            demand(turn.x == turn.y == 0 and abs(off) < 1e-8, f"{name} is turned otherwise at {t_ns} ns")
+        demand(arms[t_ns].control == state["control"], f"/{device}/arms has another control state at {t_ns} ns")
+        found = [getattr(arms[t_ns], row) for row in rows]
+        demand(found == state["arms"], f"/{device}/arms is {found} at {t_ns} ns, not {state['arms']}")
+    entities = {entity.id: entity for _, m in topics[f"/{device}/scene"][1] for entity in m.entities}
+    frames = {f.child_frame_id for _, m in topics["/tf"][1] for f in m.transforms}
+    for name in states[0]["poses"]:
+        body = entities.get(f"{device}/robot/{name}")
+        demand(body is not None and body.frame_id == f"{device}/{name}", f"{device} draws no robot {name}")
+        demand(body.frame_id in frames, f"/tf lacks the robot {name}")
+        way = dict(topics[f"/{device}/path/{name}"][1])[plan["start_ns"]].poses
+        for pose, state in zip((way[0], way[-1]), (states[0], states[-1])):
+            at, (x, y, _) = pose.position, state["poses"][name]
+            demand(math.hypot(at.x - x, at.y - y) < 1e-5, f"the way of {name} is another")
+    demand(topics[f"/{device}/plan"][1] and topics[f"/{device}/state"][1], f"{device} shows no goals or no arms")
 
 
 def provenance(attachments, metadata, schedule):

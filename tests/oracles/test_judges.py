@@ -150,6 +150,32 @@ def test_a_log_of_another_train_is_found(folder, change):
     assert outcome == "WRONG" and ("bed_low" in reason or "periods" in reason), reason
 
 
+def turned(states):
+    states[1]["poses"]["D1"][2] += 1e-6
+
+
+def moved(states):
+    states[2]["poses"]["D2"][0] += 1e-4
+
+
+def lowered(states):
+    states[3]["arms"][2] = 1
+
+
+def controlled(states):
+    states[4]["control"] = 1
+
+
+@pytest.mark.parametrize("change", [turned, moved, lowered, controlled])
+def test_a_log_of_other_robots_is_found(folder, change):
+    other = folder / "other.json"
+    document = json.loads((folder / "bed.json").read_bytes())
+    change(document["plans"][0]["states"])
+    other.write_text(json.dumps(document))
+    outcome, reason = run.judge(folder / "bed.mcap", "mcap_judge", Schedule(other))
+    assert outcome == "WRONG" and " at " in reason, reason
+
+
 @pytest.mark.parametrize("change", [{"from": 21.0, "to": 21.0}, {"start_ns": 1}, {"duration_ns": 14_999_999}])
 def test_a_log_of_another_schedule_is_found(folder, change):
     other = folder / "other.json"

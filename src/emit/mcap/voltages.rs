@@ -80,7 +80,7 @@ pub fn topic(signals: &Signals, device: &str, channels: &[usize]) -> Topic {
     let package = format!("tweeze.{}", identifier::distinct([device])[0]);
     Topic {
         name: format!("/{device}/voltages"),
-        schema: schema(&package, if fields { Shape::Fields(&names) } else { Shape::List }),
+        schema: schema(&package, "Voltages", if fields { Shape::Fields(&names) } else { Shape::List }),
         metadata,
         messages: messages(signals, channels, &columns, if fields { encode_fields } else { encode_list }),
     }
@@ -93,12 +93,13 @@ fn periods(signals: &Signals, channel: usize) -> String {
 }
 
 /// What a message looks like.
-enum Shape<'a> {
+pub enum Shape<'a> {
     Fields(&'a [String]),
     List,
 }
 
-fn schema(package: &str, shape: Shape) -> foxglove::Schema {
+/// A message type of doubles.
+pub fn schema(package: &str, message: &str, shape: Shape) -> foxglove::Schema {
     let field = |name: &str, number: usize, label: Label| FieldDescriptorProto {
         name: Some(name.to_owned()),
         json_name: Some(name.to_owned()),
@@ -113,7 +114,8 @@ fn schema(package: &str, shape: Shape) -> foxglove::Schema {
         }
         Shape::List => vec![field(LIST, 1, Label::Repeated)],
     };
-    let message = DescriptorProto { name: Some("Voltages".into()), field: fields, ..DescriptorProto::default() };
+    let name = format!("{package}.{message}");
+    let message = DescriptorProto { name: Some(message.into()), field: fields, ..DescriptorProto::default() };
     let file = FileDescriptorProto {
         name: Some(format!("{}.proto", package.replace('.', "/"))),
         package: Some(package.to_owned()),
@@ -122,7 +124,7 @@ fn schema(package: &str, shape: Shape) -> foxglove::Schema {
         ..FileDescriptorProto::default()
     };
     let descriptor = FileDescriptorSet { file: vec![file] }.encode_to_vec();
-    foxglove::Schema { name: format!("{package}.Voltages"), descriptor }
+    foxglove::Schema { name, descriptor }
 }
 
 fn messages(
@@ -147,7 +149,7 @@ fn messages(
 }
 
 /// One field for each value, zero included.
-fn encode_fields(values: &[f64]) -> Vec<u8> {
+pub fn encode_fields(values: &[f64]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(values.len() * 10);
     for (number, value) in (1..).zip(values) {
         prost::encoding::double::encode(number, value, &mut bytes);
