@@ -52,7 +52,7 @@ impl EmitError {
                 Code::E0822,
                 format!("the {} file would take about {} MiB, at most {} MiB are written", format.name(), bytes >> 20, limit >> 20),
             )
-            .help("write `--emit json`, which grows with the changes only, or build the tasks one by one with `--task`"),
+            .help("write `--emit json`, which grows with the changes only and holds a drive train as one, or build the tasks one by one with `--task`"),
             EmitError::TooManyPoints { points, limit, period_ns, duration_ns, most_steps: None } => Diagnostic::new(
                 Code::E0823,
                 format!("{points} points of {period_ns} ns make up the {duration_ns} ns of the schedule, the instrument takes {limit}"),

@@ -32,8 +32,11 @@ const POINT_BYTES: u64 = 32;
 /// About how many bytes the source of a train takes.
 const TRAIN_BYTES: u64 = 128;
 
-/// The most edges of trains that the deck runs through, since ngspice takes some thirty points for each: it stops there.
+/// The most edges that the deck runs through where there are trains, since ngspice takes some thirty points for each.
 const MAX_EDGES: u64 = 20_000;
+
+/// The most edges times sources, since ngspice asks every source at every point.
+const MAX_WORK: u64 = 5_000_000;
 
 /// The sources and the deck.
 ///
@@ -179,7 +182,8 @@ fn deck(signals: &Signals, nodes: &[String]) -> String {
         let end = seconds(schedule.duration_ns);
         let _ = writeln!(
             text,
-            "* stops after {MAX_EDGES} edges of drive trains; all is done at {end} s, the second number of .tran"
+            "* stops after {} edges; to run all, make {end} the second number of .tran",
+            most_edges(signals)
         );
     }
     for node in nodes {
@@ -193,12 +197,22 @@ fn deck(signals: &Signals, nodes: &[String]) -> String {
     text
 }
 
-/// Where the deck stops: at the end of the schedule, or after [`MAX_EDGES`] edges of trains.
+/// Where the deck stops: at the end of the schedule, or where there are trains after [`most_edges`].
 fn stop_ns(signals: &Signals) -> u64 {
     let duration_ns = signals.schedule.duration_ns;
     let channels = 0..signals.schedule.channels.len();
-    match signals.schedule.actuations.iter().any(|actuation| actuation.swing.is_some()) {
-        true => signals.edges(channels).nth(MAX_EDGES as usize).map_or(duration_ns, |t_ns| t_ns.min(duration_ns)),
-        false => duration_ns,
+    match trains(signals) {
+        0 => duration_ns,
+        _ => signals.edges(channels).nth(most_edges(signals)).map_or(duration_ns, |t_ns| t_ns.min(duration_ns)),
     }
+}
+
+/// How many edges the deck runs through at the most.
+fn most_edges(signals: &Signals) -> usize {
+    let sources = (signals.schedule.channels.len() + trains(signals)) as u64;
+    MAX_EDGES.min(MAX_WORK / sources.max(1)) as usize
+}
+
+fn trains(signals: &Signals) -> usize {
+    signals.schedule.actuations.iter().filter(|actuation| actuation.swing.is_some()).count()
 }

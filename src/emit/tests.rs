@@ -123,6 +123,9 @@ fn write_fixtures() {
     }
 }
 
+/// A change of a document.
+type Edit = fn(&mut serde_json::Value);
+
 /// The JSON of the pair, and whether the schema and the reader take it.
 fn judged(change: impl FnOnce(&mut serde_json::Value)) -> (bool, bool) {
     judged_of(fixture::pair(), change)
@@ -257,9 +260,9 @@ fn text_that_its_readers_could_not_hold_is_refused() {
 
 #[test]
 fn json_of_swings_keeps_to_its_schema_and_its_sense() {
-    let bed = |change: fn(&mut serde_json::Value)| judged_of(fixture::bed(), change);
+    let bed = |change: Edit| judged_of(fixture::bed(), change);
     assert_eq!(bed(|_| ()), (true, true));
-    let changes: &[(fn(&mut serde_json::Value), (bool, bool))] = &[
+    let changes: &[(Edit, (bool, bool))] = &[
         (|value| value["actuations"][2]["swing"]["period_ns"] = 0.into(), (false, false)),
         (|value| value["actuations"][2]["swing"]["period_ns"] = 15.into(), (false, false)),
         (|value| value["actuations"][2]["swing"]["period_ns"] = 200_000.into(), (true, true)),
@@ -353,7 +356,9 @@ fn pwl_puts_a_pulse_source_in_series_for_each_train() {
     };
     assert!(deck(9_990).contains("\n.tran 0.0005015 0.5015\n"));
     assert!(deck(1_200_000).contains("\n.tran 0.00050195 0.50195\n"));
-    assert!(deck(1_200_000).contains("all is done at 60.002 s, the second number of .tran\n"));
+    assert!(
+        deck(1_200_000).contains("* stops after 20000 edges; to run all, make 60.002 the second number of .tran\n")
+    );
 }
 
 #[test]

@@ -127,10 +127,10 @@ fn check(schedule: &Schedule) -> Result<(), ReadError> {
 fn swing_fault(actuation: &Actuation, swing: Swing) -> Option<(&'static str, &'static str)> {
     let Swing { period_ns, levels } = swing;
     let bits = |values: [f64; 2]| values.map(f64::to_bits);
-    if period_ns == 0 || period_ns % 2 == 1 {
+    if period_ns == 0 || !period_ns.is_multiple_of(2) {
         return Some(("swing.period_ns", "is zero or odd, and so has no halves"));
     }
-    if actuation.duration_ns % period_ns != 0 {
+    if !actuation.duration_ns.is_multiple_of(period_ns) {
         return Some(("duration_ns", "is no whole number of its swing's periods"));
     }
     let agrees = bits(levels) == bits([actuation.from, actuation.to]);

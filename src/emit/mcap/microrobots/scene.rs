@@ -8,7 +8,7 @@ use super::{frame, stand};
 use crate::check::claims::microrobots::{Action, MicrorobotsOrder, Stop};
 use crate::device::microrobots::{Arm, Robot};
 use crate::emit::mcap::Topic;
-use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, cloud, outlines};
+use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, outlines, spaced_cloud};
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
 use crate::geometry::{Pose, Shape};
@@ -33,6 +33,9 @@ const MAX_MARKS: usize = 50_000;
 
 /// The most obstacles and goals that get a label each.
 const MAX_LABELS: usize = 200;
+
+/// Distance of neighbouring points of the clouds, in micrometres.
+const POINTS_UM: f64 = 2.0;
 
 /// The colours that robots take turns in (after Okabe and Ito, for the colour-blind).
 const ROBOTS: [Color; 6] = [
@@ -79,7 +82,8 @@ pub fn topics(course: &Course, device: &str) -> Vec<Topic> {
             let ids: BTreeSet<String> = entities.iter().map(|entity| entity.id.clone()).collect();
             let deletions = shown.difference(&ids).map(|id| drawing::deletion(id, t_ns)).collect();
             scenes.push((t_ns, foxglove::encode(&SceneUpdate { deletions, entities })));
-            scene_points.push((t_ns, foxglove::encode(&cloud(&scene_strokes(plan.order), device, t_ns))));
+            scene_points
+                .push((t_ns, foxglove::encode(&spaced_cloud(&scene_strokes(plan.order), device, t_ns, POINTS_UM))));
             shown = ids;
         }
     }
@@ -87,10 +91,9 @@ pub fn topics(course: &Course, device: &str) -> Vec<Topic> {
         let entities = vec![trails(plan, device), goal_marks(plan, device)];
         (plan.start_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities }))
     });
-    let plan_points = course
-        .plans
-        .iter()
-        .map(|plan| (plan.start_ns, foxglove::encode(&cloud(&plan_strokes(plan), device, plan.start_ns))));
+    let plan_points = course.plans.iter().map(|plan| {
+        (plan.start_ns, foxglove::encode(&spaced_cloud(&plan_strokes(plan), device, plan.start_ns, POINTS_UM)))
+    });
     vec![
         Topic::new::<SceneUpdate>(format!("/{device}/scene"), scenes),
         Topic::new::<SceneUpdate>(format!("/{device}/plan"), plans.collect()),
