@@ -87,3 +87,6 @@ impl Bed<'_> {
         self.record(up.unwrap_or(0));
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests;
