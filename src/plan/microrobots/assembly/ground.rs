@@ -55,13 +55,12 @@ impl Ground {
         }
     }
 
-    /// What a bed's legs and one more stretch bring too near to one another, with the robots that wait orbiting once more
-    /// afterwards: they will.
+    /// What one more stretch brings too near to one another, with the robots that wait orbiting once more afterwards: they will.
+    /// So their discs are kept clear in every stretch, and each can be looked at by itself. The leg is counted from the assembly's first.
     pub fn first_hit(&self, bed: &Bed, stretch: &Stretch) -> Option<Hit> {
-        let mut legs: Vec<Leg> = bed.legs.iter().chain(&stretch.legs).copied().collect();
+        let mut legs = stretch.legs.clone();
         let leg = legs.len() - 1;
-        let docking = stretch.docking.iter().map(|&robot| Docking { robot, leg });
-        let docks: Vec<Docking> = bed.docks.iter().copied().chain(docking).collect();
+        let docks: Vec<Docking> = stretch.docking.iter().map(|&robot| Docking { robot, leg }).collect();
         let circles = bed.others(&stretch.docking).map(|robot| {
             let facts = bed.robot(robot);
             (TAU * facts.turning_radius_um / facts.step_um).ceil() as u64
@@ -69,7 +68,13 @@ impl Ground {
         if let Some(strokes) = circles.max() {
             legs.push(Leg { strokes: strokes.saturating_add(1), ..legs[leg] });
         }
-        self.world.first_hit(&self.start, &self.docked, &legs, &docks)
+        let hit = self.world.first_hit(&bed.poses, &bed.docked, &legs, &docks);
+        hit.map(|hit| Hit { leg: hit.leg + bed.legs.len(), ..hit })
+    }
+
+    /// What the whole of an assembly brings too near to one another.
+    pub fn any_hit(&self, bed: &Bed) -> Option<Hit> {
+        self.world.first_hit(&self.start, &self.docked, &bed.legs, &bed.docks)
     }
 }
 

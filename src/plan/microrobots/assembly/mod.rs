@@ -52,7 +52,7 @@ pub enum Stuck {
     /// A proof: no control states steer these robots (one, or the first two) while this one orbits; without it: while all others
     /// orbit that have to.
     Unsteerable { robots: Vec<usize>, orbiting: Option<usize> },
-    /// A proof: this robot has to dock while the other one orbits, and its goal is too near to the disc that the other sweeps;
+    /// A proof: this robot has to dock while the other one orbits, for a whole turn at least by then, and its goal is too near to the disc that the other sweeps;
     /// negative where it lies in it.
     GoalInOrbit { robot: usize, orbiting: usize, gap_um: f64 },
     /// A proof: at its goal the robot touches neither what is docked nor another robot's goal that could be reached.
@@ -144,8 +144,7 @@ fn least_ns(bed: &Bed, docks: &[Dock]) -> u64 {
     let least_ns = |dock: &Dock| {
         let robot = bed.robot(dock.robot);
         let least_um = free::least_um(robot, bed.poses[dock.robot], dock.goal.pose, bed.order.precision);
-        let strokes = (least_um / robot.step_um - ROUNDING_STROKES).ceil().max(0.0) as u64;
-        facts.period_ns.saturating_mul(strokes)
+        facts.period_ns.saturating_mul((least_um / robot.step_um - ROUNDING_STROKES).ceil().max(0.0) as u64)
     };
     let open = docks.iter().filter(|dock| !bed.docked[dock.robot]);
     open.map(least_ns).max().map_or(0, |way_ns| way_ns.saturating_add(facts.dwell_ns))
@@ -176,13 +175,15 @@ impl<'a> Search<'a> {
             return;
         }
         if self.orders.open(bed).next().is_none() {
+            if let (Some(hit), Some(dock)) = (self.ground.any_hit(bed), bed.docks.last()) {
+                return self.note(bed.docks.len(), Stuck::Blocked { robot: dock.robot, partner: None, hit });
+            }
             self.best = Some((duration_ns, bed.clone()));
             self.plans = self.plans.min(MAX_MORE_PLANS);
             return;
         }
-        for step in
-            self.orders.moves(bed).into_iter().filter(|step| self.orders.leads_on(bed, step)).collect::<Vec<_>>()
-        {
+        let moves = self.orders.moves(bed).into_iter().filter(|step| self.orders.leads_on(bed, step));
+        for step in moves.collect::<Vec<_>>() {
             if self.plans == 0 {
                 return;
             }

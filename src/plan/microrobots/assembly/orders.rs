@@ -11,7 +11,9 @@ use super::pair::{Roles, roles};
 use crate::check::claims::microrobots::Dock;
 use crate::device::microrobots::Arm;
 use crate::geometry::{Core, Pose, distance};
+use crate::plan::microrobots::free;
 use nalgebra::Point2;
+use std::f64::consts::TAU;
 
 /// What is done next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -164,15 +166,27 @@ fn goal_in_orbit(bed: &Bed, docks: &[&Dock]) -> Result<(), Stuck> {
         let facts = bed.robot(orbiting);
         let [x_um, y_um] = facts.orbit_centre_um(bed.poses[orbiting]);
         let centre = Core::Point(Point2::new(x_um, y_um));
-        for dock in docks {
+        for dock in docks.iter().filter(|dock| orbits_meanwhile(bed, orbiting, dock)) {
+            let robot = bed.robot(dock.robot);
             let body = outline(bed, dock.robot, dock.goal.pose);
             let gap_um = distance::quadrilateral_core(body, &centre) - facts.orbit_reach_um();
-            if gap_um < bed.order.facts.orbit_clearance_um - bed.order.precision.place_um {
+            let corner_um = robot.length_um.hypot(robot.width_um) / 2.0;
+            let precision = bed.order.precision;
+            let give_um = precision.place_um + corner_um * precision.heading_rad;
+            if gap_um < bed.order.facts.orbit_clearance_um - give_um {
                 return Err(Stuck::GoalInOrbit { robot: dock.robot, orbiting, gap_um });
             }
         }
     }
     Ok(())
+}
+
+/// Whether a robot that orbits turns round at least once while another one goes its shortest way to its goal: else nothing has to
+/// keep clear of the disc.
+fn orbits_meanwhile(bed: &Bed, orbiting: usize, dock: &Dock) -> bool {
+    let (facts, robot) = (bed.robot(orbiting), bed.robot(dock.robot));
+    let least_um = free::least_um(robot, bed.poses[dock.robot], dock.goal.pose, bed.order.precision);
+    least_um / robot.step_um * facts.step_um >= TAU * facts.turning_radius_um
 }
 
 fn touches_structure(bed: &Bed, dock: &Dock) -> bool {

@@ -5,7 +5,9 @@
 //! approach is known but for full circles, and for a stretch by which it may run on to its goal's axis earlier. For each such time, the
 //! shortest first, the first robot needs a way of exactly that length whose last stretch is straight at least from when the
 //! second leaves its orbit; such ways are in closed form ([`super::closing`]). This is the paper's phase condition with the phase
-//! free; the paper's choice, the second robot back where it began, is among the times, and its racetrack detour among the ways.
+//! free; the paper's choice, the second robot back where it began, is among the times. The second robot may also go near its goal first
+//! and orbit there while the first is driven: then the first one's last straight stretch is short. Where no closed form passes what
+//! rests, the first robot's way is searched for and closed by the paper's racetrack detour ([`super::roundabout`]).
 //! Promise: the stretch that is returned meets no rule of collision's objection, and brings both robots to their goals within
 //! precision. No promise that there is no shorter one; cost grows with the times that have to be looked at.
 

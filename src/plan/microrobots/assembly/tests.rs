@@ -312,7 +312,6 @@ fn a_goal_in_an_orbit_is_told() {
     let order = order(&starts, string_states(3), Vec::new());
     let [x, y] = order.robot(0).orbit_centre_um(starts[0]);
     let reach_um = order.robot(0).orbit_reach_um() + order.facts.orbit_clearance_um;
-    // The pair's lower side is 30 um below its axis; half a micrometre is the precision.
     let pair = |gap_um: f64| structure(2, pose(x, y + reach_um + 30.0 + gap_um, 0.0));
     let docks = |gap_um: f64| -> Vec<Dock> { pair(gap_um).iter().map(|d| dock(d.robot + 1, d.goal.pose)).collect() };
     let found = assembled(&order, &docks(-200.0));
