@@ -86,6 +86,13 @@ impl Checker<'_> {
         }
     }
 
+    /// The devices of the user's files whose facts are known, by name; one that only serves as a base may lack fields.
+    pub fn known_devices(&self) -> Vec<(String, Facts)> {
+        let own = self.own_places(DeclarationSort::Device).into_iter();
+        let known = |place| Some((self.named(place).0.to_owned(), self.facts.get(&place)?.clone()?));
+        own.filter_map(|(place, _)| known(place)).collect()
+    }
+
     /// A device with all that it inherits; `None` after an error.
     pub fn device(&mut self, place: Place) -> Option<Rc<Device>> {
         let chain = self.lineage(place, &|checker, at| checker.devices.contains_key(&at), &Checker::base);

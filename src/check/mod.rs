@@ -5,7 +5,7 @@
 //! meet no unresolved name and no bare number.
 
 pub mod claims;
-mod devices;
+pub mod devices;
 mod dimibot;
 mod electrode_array;
 mod errors;
@@ -56,6 +56,8 @@ pub struct Options {
 pub struct Checked {
     /// One for each schedule to be built, in the order of declaration.
     pub claims: Vec<Claims>,
+    /// The complete devices of the program's own files, in the order of declaration, by name.
+    pub devices: Vec<(String, devices::Facts)>,
     pub tally: Tally,
 }
 
@@ -80,10 +82,11 @@ pub fn check(sources: &mut Sources, modules: &[Module], options: &Options, sink:
     checker.check_scenes();
     let wires = checker.wires();
     let claims = checker.schedules(options.only.as_deref(), &wires);
+    let devices = checker.known_devices();
     checker.check_unrun();
     checker.warn_of_unused();
     let tally = checker.tally();
-    (sink.errors() == 0).then_some(Checked { claims, tally })
+    (sink.errors() == 0).then_some(Checked { claims, devices, tally })
 }
 
 /// The longest time that one field or step may take, in nanoseconds: a little over a day.

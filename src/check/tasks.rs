@@ -528,6 +528,10 @@ impl<'a> Checker<'a> {
         match (&step.object, verb.object) {
             (None, None) => Some(None),
             (Some(expr), Some(sort)) => {
+                if let Some((lacking, place)) = self.without_preposition(expr, verb, scope) {
+                    self.sink.push(errors::missing_preposition(place, verb, lacking));
+                    return None;
+                }
                 let wanted = Wanted { name: format!("`{}`", verb.name), doc: verb.doc.to_owned(), declared: None };
                 let value = self.accept(sort, expr, scope, &wanted)?;
                 Some(Some(self.argument_of(expr, value, scope)))
@@ -547,6 +551,21 @@ impl<'a> Checker<'a> {
                 None
             }
         }
+    }
+
+    /// The preposition that `move m1 (5, 3)` lacks, and where: what looks like a call of a function is an object and its place.
+    fn without_preposition(
+        &self,
+        expr: &Expr,
+        verb: &'static device::Verb,
+        scope: &Scope,
+    ) -> Option<(&'static str, Span)> {
+        let ExprKind::Call { function, .. } = &expr.kind else { return None };
+        let names_object = matches!(verb.object, Some(device::Sort::Object(_)));
+        let is_function = super::scope::keeper(&path_text(function)).is_some() || self.names_value(function, scope);
+        let first = verb.phrases.iter().find(|phrase| phrase.count == Count::Once);
+        let place = Span { start: function.span.end, ..expr.span };
+        first.filter(|_| names_object && !is_function).map(|phrase| (phrase.preposition, place))
     }
 
     fn phrases(
@@ -577,7 +596,9 @@ impl<'a> Checker<'a> {
             }
         }
         // An object where there should be none stands for the phrase that is lacking, as a phrase that is wrong does, and was told.
-        let is_told = !is_whole || (step.object.is_some() && verb.object.is_none());
+        let lacks_preposition =
+            step.object.as_ref().is_some_and(|expr| self.without_preposition(expr, verb, scope).is_some());
+        let is_told = !is_whole || (step.object.is_some() && verb.object.is_none()) || lacks_preposition;
         let needed = known.iter().filter(|entry| entry.count == Count::Once && !is_told);
         for entry in needed.filter(|entry| !seen.contains_key(entry.preposition)) {
             self.sink.push(errors::missing_part(step.span, verb, &format!("`{}`", entry.preposition)));

@@ -1,6 +1,7 @@
 //! What may be said on the command line.
 
 use crate::emit::Format;
+use crate::quantity::{Dimension, Unit};
 use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser, builder::TypedValueParser};
 use std::path::PathBuf;
 
@@ -35,8 +36,12 @@ pub enum Command {
     /// Show what a diagnostic means, with an example and the mend
     #[command(after_help = "Example: tweeze explain E0503")]
     Explain(ExplainArguments),
-    /// List the device kinds, or what one of them offers: fields, units, verbs, shapes, planners
-    #[command(after_help = "Example: tweeze devices dimibot")]
+    /// Run the assemblies of a program against robots and measurements with errors, and count what becomes of them
+    #[command(after_help = "Example: tweeze simulate assemble.twz --trials 1000 --seed 7")]
+    Simulate(SimulateArguments),
+    /// List the device kinds, what one of them offers, or the devices of a program with all that follows from their figures
+    #[command(after_help = "Examples:\n  tweeze devices dimibot\n  tweeze devices assemble.twz\n  \
+                      tweeze devices --suggest microrobots --robots 6 --margin 4V --max 200V")]
     Devices(DevicesArguments),
     /// Write a completion script for a shell
     #[command(after_help = "Example: tweeze completions bash > ~/.local/share/bash-completion/completions/tweeze")]
@@ -107,9 +112,69 @@ pub struct ExplainArguments {
 
 #[derive(Debug, Args)]
 pub struct DevicesArguments {
-    /// A device kind; without one all kinds are listed
-    pub kind: Option<String>,
+    /// A device kind, or a program; without one all kinds are listed
+    #[arg(value_name = "KIND|FILE.twz")]
+    pub subject: Option<String>,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub report: Report,
+    /// Find a voltage table for robots of this kind
+    #[arg(long, value_name = "KIND", requires_all = ["robots", "margin", "max"], conflicts_with = "subject", value_parser = ["microrobots"])]
+    pub suggest: Option<String>,
+    /// How many robots the table is to have
+    #[arg(long, value_name = "NUMBER", requires = "suggest", value_parser = clap::value_parser!(u32).range(1..=128))]
+    pub robots: Option<u32>,
+    /// Each transition voltage is known to plus or minus this, as 4V
+    #[arg(long, value_name = "VOLTAGE", requires = "suggest", value_parser = voltage)]
+    pub margin: Option<f64>,
+    /// The most that the source gives, as 200V
+    #[arg(long, value_name = "VOLTAGE", requires = "suggest", value_parser = voltage)]
+    pub max: Option<f64>,
+    /// The relax level of the drive train, if it is given
+    #[arg(long, value_name = "VOLTAGE", requires_all = ["suggest", "flex"], value_parser = voltage)]
+    pub relax: Option<f64>,
+    /// The flex level of the drive train, if it is given
+    #[arg(long, value_name = "VOLTAGE", requires_all = ["suggest", "relax"], value_parser = voltage)]
+    pub flex: Option<f64>,
+    /// How far the flex level is to be above the relax level, where they are not given
+    #[arg(long, value_name = "VOLTAGE", requires = "suggest", default_value = "38V", value_parser = voltage)]
+    pub swing: f64,
 }
+
+/// A voltage above zero, in volts.
+fn voltage(text: &str) -> Result<f64, String> {
+    let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
+    let unit = text[digits.len()..].trim();
+    let form = || "a voltage is written as 4V or 250mV".to_owned();
+    let quantity = Unit::parse(unit).ok().and_then(|unit| unit.of(digits)).ok_or_else(form)?;
+    if quantity.dimension != Dimension::VOLTAGE {
+        return Err(form());
+    }
+    if quantity.si > 0.0 { Ok(quantity.si) } else { Err("a voltage above 0 V is needed".to_owned()) }
+}
+
+#[derive(Debug, Args)]
+pub struct SimulateArguments {
+    /// The program
+    pub file: PathBuf,
+    /// Simulate this task or program alone
+    #[arg(long, value_name = "NAME")]
+    pub task: Option<String>,
+    /// How often each assembly is run
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=MAX_TRIALS))]
+    pub trials: u32,
+    /// The same seed gives the same figures
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub report: Report,
+}
+
+/// The most trials of one simulation.
+const MAX_TRIALS: i64 = 1_000_000;
 
 #[derive(Debug, Args)]
 pub struct CompletionsArguments {

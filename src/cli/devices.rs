@@ -1,221 +1,56 @@
-//! `tweeze devices`: the tables that the checker reads, for people.
+//! `tweeze devices`: the kinds, what one of them offers, the devices of a program, and tables that a lab might build.
+
+mod beds;
+mod program;
+mod vocabulary;
 
 use super::arguments::DevicesArguments;
 use super::{Exit, terminal};
 use crate::check::scope::nearest;
-use crate::device::{Choice, Count, Field, Kind, Need, Sort, Together, Vocabulary, shape::Form};
-use crate::quantity::Dimension;
-use std::fmt::Write;
+use crate::device::Kind;
+use std::path::Path;
 
-/// Lists the kinds, or all that one offers.
+/// Lists the kinds, all that one offers, or the devices of a program; or finds a table.
 pub fn run(arguments: &DevicesArguments) -> Exit {
-    let Some(name) = &arguments.kind else { return terminal::answer(&kinds()) };
-    match Kind::find(name) {
-        Some(kind) => terminal::answer(&page(kind.vocabulary())),
-        None => {
-            let near = nearest(name, Kind::ALL.iter().map(|kind| kind.name()));
-            let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-            eprintln!("no device kind is named `{name}`{near}\n`tweeze devices` lists them all");
-            Exit::Usage
-        }
+    if arguments.suggest.is_some() {
+        return beds::suggest(arguments);
     }
+    let Some(subject) = &arguments.subject else { return terminal::answer(&vocabulary::kinds()) };
+    if let Some(kind) = Kind::find(subject) {
+        return terminal::answer(&vocabulary::page(kind.vocabulary()));
+    }
+    if is_file(subject) {
+        return program::run(Path::new(subject), arguments);
+    }
+    let near = nearest(subject, Kind::ALL.iter().map(|kind| kind.name()));
+    let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+    eprintln!("no device kind is named `{subject}`{near}\n`tweeze devices` lists them all");
+    Exit::Usage
 }
 
-fn kinds() -> String {
+/// Whether a word is meant as a file and not as a kind.
+fn is_file(subject: &str) -> bool {
+    let path = Path::new(subject);
+    path.extension().is_some() || path.components().count() > 1 || path.is_file()
+}
+
+/// Rows in columns, each as wide as its widest entry, two blanks apart and two from the margin; numbers stand at the right, but
+/// for those of the last column.
+fn aligned(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let entries = |column: usize| rows.iter().filter_map(move |row| row.get(column));
+    let width = |column: usize| entries(column).map(|entry| entry.chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
     let mut text = String::new();
-    for kind in Kind::ALL {
-        let vocabulary = kind.vocabulary();
-        let (file, device) = vocabulary.library;
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{:<16} {}\n{:<16} use {file}, then `device bot : {device} {{ … }}`",
-            vocabulary.name, vocabulary.summary, ""
-        );
+    for row in rows {
+        let mut line = String::new();
+        for (column, (entry, &width)) in row.iter().zip(&widths).enumerate() {
+            let is_number = entry.starts_with(|c: char| c.is_ascii_digit()) && column + 1 < columns;
+            line.push_str("  ");
+            line.push_str(&if is_number { format!("{entry:>width$}") } else { format!("{entry:<width$}") });
+        }
+        text.push_str(line.trim_end());
+        text.push('\n');
     }
-    text.push_str("\n`tweeze devices KIND` lists fields, verbs, shapes and planners.\n");
     text
-}
-
-fn page(vocabulary: &'static Vocabulary) -> String {
-    let mut page = Page::default();
-    page.text(&format!("{}: {}", vocabulary.name, vocabulary.summary));
-    page.section("Fields of a device", vocabulary.fields.iter().map(field));
-    page.section(
-        "Settings of a task",
-        common_settings(vocabulary).into_iter().chain(vocabulary.settings.iter().map(field)),
-    );
-    page.section(
-        "Steps of a task",
-        vocabulary
-            .verbs
-            .iter()
-            .map(|verb| (verb.example.to_owned(), verb_doc(verb)))
-            .chain(together(vocabulary))
-            .chain([wait()]),
-    );
-    page.section("minimize", vocabulary.objectives.iter().map(choice));
-    page.section(
-        "require",
-        vocabulary
-            .outcomes
-            .iter()
-            .map(|outcome| (outcome.name.to_owned(), format!("{}: {}", outcome.dimension.name(), outcome.doc))),
-    );
-    page.section("using", vocabulary.planners.iter().map(|planner| (planner.name.to_owned(), planner.doc.to_owned())));
-    page.section("In a scene", vocabulary.nouns.iter().map(|noun| (noun.name.to_owned(), noun.doc.to_owned())));
-    let used = |form: &&Form| vocabulary.nouns.iter().any(|noun| noun.shapes.contains(form));
-    page.section("Shapes", Form::ALL.iter().filter(used).map(|form| (shape(*form), form.doc().to_owned())));
-    page.text("\nChannels");
-    for line in wrapped(vocabulary.channels, PAGE_WIDTH - 2) {
-        page.text(&format!("  {line}"));
-    }
-    page.text
-}
-
-/// A page of sections, each a list of terms and what they mean.
-#[derive(Default)]
-struct Page {
-    text: String,
-}
-
-/// Terms longer than this get a line of their own.
-const TERM_WIDTH: usize = 30;
-
-/// The columns of a page.
-const PAGE_WIDTH: usize = 100;
-
-impl Page {
-    fn text(&mut self, text: &str) {
-        self.text.push_str(text);
-        self.text.push('\n');
-    }
-
-    fn section(&mut self, title: &str, entries: impl IntoIterator<Item = (String, String)>) {
-        self.text(&format!("\n{title}"));
-        for (term, meaning) in entries {
-            let mut lines = wrapped(&meaning, PAGE_WIDTH - TERM_WIDTH - 4).into_iter();
-            if term.chars().count() > TERM_WIDTH {
-                self.text(&format!("  {term}"));
-            } else {
-                let first = lines.next().unwrap_or_default();
-                self.text(&format!("  {term:TERM_WIDTH$}  {first}"));
-            }
-            for line in lines {
-                self.text(&format!("  {:TERM_WIDTH$}  {line}", ""));
-            }
-        }
-    }
-}
-
-/// A text in lines of at most so many characters, broken at blanks.
-fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ') {
-        match lines.last_mut().filter(|line| line.chars().count() + 1 + word.chars().count() <= width) {
-            Some(line) => *line = format!("{line} {word}"),
-            None => lines.push(word.to_owned()),
-        }
-    }
-    lines
-}
-
-fn field(field: &Field) -> (String, String) {
-    let need = match field.need {
-        Need::Required => String::new(),
-        Need::Optional(otherwise) => format!(" (else {otherwise})"),
-    };
-    (format!("{}: {}", field.name, sort(field.sort)), format!("{}{need}", field.doc))
-}
-
-fn choice(choice: &Choice) -> (String, String) {
-    (choice.name.to_owned(), choice.doc.to_owned())
-}
-
-fn sort(sort: Sort) -> String {
-    match sort {
-        Sort::Count { least, most } => format!("{least} to {most}"),
-        Sort::Quantity { dimension, range } if dimension == Dimension::NUMBER => {
-            format!("a number {}", range.text())
-        }
-        Sort::Quantity { dimension, range } => {
-            format!("{} [{}], {}", dimension.name(), dimension.example_unit(), range.text())
-        }
-        Sort::Word(choices) => choices.iter().map(|choice| choice.name).collect::<Vec<_>>().join(" | "),
-        Sort::State => "word, cell or place".to_owned(),
-        Sort::Target => "cell, place or word".to_owned(),
-        Sort::Targets => "list of cells and places".to_owned(),
-        Sort::Cell => "cell".to_owned(),
-        Sort::Size => "(length, length)".to_owned(),
-        Sort::Places => "list of places".to_owned(),
-        Sort::CountOrWord { least, most, words } => {
-            let words: Vec<&str> = words.iter().map(|choice| choice.name).collect();
-            format!("{least} to {most} | {}", words.join(" | "))
-        }
-        Sort::Flag => "true | false".to_owned(),
-        Sort::Shape(form) => form.name().to_owned(),
-        Sort::Table(columns) => {
-            let columns: Vec<String> = columns.iter().map(|column| column.name.to_owned()).collect();
-            format!("table of {}", columns.join(" | "))
-        }
-        Sort::Object(noun) => noun.to_owned(),
-        Sort::Name => "name".to_owned(),
-        Sort::Pose => "pose".to_owned(),
-        Sort::Control => "number, or word of arms".to_owned(),
-    }
-}
-
-fn verb_doc(verb: &crate::device::Verb) -> String {
-    let phrases = verb.phrases.iter().map(|phrase| {
-        let often = match phrase.count {
-            Count::Once => "once",
-            Count::AnyNumber => "any number of times",
-        };
-        format!("`{}` {} {often}", phrase.preposition, sort(phrase.sort))
-    });
-    let phrases: Vec<String> = phrases.collect();
-    if phrases.is_empty() { verb.doc.to_owned() } else { format!("{} ({})", verb.doc, phrases.join(", ")) }
-}
-
-fn together(vocabulary: &Vocabulary) -> Option<(String, String)> {
-    let entry = || ("together { … }".to_owned(), "the goals in the braces at the same time".to_owned());
-    match vocabulary.together {
-        Together::Yes => Some(entry()),
-        Together::No => None,
-    }
-}
-
-fn wait() -> (String, String) {
-    ("wait 10 ms".to_owned(), "nothing is switched for so long".to_owned())
-}
-
-fn common_settings(vocabulary: &Vocabulary) -> Vec<(String, String)> {
-    let default = vocabulary.objectives.first().map_or("", |objective| objective.name);
-    let planner = vocabulary.planners.first().map_or("", |planner| planner.name);
-    let mut settings = vec![
-        ("minimize WHAT".to_owned(), format!("what the plan is best in (else {default})")),
-        (
-            "using PLANNER".to_owned(),
-            format!("how the plan is searched; `using {planner} {{ expansions: 5000000 }}` sets its budget"),
-        ),
-    ];
-    if vocabulary.state.is_some() {
-        settings.push((
-            "start at STATE".to_owned(),
-            "where the device stands (else where its last task left it, or its home)".to_owned(),
-        ));
-    }
-    let outcome = vocabulary.outcomes.iter().find(|outcome| outcome.dimension == Dimension::TIME);
-    let outcome = outcome.map_or("cost", |outcome| outcome.name);
-    settings.push((
-        "require CONDITION".to_owned(),
-        format!("a limit that the plan must keep, as `require {outcome} <= 400 ms`"),
-    ));
-    settings
-}
-
-fn shape(form: Form) -> String {
-    let fields: Vec<String> =
-        form.fields().iter().map(|field| format!("{}: {}", field.name, sort(field.sort))).collect();
-    format!("{} {{ {} }}", form.name(), fields.join(", "))
 }

@@ -8,6 +8,7 @@ mod disk;
 mod errors;
 mod explain;
 mod report;
+mod simulate;
 mod terminal;
 mod verify;
 mod waiting;
@@ -58,6 +59,7 @@ fn dispatch(command: Command) -> Exit {
         Command::Build(arguments) => build::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
         Command::Completions(arguments) => {
             let mut script = Vec::new();

@@ -9,7 +9,7 @@ use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
 use crate::schedule::Channel;
 
-/// About how many bytes a value takes.
+/// About how many bytes a value takes, with its comma.
 const VALUE_BYTES: u64 = 4;
 
 /// The bytes of the file.
@@ -20,20 +20,33 @@ pub(super) fn write(signals: &Signals) -> Result<Vec<u8>, EmitError> {
     EmitError::refuse_ramps(Format::Csv, signals)?;
     let schedule = signals.schedule;
     let channels = schedule.channels.len();
-    let mut times = signals.breaks(0..channels);
-    times.extend([0, schedule.duration_ns]);
-    let bytes = times.len() as u64 * (channels as u64 + 2) * VALUE_BYTES;
+    let row_bytes = digits(schedule.duration_ns) + 1 + channels as u64 * VALUE_BYTES;
+    let bytes = signals.count_edges(0..channels).saturating_mul(row_bytes);
     EmitError::refuse_size(Format::Csv, bytes, MAX_TEXT_BYTES)?;
 
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     let failed = |error: ::csv::Error| EmitError::Failed { format: Format::Csv, detail: error.to_string() };
     let header = std::iter::once("time [ns]".to_owned()).chain(schedule.channels.iter().map(header));
     writer.write_record(header).map_err(failed)?;
-    for t_ns in times {
+    for t_ns in times(signals) {
         let values = (0..channels).map(|channel| signals.value(channel, t_ns).to_string());
         writer.write_record(std::iter::once(t_ns.to_string()).chain(values)).map_err(failed)?;
     }
     writer.into_inner().map_err(|error| EmitError::Failed { format: Format::Csv, detail: error.to_string() })
+}
+
+/// The instants of the rows: every edge, and both ends.
+fn times(signals: &Signals) -> impl Iterator<Item = u64> {
+    let duration_ns = signals.schedule.duration_ns;
+    let edges = signals.edges(0..signals.schedule.channels.len());
+    let inner = edges.filter(move |t_ns| *t_ns > 0 && *t_ns < duration_ns);
+    let end = Some(duration_ns).filter(|end_ns| *end_ns > 0);
+    std::iter::once(0).chain(inner).chain(end)
+}
+
+/// How many digits a number has.
+pub(super) fn digits(number: u64) -> u64 {
+    u64::from(number.checked_ilog10().unwrap_or(0)) + 1
 }
 
 fn header(channel: &Channel) -> String {

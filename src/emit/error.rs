@@ -15,8 +15,9 @@ pub enum EmitError {
     Ramp { format: Format, channel: String, start_ns: u64, from: f64, to: f64 },
     /// The file would be larger than its readers take.
     TooLarge { format: Format, bytes: u64, limit: u64 },
-    /// The instrument's memory is too small for the schedule at its sample period.
-    TooManyPoints { points: u64, limit: u64, period_ns: u64, duration_ns: u64 },
+    /// The instrument's memory is too small for the schedule at its sample period; where it plays a sequence, which repeats
+    /// some points, the memory or the most steps of a sequence are.
+    TooManyPoints { points: u64, limit: u64, period_ns: u64, duration_ns: u64, most_steps: Option<u64> },
     /// The instrument has fewer outputs than the schedule has channels.
     TooManyOutputs { channels: usize, limit: usize },
     /// The library that writes the format gave up.
@@ -51,8 +52,8 @@ impl EmitError {
                 Code::E0822,
                 format!("the {} file would take about {} MiB, at most {} MiB are written", format.name(), bytes >> 20, limit >> 20),
             )
-            .help("write `--emit json`, which grows with the changes only, or build the tasks one by one with `--task`"),
-            EmitError::TooManyPoints { points, limit, period_ns, duration_ns } => Diagnostic::new(
+            .help("write `--emit json`, which grows with the changes only and holds a drive train as one, or build the tasks one by one with `--task`"),
+            EmitError::TooManyPoints { points, limit, period_ns, duration_ns, most_steps: None } => Diagnostic::new(
                 Code::E0823,
                 format!("{points} points of {period_ns} ns make up the {duration_ns} ns of the schedule, the instrument takes {limit}"),
             )
@@ -60,6 +61,16 @@ impl EmitError {
                 "choose pulse duration, rest and waits as multiples of a longer time: {} ns or more would fit",
                 duration_ns.div_ceil(limit.saturating_sub(2).max(1))
             )),
+            EmitError::TooManyPoints { points, limit, period_ns, duration_ns, most_steps: Some(steps) } => Diagnostic::new(
+                Code::E0823,
+                format!(
+                    "{points} points of {period_ns} ns make up the {duration_ns} ns of the schedule, the instrument repeats {limit} \
+                     in at most {steps} steps"
+                ),
+            )
+            .help(
+                "build the tasks one by one with `--task`, or choose the times of the device and the waits as multiples of a longer time",
+            ),
             EmitError::TooManyOutputs { channels, limit } => Diagnostic::new(
                 Code::E0824,
                 format!("{channels} channels, the instrument has {limit} outputs"),

@@ -9,7 +9,7 @@ use crate::device::Kind;
 use crate::device::dimibot::tests::femto_st;
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous, Switch};
 use crate::geometry::shape::{Pose, Shape};
-use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, State, Step, TimedState, Unit};
+use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, State, Step, Swing, TimedState, Unit};
 use crate::source::Span;
 use crate::verify::Verified;
 use sha2::{Digest, Sha256};
@@ -250,4 +250,55 @@ pub fn crowd() -> (Verified, Provenance) {
         ];
     });
     (crowd, provenance)
+}
+
+/// A bed of microrobots: five drive trains with the levels between them, and a rest.
+pub fn bed() -> (Verified, Provenance) {
+    let (claims, schedule) = crate::schedule::microrobots::tests::bed();
+    let files = vec![("bed.twz".to_owned(), crate::schedule::microrobots::tests::SOURCE.to_owned())];
+    (Verified::assume(schedule, claims), Provenance { files, settings: Vec::new() })
+}
+
+/// The same bed with a single drive train of so many strokes of 50 us.
+pub fn train(strokes: u64) -> Verified {
+    let (bed, _) = bed();
+    changed(&bed, |schedule| {
+        schedule.actuations.truncate(3);
+        schedule.steps.truncate(1);
+        schedule.actuations[2].duration_ns = strokes * 50_000;
+        schedule.duration_ns = schedule.actuations[2].end_ns();
+    })
+}
+
+/// Two channels of one device that swing at different paces, one of them with levels of a nanosecond, beside one that does not.
+pub fn paces() -> (Verified, Provenance) {
+    let (verified, provenance) = idle();
+    let paces = changed(&verified, |schedule| {
+        schedule.name = "paces".to_owned();
+        schedule.duration_ns = 100;
+        let channel = |i| Channel { name: format!("bot.e{i}"), device: "bot".into(), unit: Unit::Volt, wire: None };
+        schedule.channels = (0..3).map(channel).collect();
+        let crowd = crowd().0;
+        schedule.steps = crowd.schedule().steps.clone();
+        schedule.steps[0].duration_ns = 100;
+        let act = |channel, start_ns, duration_ns, from, to, period_ns: Option<u64>| Actuation {
+            channel,
+            start_ns,
+            duration_ns,
+            from,
+            to,
+            swing: period_ns.map(|period_ns| Swing { period_ns, levels: [from, to] }),
+            step: 0,
+        };
+        schedule.actuations = vec![
+            act(0, 0, 30, 5.0, -2.5, Some(6)),
+            act(1, 0, 7, 4.0, 4.0, None),
+            act(1, 8, 20, 1.0, 3.0, Some(10)),
+            act(2, 10, 80, 1.5, 1.5, None),
+            act(0, 30, 20, 2.0, 2.0, None),
+            act(1, 40, 12, 8.0, 6.0, Some(2)),
+            act(0, 60, 40, 0.0, 1.0, Some(20)),
+        ];
+    });
+    (paces, provenance)
 }

@@ -104,7 +104,10 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
 
 /// Formats of decimal text have no form for infinity, and a voltage has no use for it.
 fn check_finite(schedule: &Schedule) -> Result<(), EmitError> {
-    let actuations = schedule.actuations.iter().flat_map(|actuation| [actuation.from, actuation.to]);
+    let actuations = schedule.actuations.iter().flat_map(|actuation| {
+        let levels = actuation.swing.map_or([0.0; 2], |swing| swing.levels);
+        [actuation.from, actuation.to].into_iter().chain(levels)
+    });
     let plans = schedule.plans.iter().flat_map(|plan| {
         let states = plan.states.iter().flat_map(|timed| timed.state.floats());
         let outcomes = plan.outcomes.values().chain(plan.bounds.values()).copied();

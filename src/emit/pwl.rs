@@ -4,10 +4,17 @@
 //! SPICE does not take in a name. `<name>.cir` includes it, puts a load on every node, runs the schedule and writes the node
 //! voltages to `<name>.ngspice.txt`. A source cannot jump: a step at `t` begins at `t` and is done [`RISE_NS`] later. Straight
 //! lines from one value to another are exact.
+//!
+//! A drive train stays one line however long it is: the PWL source of its channel holds the second level of the swing, and a PULSE
+//! source in series with it adds the difference to the first one for half of each period; its eighth number is how many
+//! periods there are. The node carries the sum, the voltage of the channel.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
+use super::signal::half_ns;
 use super::{Format, Signals, identifier};
+use crate::schedule::{Actuation, Swing};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 /// How long a step takes, in nanoseconds: the smallest that the schedule's clock can tell apart.
@@ -22,51 +29,139 @@ const STEPS: u64 = 1000;
 /// About how many bytes a point takes.
 const POINT_BYTES: u64 = 32;
 
+/// About how many bytes the source of a train takes.
+const TRAIN_BYTES: u64 = 128;
+
+/// The most edges that the deck runs through where there are trains, since ngspice takes some thirty points for each.
+const MAX_EDGES: u64 = 20_000;
+
+/// The most edges times sources, since ngspice asks every source at every point.
+const MAX_WORK: u64 = 5_000_000;
+
 /// The sources and the deck.
 ///
 /// # Errors
 /// [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
 pub(super) fn write(signals: &Signals) -> Result<[Vec<u8>; 2], EmitError> {
-    let points = 2 + 4 * signals.schedule.actuations.len() as u64;
-    EmitError::refuse_size(Format::Pwl, points * POINT_BYTES, MAX_TEXT_BYTES)?;
-    let nodes = identifier::distinct(signals.schedule.channels.iter().map(|channel| channel.name.as_str()));
-    Ok([sources(signals, &nodes).into_bytes(), deck(signals, &nodes).into_bytes()])
+    let channels = &signals.schedule.channels;
+    let lines: Vec<Line> = (0..channels.len()).map(|channel| Line::new(signals, channel)).collect();
+    let bytes = lines.iter().map(Line::estimated_bytes).fold(0, u64::saturating_add);
+    EmitError::refuse_size(Format::Pwl, bytes, MAX_TEXT_BYTES)?;
+    let trains = channels
+        .iter()
+        .zip(&lines)
+        .flat_map(|(channel, line)| (1..=line.trains.len()).map(|number| format!("{}.train{number}", channel.name)));
+    let trains: Vec<String> = trains.collect();
+    let words = channels.iter().map(|channel| channel.name.as_str()).chain(trains.iter().map(String::as_str));
+    let mut nodes = identifier::distinct(words);
+    let inner = nodes.split_off(channels.len());
+    Ok([sources(signals, &lines, &nodes, &inner).into_bytes(), deck(signals, &nodes).into_bytes()])
 }
 
-fn sources(signals: &Signals, nodes: &[String]) -> String {
+/// The waveform of a channel: a line through points, and the trains on top of it.
+struct Line<'a> {
+    signals: &'a Signals<'a>,
+    channel: usize,
+    /// Empty where a level is no longer than a step's rise; the line then goes through every edge.
+    trains: Vec<(&'a Actuation, Swing)>,
+}
+
+impl<'a> Line<'a> {
+    fn new(signals: &'a Signals<'a>, channel: usize) -> Self {
+        let all: Vec<_> = signals.swings(channel).collect();
+        let slow = all.iter().all(|(_, swing)| half_ns(*swing) > RISE_NS);
+        Line { signals, channel, trains: if slow { all } else { Vec::new() } }
+    }
+
+    fn estimated_bytes(&self) -> u64 {
+        let trains = self.trains.len() as u64;
+        let points = match trains {
+            0 => self.signals.count_edges([self.channel]),
+            _ => 2 * self.signals.of(self.channel).len() as u64,
+        };
+        (2 + points.saturating_mul(2)).saturating_mul(POINT_BYTES).saturating_add(trains * TRAIN_BYTES)
+    }
+
+    fn breaks(&self) -> BTreeSet<u64> {
+        match self.trains.is_empty() {
+            true => self.signals.edges([self.channel]).collect(),
+            false => self.signals.breaks([self.channel]),
+        }
+    }
+
+    /// The value without the trains on top.
+    fn base(&self, t_ns: u64) -> f64 {
+        let train = self.signals.during(self.channel, t_ns);
+        self.second_level(train).unwrap_or_else(|| self.signals.value(self.channel, t_ns))
+    }
+
+    fn base_before(&self, t_ns: u64) -> f64 {
+        let train = self.signals.until(self.channel, t_ns);
+        self.second_level(train).unwrap_or_else(|| self.signals.value_before(self.channel, t_ns))
+    }
+
+    fn second_level(&self, train: Option<&Actuation>) -> Option<f64> {
+        train.and_then(|train| train.swing).filter(|_| !self.trains.is_empty()).map(|swing| swing.levels[1])
+    }
+
+    /// Corners of the line, in strictly increasing time.
+    fn points(&self) -> Vec<(u64, f64)> {
+        let breaks = self.breaks();
+        let mut points = vec![(0, self.base_before(0))];
+        let mut add = |t_ns: u64, volts: f64| match points.last() {
+            Some((last_ns, _)) if *last_ns >= t_ns => {}
+            Some(_) | None => points.push((t_ns, volts)),
+        };
+        for &t_ns in &breaks {
+            let done_ns = t_ns + RISE_NS;
+            add(t_ns, self.base_before(t_ns));
+            let next = breaks.range(t_ns + 1..=done_ns).next();
+            match next {
+                Some(_) => add(done_ns, self.base_before(done_ns)),
+                None => add(done_ns, self.base(done_ns)),
+            }
+        }
+        let end_ns = self.signals.schedule.duration_ns;
+        add(end_ns, self.base_before(end_ns));
+        points
+    }
+}
+
+fn sources(signals: &Signals, lines: &[Line], nodes: &[String], inner: &[String]) -> String {
     let schedule = signals.schedule;
     let mut text = format!("* {}: one voltage source for each channel, steps rise in {RISE_NS} ns\n", schedule.name);
-    for (index, (channel, node)) in schedule.channels.iter().zip(nodes).enumerate() {
+    if !inner.is_empty() {
+        text.push_str("* with one more in series for each drive train, whose last number is how many periods it has\n");
+    }
+    let mut inner = inner.iter();
+    for (line, node) in lines.iter().zip(nodes) {
+        let channel = &schedule.channels[line.channel];
         let wire = channel.wire.as_deref().map_or_else(String::new, |wire| format!(", wire {}", one_line(wire)));
         let _ = writeln!(text, "* {} [{}]{wire}", channel.name, channel.unit.symbol());
-        let _ = writeln!(text, "V{node} {node} 0 PWL(");
-        for (t_ns, volts) in points(signals, index) {
+        let own: Vec<&str> = inner.by_ref().take(line.trains.len()).map(String::as_str).collect();
+        // Each source stands on the next one, the last one on ground.
+        let below = own.iter().copied().chain(["0"]);
+        let mut names = std::iter::once(node.as_str()).chain(own.iter().copied()).zip(below);
+        if let Some((node, below)) = names.next() {
+            let _ = writeln!(text, "V{node} {node} {below} PWL(");
+        }
+        for (t_ns, volts) in line.points() {
             let _ = writeln!(text, "+ {} {volts}", seconds(t_ns));
         }
         text.push_str("+ )\n");
+        for ((node, below), (train, swing)) in names.zip(&line.trains) {
+            let _ = writeln!(text, "V{node} {node} {below} {}", pulses(train, *swing));
+        }
     }
     text
 }
 
-/// Corners of a channel's waveform, in strictly increasing time.
-fn points(signals: &Signals, channel: usize) -> Vec<(u64, f64)> {
-    let breaks = signals.breaks([channel]);
-    let mut points = vec![(0, signals.value_before(channel, 0))];
-    let mut add = |t_ns: u64, volts: f64| match points.last() {
-        Some((last_ns, _)) if *last_ns >= t_ns => {}
-        Some(_) | None => points.push((t_ns, volts)),
-    };
-    for &t_ns in &breaks {
-        let done_ns = t_ns + RISE_NS;
-        add(t_ns, signals.value_before(channel, t_ns));
-        let next = breaks.range(t_ns + 1..=done_ns).next();
-        match next {
-            Some(_) => add(done_ns, signals.value_before(channel, done_ns)),
-            None => add(done_ns, signals.value(channel, done_ns)),
-        }
-    }
-    add(signals.schedule.duration_ns, signals.value_before(channel, signals.schedule.duration_ns));
-    points
+/// What a train adds to the second level of its swing.
+fn pulses(train: &Actuation, swing: Swing) -> String {
+    let Swing { period_ns, levels: [first, second] } = swing;
+    let (rise, width) = (seconds(RISE_NS), seconds(half_ns(swing) - RISE_NS));
+    let (start, period, count) = (seconds(train.start_ns), seconds(period_ns), train.duration_ns / period_ns);
+    format!("PULSE(0 {} {start} {rise} {rise} {width} {period} {count})", first - second)
 }
 
 /// Nanoseconds as decimal seconds, without rounding.
@@ -78,11 +173,19 @@ fn seconds(t_ns: u64) -> String {
 fn deck(signals: &Signals, nodes: &[String]) -> String {
     let schedule = signals.schedule;
     let name = &schedule.name;
-    let stop_ns = schedule.duration_ns.max(STEPS * RISE_NS);
+    let stop_ns = stop_ns(signals).max(STEPS * RISE_NS);
     let mut text = format!(
         "* {name}: run with `ngspice -b {name}.cir`, which writes {name}.ngspice.txt\n\
          * replace the loads by the actuators' own models\n.include {name}.pwl.inc\n"
     );
+    if stop_ns < schedule.duration_ns {
+        let end = seconds(schedule.duration_ns);
+        let _ = writeln!(
+            text,
+            "* stops after {} edges; to run all, make {end} the second number of .tran",
+            most_edges(signals)
+        );
+    }
     for node in nodes {
         let _ = writeln!(text, "R{node} {node} 0 {LOAD_OHM}");
     }
@@ -92,4 +195,24 @@ fn deck(signals: &Signals, nodes: &[String]) -> String {
     let _ = writeln!(text, "wrdata {name}.ngspice.txt {}", vectors.join(" "));
     text.push_str(".endc\n.end\n");
     text
+}
+
+/// Where the deck stops: at the end of the schedule, or where there are trains after [`most_edges`].
+fn stop_ns(signals: &Signals) -> u64 {
+    let duration_ns = signals.schedule.duration_ns;
+    let channels = 0..signals.schedule.channels.len();
+    match trains(signals) {
+        0 => duration_ns,
+        _ => signals.edges(channels).nth(most_edges(signals)).map_or(duration_ns, |t_ns| t_ns.min(duration_ns)),
+    }
+}
+
+/// How many edges the deck runs through at the most.
+fn most_edges(signals: &Signals) -> usize {
+    let sources = (signals.schedule.channels.len() + trains(signals)) as u64;
+    MAX_EDGES.min(MAX_WORK / sources.max(1)) as usize
+}
+
+fn trains(signals: &Signals) -> usize {
+    signals.schedule.actuations.iter().filter(|actuation| actuation.swing.is_some()).count()
 }

@@ -7,10 +7,18 @@
 //! The sample period is the greatest common divisor of all times, so that every edge falls on a sample. One sample of 0 V
 //! comes before the schedule and one after it: a generator waits at its first sample and rests at its last, and an actuator
 //! left under voltage burns.
+//!
+//! Where a channel has drive trains, all outputs play sequences instead, in the dialect of the 33500 series: a train is one
+//! segment and the number of its repetitions. A sequence waits for its trigger at 0 V and rests at 0 V.
+
+mod sequence;
 
 use super::csv::one_line;
 use super::error::EmitError;
+use super::signal::half_ns;
 use super::{Format, Signals};
+pub use sequence::Sequencer;
+use sequence::{Sequence, sequence};
 use std::fmt::Write as _;
 
 /// What an instrument takes, and how it is spoken to.
@@ -24,7 +32,7 @@ pub struct Profile {
     pub outputs: usize,
     /// Fewest points of a waveform; shorter ones are filled up with 0 V.
     pub least_points: u64,
-    /// Most points of a waveform.
+    /// Most points of a waveform, or of all segments of a sequence.
     pub most_points: u64,
     /// The code of full scale; its negative is that of negative full scale. At most 32767: codes travel as 16 bits, signed,
     /// most significant byte first.
@@ -33,6 +41,8 @@ pub struct Profile {
     pub prepare: &'static [&'static str],
     /// Sent for each output; the block command among them.
     pub upload: &'static [&'static str],
+    /// For schedules with drive trains, instead of `upload`.
+    pub sequencer: Sequencer,
     /// Asked after each upload: answers `0,"No error"`.
     pub ask_error: &'static str,
     /// Sent for each output, when all uploads are done.
@@ -63,16 +73,57 @@ pub const GENERIC: Profile = Profile {
         ":TRIG{output}:SOUR BUS",
         ":SOUR{output}:BURS:STAT ON",
     ],
+    sequencer: Sequencer {
+        most_steps: 512,
+        most_repeats: 1_000_000,
+        upload: &[
+            ":SOUR{output}:DATA:VOL:CLE",
+            ":SOUR{output}:DATA:ARB:DAC {segment},{block}",
+            ":SOUR{output}:DATA:SEQ {steps}",
+            ":SOUR{output}:FUNC:ARB {segment}",
+            ":SOUR{output}:FUNC:ARB:SRAT {rate}",
+            ":SOUR{output}:FUNC:ARB:FILT STEP",
+            ":OUTP{output}:LOAD INF",
+            ":SOUR{output}:VOLT {span}",
+            ":SOUR{output}:VOLT:OFFS 0",
+            ":SOUR{output}:FUNC ARB",
+            ":TRIG{output}:SOUR BUS",
+        ],
+    },
     ask_error: ":SYST:ERR?",
     arm: &[":OUTP{output} ON"],
     start: &["*TRG"],
 };
 
+/// Where in a segment the marker rises: the first sample that the 33500 series takes.
+const MARKER_POINT: u64 = 4;
+
+impl Profile {
+    /// The code of a voltage, where full scale is so many volts.
+    fn code(&self, value: f64, volts: f64) -> i16 {
+        (value / volts * f64::from(self.full_scale)).round() as i16
+    }
+}
+
 /// The samples of all channels, before they are scaled.
-struct Sampling {
-    period_ns: u64,
-    /// With the samples of 0 V at both ends.
-    points: u64,
+pub struct Sampling {
+    pub period_ns: u64,
+    /// With the samples of 0 V at both ends; a sequence repeats some of them.
+    pub points: u64,
+}
+
+/// What the outputs play, one entry for each channel where they play sequences.
+enum Playing {
+    Waveforms,
+    Sequences(Vec<Sequence>),
+}
+
+/// What goes into the places of a command.
+struct Filling<'a> {
+    channel: usize,
+    segment: &'a str,
+    volts: f64,
+    sampling: &'a Sampling,
 }
 
 /// The script and its description.
@@ -85,20 +136,36 @@ pub(super) fn write(signals: &Signals, profile: &Profile) -> Result<[Vec<u8>; 2]
     if channels > profile.outputs {
         return Err(EmitError::TooManyOutputs { channels, limit: profile.outputs });
     }
-    let sampling = sampling(signals, profile)?;
-    Ok([script(signals, profile, &sampling), description(signals, profile, &sampling).into_bytes()])
+    let sampling = sampling(signals, profile);
+    let playing = playing(signals, profile, &sampling)?;
+    let description = description(signals, profile, &sampling, &playing);
+    Ok([script(signals, profile, &sampling, &playing), description.into_bytes()])
 }
 
-fn sampling(signals: &Signals, profile: &Profile) -> Result<Sampling, EmitError> {
+fn sampling(signals: &Signals, profile: &Profile) -> Sampling {
     let schedule = signals.schedule;
     let times = schedule.actuations.iter().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);
-    let period_ns = times.fold(schedule.duration_ns, gcd).max(1);
+    let halves = schedule.actuations.iter().filter_map(|actuation| actuation.swing).map(half_ns);
+    let period_ns = times.chain(halves).fold(schedule.duration_ns, gcd).max(1);
     let points = schedule.duration_ns / period_ns + 2;
-    if points > profile.most_points {
-        let (limit, duration_ns) = (profile.most_points, schedule.duration_ns);
-        return Err(EmitError::TooManyPoints { points, limit, period_ns, duration_ns });
+    Sampling { period_ns, points: points.max(profile.least_points) }
+}
+
+fn playing(signals: &Signals, profile: &Profile, sampling: &Sampling) -> Result<Playing, EmitError> {
+    let swings = signals.schedule.actuations.iter().any(|actuation| actuation.swing.is_some());
+    let refused = |most_steps| EmitError::TooManyPoints {
+        points: sampling.points,
+        limit: profile.most_points,
+        period_ns: sampling.period_ns,
+        duration_ns: signals.schedule.duration_ns,
+        most_steps,
+    };
+    if !swings {
+        return if sampling.points > profile.most_points { Err(refused(None)) } else { Ok(Playing::Waveforms) };
     }
-    Ok(Sampling { period_ns, points: points.max(profile.least_points) })
+    let of_channel = |channel| sequence(signals, channel, full_scale_volts(signals, channel), profile, sampling);
+    let sequences: Option<Vec<Sequence>> = (0..signals.schedule.channels.len()).map(of_channel).collect();
+    sequences.map(Playing::Sequences).ok_or_else(|| refused(Some(profile.sequencer.most_steps as u64)))
 }
 
 fn gcd(mut a: u64, mut b: u64) -> u64 {
@@ -108,45 +175,85 @@ fn gcd(mut a: u64, mut b: u64) -> u64 {
     a
 }
 
-fn script(signals: &Signals, profile: &Profile, sampling: &Sampling) -> Vec<u8> {
+fn script(signals: &Signals, profile: &Profile, sampling: &Sampling, playing: &Playing) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let mut send = |message: &[u8]| {
-        bytes.extend_from_slice(message);
-        bytes.push(b'\n');
-    };
     let channels = signals.schedule.channels.len();
-    profile.prepare.iter().for_each(|command| send(command.as_bytes()));
+    profile.prepare.iter().for_each(|command| send(&mut bytes, command.as_bytes()));
     for channel in 0..channels {
         let volts = full_scale_volts(signals, channel);
-        let block = block(&codes(signals, channel, volts, profile, sampling));
-        for command in profile.upload {
-            let command = filled(command, channel, volts, sampling);
-            match command.split_once("{block}") {
-                Some((head, tail)) => send(&[head.as_bytes(), &block, tail.as_bytes()].concat()),
-                None => send(command.as_bytes()),
+        let filling = Filling { channel, segment: &segment(channel), volts, sampling };
+        match playing {
+            Playing::Waveforms => {
+                let block = block(&codes(signals, channel, volts, profile, sampling));
+                profile.upload.iter().for_each(|command| filling.send(&mut bytes, command, &block));
             }
+            Playing::Sequences(sequences) => upload(&mut bytes, &sequences[channel], profile, &filling),
         }
-        send(profile.ask_error.as_bytes());
+        send(&mut bytes, profile.ask_error.as_bytes());
     }
     for command in profile.arm {
-        (0..channels).for_each(|channel| send(filled(command, channel, 0.0, sampling).as_bytes()));
+        for channel in 0..channels {
+            let filling = Filling { channel, segment: &segment(channel), volts: 0.0, sampling };
+            filling.send(&mut bytes, command, &[]);
+        }
     }
-    send(profile.ask_error.as_bytes());
-    profile.start.iter().for_each(|command| send(command.as_bytes()));
+    send(&mut bytes, profile.ask_error.as_bytes());
+    profile.start.iter().for_each(|command| send(&mut bytes, command.as_bytes()));
     bytes
 }
 
-fn filled(command: &str, channel: usize, volts: f64, sampling: &Sampling) -> String {
-    command
-        .replace("{output}", &(channel + 1).to_string())
-        .replace("{segment}", &segment(channel))
-        .replace("{span}", &(2.0 * volts).to_string())
-        .replace("{seconds}", &seconds(sampling.points * sampling.period_ns))
+fn send(bytes: &mut Vec<u8>, message: &[u8]) {
+    bytes.extend_from_slice(message);
+    bytes.push(b'\n');
+}
+
+fn upload(bytes: &mut Vec<u8>, sequence: &Sequence, profile: &Profile, filling: &Filling) {
+    for command in profile.sequencer.upload {
+        if command.contains("{block}") {
+            for (index, samples) in sequence.segments.iter().enumerate() {
+                let segment = &part(filling.channel, index);
+                Filling { segment, ..*filling }.send(bytes, command, &block(samples));
+            }
+        } else {
+            filling.send(bytes, &command.replace("{steps}", &steps(sequence, filling.channel)), &[]);
+        }
+    }
+}
+
+/// The sequence as a definite-length block of text: its name, then name, repetitions, way on and marker of each step.
+fn steps(sequence: &Sequence, channel: usize) -> String {
+    let mut text = format!("\"{}\"", segment(channel));
+    for step in &sequence.steps {
+        let (part, way_on) = (part(channel, step.segment), step.control.word());
+        let _ = write!(text, ",\"{part}\",{},{way_on},lowAtStart,{MARKER_POINT}", step.repeats);
+    }
+    let length = text.len().to_string();
+    format!("#{}{length}{text}", length.len())
+}
+
+impl Filling<'_> {
+    fn send(&self, bytes: &mut Vec<u8>, command: &str, block: &[u8]) {
+        let command = command
+            .replace("{output}", &(self.channel + 1).to_string())
+            .replace("{segment}", self.segment)
+            .replace("{span}", &(2.0 * self.volts).to_string())
+            .replace("{seconds}", &seconds(self.sampling.points * self.sampling.period_ns))
+            .replace("{rate}", &(1e9 / self.sampling.period_ns as f64).to_string());
+        match command.split_once("{block}") {
+            Some((head, tail)) => send(bytes, &[head.as_bytes(), block, tail.as_bytes()].concat()),
+            None => send(bytes, command.as_bytes()),
+        }
+    }
 }
 
 /// The waveform's name: short, as instruments ask for it.
 fn segment(channel: usize) -> String {
     format!("CH{}", channel + 1)
+}
+
+/// The name of a segment of a sequence.
+fn part(channel: usize, index: usize) -> String {
+    format!("{}_{}", segment(channel), index + 1)
 }
 
 fn seconds(t_ns: u64) -> String {
@@ -155,7 +262,8 @@ fn seconds(t_ns: u64) -> String {
 
 /// The largest voltage of a channel in either direction, or 1 V where it is never driven.
 fn full_scale_volts(signals: &Signals, channel: usize) -> f64 {
-    let largest = signals.of(channel).iter().map(|actuation| actuation.from.abs()).fold(0.0, f64::max);
+    let levels = signals.of(channel).iter().flat_map(|actuation| [actuation.from, actuation.to]);
+    let largest = levels.map(f64::abs).fold(0.0, f64::max);
     if largest > 0.0 { largest } else { 1.0 }
 }
 
@@ -164,8 +272,7 @@ fn codes(signals: &Signals, channel: usize, volts: f64, profile: &Profile, sampl
     for actuation in signals.of(channel) {
         let [first, end] =
             [actuation.start_ns, actuation.end_ns()].map(|t_ns| (1 + t_ns / sampling.period_ns) as usize);
-        let code = (actuation.from / volts * f64::from(profile.full_scale)).round() as i16;
-        codes[first..end].fill(code);
+        codes[first..end].fill(profile.code(actuation.from, volts));
     }
     codes
 }
@@ -178,7 +285,7 @@ fn block(codes: &[i16]) -> Vec<u8> {
     head.into_bytes().into_iter().chain(samples).collect()
 }
 
-fn description(signals: &Signals, profile: &Profile, sampling: &Sampling) -> String {
+fn description(signals: &Signals, profile: &Profile, sampling: &Sampling, playing: &Playing) -> String {
     let schedule = signals.schedule;
     let name = &schedule.name;
     let mut text = format!(
@@ -188,15 +295,12 @@ fn description(signals: &Signals, profile: &Profile, sampling: &Sampling) -> Str
          Compare the commands with your instrument's manual, connect the actuators last, and try at a low voltage first.\n\
          Voltages are those of an output without load. Where an amplifier stands between output and actuator, divide each\n\
          VOLT by its gain; generators rarely give the current that an actuator draws.\n\n\
-         Sample period {} ns, {} points, {} s in all. The schedule begins at the second sample: the first and the last\n\
-         are 0 V, because an output waits at its first sample and rests at its last. All outputs begin on {}.\n\
+         {} All outputs begin on {}.\n\
          Several instruments: send each its own messages, then trigger them from one line (EXT) instead of BUS.\n\n\
          output\tsegment\tfull scale [V]\tchannel\twire\n",
         profile.name,
         profile.ask_error,
-        sampling.period_ns,
-        sampling.points,
-        seconds(sampling.points * sampling.period_ns),
+        playback(signals, sampling, playing),
         profile.start.join(" "),
     );
     for (index, channel) in schedule.channels.iter().enumerate() {
@@ -204,5 +308,43 @@ fn description(signals: &Signals, profile: &Profile, sampling: &Sampling) -> Str
         let volts = full_scale_volts(signals, index);
         let _ = writeln!(text, "{}\t{}\t{volts}\t{}\t{wire}", index + 1, segment(index), channel.name);
     }
+    if let Playing::Sequences(sequences) = playing {
+        text.push_str("\noutput\tstep\tsegment\tpoints\ttimes\tgoes on\tfirst sample\n");
+        sequences.iter().enumerate().for_each(|(channel, sequence)| list(&mut text, channel, sequence));
+    }
     text
+}
+
+/// How long the outputs play, and how they wait and rest.
+fn playback(signals: &Signals, sampling: &Sampling, playing: &Playing) -> String {
+    let Sampling { period_ns, points } = sampling;
+    match playing {
+        Playing::Waveforms => format!(
+            "Sample period {period_ns} ns, {points} points, {} s in all. The schedule begins at the second sample: the first and the last\n\
+             are 0 V, because an output waits at its first sample and rests at its last.",
+            seconds(points * period_ns),
+        ),
+        Playing::Sequences(_) => format!(
+            "Each output plays a sequence: segments one after the other, each so many times, as the table at the end lists them.\n\
+             Sample period {period_ns} ns; the schedule lasts {} s and begins when the trigger comes, at the second step: the first and\n\
+             the last segment are 0 V, where an output waits for its trigger and rests when all is played.",
+            seconds(signals.schedule.duration_ns),
+        ),
+    }
+}
+
+/// The steps of a sequence; samples count from the trigger.
+fn list(text: &mut String, channel: usize, sequence: &Sequence) {
+    let mut sample = 0;
+    for (number, step) in (1..).zip(&sequence.steps) {
+        let (name, points) = (part(channel, step.segment), sequence.segments[step.segment].len() as u64);
+        let _ = write!(text, "{}\t{number}\t{name}\t{points}\t{}\t", channel + 1, step.repeats);
+        let _ = writeln!(
+            text,
+            "{}\t{}",
+            step.control.word(),
+            if number == 1 { "-".to_owned() } else { sample.to_string() }
+        );
+        sample += if number == 1 { 0 } else { points * step.repeats };
+    }
 }

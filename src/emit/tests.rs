@@ -28,7 +28,7 @@ fn names_find_their_formats() {
 #[test]
 fn the_same_schedule_gives_the_same_bytes() {
     for format in Format::ALL {
-        for make in [fixture::fetch, fixture::pair, fixture::idle] {
+        for make in [fixture::fetch, fixture::pair, fixture::idle, fixture::bed, fixture::paces] {
             let (verified, provenance) = make();
             let (again, _) = make();
             let files = emit(*format, &verified, &provenance).unwrap();
@@ -43,7 +43,7 @@ fn the_same_schedule_gives_the_same_bytes() {
 
 #[test]
 fn json_comes_back_as_it_was() {
-    for make in [fixture::fetch, fixture::pair, fixture::large, fixture::idle] {
+    for make in [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::bed, fixture::paces] {
         let fixture = make();
         let bytes = one(Format::Json, &fixture);
         let back = json::read(&bytes).unwrap();
@@ -92,13 +92,14 @@ fn what_is_not_finite_is_refused() {
 }
 
 /// Writes every format of every fixture into the folder that `TWEEZE_FIXTURES` names, for `tests/oracles/run.py`; what runs on
-/// slopes, and so cannot be written in every format, into its folder `slopes`.
+/// slopes, and so cannot be written in every format, into its folder `slopes`, and a long drive train into `trains`.
 #[test]
 #[ignore = "writes files: for the judges under tests/oracles"]
 fn write_fixtures() {
     let folder = std::env::var_os("TWEEZE_FIXTURES").expect("TWEEZE_FIXTURES names a folder");
     let folder = std::path::PathBuf::from(folder);
-    let slopes = folder.join("slopes");
+    let (slopes, trains) = (folder.join("slopes"), folder.join("trains"));
+    std::fs::create_dir_all(&trains).unwrap();
     std::fs::create_dir_all(&slopes).unwrap();
     let write = |folder: &std::path::Path, format: Format, (verified, provenance): (Verified, Provenance)| {
         for file in emit(format, &verified, &provenance).unwrap() {
@@ -106,21 +107,35 @@ fn write_fixtures() {
         }
     };
     for format in Format::ALL {
-        for fixture in [fixture::fetch(), fixture::pair(), fixture::large(), fixture::idle()] {
+        for fixture in
+            [fixture::fetch(), fixture::pair(), fixture::large(), fixture::idle(), fixture::bed(), fixture::paces()]
+        {
             write(&folder, *format, fixture);
         }
+    }
+    for format in [Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi] {
+        // Longer than the deck goes on.
+        let long = fixture::changed(&fixture::train(12_000), |schedule| schedule.name = "long".to_owned());
+        write(&trains, format, (long, Provenance::default()));
     }
     for format in [Format::Mcap, Format::Json, Format::Pwl] {
         write(&slopes, format, fixture::crowd());
     }
 }
 
-/// The JSON of a fixture, and whether the schema and the reader take it.
+/// A change of a document.
+type Edit = fn(&mut serde_json::Value);
+
+/// The JSON of the pair, and whether the schema and the reader take it.
 fn judged(change: impl FnOnce(&mut serde_json::Value)) -> (bool, bool) {
+    judged_of(fixture::pair(), change)
+}
+
+fn judged_of(fixture: (Verified, Provenance), change: impl FnOnce(&mut serde_json::Value)) -> (bool, bool) {
     let schema: serde_json::Value =
         serde_json::from_str(include_str!("../../schema/schedule.schema.json")).expect("the schema is JSON");
     let validator = jsonschema::validator_for(&schema).expect("the schema is a schema");
-    let mut value = serde_json::from_slice(&one(Format::Json, &fixture::pair())).unwrap();
+    let mut value = serde_json::from_slice(&one(Format::Json, &fixture)).unwrap();
     change(&mut value);
     let read = json::read(&serde_json::to_vec(&value).unwrap());
     (validator.is_valid(&value), read.is_ok())
@@ -241,4 +256,128 @@ fn text_that_its_readers_could_not_hold_is_refused() {
     assert_eq!(EmitError::refuse_size(Format::Csv, limit, limit), Ok(()));
     let Err(error) = EmitError::refuse_size(Format::Csv, limit + 1, limit) else { panic!("a byte too many") };
     assert_eq!(error.diagnostic().code, Code::E0822);
+}
+
+#[test]
+fn json_of_swings_keeps_to_its_schema_and_its_sense() {
+    let bed = |change: Edit| judged_of(fixture::bed(), change);
+    assert_eq!(bed(|_| ()), (true, true));
+    let changes: &[(Edit, (bool, bool))] = &[
+        (|value| value["actuations"][2]["swing"]["period_ns"] = 0.into(), (false, false)),
+        (|value| value["actuations"][2]["swing"]["period_ns"] = 15.into(), (false, false)),
+        (|value| value["actuations"][2]["swing"]["period_ns"] = 200_000.into(), (true, true)),
+        (|value| value["actuations"][2]["swing"]["period_ns"] = 70_000.into(), (true, false)),
+        (|value| value["actuations"][2]["swing"]["levels"][0] = 131.into(), (true, false)),
+        (|value| value["actuations"][2]["to"] = 114.into(), (true, false)),
+        (|value| value["actuations"][2]["swing"]["levels"] = serde_json::json!([130.0]), (false, false)),
+        (|value| value["plans"][0]["states"][0]["arms"][0] = 2.into(), (false, true)),
+        (|value| value["plans"][0]["states"][0]["poses"]["D1"] = serde_json::json!([1.0, 2.0]), (false, false)),
+        (|value| value["plans"][0]["states"][0]["docked"] = serde_json::json!(["D1", "D1"]), (false, true)),
+    ];
+    for (index, (change, expected)) in changes.iter().enumerate() {
+        assert_eq!(bed(*change), *expected, "change {index}");
+    }
+    let place = |change: fn(&mut crate::schedule::Schedule)| {
+        let bytes = json::write(fixture::changed(&fixture::bed().0, change).schedule());
+        json::read(&bytes).expect_err("a contradiction").to_string()
+    };
+    let odd = place(|schedule| schedule.actuations[2].swing.as_mut().unwrap().period_ns = 15);
+    assert_eq!(odd, "`actuations[2].swing.period_ns` is zero or odd, and so has no halves");
+    let part = place(|schedule| schedule.actuations[2].duration_ns += 1);
+    assert_eq!(part, "`actuations[2].duration_ns` is no whole number of its swing's periods");
+    let levels = place(|schedule| schedule.actuations[2].from = 1.0);
+    assert_eq!(levels, "`actuations[2].swing.levels` are not `from` and `to`");
+}
+
+#[test]
+fn signals_tell_every_edge_of_swings_once() {
+    let (paces, _) = fixture::paces();
+    let signals = super::Signals::new(paces.schedule());
+    let at = |channel, instants: [u64; 6]| instants.map(|t_ns| signals.value(channel, t_ns));
+    assert_eq!(at(0, [0, 2, 3, 6, 29, 30]), [5.0, 5.0, -2.5, 5.0, -2.5, 2.0]);
+    assert_eq!([3, 6, 30, 50, 61].map(|t_ns| signals.value_before(0, t_ns)), [5.0, -2.5, -2.5, 2.0, 0.0]);
+    assert_eq!(
+        [0, 7, 12, 45, 52].map(|t_ns| signals.envelope(1, t_ns)),
+        [[4.0; 2], [0.0; 2], [1.0, 3.0], [6.0, 8.0], [0.0; 2]]
+    );
+    for channels in [0..3, 0..1, 1..2, 2..3] {
+        // By looking at every nanosecond.
+        let jumps = |t_ns: &u64| {
+            channels.clone().any(|channel| signals.value_before(channel, *t_ns) != signals.value(channel, *t_ns))
+        };
+        let jumps: Vec<u64> = (0..=100).filter(jumps).collect();
+        let edges: Vec<u64> = signals.edges(channels.clone()).collect();
+        assert!(jumps.iter().all(|t_ns| edges.contains(t_ns)), "{channels:?}: {jumps:?} {edges:?}");
+        assert!(edges.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!(signals.count_edges(channels) >= edges.len() as u64);
+    }
+    assert_eq!(signals.edges([0]).take(12).collect::<Vec<_>>(), [0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 30, 50]);
+}
+
+#[test]
+fn a_minute_of_strokes_is_written_and_an_hour_is_refused_where_it_is_too_long() {
+    let minute = fixture::train(1_200_000);
+    let rows = one(Format::Csv, &(minute.clone(), Provenance::default()));
+    assert_eq!(rows.iter().filter(|byte| **byte == b'\n').count(), 1 + 2 + 2 * 1_200_000 + 1);
+    assert!(rows.ends_with(b"\n60001950000,130\n60001975000,115\n60002000000,0\n"));
+    let changes = one(Format::Vcd, &(minute.clone(), Provenance::default()));
+    assert!(changes.ends_with(b"\n#60001975000\nr115 a\n#60002000000\nr0 a\n"));
+    let hour = fixture::train(72_000_000);
+    for format in [Format::Csv, Format::Vcd] {
+        let error = emit(format, &hour, &Provenance::default()).expect_err("two gigabytes").diagnostic();
+        assert_eq!(error.code, Code::E0822);
+        assert!(error.help.iter().any(|help| help.contains("`--emit json`")));
+    }
+    for (format, most_bytes) in
+        [(Format::Json, 10_000), (Format::Mcap, 20 << 20), (Format::Pwl, 10_000), (Format::Scpi, 10_000)]
+    {
+        let files = emit(format, &hour, &Provenance::default()).unwrap();
+        let bytes: usize = files.iter().map(|file| file.bytes.len()).sum();
+        assert!(bytes < most_bytes, "{format:?} takes {bytes} bytes");
+    }
+}
+
+#[test]
+fn pwl_puts_a_pulse_source_in_series_for_each_train() {
+    let files = emit(Format::Pwl, &fixture::bed().0, &Provenance::default()).unwrap();
+    let text = String::from_utf8(files[0].bytes.clone()).unwrap();
+    assert!(text.contains("\nVm_bed m_bed m_bed_train1 PWL(\n+ 0 0\n"));
+    assert!(text.contains(
+        "\nVm_bed_train1 m_bed_train1 m_bed_train2 PULSE(0 15 0.002 0.000000001 0.000000001 0.000024999 0.00005 600)\n"
+    ));
+    assert!(text.contains("\nVm_bed_train5 m_bed_train5 0 PULSE(0 15 "));
+    let paces = emit(Format::Pwl, &fixture::paces().0, &Provenance::default()).unwrap();
+    let text = String::from_utf8(paces[0].bytes.clone()).unwrap();
+    assert!(text.contains("\nVbot_e1 bot_e1 0 PWL(\n"), "levels of a nanosecond are written out");
+    assert!(text.contains("\nVbot_e0_train1 bot_e0_train1 bot_e0_train2 PULSE(0 7.5 0 "));
+    let deck = |strokes| {
+        String::from_utf8(emit(Format::Pwl, &fixture::train(strokes), &Provenance::default()).unwrap().remove(1).bytes)
+            .unwrap()
+    };
+    assert!(deck(9_990).contains("\n.tran 0.0005015 0.5015\n"));
+    assert!(deck(1_200_000).contains("\n.tran 0.00050195 0.50195\n"));
+    assert!(
+        deck(1_200_000).contains("* stops after 20000 edges; to run all, make 60.002 the second number of .tran\n")
+    );
+}
+
+#[test]
+fn scpi_repeats_a_train_as_a_step_of_a_sequence() {
+    let files = emit(Format::Scpi, &fixture::train(1_200_000), &Provenance::default()).unwrap();
+    let script = String::from_utf8_lossy(&files[0].bytes).into_owned();
+    let steps = "\"CH1\",\"CH1_1\",1,onceWaitTrig,lowAtStart,4,\"CH1_1\",5,repeat,lowAtStart,4,\"CH1_2\",5,repeat,lowAtStart,4,\
+                 \"CH1_3\",300000,repeat,lowAtStart,4,\"CH1_1\",1,repeatInf,lowAtStart,4";
+    assert!(script.contains(&format!("\n:SOUR1:DATA:SEQ #3{}{steps}\n", steps.len())), "{script}");
+    assert!(script.contains("\n:SOUR1:FUNC:ARB CH1\n:SOUR1:FUNC:ARB:SRAT 40000\n"));
+    let notes = String::from_utf8(files[1].bytes.clone()).unwrap();
+    assert!(notes.contains("\n1\t4\tCH1_3\t8\t300000\trepeat\t80\n"), "{notes}");
+    let (bed, _) = fixture::bed();
+    let signals = super::Signals::new(bed.schedule());
+    let sequencer = super::scpi::Sequencer { most_steps: 3, ..super::scpi::GENERIC.sequencer.clone() };
+    let profile =
+        |most_points| super::scpi::Profile { most_points, sequencer: sequencer.clone(), ..super::scpi::GENERIC };
+    assert!(super::scpi::write(&signals, &profile(10_000)).is_ok(), "all of it written out");
+    let Err(error) = super::scpi::write(&signals, &profile(1_000)) else { panic!("too long to be written out") };
+    assert_eq!(error.diagnostic().code, Code::E0823);
+    assert!(error.diagnostic().title.contains("in at most 3 steps"));
 }

@@ -3,11 +3,16 @@
 //! Each channel is a `real` variable in volts, found under its own name: the scopes are the name's parts, `bot` / `bl4`, and the
 //! variable is `set`. A wired channel is found a second time in the scope `wires`, under the wire's name. The timescale is 1 ns.
 
-use super::csv::one_line;
-use super::error::EmitError;
+use super::csv::{digits, one_line};
+use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
 use crate::schedule::Channel;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::fmt::Write as _;
+
+/// About how many bytes a change takes besides the digits of its instant.
+const CHANGE_BYTES: u64 = 10;
 
 /// The scope that holds the physical outputs.
 const WIRES: &str = "wires";
@@ -15,10 +20,13 @@ const WIRES: &str = "wires";
 /// The text of the file.
 ///
 /// # Errors
-/// [`EmitError::Ramp`] for a value that is not constant.
+/// [`EmitError::Ramp`] for a value that is not constant, [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
 pub(super) fn write(signals: &Signals) -> Result<Vec<u8>, EmitError> {
     EmitError::refuse_ramps(Format::Vcd, signals)?;
     let schedule = signals.schedule;
+    let change_bytes = digits(schedule.duration_ns) + CHANGE_BYTES;
+    let bytes = signals.count_edges(0..schedule.channels.len()).saturating_mul(change_bytes);
+    EmitError::refuse_size(Format::Vcd, bytes, MAX_TEXT_BYTES)?;
     let mut text = String::new();
     let _ = writeln!(text, "$version tweeze {} $end", env!("CARGO_PKG_VERSION"));
     let _ = writeln!(text, "$comment {} of {} $end", word(&schedule.name), word(&schedule.source.file));
@@ -79,13 +87,8 @@ fn changes(text: &mut String, signals: &Signals) {
         let _ = writeln!(text, "r{} {}", signals.value(channel, 0), code(channel));
     }
     text.push_str("$end\n");
-    let mut edges: Vec<(u64, usize)> = Vec::new();
-    for channel in 0..channels {
-        edges.extend(signals.breaks([channel]).into_iter().filter(|t_ns| *t_ns > 0).map(|t_ns| (t_ns, channel)));
-    }
-    edges.sort_unstable();
     let mut last_ns = 0;
-    for (t_ns, channel) in edges {
+    for (t_ns, channel) in edges(signals).filter(|(t_ns, _)| *t_ns > 0) {
         if signals.value_before(channel, t_ns) == signals.value(channel, t_ns) {
             continue;
         }
@@ -98,6 +101,20 @@ fn changes(text: &mut String, signals: &Signals) {
     if signals.schedule.duration_ns != last_ns {
         let _ = writeln!(text, "#{}", signals.schedule.duration_ns);
     }
+}
+
+/// The edges of every channel with the channel's index, in order of time, then of channel.
+fn edges(signals: &Signals) -> impl Iterator<Item = (u64, usize)> {
+    let channels = 0..signals.schedule.channels.len();
+    let mut of_channel: Vec<_> = channels.map(|channel| signals.edges([channel])).collect();
+    let firsts = of_channel.iter_mut().enumerate();
+    let mut due: BinaryHeap<_> =
+        firsts.filter_map(|(channel, edges)| Some(Reverse((edges.next()?, channel)))).collect();
+    std::iter::from_fn(move || {
+        let Reverse((t_ns, channel)) = due.pop()?;
+        due.extend(of_channel[channel].next().map(|next_ns| Reverse((next_ns, channel))));
+        Some((t_ns, channel))
+    })
 }
 
 /// The short code of a variable: printable characters, here letters only, which every reader takes.

@@ -98,7 +98,7 @@ pub fn too_few_steps(limit_span: Span, limit: u64, least: u64) -> Diagnostic {
         .help(format!("every plan takes at least {least} steps: raise the limit"))
 }
 
-fn more_allowed(budget: u64, planner: &str) -> String {
+pub fn more_allowed(budget: u64, planner: &str) -> String {
     let most = u64::from(MAX_EXPANSIONS);
     if budget >= most {
         return "no more can be allowed: go by way of other places with `via`, or leave obstacles out that are far off"

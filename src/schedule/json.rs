@@ -1,9 +1,10 @@
 //! The schedule as JSON: format `tweeze-schedule`, version 1, the form that `schema/schedule.schema.json` describes.
 //!
 //! Input: a [`Schedule`], or the bytes of one. Promise: [`read`] gives back exactly what [`write()`] was given but the spans,
-//! every float bit for bit; what it returns has no index out of range, no instant beyond `u64` and no empty actuation.
+//! every float bit for bit; what it returns has no index out of range, no instant beyond `u64`, no empty actuation, and swings of
+//! whole periods only.
 
-use super::Schedule;
+use super::{Actuation, Schedule, Swing};
 use serde::{Deserialize, Serialize};
 use serde_json::ser::{Formatter, PrettyFormatter, Serializer};
 use std::io;
@@ -101,6 +102,9 @@ fn check(schedule: &Schedule) -> Result<(), ReadError> {
         if too_late(actuation.start_ns, actuation.duration_ns) {
             return wrong(place("start_ns"), "is beyond every clock");
         }
+        if let Some((field, what)) = actuation.swing.and_then(|swing| swing_fault(actuation, swing)) {
+            return wrong(place(field), what);
+        }
     }
     for (index, step) in schedule.steps.iter().enumerate() {
         if step.plan as usize >= schedule.plans.len() {
@@ -117,6 +121,20 @@ fn check(schedule: &Schedule) -> Result<(), ReadError> {
         }
     }
     Ok(())
+}
+
+/// What is wrong with a swing: the field, and how.
+fn swing_fault(actuation: &Actuation, swing: Swing) -> Option<(&'static str, &'static str)> {
+    let Swing { period_ns, levels } = swing;
+    let bits = |values: [f64; 2]| values.map(f64::to_bits);
+    if period_ns == 0 || !period_ns.is_multiple_of(2) {
+        return Some(("swing.period_ns", "is zero or odd, and so has no halves"));
+    }
+    if !actuation.duration_ns.is_multiple_of(period_ns) {
+        return Some(("duration_ns", "is no whole number of its swing's periods"));
+    }
+    let agrees = bits(levels) == bits([actuation.from, actuation.to]);
+    (!agrees).then_some(("swing.levels", "are not `from` and `to`"))
 }
 
 /// How deep lists stand whose elements get a line each: those of the document, and the states of a plan.

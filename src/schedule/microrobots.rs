@@ -8,15 +8,14 @@ use super::{State, Swing, TimedState};
 use crate::check::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, CHANNEL};
 use crate::geometry::Pose;
-use crate::plan::microrobots::{Docking, Leg, Motion, StepMotion};
+use crate::plan::microrobots::{Crew, Docking, Leg, Motion, StepMotion};
 
 /// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
 pub fn run(order: &MicrorobotsOrder, motion: &Motion) -> Option<Run> {
     let mut bed = Bed {
         order,
         run: Run { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
-        poses: motion.start.clone(),
-        docked: motion.docked.clone(),
+        crew: motion.start.clone(),
     };
     for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
         let start_ns = bed.run.duration_ns;
@@ -37,9 +36,7 @@ pub fn run(order: &MicrorobotsOrder, motion: &Motion) -> Option<Run> {
 struct Bed<'a> {
     order: &'a MicrorobotsOrder,
     run: Run,
-    /// One for each robot of the order, like `docked`.
-    poses: Vec<Pose>,
-    docked: Vec<bool>,
+    crew: Crew,
 }
 
 impl Bed<'_> {
@@ -47,13 +44,7 @@ impl Bed<'_> {
         for (index, leg) in legs.iter().enumerate() {
             self.record(leg.state);
             self.drive(leg, step)?;
-            let arms = &self.order.states[leg.state].arms;
-            for (robot, placed) in self.order.robots.iter().enumerate().filter(|(robot, _)| !self.docked[*robot]) {
-                let facts = &self.order.facts.robots[placed.row];
-                let way_um = facts.step_um * leg.strokes as f64;
-                self.poses[robot] = facts.moved(self.poses[robot], arms[placed.row], way_um);
-            }
-            docks.iter().filter(|dock| dock.leg == index).for_each(|dock| self.docked[dock.robot] = true);
+            self.crew.follow(self.order, (index, leg), docks);
         }
         Some(())
     }
@@ -82,9 +73,10 @@ impl Bed<'_> {
         let arms: Vec<u8> = self.order.states[control].arms.iter().map(|arm| arm.digit()).collect();
         let name = |robot: usize| self.order.robot(robot).name.clone();
         let place = |pose: &Pose| [pose.x_um, pose.y_um, pose.heading_rad];
-        let mut docked: Vec<String> = (0..self.docked.len()).filter(|robot| self.docked[*robot]).map(name).collect();
+        let mut docked: Vec<String> =
+            (0..self.crew.docked.len()).filter(|robot| self.crew.docked[*robot]).map(name).collect();
         docked.sort_unstable();
-        let poses = self.poses.iter().enumerate().map(|(robot, pose)| (name(robot), place(pose))).collect();
+        let poses = self.crew.poses.iter().enumerate().map(|(robot, pose)| (name(robot), place(pose))).collect();
         let state = State::Microrobots { control, arms, docked, poses };
         self.run.states.push(TimedState { t_ns: self.run.duration_ns, state });
     }
@@ -95,3 +87,6 @@ impl Bed<'_> {
         self.record(up.unwrap_or(0));
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

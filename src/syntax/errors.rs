@@ -352,10 +352,11 @@ pub(super) fn block_comment(span: Span, comment: &str) -> Diagnostic {
         .help(format!("write `// {}`", quote(first)))
 }
 
-pub(super) fn hash_comment(span: Span, comment: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0125, "a comment behind `#`")
+pub(super) fn foreign_comment(span: Span, comment: &str) -> Diagnostic {
+    let mark = comment.chars().next().unwrap_or('#');
+    Diagnostic::new(Code::E0125, format!("a comment behind `{mark}`"))
         .label(span, "comments begin with `//`")
-        .help(format!("write `// {}`", quote(comment.trim_start_matches('#').trim())))
+        .help(format!("write `// {}`", quote(comment.trim_start_matches(mark).trim())))
 }
 
 pub(super) fn semicolon(span: Span) -> Diagnostic {

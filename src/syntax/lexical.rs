@@ -38,11 +38,11 @@ pub(super) fn block_comment(scan: &mut Scan) {
     scan.at = end;
 }
 
-/// `# …`, which is blank to the grammar.
-pub(super) fn hash_comment(scan: &mut Scan) {
+/// `# …` or `% …`, which is blank to the grammar.
+pub(super) fn foreign_comment(scan: &mut Scan) {
     let (start, end) = (scan.at, scan.end_of_line());
     let span = scan.span(start, start + 1);
-    scan.report(errors::hash_comment(span, &scan.text[start..end]));
+    scan.report(errors::foreign_comment(span, &scan.text[start..end]));
     scan.replace(start, end, "");
     scan.at = end;
 }

@@ -141,7 +141,9 @@ impl<'t> Scan<'t> {
             '\r' => return self.carriage_return(),
             '/' if self.rest().starts_with("//") => return self.comment(),
             '/' if self.rest().starts_with("/*") => return lexical::block_comment(self),
-            '#' => return lexical::hash_comment(self),
+            '#' => return lexical::foreign_comment(self),
+            // A unit elsewhere, but no line begins with one.
+            '%' if self.is_line_start => return lexical::foreign_comment(self),
             _ => {}
         }
         if self.is_line_start {

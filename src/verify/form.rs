@@ -6,7 +6,7 @@
 use super::rule::{Findings, Rule, Violation, ms};
 use super::{dimibot, electrode_array, microrobots};
 use crate::check::claims::{Claims, Order};
-use crate::schedule::{Actuation, Schedule, Unit};
+use crate::schedule::{Actuation, Schedule, Swing, Unit};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
@@ -19,6 +19,7 @@ pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Finding
     if findings.is_empty() {
         order(schedule, findings);
         overlaps(schedule, findings);
+        swings(schedule, claims, findings);
     }
 }
 
@@ -150,6 +151,42 @@ fn order(schedule: &Schedule, findings: &mut Findings) {
             findings.push(Violation::new(Rule::Order, pair[1].start_ns, title).step(pair[1].step as usize));
         }
     }
+}
+
+fn swings(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    let orders: BTreeMap<&str, &Order> = claims.jobs.iter().map(|job| (job.device.as_str(), &job.order)).collect();
+    for (index, actuation) in schedule.actuations.iter().enumerate() {
+        let channel = &schedule.channels[actuation.channel as usize];
+        let order = orders.get(channel.device.as_str());
+        let Some(fault) = actuation.swing.and_then(|swing| swing_fault(actuation, swing, order.copied())) else {
+            continue;
+        };
+        let title = format!("actuation {index} on `{}` {fault}", channel.name);
+        let violation = Violation::new(Rule::Swing, actuation.start_ns, title);
+        findings.push(violation.step(actuation.step as usize));
+    }
+}
+
+/// What is wrong with a swing, on a device of an order.
+fn swing_fault(actuation: &Actuation, swing: Swing, order: Option<&Order>) -> Option<String> {
+    let Swing { period_ns, levels: [first, second] } = swing;
+    let Actuation { duration_ns, from, to, .. } = *actuation;
+    match order {
+        Some(Order::Microrobots(_)) => (),
+        Some(Order::Dimibot(_) | Order::ElectrodeArray(_)) | None => {
+            return Some("swings, but a channel of this kind holds its value".to_owned());
+        }
+    }
+    if period_ns == 0 || !period_ns.is_multiple_of(2) {
+        return Some(format!("swings with a period of {period_ns} ns, which must be even and above 0 ns"));
+    }
+    if !duration_ns.is_multiple_of(period_ns) {
+        let (lasts, period) = (ms(duration_ns), ms(period_ns));
+        return Some(format!("swings for {lasts}, which is no whole number of periods of {period}"));
+    }
+    // Levels that equal two finite numbers are finite.
+    let apart = from != first || to != second;
+    apart.then(|| format!("swings between {first} V and {second} V, but is said to go from {from} V to {to} V"))
 }
 
 fn overlaps(schedule: &Schedule, findings: &mut Findings) {

@@ -12,7 +12,7 @@ mod records;
 mod series;
 
 pub use error::LogError;
-pub use series::{Series, VoltageFault};
+pub use series::{Bound, Column, Series, VoltageFault};
 
 use crate::schedule::{Schedule, json};
 use crate::source::MAX_FILE_BYTES;
@@ -50,6 +50,12 @@ pub const METADATA: &str = "tweeze";
 
 /// What the topics of voltages end with; the device stands before it.
 pub const VOLTAGES_SUFFIX: &str = "/voltages";
+
+/// What stands behind the path of a field in the metadata of a topic of voltages, for the entry that says which [`Bound`] it is.
+pub const BOUND_SUFFIX: &str = ".bound";
+
+/// As [`BOUND_SUFFIX`], for the periods of the drive trains in nanoseconds, with blanks between them.
+pub const PERIOD_SUFFIX: &str = ".period_ns";
 
 /// What a log says.
 #[derive(Debug, Clone, PartialEq)]

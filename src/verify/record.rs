@@ -159,7 +159,8 @@ pub(super) fn miscounted(run: &Run, replayed: u64) -> Violation {
     Violation::new(Rule::State, run.end_ns(), title).label(run.job.run_span, "this run")
 }
 
-fn agrees(recorded: &TimedState, replayed: &TimedState) -> bool {
+/// Whether a recorded state is the replayed one, but for rounding.
+pub(super) fn agrees(recorded: &TimedState, replayed: &TimedState) -> bool {
     recorded.t_ns == replayed.t_ns && same(&recorded.state, &replayed.state)
 }
 
@@ -195,7 +196,7 @@ fn shown(state: &State) -> String {
             format!("cell ({x}, {y}), word {word}, at ({}, {}) um", digits(*x_um), digits(*y_um))
         }
         State::ElectrodeArray { parts } => electrode_array::shown(parts),
-        State::Microrobots { control, poses, .. } => microrobots::shown(*control, poses),
+        State::Microrobots { control, docked, poses, .. } => microrobots::shown(*control, docked, poses),
     }
 }
 

@@ -46,7 +46,7 @@ pub enum Rule {
     Pulse,
     /// No module is switched before the rest after a pulse is over.
     Rest,
-    /// No time is lost between the pulses of a step, or after the last arrival of parts.
+    /// No time is lost between the pulses of a step, or after the last arrival of parts, or between the levels of a bed.
     Idle,
     /// A pulse changes the state of its module.
     Switch,
@@ -74,6 +74,26 @@ pub enum Rule {
     Clearance,
     /// A part without a goal stays, or comes back.
     Bystander,
+    /// A control cycle visits steady levels that the source gives, each for the dwell time.
+    Level,
+    /// Strokes are those of the device, after a control cycle.
+    Train,
+    /// An arm is up or down for certain, and no stroke moves it.
+    Arm,
+    /// Arms stand as in a control state of the claims.
+    Control,
+    /// A control state is applied in one leg for as long as claimed.
+    Apply,
+    /// A robot that moves keeps its clearance from obstacles.
+    Graze,
+    /// Two robots of which one moves keep their clearance.
+    Meet,
+    /// Obstacles, robots and orbits keep clear of an orbit.
+    Orbit,
+    /// Robots of an assembly end docked.
+    Dock,
+    /// A swing has whole periods of two levels, on a channel that may swing.
+    Swing,
 }
 
 impl Rule {
@@ -114,6 +134,16 @@ impl Rule {
             Rule::Touch => Code::E0734,
             Rule::Clearance => Code::E0735,
             Rule::Bystander => Code::E0736,
+            Rule::Level => Code::E0737,
+            Rule::Train => Code::E0738,
+            Rule::Arm => Code::E0739,
+            Rule::Control => Code::E0744,
+            Rule::Apply => Code::E0745,
+            Rule::Graze => Code::E0746,
+            Rule::Meet => Code::E0747,
+            Rule::Orbit => Code::E0748,
+            Rule::Dock => Code::E0749,
+            Rule::Swing => Code::E0750,
         }
     }
 }

@@ -5,9 +5,13 @@ mod dimibot;
 mod electrode_array;
 mod garbage;
 mod general;
+mod microrobots;
 mod mutants;
 
 use super::*;
+use crate::check::claims::Job;
+use crate::schedule::{SourceRef, Step};
+use crate::source::Span;
 use build::*;
 
 /// The rules that a schedule breaks, each once, in the order of the ledger.
@@ -52,4 +56,32 @@ fn passes(schedule: &Schedule, claims: &Claims) {
         panic!("{violations:#?}");
     }
     assert!(rules(schedule, claims).is_empty());
+}
+
+/// A schedule of some claims in which nothing happens.
+fn bare(claims: &Claims) -> Schedule {
+    Schedule {
+        name: claims.name.clone(),
+        source: SourceRef { file: "day.twz".into(), sha256: "00".into() },
+        duration_ns: 0,
+        channels: Vec::new(),
+        actuations: Vec::new(),
+        steps: Vec::new(),
+        plans: Vec::new(),
+    }
+}
+
+/// A step of a job, from an instant to another.
+fn step_of(job: &Job, plan: usize, [start_ns, end_ns]: [u64; 2]) -> Step {
+    Step {
+        task: job.task.clone(),
+        plan: plan as u32,
+        text: "step".into(),
+        file: "day.twz".into(),
+        line: 1,
+        column: 1,
+        start_ns,
+        duration_ns: end_ns - start_ns,
+        span: Span::default(),
+    }
 }

@@ -15,6 +15,9 @@ def properties():
     """The settings of one output: header, default, and what values it takes."""
     settings = {
         "segment": (":SOUR{ch_id}:FUNC:ARB", "NONE", None),
+        "rate": (":SOUR{ch_id}:FUNC:ARB:SRAT", "40000", {"min": 1e-6, "max": 1e9, "type": "float"}),
+        "filter": (":SOUR{ch_id}:FUNC:ARB:FILT", "NORM", {"valid": ["NORM", "STEP", "OFF"], "type": "str"}),
+        "sequence": (":SOUR{ch_id}:DATA:SEQ", "none", None),
         "period": (":SOUR{ch_id}:FUNC:ARB:PER", "1.0", {"min": 1e-9, "max": 1e6, "type": "float"}),
         "load": (":OUTP{ch_id}:LOAD", "50", {"valid": ["INF", "50"], "type": "str"}),
         "span": (":SOUR{ch_id}:VOLT", "0.1", NUMBER),

@@ -1,6 +1,7 @@
 """MCAP, read by the `mcap` package with the descriptors in the file and all checksums."""
 
 import hashlib
+import math
 
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
@@ -35,23 +36,37 @@ def judge(path, schedule):
 
 
 def voltages(channel, messages, device, schedule, table):
-    """Every value against the JSON, and against the CSV where there is one; and no edge may be left out."""
-    fields = {path: name for path, name in channel.metadata.items() if not path.endswith(".wire")}
-    expected = {entry["name"] for entry in schedule.document["channels"] if entry["device"] == device}
-    demand(set(fields.values()) == expected, f"/{device}/voltages has other channels")
-    for path, name in fields.items():
-        demand(channel.metadata.get(f"{path}.wire") == schedule.wires[name], f"the wire of {name} is another")
+    """Every value against the JSON, and against the CSV where there is one; and no edge may be left out.
+
+    A channel with drive trains is there twice, with their lower and their higher level."""
+    fields = columns(channel.metadata, device, schedule)
     for t_ns, proto in messages:
-        for path, name in fields.items():
-            found, wanted = field(proto, path), schedule.value(name, t_ns)
-            demand(abs(found - wanted) <= 1e-12 * abs(wanted), f"{name} is {found} V at {t_ns} ns, not {wanted} V")
-            if table:
+        for path, (name, bound) in fields.items():
+            found, wanted = field(proto, path), schedule.envelope(name, t_ns)[bound or 0]
+            demand(abs(found - wanted) <= 1e-12 * abs(wanted), f"{path} is {found} V at {t_ns} ns, not {wanted} V")
+            if table and bound is None:
                 in_csv = held(table[1], table[2][:, table[0].index(header(table[0], name))], t_ns)
                 demand(found == in_csv, f"{name} is {found} V at {t_ns} ns, and {in_csv} V in the CSV file")
     times = {t_ns for t_ns, _ in messages}
-    own = {t for name in expected for edge in schedule.edges(name) for t in (edge, edge - 1) if t >= 0}
+    own = {t for name, _ in fields.values() for edge in schedule.ends(name) for t in (edge, edge - 1) if t >= 0}
     demand(own | {0, schedule.duration_ns} <= times, f"/{device}/voltages leaves out an edge")
     return len(messages) * len(fields)
+
+
+def columns(metadata, device, schedule):
+    """What each field is: a channel, and which level of its drive trains."""
+    fields, kinds = {}, {"low": 0, "high": 1, None: None}
+    for path, name in metadata.items():
+        if path.endswith((".wire", ".bound", ".period_ns")):
+            continue
+        fields[path] = (name, kinds[metadata.get(f"{path}.bound")])
+        demand(metadata.get(f"{path}.wire") == schedule.wires[name], f"the wire of {name} is another")
+        periods = [int(period) for period in metadata.get(f"{path}.period_ns", "").split()]
+        demand(periods == schedule.periods(name), f"the drive trains of {name} have other periods")
+    expected = {entry["name"] for entry in schedule.document["channels"] if entry["device"] == device}
+    wanted = {(name, bound) for name in expected for bound in ((0, 1) if schedule.periods(name) else (None,))}
+    demand(set(fields.values()) == wanted, f"/{device}/voltages has other channels")
+    return fields
 
 
 def field(proto, path):
@@ -74,7 +89,7 @@ def log_lines(messages, schedule):
 def motion(topics, schedule):
     """Poses, ways and scenes against the states of the plans."""
     for plan in schedule.document["plans"]:
-        {"dimibot": robot, "electrode_array": board}[plan["kind"]](topics, plan)
+        {"dimibot": robot, "electrode_array": board, "microrobots": bed}[plan["kind"]](topics, plan)
     frames = {f.child_frame_id for _, m in topics["/tf"][1] for f in m.transforms}
     demand({plan["device"] for plan in schedule.document["plans"]} <= frames, "/tf lacks a device")
 
@@ -110,6 +125,43 @@ def board(topics, plan):
         body = entities.get(f"{device}/part/{name}")
         demand(body is not None and body.frame_id == f"{device}/{name}", f"{device} draws no part {name}")
         demand(body.frame_id in frames, f"/tf lacks the part {name}")
+
+
+def bed(topics, plan):
+    """Robots where the states say, and turned so; arms as numbers; for each robot a frame, a body and a way."""
+    device, states = plan["device"], plan["states"]
+    channel, messages = topics[f"/{device}/poses"]
+    names = channel.metadata["robots"].split()
+    poses = {t: dict(zip(names, m.poses, strict=True)) for t, m in messages}
+    arms_channel, messages = topics[f"/{device}/arms"]
+    rows = [field for field in messages[0][1].DESCRIPTOR.fields_by_name if field != "control"]
+    demand(all(field in arms_channel.metadata for field in rows), f"/{device}/arms does not say which arm is which")
+    arms = dict(messages)
+    for index, state in enumerate(states):
+        t_ns = state["t_ns"]
+        if any(later["t_ns"] == t_ns for later in states[index + 1 :]):
+            continue
+        said = poses[max(t for t in poses if t <= t_ns)]
+        for name, (x, y, heading) in state["poses"].items():
+            at, turn = said[name].position, said[name].orientation
+            off = math.hypot(at.x - x, at.y - y)
+            demand(off < 1e-5, f"{name} is {off} um from its place at {t_ns} ns")
+            off = math.sin(math.atan2(turn.z, turn.w) - heading / 2)
+            demand(turn.x == turn.y == 0 and abs(off) < 1e-8, f"{name} is turned otherwise at {t_ns} ns")
+        demand(arms[t_ns].control == state["control"], f"/{device}/arms has another control state at {t_ns} ns")
+        found = [getattr(arms[t_ns], row) for row in rows]
+        demand(found == state["arms"], f"/{device}/arms is {found} at {t_ns} ns, not {state['arms']}")
+    entities = {entity.id: entity for _, m in topics[f"/{device}/scene"][1] for entity in m.entities}
+    frames = {f.child_frame_id for _, m in topics["/tf"][1] for f in m.transforms}
+    for name in states[0]["poses"]:
+        body = entities.get(f"{device}/robot/{name}")
+        demand(body is not None and body.frame_id == f"{device}/{name}", f"{device} draws no robot {name}")
+        demand(body.frame_id in frames, f"/tf lacks the robot {name}")
+        way = dict(topics[f"/{device}/path/{name}"][1])[plan["start_ns"]].poses
+        for pose, state in zip((way[0], way[-1]), (states[0], states[-1])):
+            at, (x, y, _) = pose.position, state["poses"][name]
+            demand(math.hypot(at.x - x, at.y - y) < 1e-5, f"the way of {name} is another")
+    demand(topics[f"/{device}/plan"][1] and topics[f"/{device}/state"][1], f"{device} shows no goals or no arms")
 
 
 def provenance(attachments, metadata, schedule):

@@ -23,11 +23,12 @@ class Schedule:
         self.duration_ns = self.document["duration_ns"]
         self.pulses = {name: [] for name in self.channels}
         for act in self.document["actuations"]:
+            half = act["swing"]["period_ns"] // 2 if "swing" in act else None
             self.pulses[self.channels[act["channel"]]].append(
-                (act["start_ns"], act["start_ns"] + act["duration_ns"], act["from"], act["to"])
+                (act["start_ns"], act["start_ns"] + act["duration_ns"], act["from"], act["to"], half)
             )
         for name, pulses in self.pulses.items():
-            pulses.sort()
+            pulses.sort(key=lambda pulse: pulse[0])
             apart = all(a[1] <= b[0] for a, b in zip(pulses, pulses[1:]))
             demand(apart, f"{name} has two values at a time")
 
@@ -37,12 +38,36 @@ class Schedule:
         index = bisect.bisect_right(pulses, t_ns, key=lambda pulse: pulse[0]) - 1
         if index < 0 or t_ns >= pulses[index][1]:
             return 0.0
-        start, end, first, last = pulses[index]
+        start, end, first, last, half = pulses[index]
+        if half:
+            return (first, last)[(t_ns - start) // half % 2]
         return first if first == last else first + (last - first) * (t_ns - start) / (end - start)
 
+    def envelope(self, channel, t_ns):
+        """The lowest and the highest value of the drive train that an instant lies in, else twice the value."""
+        pulses = self.pulses[channel]
+        index = bisect.bisect_right(pulses, t_ns, key=lambda pulse: pulse[0]) - 1
+        if index >= 0 and t_ns < pulses[index][1] and pulses[index][4]:
+            return tuple(sorted(pulses[index][2:4]))
+        return (self.value(channel, t_ns),) * 2
+
+    def periods(self, channel):
+        """The periods of its drive trains."""
+        return sorted({2 * half for *_, half in self.pulses[channel] if half})
+
+    def ends(self, channel):
+        """Where its pulses and drive trains begin and end."""
+        return sorted({t for start, end, *_ in self.pulses[channel] for t in (start, end)})
+
     def edges(self, channel):
-        """Where the channel jumps or bends."""
-        return sorted({t for start, end, _, _ in self.pulses[channel] for t in (start, end)})
+        """Where the channel jumps or bends, within drive trains too."""
+        inner = (range(start, end, half) for start, end, _, _, half in self.pulses[channel] if half)
+        return sorted({t for edges in inner for t in edges} | set(self.ends(channel)))
+
+    def count_edges(self):
+        """About how many edges all channels have."""
+        pulses = [pulse for pulses in self.pulses.values() for pulse in pulses]
+        return sum((end - start) // half if half else 2 for start, end, _, _, half in pulses)
 
     def instants(self):
         """Both sides of every edge of any channel, and the ends."""

@@ -15,6 +15,9 @@ from verdict import demand
 
 NO_ERROR = '0,"No error"'
 FULL_SCALE = 32767
+# Of a sequence in the 33500 series.
+MOST_STEPS = 512
+MOST_REPEATS = 1_000_000
 
 
 def messages(data):
@@ -68,6 +71,8 @@ class Rack:
         self.manager = pyvisa.ResourceManager(f"{description}@sim")
         open_one = lambda address: self.manager.open_resource(address, read_termination="\n", write_termination="\n")
         self.instruments = [open_one(address) for address in addresses]
+        # The simulation remembers the last segment of an output only, so each is asked back as soon as it is there.
+        self.segments = {}
 
     def close(self):
         for one in self.instruments:
@@ -86,6 +91,10 @@ class Rack:
     def send(self, text):
         for one in self.meant(text):
             send(one, text)
+        header = text.partition(" ")[0]
+        if header.endswith(":DATA:ARB:DAC"):
+            name, _, codes = self.query(header + "?").partition(",")
+            self.segments.setdefault(header, {})[name] = [int(code) for code in codes.split(" ")]
 
     def query(self, text):
         return self.meant(text)[0].query(text)
@@ -103,21 +112,58 @@ def send(awg, text):
 def compare(rack, output, channel, schedule):
     """What an output would play: samples times scale, at their times."""
     ask = lambda header: rack.query(header.replace("{}", str(output)) + "?")
-    wanted = {":OUTP{}": "ON", ":SOUR{}:FUNC": "ARB", ":SOUR{}:BURS:STAT": "ON", ":TRIG{}:SOUR": "BUS", ":OUTP{}:LOAD": "INF"}
+    wanted = {":OUTP{}": "ON", ":SOUR{}:FUNC": "ARB", ":TRIG{}:SOUR": "BUS", ":OUTP{}:LOAD": "INF"}
     for header, value in wanted.items():
         demand(ask(header) == value, f"output {output}: {header} is {ask(header)}")
-    name, _, text = ask(":SOUR{}:DATA:ARB:DAC").partition(",")
-    demand(name == ask(":SOUR{}:FUNC:ARB"), f"output {output} plays another segment")
-    codes = [int(code) for code in text.split(" ")]
-    demand(codes[0] == codes[-1] == 0, f"output {output} waits or rests under voltage")
-    period_ns = float(ask(":SOUR{}:FUNC:ARB:PER")) * 1e9 / len(codes)
+    segments = rack.segments[f":SOUR{output}:DATA:ARB:DAC"]
+    steps = ask(":SOUR{}:DATA:SEQ")
+    played = waveform if steps == "none" else sequence
+    codes, period_ns = played(ask, segments, steps)
     demand(abs(period_ns - round(period_ns)) < 1e-6 * period_ns, f"a sample lasts {period_ns} ns")
     period_ns = round(period_ns)
     for edge in schedule.edges(channel):
         demand(edge % period_ns == 0, f"{channel} has an edge at {edge} ns, between samples")
     scale = float(ask(":SOUR{}:VOLT")) / 2 / FULL_SCALE
-    demand((len(codes) - 2) * period_ns >= schedule.duration_ns, f"output {output} ends too early")
-    for index, code in enumerate(codes[1:]):
+    demand(len(codes) * period_ns >= schedule.duration_ns, f"output {output} ends too early")
+    for index, code in enumerate(codes):
         found, expected = code * scale, schedule.value(channel, index * period_ns)
         demand(abs(found - expected) <= scale / 2 + 1e-12, f"{channel} is {found} V at {index * period_ns} ns, not {expected} V")
     return len(codes)
+
+
+def waveform(ask, segments, _):
+    """The samples from the trigger on of one segment in a burst, and how long each lasts."""
+    demand(ask(":SOUR{}:BURS:STAT") == "ON" and ask(":SOUR{}:BURS:NCYC") == "1", "the waveform is not played once")
+    name = ask(":SOUR{}:FUNC:ARB")
+    demand(name in segments, f"{name} is no segment")
+    codes = segments[name]
+    demand(codes[0] == codes[-1] == 0, f"{name} waits or rests under voltage")
+    return codes[1:], float(ask(":SOUR{}:FUNC:ARB:PER")) * 1e9 / len(codes)
+
+
+def sequence(ask, segments, block):
+    """The samples from the trigger on of a sequence, and how long each lasts.
+
+    As the 33500 series plays it: a name, then for each step a segment, how many times, how it goes on, and a marker."""
+    offset, length = util.parse_ieee_block_header(block.encode("ascii"))
+    demand(offset + length == len(block), "the block of a sequence has another length")
+    name, *rest = block[offset:].split(",")
+    demand(name.strip('"') == ask(":SOUR{}:FUNC:ARB"), "another sequence is chosen")
+    demand(ask(":SOUR{}:BURS:STAT") == "OFF", "a sequence is no burst")
+    demand(ask(":SOUR{}:FUNC:ARB:FILT") == "STEP", "the filter rings at edges")
+    steps = [rest[at : at + 5] for at in range(0, len(rest), 5)]
+    demand(all(len(step) == 5 for step in steps) and len(steps) <= MOST_STEPS, "a step has too little, or too many are there")
+    codes = []
+    for number, (quoted, times, control, marker, point) in enumerate(steps):
+        segment = segments.get(quoted.strip('"'))
+        demand(segment is not None and 8 <= len(segment), f"{quoted} is no segment")
+        demand(marker == "lowAtStart" and 4 <= int(point) <= len(segment) - 3, f"the marker of step {number} is off")
+        demand(1 <= int(times) <= MOST_REPEATS, f"step {number} repeats {times} times")
+        if control in ("onceWaitTrig", "repeatInf"):
+            demand(number in (0, len(steps) - 1) and not any(segment), f"step {number} stops, or under voltage")
+        else:
+            demand(control == "repeat" or (control, times) == ("once", "1"), f"step {number} goes on by {control}")
+            codes += segment * int(times)
+    ends = [step[2] for step in (steps[0], steps[-1])]
+    demand(ends == ["onceWaitTrig", "repeatInf"], f"it waits and rests by {ends}")
+    return codes, 1e9 / float(ask(":SOUR{}:FUNC:ARB:SRAT"))

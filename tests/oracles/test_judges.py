@@ -21,15 +21,16 @@ FIXTURES = Path(os.environ.get("TWEEZE_FIXTURES", "/nonexistent"))
 pytestmark = pytest.mark.skipif(not FIXTURES.exists(), reason="TWEEZE_FIXTURES names no folder")
 
 
-def verdict(folder, ending):
-    path = folder / f"Pair{ending}"
-    return run.judge(path, run.JUDGES[ending], Schedule(folder / "Pair.json"))
+def verdict(folder, ending, stem="Pair"):
+    path = folder / f"{stem}{ending}"
+    return run.judge(path, run.JUDGES[ending], Schedule(folder / f"{stem}.json"))
 
 
 @pytest.fixture
 def folder(tmp_path):
-    for file in FIXTURES.glob("Pair.*"):
-        shutil.copy(file, tmp_path)
+    for stem in ("Pair", "bed"):
+        for file in FIXTURES.glob(f"{stem}.*"):
+            shutil.copy(file, tmp_path)
     return tmp_path
 
 
@@ -50,6 +51,13 @@ def test_slopes_are_right():
     expected = {"crowd.json": "right", "crowd.mcap": "right", "crowd.cir": "right"}
     expected |= {"crowd.csv": "MISSING", "crowd.vcd": "MISSING", "crowd.scpi": "MISSING"}
     assert outcomes == expected
+
+
+def test_a_train_that_is_longer_than_its_deck_is_right():
+    outcomes = {name: outcome for name, outcome, _ in run.judge_folder(FIXTURES / "trains")}
+    expected = {f"long{ending}": "right" for ending in (".json", ".csv", ".vcd", ".scpi")}
+    assert outcomes.pop("long.cir") in ("right", "SKIPPED")
+    assert outcomes == expected | {"long.mcap": "MISSING"}
 
 
 FAULTS = [
@@ -85,6 +93,41 @@ def test_a_fault_is_found(folder, judged, broken, old, new):
     assert outcome == "WRONG", reason
 
 
+# Of drive trains; the deck is the last to be judged, since ngspice takes a while.
+TRAIN_FAULTS = [
+    (".json", ".json", b'"period_ns": 50000', b'"period_ns": 50001'),
+    (".csv", ".csv", b"\n2050000,130\n", b"\n2050000,129\n"),
+    (".csv", ".csv", b"\n2050000,130\n", b"\n"),
+    (".vcd", ".vcd", b"#2050000\n", b"#2050001\n"),
+    (".scpi", ".scpi", b",150,repeat,", b",149,repeat,"),
+    (".scpi", ".scpi", b",150,repeat,", b",150,repeatInf,"),
+    (".scpi", ".scpi", b",1,onceWaitTrig,", b",1,once,"),
+    (".scpi", ".scpi", b":FUNC:ARB:SRAT 40000", b":FUNC:ARB:SRAT 40001"),
+    (".scpi", ".scpi", b"lowAtStart,4,", b"lowAtStart,6,"),
+    (".cir", ".pwl.inc", b" 0.00005 600)", b" 0.00005 599)"),
+    (".cir", ".pwl.inc", b"PULSE(0 15 ", b"PULSE(0 15.0001 "),
+    (".cir", ".pwl.inc", b" 0.000024999 ", b" 0.000024 "),
+]
+
+
+@pytest.mark.parametrize("judged,broken,old,new", TRAIN_FAULTS)
+def test_a_fault_of_a_train_is_found(folder, judged, broken, old, new):
+    if verdict(folder, judged, "bed")[0] == "SKIPPED":
+        pytest.skip("the judge is not here")
+    replace(folder / f"bed{broken}", old, new)
+    outcome, reason = verdict(folder, judged, "bed")
+    assert outcome == "WRONG", reason
+
+
+def test_a_file_of_very_many_lines_may_be_left_out(folder, monkeypatch):
+    (folder / "bed.csv").unlink()
+    assert verdict(folder, ".csv", "bed")[0] == "MISSING"
+    monkeypatch.setattr(run, "MANY_EDGES", 2000)
+    assert verdict(folder, ".csv", "bed")[0] == "LONG"
+    (folder / "bed.scpi").unlink()
+    assert verdict(folder, ".scpi", "bed")[0] == "MISSING"
+
+
 def test_damage_of_a_log_is_found(folder):
     path = folder / "Pair.mcap"
     data = path.read_bytes()
@@ -95,6 +138,42 @@ def test_damage_of_a_log_is_found(folder):
         broken[at] ^= 4
         path.write_bytes(broken)
         assert verdict(folder, ".mcap")[0] == "WRONG", f"byte {at}"
+
+
+@pytest.mark.parametrize("change", [{"to": 114.0, "swing": {"period_ns": 50_000, "levels": [130.0, 114.0]}}, {"swing": {"period_ns": 25_000, "levels": [130.0, 115.0]}}])
+def test_a_log_of_another_train_is_found(folder, change):
+    other = folder / "other.json"
+    document = json.loads((folder / "bed.json").read_bytes())
+    document["actuations"][2].update(change)
+    other.write_text(json.dumps(document))
+    outcome, reason = run.judge(folder / "bed.mcap", "mcap_judge", Schedule(other))
+    assert outcome == "WRONG" and ("bed_low" in reason or "periods" in reason), reason
+
+
+def turned(states):
+    states[1]["poses"]["D1"][2] += 1e-6
+
+
+def moved(states):
+    states[2]["poses"]["D2"][0] += 1e-4
+
+
+def lowered(states):
+    states[3]["arms"][2] = 1
+
+
+def controlled(states):
+    states[4]["control"] = 1
+
+
+@pytest.mark.parametrize("change", [turned, moved, lowered, controlled])
+def test_a_log_of_other_robots_is_found(folder, change):
+    other = folder / "other.json"
+    document = json.loads((folder / "bed.json").read_bytes())
+    change(document["plans"][0]["states"])
+    other.write_text(json.dumps(document))
+    outcome, reason = run.judge(folder / "bed.mcap", "mcap_judge", Schedule(other))
+    assert outcome == "WRONG" and " at " in reason, reason
 
 
 @pytest.mark.parametrize("change", [{"from": 21.0, "to": 21.0}, {"start_ns": 1}, {"duration_ns": 14_999_999}])

@@ -21,23 +21,24 @@ impl<'a> Bench<'a> {
     /// The devices in the order of their first jobs, side by side.
     pub fn all(verified: &'a Verified) -> Vec<Bench<'a>> {
         let mut benches: Vec<Bench> = Vec::new();
-        let mut offset = 0.0;
+        let mut left = 0.0;
         for job in &verified.claims().jobs {
             if !benches.iter().any(|bench| bench.device == job.device) {
-                benches.push(Bench { device: &job.device, offset, job });
-                offset += width(job) + GAP;
+                let [low, high] = reach(job);
+                benches.push(Bench { device: &job.device, offset: left - low, job });
+                left += high - low + GAP;
             }
         }
         benches
     }
 }
 
-/// How far the picture of a job's device reaches along x.
-fn width(job: &Job) -> f64 {
+/// From where to where the picture of a job's device reaches along x, in its own frame.
+fn reach(job: &Job) -> [f64; 2] {
     match &job.order {
-        Order::Dimibot(order) => dimibot::width_um(&order.facts),
-        Order::ElectrodeArray(order) => electrode_array::width(&order.facts),
-        Order::Microrobots(order) => microrobots::width(order),
+        Order::Dimibot(order) => [0.0, dimibot::width_um(&order.facts)],
+        Order::ElectrodeArray(order) => [0.0, electrode_array::width(&order.facts)],
+        Order::Microrobots(order) => microrobots::reach_um(order),
     }
 }
 

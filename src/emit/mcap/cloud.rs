@@ -55,9 +55,14 @@ fn ring(mut corners: Vec<Point2<f64>>) -> Vec<Point2<f64>> {
 }
 
 pub fn cloud(strokes: &[Stroke], device: &str, t_ns: u64) -> PointCloud {
+    spaced_cloud(strokes, device, t_ns, STEP_UM)
+}
+
+/// A cloud whose neighbouring points are so far apart, or farther if there would be too many.
+pub fn spaced_cloud(strokes: &[Stroke], device: &str, t_ns: u64, least_step_um: f64) -> PointCloud {
     let lengths =
         strokes.iter().flat_map(|stroke| stroke.corners.windows(2)).map(|pair| nalgebra::distance(&pair[0], &pair[1]));
-    let step_um = (lengths.sum::<f64>() / MAX_POINTS).max(STEP_UM);
+    let step_um = (lengths.sum::<f64>() / MAX_POINTS).max(least_step_um);
     let mut data = Vec::new();
     for Stroke { corners, color } in strokes {
         let rgba = [color.r, color.g, color.b, color.a].map(|part| (part * 255.0).round() as u8);

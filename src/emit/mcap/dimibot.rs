@@ -4,7 +4,7 @@ pub mod motion;
 mod points;
 pub mod scene;
 
-use super::frames::Mover;
+use super::frames::{Mover, Stand};
 use super::{Signals, Topic};
 use crate::device::dimibot::Facts;
 use crate::verify::Verified;
@@ -20,6 +20,6 @@ pub fn topics(verified: &Verified, signals: &Signals, device: &str) -> (Vec<Topi
     let mut topics = Vec::from(motion::topics(verified, device, &poses));
     topics.extend(points::topics(verified, device));
     topics.extend(scene::topics(verified, device));
-    let places = poses.into_iter().map(|(t_ns, place)| (t_ns, Some(place))).collect();
+    let places = poses.into_iter().map(|(t_ns, place)| (t_ns, Some(Stand::at(place)))).collect();
     (topics, vec![Mover { frame: motion::tip_frame(device), device: device.to_owned(), places }])
 }

@@ -94,7 +94,12 @@ pub fn on_grid(body: Rounded) -> Rounded {
 
 /// The nearest point of the grid.
 pub fn snap(point: Point2<f64>) -> Point2<f64> {
-    point.map(|value| (value * GRID_PER_UM).round() / GRID_PER_UM)
+    point.map(snapped)
+}
+
+/// The nearest number of the grid.
+pub fn snapped(value: f64) -> f64 {
+    (value * GRID_PER_UM).round() / GRID_PER_UM
 }
 
 /// The largest y of a body.
@@ -152,7 +157,7 @@ pub fn cuboid(entity: &mut SceneEntity, low: [f64; 2], high: [f64; 2], slab: Sla
 }
 
 /// Adds the walls and the top of a polygon.
-fn prism(entity: &mut SceneEntity, corners: &[Point2<f64>], slab: Slab) {
+pub fn prism(entity: &mut SceneEntity, corners: &[Point2<f64>], slab: Slab) {
     let top = slab.bottom_um + slab.height_um;
     let up = |p: &Point2<f64>| Point3 { x: p.x, y: p.y, z: top };
     let down = |p: &Point2<f64>| Point3 { x: p.x, y: p.y, z: slab.bottom_um };

@@ -9,7 +9,7 @@ mod scene;
 use super::Topic;
 use super::bench;
 use super::foxglove::{self, PosesInFrame};
-use super::frames::{Mover, Place};
+use super::frames::{Mover, Place, Stand};
 use crate::device::electrode_array::{Cell, Facts};
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::State;
@@ -107,7 +107,7 @@ fn movers(device: &str, moments: &[Moment]) -> Vec<Mover> {
             let cell = moment.parts.get(name).copied();
             let moves_next = moments.get(index + 1).is_some_and(|next| next.parts.get(name).copied() != cell);
             if index == 0 || cell != last || moves_next {
-                let here = cell.map(place).map(|[x, y]| [x, y, 0.0]);
+                let here = cell.map(place).map(|[x, y]| Stand::at([x, y, 0.0]));
                 places.push((moment.t_ns, here));
             }
             last = cell;

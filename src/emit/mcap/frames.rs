@@ -4,11 +4,50 @@
 
 use super::bench::Bench;
 use super::{Topic, WORLD, foxglove};
-use foxglove::{FrameTransform, FrameTransforms, Quaternion, Vector3};
+use foxglove::{FrameTransform, FrameTransforms, Pose, Quaternion, Vector3};
 use std::collections::BTreeMap;
 
+/// Where something stands, and how it is turned about z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stand {
+    pub place: [f64; 3],
+    /// Sine and cosine of half the angle from the x axis.
+    half_turn: [f64; 2],
+}
+
+/// Steps of the grid that sines and cosines are rounded to: their last bits differ between machines, and a log must not.
+const GRID: f64 = 1e9;
+
+impl Stand {
+    /// Without rotation.
+    pub fn at(place: [f64; 3]) -> Stand {
+        Stand { place, half_turn: [0.0, 1.0] }
+    }
+
+    /// Turned by an angle, counter-clockwise.
+    pub fn turned(place: [f64; 3], heading_rad: f64) -> Stand {
+        let (sin, cos) = (heading_rad / 2.0).sin_cos();
+        Stand { place, half_turn: [sin, cos].map(|value| (value * GRID).round() / GRID) }
+    }
+
+    /// As a message.
+    pub fn pose(&self) -> Option<Pose> {
+        Some(Pose { position: Some(self.translation()), orientation: Some(self.rotation()) })
+    }
+
+    fn translation(&self) -> Vector3 {
+        let [x, y, z] = self.place;
+        Vector3 { x, y, z }
+    }
+
+    fn rotation(&self) -> Quaternion {
+        let [z, w] = self.half_turn;
+        Quaternion { x: 0.0, y: 0.0, z, w }
+    }
+}
+
 /// Where something is, if it is still there.
-pub type Place = Option<[f64; 3]>;
+pub type Place = Option<Stand>;
 
 /// Something that moves in the frame of its device.
 pub struct Mover {
@@ -33,9 +72,9 @@ pub fn topic(benches: &[Bench], movers: &[Mover]) -> Topic {
         for (index, place) in moved {
             places[index] = place;
         }
-        let standing = benches
-            .iter()
-            .map(|bench| transform(t_ns, WORLD.to_owned(), bench.device.to_owned(), [bench.offset, 0.0, 0.0]));
+        let standing = benches.iter().map(|bench| {
+            transform(t_ns, WORLD.to_owned(), bench.device.to_owned(), Stand::at([bench.offset, 0.0, 0.0]))
+        });
         let moving = movers
             .iter()
             .zip(&places)
@@ -46,12 +85,12 @@ pub fn topic(benches: &[Bench], movers: &[Mover]) -> Topic {
     Topic::new::<FrameTransforms>("/tf", messages)
 }
 
-fn transform(t_ns: u64, parent_frame_id: String, child_frame_id: String, [x, y, z]: [f64; 3]) -> FrameTransform {
+fn transform(t_ns: u64, parent_frame_id: String, child_frame_id: String, stand: Stand) -> FrameTransform {
     FrameTransform {
         timestamp: foxglove::timestamp(t_ns),
         parent_frame_id,
         child_frame_id,
-        translation: Some(Vector3 { x, y, z }),
-        rotation: Some(Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 }),
+        translation: Some(stand.translation()),
+        rotation: Some(stand.rotation()),
     }
 }

@@ -1,9 +1,9 @@
 //! MCAP: a log that viewers play without set-up, and that `tweeze verify` judges without any other file.
 //!
 //! All messages are protobuf. For each device: `/<device>/voltages` (SI units); `/<device>/pose` and `/<device>/path` (where the
-//! end-effector is, and its whole way); `/<device>/scene` and `/<device>/plan` (obstacles and lattice, way and stops, in three
-//! dimensions), and both as `…/points` for viewers that show no scenes. For all: `/tf` and `/log` (each step at its start, with
-//! its source line). Attachments: `schedule.json`, `claims.json`, every source file as `source/<name>`. The metadata record
+//! end-effector is, and its whole way), or the `poses` of all parts or robots; `/<device>/scene` and `/<device>/plan` (what stands
+//! there, ways and stops, in three dimensions), and both as `…/points` for viewers that show no scenes. For all: `/tf` and `/log`
+//! (each step at its start, with its source line). Attachments: `schedule.json`, `claims.json`, every source file as `source/<name>`. The metadata record
 //! `tweeze` says which version wrote the log and from what. The clock begins at 0.
 //!
 //! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one micrometre.

@@ -4,9 +4,14 @@
 //! `/bot/voltages.bl4_set`; beyond that they are one list, `/plate/voltages.volts[7]`. The topic's metadata says which field is
 //! which channel, and the wire behind it. Every message holds all channels, since a missing field reads as 0 V. Just before a
 //! jump, 1 ns earlier, the old values are said again, so that lines between messages are the signal itself.
+//!
+//! A channel with drive trains would need a message for every edge, so it has two fields, `/bed/voltages.bed_low` and `…bed_high`:
+//! the lower and the higher level of the train that goes on, the same value twice outside of trains. The topic's metadata say
+//! which of the two a field is, and the periods of the trains.
 
 use super::{Signals, Topic, foxglove};
 use crate::emit::identifier;
+use crate::verify::log::{BOUND_SUFFIX, Bound, PERIOD_SUFFIX};
 use prost::Message;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
@@ -21,11 +26,29 @@ const MAX_NAME_BYTES: usize = 16 * 1024;
 /// The name of the field that lists many channels.
 const LIST: &str = "volts";
 
+/// A number of each message.
+struct Column {
+    channel: usize,
+    bound: Bound,
+}
+
+/// The columns of these channels: two for each that swings.
+fn columns(signals: &Signals, channels: &[usize]) -> Vec<Column> {
+    let of_channel = |&channel: &usize| {
+        let bounds: &[Bound] = match signals.swings(channel).next() {
+            Some(_) => &[Bound::Low, Bound::High],
+            None => &[Bound::Exact],
+        };
+        bounds.iter().map(move |bound| Column { channel, bound: *bound })
+    };
+    channels.iter().flat_map(of_channel).collect()
+}
+
 /// About how many bytes all messages take.
 pub fn estimated_bytes(signals: &Signals) -> u64 {
     let of_device = |channels: &[usize]| {
         let messages = 2 * signals.breaks(channels.iter().copied()).len() + 2;
-        messages as u64 * (channels.len() as u64 * 10 + 31)
+        messages as u64 * (columns(signals, channels).len() as u64 * 10 + 31)
     };
     signals.devices().iter().map(|(_, channels)| of_device(channels)).sum()
 }
@@ -33,37 +56,50 @@ pub fn estimated_bytes(signals: &Signals) -> u64 {
 /// The topic of a device.
 pub fn topic(signals: &Signals, device: &str, channels: &[usize]) -> Topic {
     let all = &signals.schedule.channels;
-    let short = channels.iter().map(|&channel| match all[channel].name.split_once('.') {
-        Some((_, rest)) => rest,
-        None => all[channel].name.as_str(),
+    let columns = columns(signals, channels);
+    let short = columns.iter().map(|Column { channel, bound }| {
+        let name = all[*channel].name.split_once('.').map_or(all[*channel].name.as_str(), |(_, rest)| rest);
+        bound.name().map_or_else(|| name.to_owned(), |bound| format!("{name}_{bound}"))
     });
-    let names = identifier::distinct(short);
+    let short: Vec<String> = short.collect();
+    let names = identifier::distinct(short.iter().map(String::as_str));
     let fields = names.len() <= MAX_FIELDS && names.iter().map(String::len).sum::<usize>() <= MAX_NAME_BYTES;
     let paths =
         names.iter().enumerate().map(|(index, name)| if fields { name.clone() } else { format!("{LIST}[{index}]") });
     let mut metadata = BTreeMap::new();
-    for (path, &channel) in paths.zip(channels) {
-        if let Some(wire) = &all[channel].wire {
+    for (path, column) in paths.zip(&columns) {
+        if let Some(wire) = &all[column.channel].wire {
             metadata.insert(format!("{path}.wire"), wire.clone());
         }
-        metadata.insert(path, all[channel].name.clone());
+        if let Some(bound) = column.bound.name() {
+            metadata.insert(format!("{path}{BOUND_SUFFIX}"), bound.to_owned());
+            metadata.insert(format!("{path}{PERIOD_SUFFIX}"), periods(signals, column.channel));
+        }
+        metadata.insert(path, all[column.channel].name.clone());
     }
     let package = format!("tweeze.{}", identifier::distinct([device])[0]);
     Topic {
         name: format!("/{device}/voltages"),
-        schema: schema(&package, if fields { Shape::Fields(&names) } else { Shape::List }),
+        schema: schema(&package, "Voltages", if fields { Shape::Fields(&names) } else { Shape::List }),
         metadata,
-        messages: messages(signals, channels, if fields { encode_fields } else { encode_list }),
+        messages: messages(signals, channels, &columns, if fields { encode_fields } else { encode_list }),
     }
 }
 
+/// The periods of a channel's swings in nanoseconds, each once, in rising order.
+fn periods(signals: &Signals, channel: usize) -> String {
+    let periods: BTreeSet<u64> = signals.swings(channel).map(|(_, swing)| swing.period_ns).collect();
+    periods.iter().map(u64::to_string).collect::<Vec<_>>().join(" ")
+}
+
 /// What a message looks like.
-enum Shape<'a> {
+pub enum Shape<'a> {
     Fields(&'a [String]),
     List,
 }
 
-fn schema(package: &str, shape: Shape) -> foxglove::Schema {
+/// A message type of doubles.
+pub fn schema(package: &str, message: &str, shape: Shape) -> foxglove::Schema {
     let field = |name: &str, number: usize, label: Label| FieldDescriptorProto {
         name: Some(name.to_owned()),
         json_name: Some(name.to_owned()),
@@ -78,7 +114,8 @@ fn schema(package: &str, shape: Shape) -> foxglove::Schema {
         }
         Shape::List => vec![field(LIST, 1, Label::Repeated)],
     };
-    let message = DescriptorProto { name: Some("Voltages".into()), field: fields, ..DescriptorProto::default() };
+    let name = format!("{package}.{message}");
+    let message = DescriptorProto { name: Some(message.into()), field: fields, ..DescriptorProto::default() };
     let file = FileDescriptorProto {
         name: Some(format!("{}.proto", package.replace('.', "/"))),
         package: Some(package.to_owned()),
@@ -87,23 +124,32 @@ fn schema(package: &str, shape: Shape) -> foxglove::Schema {
         ..FileDescriptorProto::default()
     };
     let descriptor = FileDescriptorSet { file: vec![file] }.encode_to_vec();
-    foxglove::Schema { name: format!("{package}.Voltages"), descriptor }
+    foxglove::Schema { name, descriptor }
 }
 
-fn messages(signals: &Signals, channels: &[usize], encode: fn(&[f64]) -> Vec<u8>) -> Vec<(u64, Vec<u8>)> {
+fn messages(
+    signals: &Signals,
+    channels: &[usize],
+    columns: &[Column],
+    encode: fn(&[f64]) -> Vec<u8>,
+) -> Vec<(u64, Vec<u8>)> {
     let breaks = signals.breaks(channels.iter().copied());
     let before = breaks.iter().filter_map(|t_ns| t_ns.checked_sub(1));
     let ends = [0, signals.schedule.duration_ns];
     let times: BTreeSet<u64> = breaks.iter().copied().chain(before).chain(ends).collect();
     let at = |t_ns| {
-        let values: Vec<f64> = channels.iter().map(|&channel| signals.value(channel, t_ns)).collect();
-        (t_ns, encode(&values))
+        let value = |column: &Column| match column.bound {
+            Bound::Exact => signals.value(column.channel, t_ns),
+            Bound::Low => signals.envelope(column.channel, t_ns)[0],
+            Bound::High => signals.envelope(column.channel, t_ns)[1],
+        };
+        (t_ns, encode(&columns.iter().map(value).collect::<Vec<f64>>()))
     };
     times.into_iter().map(at).collect()
 }
 
 /// One field for each value, zero included.
-fn encode_fields(values: &[f64]) -> Vec<u8> {
+pub fn encode_fields(values: &[f64]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(values.len() * 10);
     for (number, value) in (1..).zip(values) {
         prost::encoding::double::encode(number, value, &mut bytes);

@@ -1,20 +1,179 @@
 //! One job of microrobots: its steps planned one after the other, from where the robots stand.
+//!
+//! After each step every robot stands where the strokes have carried it, so a step that has no plan leaves those after it
+//! without a beginning: the job ends there.
 
+use super::assembly::{self, Assembled};
+use super::why::Why;
+use super::world::World;
+use super::{Docking, Leg, Motion, Stage, StepMotion};
 use crate::check::claims::Job;
-use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::check::claims::microrobots::{Action, Dock, MicrorobotsOrder, Step};
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
-use crate::plan::Plan;
+use crate::plan::requirements::{Kept, require};
+use crate::plan::search::Budget;
+use crate::plan::{Motion as AnyMotion, Optimality, Plan, Remark};
 use std::collections::BTreeMap;
+
+/// Where the robots of a bed are, one entry for each robot of its orders.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crew {
+    pub poses: Vec<Pose>,
+    /// Whether it sticks in a structure, and moves no more.
+    pub docked: Vec<bool>,
+}
+
+impl Crew {
+    /// Carries all robots through the leg of a step at an index of its legs; some may dock at its end.
+    pub fn follow(&mut self, order: &MicrorobotsOrder, (index, leg): (usize, &Leg), docks: &[Docking]) {
+        for robot in (0..self.poses.len()).filter(|robot| !self.docked[*robot]) {
+            let facts = order.robot(robot);
+            let arm = order.states[leg.state].arms[order.robots[robot].row];
+            self.poses[robot] = facts.moved(self.poses[robot], arm, facts.step_um * leg.strokes as f64);
+        }
+        docks.iter().filter(|dock| dock.leg == index).for_each(|dock| self.docked[dock.robot] = true);
+    }
+}
 
 /// What the plans of a schedule leave behind for those that follow.
 #[derive(Default)]
 pub struct Standing {
-    beds: BTreeMap<String, Vec<(Pose, bool)>>,
+    /// By device; `None` where a plan is missing, so that nobody knows where its robots stand.
+    crews: BTreeMap<String, Option<Crew>>,
 }
 
-/// A plan for a job; without one an error was pushed.
-pub fn plan(job: &Job, _order: &MicrorobotsOrder, standing: &mut Standing, _sink: &mut Sink) -> Option<Plan> {
-    standing.beds.remove(&job.device);
-    None
+impl Standing {
+    /// Where the robots of an order stand before its job, if that is known.
+    fn of(&self, job: &Job, order: &MicrorobotsOrder) -> Option<Crew> {
+        let scene = || Crew {
+            poses: order.robots.iter().map(|robot| robot.pose).collect(),
+            docked: vec![false; order.robots.len()],
+        };
+        self.crews.get(&job.device).cloned().unwrap_or_else(|| Some(scene()))
+    }
+}
+
+/// A plan for a job; without one an error was pushed, for this job or for one of the same bed before it.
+pub fn plan(job: &Job, order: &MicrorobotsOrder, standing: &mut Standing, sink: &mut Sink) -> Option<Plan> {
+    let planned = standing.of(job, order).and_then(|crew| planned(job, order, crew, sink));
+    let (plan, crew) = planned.map_or((None, None), |(plan, crew)| (plan, Some(crew)));
+    standing.crews.insert(job.device.clone(), crew);
+    plan
+}
+
+/// A plan, and where the robots stand after it.
+fn planned(job: &Job, order: &MicrorobotsOrder, start: Crew, sink: &mut Sink) -> Option<(Option<Plan>, Crew)> {
+    let mut crew = start.clone();
+    let mut tally = Tally::default();
+    let mut steps = Vec::with_capacity(order.steps.len());
+    for step in &order.steps {
+        let done = step_done(order, step, &crew, sink)?;
+        if let StepMotion::Legs { legs, docks, .. } = &done.motion {
+            legs.iter().enumerate().for_each(|leg| crew.follow(order, leg, docks));
+        }
+        tally.add(order, &done);
+        steps.push(done.motion);
+    }
+    let motion = Motion { start, steps };
+    let plan = tally.plan(motion);
+    let kept = require(job, &plan, &mut |_| None, sink);
+    Some(((kept == Kept::Yes).then_some(plan), crew))
+}
+
+/// A step with its plan.
+struct Done {
+    motion: StepMotion,
+    /// No plan of the step takes less.
+    bound_ns: u64,
+    remarks: Vec<Remark>,
+}
+
+fn step_done(order: &MicrorobotsOrder, step: &Step, crew: &Crew, sink: &mut Sink) -> Option<Done> {
+    let why = Why { order, step };
+    match &step.action {
+        Action::Wait(duration_ns) => {
+            Some(Done { motion: StepMotion::Wait(*duration_ns), bound_ns: *duration_ns, remarks: Vec::new() })
+        }
+        Action::Apply { state, duration_ns } => {
+            let leg = Leg { state: *state, strokes: duration_ns.div_ceil(order.facts.period_ns) };
+            if let Some(hit) = World::new(order).first_hit(&crew.poses, &crew.docked, &[leg], &[]) {
+                sink.push(why.applied_into(&hit));
+                return None;
+            }
+            Some(Done { bound_ns: leg_ns(order, leg), motion: legs(vec![leg]), remarks: Vec::new() })
+        }
+        Action::Drive { .. } => None,
+        Action::Assemble(docks) => assembled(&why, docks, crew, sink),
+    }
+}
+
+fn assembled(why: &Why, docks: &[Dock], crew: &Crew, sink: &mut Sink) -> Option<Done> {
+    let order = why.order;
+    let budget = Budget::of(order.expansions);
+    let assembled = match assembly::assemble(order, &crew.poses, &crew.docked, docks, budget) {
+        Ok(assembled) => assembled,
+        Err(stuck) => {
+            let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
+            sink.push(why.not_assembled(&stuck, &|robot| goal(robot).unwrap_or(why.step.span)));
+            return None;
+        }
+    };
+    let Assembled { legs, docks, stages, least_ns, .. } = assembled;
+    Some(Done { motion: StepMotion::Legs { legs, docks, stages }, bound_ns: least_ns, remarks: Vec::new() })
+}
+
+fn legs(legs: Vec<Leg>) -> StepMotion {
+    StepMotion::Legs { legs, docks: Vec::new(), stages: Vec::<Stage>::new() }
+}
+
+/// How long a leg takes: its control cycle, then its strokes.
+pub fn leg_ns(order: &MicrorobotsOrder, leg: Leg) -> u64 {
+    let cycle_ns = order.states[leg.state].levels_v.len() as u64 * order.facts.dwell_ns;
+    cycle_ns.saturating_add(leg.strokes.saturating_mul(order.facts.period_ns))
+}
+
+/// What the steps of a job take together.
+#[derive(Default)]
+struct Tally {
+    time_ns: u64,
+    bound_ns: u64,
+    switches: u64,
+    strokes: u64,
+    remarks: Vec<Remark>,
+}
+
+impl Tally {
+    fn add(&mut self, order: &MicrorobotsOrder, done: &Done) {
+        self.bound_ns = self.bound_ns.saturating_add(done.bound_ns);
+        self.remarks.extend(done.remarks.iter().cloned());
+        match &done.motion {
+            StepMotion::Wait(duration_ns) => self.time_ns = self.time_ns.saturating_add(*duration_ns),
+            StepMotion::Legs { legs, .. } => {
+                self.switches += legs.len() as u64;
+                for leg in legs {
+                    self.time_ns = self.time_ns.saturating_add(leg_ns(order, *leg));
+                    self.strokes = self.strokes.saturating_add(leg.strokes);
+                }
+            }
+        }
+    }
+
+    fn plan(self, motion: Motion) -> Plan {
+        let seconds = |ns: u64| ns as f64 / 1e9;
+        let outcomes =
+            [("time", seconds(self.time_ns)), ("switches", self.switches as f64), ("strokes", self.strokes as f64)];
+        Plan {
+            planner: "one_way_dubins",
+            objective: "time",
+            unit: "s",
+            cost: seconds(self.time_ns),
+            bound: seconds(self.bound_ns),
+            proof: if self.bound_ns >= self.time_ns { Optimality::Proven } else { Optimality::Open },
+            bounds: BTreeMap::new(),
+            outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).into_iter().collect(),
+            remarks: self.remarks,
+            motion: AnyMotion::Microrobots(motion),
+        }
+    }
 }

@@ -1,19 +1,25 @@
 //! The planner of STRING microrobots: one voltage drives all robots, so that a plan is one sequence of control states, each
 //! with a train of strokes, and every robot moves with every stroke.
 
+pub mod assembly;
+pub mod drive;
+pub mod fine;
+pub mod free;
 mod job;
+pub mod strokes;
+pub mod ways;
+mod why;
+pub mod world;
 
-pub use job::{Standing, plan};
+pub use job::{Crew, Standing, leg_ns, plan};
 
 use crate::geometry::Pose;
 
 /// What the bed does.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
-    /// Where each robot of the order stands at first.
-    pub start: Vec<Pose>,
-    /// Whether it sticks in a structure at first.
-    pub docked: Vec<bool>,
+    /// Where the robots are at first.
+    pub start: Crew,
     /// One for each step of the order.
     pub steps: Vec<StepMotion>,
 }
@@ -54,6 +60,16 @@ pub struct Docking {
 /// A stage of an assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Stage {
+    /// Before a [`Stage::Pair`], of its second robot: it is driven to where it orbits while the first one is driven, and `beside`,
+    /// the first one, runs straight meanwhile (it may turn while `robot` does).
+    Escort {
+        robot: usize,
+        beside: usize,
+        /// As those of the pair: both turn, only `robot` turns, none of the two turns.
+        states: [usize; 3],
+        /// Where `robot` begins to orbit.
+        to: Pose,
+    },
     /// The first two robots, of the paper's two stages: `first` is driven while `second` orbits; then `second` is driven while
     /// `first` runs straight; then both come to their goals in a fine motion of three primitives.
     Pair {

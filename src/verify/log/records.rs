@@ -231,7 +231,7 @@ fn topic(record: &Record, contents: &mut Contents, state: &mut State) -> Result<
         let schema =
             state.schemas.get(&schema).filter(|schema| schema.encoding == "protobuf" && encoding == "protobuf");
         let schema = schema.ok_or_else(|| LogError::content(format!("topic `{name}`"), "has no protobuf messages"))?;
-        let (decoder, channels) = series::decoder(&schema.name, &schema.descriptor, &metadata)
+        let (decoder, columns) = series::decoder(&schema.name, &schema.descriptor, &metadata)
             .map_err(|what| LogError::content(format!("topic `{name}`"), what))?;
         if contents.voltages.iter().any(|series| series.device == device) {
             return Err(LogError::damaged(record.offset(), format!("a second topic `{name}`")));
@@ -242,7 +242,7 @@ fn topic(record: &Record, contents: &mut Contents, state: &mut State) -> Result<
             return Err(LogError::TooLarge { offset: record.offset(), what, bytes: devices, limit });
         }
         series = Some((contents.voltages.len(), decoder));
-        contents.voltages.push(Series { device: device.to_owned(), channels, samples: Vec::new() });
+        contents.voltages.push(Series { device: device.to_owned(), columns, samples: Vec::new() });
     }
     state.topics.insert(id, Topic { name, definition: record.body.to_vec(), series });
     Ok(())

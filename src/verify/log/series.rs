@@ -1,11 +1,11 @@
 //! Recorded voltages: how their messages are read, and whether they are those of the schedule.
 
-use super::VOLTAGES_SUFFIX;
-use crate::schedule::{Actuation, Schedule};
+use super::{BOUND_SUFFIX, PERIOD_SUFFIX, VOLTAGES_SUFFIX};
+use crate::schedule::{Actuation, Schedule, Swing};
 use prost::Message;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorSet};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The largest message type that is read, in bytes; decoding one takes some hundred times as much memory.
 pub const MAX_DESCRIPTOR_BYTES: usize = 64 * 1024;
@@ -17,10 +17,45 @@ const SLOPE_ROUNDING: f64 = 1e-12;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     pub device: String,
-    /// Full names of the channels: `bot.bl4.set`.
-    pub channels: Vec<String>,
-    /// Instants in rising order, with a value for each channel.
+    pub columns: Vec<Column>,
+    /// Instants in rising order, with a value for each column.
     pub samples: Vec<(u64, Vec<f64>)>,
+}
+
+/// What a number of each message is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Column {
+    /// Full name of the channel: `bot.bl4.set`.
+    pub channel: String,
+    pub bound: Bound,
+    /// The periods of the channel's drive trains, as the log says them; empty for an exact value.
+    pub periods_ns: String,
+}
+
+/// How a recorded number stands to the value of its channel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bound {
+    /// It is the value.
+    Exact,
+    /// It is the lower level of a drive train while one goes on, else the value.
+    Low,
+    /// It is the higher level.
+    High,
+}
+
+impl Bound {
+    /// As the metadata of a topic and the names of its fields say it.
+    pub fn name(self) -> Option<&'static str> {
+        match self {
+            Bound::Exact => None,
+            Bound::Low => Some("low"),
+            Bound::High => Some("high"),
+        }
+    }
+
+    fn read(word: Option<&String>) -> Option<Bound> {
+        [Bound::Exact, Bound::Low, Bound::High].into_iter().find(|bound| bound.name() == word.map(String::as_str))
+    }
 }
 
 impl Series {
@@ -44,12 +79,12 @@ pub enum Decoder {
     List { number: u64, count: usize },
 }
 
-/// The decoder of a message type, and the names of the channels, which the topic's metadata give for each field.
+/// The decoder of a message type, and what its numbers are, which the topic's metadata say for each field.
 pub fn decoder(
     name: &str,
     descriptor: &[u8],
     metadata: &BTreeMap<String, String>,
-) -> Result<(Decoder, Vec<String>), String> {
+) -> Result<(Decoder, Vec<Column>), String> {
     if descriptor.len() > MAX_DESCRIPTOR_BYTES {
         return Err(format!(
             "has a message type of {} bytes, at most {MAX_DESCRIPTOR_BYTES} are read",
@@ -62,20 +97,28 @@ pub fn decoder(
         && field.label() == Label::Repeated
     {
         let number = number(field)?;
-        let channels: Vec<String> =
-            (0..).map_while(|index| metadata.get(&format!("{}[{index}]", field.name())).cloned()).collect();
-        return Ok((Decoder::List { number, count: channels.len() }, channels));
+        let path = |index: usize| format!("{}[{index}]", field.name());
+        let paths = (0..).map(path).take_while(|path| metadata.contains_key(path));
+        let columns = paths.map(|path| column(&path, metadata)).collect::<Result<Vec<_>, _>>()?;
+        return Ok((Decoder::List { number, count: columns.len() }, columns));
     }
     let mut fields = BTreeMap::new();
-    let mut channels = Vec::new();
+    let mut columns = Vec::new();
     for field in &message.field {
-        let channel = metadata.get(field.name());
-        channels.push(channel.ok_or_else(|| format!("does not say which channel `{}` is", field.name()))?.clone());
-        if field.label() != Label::Optional || fields.insert(number(field)?, channels.len() - 1).is_some() {
+        columns.push(column(field.name(), metadata)?);
+        if field.label() != Label::Optional || fields.insert(number(field)?, columns.len() - 1).is_some() {
             return Err(format!("has a field `{}` that holds no single value", field.name()));
         }
     }
-    Ok((Decoder::Fields(fields), channels))
+    Ok((Decoder::Fields(fields), columns))
+}
+
+fn column(path: &str, metadata: &BTreeMap<String, String>) -> Result<Column, String> {
+    let channel = metadata.get(path).ok_or_else(|| format!("does not say which channel `{path}` is"))?.clone();
+    let bound = Bound::read(metadata.get(&format!("{path}{BOUND_SUFFIX}")));
+    let bound = bound.ok_or_else(|| format!("does not say which level of its drive trains `{path}` is"))?;
+    let periods_ns = metadata.get(&format!("{path}{PERIOD_SUFFIX}")).cloned().unwrap_or_default();
+    Ok(Column { channel, bound, periods_ns })
 }
 
 fn find<'a>(set: &'a FileDescriptorSet, name: &str) -> Option<&'a DescriptorProto> {
@@ -166,8 +209,9 @@ impl std::fmt::Display for VoltageFault {
 
 /// The first departure of recorded voltages from a schedule.
 ///
-/// If there is none, the straight lines between the messages of a topic are the channels of its device at every nanosecond:
-/// every instant at which something jumps or bends is there, and the one before it, and 0, and the end.
+/// If there is none, the straight lines between the messages of a topic are the channels of its device at every nanosecond, or
+/// the two levels between which they swing: every instant at which something jumps or bends is there, and the one before it,
+/// and 0, and the end.
 pub fn fault(schedule: &Schedule, voltages: &[Series]) -> Option<VoltageFault> {
     let mut devices: Vec<&str> = schedule.channels.iter().map(|channel| channel.device.as_str()).collect();
     devices.sort_unstable();
@@ -192,38 +236,62 @@ pub fn fault(schedule: &Schedule, voltages: &[Series]) -> Option<VoltageFault> {
 }
 
 fn device_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Series) -> Option<VoltageFault> {
-    let channels = schedule.channels.iter().enumerate().filter(|(_, channel)| channel.device == series.device);
-    let channels: Vec<(usize, &str)> = channels.map(|(index, channel)| (index, channel.name.as_str())).collect();
-    if !channels.iter().map(|(_, name)| *name).eq(series.channels.iter().map(String::as_str)) {
+    let channels = schedule.channels.iter().zip(by_channel).filter(|(channel, _)| channel.device == series.device);
+    let columns: Vec<(Column, &[&Actuation])> = channels
+        .flat_map(|(channel, actuations)| columns(&channel.name, actuations).map(|column| (column, &actuations[..])))
+        .collect();
+    if !columns.iter().map(|(column, _)| column).eq(&series.columns) {
         return Some(VoltageFault::Channels { topic: series.topic() });
     }
-    for (column, (index, name)) in channels.iter().enumerate() {
-        let actuations = &by_channel[*index];
-        if let Some(fault) = gap(schedule.duration_ns, series, actuations) {
-            return Some(fault);
+    let faults = columns.iter().enumerate();
+    faults.map(|(index, column)| column_fault(schedule, series, index, column)).find_map(|fault| fault)
+}
+
+/// What has to be recorded of a channel.
+fn columns(channel: &str, actuations: &[&Actuation]) -> impl Iterator<Item = Column> {
+    let swings = actuations.iter().filter_map(|actuation| actuation.swing);
+    let periods: BTreeSet<u64> = swings.map(|swing| swing.period_ns).collect();
+    let periods_ns = periods.iter().map(u64::to_string).collect::<Vec<_>>().join(" ");
+    let bounds: &[Bound] = if periods.is_empty() { &[Bound::Exact] } else { &[Bound::Low, Bound::High] };
+    let column = |bound: &Bound| Column { channel: channel.to_owned(), bound: *bound, periods_ns: periods_ns.clone() };
+    bounds.iter().map(column).collect::<Vec<_>>().into_iter()
+}
+
+fn column_fault(
+    schedule: &Schedule,
+    series: &Series,
+    index: usize,
+    (column, actuations): &(Column, &[&Actuation]),
+) -> Option<VoltageFault> {
+    if let Some(fault) = gap(schedule.duration_ns, series, actuations) {
+        return Some(fault);
+    }
+    let mut next = 0;
+    for (t_ns, values) in &series.samples {
+        while actuations.get(next).is_some_and(|actuation| actuation.end_ns() <= *t_ns) {
+            next += 1;
         }
-        let mut next = 0;
-        for (t_ns, values) in &series.samples {
-            while actuations.get(next).is_some_and(|actuation| actuation.end_ns() <= *t_ns) {
-                next += 1;
-            }
-            let scheduled = actuations.get(next).map_or((0.0, 0.0), |actuation| voltage(actuation, *t_ns));
-            let recorded = values[column];
-            let agrees = (recorded - scheduled.0).abs() <= scheduled.1;
-            if !agrees {
-                let (channel, t_ns, scheduled) = ((*name).to_owned(), *t_ns, scheduled.0);
-                return Some(VoltageFault::Value { channel, t_ns, recorded, scheduled });
-            }
+        let scheduled = actuations.get(next).map_or((0.0, 0.0), |actuation| voltage(actuation, column.bound, *t_ns));
+        let recorded = values[index];
+        let agrees = (recorded - scheduled.0).abs() <= scheduled.1;
+        if !agrees {
+            let (channel, t_ns, scheduled) = (column.channel.clone(), *t_ns, scheduled.0);
+            return Some(VoltageFault::Value { channel, t_ns, recorded, scheduled });
         }
     }
     None
 }
 
 /// The voltage that an actuation, the first that has not ended, asks for at an instant, and how exact it has to be.
-fn voltage(actuation: &Actuation, t_ns: u64) -> (f64, f64) {
-    let Actuation { start_ns, duration_ns, from, to, .. } = *actuation;
+fn voltage(actuation: &Actuation, bound: Bound, t_ns: u64) -> (f64, f64) {
+    let Actuation { start_ns, duration_ns, from, to, swing, .. } = *actuation;
     if t_ns < start_ns {
         return (0.0, 0.0);
+    }
+    match (swing, bound) {
+        (Some(Swing { levels: [a, b], .. }), Bound::Low) => return (a.min(b), 0.0),
+        (Some(Swing { levels: [a, b], .. }), Bound::High) => return (a.max(b), 0.0),
+        (Some(_), Bound::Exact) | (None, _) => {}
     }
     if from == to {
         return (from, 0.0);

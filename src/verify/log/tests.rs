@@ -16,7 +16,9 @@ fn code(bytes: &[u8]) -> Code {
 
 #[test]
 fn a_log_comes_back_as_it_was() {
-    for make in [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::crowd] {
+    for make in
+        [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::crowd, fixture::bed, fixture::paces]
+    {
         let (verified, provenance) = make();
         let log = read(&written(&(verified.clone(), provenance.clone()))).unwrap();
         assert_eq!(&log.schedule, verified.schedule());
@@ -228,7 +230,7 @@ fn every_jump_is_recorded() {
 fn every_device_and_channel_is_recorded() {
     assert!(matches!(fault(|log| drop(log.voltages.pop())), Some(VoltageFault::Topic { .. })));
     assert!(matches!(fault(|log| log.voltages[0].device.push('x')), Some(VoltageFault::Topic { .. })));
-    assert!(matches!(fault(|log| log.voltages[0].channels.swap(0, 1)), Some(VoltageFault::Channels { .. })));
+    assert!(matches!(fault(|log| log.voltages[0].columns.swap(0, 1)), Some(VoltageFault::Channels { .. })));
     let twice = fault(|log| log.voltages.push(Series { device: "ghost".into(), ..log.voltages[0].clone() }));
     assert_eq!(twice, Some(VoltageFault::Topic { topic: "/ghost/voltages".into() }));
 }
@@ -244,6 +246,37 @@ fn a_slope_may_be_rounded_but_not_bent() {
     };
     assert_eq!(bent(1e-13), None);
     assert!(matches!(bent(1e-10), Some(VoltageFault::Value { t_ns: 99, .. })));
+}
+
+#[test]
+fn trains_are_recorded_by_both_of_their_levels() {
+    let log = read(&written(&fixture::bed())).unwrap();
+    let [low, high] = &log.voltages[0].columns[..] else { panic!("two columns") };
+    assert_eq!((low.bound, high.bound), (Bound::Low, Bound::High));
+    assert_eq!((low.channel.as_str(), high.periods_ns.as_str()), ("m.bed", "50000"));
+    let within = log.voltages[0].samples.iter().find(|(t_ns, _)| *t_ns == 2_000_000).unwrap();
+    assert_eq!(within.1, [115.0, 130.0]);
+    assert!(log.voltages[0].samples.len() < 60, "only breaks are recorded");
+    let fault = |change: fn(&mut Log)| {
+        let mut log = log.clone();
+        change(&mut log);
+        log.voltage_fault()
+    };
+    let at = |log: &mut Log| log.voltages[0].samples.iter().position(|(t_ns, _)| *t_ns == 2_000_000).unwrap();
+    let value = fault(|log| log.voltages[0].samples.iter_mut().for_each(|sample| sample.1[0] = sample.1[1]));
+    assert!(matches!(value, Some(VoltageFault::Value { t_ns: 2_000_000, recorded: 130.0, scheduled: 115.0, .. })));
+    let mut gap = log.clone();
+    let index = at(&mut gap);
+    gap.voltages[0].samples.remove(index);
+    assert!(matches!(gap.voltage_fault(), Some(VoltageFault::Gap { t_ns: 2_000_000, .. })));
+    for change in [
+        (|log| log.voltages[0].columns.swap(0, 1)) as fn(&mut Log),
+        |log| log.voltages[0].columns[0].bound = Bound::Exact,
+        |log| log.voltages[0].columns[1].periods_ns = "40000".into(),
+        |log| log.schedule.actuations.retain(|actuation| actuation.swing.is_none()),
+    ] {
+        assert!(matches!(fault(change), Some(VoltageFault::Channels { .. })));
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::device::Kind;
 use crate::device::dimibot::tests::femto_st;
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous};
 use crate::geometry::shape::{Pose, Shape};
-use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, State, TimedState, Unit};
+use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, State, TimedState, Unit};
 use crate::source::Span;
 use std::collections::BTreeMap;
 
@@ -87,15 +87,10 @@ pub type Pulses<'a> = &'a [&'a [&'a [&'a str]]];
 
 /// The tight schedule of these pulses, with true records.
 pub fn schedule(claims: &Claims, pulses: Pulses) -> Schedule {
-    let source = SourceRef { file: "day.twz".into(), sha256: "00".into() };
     let mut schedule = Schedule {
-        name: claims.name.clone(),
-        source,
-        duration_ns: 0,
         channels: channels(claims),
-        actuations: Vec::new(),
-        steps: Vec::new(),
         plans: claims.jobs.iter().map(empty_plan).collect(),
+        ..super::bare(claims)
     };
     schedule.duration_ns = lay(&claims.timeline, 0, claims, pulses, &mut schedule);
     schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
@@ -188,17 +183,7 @@ fn lay_run(index: usize, start_ns: u64, claims: &Claims, pulses: &[&[&str]], sch
         if let Action::Wait(duration_ns) = claimed.action {
             at_ns = step_ns + duration_ns;
         }
-        schedule.steps.push(crate::schedule::Step {
-            task: job.task.clone(),
-            plan: index as u32,
-            text: "step".into(),
-            file: "day.twz".into(),
-            line: 1,
-            column: 1,
-            start_ns: step_ns,
-            duration_ns: at_ns - step_ns,
-            span: Span::default(),
-        });
+        schedule.steps.push(super::step_of(job, index, [step_ns, at_ns]));
     }
     schedule.plans[index].start_ns = start_ns;
     schedule.plans[index].duration_ns = at_ns - start_ns;

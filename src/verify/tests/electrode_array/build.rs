@@ -6,8 +6,9 @@ use crate::check::claims::electrode_array::{
 use crate::check::claims::{Claims, Job, Order, Timeline};
 use crate::device::Kind;
 use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Layout, Separation};
-use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, State, TimedState, Unit};
+use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, State, TimedState, Unit};
 use crate::source::Span;
+use crate::verify::tests::{bare, step_of};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A beat.
@@ -146,16 +147,7 @@ struct Writer {
 
 /// The schedule of these words, with true records.
 pub fn schedule(claims: &Claims, words: Words) -> Schedule {
-    let schedule = Schedule {
-        name: claims.name.clone(),
-        source: SourceRef { file: "day.twz".into(), sha256: "00".into() },
-        duration_ns: 0,
-        channels: Vec::new(),
-        actuations: Vec::new(),
-        steps: Vec::new(),
-        plans: Vec::new(),
-    };
-    let mut writer = Writer { schedule, at_ns: 0, cells: Vec::new(), channels: BTreeMap::new() };
+    let mut writer = Writer { schedule: bare(claims), at_ns: 0, cells: Vec::new(), channels: BTreeMap::new() };
     for (index, job) in claims.jobs.iter().enumerate() {
         let Order::ElectrodeArray(order) = &job.order else { panic!("an order of a board") };
         if index == 0 {
@@ -190,17 +182,7 @@ impl Writer {
             steps += beats;
             costs += words.iter().map(|word| word.trim_end_matches('.').len()).sum::<usize>();
             moves += words.iter().map(|word| word.replace('.', "").len()).sum::<usize>();
-            self.schedule.steps.push(crate::schedule::Step {
-                task: job.task.clone(),
-                plan: index as u32,
-                text: "step".into(),
-                file: "day.twz".into(),
-                line: 1,
-                column: 1,
-                start_ns: step_ns,
-                duration_ns: self.at_ns - step_ns,
-                span: Span::default(),
-            });
+            self.schedule.steps.push(step_of(job, index, [step_ns, self.at_ns]));
         }
         let plan = self.plan(job, order, start_ns, states, [steps, costs, moves]);
         self.schedule.plans.push(plan);

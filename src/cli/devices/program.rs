@@ -1,0 +1,55 @@
+//! The devices of a program, with what follows from their figures.
+
+use super::beds;
+use crate::check::Options;
+use crate::check::devices::Facts;
+use crate::cli::arguments::DevicesArguments;
+use crate::cli::disk::{self, Disk};
+use crate::cli::{Exit, terminal};
+use crate::compile::{self, Program};
+use crate::device::dimibot::Side;
+use crate::diagnostic::Sink;
+use crate::quantity::{Dimension, Quantity};
+use crate::source::Sources;
+use std::path::Path;
+
+/// Checks a program and tells of each of its devices.
+pub fn run(file: &Path, arguments: &DevicesArguments) -> Exit {
+    let format = arguments.report.format;
+    let text = match disk::read_program(file) {
+        Ok(text) => text,
+        Err(diagnostic) => {
+            terminal::report_one(*diagnostic, format);
+            return Exit::Files;
+        }
+    };
+    let options = Options { settings: arguments.settings.set.clone(), only: None };
+    let name = file.to_string_lossy();
+    let program = Program { name: &name, text: &text, library: &Disk, options: &options };
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let checked = compile::check(&program, &mut sources, &mut sink);
+    terminal::report(&sink, &sources, format);
+    let Some(checked) = checked else { return Exit::Errors };
+    let devices: Vec<String> = checked.devices.iter().map(|(name, facts)| told(name, facts)).collect();
+    terminal::answer(&if devices.is_empty() { format!("{name} declares no device\n") } else { devices.join("\n") })
+}
+
+fn told(name: &str, facts: &Facts) -> String {
+    match facts {
+        Facts::Dimibot(facts) => {
+            let [left, right] = Side::BOTH.map(|side| facts.modules(side));
+            let [left_um, right_um] = Side::BOTH.map(|side| length(facts.pitch_um(side)));
+            format!("{name}: dimibot, {left} modules of {left_um} left, {right} of {right_um} right\n")
+        }
+        Facts::ElectrodeArray(facts) => {
+            let (columns, rows, pitch) = (facts.columns, facts.rows, length(facts.pitch_um()));
+            format!("{name}: electrode_array, {columns} x {rows} electrodes {pitch} apart\n")
+        }
+        Facts::Microrobots(bed) => beds::told(name, bed),
+    }
+}
+
+/// A length for people.
+pub fn length(um: f64) -> String {
+    Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
+}

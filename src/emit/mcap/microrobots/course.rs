@@ -1,0 +1,209 @@
+//! Where the robots of a bed are, over time: the legs of all plans, and poses along them.
+//!
+//! The recorded states are the poses at the start of each leg; between them the robots follow their circles and lines while the
+//! drive train lasts, and stand still else. How many poses are told is bounded, whatever the plan.
+
+use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::Arm;
+use crate::emit::mcap::bench;
+use crate::geometry::Pose;
+use crate::schedule::{Actuation, PlanRecord, Schedule, State};
+use crate::verify::Verified;
+use std::f64::consts::TAU;
+
+/// The farthest that a robot runs between two poses that are told, unless there would be too many.
+const STEP_UM: f64 = 20.0;
+
+/// The farthest that a robot turns between two poses that are told, unless there would be too many.
+const TURN_RAD: f64 = TAU / 72.0;
+
+/// About the most poses that are told of all robots, besides those at the ends of legs.
+pub const MAX_POSES: usize = 100_000;
+
+/// Rounding of the sum of ways, as a share of a turn.
+const TURN_ROUNDING: f64 = 1e-9;
+
+/// All that a bed does.
+pub struct Course<'a> {
+    /// The names of the robots on the bed, in the order of the table.
+    pub robots: Vec<String>,
+    /// In order of time.
+    pub plans: Vec<PlanCourse<'a>>,
+}
+
+/// What a bed does in one plan.
+pub struct PlanCourse<'a> {
+    pub order: &'a MicrorobotsOrder,
+    pub start_ns: u64,
+    pub legs: Vec<Leg<'a>>,
+    /// In order of time; the first one is that of the first state.
+    pub moments: Vec<Moment>,
+}
+
+/// The poses of all robots at an instant.
+pub struct Moment {
+    pub t_ns: u64,
+    pub poses: Vec<Pose>,
+}
+
+/// A stretch in one control state; also a wait, and the end of a run.
+pub struct Leg<'a> {
+    pub start_ns: u64,
+    pub end_ns: u64,
+    pub control: usize,
+    /// By row of the table.
+    pub arms: &'a [u8],
+    /// Start and end of its drive train, if it has one.
+    pub train_ns: Option<[u64; 2]>,
+    pub movers: Vec<Body>,
+}
+
+/// A robot in a leg.
+pub struct Body {
+    pub pose: Pose,
+    pub arm: Arm,
+    /// How far the leg's train carries it.
+    pub way_um: f64,
+    pub is_docked: bool,
+}
+
+/// A disc that a robot sweeps while its arm stays down for a whole turn or more.
+pub struct Orbit {
+    pub robot: usize,
+    pub start_ns: u64,
+    pub end_ns: u64,
+    pub centre_um: [f64; 2],
+    pub reach_um: f64,
+}
+
+impl<'a> Course<'a> {
+    /// What a device does; nothing where it is of another kind.
+    pub fn new(verified: &'a Verified, device: &str) -> Self {
+        let trains = trains(verified.schedule(), device);
+        let jobs = bench::jobs(verified, device).into_iter();
+        let plans = jobs.filter_map(|(job, plan)| PlanCourse::new(job.order.microrobots()?, plan, &trains));
+        let mut plans: Vec<PlanCourse> = plans.collect();
+        let robots = plans.first().map_or_else(Vec::new, |plan| names(plan.order));
+        let wanted: usize = plans.iter().flat_map(|plan| &plan.legs).map(|leg| leg.wanted(plans[0].order)).sum();
+        let most = MAX_POSES / robots.len().max(1);
+        for plan in &mut plans {
+            plan.moments = moments(plan, most.min(wanted) as f64 / wanted.max(1) as f64);
+        }
+        Course { robots, plans }
+    }
+}
+
+fn names(order: &MicrorobotsOrder) -> Vec<String> {
+    (0..order.robots.len()).map(|robot| order.robot(robot).name.clone()).collect()
+}
+
+/// The drive trains of a device, in order of time.
+fn trains<'a>(schedule: &'a Schedule, device: &str) -> Vec<&'a Actuation> {
+    let of_device = |actuation: &&Actuation| {
+        let channel = schedule.channels.get(actuation.channel as usize);
+        channel.is_some_and(|channel| channel.device == device) && actuation.swing.is_some()
+    };
+    schedule.actuations.iter().filter(of_device).collect()
+}
+
+impl<'a> PlanCourse<'a> {
+    fn new(order: &'a MicrorobotsOrder, plan: &'a PlanRecord, trains: &[&Actuation]) -> Option<Self> {
+        let mut legs = Vec::with_capacity(plan.states.len());
+        for (index, timed) in plan.states.iter().enumerate() {
+            let State::Microrobots { control, arms, docked, poses } = &timed.state else { return None };
+            let end_ns = plan.states.get(index + 1).map_or(plan.start_ns + plan.duration_ns, |next| next.t_ns);
+            let first = trains.partition_point(|train| train.start_ns < timed.t_ns);
+            let train = trains.get(first).filter(|train| train.start_ns < end_ns);
+            let strokes = train.and_then(|train| Some(train.duration_ns / train.swing?.period_ns.max(1))).unwrap_or(0);
+            let body = |robot: usize| {
+                let facts = order.robot(robot);
+                let &[x_um, y_um, heading_rad] = poses.get(&facts.name)?;
+                let is_docked = docked.contains(&facts.name);
+                let is_down = arms.get(order.robots[robot].row) == Some(&Arm::Down.digit());
+                Some(Body {
+                    pose: Pose { x_um, y_um, heading_rad },
+                    arm: if is_down { Arm::Down } else { Arm::Up },
+                    way_um: if is_docked { 0.0 } else { facts.step_um * strokes as f64 },
+                    is_docked,
+                })
+            };
+            let movers = (0..order.robots.len()).map(body).collect::<Option<Vec<Body>>>()?;
+            let train_ns = train.map(|train| [train.start_ns, train.end_ns()]);
+            legs.push(Leg { start_ns: timed.t_ns, end_ns, control: *control, arms, train_ns, movers });
+        }
+        Some(PlanCourse { order, start_ns: plan.start_ns, legs, moments: Vec::new() })
+    }
+
+    /// The orbits of all robots: an arm that is down in one leg and in the next stays down between them.
+    pub fn orbits(&self) -> Vec<Orbit> {
+        let mut orbits = Vec::new();
+        for robot in 0..self.order.robots.len() {
+            let orbits_at = |leg: &&Leg| leg.movers[robot].arm == Arm::Down && !leg.movers[robot].is_docked;
+            let mut rest = &self.legs[..];
+            while let Some(first) = rest.iter().position(|leg| orbits_at(&leg)) {
+                let length = rest[first..].iter().take_while(orbits_at).count();
+                orbits.extend(self.orbit(robot, &rest[first..first + length]));
+                rest = &rest[first + length..];
+            }
+        }
+        orbits
+    }
+
+    fn orbit(&self, robot: usize, legs: &[Leg]) -> Option<Orbit> {
+        let facts = self.order.robot(robot);
+        let (first, last) = (legs.first()?, legs.last()?);
+        let way_um: f64 = legs.iter().map(|leg| leg.movers[robot].way_um).sum();
+        let turns = way_um / (TAU * facts.turning_radius_um);
+        (turns >= 1.0 - TURN_ROUNDING).then(|| Orbit {
+            robot,
+            start_ns: first.start_ns,
+            end_ns: last.end_ns,
+            centre_um: facts.orbit_centre_um(first.movers[robot].pose),
+            reach_um: facts.orbit_reach_um(),
+        })
+    }
+}
+
+impl Leg<'_> {
+    /// Into how many parts its train should be divided.
+    fn wanted(&self, order: &MicrorobotsOrder) -> usize {
+        let parts = self.movers.iter().enumerate().map(|(robot, body)| match body.arm {
+            Arm::Up => body.way_um / STEP_UM,
+            Arm::Down => body.way_um / order.robot(robot).turning_radius_um / TURN_RAD,
+        });
+        // As many as there are strokes of a picometre at the most: the cast saturates.
+        parts.fold(0.0, f64::max).ceil() as usize
+    }
+
+    /// All robots where a share of the train is over.
+    fn poses(&self, order: &MicrorobotsOrder, share: f64) -> Vec<Pose> {
+        let place = |(robot, body): (usize, &Body)| match body.way_um {
+            0.0 => body.pose,
+            way_um => order.robot(robot).moved(body.pose, body.arm, way_um * share),
+        };
+        self.movers.iter().enumerate().map(place).collect()
+    }
+}
+
+/// The poses of a plan, a share of those that are wanted: at its start, at the start of each train, and along it to its end.
+fn moments(plan: &PlanCourse, share: f64) -> Vec<Moment> {
+    let mut moments: Vec<Moment> = Vec::new();
+    let mut tell = |t_ns: u64, poses: Vec<Pose>| {
+        if moments.last().is_none_or(|last| last.t_ns < t_ns) {
+            moments.push(Moment { t_ns, poses });
+        }
+    };
+    if let Some(first) = plan.legs.first() {
+        tell(first.start_ns, first.poses(plan.order, 0.0));
+    }
+    for leg in &plan.legs {
+        let (Some([start_ns, end_ns]), wanted @ 1..) = (leg.train_ns, leg.wanted(plan.order)) else { continue };
+        let parts = ((wanted as f64 * share) as u64).clamp(1, end_ns - start_ns);
+        tell(start_ns, leg.poses(plan.order, 0.0));
+        for part in 1..=parts {
+            let passed_ns = u128::from(end_ns - start_ns) * u128::from(part) / u128::from(parts);
+            tell(start_ns + passed_ns as u64, leg.poses(plan.order, part as f64 / parts as f64));
+        }
+    }
+    moments
+}

@@ -1,0 +1,264 @@
+//! The bed in three dimensions: obstacles and robots; their ways and goals; arms, orbits and docked robots.
+//!
+//! Three topics, since a viewer that jumps in time reads the last message of each only: what stands there (`scene`), what is
+//! planned (`plan`), and what holds from leg to leg (`state`). The first two come once more as points.
+
+use super::course::{Course, Leg, Orbit, PlanCourse};
+use super::{frame, stand};
+use crate::check::claims::microrobots::{Action, MicrorobotsOrder, Stop};
+use crate::device::microrobots::{Arm, Robot};
+use crate::emit::mcap::Topic;
+use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, outlines, spaced_cloud};
+use crate::emit::mcap::drawing::{self, Slab, color};
+use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
+use crate::geometry::{Pose, Shape};
+use nalgebra::Point2;
+use std::collections::BTreeSet;
+
+/// Heights of what is drawn, as parts of a robot's width.
+const BODY_PART: f64 = 0.3;
+const MARK_PART: f64 = 0.1;
+
+/// Heights above the bed, in micrometres.
+const OBSTACLE_HEIGHT_UM: f64 = 30.0;
+const ORBIT_HEIGHT_UM: f64 = 1.0;
+const PLAN_HEIGHT_UM: f64 = 2.0;
+const LABEL_HEIGHT_UM: f64 = 40.0;
+
+/// Where the nose of a robot begins, from its middle, as a part of its length.
+const NOSE_PART: f64 = 0.2;
+
+/// The most marks of arms and docked robots over all legs; beyond it only orbits are shown.
+const MAX_MARKS: usize = 50_000;
+
+/// The most obstacles and goals that get a label each.
+const MAX_LABELS: usize = 200;
+
+/// Distance of neighbouring points of the clouds, in micrometres.
+const POINTS_UM: f64 = 2.0;
+
+/// The colours that robots take turns in (after Okabe and Ito, for the colour-blind).
+const ROBOTS: [Color; 6] = [
+    Color { r: 0.34, g: 0.71, b: 0.91, a: 1.0 },
+    Color { r: 0.9, g: 0.62, b: 0.0, a: 1.0 },
+    Color { r: 0.0, g: 0.62, b: 0.45, a: 1.0 },
+    Color { r: 0.8, g: 0.47, b: 0.65, a: 1.0 },
+    Color { r: 0.0, g: 0.45, b: 0.7, a: 1.0 },
+    Color { r: 0.94, g: 0.89, b: 0.26, a: 1.0 },
+];
+
+/// An arm that is down.
+const DOWN: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
+
+/// A robot that sticks in a structure.
+const DOCKED: Color = Color { r: 0.6, g: 0.6, b: 0.6, a: 1.0 };
+
+/// How much of what lies behind an orbit is seen.
+const ORBIT_ALPHA: f64 = 0.25;
+
+fn color_of(robot: usize) -> Color {
+    ROBOTS[robot % ROBOTS.len()]
+}
+
+/// The poses that a task asks for, with the robots that they are for.
+pub fn goals(order: &MicrorobotsOrder) -> impl Iterator<Item = (usize, &Stop)> {
+    order.steps.iter().flat_map(|step| match &step.action {
+        Action::Drive { robot, stops } => stops.iter().map(|stop| (*robot, stop)).collect::<Vec<_>>(),
+        Action::Assemble(docks) => docks.iter().map(|dock| (dock.robot, &dock.goal)).collect(),
+        Action::Apply { .. } | Action::Wait(_) => Vec::new(),
+    })
+}
+
+/// `/<device>/scene`, `/<device>/plan`, `/<device>/state` and the first two as points.
+pub fn topics(course: &Course, device: &str) -> Vec<Topic> {
+    let (mut scenes, mut scene_points) = (Vec::new(), Vec::new());
+    let mut shown: BTreeSet<String> = BTreeSet::new();
+    for (index, plan) in course.plans.iter().enumerate() {
+        // What stands there is said from the beginning on, and again when a job brings other obstacles.
+        let is_new = index == 0 || course.plans[index - 1].order.obstacles != plan.order.obstacles;
+        if is_new {
+            let t_ns = if index == 0 { 0 } else { plan.start_ns };
+            let entities = scenery(plan.order, device, t_ns);
+            let ids: BTreeSet<String> = entities.iter().map(|entity| entity.id.clone()).collect();
+            let deletions = shown.difference(&ids).map(|id| drawing::deletion(id, t_ns)).collect();
+            scenes.push((t_ns, foxglove::encode(&SceneUpdate { deletions, entities })));
+            scene_points
+                .push((t_ns, foxglove::encode(&spaced_cloud(&scene_strokes(plan.order), device, t_ns, POINTS_UM))));
+            shown = ids;
+        }
+    }
+    let plans = course.plans.iter().map(|plan| {
+        let entities = vec![trails(plan, device), goal_marks(plan, device)];
+        (plan.start_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities }))
+    });
+    let plan_points = course.plans.iter().map(|plan| {
+        (plan.start_ns, foxglove::encode(&spaced_cloud(&plan_strokes(plan), device, plan.start_ns, POINTS_UM)))
+    });
+    vec![
+        Topic::new::<SceneUpdate>(format!("/{device}/scene"), scenes),
+        Topic::new::<SceneUpdate>(format!("/{device}/plan"), plans.collect()),
+        state(course, device),
+        Topic::new::<PointCloud>(format!("/{device}/scene/points"), scene_points),
+        Topic::new::<PointCloud>(format!("/{device}/plan/points"), plan_points.collect()),
+    ]
+}
+
+fn scenery(order: &MicrorobotsOrder, device: &str, t_ns: u64) -> Vec<SceneEntity> {
+    let mut obstacles = drawing::entity(format!("{device}/obstacles"), device, t_ns);
+    let slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT_UM, color: color::OBSTACLE };
+    for (index, obstacle) in order.obstacles.iter().enumerate() {
+        // The checker refuses shapes that cannot be placed; one that slips through is only not drawn.
+        let Ok(body) = obstacle.shape.grown(&obstacle.pose, 0.0) else { continue };
+        drawing::body(&mut obstacles, &drawing::on_grid(body), slab);
+        if index < MAX_LABELS {
+            let place = drawing::snap(Point2::new(obstacle.pose.x_um, obstacle.pose.y_um));
+            let place = [place.x, place.y, LABEL_HEIGHT_UM];
+            drawing::text(&mut obstacles, place, obstacle.name.clone(), color::OBSTACLE);
+        }
+    }
+    let robots = (0..order.robots.len()).map(|robot| body(order.robot(robot), color_of(robot), device, t_ns));
+    std::iter::once(obstacles).chain(robots).collect()
+}
+
+/// A robot in its own frame: its body, and a nose that shows its heading.
+fn body(robot: &Robot, color: Color, device: &str, t_ns: u64) -> SceneEntity {
+    let mut entity = drawing::entity(format!("{device}/robot/{}", robot.name), &frame(device, &robot.name), t_ns);
+    let (length_um, width_um) = (robot.length_um, robot.width_um);
+    let slab = Slab { bottom_um: 0.0, height_um: BODY_PART * width_um, color };
+    drawing::cuboid(&mut entity, [-length_um / 2.0, -width_um / 2.0], [length_um / 2.0, width_um / 2.0], slab);
+    let nose = Slab { bottom_um: slab.height_um, height_um: MARK_PART * width_um, color: color::TIP };
+    drawing::prism(&mut entity, &nose_corners(robot), nose);
+    let above = [0.0, 0.0, LABEL_HEIGHT_UM.max(width_um)];
+    drawing::text(&mut entity, above, robot.name.clone(), color);
+    entity
+}
+
+fn nose_corners(robot: &Robot) -> [Point2<f64>; 3] {
+    let (back_um, half_um) = (NOSE_PART * robot.length_um, robot.width_um / 2.0);
+    [Point2::new(robot.length_um / 2.0, 0.0), Point2::new(back_um, half_um), Point2::new(back_um, -half_um)]
+}
+
+/// The way of each robot that moves.
+fn ways<'a>(plan: &'a PlanCourse) -> impl Iterator<Item = (usize, Vec<Point2<f64>>)> + 'a {
+    (0..plan.order.robots.len()).filter_map(|robot| {
+        let places = plan.moments.iter().map(|moment| moment.poses[robot]);
+        let mut places: Vec<Point2<f64>> =
+            places.map(|pose| drawing::snap(Point2::new(pose.x_um, pose.y_um))).collect();
+        places.dedup();
+        (places.len() > 1).then_some((robot, places))
+    })
+}
+
+fn trails(plan: &PlanCourse, device: &str) -> SceneEntity {
+    let mut entity = drawing::entity(format!("{device}/trails"), device, plan.start_ns);
+    for (robot, way) in ways(plan) {
+        let places = way.iter().map(|place| [place.x, place.y, PLAN_HEIGHT_UM]);
+        drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color_of(robot));
+    }
+    entity
+}
+
+/// The outline of a robot at a pose, and its nose.
+fn silhouette(robot: &Robot, pose: &Pose) -> Vec<Vec<Point2<f64>>> {
+    let shapes = [
+        Shape::Box { size_um: [robot.length_um, robot.width_um] },
+        Shape::Polygon { points_um: nose_corners(robot).map(Into::into).to_vec() },
+    ];
+    let bodies = shapes.iter().filter_map(|shape| shape.grown(pose, 0.0).ok());
+    bodies.flat_map(|body| outlines(&drawing::on_grid(body), CIRCLE_CORNERS)).collect()
+}
+
+fn goal_marks(plan: &PlanCourse, device: &str) -> SceneEntity {
+    let mut entity = drawing::entity(format!("{device}/goals"), device, plan.start_ns);
+    for (index, (robot, stop)) in goals(plan.order).enumerate() {
+        let facts = plan.order.robot(robot);
+        for line in silhouette(facts, &stop.pose) {
+            let places = line.iter().map(|place| [place.x, place.y, PLAN_HEIGHT_UM]);
+            drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color_of(robot));
+        }
+        if index < MAX_LABELS {
+            let [x, y, _] = stand(&stop.pose).place;
+            drawing::text(&mut entity, [x, y, PLAN_HEIGHT_UM], format!("goal of {}", facts.name), color_of(robot));
+        }
+    }
+    entity
+}
+
+/// `/<device>/state`: at each leg the arms that are down, the robots that are docked, and the orbits.
+fn state(course: &Course, device: &str) -> Topic {
+    let legs: usize = course.plans.iter().map(|plan| plan.legs.len()).sum();
+    let are_marked = legs * course.robots.len() <= MAX_MARKS;
+    let mut messages: Vec<(u64, Vec<u8>)> = Vec::new();
+    for plan in &course.plans {
+        let orbits = plan.orbits();
+        for leg in &plan.legs {
+            let t_ns = leg.start_ns;
+            let mut entities = vec![discs(plan.order, &orbits, device, t_ns)];
+            if are_marked {
+                entities.extend((0..leg.movers.len()).map(|robot| marks(plan.order, leg, robot, device)));
+            }
+            messages.push((t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities })));
+        }
+    }
+    Topic::new::<SceneUpdate>(format!("/{device}/state"), messages)
+}
+
+/// The orbits that go on at an instant.
+fn discs(order: &MicrorobotsOrder, orbits: &[Orbit], device: &str, t_ns: u64) -> SceneEntity {
+    let mut entity = drawing::entity(format!("{device}/orbits"), device, t_ns);
+    for orbit in orbits.iter().filter(|orbit| orbit.start_ns <= t_ns && t_ns < orbit.end_ns) {
+        let centre = drawing::snap(Point2::from(orbit.centre_um));
+        let color = Color { a: ORBIT_ALPHA, ..color_of(orbit.robot) };
+        let slab = Slab { bottom_um: 0.0, height_um: ORBIT_HEIGHT_UM, color };
+        drawing::disc(&mut entity, centre, drawing::snapped(orbit.reach_um), slab);
+        let text = format!("orbit of {}", order.robot(orbit.robot).name);
+        drawing::text(&mut entity, [centre.x, centre.y, ORBIT_HEIGHT_UM], text, color_of(orbit.robot));
+    }
+    entity
+}
+
+/// What a robot carries in a leg: its arm where that is down, and a frame where it is docked.
+fn marks(order: &MicrorobotsOrder, leg: &Leg, robot: usize, device: &str) -> SceneEntity {
+    let (facts, body) = (order.robot(robot), &leg.movers[robot]);
+    let mut entity =
+        drawing::entity(format!("{device}/marks/{}", facts.name), &frame(device, &facts.name), leg.start_ns);
+    let (half_length_um, half_width_um) = (facts.length_um / 2.0, facts.width_um / 2.0);
+    let top_um = (BODY_PART + MARK_PART) * facts.width_um;
+    match body.arm {
+        Arm::Up => {}
+        Arm::Down => {
+            // On the side to which the robot turns.
+            let side = facts.turning.sign();
+            let (near_um, far_um) = (side * half_width_um, side * 2.0 * half_width_um);
+            let slab = Slab { bottom_um: 0.0, height_um: BODY_PART * facts.width_um, color: DOWN };
+            let (low_um, high_um) = (near_um.min(far_um), near_um.max(far_um));
+            drawing::cuboid(&mut entity, [-half_length_um / 4.0, low_um], [half_length_um / 4.0, high_um], slab);
+        }
+    }
+    if body.is_docked {
+        let corners = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
+        let corners = corners.map(|[x, y]| [x * half_length_um, y * half_width_um, top_um]);
+        drawing::line(&mut entity, corners, line_primitive::Type::LineLoop, DOCKED);
+        drawing::text(&mut entity, [0.0, -half_width_um, top_um], "docked".to_owned(), DOCKED);
+    }
+    entity
+}
+
+fn scene_strokes(order: &MicrorobotsOrder) -> Vec<Stroke> {
+    let bodies = order.obstacles.iter().filter_map(|obstacle| obstacle.shape.grown(&obstacle.pose, 0.0).ok());
+    let lines = bodies.flat_map(|body| outlines(&drawing::on_grid(body), CIRCLE_CORNERS));
+    lines.map(|corners| Stroke { corners, color: color::OBSTACLE }).collect()
+}
+
+fn plan_strokes(plan: &PlanCourse) -> Vec<Stroke> {
+    let ways = ways(plan).map(|(robot, corners)| Stroke { corners, color: color_of(robot) });
+    let goals = goals(plan.order).flat_map(|(robot, stop)| {
+        let lines = silhouette(plan.order.robot(robot), &stop.pose).into_iter();
+        lines.map(move |corners| Stroke { corners, color: color_of(robot) })
+    });
+    let orbits = plan.orbits().into_iter().map(|orbit| Stroke {
+        corners: circle(Point2::from(orbit.centre_um), orbit.reach_um, CIRCLE_CORNERS),
+        color: Color { a: ORBIT_ALPHA, ..color_of(orbit.robot) },
+    });
+    ways.chain(goals).chain(orbits).collect()
+}

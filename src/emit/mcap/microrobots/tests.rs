@@ -1,0 +1,126 @@
+use super::course::MAX_POSES;
+use super::foxglove::{FrameTransforms, SceneUpdate};
+use super::*;
+use crate::emit::fixture;
+use crate::emit::mcap::{bench, frames};
+use crate::schedule::State;
+use prost::Message as _;
+
+fn topic<'a>(topics: &'a [Topic], name: &str) -> &'a Topic {
+    topics.iter().find(|topic| topic.name == name).unwrap_or_else(|| panic!("no topic {name}"))
+}
+
+fn scene(topic: &Topic, at: usize) -> SceneUpdate {
+    SceneUpdate::decode(topic.messages[at].1.as_slice()).unwrap()
+}
+
+#[test]
+fn poses_are_those_of_the_states_and_follow_circles_between_them() {
+    let (bed, _) = fixture::bed();
+    let (topics, _) = topics(&bed, "m");
+    let poses = topic(&topics, "/m/poses");
+    assert_eq!(poses.metadata["robots"], "D1 D2 D3");
+    let said: Vec<(u64, Vec<[f64; 2]>)> = poses
+        .messages
+        .iter()
+        .map(|(t_ns, data)| {
+            let message = PosesInFrame::decode(data.as_slice()).unwrap();
+            let place = |pose: &foxglove::Pose| pose.position.map(|place| [place.x, place.y]).unwrap();
+            (*t_ns, message.poses.iter().map(place).collect())
+        })
+        .collect();
+    for timed in &bed.schedule().plans[0].states {
+        let State::Microrobots { poses, .. } = &timed.state else { panic!("a state of microrobots") };
+        let (_, last) = said.iter().rfind(|(t_ns, _)| *t_ns <= timed.t_ns).unwrap();
+        for (place, [x_um, y_um, _]) in last.iter().zip(poses.values()) {
+            assert!((place[0] - x_um).abs() < 1e-6 && (place[1] - y_um).abs() < 1e-6, "{place:?} {x_um} {y_um}");
+        }
+    }
+    // D1 turns clockwise about (0, -150) in the first train, which lasts from 2 to 32 ms.
+    let first: Vec<_> = said.iter().filter(|(t_ns, _)| (2_000_000..=32_000_000).contains(t_ns)).collect();
+    assert!(first.len() > 90, "a pose each 5 degrees of 458");
+    assert!(first.iter().all(|(_, places)| (places[0][0].hypot(places[0][1] + 150.0) - 150.0).abs() < 1e-5));
+}
+
+#[test]
+fn arms_are_numbers_that_jump() {
+    let (bed, _) = fixture::bed();
+    let (topics, _) = topics(&bed, "m");
+    let arms = topic(&topics, "/m/arms");
+    let values = |data: &[u8]| data.chunks(9).map(|chunk| f64::from_le_bytes(chunk[1..].try_into().unwrap())).collect();
+    let said: Vec<(u64, Vec<f64>)> = arms.messages.iter().map(|(t_ns, data)| (*t_ns, values(data))).collect();
+    assert_eq!(said[0], (0, vec![2.0, 1.0, 1.0, 0.0]));
+    assert_eq!(said[1], (31_999_999, vec![2.0, 1.0, 1.0, 0.0]));
+    assert_eq!(said[2], (32_000_000, vec![0.0; 4]));
+    assert_eq!(arms.metadata["D3"], "steering arm of D3: 0 up, 1 down");
+    assert_eq!(said.last().unwrap(), &(bed.schedule().duration_ns, vec![0.0; 4]));
+}
+
+#[test]
+fn an_orbit_is_a_whole_turn_without_interruption() {
+    let (bed, _) = fixture::bed();
+    let course = Course::new(&bed, "m");
+    let orbits = course.plans[0].orbits();
+    // 600 strokes of 2 um on a circle of 942 um; the later turns of 300 um are none.
+    let found: Vec<_> = orbits.iter().map(|orbit| (orbit.robot, orbit.start_ns, orbit.end_ns)).collect();
+    assert_eq!(found, [(0, 0, 32_000_000), (1, 0, 32_000_000)]);
+    assert!((orbits[0].centre_um[1] + 150.0).abs() < 1e-9);
+    assert_eq!(orbits[0].reach_um, 180f64.hypot(60.0));
+}
+
+#[test]
+fn what_holds_in_a_leg_is_drawn_and_nothing_else() {
+    let (bed, _) = fixture::bed();
+    let (topics, _) = topics(&bed, "m");
+    let state = topic(&topics, "/m/state");
+    let drawn: Vec<(usize, usize, usize)> = (0..state.messages.len())
+        .map(|at| {
+            let update = scene(state, at);
+            let of = |count: fn(&foxglove::SceneEntity) -> usize| update.entities.iter().map(count).sum();
+            (of(|entity| entity.cylinders.len()), of(|entity| entity.cubes.len()), of(|entity| entity.lines.len()))
+        })
+        .collect();
+    // Orbits, arms that are down, docked robots: two legs, the wait, three legs, the end.
+    assert_eq!(drawn, [(2, 2, 0), (0, 0, 0), (0, 0, 0), (0, 1, 0), (0, 0, 0), (0, 3, 2), (0, 0, 2)]);
+    let plan = scene(topic(&topics, "/m/plan"), 0);
+    assert_eq!(plan.entities[0].lines.len(), 3, "a trail for each robot");
+    assert_eq!(plan.entities[1].texts.len(), 3, "one goal of a drive, two of an assembly");
+}
+
+#[test]
+fn robots_have_bodies_in_frames_that_turn() {
+    let (bed, _) = fixture::bed();
+    let (topics, movers) = topics(&bed, "m");
+    let standing = scene(topic(&topics, "/m/scene"), 0);
+    for name in ["D1", "D2", "D3"] {
+        let body = standing.entities.iter().find(|entity| entity.id == format!("m/robot/{name}")).unwrap();
+        assert_eq!(body.frame_id, format!("m/{name}"));
+        assert_eq!(body.cubes[0].size.map(|size| (size.x, size.y)), Some((120.0, 60.0)));
+        assert_eq!(body.triangles.len(), 1);
+    }
+    let tf = frames::topic(&bench::Bench::all(&bed), &movers);
+    let last = FrameTransforms::decode(tf.messages.last().unwrap().1.as_slice()).unwrap();
+    let state = bed.schedule().plans[0].states.last().unwrap();
+    let State::Microrobots { poses, .. } = &state.state else { panic!("a state of microrobots") };
+    for (name, [_, _, heading_rad]) in poses {
+        let frame = last.transforms.iter().find(|frame| frame.child_frame_id == format!("m/{name}")).unwrap();
+        let turn = frame.rotation.unwrap();
+        let found_rad = 2.0 * turn.z.atan2(turn.w);
+        assert!((found_rad - heading_rad).sin().abs() < 1e-8 && (found_rad - heading_rad).cos() > 0.0);
+    }
+    let bench = &bench::Bench::all(&bed)[0];
+    assert!(bench.offset > 400.0, "what lies left of the origin has its room");
+}
+
+#[test]
+fn an_hour_of_motion_is_a_bounded_number_of_poses() {
+    let hour = fixture::changed(&fixture::train(72_000_000), |schedule| {
+        let states = &mut schedule.plans[0].states;
+        states.truncate(2);
+        states[1].t_ns = schedule.duration_ns;
+        schedule.plans[0].duration_ns = schedule.duration_ns;
+    });
+    let course = Course::new(&hour, "m");
+    let told = course.plans[0].moments.len() * 3;
+    assert!(told <= MAX_POSES + 9 && told > MAX_POSES / 2, "{told} poses");
+}

@@ -1,0 +1,207 @@
+//! Waveforms as sequences: segments that are played one after the other, each so many times.
+//!
+//! Input: what an output plays, piece by piece. Output: a [`Sequence`] whose playback is that, sample by sample, between two
+//! stretches of 0 V: the instrument waits for the trigger in the first one and rests in the last one. Pieces with fewer samples
+//! than a segment may have are put together with their neighbours.
+
+use super::{Profile, Sampling};
+use crate::emit::Signals;
+use crate::emit::signal::half_ns;
+use std::collections::BTreeMap;
+
+/// What an instrument takes as a sequence.
+#[derive(Debug, Clone)]
+pub struct Sequencer {
+    /// Most steps of a sequence.
+    pub most_steps: usize,
+    /// Most times that one step repeats its segment.
+    pub most_repeats: u64,
+    /// Sent for each output. The command with `{block}` is sent for each segment, with the segment's name as `{segment}`; in the
+    /// others that is the name of the sequence. `{steps}` stands for the sequence, `{rate}` for samples in a second.
+    pub upload: &'static [&'static str],
+}
+
+/// How a step goes over to the next one; the words are those of the instruments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Control {
+    Once,
+    /// Holds its last sample until the trigger comes.
+    OnceWaitTrigger,
+    Repeat,
+    RepeatForever,
+}
+
+impl Control {
+    pub fn word(self) -> &'static str {
+        match self {
+            Control::Once => "once",
+            Control::OnceWaitTrigger => "onceWaitTrig",
+            Control::Repeat => "repeat",
+            Control::RepeatForever => "repeatInf",
+        }
+    }
+}
+
+/// One entry of a sequence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Step {
+    /// Index of the sequence's segments.
+    pub segment: usize,
+    pub repeats: u64,
+    pub control: Control,
+}
+
+/// What one output plays.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Sequence {
+    /// Each once.
+    pub segments: Vec<Vec<i16>>,
+    pub steps: Vec<Step>,
+}
+
+/// Some samples, so many times.
+struct Piece {
+    samples: Vec<i16>,
+    count: u64,
+}
+
+/// Pieces of at most so many samples are written out instead of repeated; four times as many where the steps do not suffice.
+const WRITTEN_OUT: u64 = 16;
+
+/// The sequence of a channel; `None` where memory or steps of the instrument do not suffice.
+pub fn sequence(
+    signals: &Signals,
+    channel: usize,
+    volts: f64,
+    profile: &Profile,
+    sampling: &Sampling,
+) -> Option<Sequence> {
+    let pieces = pieces(signals, channel, volts, profile, sampling)?;
+    let mut written_out = WRITTEN_OUT;
+    while written_out < profile.most_points {
+        // More samples written out fill the memory, so there is no use in going on once it is full.
+        let sequence = Builder::compose(&pieces, profile, written_out)?;
+        if sequence.steps.len() <= profile.sequencer.most_steps {
+            return Some(sequence);
+        }
+        written_out *= 4;
+    }
+    None
+}
+
+fn pieces(signals: &Signals, channel: usize, volts: f64, profile: &Profile, sampling: &Sampling) -> Option<Vec<Piece>> {
+    let period_ns = sampling.period_ns;
+    let code = |value: f64| profile.code(value, volts);
+    let mut pieces = Vec::new();
+    let rest = |from_ns: u64, to_ns: u64, pieces: &mut Vec<Piece>| {
+        pieces.push(Piece { samples: vec![0], count: to_ns.saturating_sub(from_ns) / period_ns });
+    };
+    let mut at_ns = 0;
+    for actuation in signals.of(channel) {
+        rest(at_ns, actuation.start_ns, &mut pieces);
+        pieces.push(match actuation.swing {
+            None => Piece { samples: vec![code(actuation.from)], count: actuation.duration_ns / period_ns },
+            Some(swing) => {
+                let half = half_ns(swing) / period_ns;
+                if 2 * half > profile.most_points {
+                    return None;
+                }
+                let [first, second] = swing.levels.map(|level| vec![code(level); half as usize]);
+                Piece { samples: [first, second].concat(), count: actuation.duration_ns / swing.period_ns.max(1) }
+            }
+        });
+        at_ns = actuation.end_ns();
+    }
+    rest(at_ns, signals.schedule.duration_ns, &mut pieces);
+    Some(pieces)
+}
+
+/// Puts pieces together.
+struct Builder<'a> {
+    profile: &'a Profile,
+    sequence: Sequence,
+    index: BTreeMap<Vec<i16>, usize>,
+    /// Samples of all segments.
+    points: u64,
+    /// Samples that are to be played once, before whatever comes next.
+    pending: Vec<i16>,
+}
+
+impl<'a> Builder<'a> {
+    /// `None` if the segments are too large for the instrument's memory.
+    fn compose(pieces: &[Piece], profile: &'a Profile, written_out: u64) -> Option<Sequence> {
+        let (sequence, index) = (Sequence::default(), BTreeMap::new());
+        let mut builder = Builder { profile, sequence, index, points: 0, pending: Vec::new() };
+        let rest = vec![0; profile.least_points as usize];
+        builder.step(rest.clone(), 1, Control::OnceWaitTrigger)?;
+        for piece in pieces {
+            builder.add(piece, written_out)?;
+        }
+        let missing = rest.len().saturating_sub(builder.pending.len());
+        if !builder.pending.is_empty() {
+            builder.pending.extend(&rest[..missing]);
+        }
+        builder.flush()?;
+        builder.step(rest, 1, Control::RepeatForever)?;
+        Some(builder.sequence)
+    }
+
+    fn add(&mut self, piece: &Piece, written_out: u64) -> Option<()> {
+        let (samples, mut count) = (&piece.samples, piece.count);
+        let (least, length) = (self.profile.least_points, samples.len() as u64);
+        if length.saturating_mul(count) <= written_out {
+            return self.write_out(samples, count);
+        }
+        while !self.pending.is_empty() && (self.pending.len() as u64) < least && count > 0 {
+            self.write_out(samples, 1)?;
+            count -= 1;
+        }
+        if count == 0 {
+            return Some(());
+        }
+        self.flush()?;
+        let of_segment = least.div_ceil(length).max(count.div_ceil(self.profile.sequencer.most_repeats));
+        if of_segment.saturating_mul(length) > self.profile.most_points {
+            return None;
+        }
+        match count / of_segment {
+            0 => {}
+            1 => self.step(samples.repeat(of_segment as usize), 1, Control::Once)?,
+            repeats => self.step(samples.repeat(of_segment as usize), repeats, Control::Repeat)?,
+        }
+        self.write_out(samples, count % of_segment)
+    }
+
+    fn write_out(&mut self, samples: &[i16], count: u64) -> Option<()> {
+        let length = self.pending.len() as u64 + samples.len() as u64 * count;
+        if self.points + length > self.profile.most_points {
+            return None;
+        }
+        (0..count).for_each(|_| self.pending.extend(samples));
+        Some(())
+    }
+
+    fn flush(&mut self) -> Option<()> {
+        match std::mem::take(&mut self.pending) {
+            pending if pending.is_empty() => Some(()),
+            pending => self.step(pending, 1, Control::Once),
+        }
+    }
+
+    fn step(&mut self, samples: Vec<i16>, repeats: u64, control: Control) -> Option<()> {
+        let segment = match self.index.get(&samples) {
+            Some(known) => *known,
+            None => {
+                self.points += samples.len() as u64;
+                self.index.insert(samples.clone(), self.sequence.segments.len());
+                self.sequence.segments.push(samples);
+                self.sequence.segments.len() - 1
+            }
+        };
+        self.sequence.steps.push(Step { segment, repeats, control });
+        (self.points <= self.profile.most_points).then_some(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,133 @@
+//! The bed in the course of an assembly: where the robots are, what has been driven, and what states steer whom.
+
+use super::track::Track;
+use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::{Arm, Robot};
+use crate::geometry::Pose;
+use crate::plan::microrobots::{Docking, Leg, Stage};
+
+/// A bed at some time of an assembly.
+#[derive(Debug, Clone)]
+pub struct Bed<'a> {
+    pub order: &'a MicrorobotsOrder,
+    /// One for each robot of the order, like `docked`.
+    pub poses: Vec<Pose>,
+    pub docked: Vec<bool>,
+    pub legs: Vec<Leg>,
+    pub docks: Vec<Docking>,
+    pub stages: Vec<Stage>,
+}
+
+/// What a stage adds: its legs, at the end of which these robots dock.
+#[derive(Debug, Clone)]
+pub struct Stretch {
+    pub legs: Vec<Leg>,
+    pub docking: Vec<usize>,
+    /// In order of time.
+    pub stages: Vec<Stage>,
+}
+
+impl<'a> Bed<'a> {
+    pub fn new(order: &'a MicrorobotsOrder, poses: &[Pose], docked: &[bool]) -> Self {
+        let (poses, docked) = (poses.to_vec(), docked.to_vec());
+        Bed { order, poses, docked, legs: Vec::new(), docks: Vec::new(), stages: Vec::new() }
+    }
+
+    pub fn robot(&self, index: usize) -> &'a Robot {
+        self.order.robot(index)
+    }
+
+    /// Robots that are not docked, without these.
+    pub fn others<'b>(&'b self, steered: &'b [usize]) -> impl Iterator<Item = usize> + 'b {
+        (0..self.poses.len()).filter(move |robot| !self.docked[*robot] && !steered.contains(robot))
+    }
+
+    /// The state that puts these robots' arms so, while all others that are not docked orbit: the one with the fewest levels.
+    pub fn state(&self, steered: &[(usize, Arm)]) -> Option<usize> {
+        let arm = |state: usize, robot: usize| self.order.states[state].arms[self.order.robots[robot].row];
+        let wanted = |robot: usize| steered.iter().find(|one| one.0 == robot).map_or(Arm::Down, |one| one.1);
+        let fits = |state: &usize| self.others(&[]).all(|robot| arm(*state, robot) == wanted(robot));
+        let cycle = |state: &usize| self.order.states[*state].levels_v.len();
+        (0..self.order.states.len()).filter(fits).min_by_key(cycle)
+    }
+
+    /// The bed after one more stage.
+    pub fn after(&self, stretch: Stretch) -> Bed<'a> {
+        let mut bed = self.clone();
+        bed.poses = self.poses_after(&stretch.legs);
+        bed.legs.extend(stretch.legs);
+        let leg = bed.legs.len() - 1;
+        bed.docks.extend(stretch.docking.iter().map(|&robot| Docking { robot, leg }));
+        stretch.docking.iter().for_each(|&robot| bed.docked[robot] = true);
+        bed.stages.extend(stretch.stages);
+        bed
+    }
+
+    fn poses_after(&self, legs: &[Leg]) -> Vec<Pose> {
+        let mut poses = self.poses.clone();
+        for leg in legs {
+            let arms = &self.order.states[leg.state].arms;
+            for robot in self.others(&[]) {
+                let facts = self.robot(robot);
+                let way_um = facts.step_um * leg.strokes as f64;
+                poses[robot] = facts.moved(poses[robot], arms[self.order.robots[robot].row], way_um);
+            }
+        }
+        poses
+    }
+
+    /// How long legs last, with their control cycles.
+    pub fn duration_ns(&self, legs: &[Leg]) -> u64 {
+        let facts = &self.order.facts;
+        let cycle_ns = |state: usize| facts.dwell_ns.saturating_mul(self.order.states[state].levels_v.len() as u64);
+        let leg_ns = |leg: &Leg| facts.period_ns.saturating_mul(leg.strokes).saturating_add(cycle_ns(leg.state));
+        legs.iter().map(leg_ns).fold(0, u64::saturating_add)
+    }
+
+    /// The state of the leg that was driven last.
+    pub fn last_state(&self) -> Option<usize> {
+        self.legs.last().map(|leg| leg.state)
+    }
+}
+
+/// Legs from the track of the one robot that is steered, by the states in which it turns and runs straight.
+pub fn legs_of_one(track: &Track, [turn, straight]: [usize; 2]) -> Vec<Leg> {
+    let state = |arm| match arm {
+        Arm::Down => turn,
+        Arm::Up => straight,
+    };
+    track.pieces.iter().map(|&(arm, strokes)| Leg { state: state(arm), strokes }).collect()
+}
+
+/// Legs from the tracks of two robots, by the states in which both turn, only the second turns, and none turns. Where only the first
+/// would turn there is none.
+pub fn legs_of_two(first: &Track, second: &Track, [both, one, none]: [usize; 3]) -> Option<Vec<Leg>> {
+    let mut legs = Vec::new();
+    let (mut firsts, mut seconds) = (first.pieces.iter().copied(), second.pieces.iter().copied());
+    let (mut at, mut beside) = (firsts.next(), seconds.next());
+    while let (Some((arm, left)), Some((other, rest))) = (at, beside) {
+        let state = match (arm, other) {
+            (Arm::Down, Arm::Down) => both,
+            (Arm::Up, Arm::Down) => one,
+            (Arm::Up, Arm::Up) => none,
+            (Arm::Down, Arm::Up) => return None,
+        };
+        let strokes = left.min(rest);
+        legs.push(Leg { state, strokes });
+        at = if left > strokes { Some((arm, left - strokes)) } else { firsts.next() };
+        beside = if rest > strokes { Some((other, rest - strokes)) } else { seconds.next() };
+    }
+    Some(legs)
+}
+
+/// The same legs, neighbours in the same state as one.
+pub fn joined(legs: impl IntoIterator<Item = Leg>) -> Vec<Leg> {
+    let mut kept: Vec<Leg> = Vec::new();
+    for leg in legs {
+        match kept.last_mut() {
+            Some(last) if last.state == leg.state => last.strokes += leg.strokes,
+            Some(_) | None => kept.push(leg),
+        }
+    }
+    kept
+}

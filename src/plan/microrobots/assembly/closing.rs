@@ -1,0 +1,119 @@
+//! Ways of a given length: straight, turn, straight, turn, straight.
+//!
+//! Input: a robot, where it begins, where it has to end, the length of its way, and how long its last straight stretch has to be
+//! at least. Output: such ways, as many as a grid of first stretches gives. Promise: every way is exact up to rounding. Method: with
+//! a first stretch l0 given, and the sum of both turns (known but for full circles), the ends of the middle stretch l1 lie on a ray
+//! whose points are known up to the last stretch l2, and |w - l2 u| = P - l2 has one solution, w being the vector between the
+//! centres of the two circles, u the last heading and P the length of l1 and l2 together.
+
+use crate::device::microrobots::{Arm, Robot};
+use crate::geometry::Pose;
+use crate::plan::microrobots::free::{Segment, length_um, turn_rad};
+use std::f64::consts::TAU;
+
+/// First stretches that are tried, evenly over what the length allows.
+const FIRST_STRETCHES: usize = 24;
+
+/// How far apart the stretches of detours are, as a share of the turning radius.
+const STRETCH_SHARE: f64 = 0.25;
+
+/// Full circles beyond what the headings ask for.
+const MAX_CIRCLES: usize = 3;
+
+/// What rounding may take from a stretch of no length, in micrometres.
+const ROUNDING_UM: f64 = 1e-6;
+
+/// What is asked of a way.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked {
+    pub from: Pose,
+    pub to: Pose,
+    pub length_um: f64,
+    pub least_last_um: f64,
+}
+
+/// Turn, straight, turn: the way from one pose to another that there always is; none of its arcs is a full circle.
+pub fn turn_straight_turn(robot: &Robot, from: Pose, to: Pose) -> [Segment; 3] {
+    let [from_centre, to_centre] = [from, to].map(|pose| robot.orbit_centre_um(pose));
+    let (dx_um, dy_um) = (to_centre[0] - from_centre[0], to_centre[1] - from_centre[1]);
+    let straight_um = dx_um.hypot(dy_um);
+    let heading_rad = if straight_um > ROUNDING_UM { dy_um.atan2(dx_um) } else { from.heading_rad };
+    let turn_um = |from_rad, to_rad| robot.turning_radius_um * turn_rad(robot, from_rad, to_rad);
+    [
+        Segment { arm: Arm::Down, way_um: turn_um(from.heading_rad, heading_rad) },
+        Segment { arm: Arm::Up, way_um: straight_um },
+        Segment { arm: Arm::Down, way_um: turn_um(heading_rad, to.heading_rad) },
+    ]
+}
+
+/// Ways from pose to pose, the shortest first: straight for one of these stretches, turn–straight–turn, straight for one of those.
+pub fn detours(robot: &Robot, from: Pose, to: Pose, firsts_um: &[f64], lasts_um: &[f64]) -> Vec<Vec<Segment>> {
+    let way = |first_um: f64, last_um: f64| {
+        let [leave, arrive] = [robot.moved(from, Arm::Up, first_um), robot.moved(to, Arm::Up, -last_um)];
+        let run = |way_um| Segment { arm: Arm::Up, way_um };
+        let middle = turn_straight_turn(robot, leave, arrive);
+        [run(first_um)].into_iter().chain(middle).chain([run(last_um)]).collect::<Vec<Segment>>()
+    };
+    let mut ways: Vec<Vec<Segment>> = firsts_um
+        .iter()
+        .flat_map(|&first_um| lasts_um.iter().map(move |&last_um| (first_um, last_um)))
+        .map(|(a, b)| way(a, b))
+        .collect();
+    ways.sort_by(|a, b| length_um(a).total_cmp(&length_um(b)));
+    ways
+}
+
+/// Stretches from 0 on, a share of the robot's turning radius apart.
+pub fn stretches(robot: &Robot, count: usize) -> Vec<f64> {
+    (0..count).map(|index| index as f64 * STRETCH_SHARE * robot.turning_radius_um).collect()
+}
+
+/// Ways of the length that was asked for, those without a first stretch before others, and those with few full circles first.
+pub fn closings(robot: &Robot, asked: &Asked) -> Vec<Vec<Segment>> {
+    let most_um = asked.length_um - asked.least_last_um;
+    let first_um = |index: usize| most_um * index as f64 / FIRST_STRETCHES as f64;
+    let circles = |index: usize| (0..=MAX_CIRCLES).map(move |circles| (first_um(index), circles));
+    let tried = (0..FIRST_STRETCHES).flat_map(circles).filter(|tried| tried.0 >= 0.0);
+    tried.flat_map(|(first_um, circles)| closing(robot, asked, first_um, circles)).collect()
+}
+
+/// The way with this first stretch and so many full circles: none, one, or two that differ in where the circles are.
+fn closing(robot: &Robot, asked: &Asked, first_um: f64, circles: usize) -> Vec<Vec<Segment>> {
+    let Asked { from, to, length_um, least_last_um } = *asked;
+    let [from_centre, to_centre] = [from, to].map(|pose| robot.orbit_centre_um(pose));
+    let [(from_sin, from_cos), (sin, cos)] = [from, to].map(|pose| pose.heading_rad.sin_cos());
+    let dx_um = to_centre[0] - from_centre[0] - first_um * from_cos;
+    let dy_um = to_centre[1] - from_centre[1] - first_um * from_sin;
+    let turned_rad = turn_rad(robot, from.heading_rad, to.heading_rad) + TAU * circles as f64;
+    let radius_um = robot.turning_radius_um;
+    let left_um = length_um - first_um - radius_um * turned_rad;
+    let slack_um = 2.0 * (left_um - dx_um * cos - dy_um * sin);
+    if left_um < dx_um.hypot(dy_um) || slack_um < ROUNDING_UM {
+        return Vec::new();
+    }
+    let last_um = (left_um * left_um - dx_um * dx_um - dy_um * dy_um) / slack_um;
+    let middle_um = left_um - last_um;
+    if last_um < least_last_um || middle_um < 0.0 {
+        return Vec::new();
+    }
+    let heading_rad = (dy_um - last_um * sin).atan2(dx_um - last_um * cos);
+    let turn_rad = turn_rad(robot, from.heading_rad, heading_rad);
+    let way = |first_rad: f64| {
+        vec![
+            Segment { arm: Arm::Up, way_um: first_um },
+            Segment { arm: Arm::Down, way_um: radius_um * first_rad },
+            Segment { arm: Arm::Up, way_um: middle_um },
+            Segment { arm: Arm::Down, way_um: radius_um * (turned_rad - first_rad) },
+            Segment { arm: Arm::Up, way_um: last_um },
+        ]
+    };
+    let turns = [turn_rad, turn_rad + TAU * circles as f64, turn_rad + TAU * circles.saturating_sub(1) as f64];
+    let mut ways: Vec<Vec<Segment>> = Vec::new();
+    for first_rad in turns.into_iter().filter(|first_rad| *first_rad <= turned_rad) {
+        let way = way(first_rad);
+        if !ways.contains(&way) {
+            ways.push(way);
+        }
+    }
+    ways
+}

@@ -1,0 +1,85 @@
+//! The rules of collision, asked for a bed in the course of an assembly.
+
+use super::bed::{Bed, Stretch};
+use super::{Blocker, Stuck};
+use crate::geometry::Pose;
+use crate::plan::microrobots::free::Segment;
+use crate::plan::microrobots::ways::{NoWay, Task};
+use crate::plan::microrobots::world::{Fixtures, Hit, Obstruction, World};
+use crate::plan::microrobots::{Docking, Leg};
+use crate::plan::search::{Budget, Meter};
+use std::f64::consts::TAU;
+
+/// States of one search for a way.
+const MAX_STATES: u64 = 2_000;
+
+/// The bed's world, and where everything stood when the assembly began.
+pub struct Ground {
+    pub world: World,
+    start: Vec<Pose>,
+    docked: Vec<bool>,
+}
+
+impl Ground {
+    pub fn new(bed: &Bed) -> Self {
+        Ground { world: World::new(bed.order), start: bed.poses.clone(), docked: bed.docked.clone() }
+    }
+
+    /// What rests while some robots are steered: docked bodies, and the discs of all others, which have to have room.
+    pub fn fixtures(&self, bed: &Bed, steered: &[usize]) -> Result<Fixtures, Stuck> {
+        let rests = (0..bed.poses.len()).filter(|robot| bed.docked[*robot]);
+        let bodies = rests.map(|robot| self.world.rectangle(robot, bed.poses[robot])).collect();
+        let mut fixtures = Fixtures { discs: Vec::new(), bodies };
+        for robot in bed.others(steered) {
+            let disc = self.world.disc(robot, bed.poses[robot]);
+            if let Some(obstruction) = self.world.obstruction_of_orbit(&disc, &fixtures) {
+                let blocker = blocker(bed, steered, obstruction);
+                return Err(Stuck::NoOrbit { robot, blocker });
+            }
+            fixtures.discs.push(disc);
+        }
+        Ok(fixtures)
+    }
+
+    /// A way of a robot around what rests while some robots are steered.
+    pub fn way(&self, bed: &Bed, steered: &[usize], task: &Task, meter: &mut Meter) -> Result<Vec<Segment>, Stuck> {
+        let mut own = Meter::new(Budget::of(meter.left().steps.min(MAX_STATES)));
+        let found = task.find(&mut own);
+        meter.charge(own.spent());
+        match found {
+            Ok(found) => Ok(found.way),
+            Err(NoWay::GaveUp(_)) if meter.left().steps == 0 => Err(Stuck::GaveUp),
+            Err(NoWay::Start(by) | NoWay::Goal(by) | NoWay::Blocked(by) | NoWay::GaveUp(by)) => {
+                Err(Stuck::NoWay { robot: task.robot, blocker: blocker(bed, steered, by) })
+            }
+        }
+    }
+
+    /// What a bed's legs and one more stretch bring too near to one another, with the robots that wait orbiting once more
+    /// afterwards: they will.
+    pub fn first_hit(&self, bed: &Bed, stretch: &Stretch) -> Option<Hit> {
+        let mut legs: Vec<Leg> = bed.legs.iter().chain(&stretch.legs).copied().collect();
+        let leg = legs.len() - 1;
+        let docking = stretch.docking.iter().map(|&robot| Docking { robot, leg });
+        let docks: Vec<Docking> = bed.docks.iter().copied().chain(docking).collect();
+        let circles = bed.others(&stretch.docking).map(|robot| {
+            let facts = bed.robot(robot);
+            (TAU * facts.turning_radius_um / facts.step_um).ceil() as u64
+        });
+        if let Some(strokes) = circles.max() {
+            legs.push(Leg { strokes: strokes.saturating_add(1), ..legs[leg] });
+        }
+        self.world.first_hit(&self.start, &self.docked, &legs, &docks)
+    }
+}
+
+/// What is in the way, by its index in the order.
+fn blocker(bed: &Bed, steered: &[usize], obstruction: Obstruction) -> Blocker {
+    let waiting = |index| bed.others(steered).nth(index).unwrap_or(usize::MAX);
+    let docked = |index| (0..bed.poses.len()).filter(|robot| bed.docked[*robot]).nth(index).unwrap_or(usize::MAX);
+    match obstruction {
+        Obstruction::Obstacle(index) => Blocker::Obstacle(index),
+        Obstruction::Disc(index) => Blocker::Orbit(waiting(index)),
+        Obstruction::Body(index) => Blocker::Docked(docked(index)),
+    }
+}

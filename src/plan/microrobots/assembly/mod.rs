@@ -1,0 +1,217 @@
+//! Assembly: robots to goals where they dock with one another, while those that wait their turn orbit.
+//!
+//! The problem: every robot moves with every stroke until it docks, and it docks only at a body that is docked or docks at the same
+//! time. Method (the paper's sections 2 and 3): two robots come together first ([`pair`]); then one robot after the other comes to
+//! the structure ([`single`]); the robots that are still to come orbit all the while. Which robots go first, in which role and in
+//! which order, is searched depth first over what the control states allow, and cut off by a bound.
+//! Guaranteed: the result meets no objection of the rules of collision ([`super::world`]), and every robot ends within precision.
+//! Not guaranteed: that there is no faster way, or none at all where the search ends without one; a [`Stuck`] says which of its
+//! cases are proofs, and those hold for assemblies in which robots that are neither docked nor steered orbit.
+//! Cost: one plan for each stage where the table leaves one order, as STRING tables do, and no more than [`MAX_PLANS`].
+
+mod bed;
+mod closing;
+mod ground;
+mod orders;
+mod pair;
+mod roundabout;
+mod single;
+mod track;
+
+use super::world::Hit;
+use super::{Docking, Leg, Stage, free};
+use crate::check::claims::microrobots::{Dock, MicrorobotsOrder};
+use crate::geometry::Pose;
+use crate::plan::search::{Budget, Meter};
+use bed::{Bed, Stretch};
+use ground::Ground;
+use orders::{Move, Orders};
+
+/// Stages that are planned in all, while orders are tried.
+pub const MAX_PLANS: usize = 400;
+
+/// Stages that are planned after the first assembly was found, for a faster one.
+pub const MAX_MORE_PLANS: usize = 24;
+
+/// An assembly.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Assembled {
+    /// Neighbours have different states.
+    pub legs: Vec<Leg>,
+    pub docks: Vec<Docking>,
+    pub stages: Vec<Stage>,
+    /// Trains and control cycles.
+    pub duration_ns: u64,
+    /// No assembly is faster: its slowest robot's shortest way to its goal, alone on the bed.
+    pub least_ns: u64,
+}
+
+/// Why there is no assembly. Robots are indices of the order's robots.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Stuck {
+    /// A proof: no control states steer these robots (one, or the first two) while this one orbits; without it: while all others
+    /// orbit that have to.
+    Unsteerable { robots: Vec<usize>, orbiting: Option<usize> },
+    /// A proof: this robot has to dock while the other one orbits, and its goal is too near to the disc that the other sweeps;
+    /// negative where it lies in it.
+    GoalInOrbit { robot: usize, orbiting: usize, gap_um: f64 },
+    /// A proof: at its goal the robot touches neither what is docked nor another robot's goal that could be reached.
+    Apart { robot: usize },
+    /// All ways that were tried come too near to something; the last of them so.
+    Blocked { robot: usize, partner: Option<usize>, hit: Hit },
+    /// No two ways that were tried bring both to their goals at the same time, with whole strokes within precision.
+    Untimely { first: usize, second: usize },
+    /// No way was found around obstacles, docked bodies and the discs of those that orbit; the shortest one meets this.
+    NoWay { robot: usize, blocker: Blocker },
+    /// The robot has to orbit while others are driven, and has no room for it.
+    NoOrbit { robot: usize, blocker: Blocker },
+    /// Whole strokes do not bring the robot to its goal within precision.
+    Coarse { robot: usize },
+    /// The budget is spent.
+    GaveUp,
+}
+
+/// What is in the way of a robot, or of its orbit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Blocker {
+    /// Index of the order's obstacles.
+    Obstacle(usize),
+    /// The disc of this robot, which orbits.
+    Orbit(usize),
+    /// The body of this robot, which is docked.
+    Docked(usize),
+}
+
+/// What a [`Stuck`] is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Certainty {
+    /// There is no assembly in which all robots orbit that are neither docked nor steered.
+    Proven,
+    /// A search ended.
+    Open,
+}
+
+impl Stuck {
+    pub fn certainty(&self) -> Certainty {
+        match self {
+            Stuck::Unsteerable { .. } | Stuck::GoalInOrbit { .. } | Stuck::Apart { .. } => Certainty::Proven,
+            Stuck::Blocked { .. }
+            | Stuck::Untimely { .. }
+            | Stuck::NoWay { .. }
+            | Stuck::NoOrbit { .. }
+            | Stuck::Coarse { .. }
+            | Stuck::GaveUp => Certainty::Open,
+        }
+    }
+}
+
+/// Plans an assembly. `poses` and `docked` are those at its beginning, one for each robot of the order; `docks` are robots that
+/// are not docked. A step of the budget is a candidate that is held against the rules of collision, or a search for a way.
+pub fn assemble(
+    order: &MicrorobotsOrder,
+    poses: &[Pose],
+    docked: &[bool],
+    docks: &[Dock],
+    budget: Budget,
+) -> Result<Assembled, Stuck> {
+    let bed = Bed::new(order, poses, docked);
+    let orders = Orders { docks };
+    if let Some(stuck) = orders.disproof(&bed) {
+        return Err(stuck);
+    }
+    let mut search = Search {
+        orders,
+        ground: Ground::new(&bed),
+        meter: Meter::new(budget),
+        best: None,
+        stuck: None,
+        plans: MAX_PLANS,
+    };
+    search.descend(&bed);
+    match (search.best, search.stuck) {
+        (Some((duration_ns, bed)), _) => {
+            let least_ns = least_ns(&Bed::new(order, poses, docked), docks);
+            Ok(Assembled { legs: bed.legs, docks: bed.docks, stages: bed.stages, duration_ns, least_ns })
+        }
+        (None, Some((_, stuck))) => Err(stuck),
+        (None, None) => Err(Stuck::GaveUp),
+    }
+}
+
+/// A time that no assembly of these robots is below.
+fn least_ns(bed: &Bed, docks: &[Dock]) -> u64 {
+    let facts = &bed.order.facts;
+    let least_ns = |dock: &Dock| {
+        let robot = bed.robot(dock.robot);
+        let least_um = free::least_um(robot, bed.poses[dock.robot], dock.goal.pose, bed.order.precision);
+        let strokes = (least_um / robot.step_um - ROUNDING_STROKES).ceil().max(0.0) as u64;
+        facts.period_ns.saturating_mul(strokes)
+    };
+    let open = docks.iter().filter(|dock| !bed.docked[dock.robot]);
+    open.map(least_ns).max().map_or(0, |way_ns| way_ns.saturating_add(facts.dwell_ns))
+}
+
+/// What rounding may add to a number of strokes.
+const ROUNDING_STROKES: f64 = 1e-3;
+
+/// The search for an order.
+struct Search<'a> {
+    orders: Orders<'a>,
+    ground: Ground,
+    meter: Meter,
+    /// The fastest assembly so far, and how long it lasts.
+    best: Option<(u64, Bed<'a>)>,
+    /// Of the failures, the one with the most robots docked; of these the first.
+    stuck: Option<(usize, Stuck)>,
+    /// Stages that may still be planned.
+    plans: usize,
+}
+
+impl<'a> Search<'a> {
+    /// Tries all orders from here on. As deep as there are robots to be docked.
+    fn descend(&mut self, bed: &Bed<'a>) {
+        let duration_ns = bed.duration_ns(&bed.legs);
+        let least_ns = duration_ns.saturating_add(least_ns(bed, self.orders.docks));
+        if self.best.as_ref().is_some_and(|best| best.0 <= least_ns) {
+            return;
+        }
+        if self.orders.open(bed).next().is_none() {
+            self.best = Some((duration_ns, bed.clone()));
+            self.plans = self.plans.min(MAX_MORE_PLANS);
+            return;
+        }
+        for step in
+            self.orders.moves(bed).into_iter().filter(|step| self.orders.leads_on(bed, step)).collect::<Vec<_>>()
+        {
+            if self.plans == 0 {
+                return;
+            }
+            self.plans -= 1;
+            match self.plan(bed, &step) {
+                Ok(stretch) => self.descend(&bed.after(stretch)),
+                Err(stuck) => self.note(bed.docks.len(), stuck),
+            }
+        }
+    }
+
+    fn plan(&mut self, bed: &Bed<'a>, step: &Move) -> Result<Stretch, Stuck> {
+        match step {
+            Move::Pair(roles) => {
+                let docks = [self.orders.dock(roles.first), self.orders.dock(roles.second)];
+                pair::plan(bed, *roles, docks, &self.ground, &mut self.meter)
+            }
+            Move::Single { robot, states } => {
+                single::plan(bed, (self.orders.dock(*robot), *states), &self.ground, &mut self.meter)
+            }
+        }
+    }
+
+    fn note(&mut self, docked: usize, stuck: Stuck) {
+        if self.stuck.as_ref().is_none_or(|worst| worst.0 < docked) {
+            self.stuck = Some((docked, stuck));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,196 @@
+//! What may be docked next, by the control states and by what holds still.
+//!
+//! Input: the goals, and a bed. Output: the next moves that the control states, the touching of goals and the discs of robots that
+//! wait allow; whether such moves can go on to the end; and if none can, why. Promise: a disproof holds for all assemblies in which
+//! robots that are neither docked nor steered orbit where they are. What is docked takes no option from those that come
+//! later, so moves can be tried in any order to see whether they lead to the end.
+
+use super::Stuck;
+use super::bed::Bed;
+use super::pair::{Roles, roles};
+use crate::check::claims::microrobots::Dock;
+use crate::device::microrobots::Arm;
+use crate::geometry::{Core, Pose, distance};
+use nalgebra::Point2;
+
+/// What is done next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Move {
+    Pair(Roles),
+    /// States in which it turns and runs straight.
+    Single {
+        robot: usize,
+        states: [usize; 2],
+    },
+}
+
+/// The goals.
+pub struct Orders<'a> {
+    pub docks: &'a [Dock],
+}
+
+impl<'a> Orders<'a> {
+    /// The goal of a robot that has one.
+    pub fn dock(&self, robot: usize) -> &'a Dock {
+        self.docks.iter().find(|dock| dock.robot == robot).expect("only robots with goals are moved")
+    }
+
+    /// Goals that are still to be reached, those of the robots that snap last first.
+    pub fn open<'b>(&'b self, bed: &'b Bed) -> impl Iterator<Item = &'a Dock> + 'b {
+        let mut open: Vec<&Dock> = self.docks.iter().filter(|dock| !bed.docked[dock.robot]).collect();
+        open.sort_by_key(|dock| downs(bed, dock.robot));
+        open.into_iter()
+    }
+
+    /// What may be done next: single robots before pairs.
+    pub fn moves(&self, bed: &Bed) -> Vec<Move> {
+        let open: Vec<&Dock> = self.open(bed).collect();
+        let single = |dock: &&Dock| self.single(bed, dock).ok();
+        let pairs = open.iter().flat_map(|first| open.iter().map(move |second| (*first, *second)));
+        let pair = |(first, second)| self.pair(bed, first, second).ok();
+        open.iter().filter_map(single).chain(pairs.filter_map(pair)).collect()
+    }
+
+    /// Whether a robot may be docked next, or why not.
+    fn single(&self, bed: &Bed, dock: &Dock) -> Result<Move, Stuck> {
+        if !touches_structure(bed, dock) {
+            return Err(Stuck::Apart { robot: dock.robot });
+        }
+        let states = [Arm::Down, Arm::Up].map(|arm| bed.state(&[(dock.robot, arm)]));
+        let [Some(turn), Some(straight)] = states else {
+            return Err(unsteerable(bed, &[dock.robot], &[&[Arm::Down], &[Arm::Up]]));
+        };
+        goal_in_orbit(bed, &[dock])?;
+        Ok(Move::Single { robot: dock.robot, states: [turn, straight] })
+    }
+
+    /// Whether two robots may be docked together, or why not.
+    fn pair(&self, bed: &Bed, first: &Dock, second: &Dock) -> Result<Move, Stuck> {
+        let apart = first.robot == second.robot || touches_structure(bed, first) || touches_structure(bed, second);
+        if apart || !touch(bed, (first.robot, first.goal.pose), (second.robot, second.goal.pose)) {
+            return Err(Stuck::Apart { robot: first.robot });
+        }
+        let robots = [first.robot, second.robot];
+        let Some(roles) = roles(bed, first.robot, second.robot) else {
+            let arms: [&[Arm]; 3] = [&[Arm::Down, Arm::Down], &[Arm::Up, Arm::Down], &[Arm::Up, Arm::Up]];
+            return Err(unsteerable(bed, &robots, &arms));
+        };
+        goal_in_orbit(bed, &[first, second])?;
+        Ok(Move::Pair(roles))
+    }
+
+    /// Whether all goals can be reached after this move, as far as control states and what holds still are asked.
+    pub fn leads_on(&self, bed: &Bed, step: &Move) -> bool {
+        let mut bed = bed.clone();
+        self.carry_out(&mut bed, step);
+        self.exhaust(&mut bed);
+        self.open(&bed).next().is_none()
+    }
+
+    /// Why no order of moves reaches all goals, if none does: of the order that gets farthest.
+    pub fn disproof(&self, bed: &Bed) -> Option<Stuck> {
+        let mut ends = vec![bed.clone()];
+        for step in self.moves(bed) {
+            let mut end = bed.clone();
+            self.carry_out(&mut end, &step);
+            self.exhaust(&mut end);
+            ends.push(end);
+        }
+        let end = ends.iter().min_by_key(|end| self.open(end).count())?;
+        self.open(end).next()?;
+        let open: Vec<&Dock> = self.open(end).collect();
+        let singles = open.iter().filter_map(|dock| self.single(end, dock).err());
+        let pairs = open.iter().flat_map(|first| open.iter().map(move |second| (*first, *second)));
+        let reasons = singles.chain(pairs.filter_map(|(first, second)| self.pair(end, first, second).err()));
+        reasons.min_by_key(|stuck| match stuck {
+            Stuck::GoalInOrbit { .. } => 0,
+            Stuck::Unsteerable { .. } => 1,
+            Stuck::Apart { .. } => 2,
+            Stuck::Blocked { .. }
+            | Stuck::Untimely { .. }
+            | Stuck::NoWay { .. }
+            | Stuck::NoOrbit { .. }
+            | Stuck::Coarse { .. }
+            | Stuck::GaveUp => 3,
+        })
+    }
+
+    /// Carries out moves until there is none.
+    fn exhaust(&self, bed: &mut Bed) {
+        while let Some(step) = self.moves(bed).first() {
+            self.carry_out(bed, step);
+        }
+    }
+
+    /// Puts robots at their goals.
+    fn carry_out(&self, bed: &mut Bed, step: &Move) {
+        let mut put = |robot: usize| {
+            bed.poses[robot] = self.dock(robot).goal.pose;
+            bed.docked[robot] = true;
+        };
+        match step {
+            Move::Pair(roles) => {
+                put(roles.first);
+                put(roles.second);
+            }
+            Move::Single { robot, .. } => put(*robot),
+        }
+    }
+}
+
+/// In how many states a robot's arm is down: few for those that snap last.
+fn downs(bed: &Bed, robot: usize) -> usize {
+    let row = bed.order.robots[robot].row;
+    bed.order.states.iter().filter(|state| state.arms[row] == Arm::Down).count()
+}
+
+/// Which robot keeps the others from being steered.
+fn unsteerable(bed: &Bed, robots: &[usize], patterns: &[&[Arm]]) -> Stuck {
+    let arm = |state: usize, robot: usize| bed.order.states[state].arms[bed.order.robots[robot].row];
+    let steers =
+        |state: usize, pattern: &[Arm]| robots.iter().zip(pattern).all(|(robot, wanted)| arm(state, *robot) == *wanted);
+    let states = 0..bed.order.states.len();
+    let holds = |other: usize, pattern: &[Arm]| {
+        states.clone().any(|state| steers(state, pattern) && arm(state, other) == Arm::Down)
+    };
+    let orbiting = bed.others(robots).find(|other| !patterns.iter().all(|pattern| holds(*other, pattern)));
+    Stuck::Unsteerable { robots: robots.to_vec(), orbiting }
+}
+
+/// Whether goals keep clear of the discs of the robots that orbit meanwhile.
+fn goal_in_orbit(bed: &Bed, docks: &[&Dock]) -> Result<(), Stuck> {
+    let steered: Vec<usize> = docks.iter().map(|dock| dock.robot).collect();
+    for orbiting in bed.others(&steered) {
+        let facts = bed.robot(orbiting);
+        let [x_um, y_um] = facts.orbit_centre_um(bed.poses[orbiting]);
+        let centre = Core::Point(Point2::new(x_um, y_um));
+        for dock in docks {
+            let body = outline(bed, dock.robot, dock.goal.pose);
+            let gap_um = distance::quadrilateral_core(body, &centre) - facts.orbit_reach_um();
+            if gap_um < bed.order.facts.orbit_clearance_um - bed.order.precision.place_um {
+                return Err(Stuck::GoalInOrbit { robot: dock.robot, orbiting, gap_um });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn touches_structure(bed: &Bed, dock: &Dock) -> bool {
+    let docked = (0..bed.poses.len()).filter(|robot| bed.docked[*robot]);
+    docked.into_iter().any(|other| touch(bed, (dock.robot, dock.goal.pose), (other, bed.poses[other])))
+}
+
+/// Whether two bodies are near enough to be docked.
+fn touch(bed: &Bed, one: (usize, Pose), other: (usize, Pose)) -> bool {
+    let core = Core::Polygon(outline(bed, other.0, other.1).to_vec());
+    distance::quadrilateral_core(outline(bed, one.0, one.1), &core) <= bed.order.facts.docking.tolerance_um
+}
+
+/// The corners of a body, in order around it.
+fn outline(bed: &Bed, robot: usize, pose: Pose) -> [Point2<f64>; 4] {
+    let facts = bed.robot(robot);
+    let (sin, cos) = pose.heading_rad.sin_cos();
+    let (half_um, side_um) = (facts.length_um / 2.0, facts.width_um / 2.0);
+    [(half_um, side_um), (-half_um, side_um), (-half_um, -side_um), (half_um, -side_um)]
+        .map(|(x, y)| Point2::new(pose.x_um + x * cos - y * sin, pose.y_um + x * sin + y * cos))
+}

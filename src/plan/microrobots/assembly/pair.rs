@@ -1,0 +1,278 @@
+//! The first two robots of a structure: both come to their goals at once.
+//!
+//! The problem: while the first robot is driven, the second orbits; while the second is driven, the first runs straight (the paper's
+//! section 2.1). Method: the second robot leaves its orbit for its approach by a known way, so that the time from the start to its
+//! approach is known but for full circles, and for a stretch by which it may run on to its goal's axis earlier. For each such time, the
+//! shortest first, the first robot needs a way of exactly that length whose last stretch is straight at least from when the
+//! second leaves its orbit; such ways are in closed form ([`super::closing`]). This is the paper's phase condition with the phase
+//! free; the paper's choice, the second robot back where it began, is among the times, and its racetrack detour among the ways.
+//! Promise: the stretch that is returned meets no rule of collision's objection, and brings both robots to their goals within
+//! precision. No promise that there is no shorter one; cost grows with the times that have to be looked at.
+
+use super::Stuck;
+use super::bed::{Bed, Stretch, joined, legs_of_two};
+use super::closing::{Asked, closings, detours, stretches};
+use super::ground::Ground;
+use super::track::{Aim, Track, whole};
+use crate::check::claims::microrobots::Dock;
+use crate::device::microrobots::{Arm, Robot};
+use crate::geometry::Pose;
+use crate::plan::microrobots::fine::Cycles;
+use crate::plan::microrobots::free::{Segment, joined as joined_segments, length_um};
+use crate::plan::microrobots::ways::Task;
+use crate::plan::microrobots::world::Fixtures;
+use crate::plan::microrobots::{Leg, Stage};
+use crate::plan::search::Meter;
+use std::f64::consts::TAU;
+
+/// Stretches of the second robot on its goal's axis that are tried.
+const RUNS: usize = 40;
+
+/// Full circles of the second robot's orbit that are tried beyond its shortest way.
+const MAX_ORBITS: usize = 8;
+
+/// Shares of the fine motion that are tried where the whole of it has no room.
+pub const FINE_SHARES: [u64; 3] = [1, 2, 4];
+
+/// Ways of the first robot that are looked at for one time.
+const MAX_WAYS: usize = 12;
+
+/// By how many strokes a way changes at most when it is put into whole ones, more or less.
+const FEW_STROKES: f64 = 4.0;
+
+/// Two robots, and how the bed can steer them while all others orbit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Roles {
+    pub first: usize,
+    pub second: usize,
+    /// Both turn, only the second turns, none of the two turns.
+    pub states: [usize; 3],
+}
+
+/// Arms of the first and of the second robot in these states.
+const ARMS: [[Arm; 3]; 2] = [[Arm::Down, Arm::Up, Arm::Up], [Arm::Down, Arm::Down, Arm::Up]];
+
+/// How two robots can be steered, if they can.
+pub fn roles(bed: &Bed, first: usize, second: usize) -> Option<Roles> {
+    let state = |part: usize| bed.state(&[(first, ARMS[0][part]), (second, ARMS[1][part])]);
+    Some(Roles { first, second, states: [state(0)?, state(1)?, state(2)?] })
+}
+
+/// The stretch that docks both.
+pub fn plan(bed: &Bed, roles: Roles, docks: [&Dock; 2], ground: &Ground, meter: &mut Meter) -> Result<Stretch, Stuck> {
+    let fixtures = ground.fixtures(bed, &[roles.first, roles.second])?;
+    let mut worst = None;
+    for share in FINE_SHARES {
+        let pairing = Pairing::new(bed, roles, docks, share);
+        match brought_together(&pairing, (ground, &fixtures), meter) {
+            Ok(stretch) => return Ok(stretch),
+            Err(Stuck::GaveUp) => return Err(Stuck::GaveUp),
+            Err(stuck) => worst = worst.or(Some(stuck)),
+        }
+    }
+    Err(worst.unwrap_or(Stuck::GaveUp))
+}
+
+/// The same with one length of the fine motion.
+fn brought_together(pairing: &Pairing, site: Site, meter: &mut Meter) -> Result<Stretch, Stuck> {
+    let (ground, roles) = (site.0, pairing.roles);
+    let mut stuck = Stuck::Untimely { first: roles.first, second: roles.second };
+    let ways = pairing.ways_of_second(site, meter)?;
+    let mut departures: Vec<Departure> = ways.iter().flat_map(|way| pairing.with_circles(way)).collect();
+    departures.sort_by(|a, b| a.total_um.total_cmp(&b.total_um));
+    for departure in departures {
+        let legs = pairing.timed(&departure, site);
+        if let Some(stretch) = pairing.first_free(&departure, legs, (ground, meter), &mut stuck)? {
+            return Ok(stretch);
+        }
+    }
+    for (departure, way) in pairing.roundabout(&ways, site, meter)? {
+        let legs = pairing.legs(&departure, vec![way], site);
+        if let Some(stretch) = pairing.first_free(&departure, legs, (ground, meter), &mut stuck)? {
+            return Ok(stretch);
+        }
+    }
+    Err(stuck)
+}
+
+/// What does not change while ways are looked for.
+pub(super) struct Pairing<'a> {
+    pub bed: &'a Bed<'a>,
+    pub roles: Roles,
+    pub facts: [&'a Robot; 2],
+    from: [Pose; 2],
+    goals: [Pose; 2],
+    pub approach: [Pose; 2],
+    aims: [Aim; 2],
+    cycles: Cycles<3>,
+    /// How the first robot's arm has to be at first, since legs that follow one another differ in their states.
+    forced: Option<Arm>,
+}
+
+/// The rules of collision, and what rests while the two are steered.
+pub(super) type Site<'a> = (&'a Ground, &'a Fixtures);
+
+/// A way of the second robot from where it is to its approach; it turns at first.
+#[derive(Debug, Clone)]
+pub(super) struct Departure {
+    pub way: Vec<Segment>,
+    pub total_um: f64,
+    /// Where it orbits a second time, if it does.
+    pub halt: Option<Pose>,
+}
+
+impl<'a> Pairing<'a> {
+    fn new(bed: &'a Bed<'a>, roles: Roles, docks: [&Dock; 2], share: u64) -> Self {
+        let robots = [roles.first, roles.second];
+        let facts = robots.map(|robot| bed.robot(robot));
+        let goals = docks.map(|dock| dock.goal.pose);
+        let cycles = Cycles::symmetric(&bed.order.facts.fine, &facts.map(|facts| facts.step_um));
+        let cycles = Cycles { count: cycles.count.div_ceil(share), ..cycles };
+        let approach = [0, 1].map(|at| cycles.backward(facts[at], ARMS[at], goals[at]));
+        let motion = [0, 1].map(|at| cycles.forward(facts[at], ARMS[at], Pose::at(0.0, 0.0)));
+        let aims = [0, 1].map(|at| Aim { goal: goals[at], precision: bed.order.precision, motion: motion[at] });
+        let [both, one, _] = roles.states.map(|state| bed.last_state() == Some(state));
+        let forced = if both { Some(Arm::Up) } else { one.then_some(Arm::Down) };
+        let from = robots.map(|robot| bed.poses[robot]);
+        Pairing { bed, roles, facts, from, goals, approach, aims, cycles, forced }
+    }
+
+    /// The first of these that the rules of collision allow; what stops the last one is noted.
+    fn first_free(
+        &self,
+        departure: &Departure,
+        legs: Vec<Vec<Leg>>,
+        (ground, meter): (&Ground, &mut Meter),
+        stuck: &mut Stuck,
+    ) -> Result<Option<Stretch>, Stuck> {
+        for legs in legs {
+            meter.step().ok_or(Stuck::GaveUp)?;
+            let stretch = self.stretch(legs, departure.halt);
+            match ground.first_hit(self.bed, &stretch) {
+                None => return Ok(Some(stretch)),
+                Some(hit) => *stuck = Stuck::Blocked { robot: self.roles.first, partner: Some(self.roles.second), hit },
+            }
+        }
+        Ok(None)
+    }
+
+    /// Ways of the second robot that meet nothing that rests, those along its goal's axis first, the shortest first.
+    fn ways_of_second(&self, (ground, fixtures): Site, meter: &mut Meter) -> Result<Vec<Vec<Segment>>, Stuck> {
+        let (second, from, to) = (self.facts[1], self.from[1], self.approach[1]);
+        let index = self.roles.second;
+        let clear = |way: &Vec<Segment>| ground.world.obstruction_on(index, from, way, fixtures).is_none();
+        let mut ways: Vec<Vec<Segment>> =
+            detours(second, from, to, &[0.0], &stretches(second, RUNS)).into_iter().filter(clear).collect();
+        let task = Task { world: &ground.world, robot: index, from, to, fixtures };
+        match ground.way(self.bed, &[self.roles.first, index], &task, meter) {
+            Ok(way) => ways.push(way),
+            Err(stuck) if ways.is_empty() || stuck == Stuck::GaveUp => return Err(stuck),
+            Err(_) => {}
+        }
+        Ok(ways)
+    }
+
+    /// Ways of the second robot with full circles at its start, and where it turns last: the first can be driven meanwhile.
+    fn with_circles(&self, way: &[Segment]) -> Vec<Departure> {
+        let counts = (0..=MAX_ORBITS).flat_map(|all| (0..=all).map(move |late| [all - late, late]));
+        counts.map(|circles| self.departure(way, circles)).collect()
+    }
+
+    pub fn departure(&self, way: &[Segment], [early, late]: [usize; 2]) -> Departure {
+        let second = self.facts[1];
+        let circles =
+            |count: usize| [Segment { arm: Arm::Down, way_um: TAU * second.turning_radius_um * count as f64 }];
+        let way = joined_segments(way.iter().copied());
+        let later = way.iter().rposition(|segment| segment.arm == Arm::Down).filter(|at| *at > 0).unwrap_or(way.len());
+        let (before, after) = way.split_at(later);
+        let go = |pose, segment: &Segment| second.moved(pose, segment.arm, segment.way_um);
+        let halt = (late > 0).then(|| before.iter().fold(self.from[1], go));
+        let before = circles(early).into_iter().chain(before.iter().copied());
+        let way = joined_segments(before.chain(circles(late)).chain(after.iter().copied()));
+        Departure { total_um: length_um(&way), way, halt }
+    }
+
+    /// Legs that bring both robots to their approaches at the same time, the second by this way.
+    fn timed(&self, departure: &Departure, site: Site) -> Vec<Vec<Leg>> {
+        let first = self.facts[0];
+        let last = departure.way.last().filter(|segment| segment.arm == Arm::Up);
+        let asked = Asked {
+            from: self.first_from(),
+            to: self.approach[0],
+            length_um: (self.total(departure) - self.forced_strokes()) as f64 * first.step_um,
+            least_last_um: last.map_or(0.0, |segment| segment.way_um / self.facts[1].step_um * first.step_um),
+        };
+        self.legs(departure, closings(first, &asked), site)
+    }
+
+    /// Strokes of a way of the second robot, and so of the first one's: at least one more than are forced.
+    pub fn total(&self, departure: &Departure) -> u64 {
+        ((departure.total_um / self.facts[1].step_um).round() as u64).max(2)
+    }
+
+    pub fn forced_strokes(&self) -> u64 {
+        u64::from(self.forced.is_some())
+    }
+
+    /// Where the first robot is when it can be driven freely.
+    pub fn first_from(&self) -> Pose {
+        let first = self.facts[0];
+        self.forced.map_or(self.from[0], |arm| first.moved(self.from[0], arm, first.step_um))
+    }
+
+    /// Legs for those ways of the first robot that fit the second's, and meet nothing that rests.
+    fn legs(&self, departure: &Departure, ways: Vec<Vec<Segment>>, (ground, fixtures): Site) -> Vec<Vec<Leg>> {
+        let ([first, second], index, start) = (self.facts, self.roles.first, self.first_from());
+        let forced = self.forced_strokes();
+        let fits =
+            |way: &Vec<Segment>| turns_within((way, forced as f64, first.step_um), (&departure.way, second.step_um));
+        let clear = |way: &Vec<Segment>| ground.world.obstruction_on(index, start, way, fixtures).is_none();
+        let ways: Vec<Vec<Segment>> = ways.into_iter().filter(fits).filter(clear).take(MAX_WAYS).collect();
+        let total = self.total(departure);
+        let whole_second = || whole(second, self.from[1], &departure.way, &self.aims[1], total);
+        let Some(seconds) = (!ways.is_empty()).then(whole_second).flatten() else { return Vec::new() };
+        let legs = |way: &Vec<Segment>| {
+            let mut track = Track::default();
+            self.forced.into_iter().for_each(|arm| track.push(arm, 1));
+            track.extend(&whole(first, start, way, &self.aims[0], total - forced)?);
+            legs_of_two(&track, &seconds, self.roles.states)
+        };
+        ways.iter().filter_map(legs).collect()
+    }
+
+    /// The whole stage, after legs that bring both to their approaches.
+    fn stretch(&self, legs: Vec<Leg>, halt: Option<Pose>) -> Stretch {
+        let Roles { first, second, states } = self.roles;
+        let driven = legs.iter().rposition(|leg| leg.state == states[0]).map_or(0, |last| last + 1);
+        let intermediate = legs[..driven].iter().fold(self.from[0], |pose, leg| {
+            let arm = if leg.state == states[0] { Arm::Down } else { Arm::Up };
+            self.facts[0].moved(pose, arm, self.facts[0].step_um * leg.strokes as f64)
+        });
+        let pair = Stage::Pair { first, second, states, intermediate, approach: self.approach, goals: self.goals };
+        let escort = halt.map(|to| Stage::Escort { robot: second, beside: first, states, to });
+        let legs = joined(legs.into_iter().chain(self.cycles.legs(states)));
+        Stretch { legs, docking: vec![first, second], stages: escort.into_iter().chain([pair]).collect() }
+    }
+}
+
+/// Whether one robot turns only while the other does, up to a few strokes. The ways come with what one stroke is of them, the first one
+/// with the strokes before it, too.
+fn turns_within((way, before, step_um): (&[Segment], f64, f64), (other, other_step_um): (&[Segment], f64)) -> bool {
+    let turns = |way: &[Segment], before: f64, step_um: f64| {
+        let mut end = before;
+        let mut spans: Vec<[f64; 2]> = Vec::new();
+        for segment in way {
+            let start = end;
+            end += segment.way_um / step_um;
+            if segment.arm == Arm::Down && end - start > FEW_STROKES {
+                spans.push([start + FEW_STROKES, end - FEW_STROKES]);
+            }
+        }
+        spans
+    };
+    let theirs = turns(other, 0.0, other_step_um);
+    let covered = |span: &[f64; 2]| {
+        theirs.iter().any(|other| other[0] - FEW_STROKES <= span[0] && span[1] <= other[1] + FEW_STROKES)
+    };
+    turns(way, before, step_um).iter().all(covered)
+}

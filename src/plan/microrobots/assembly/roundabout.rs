@@ -1,0 +1,118 @@
+//! Ways of the first robot of a pair around what rests, made as long as they have to be by the racetrack detour.
+//!
+//! The closed-form ways of [`super::closing`] go past obstacles by luck. Here the way goes around them by search, and ends on the
+//! goal's axis as early as the second robot's last run asks for; what it is too short then is driven as half a circle, a straight
+//! stretch, half a circle and the same stretch back, somewhere on the way.
+
+use super::Stuck;
+use super::pair::{Departure, Pairing, Site};
+use crate::device::microrobots::Arm;
+use crate::geometry::Pose;
+use crate::plan::microrobots::free::{Segment, joined, length_um};
+use crate::plan::microrobots::ways::Task;
+use crate::plan::search::Meter;
+use std::f64::consts::{PI, TAU};
+
+/// Ways of the second robot that are looked at.
+const MAX_WAYS: usize = 3;
+
+/// Where the first robot comes to its goal's axis: so much before it has to, in turning radii.
+const LEADS: [f64; 3] = [0.0, 1.0, 2.5];
+
+/// Full circles of the second robot beyond those that are needed.
+const MORE_CIRCLES: usize = 4;
+
+/// Full circles of the second robot at most.
+const MAX_CIRCLES: usize = 40;
+
+/// Where the second robot orbits while the first is driven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Orbit {
+    Early,
+    Late,
+}
+
+impl Pairing<'_> {
+    /// Ways of both robots, with few circles of the second one first.
+    pub fn roundabout(
+        &self,
+        ways: &[Vec<Segment>],
+        site: Site,
+        meter: &mut Meter,
+    ) -> Result<Vec<(Departure, Vec<Segment>)>, Stuck> {
+        let mut found = Vec::new();
+        for way in ways.iter().take(MAX_WAYS) {
+            for orbit in [Orbit::Early, Orbit::Late] {
+                for lead in LEADS {
+                    found.extend(self.around(way, (orbit, lead), site, meter)?);
+                }
+            }
+        }
+        found.sort_by(|a: &(Departure, _), b| a.0.total_um.total_cmp(&b.0.total_um));
+        Ok(found)
+    }
+
+    /// The same for one way of the second robot, one place of its orbit, and one lead.
+    fn around(
+        &self,
+        way: &[Segment],
+        (orbit, lead): (Orbit, f64),
+        (ground, fixtures): Site,
+        meter: &mut Meter,
+    ) -> Result<Vec<(Departure, Vec<Segment>)>, Stuck> {
+        let first = self.facts[0];
+        let [before_um, after_um] = self.outside(way, orbit);
+        let lead_um = lead * first.turning_radius_um;
+        let run = |way_um: f64| Segment { arm: Arm::Up, way_um };
+        let from: Pose = first.moved(self.first_from(), Arm::Up, before_um);
+        let to: Pose = first.moved(self.approach[0], Arm::Up, -after_um - lead_um);
+        let task = Task { world: &ground.world, robot: self.roles.first, from, to, fixtures };
+        let middle = match ground.way(self.bed, &[self.roles.first, self.roles.second], &task, meter) {
+            Ok(way) => way,
+            Err(Stuck::GaveUp) => return Err(Stuck::GaveUp),
+            Err(_) => return Ok(Vec::new()),
+        };
+        let needed_um = length_um(&middle) + before_um + after_um + lead_um + TAU * first.turning_radius_um;
+        let departures = (0..=MAX_CIRCLES).map(|circles| match orbit {
+            Orbit::Early => self.departure(way, [circles, 0]),
+            Orbit::Late => self.departure(way, [0, circles]),
+        });
+        let spare_um =
+            |departure: &Departure| (self.total(departure) - self.forced_strokes()) as f64 * first.step_um - needed_um;
+        let long = departures.filter(|departure| spare_um(departure) >= 0.0).take(MORE_CIRCLES);
+        let mut found = Vec::new();
+        for departure in long {
+            let side_um = spare_um(&departure) / 2.0;
+            for at in 0..=middle.len() {
+                let (head, tail) = middle.split_at(at);
+                let racetrack = racetrack(first.turning_radius_um, side_um);
+                let whole = [run(before_um)].into_iter().chain(head.iter().copied()).chain(racetrack);
+                let whole = joined(whole.chain(tail.iter().copied()).chain([run(lead_um + after_um)]));
+                found.push((departure.clone(), whole));
+            }
+        }
+        Ok(found)
+    }
+
+    /// How far the first robot has to run straight before the second's orbit and after it.
+    fn outside(&self, way: &[Segment], orbit: Orbit) -> [f64; 2] {
+        let way = joined(way.iter().copied());
+        let per_um = self.facts[0].step_um / self.facts[1].step_um;
+        let turns = |at: usize| way.get(at).is_some_and(|segment| segment.arm == Arm::Down);
+        let later = way.iter().rposition(|segment| segment.arm == Arm::Down).filter(|at| *at > 0).unwrap_or(way.len());
+        match orbit {
+            Orbit::Early => [0.0, length_um(&way[usize::from(turns(0))..]) * per_um],
+            Orbit::Late => {
+                let end = if turns(later) { later + 1 } else { later };
+                [length_um(&way[..later]) * per_um, length_um(&way[end..]) * per_um]
+            }
+        }
+    }
+}
+
+/// Half a circle, a straight stretch, half a circle, and as much back.
+fn racetrack(radius_um: f64, side_um: f64) -> [Segment; 4] {
+    let half = Segment { arm: Arm::Down, way_um: PI * radius_um };
+    let side = Segment { arm: Arm::Up, way_um: side_um };
+    [half, side, half, side]
+}

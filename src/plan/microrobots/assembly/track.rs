@@ -1,0 +1,161 @@
+//! The way of one robot as arm positions and whole strokes.
+//!
+//! Input: a way of arcs and straight lines in micrometres, and where it has to end. Output: the same way in whole strokes, of a given
+//! number in all where one is asked for. Promise: what is returned ends within the precision; the way's pieces change by a few
+//! strokes each.
+
+use crate::check::claims::microrobots::Precision;
+use crate::device::microrobots::{Arm, Robot, wrapped_rad};
+use crate::geometry::Pose;
+use crate::plan::microrobots::free::Segment;
+
+/// Changes of a piece that are tried, in strokes: the larger first.
+const CHANGES: [i64; 7] = [64, 27, 9, 5, 3, 2, 1];
+
+/// A way is good enough at this share of the precision, and corrected no further.
+const GOOD_SHARE: f64 = 0.02;
+
+/// Rounds of corrections.
+const MAX_ROUNDS: usize = 40;
+
+/// The arm of one robot in time.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Track {
+    /// Neighbours differ; each is at least one stroke.
+    pub pieces: Vec<(Arm, u64)>,
+}
+
+impl Track {
+    pub fn push(&mut self, arm: Arm, strokes: u64) {
+        match self.pieces.last_mut() {
+            Some((last, count)) if *last == arm => *count += strokes,
+            Some(_) | None if strokes == 0 => {}
+            Some(_) | None => self.pieces.push((arm, strokes)),
+        }
+    }
+
+    pub fn extend(&mut self, other: &Track) {
+        other.pieces.iter().for_each(|&(arm, strokes)| self.push(arm, strokes));
+    }
+
+    pub fn strokes(&self) -> u64 {
+        self.pieces.iter().map(|piece| piece.1).sum()
+    }
+
+    /// Where it brings a robot.
+    pub fn end(&self, robot: &Robot, from: Pose) -> Pose {
+        end(robot, from, &self.pieces)
+    }
+
+    /// What is left of it after some strokes.
+    pub fn after(&self, strokes: u64) -> Track {
+        let (mut rest, mut skipped) = (Track::default(), strokes);
+        for &(arm, count) in &self.pieces {
+            let gone = skipped.min(count);
+            skipped -= gone;
+            rest.push(arm, count - gone);
+        }
+        rest
+    }
+}
+
+fn end(robot: &Robot, from: Pose, pieces: &[(Arm, u64)]) -> Pose {
+    pieces.iter().fold(from, |pose, &(arm, strokes)| robot.moved(pose, arm, robot.step_um * strokes as f64))
+}
+
+/// How far a pose is from its goal, as a share of the precision: the larger one of place and heading.
+pub fn miss(precision: Precision, pose: Pose, goal: Pose) -> f64 {
+    let place_um = (pose.x_um - goal.x_um).hypot(pose.y_um - goal.y_um);
+    let heading_rad = wrapped_rad(pose.heading_rad - goal.heading_rad).abs();
+    (place_um / precision.place_um).max(heading_rad / precision.heading_rad)
+}
+
+/// Where a way has to end: a fixed motion comes after it, and then the robot has to be at its goal.
+#[derive(Debug, Clone, Copy)]
+pub struct Aim {
+    pub goal: Pose,
+    pub precision: Precision,
+    /// What comes after the way, as the pose that it brings a robot to from the origin.
+    pub motion: Pose,
+}
+
+impl Aim {
+    /// How far a robot that ends its way here comes to stand from its goal.
+    pub fn miss(&self, pose: Pose) -> f64 {
+        miss(self.precision, composed(pose, self.motion), self.goal)
+    }
+}
+
+/// The second pose in the frame of the first.
+pub fn composed(frame: Pose, pose: Pose) -> Pose {
+    let (sin, cos) = frame.heading_rad.sin_cos();
+    Pose {
+        x_um: frame.x_um + pose.x_um * cos - pose.y_um * sin,
+        y_um: frame.y_um + pose.x_um * sin + pose.y_um * cos,
+        heading_rad: wrapped_rad(frame.heading_rad + pose.heading_rad),
+    }
+}
+
+/// A way in whole strokes that ends at the goal within precision, of exactly `total` strokes; `None` if none is found.
+///
+/// Rounding keeps the sums of turns and of straight lines near theirs; what error is left is taken up by a descent over strokes
+/// that are moved from one piece to another.
+pub fn whole(robot: &Robot, from: Pose, way: &[Segment], aim: &Aim, total: u64) -> Option<Track> {
+    let mut pieces = rounded(robot, way);
+    let excess = pieces.iter().map(|piece| piece.1).sum::<u64>() as i64 - total as i64;
+    let longest = (0..pieces.len()).filter(|&at| pieces[at].0 == Arm::Up).max_by_key(|&at| pieces[at].1)?;
+    pieces[longest].1 = pieces[longest].1.checked_add_signed(-excess)?;
+    let best = descend(robot, from, &mut pieces, aim);
+    let track = pieces.into_iter().fold(Track::default(), |mut track, (arm, strokes)| {
+        track.push(arm, strokes);
+        track
+    });
+    (best <= 1.0).then_some(track)
+}
+
+/// Moves strokes between pieces as long as that brings the end nearer to the goal; returns the miss that is left.
+fn descend(robot: &Robot, from: Pose, pieces: &mut [(Arm, u64)], aim: &Aim) -> f64 {
+    let mut best = aim.miss(end(robot, from, pieces));
+    for _ in 0..MAX_ROUNDS {
+        let before = best;
+        for change in CHANGES {
+            for (giver, taker) in pairs(pieces.len()) {
+                if best <= GOOD_SHARE {
+                    return best;
+                }
+                let (Some(less), true) = (pieces[giver].1.checked_add_signed(-change), giver != taker) else {
+                    continue;
+                };
+                let old = (pieces[giver].1, pieces[taker].1);
+                (pieces[giver].1, pieces[taker].1) = (less, old.1.saturating_add_signed(change));
+                let found = aim.miss(end(robot, from, pieces));
+                if found < best {
+                    best = found;
+                } else {
+                    (pieces[giver].1, pieces[taker].1) = old;
+                }
+            }
+        }
+        if best == before {
+            break;
+        }
+    }
+    best
+}
+
+/// All ordered pairs of indices.
+fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..count).flat_map(move |one| (0..count).map(move |other| (one, other)))
+}
+
+/// Each piece in whole strokes, so that neither the turns nor the straight lines add up to more than half a stroke of error.
+fn rounded(robot: &Robot, way: &[Segment]) -> Vec<(Arm, u64)> {
+    let mut owed = [0.0; 2];
+    let round = |&Segment { arm, way_um }: &Segment| {
+        let owed = &mut owed[usize::from(arm.digit())];
+        let wanted = (way_um / robot.step_um + *owed).max(0.0);
+        *owed = wanted - wanted.round();
+        (arm, wanted.round() as u64)
+    };
+    way.iter().map(round).collect()
+}

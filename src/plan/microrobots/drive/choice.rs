@@ -1,0 +1,101 @@
+//! Which control state drives each train of one robot.
+
+use super::{Drive, Reason};
+use crate::device::microrobots::Arm;
+use crate::plan::microrobots::Leg;
+use crate::plan::microrobots::strokes::Train;
+use crate::plan::microrobots::world::Hit;
+use crate::plan::search::Meter;
+
+/// The most choices that are looked at for one way.
+const MAX_CHOICES: u32 = 2_000;
+
+/// A depth-first search over the states of trains, one after the other.
+pub(super) struct Choice<'a> {
+    request: &'a Drive<'a>,
+    trains: &'a [Train],
+    /// Of the legs, those that were there before.
+    before: usize,
+    legs: Vec<Leg>,
+    /// The states for each place of the robot's arm, those first under which the others run least.
+    down: Vec<usize>,
+    up: Vec<usize>,
+    left: u32,
+    /// What happened the latest.
+    latest: Option<Hit>,
+}
+
+impl<'a> Choice<'a> {
+    /// States for trains that follow legs.
+    pub(super) fn new(request: &'a Drive<'a>, legs: &[Leg], trains: &'a [Train]) -> Self {
+        let world = request.world;
+        let with = |arm: Arm| {
+            let mut states: Vec<usize> =
+                (0..world.state_count()).filter(|state| world.arm(*state, request.robot) == arm).collect();
+            states.sort_by_key(|state| (running(request, *state), request.order.states[*state].levels_v.len()));
+            states
+        };
+        Choice {
+            request,
+            trains,
+            before: legs.len(),
+            legs: legs.to_vec(),
+            down: with(Arm::Down),
+            up: with(Arm::Up),
+            left: MAX_CHOICES,
+            latest: None,
+        }
+    }
+
+    /// The legs with those of the trains, or what meets at the latest.
+    ///
+    /// A search without recursion: for each leg, which of its states is tried.
+    pub(super) fn run(mut self, meter: &mut Meter) -> Result<Vec<Leg>, Reason> {
+        let mut tried: Vec<usize> = vec![0];
+        while let Some(next) = tried.last_mut() {
+            let index = self.legs.len() - self.before;
+            let Some(train) = self.trains.get(index) else { return Ok(self.legs) };
+            let states = match train.arm {
+                Arm::Down => &self.down,
+                Arm::Up => &self.up,
+            };
+            let state = states.get(*next).copied();
+            *next += 1;
+            let within = self.left > 0 && meter.step().is_some();
+            self.left = self.left.saturating_sub(1);
+            match state.filter(|_| within) {
+                None => {
+                    tried.pop();
+                    if self.legs.len() > self.before {
+                        self.legs.pop();
+                    }
+                }
+                Some(state) => {
+                    self.legs.push(Leg { state, strokes: train.strokes });
+                    if self.is_free() {
+                        tried.push(0);
+                    } else {
+                        self.legs.pop();
+                    }
+                }
+            }
+        }
+        let begun = meter.left().steps > 0;
+        Err(self.latest.map_or(if begun { Reason::TooFine } else { Reason::OutOfBudget }, Reason::Meets))
+    }
+
+    fn is_free(&mut self) -> bool {
+        let hit = self.request.bed.first_hit(self.request.world, &self.legs, &[]);
+        let later = |hit: &Hit| self.latest.is_none_or(|other| (other.leg, other.strokes) < (hit.leg, hit.strokes));
+        if let Some(hit) = hit.filter(later) {
+            self.latest = Some(hit);
+        }
+        hit.is_none()
+    }
+}
+
+/// How many other robots run straight in a state.
+fn running(request: &Drive, state: usize) -> usize {
+    let others = (0..request.world.count()).filter(|other| *other != request.robot && !request.bed.docked[*other]);
+    others.filter(|other| request.world.arm(state, *other) == Arm::Up).count()
+}

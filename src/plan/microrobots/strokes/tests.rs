@@ -1,0 +1,80 @@
+//! Ways in whole strokes end where they should.
+
+use super::*;
+use crate::device::microrobots::Turning;
+use crate::plan::microrobots::free::{self, joined, length_um};
+use crate::plan::microrobots::world::fixture;
+use proptest::prelude::*;
+use std::f64::consts::TAU;
+
+const PRECISION: Precision = Precision { place_um: 0.5, heading_rad: 0.5 * TAU / 360.0 };
+
+fn robot(radius_um: f64, step_um: f64, turning: Turning) -> Robot {
+    Robot { turning, ..fixture::robot("D1", radius_um, step_um) }
+}
+
+fn robots() -> impl Strategy<Value = Robot> {
+    let turning = prop_oneof![Just(Turning::Clockwise), Just(Turning::Counterclockwise)];
+    (30.0..400.0f64, 0.01..0.02f64, turning)
+        .prop_map(|(radius_um, step_um, turning)| robot(radius_um, step_um, turning))
+}
+
+fn pose() -> impl Strategy<Value = Pose> {
+    (-10_000.0..10_000.0f64, -10_000.0..10_000.0f64, -180.0..180.0f64).prop_map(|(x, y, deg)| fixture::pose(x, y, deg))
+}
+
+fn missed(robot: &Robot, from: Pose, goal: Pose, trains: &[Train]) -> (f64, f64) {
+    let end = end(robot, from, trains);
+    ((end.x_um - goal.x_um).hypot(end.y_um - goal.y_um), wrapped_rad(end.heading_rad - goal.heading_rad).abs())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn shortest_ways_end_at_their_goals(robot in robots(), from in pose(), far in pose(), near in pose()) {
+        let beside = Pose { x_um: from.x_um + near.x_um / 50.0, y_um: from.y_um + near.y_um / 50.0, ..near };
+        let beneath = Pose { x_um: from.x_um + near.x_um / 1e5, y_um: from.y_um + near.y_um / 1e5, ..from };
+        for goal in [far, beside, beneath] {
+            for word in free::words(&robot, from, goal) {
+                let way = word.segments(robot.turning_radius_um);
+                let trains = whole(&robot, from, goal, &way, PRECISION);
+                prop_assert!(trains.is_some(), "{way:?}");
+                let trains = trains.unwrap();
+                let (place_um, heading_rad) = missed(&robot, from, goal, &trains);
+                prop_assert!(place_um < 0.08 && heading_rad < 1e-3, "{place_um} {heading_rad} {way:?} {trains:?}");
+                prop_assert!(trains.len() <= way.len() + 4, "{way:?} {trains:?}");
+                let strokes: u64 = trains.iter().map(|train| train.strokes).sum();
+                let extra_um = strokes as f64 * robot.step_um - length_um(&way);
+                prop_assert!(extra_um.abs() < robot.step_um * trains.len() as f64 + 0.1, "{extra_um}");
+            }
+        }
+    }
+
+    #[test]
+    fn long_ways_with_many_corners_end_at_their_goals(
+        robot in robots(),
+        from in pose(),
+        parts in prop::collection::vec((0.0..4_000.0f64, 0.0..3.0f64), 1..8),
+    ) {
+        let both = |(run_um, turn_rad): &(f64, f64)| {
+            [(Arm::Down, turn_rad * robot.turning_radius_um), (Arm::Up, *run_um)].map(|(arm, way_um)| Segment { arm, way_um })
+        };
+        let way = joined(parts.iter().flat_map(both));
+        let goal = way.iter().fold(from, |pose, segment| robot.moved(pose, segment.arm, segment.way_um));
+        let trains = whole(&robot, from, goal, &way, PRECISION);
+        prop_assert!(trains.is_some(), "{way:?}");
+        let (place_um, heading_rad) = missed(&robot, from, goal, &trains.unwrap());
+        prop_assert!(place_um < 0.2 && heading_rad < 1e-3, "{place_um} {heading_rad} {way:?}");
+    }
+}
+
+#[test]
+fn a_precision_below_a_stroke_is_not_promised() {
+    let robot = robot(200.0, 0.02, Turning::Clockwise);
+    let (from, goal) = (Pose::at(0.0, 0.0), Pose::at(1_000.009, 0.0));
+    let way = free::shortest(&robot, from, goal);
+    let within = |place_um: f64| whole(&robot, from, goal, &way, Precision { place_um, ..PRECISION }).is_some();
+    assert!(within(0.02) && !within(0.001));
+    assert_eq!(whole(&robot, from, from, &[], PRECISION), Some(Vec::new()));
+}

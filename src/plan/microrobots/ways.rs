@@ -1,0 +1,313 @@
+//! The shortest way of one robot around obstacles, discs and bodies that rest.
+//!
+//! Input: the bed, a robot, two poses, what rests on the bed besides the obstacles. Output: a way whose every stretch is free, with a lower
+//! bound of its length; or why there is none.
+//!
+//! Method: the free optimum first (`free`): if nothing is in its way it is the optimum. Otherwise A* over polylines of the middles of the robot's
+//! circle, as in `free`: the corners come from a finite set around whatever rests (`corners`), and a state is a corner with the heading that led
+//! there. The rest is estimated by the free optimum, and by the shortest polyline over edges that are free (`graph`). The first state
+//! from which the free optimum meets nothing ends the search. Whether a turn is free is asked only when its end is
+//! taken (lazy A*; Cohen, Phillips, Likhachev, 2014). Several searches follow one another, with more corners and more haste each
+//! (`STAGES`): corners that cost the least by themselves first.
+//! What is found is then shortened by moving its corners (`shorten`).
+//!
+//! Promise: a free way, never one that is not. Not promised: that one is found where there is one, or that it is the shortest, unless it is as
+//! long as the bound. Cost grows with corners² × headings; each state that is taken is a step of the budget.
+
+mod corners;
+mod graph;
+mod shorten;
+
+use super::free::{self, Segment, joined};
+use super::world::{Fixtures, Obstruction, World};
+use crate::device::microrobots::{Arm, Robot};
+use crate::geometry::Pose;
+use crate::plan::search::Meter;
+use graph::Graph;
+use rustc_hash::FxHashMap;
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
+use std::f64::consts::TAU;
+
+/// The searches, one after the other until one finds a way.
+const STAGES: [Stage; 5] = [
+    Stage { corners: 48, weight: 1.0, states: 1_000 },
+    Stage { corners: 96, weight: 1.2, states: 2_000 },
+    Stage { corners: 192, weight: 1.5, states: 4_000 },
+    Stage { corners: 384, weight: 2.0, states: 20_000 },
+    Stage { corners: MOST_CORNERS, weight: 3.0, states: u64::MAX },
+];
+
+/// The most corners that are tried.
+const MOST_CORNERS: usize = 640;
+
+/// One search.
+struct Stage {
+    /// How many corners are tried.
+    corners: usize,
+    /// Of the rest of the way in the estimate; above 1 the search goes for the goal, and its way may be longer by this factor.
+    weight: f64,
+    /// The most states that are taken, unless the budget ends before.
+    states: u64,
+}
+
+/// States with headings that differ by less are one.
+const SAME_HEADING_RAD: f64 = TAU / 90.0;
+
+/// The most states of one search that wait or are done.
+const MAX_STATES: usize = 2_000_000;
+
+/// Who goes where, and among what.
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
+    pub world: &'a World,
+    pub robot: usize,
+    pub from: Pose,
+    pub to: Pose,
+    pub fixtures: &'a Fixtures,
+}
+
+/// A free way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    pub way: Vec<Segment>,
+    pub length_um: f64,
+    /// No way to the goal is shorter, whatever is or is not around.
+    pub bound_um: f64,
+}
+
+/// Why there is no way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoWay {
+    /// A proof: the robot is too near to this where it starts.
+    Start(Obstruction),
+    /// A proof: it would be too near to this at its goal.
+    Goal(Obstruction),
+    /// Every way over the corners that were tried is blocked; this blocks the shortest one. No proof.
+    Blocked(Obstruction),
+    /// The budget ran out; this blocks the shortest way. No proof.
+    GaveUp(Obstruction),
+}
+
+impl<'a> Task<'a> {
+    /// A way around everything.
+    pub fn find(&self, meter: &mut Meter) -> Result<Found, NoWay> {
+        let blocked = match self.direct() {
+            Ok(found) => return Ok(found),
+            Err(blocked) => blocked,
+        };
+        let at = |pose| self.world.obstruction_at(self.robot, pose, self.fixtures);
+        at(self.from).map_or(Ok(()), |found| Err(NoWay::Start(found)))?;
+        at(self.to).map_or(Ok(()), |found| Err(NoWay::Goal(found)))?;
+        let bound_um = free::distance_um(self.facts(), self.from, self.to);
+        let corners = corners::around(self);
+        for stage in STAGES {
+            let corners = &corners[..corners.len().min(stage.corners)];
+            if let Some(way) = Search::new(self, corners, stage).run(meter, blocked)? {
+                let way = shorten::shortened(self, way);
+                return Ok(Found { length_um: free::length_um(&way), way, bound_um });
+            }
+        }
+        Err(NoWay::Blocked(blocked))
+    }
+
+    /// The better of the two free ways that meets nothing; else what is in the way of the shorter one.
+    pub fn direct(&self) -> Result<Found, Obstruction> {
+        let words = free::words(self.facts(), self.from, self.to);
+        let radius_um = self.facts().turning_radius_um;
+        let bound_um = words[0].length_um(radius_um);
+        let tried = words.map(|word| {
+            let way = word.segments(radius_um);
+            match self.obstruction_on(self.from, &way) {
+                None => Ok(Found { length_um: free::length_um(&way), way, bound_um }),
+                Some(found) => Err(found),
+            }
+        });
+        let [one, other] = tried;
+        one.or_else(|blocked| match other {
+            // The longer of the two is a way, though maybe not the best one around: it is left to the search then.
+            Ok(found) if found.length_um <= bound_um + free::SLACK_UM => Ok(found),
+            Ok(_) | Err(_) => Err(blocked),
+        })
+    }
+
+    fn facts(&self) -> &'a Robot {
+        &self.world.body(self.robot).robot
+    }
+
+    fn obstruction_on(&self, from: Pose, way: &[Segment]) -> Option<Obstruction> {
+        self.world.obstruction_on(self.robot, from, way, self.fixtures).map(|(_, found)| found)
+    }
+
+    fn is_free(&self, from: Pose, way: &[Segment]) -> bool {
+        self.obstruction_on(from, way).is_none()
+    }
+
+    fn end(&self, from: Pose, way: &[Segment]) -> Pose {
+        way.iter().fold(from, |pose, segment| self.facts().moved(pose, segment.arm, segment.way_um))
+    }
+
+    /// The pose of a robot whose middle is here.
+    fn pose_about(&self, [x_um, y_um]: [f64; 2], heading_rad: f64) -> Pose {
+        let [dx, dy] = self.facts().orbit_centre_um(Pose { x_um: 0.0, y_um: 0.0, heading_rad });
+        Pose { x_um: x_um - dx, y_um: y_um - dy, heading_rad }
+    }
+
+    /// The turn and the run that lead from a pose to a middle; `None` if it is there.
+    fn leg_to(&self, from: Pose, middle_um: [f64; 2]) -> Option<[Segment; 2]> {
+        let here_um = self.facts().orbit_centre_um(from);
+        let [dx, dy] = [0, 1].map(|axis| middle_um[axis] - here_um[axis]);
+        let way_um = dx.hypot(dy);
+        let turn_rad = free::turn_rad(self.facts(), from.heading_rad, dy.atan2(dx));
+        let turn = Segment { arm: Arm::Down, way_um: turn_rad * self.facts().turning_radius_um };
+        (way_um > SHORTEST_UM).then_some([turn, Segment { arm: Arm::Up, way_um }])
+    }
+}
+
+/// Edges between corners are longer than this.
+const SHORTEST_UM: f64 = 0.5;
+
+/// A search over a set of corners.
+struct Search<'a> {
+    task: &'a Task<'a>,
+    corners: &'a [[f64; 2]],
+    graph: Graph,
+    stage: Stage,
+    states: Vec<State>,
+    queue: BinaryHeap<Reverse<Entry>>,
+    /// The least cost with which a corner was taken, by heading.
+    done: FxHashMap<(u32, u16), f64>,
+}
+
+/// A corner with the heading that led there.
+#[derive(Clone, Copy)]
+struct State {
+    pose: Pose,
+    cost_um: f64,
+    corner: u32,
+    before: u32,
+}
+
+/// The index of the start, which is no corner.
+const START: u32 = u32::MAX;
+
+struct Entry {
+    estimate_um: f64,
+    state: u32,
+}
+
+impl Ord for Entry {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.estimate_um.total_cmp(&other.estimate_um).then(self.state.cmp(&other.state))
+    }
+}
+
+impl PartialOrd for Entry {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Entry {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Entry {}
+
+impl<'a> Search<'a> {
+    fn new(task: &'a Task<'a>, corners: &'a [[f64; 2]], stage: Stage) -> Self {
+        let (states, queue, done) = (Vec::new(), BinaryHeap::new(), FxHashMap::default());
+        let mut search = Search { task, corners, graph: Graph::new(task, corners), stage, states, queue, done };
+        search.push(State { pose: task.from, cost_um: 0.0, corner: START, before: START });
+        search
+    }
+
+    /// The cheapest way over the corners; `None` if there is none.
+    fn run(mut self, meter: &mut Meter, blocked: Obstruction) -> Result<Option<Vec<Segment>>, NoWay> {
+        let until = meter.spent().saturating_add(self.stage.states);
+        while let Some(Reverse(Entry { state: index, .. })) = self.queue.pop() {
+            if meter.spent() >= until {
+                return Ok(None);
+            }
+            meter.step().ok_or(NoWay::GaveUp(blocked))?;
+            let state = self.states[index as usize];
+            if self.is_done(&state) || !self.is_reached(&state) {
+                continue;
+            }
+            self.settle(&state);
+            let rest = free::shortest(self.task.facts(), state.pose, self.task.to);
+            if self.task.is_free(state.pose, &rest) {
+                return Ok(Some(self.way_to(index, rest)));
+            }
+            self.expand(index);
+            if self.states.len() > MAX_STATES {
+                return Err(NoWay::GaveUp(blocked));
+            }
+        }
+        Ok(None)
+    }
+
+    fn key(state: &State) -> (u32, u16) {
+        (state.corner, (state.pose.heading_rad.rem_euclid(TAU) / SAME_HEADING_RAD) as u16)
+    }
+
+    fn is_done(&self, state: &State) -> bool {
+        self.done.get(&Self::key(state)).is_some_and(|cost_um| *cost_um <= state.cost_um)
+    }
+
+    fn settle(&mut self, state: &State) {
+        self.done.insert(Self::key(state), state.cost_um);
+    }
+
+    /// Whether the last leg to a state is free. Between corners the graph knows of the run.
+    fn is_reached(&self, state: &State) -> bool {
+        let Some(before) = self.states.get(state.before as usize) else { return true };
+        let leg = self.task.leg_to(before.pose, self.corners[state.corner as usize]);
+        let asked = if before.corner == START { 2 } else { 1 };
+        leg.is_some_and(|leg| self.task.is_free(before.pose, &leg[..asked]))
+    }
+
+    fn expand(&mut self, index: u32) {
+        let state = self.states[index as usize];
+        for corner in 0..self.corners.len() {
+            if state.corner != START && !self.graph.leads(state.corner as usize, corner) {
+                continue;
+            }
+            let Some(leg) = self.task.leg_to(state.pose, self.corners[corner]) else { continue };
+            let heading_rad = state.pose.heading_rad
+                + self.task.facts().turning.sign() * leg[0].way_um / self.task.facts().turning_radius_um;
+            let pose = self.task.pose_about(self.corners[corner], heading_rad);
+            let cost_um = state.cost_um + leg[0].way_um + leg[1].way_um;
+            self.push(State { pose, cost_um, corner: corner as u32, before: index });
+        }
+    }
+
+    fn push(&mut self, state: State) {
+        let corner = (state.corner != START).then_some(state.corner as usize);
+        let known_um = corner.map_or(0.0, |corner| self.graph.rest_um(corner));
+        if self.is_done(&state) || known_um.is_infinite() {
+            return;
+        }
+        let turn_rad = free::turn_rad(self.task.facts(), state.pose.heading_rad, self.task.to.heading_rad);
+        let known_um = known_um + turn_rad * self.task.facts().turning_radius_um;
+        let rest_um = free::distance_um(self.task.facts(), state.pose, self.task.to);
+        let estimate_um = state.cost_um + self.stage.weight * rest_um.max(known_um);
+        self.queue.push(Reverse(Entry { estimate_um, state: self.states.len() as u32 }));
+        self.states.push(state);
+    }
+
+    fn way_to(&self, index: u32, rest: Vec<Segment>) -> Vec<Segment> {
+        let mut legs: Vec<[Segment; 2]> = Vec::new();
+        let mut state = &self.states[index as usize];
+        while let Some(before) = self.states.get(state.before as usize) {
+            legs.extend(self.task.leg_to(before.pose, self.corners[state.corner as usize]));
+            state = before;
+        }
+        joined(legs.into_iter().rev().flatten().chain(rest))
+    }
+}
+
+#[cfg(test)]
+mod tests;

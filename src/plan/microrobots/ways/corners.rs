@@ -1,0 +1,186 @@
+//! Where the polyline of a way may have its corners.
+//!
+//! For each point p that a way may have to go round (corners of obstacles and bodies, points about discs): middles so far from p that the robot
+//! just turns around it, with p inside its orbit; middles so far that the whole orbit stays clear of it; and middles on
+//! the lines along which the robot just passes it on either side. Besides these: points on the first and the last heading,
+//! and a coarse lattice. Every one is kept only if the robot can be there with some heading.
+
+use super::{MOST_CORNERS, Task};
+use crate::geometry::{Core, Rounded};
+use crate::plan::microrobots::free;
+use crate::plan::microrobots::world::{Disc, MARGIN_UM, Rectangle};
+use std::f64::consts::TAU;
+
+/// Directions around a point.
+const DIRECTIONS: usize = 8;
+
+/// Points about a disc.
+const POINTS_OF_DISC: usize = 6;
+
+/// The most points that a way may go round.
+const MAX_POINTS: usize = 400;
+
+/// Points of the lattice in a row.
+const LATTICE: usize = 7;
+
+/// Corners that are nearer to each other are one.
+const SAME_UM: f64 = 1.0;
+
+/// What is kept from what is passed beyond what has to be.
+const ROOM_UM: f64 = 0.5 + MARGIN_UM;
+
+/// All corners, those with the shortest ways over them first.
+pub(super) fn around(task: &Task) -> Vec<[f64; 2]> {
+    let mut found = Vec::new();
+    let points = points(task);
+    points.iter().for_each(|point| around_point(task, point, &mut found));
+    along_headings(task, &mut found);
+    lattice(task, &points, &mut found);
+    let cost_um = |corner: [f64; 2]| cost_um(task, corner);
+    let mut ranked: Vec<(f64, [f64; 2])> = found.into_iter().map(|corner| (cost_um(corner), corner)).collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1[0].total_cmp(&b.1[0])).then(a.1[1].total_cmp(&b.1[1])));
+    let mut kept: Vec<[f64; 2]> = Vec::new();
+    for (_, corner) in ranked {
+        let is_new = kept.iter().all(|other| (other[0] - corner[0]).hypot(other[1] - corner[1]) > SAME_UM);
+        if is_new && is_usable(task, corner) {
+            kept.push(corner);
+        }
+        if kept.len() >= MOST_CORNERS {
+            break;
+        }
+    }
+    kept
+}
+
+/// What a way over a corner costs where nothing is in its way: to the corner by a turn and a run, and on by the free optimum.
+fn cost_um(task: &Task, corner: [f64; 2]) -> f64 {
+    let Some([turn, run]) = task.leg_to(task.from, corner) else { return f64::INFINITY };
+    let pose = task.end(task.from, &[turn, run]);
+    turn.way_um + run.way_um + free::distance_um(task.facts(), pose, task.to)
+}
+
+fn is_usable(task: &Task, corner: [f64; 2]) -> bool {
+    (0..2 * DIRECTIONS).any(|direction| {
+        let pose = task.pose_about(corner, TAU * direction as f64 / (2 * DIRECTIONS) as f64);
+        task.world.obstruction_at(task.robot, pose, task.fixtures).is_none()
+    })
+}
+
+/// A point that a way may go round.
+struct Point {
+    at_um: [f64; 2],
+    /// What a body keeps from it.
+    keep_um: f64,
+    /// Of a side next to it.
+    heading_rad: f64,
+}
+
+fn points(task: &Task) -> Vec<Point> {
+    let [keep_um, orbit_keep_um] = task.world.keeps_um();
+    let mut points = Vec::new();
+    for body in task.world.obstacles() {
+        of_obstacle(body, keep_um, &mut points);
+    }
+    for body in &task.fixtures.bodies {
+        of_rectangle(body, keep_um, &mut points);
+    }
+    for disc in &task.fixtures.discs {
+        of_disc(disc, orbit_keep_um, &mut points);
+    }
+    points.truncate(MAX_POINTS);
+    points
+}
+
+fn of_obstacle(body: &Rounded, keep_um: f64, points: &mut Vec<Point>) {
+    let keep_um = keep_um + body.radius_um;
+    let side = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]).atan2(b[0] - a[0]);
+    match &body.core {
+        Core::Point(point) => {
+            of_disc(
+                &Disc { centre_um: [point.x, point.y], radius_um: body.radius_um },
+                keep_um - body.radius_um,
+                points,
+            );
+        }
+        Core::Segment([a, b]) => {
+            let heading_rad = side([a.x, a.y], [b.x, b.y]);
+            points.extend([a, b].map(|end| Point { at_um: [end.x, end.y], keep_um, heading_rad }));
+        }
+        Core::Polygon(corners) => {
+            for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+                points.push(Point { at_um: [a.x, a.y], keep_um, heading_rad: side([a.x, a.y], [b.x, b.y]) });
+            }
+        }
+    }
+}
+
+fn of_rectangle(body: &Rectangle, keep_um: f64, points: &mut Vec<Point>) {
+    let heading_rad = body.axis[1].atan2(body.axis[0]);
+    points.extend(body.corners().map(|at_um| Point { at_um, keep_um, heading_rad }));
+}
+
+fn of_disc(disc: &Disc, keep_um: f64, points: &mut Vec<Point>) {
+    let [x, y] = disc.centre_um;
+    points.push(Point { at_um: disc.centre_um, keep_um: keep_um + disc.radius_um, heading_rad: 0.0 });
+    points.extend((0..POINTS_OF_DISC).filter(|_| disc.radius_um > 1.0).map(|index| {
+        let heading_rad = TAU * index as f64 / POINTS_OF_DISC as f64;
+        let (sin, cos) = heading_rad.sin_cos();
+        Point { at_um: [x + disc.radius_um * cos, y + disc.radius_um * sin], keep_um, heading_rad }
+    }));
+}
+
+fn around_point(task: &Task, point: &Point, found: &mut Vec<[f64; 2]>) {
+    let body = task.world.body(task.robot);
+    let radius_um = task.facts().turning_radius_um;
+    let [half_length_um, half_width_um] = body.half_um;
+    let keep_um = point.keep_um + ROOM_UM;
+    let inner_um = radius_um - half_width_um - keep_um;
+    let (outer_um, beside_um) = (body.reach_um + keep_um, radius_um + half_width_um + keep_um);
+    let beyond_um = half_length_um + keep_um;
+    for direction in 0..DIRECTIONS {
+        let (sin, cos) = (point.heading_rad + TAU * direction as f64 / DIRECTIONS as f64).sin_cos();
+        let at = |along_um: f64, left_um: f64| {
+            [point.at_um[0] + along_um * cos - left_um * sin, point.at_um[1] + along_um * sin + left_um * cos]
+        };
+        found.push(at(outer_um, 0.0));
+        found.extend((inner_um > 0.0).then(|| at(inner_um, 0.0)));
+        if direction % 2 == 0 {
+            // The middle is to the side to which the robot turns; the point may be between them or on the other side.
+            let sign = task.facts().turning.sign();
+            for left_um in [sign * beside_um, sign * inner_um] {
+                found.extend([at(-beyond_um, left_um), at(beyond_um, left_um)]);
+            }
+        }
+    }
+    found.extend((inner_um > 0.0).then_some(point.at_um));
+}
+
+/// Points ahead of the start and behind the goal.
+fn along_headings(task: &Task, found: &mut Vec<[f64; 2]>) {
+    let far_um = 2.0 * free::distance_um(task.facts(), task.from, task.to);
+    for (pose, sign) in [(task.from, 1.0), (task.to, -1.0)] {
+        let [x, y] = task.facts().orbit_centre_um(pose);
+        let (sin, cos) = pose.heading_rad.sin_cos();
+        let mut way_um = task.facts().turning_radius_um / 4.0;
+        while way_um < far_um {
+            found.push([x + sign * way_um * cos, y + sign * way_um * sin]);
+            way_um *= 1.5;
+        }
+    }
+    // Where the straight–turn–straight way has its corner.
+    found.extend(free::words(task.facts(), task.from, task.to).map(|word| {
+        let [x, y] = task.facts().orbit_centre_um(task.from);
+        let (sin, cos) = (task.from.heading_rad + task.facts().turning.sign() * word.turns_rad[0]).sin_cos();
+        [x + word.runs_um[0] * cos, y + word.runs_um[0] * sin]
+    }));
+}
+
+fn lattice(task: &Task, points: &[Point], found: &mut Vec<[f64; 2]>) {
+    let reach_um = 2.0 * task.world.body(task.robot).reach_um;
+    let ends = [task.from, task.to].map(|pose| task.facts().orbit_centre_um(pose));
+    let all = || ends.iter().copied().chain(points.iter().map(|point| point.at_um));
+    let low = [0, 1].map(|axis| all().map(|at| at[axis]).fold(f64::INFINITY, f64::min) - reach_um);
+    let high = [0, 1].map(|axis| all().map(|at| at[axis]).fold(f64::NEG_INFINITY, f64::max) + reach_um);
+    let at = |axis: usize, index: usize| low[axis] + (high[axis] - low[axis]) * index as f64 / (LATTICE - 1) as f64;
+    found.extend((0..LATTICE * LATTICE).map(|index| [at(0, index % LATTICE), at(1, index / LATTICE)]));
+}

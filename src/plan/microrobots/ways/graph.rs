@@ -1,0 +1,77 @@
+//! Which corners a robot can run straight between, and how long the shortest polyline over them is.
+//!
+//! An edge has one heading, whatever turns are before and after it; so whether it is free is asked once for every pair.
+
+use super::{SHORTEST_UM, Task};
+use crate::device::microrobots::Arm;
+use crate::plan::microrobots::free::Segment;
+
+/// Edges between corners, and from them to the goal.
+pub(super) struct Graph {
+    count: usize,
+    /// By the corner where it begins, then by the one where it ends.
+    leads: Vec<bool>,
+    /// The length of the shortest polyline to the goal's middle, turns aside; infinite if there is none.
+    rest_um: Vec<f64>,
+}
+
+impl Graph {
+    /// Asks for every pair of corners.
+    pub(super) fn new(task: &Task, corners: &[[f64; 2]]) -> Self {
+        let count = corners.len();
+        let goal_um = task.facts().orbit_centre_um(task.to);
+        let mut leads = vec![false; count * count];
+        for (from, a) in corners.iter().enumerate() {
+            for (to, b) in corners.iter().enumerate() {
+                leads[from * count + to] = is_free(task, *a, *b);
+            }
+        }
+        let rest_um = corners.iter().map(|corner| last_um(task, *corner, goal_um)).collect();
+        let mut graph = Graph { count, leads, rest_um };
+        graph.settle(corners);
+        graph
+    }
+
+    /// Whether the run from one corner to another is free.
+    pub(super) fn leads(&self, from: usize, to: usize) -> bool {
+        self.leads[from * self.count + to]
+    }
+
+    /// The least length from a corner to the goal's middle.
+    pub(super) fn rest_um(&self, corner: usize) -> f64 {
+        self.rest_um[corner]
+    }
+
+    /// Dijkstra's search backwards, by rows: the graph is dense.
+    fn settle(&mut self, corners: &[[f64; 2]]) {
+        let mut open: Vec<usize> = (0..self.count).collect();
+        while !open.is_empty() {
+            let by_rest = |a: &usize, b: &usize| self.rest_um[open[*a]].total_cmp(&self.rest_um[open[*b]]);
+            let Some(nearest) = (0..open.len()).min_by(by_rest) else { return };
+            let to = open.swap_remove(nearest);
+            for &from in open.iter().filter(|from| self.leads[**from * self.count + to]) {
+                let rest_um = self.rest_um[to] + apart_um(corners[from], corners[to]);
+                self.rest_um[from] = self.rest_um[from].min(rest_um);
+            }
+        }
+    }
+}
+
+fn apart_um(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (b[0] - a[0]).hypot(b[1] - a[1])
+}
+
+/// The length of the last run, if it is free.
+fn last_um(task: &Task, corner: [f64; 2], goal_um: [f64; 2]) -> f64 {
+    let way_um = apart_um(corner, goal_um);
+    if way_um <= SHORTEST_UM || is_free(task, corner, goal_um) { way_um } else { f64::INFINITY }
+}
+
+fn is_free(task: &Task, a: [f64; 2], b: [f64; 2]) -> bool {
+    let way_um = apart_um(a, b);
+    if way_um <= SHORTEST_UM {
+        return false;
+    }
+    let from = task.pose_about(a, (b[1] - a[1]).atan2(b[0] - a[0]));
+    task.world.obstruction(task.robot, from, Segment { arm: Arm::Up, way_um }, task.fixtures).is_none()
+}

@@ -1,0 +1,115 @@
+//! A free way made shorter: corners are left out and moved as long as that makes it shorter and it stays free.
+
+use super::{SHORTEST_UM, Task};
+use crate::device::microrobots::Arm;
+use crate::plan::microrobots::free::{self, Segment, joined};
+
+/// The first and the last step by which a corner is moved.
+const STEPS_UM: [f64; 2] = [200.0, 0.5];
+
+/// The most tries.
+const MAX_TRIES: usize = 1_500;
+
+/// What a move has to gain.
+const LEAST_GAIN_UM: f64 = 1e-3;
+
+/// A way that is no longer than the given one. If a try is no way, it is dropped.
+pub(super) fn shortened(task: &Task, way: Vec<Segment>) -> Vec<Segment> {
+    let mut corners = corners(task, &way);
+    let mut best = (free::length_um(&way), way);
+    let mut tries = 0;
+    let mut step_um = STEPS_UM[0];
+    while step_um >= STEPS_UM[1] && tries < MAX_TRIES {
+        if leave_one_out(task, &mut corners, &mut best, &mut tries)
+            || move_one(task, &mut corners, &mut best, &mut tries, step_um)
+        {
+            continue;
+        }
+        step_um /= 2.0;
+    }
+    best.1
+}
+
+/// The corners of a way but the first and the last middle.
+fn corners(task: &Task, way: &[Segment]) -> Vec<[f64; 2]> {
+    let mut pose = task.from;
+    let mut corners = Vec::new();
+    for segment in way {
+        pose = task.facts().moved(pose, segment.arm, segment.way_um);
+        if segment.arm == Arm::Up {
+            corners.push(task.facts().orbit_centre_um(pose));
+        }
+    }
+    let goal_um = task.facts().orbit_centre_um(task.to);
+    corners.retain(|corner| (corner[0] - goal_um[0]).hypot(corner[1] - goal_um[1]) > SHORTEST_UM);
+    corners
+}
+
+/// The way over corners to the goal, the rest by the free optimum.
+fn over(task: &Task, corners: &[[f64; 2]]) -> Option<Vec<Segment>> {
+    let mut pose = task.from;
+    let mut way = Vec::with_capacity(2 * corners.len() + 5);
+    for corner in corners {
+        let leg = task.leg_to(pose, *corner)?;
+        pose = task.end(pose, &leg);
+        way.extend(leg);
+    }
+    way.extend(free::shortest(task.facts(), pose, task.to));
+    Some(joined(way))
+}
+
+/// Whether the corners lead to a shorter way that is free; it is the best one then.
+fn improves(task: &Task, corners: &[[f64; 2]], best: &mut (f64, Vec<Segment>), tries: &mut usize) -> bool {
+    *tries += 1;
+    let Some(way) = over(task, corners) else { return false };
+    let length_um = free::length_um(&way);
+    let better = length_um < best.0 - LEAST_GAIN_UM && task.is_free(task.from, &way);
+    if better {
+        *best = (length_um, way);
+    }
+    better
+}
+
+fn leave_one_out(task: &Task, corners: &mut Vec<[f64; 2]>, best: &mut (f64, Vec<Segment>), tries: &mut usize) -> bool {
+    for index in 0..corners.len() {
+        let corner = corners.remove(index);
+        if improves(task, corners, best, tries) {
+            return true;
+        }
+        corners.insert(index, corner);
+    }
+    false
+}
+
+fn move_one(
+    task: &Task,
+    corners: &mut [[f64; 2]],
+    best: &mut (f64, Vec<Segment>),
+    tries: &mut usize,
+    step_um: f64,
+) -> bool {
+    let half = step_um * std::f64::consts::FRAC_1_SQRT_2;
+    let moves = [
+        [step_um, 0.0],
+        [half, half],
+        [0.0, step_um],
+        [-half, half],
+        [-step_um, 0.0],
+        [-half, -half],
+        [0.0, -step_um],
+        [half, -half],
+    ];
+    let mut moved = false;
+    for index in 0..corners.len() {
+        let before = corners[index];
+        for [dx, dy] in moves {
+            corners[index] = [before[0] + dx, before[1] + dy];
+            if improves(task, corners, best, tries) {
+                moved = true;
+                break;
+            }
+            corners[index] = before;
+        }
+    }
+    moved
+}

@@ -1,0 +1,224 @@
+//! Why a step of microrobots has no plan, in words: which robot, which orbit, which obstacle.
+
+use super::assembly::{Blocker, Certainty, Stuck};
+use super::world::{Hit, Meeting};
+use crate::check::claims::microrobots::{MicrorobotsOrder, Step};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::{Dimension, Quantity, digits};
+use crate::source::Span;
+
+/// The words of one step, for the messages about it.
+pub struct Why<'a> {
+    pub order: &'a MicrorobotsOrder,
+    pub step: &'a Step,
+}
+
+impl Why<'_> {
+    /// What is said of a raw state whose strokes carry robots into something.
+    pub fn applied_into(&self, hit: &Hit) -> Diagnostic {
+        let after = Quantity::new(hit.strokes * self.order.facts.period_ns as f64 / 1e9, Dimension::TIME);
+        let title = format!("{} after {}", self.meeting(hit.meeting), rounded(after));
+        let diagnostic =
+            Diagnostic::new(Code::E0606, title).label(self.step.span, "this carries all robots that have not docked");
+        self.labelled(diagnostic, hit.meeting).help("apply it for a shorter time, or another state")
+    }
+
+    /// What is said of an assembly that has no plan.
+    pub fn not_assembled(&self, stuck: &Stuck, span: &dyn Fn(usize) -> Span) -> Diagnostic {
+        let code = match stuck.certainty() {
+            Certainty::Proven => Code::E0601,
+            Certainty::Open => Code::E0602,
+        };
+        match stuck {
+            Stuck::Unsteerable { robots, orbiting } => self.unsteerable(code, robots, *orbiting, span),
+            Stuck::GoalInOrbit { robot, orbiting, gap_um } => {
+                self.goal_in_orbit(code, (*robot, *orbiting), *gap_um, span)
+            }
+            Stuck::Apart { robot } => {
+                let title = format!("{} touches nothing at its goal when it comes to dock", self.name(*robot));
+                Diagnostic::new(code, title)
+                    .label(span(*robot), "no body that has docked before is within the docking tolerance")
+                    .help("a robot docks with those that snap down after it: let their goals touch")
+            }
+            Stuck::Blocked { robot, partner, hit } => self.blocked(code, (*robot, *partner), hit, span),
+            Stuck::Untimely { first, second } => {
+                let title = format!(
+                    "{} and {} cannot be brought to their goals at the same time",
+                    self.name(*first),
+                    self.name(*second)
+                );
+                Diagnostic::new(code, title)
+                    .label(span(*first), "no phase of the other's orbit was found from which both arrive together")
+                    .help("let them start farther from their goals, or turned otherwise")
+            }
+            Stuck::NoWay { robot, blocker } => {
+                let title = format!("no way was found for {} round {}", self.name(*robot), self.blocker(*blocker));
+                let diagnostic = Diagnostic::new(code, title).label(span(*robot), "the way to this goal");
+                self.in_the_way(diagnostic, *blocker)
+                    .help("move it aside, or allow more: `using one_way_dubins { expansions: 2000000 }`")
+            }
+            Stuck::NoOrbit { robot, blocker } => {
+                let title =
+                    format!("{} has no room for its orbit: {} is in it", self.name(*robot), self.blocker(*blocker));
+                let reach = Quantity::new(self.order.robot(*robot).orbit_reach_um() / 1e6, Dimension::LENGTH);
+                let diagnostic = Diagnostic::new(code, title).label(
+                    self.order.robots[*robot].span,
+                    format!("sweeps a disc of {} radius while others are driven", rounded(reach)),
+                );
+                self.in_the_way(diagnostic, *blocker).help("let it start elsewhere, with room around it")
+            }
+            Stuck::Coarse { robot } => {
+                let title =
+                    format!("whole strokes do not bring {} to its goal within the precision", self.name(*robot));
+                Diagnostic::new(code, title)
+                    .label(span(*robot), "this goal")
+                    .help("ask for less `precision`, or give the bed a smaller `step_size`")
+            }
+            Stuck::GaveUp => self.gave_up(),
+        }
+    }
+
+    fn gave_up(&self) -> Diagnostic {
+        let budget = self.order.expansions;
+        let plural = if budget == 1 { "" } else { "s" };
+        Diagnostic::new(Code::E0602, format!("the search gave up after {budget} expansion{plural}"))
+            .label(self.step.span, "neither planned nor disproved")
+            .help(crate::plan::errors::more_allowed(budget, "one_way_dubins"))
+    }
+
+    fn unsteerable(
+        &self,
+        code: Code,
+        robots: &[usize],
+        orbiting: Option<usize>,
+        span: &dyn Fn(usize) -> Span,
+    ) -> Diagnostic {
+        let names = self.names(robots);
+        let orbits = orbiting.map_or("all others that have not docked".to_owned(), |robot| self.name(robot));
+        let verb = if orbiting.is_some() { "goes" } else { "go" };
+        let title = format!("no control states steer {names} while {orbits} {verb} round");
+        let first = robots.first().copied().unwrap_or(0);
+        Diagnostic::new(code, title)
+            .label(span(first), "it cannot be steered by itself")
+            .help("robots that snap down first dock last: an assembly begins with the two that snap last; `tweeze devices FILE` shows the control states")
+    }
+
+    fn goal_in_orbit(
+        &self,
+        code: Code,
+        (robot, orbiting): (usize, usize),
+        gap_um: f64,
+        span: &dyn Fn(usize) -> Span,
+    ) -> Diagnostic {
+        let (name, other) = (self.name(robot), self.name(orbiting));
+        let place = match gap_um < 0.0 {
+            true => format!("lies {} inside the disc that {other} sweeps", length(-gap_um)),
+            false => format!("is {} from the disc that {other} sweeps", length(gap_um)),
+        };
+        let least = length(self.order.facts.orbit_clearance_um);
+        Diagnostic::new(code, format!("the goal of {name} {place}, at least {least} is needed"))
+            .label(span(robot), format!("{name} docks here while {other} goes round"))
+            .label_elsewhere(self.order.robots[orbiting].span, span(robot), "its orbit begins here")
+            .help(format!("let {other} start farther from the structure"))
+    }
+
+    fn blocked(
+        &self,
+        code: Code,
+        (robot, partner): (usize, Option<usize>),
+        hit: &Hit,
+        span: &dyn Fn(usize) -> Span,
+    ) -> Diagnostic {
+        let driven = match partner {
+            Some(partner) => format!("{} and {}", self.name(robot), self.name(partner)),
+            None => self.name(robot),
+        };
+        let title = format!("no way was found for {driven}: {}", self.meeting(hit.meeting));
+        let diagnostic = Diagnostic::new(code, title)
+            .label(span(robot), "of all ways to this goal that were tried the last one ended so");
+        self.labelled(diagnostic, hit.meeting)
+            .help("give the robots more room: other starts, other headings of the goals, or fewer obstacles")
+    }
+
+    /// A forbidden meeting in words.
+    pub fn meeting(&self, meeting: Meeting) -> String {
+        let facts = &self.order.facts;
+        let (clearance, orbit) = (length(facts.clearance_um), length(facts.orbit_clearance_um));
+        let obstacle = |index: usize| format!("`{}`", self.order.obstacles[index].name);
+        match meeting {
+            Meeting::Obstacle { robot, obstacle: index } => {
+                format!("{} comes nearer than {clearance} to {}", self.name(robot), obstacle(index))
+            }
+            Meeting::Robots { robot, other } => {
+                format!("{} comes nearer than {clearance} to {}", self.name(robot), self.name(other))
+            }
+            Meeting::OrbitObstacle { robot, obstacle: index } => {
+                format!("the orbit of {} comes nearer than {orbit} to {}", self.name(robot), obstacle(index))
+            }
+            Meeting::OrbitRobot { robot, other } => {
+                format!("{} comes nearer than {orbit} to the orbit of {}", self.name(other), self.name(robot))
+            }
+            Meeting::Orbits { robot, other } => {
+                format!(
+                    "the orbits of {} and {} come nearer than {orbit} to each other",
+                    self.name(robot),
+                    self.name(other)
+                )
+            }
+        }
+    }
+
+    /// Labels what is met, where the program declares it.
+    fn labelled(&self, diagnostic: Diagnostic, meeting: Meeting) -> Diagnostic {
+        let robot = |index: usize| (self.order.robots[index].span, "it starts here");
+        let obstacle = |index: usize| (self.order.obstacles[index].span, "in the way");
+        let (span, label) = match meeting {
+            Meeting::Obstacle { obstacle: index, .. } | Meeting::OrbitObstacle { obstacle: index, .. } => {
+                obstacle(index)
+            }
+            Meeting::Robots { other, .. } | Meeting::Orbits { other, .. } => robot(other),
+            Meeting::OrbitRobot { robot: orbiting, .. } => robot(orbiting),
+        };
+        diagnostic.label_elsewhere(span, self.step.span, label)
+    }
+
+    fn in_the_way(&self, diagnostic: Diagnostic, blocker: Blocker) -> Diagnostic {
+        let span = match blocker {
+            Blocker::Obstacle(index) => self.order.obstacles[index].span,
+            Blocker::Orbit(robot) | Blocker::Docked(robot) => self.order.robots[robot].span,
+        };
+        diagnostic.label_elsewhere(span, self.step.span, "in the way")
+    }
+
+    fn blocker(&self, blocker: Blocker) -> String {
+        match blocker {
+            Blocker::Obstacle(index) => format!("`{}`", self.order.obstacles[index].name),
+            Blocker::Orbit(robot) => format!("the orbit of {}", self.name(robot)),
+            Blocker::Docked(robot) => format!("{}, which has docked", self.name(robot)),
+        }
+    }
+
+    fn name(&self, robot: usize) -> String {
+        format!("`{}`", self.order.robot(robot).name)
+    }
+
+    fn names(&self, robots: &[usize]) -> String {
+        robots.iter().map(|robot| self.name(*robot)).collect::<Vec<_>>().join(" and ")
+    }
+}
+
+/// To a tenth of a micrometre.
+fn length(um: f64) -> String {
+    rounded(Quantity::new((um * 10.0).round() / 1e7, Dimension::LENGTH))
+}
+
+fn rounded(quantity: Quantity) -> String {
+    let text = quantity.to_string();
+    match text.split_once(' ') {
+        Some((number, unit)) => {
+            let value: f64 = number.parse().unwrap_or(quantity.si);
+            format!("{} {unit}", digits((value * 100.0).round() / 100.0))
+        }
+        None => text,
+    }
+}

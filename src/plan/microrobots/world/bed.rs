@@ -1,0 +1,78 @@
+//! The bed between steps: where robots stand, and what happened since their arms were last up.
+
+use super::{Hit, World};
+use crate::device::microrobots::Arm;
+use crate::geometry::Pose;
+use crate::plan::microrobots::{Docking, Leg};
+
+/// Where the robots stand, and the legs that an arm stayed down through up to now: its turn goes on counting in the legs that follow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bed {
+    /// Where each robot of the order stands.
+    pub poses: Vec<Pose>,
+    /// Whether it sticks in a structure.
+    pub docked: Vec<bool>,
+    /// The same before the legs.
+    before: (Vec<Pose>, Vec<bool>),
+    legs: Vec<Leg>,
+    docks: Vec<Docking>,
+}
+
+impl Bed {
+    /// A bed at rest: all arms are up.
+    pub fn new(poses: Vec<Pose>, docked: Vec<bool>) -> Self {
+        Bed { before: (poses.clone(), docked.clone()), poses, docked, legs: Vec::new(), docks: Vec::new() }
+    }
+
+    /// Raises all arms.
+    pub fn rest(&mut self) {
+        *self = Bed::new(std::mem::take(&mut self.poses), std::mem::take(&mut self.docked));
+    }
+
+    /// The first forbidden meeting of legs from here on. Its leg is counted among these; if the whole disc of a robot was already
+    /// violated before them, it is the first one.
+    pub fn first_hit(&self, world: &World, legs: &[Leg], docks: &[Docking]) -> Option<Hit> {
+        let past = self.legs.len();
+        if past == 0 {
+            return world.first_hit(&self.poses, &self.docked, legs, docks);
+        }
+        let all: Vec<Leg> = self.legs.iter().chain(legs).copied().collect();
+        let later = docks.iter().map(|dock| Docking { leg: dock.leg + past, ..*dock });
+        let docks: Vec<Docking> = self.docks.iter().copied().chain(later).collect();
+        let hit = world.first_hit(&self.before.0, &self.before.1, &all, &docks);
+        hit.map(|hit| Hit { leg: hit.leg.saturating_sub(past), ..hit })
+    }
+
+    /// Follows legs.
+    pub fn follow(&mut self, world: &World, legs: &[Leg], docks: &[Docking]) {
+        let past = self.legs.len();
+        for (index, leg) in legs.iter().enumerate() {
+            world.advance(&mut self.poses, &self.docked, *leg);
+            docks.iter().filter(|dock| dock.leg == index).for_each(|dock| self.docked[dock.robot] = true);
+        }
+        self.legs.extend(legs);
+        self.docks.extend(docks.iter().map(|dock| Docking { leg: dock.leg + past, ..*dock }));
+        self.forget(world);
+    }
+
+    /// Drops the legs before the one from which on some arm stays down.
+    fn forget(&mut self, world: &World) {
+        let held = |robot: &usize| {
+            let down = |leg: &&Leg| world.arm(leg.state, *robot) == Arm::Down;
+            self.legs.iter().rev().take_while(down).count()
+        };
+        let moving = (0..world.count()).filter(|robot| !self.docked[*robot]);
+        let dropped = self.legs.len() - moving.map(|robot| held(&robot)).max().unwrap_or(0);
+        for (index, leg) in self.legs.drain(..dropped).enumerate() {
+            world.advance(&mut self.before.0, &self.before.1, leg);
+            self.docks.iter().filter(|dock| dock.leg == index).for_each(|dock| self.before.1[dock.robot] = true);
+        }
+        self.docks.retain_mut(|dock| match dock.leg.checked_sub(dropped) {
+            Some(leg) => {
+                dock.leg = leg;
+                true
+            }
+            None => false,
+        });
+    }
+}

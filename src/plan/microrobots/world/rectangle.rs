@@ -1,0 +1,86 @@
+//! A robot's body as a rectangle, and how far it is from others.
+
+use crate::geometry::distance::quadrilateral_core;
+use crate::geometry::{Pose, Rounded};
+use nalgebra::Point2;
+
+/// A rectangle in any direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rectangle {
+    pub centre_um: [f64; 2],
+    /// Cosine and sine of the heading of its length.
+    pub axis: [f64; 2],
+    /// Half its length and half its width.
+    pub half_um: [f64; 2],
+}
+
+impl Rectangle {
+    /// The rectangle of a body at a pose.
+    pub fn new(pose: Pose, half_um: [f64; 2]) -> Self {
+        let (sin, cos) = pose.heading_rad.sin_cos();
+        Rectangle { centre_um: [pose.x_um, pose.y_um], axis: [cos, sin], half_um }
+    }
+
+    /// What it sweeps when it moves along its length.
+    pub fn swept(&self, way_um: f64) -> Self {
+        let [x_um, y_um] = self.centre_um;
+        let [cos, sin] = self.axis;
+        let half = way_um / 2.0;
+        Rectangle {
+            centre_um: [x_um + half * cos, y_um + half * sin],
+            half_um: [self.half_um[0] + half.abs(), self.half_um[1]],
+            ..*self
+        }
+    }
+
+    /// The corners in order around it.
+    pub fn corners(&self) -> [[f64; 2]; 4] {
+        let [x_um, y_um] = self.centre_um;
+        let [cos, sin] = self.axis;
+        let [a_um, b_um] = self.half_um;
+        [(a_um, b_um), (-a_um, b_um), (-a_um, -b_um), (a_um, -b_um)]
+            .map(|(along_um, left_um)| [x_um + along_um * cos - left_um * sin, y_um + along_um * sin + left_um * cos])
+    }
+
+    fn local(&self, [x_um, y_um]: [f64; 2]) -> [f64; 2] {
+        let (dx, dy) = (x_um - self.centre_um[0], y_um - self.centre_um[1]);
+        let [cos, sin] = self.axis;
+        [dx * cos + dy * sin, dy * cos - dx * sin]
+    }
+
+    /// Distance of a point, 0 inside.
+    pub fn to_point_um(&self, point_um: [f64; 2]) -> f64 {
+        let [along_um, left_um] = self.local(point_um);
+        (along_um.abs() - self.half_um[0]).max(0.0).hypot((left_um.abs() - self.half_um[1]).max(0.0))
+    }
+
+    /// Distance of a body, 0 where they meet; negative if it has a radius and its core is nearer.
+    pub fn to_rounded_um(&self, body: &Rounded) -> f64 {
+        quadrilateral_core(self.corners().map(|[x, y]| Point2::new(x, y)), &body.core) - body.radius_um
+    }
+
+    /// Distance of two rectangles; where they overlap, less 0 by the shortest way that parts them.
+    ///
+    /// Two convex polygons overlap by the least of their overlaps along the normals of their sides; if they do not, a corner of one is
+    /// nearest to the other.
+    pub fn to_rectangle_um(&self, other: &Rectangle) -> f64 {
+        let apart_um = self.apart_um(other).max(other.apart_um(self));
+        if apart_um <= 0.0 {
+            return apart_um;
+        }
+        let of = |one: &Rectangle, two: &Rectangle| {
+            two.corners().into_iter().map(|corner| one.to_point_um(corner)).fold(f64::INFINITY, f64::min)
+        };
+        of(self, other).min(of(other, self))
+    }
+
+    /// How far another rectangle lies beyond the sides of this one.
+    fn apart_um(&self, other: &Rectangle) -> f64 {
+        let [along_um, left_um] = self.local(other.centre_um);
+        let cos = (self.axis[0] * other.axis[0] + self.axis[1] * other.axis[1]).abs();
+        let sin = (self.axis[0] * other.axis[1] - self.axis[1] * other.axis[0]).abs();
+        let [a_um, b_um] = other.half_um;
+        let beyond_um = along_um.abs() - self.half_um[0] - a_um * cos - b_um * sin;
+        beyond_um.max(left_um.abs() - self.half_um[1] - a_um * sin - b_um * cos)
+    }
+}

@@ -1,0 +1,159 @@
+//! One robot's way among things that rest: what every search asks over and over.
+
+use super::tracks::{Kind, Track, first_near};
+use super::{MARGIN_UM, Rectangle, World};
+use crate::device::microrobots::Arm;
+use crate::geometry::distance::{point_segment, segment_core};
+use crate::geometry::{Pose, Rounded};
+use crate::plan::microrobots::free::Segment;
+use nalgebra::Point2;
+use std::f64::consts::TAU;
+
+/// A disc, as an orbiting robot sweeps it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Disc {
+    pub centre_um: [f64; 2],
+    pub radius_um: f64,
+}
+
+impl Disc {
+    /// Distance of an obstacle; negative where they overlap.
+    pub fn to_rounded_um(&self, body: &Rounded) -> f64 {
+        let [x, y] = self.centre_um;
+        segment_core([Point2::new(x, y); 2], &body.core) - body.radius_um - self.radius_um
+    }
+
+    /// Distance of another disc; negative where they overlap.
+    pub fn to_disc_um(&self, other: &Disc) -> f64 {
+        let [dx, dy] = [0, 1].map(|axis| self.centre_um[axis] - other.centre_um[axis]);
+        dx.hypot(dy) - self.radius_um - other.radius_um
+    }
+}
+
+/// What rests on the bed besides the obstacles while one robot is driven.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Fixtures {
+    /// Discs of robots that orbit; they keep the orbit clearance.
+    pub discs: Vec<Disc>,
+    /// Bodies that rest.
+    pub bodies: Vec<Rectangle>,
+}
+
+/// What is in the way of one robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Obstruction {
+    /// Index of the order's obstacles.
+    Obstacle(usize),
+    /// Index of the fixtures' discs.
+    Disc(usize),
+    /// Index of the fixtures' bodies.
+    Body(usize),
+}
+
+impl World {
+    /// What a robot meets on a stretch of its way, if anything: obstacles first, then discs and bodies.
+    pub fn obstruction(&self, robot: usize, pose: Pose, stretch: Segment, fixtures: &Fixtures) -> Option<Obstruction> {
+        let body = &self.bodies[robot];
+        let strokes = stretch.way_um / body.robot.step_um;
+        let track = Track::new(body, pose, Some(stretch.arm), strokes);
+        let obstacle = self.obstacles.iter().position(|other| meets_rounded(&track, other, self.keep_um).is_some());
+        let disc = || fixtures.discs.iter().position(|disc| meets_disc(&track, disc, self.orbit_keep_um).is_some());
+        let rests = || fixtures.bodies.iter().position(|other| meets_rectangle(&track, other, self.keep_um).is_some());
+        obstacle
+            .map(Obstruction::Obstacle)
+            .or_else(|| disc().map(Obstruction::Disc))
+            .or_else(|| rests().map(Obstruction::Body))
+    }
+
+    /// What a robot meets on its way, and on which stretch of it.
+    pub fn obstruction_on(
+        &self,
+        robot: usize,
+        from: Pose,
+        way: &[Segment],
+        fixtures: &Fixtures,
+    ) -> Option<(usize, Obstruction)> {
+        let mut pose = from;
+        way.iter().enumerate().find_map(|(index, stretch)| {
+            let found = self.obstruction(robot, pose, *stretch, fixtures);
+            pose = self.bodies[robot].robot.moved(pose, stretch.arm, stretch.way_um);
+            found.map(|found| (index, found))
+        })
+    }
+
+    /// What a robot at a pose is too near to.
+    pub fn obstruction_at(&self, robot: usize, pose: Pose, fixtures: &Fixtures) -> Option<Obstruction> {
+        self.obstruction(robot, pose, Segment { arm: Arm::Up, way_um: 0.0 }, fixtures)
+    }
+
+    /// What the disc of a robot that orbits is too near to, besides other robots that move.
+    pub fn obstruction_of_orbit(&self, disc: &Disc, fixtures: &Fixtures) -> Option<Obstruction> {
+        let keep_um = self.orbit_keep_um + MARGIN_UM;
+        let obstacle = self.obstacles.iter().position(|other| disc.to_rounded_um(other) < keep_um);
+        let theirs = || fixtures.discs.iter().position(|other| disc.to_disc_um(other) < keep_um);
+        let near = |body: &Rectangle| body.to_point_um(disc.centre_um) - disc.radius_um < keep_um;
+        let rests = || fixtures.bodies.iter().position(near);
+        obstacle
+            .map(Obstruction::Obstacle)
+            .or_else(|| theirs().map(Obstruction::Disc))
+            .or_else(|| rests().map(Obstruction::Body))
+    }
+
+    /// By how much a robot at a pose is farther from everything that rests than it has to be; negative if it is too near.
+    pub fn room_um(&self, robot: usize, pose: Pose, fixtures: &Fixtures) -> f64 {
+        let body = self.rectangle(robot, pose);
+        let obstacles = self.obstacles.iter().map(|other| body.to_rounded_um(other) - self.keep_um);
+        let bodies = fixtures.bodies.iter().map(|other| body.to_rectangle_um(other) - self.keep_um);
+        let to_disc_um = |disc: &super::Disc| body.to_point_um(disc.centre_um) - disc.radius_um;
+        let discs = fixtures.discs.iter().map(|disc| to_disc_um(disc) - self.orbit_keep_um);
+        obstacles.chain(bodies).chain(discs).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The first instant at which a robot is too near to an obstacle.
+pub(super) fn meets_rounded(track: &Track, body: &Rounded, keep_um: f64) -> Option<f64> {
+    let (segment, radius_um) = track.bound();
+    if segment_core(segment, &body.core) - body.radius_um - radius_um >= keep_um + MARGIN_UM {
+        return None;
+    }
+    meets(track, keep_um, |rectangle| rectangle.to_rounded_um(body))
+}
+
+/// The first instant at which a robot is too near to a disc.
+pub(super) fn meets_disc(track: &Track, disc: &Disc, keep_um: f64) -> Option<f64> {
+    let ([x, y], keep_um) = (disc.centre_um, keep_um + disc.radius_um);
+    let (segment, radius_um) = track.bound();
+    if point_segment(Point2::new(x, y), segment) - radius_um >= keep_um + MARGIN_UM {
+        return None;
+    }
+    meets(track, keep_um, |rectangle| rectangle.to_point_um(disc.centre_um))
+}
+
+fn meets_rectangle(track: &Track, body: &Rectangle, keep_um: f64) -> Option<f64> {
+    let (segment, radius_um) = track.bound();
+    let [x, y] = body.centre_um;
+    let corner_um = body.half_um[0].hypot(body.half_um[1]);
+    if point_segment(Point2::new(x, y), segment) - radius_um - corner_um >= keep_um + MARGIN_UM {
+        return None;
+    }
+    meets(track, keep_um, |rectangle| rectangle.to_rectangle_um(body))
+}
+
+/// The first instant at which a body comes nearer than `keep_um` to something that rests.
+fn meets(track: &Track, keep_um: f64, distance_um: impl Fn(&Rectangle) -> f64) -> Option<f64> {
+    if track.kind == Kind::Turns {
+        // After a whole turn everything comes again.
+        let strokes = track.strokes.min(TAU * track.speed_um.recip() * track.reach_um);
+        return first_near([0.0, strokes], track.speed_um, keep_um, |at| distance_um(&track.at(at)));
+    }
+    let is_near = |strokes: f64| distance_um(&track.at(0.0).swept(track.step_um * strokes)) - keep_um < MARGIN_UM / 2.0;
+    if !is_near(track.strokes) {
+        return None;
+    }
+    let (mut clear, mut near) = (0.0, if is_near(0.0) { 0.0 } else { track.strokes });
+    while near - clear > 1.0 {
+        let middle = (clear + near) / 2.0;
+        if is_near(middle) { near = middle } else { clear = middle }
+    }
+    Some(near)
+}

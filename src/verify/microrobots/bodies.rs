@@ -1,0 +1,61 @@
+//! How far two bodies are apart, or how deep they overlap.
+//!
+//! Input: rectangles and points in micrometres. Output: distances in micrometres, exact but for rounding.
+
+use nalgebra::{Point2, Vector2};
+
+/// The rectangle of a robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Body {
+    pub centre: Point2<f64>,
+    /// Of length 1, along its heading.
+    pub along: Vector2<f64>,
+    /// Half of its length and width.
+    pub half_um: [f64; 2],
+}
+
+impl Body {
+    fn across(&self) -> Vector2<f64> {
+        Vector2::new(-self.along.y, self.along.x)
+    }
+
+    /// The corners, in order around it.
+    pub fn corners(&self) -> [Point2<f64>; 4] {
+        let (length, width) = (self.along * self.half_um[0], self.across() * self.half_um[1]);
+        [length + width, width - length, -length - width, length - width].map(|corner| self.centre + corner)
+    }
+
+    /// How far a point lies from the body; 0 within it.
+    pub fn point_gap_um(&self, point: Point2<f64>) -> f64 {
+        let beyond = |axis: Vector2<f64>, half_um: f64| ((point - self.centre).dot(&axis).abs() - half_um).max(0.0);
+        beyond(self.along, self.half_um[0]).hypot(beyond(self.across(), self.half_um[1]))
+    }
+
+    /// The distance of two bodies; where they overlap, the negative of the least shift that parts them.
+    pub fn gap_um(&self, other: &Body) -> f64 {
+        let axes = [self.along, self.across(), other.along, other.across()];
+        let apart_um = axes.iter().map(|axis| self.apart_along_um(other, *axis)).fold(f64::NEG_INFINITY, f64::max);
+        if apart_um <= 0.0 {
+            return apart_um;
+        }
+        // Of two convex bodies that are apart, one has a corner where they are nearest.
+        let ours = self.corners().into_iter().map(|corner| other.point_gap_um(corner));
+        let theirs = other.corners().into_iter().map(|corner| self.point_gap_um(corner));
+        ours.chain(theirs).fold(f64::INFINITY, f64::min)
+    }
+
+    /// What lies between the shadows of two bodies on an axis.
+    fn apart_along_um(&self, other: &Body, axis: Vector2<f64>) -> f64 {
+        let half_um = |body: &Body| {
+            body.half_um[0] * body.along.dot(&axis).abs() + body.half_um[1] * body.across().dot(&axis).abs()
+        };
+        (other.centre - self.centre).dot(&axis).abs() - half_um(self) - half_um(other)
+    }
+
+    /// What a body covers that goes straight on along its heading.
+    pub fn stretched(&self, way_um: f64) -> Body {
+        let [length_um, width_um] = self.half_um;
+        let centre = self.centre + self.along * (way_um / 2.0);
+        Body { centre, half_um: [length_um + way_um / 2.0, width_um], ..*self }
+    }
+}

@@ -1,0 +1,103 @@
+//! What the replay takes for granted of claims on microrobots.
+//!
+//! Input: an order. Output: nothing, or why no run can be held against it. Claims that the checker made always pass.
+
+use super::super::Unfit;
+use crate::check::claims::microrobots::{Action, MicrorobotsOrder, Stop};
+use crate::device::microrobots::{Arm, Facts, MAX_LEVELS, MAX_OBSTACLES, MAX_ROBOTS, Robot};
+use crate::geometry::Pose;
+use crate::geometry::shape::MAX_EXTENT_UM;
+use std::collections::BTreeSet;
+
+/// Asks what every rule takes for granted.
+///
+/// # Errors
+/// When the claims are such that nothing can be held against them.
+pub(in super::super) fn check_claims(order: &MicrorobotsOrder) -> Result<(), Unfit> {
+    facts(&order.facts)?;
+    order.facts.robots.iter().try_for_each(robot)?;
+    states(order)?;
+    scene(order)?;
+    order.steps.iter().try_for_each(|step| match &step.action {
+        Action::Apply { state, .. } => demand(*state < order.states.len(), "apply a state that they do not have"),
+        Action::Drive { robot, stops } => {
+            demand(*robot < order.robots.len(), "drive a robot that they do not have")?;
+            demand(!stops.is_empty(), "drive a robot to no goal")?;
+            stops.iter().try_for_each(stop)
+        }
+        Action::Assemble(docks) => {
+            let robots: BTreeSet<usize> = docks.iter().map(|dock| dock.robot).collect();
+            demand(!docks.is_empty(), "assemble no robot")?;
+            demand(robots.len() == docks.len(), "assemble a robot twice in one step")?;
+            demand(robots.iter().all(|robot| *robot < order.robots.len()), "assemble a robot that they do not have")?;
+            docks.iter().try_for_each(|dock| stop(&dock.goal))
+        }
+        Action::Wait(_) => Ok(()),
+    })
+}
+
+fn demand(holds: bool, why: &str) -> Result<(), Unfit> {
+    if holds { Ok(()) } else { Err(Unfit(format!("the claims of microrobots {why}"))) }
+}
+
+fn is_length(value_um: f64) -> bool {
+    (0.0..=MAX_EXTENT_UM).contains(&value_um)
+}
+
+fn facts(facts: &Facts) -> Result<(), Unfit> {
+    demand((1..=MAX_ROBOTS).contains(&facts.robots.len()), "hold no row in their table, or too many")?;
+    let names: BTreeSet<&str> = facts.robots.iter().map(|robot| robot.name.as_str()).collect();
+    demand(names.len() == facts.robots.len(), "hold two robots of one name")?;
+    let volts = [facts.margin_v, facts.max_v, facts.relax_v, facts.flex_v];
+    demand(volts.iter().all(|value| value.is_finite() && *value >= 0.0), "hold a voltage out of its range")?;
+    demand(facts.relax_v <= facts.max_v && facts.flex_v <= facts.max_v, "drive with more than the source gives")?;
+    demand(facts.period_ns > 0 && facts.period_ns.is_multiple_of(2), "hold a stroke without two halves")?;
+    demand(facts.dwell_ns > 0, "hold a dwell time of 0")?;
+    let fine = [facts.fine.length_um, facts.fine.cycle_um];
+    let lengths = [facts.clearance_um, facts.orbit_clearance_um, facts.docking.tolerance_um, fine[0], fine[1]];
+    demand(lengths.into_iter().all(is_length), "hold a length out of its range")
+}
+
+fn robot(robot: &Robot) -> Result<(), Unfit> {
+    let Robot { snap_down_v, release_v, turning_radius_um, step_um, length_um, width_um, .. } = *robot;
+    let volts = [snap_down_v, release_v];
+    demand(volts.into_iter().all(f64::is_finite) && release_v < snap_down_v, "hold a robot that never releases")?;
+    let sizes = [turning_radius_um, step_um, length_um, width_um];
+    demand(sizes.into_iter().all(|value| value > 0.0 && is_length(value)), "hold a robot out of its range")
+}
+
+fn states(order: &MicrorobotsOrder) -> Result<(), Unfit> {
+    let mut met = BTreeSet::new();
+    for state in order.states.iter() {
+        demand(state.arms.len() == order.facts.robots.len(), "hold a control state of another table")?;
+        demand(met.insert(state.digits()), "hold a control state twice")?;
+        demand((1..=MAX_LEVELS as usize).contains(&state.levels_v.len()), "hold a state of no levels, or too many")?;
+        demand(state.levels_v.iter().all(|level| level.is_finite()), "hold a level that is not finite")?;
+    }
+    demand(rest(order).is_some(), "hold no control state with all arms up")
+}
+
+/// The control state with all arms up.
+pub(super) fn rest(order: &MicrorobotsOrder) -> Option<usize> {
+    order.states.iter().position(|state| state.arms.iter().all(|arm| *arm == Arm::Up))
+}
+
+fn scene(order: &MicrorobotsOrder) -> Result<(), Unfit> {
+    let rows: Vec<usize> = order.robots.iter().map(|robot| robot.row).collect();
+    demand(rows.is_sorted_by(|one, other| one < other), "hold robots out of the order of their table")?;
+    demand(rows.iter().all(|row| *row < order.facts.robots.len()), "hold a robot that the table does not have")?;
+    demand(order.robots.iter().all(|robot| is_place(&robot.pose)), "hold a robot out of the plane")?;
+    demand(order.obstacles.len() <= MAX_OBSTACLES, "hold too many obstacles")?;
+    let are_shapes = order.obstacles.iter().all(|obstacle| obstacle.shape.grown(&obstacle.pose, 0.0).is_ok());
+    demand(are_shapes, "hold an obstacle that has no shape")?;
+    let precision = [order.precision.place_um, order.precision.heading_rad];
+    demand(precision.into_iter().all(|value| value.is_finite() && value >= 0.0), "hold no precision")
+}
+
+fn stop(stop: &Stop) -> Result<(), Unfit> {
+    demand(is_place(&stop.pose), "name a goal out of the plane")
+}
+
+fn is_place(pose: &Pose) -> bool {
+    [pose.x_um, pose.y_um, pose.heading_rad].into_iter().all(|value| value.abs() <= MAX_EXTENT_UM)
+}

@@ -1,0 +1,297 @@
+//! How near robots come to obstacles, to one another, and to the discs of orbits.
+//!
+//! Input: the trains of a run, with what each robot does in them. Output: what comes too near. A robot that keeps its arm down for a
+//! whole turn or more, over legs that no wait parts, takes all of the disc about the middle of its circle for that long. Two robots
+//! may come nearer than the clearance where one of them is on the last stretch of its way before it docks, and the other one is docked by then.
+//! Promise: that of `sweep`; ways are looked at as they are driven, all robots at the same share of the same train. Cost: for each train
+//! the pairs of robots and the obstacles about each; few looks where there is room.
+
+use super::super::Halt;
+use super::super::boxes::{Boxes, Extent};
+use super::super::rule::{Findings, Rule, Violation, ms};
+use super::motion::Ride;
+use super::sweep::{Endless, Gap, Looks, ROUNDING_UM, Touch};
+use super::{Bed, Train};
+use crate::geometry::Rounded;
+use crate::geometry::distance::{quadrilateral_core, segment_core};
+use crate::quantity::digits;
+use nalgebra::Point2;
+use rustc_hash::FxHashSet;
+use std::f64::consts::TAU;
+
+/// How much of a turn may be missing from a whole one for rounding.
+const ROUNDING_TURN_RAD: f64 = 1e-9;
+
+/// How much wider than it is a body counts when boxes are compared, so that rounding hides none.
+const BOX_MARGIN_UM: f64 = 1e-3;
+
+/// The disc that an orbiting robot takes.
+#[derive(Debug, Clone, Copy)]
+struct Disc {
+    centre: Point2<f64>,
+    reach_um: f64,
+}
+
+/// What is told at most once in a run: a rule, a robot, and another robot or an obstacle.
+type Told = (Rule, usize, usize);
+
+/// Looks at all trains of a run.
+///
+/// # Errors
+/// When the run cannot be judged in a reasonable time.
+pub(super) fn check(bed: &Bed, findings: &mut Findings) -> Result<(), Halt> {
+    let mut watch = Watch::new(bed, findings);
+    let orbits = orbits(bed);
+    for (index, train) in bed.trains.iter().enumerate() {
+        let looked = watch.train(index, train, &orbits[index]);
+        looked.map_err(|Endless| {
+            let at_ns = train.leg.train_ns;
+            let title =
+                format!("bodies go on so close to their limits at {} that it takes too long to tell", ms(at_ns));
+            bed.within(Rule::Meet, train.nth, at_ns, title)
+        })?;
+    }
+    Ok(())
+}
+
+/// For each train the discs of the robots that orbit in it.
+fn orbits(bed: &Bed) -> Vec<Vec<(usize, Disc)>> {
+    let mut orbits: Vec<Vec<(usize, Disc)>> = vec![Vec::new(); bed.trains.len()];
+    for robot in 0..bed.places.len() {
+        let turns = |train: &Train| train.rides[robot].curve_um.filter(|_| train.rides[robot].way_um > 0.0);
+        let goes_on =
+            |one: &Train, other: &Train| one.waits == other.waits && turns(one).is_some() && turns(other).is_some();
+        let mut first = 0;
+        for stretch in bed.trains.chunk_by(goes_on) {
+            let trains = first..first + stretch.len();
+            first = trains.end;
+            let Some(curve_um) = stretch.first().and_then(turns) else { continue };
+            let way_um: f64 = stretch.iter().map(|train| train.rides[robot].way_um).sum();
+            if way_um / curve_um.abs() >= TAU + ROUNDING_TURN_RAD {
+                let ride = &stretch[0].rides[robot];
+                let disc = Disc { centre: ride.start.centre(curve_um), reach_um: ride.reach_um(curve_um) };
+                trains.for_each(|train| orbits[train].push((robot, disc)));
+            }
+        }
+    }
+    orbits
+}
+
+/// What is asked of each train.
+struct Watch<'b, 'r, 'a, 'f> {
+    bed: &'b Bed<'r, 'a>,
+    findings: &'f mut Findings,
+    solids: Vec<Rounded>,
+    boxes: Boxes,
+    looks: Looks,
+    told: FxHashSet<Told>,
+}
+
+impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
+    fn new(bed: &'b Bed<'r, 'a>, findings: &'f mut Findings) -> Self {
+        let grown = bed.order.obstacles.iter().map(|obstacle| obstacle.shape.grown(&obstacle.pose, 0.0));
+        let solids: Vec<Rounded> = grown.map(|body| body.expect("the premise knows every shape")).collect();
+        let extent = |body: &Rounded| {
+            let bounds = body.bounds();
+            Extent { low: bounds.min_um, high: bounds.max_um }
+        };
+        let boxes = Boxes::new(solids.iter().map(extent));
+        Watch { bed, findings, solids, boxes, looks: Looks::default(), told: FxHashSet::default() }
+    }
+
+    fn train(&mut self, index: usize, train: &Train, orbits: &[(usize, Disc)]) -> Result<(), Endless> {
+        for (robot, ride) in train.rides.iter().enumerate().filter(|(_, ride)| ride.way_um > 0.0) {
+            self.obstacles(train, robot, ride)?;
+        }
+        for one in 0..train.rides.len() {
+            for other in one + 1..train.rides.len() {
+                self.pair(index, train, [one, other])?;
+            }
+        }
+        for (place, (robot, disc)) in orbits.iter().enumerate() {
+            self.obstacles_of_orbit(train, *robot, disc);
+            orbits[place + 1..].iter().for_each(|other| self.orbits(train, (*robot, disc), other));
+            let orbiting = |other: usize| orbits.iter().any(|(orbiting, _)| *orbiting == other);
+            for other in (0..train.rides.len()).filter(|other| !orbiting(*other)) {
+                self.guest(train, (*robot, disc), other)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Obstacles that may lie nearer than a distance to a disc.
+    fn about(&self, centre: Point2<f64>, within_um: f64) -> Vec<usize> {
+        self.boxes.meeting(&Extent::of(&[centre]).grown(within_um + BOX_MARGIN_UM))
+    }
+
+    /// A body that moves keeps its clearance from obstacles.
+    fn obstacles(&mut self, train: &Train, robot: usize, ride: &Ride) -> Result<(), Endless> {
+        let needed_um = self.bed.order.facts.clearance_um;
+        let (centre, radius_um) = ride.disc([0.0, 1.0]);
+        let (round, part) = ride.once_round();
+        for obstacle in self.about(centre, radius_um + needed_um) {
+            let told = (Rule::Graze, robot, obstacle);
+            let solid = &self.solids[obstacle];
+            let gap_um = |corners| quadrilateral_core(corners, &solid.core) - solid.radius_um;
+            let swept = ride.curve_um.is_none().then(|| ride.body(0.0).stretched(ride.way_um));
+            if self.told.contains(&told) || swept.is_some_and(|swept| gap_um(swept.corners()) >= needed_um) {
+                continue;
+            }
+            let at = |share| gap_um(round.body(share).corners());
+            let gap = Gap { at, floor: |_| f64::NEG_INFINITY, travel_um: round.travel_um() };
+            if let Some(touch) = gap.below([0.0, 1.0], needed_um, &mut self.looks)? {
+                let touch = Touch { share: touch.share * part, ..touch };
+                let name = &self.bed.order.obstacles[obstacle].name;
+                let title = |at: &str| {
+                    let (gap, needed) = (digits(touch.gap_um), digits(needed_um));
+                    format!(
+                        "`{}` comes within {gap} um of `{name}` at {at}, {needed} um are needed",
+                        self.bed.name(robot)
+                    )
+                };
+                let violation = self.violation(told.0, train, touch.share, title);
+                let violation = violation.label(self.bed.order.obstacles[obstacle].span, "this obstacle");
+                self.tell(told, violation);
+            }
+        }
+        Ok(())
+    }
+
+    /// Two bodies of which one moves keep their clearance, but on the last stretch before a docking.
+    fn pair(&mut self, index: usize, train: &Train, robots: [usize; 2]) -> Result<(), Endless> {
+        let rides = robots.map(|robot| &train.rides[robot]);
+        let told = (Rule::Meet, robots[0], robots[1]);
+        if rides.iter().all(|ride| ride.way_um == 0.0) || self.told.contains(&told) {
+            return Ok(());
+        }
+        let facts = &self.bed.order.facts;
+        let docking = self.docking_from(index, train, robots);
+        let spans = [([0.0, docking], facts.clearance_um), ([docking, 1.0], -facts.docking.tolerance_um)];
+        for (span, needed_um) in spans.into_iter().filter(|([from, to], _)| from < to) {
+            if let Some(touch) = pair_gap(rides).below(span, needed_um, &mut self.looks)? {
+                let [one, other] = robots.map(|robot| self.bed.name(robot));
+                let title = |at: &str| match needed_um < 0.0 {
+                    true => {
+                        let (depth, allowed) = (digits(-touch.gap_um), digits(-needed_um));
+                        format!("`{one}` and `{other}` overlap by {depth} um at {at}, docking allows {allowed} um")
+                    }
+                    false => {
+                        let (gap, needed) = (digits(touch.gap_um.max(0.0)), digits(needed_um));
+                        format!(
+                            "`{one}` and `{other}` come within {gap} um of each other at {at}, {needed} um are needed"
+                        )
+                    }
+                };
+                let violation = self.violation(told.0, train, touch.share, title);
+                self.tell(told, violation);
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// From which share of a train on two robots may touch: 1 if they may not.
+    fn docking_from(&self, index: usize, train: &Train, [one, other]: [usize; 2]) -> f64 {
+        let fine = self.bed.order.facts.fine;
+        let from = |robot: usize, other: usize| {
+            let (docks, docked) = (self.bed.docked[robot]?, self.bed.docked[other]?);
+            if docks <= index || (docked > index && docked != docks) {
+                return None;
+            }
+            let before = self.bed.trains.get(docks).map_or(self.bed.strokes, |later| later.strokes_before);
+            let left = before.saturating_sub(train.strokes_before) as f64;
+            let stretch_um = fine.length_um + fine.cycle_um + ROUNDING_UM;
+            let stretch = stretch_um / self.bed.order.robot(robot).step_um;
+            Some(((left - stretch) / train.leg.strokes as f64).clamp(0.0, 1.0))
+        };
+        [from(one, other), from(other, one)].into_iter().flatten().fold(1.0, f64::min)
+    }
+
+    /// Obstacles keep clear of an orbit.
+    fn obstacles_of_orbit(&mut self, train: &Train, robot: usize, disc: &Disc) {
+        let needed_um = self.bed.order.facts.orbit_clearance_um;
+        for obstacle in self.about(disc.centre, disc.reach_um + needed_um) {
+            let solid = &self.solids[obstacle];
+            let gap_um = segment_core([disc.centre; 2], &solid.core) - solid.radius_um - disc.reach_um;
+            // Obstacles and robots are told apart: the former come after the latter.
+            let told = (Rule::Orbit, robot, train.rides.len() + obstacle);
+            if gap_um < needed_um - ROUNDING_UM && !self.told.contains(&told) {
+                let name = format!("`{}`", self.bed.order.obstacles[obstacle].name);
+                let violation = self.orbit(train, robot, &name, Touch { share: 0.0, gap_um });
+                let violation = violation.label(self.bed.order.obstacles[obstacle].span, "this obstacle");
+                self.tell(told, violation);
+            }
+        }
+    }
+
+    /// Two orbits keep clear of each other.
+    fn orbits(&mut self, train: &Train, (robot, disc): (usize, &Disc), (other, guest): &(usize, Disc)) {
+        let needed_um = self.bed.order.facts.orbit_clearance_um;
+        let gap_um = (disc.centre - guest.centre).norm() - disc.reach_um - guest.reach_um;
+        let told = (Rule::Orbit, robot, *other);
+        if gap_um < needed_um - ROUNDING_UM && !self.told.contains(&told) {
+            let name = format!("that of `{}`", self.bed.name(*other));
+            let violation = self.orbit(train, robot, &name, Touch { share: 0.0, gap_um });
+            self.tell(told, violation);
+        }
+    }
+
+    /// A robot that does not orbit keeps clear of an orbit, whether it moves or not.
+    fn guest(&mut self, train: &Train, (robot, disc): (usize, &Disc), other: usize) -> Result<(), Endless> {
+        let told = (Rule::Orbit, robot, other);
+        if self.told.contains(&told) {
+            return Ok(());
+        }
+        let ride = &train.rides[other];
+        let gap = Gap {
+            at: |share| ride.body(share).point_gap_um(disc.centre) - disc.reach_um,
+            floor: |span| {
+                let (centre, radius_um) = ride.disc(span);
+                (centre - disc.centre).norm() - radius_um - disc.reach_um
+            },
+            travel_um: ride.travel_um(),
+        };
+        if let Some(touch) = gap.below([0.0, 1.0], self.bed.order.facts.orbit_clearance_um, &mut self.looks)? {
+            let name = format!("`{}`", self.bed.name(other));
+            let violation = self.orbit(train, robot, &name, touch);
+            self.tell(told, violation);
+        }
+        Ok(())
+    }
+
+    fn orbit(&self, train: &Train, robot: usize, name: &str, touch: Touch) -> Violation {
+        let needed = digits(self.bed.order.facts.orbit_clearance_um);
+        let (owner, gap) = (self.bed.name(robot), digits(touch.gap_um));
+        self.violation(Rule::Orbit, train, touch.share, |at| {
+            format!("the orbit of `{owner}` lies {gap} um from {name} at {at}, {needed} um are needed")
+        })
+    }
+
+    /// A violation at a share of a train.
+    fn violation(&self, rule: Rule, train: &Train, share: f64, title: impl FnOnce(&str) -> String) -> Violation {
+        let stroke = (share * train.leg.strokes as f64) as u64;
+        let after_ns = stroke.saturating_mul(self.bed.order.facts.period_ns);
+        let time_ns = train.leg.train_ns.saturating_add(after_ns);
+        self.bed.within(rule, train.nth, time_ns, title(&ms(time_ns)))
+    }
+
+    fn tell(&mut self, told: Told, violation: Violation) {
+        self.told.insert(told);
+        self.findings.push(violation);
+    }
+}
+
+/// The distance of two bodies in the course of a train.
+fn pair_gap<'t>([one, other]: [&'t Ride; 2]) -> Gap<impl Fn(f64) -> f64 + 't, impl Fn([f64; 2]) -> f64 + 't> {
+    Gap {
+        at: |share| one.body(share).gap_um(&other.body(share)),
+        floor: |span| {
+            let ((a, a_um), (b, b_um)) = (one.disc(span), other.disc(span));
+            (a - b).norm() - a_um - b_um
+        },
+        travel_um: match (one.shift(), other.shift()) {
+            (Some(shift), Some(other)) => (shift - other).norm(),
+            (Some(_) | None, Some(_) | None) => one.travel_um() + other.travel_um(),
+        },
+    }
+}

@@ -1,0 +1,130 @@
+//! Where strokes carry robots: the unicycle, in the coordinates of the paper.
+//!
+//! A heading here is counted from +y, clockwise, and a curve is the radius of a turn, positive for a turn to the right; so x' = sin, y' =
+//! cos (equation 4 of the paper). Input: a place, a curve and a way. Output: the place after it, exact but for rounding.
+
+use super::bodies::Body;
+use crate::geometry::Pose;
+use nalgebra::{Point2, Vector2};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Where a robot is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Place {
+    pub at: Point2<f64>,
+    /// From +y, clockwise.
+    pub theta_rad: f64,
+}
+
+impl Place {
+    pub fn new([x_um, y_um, heading_rad]: [f64; 3]) -> Place {
+        Place { at: Point2::new(x_um, y_um), theta_rad: FRAC_PI_2 - heading_rad }
+    }
+
+    pub fn of(pose: &Pose) -> Place {
+        Place::new([pose.x_um, pose.y_um, pose.heading_rad])
+    }
+
+    /// As states say it: x, y and the heading from +x, counter-clockwise, between -180 and 180 degrees.
+    pub fn told(self) -> [f64; 3] {
+        [self.at.x, self.at.y, turn_between(0.0, FRAC_PI_2 - self.theta_rad)]
+    }
+
+    /// After a way, on a curve or straight on.
+    pub fn moved(self, curve_um: Option<f64>, way_um: f64) -> Place {
+        let (sin, cos) = self.theta_rad.sin_cos();
+        let Some(curve_um) = curve_um else {
+            return Place { at: self.at + Vector2::new(sin, cos) * way_um, ..self };
+        };
+        let theta_rad = self.theta_rad + way_um / curve_um;
+        let (later_sin, later_cos) = theta_rad.sin_cos();
+        let at = self.at + Vector2::new(cos - later_cos, later_sin - sin) * curve_um;
+        Place { at, theta_rad: theta_rad.rem_euclid(TAU) }
+    }
+
+    /// The middle of the circle of a turn.
+    pub fn centre(self, curve_um: f64) -> Point2<f64> {
+        let (sin, cos) = self.theta_rad.sin_cos();
+        self.at + Vector2::new(cos, -sin) * curve_um
+    }
+
+    /// The distance to a pose, in micrometres and in radians.
+    pub fn off(self, pose: &Pose) -> [f64; 2] {
+        let goal = Place::of(pose);
+        [(self.at - goal.at).norm(), turn_between(self.theta_rad, goal.theta_rad).abs()]
+    }
+}
+
+/// The shortest turn from one angle to another, between -180 and 180 degrees.
+pub(super) fn turn_between(from_rad: f64, to_rad: f64) -> f64 {
+    let turn_rad = (to_rad - from_rad).rem_euclid(TAU);
+    if turn_rad > TAU / 2.0 { turn_rad - TAU } else { turn_rad }
+}
+
+/// How a body goes on in one train of strokes; its share runs from 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ride {
+    pub start: Place,
+    /// `None` with the arm up.
+    pub curve_um: Option<f64>,
+    /// 0 for a body that rests.
+    pub way_um: f64,
+    /// Half of the body's length and width.
+    pub half_um: [f64; 2],
+}
+
+impl Ride {
+    /// The body at a share of the way.
+    pub fn body(&self, share: f64) -> Body {
+        let place = self.start.moved(self.curve_um, self.way_um * share);
+        let (sin, cos) = place.theta_rad.sin_cos();
+        Body { centre: place.at, along: Vector2::new(sin, cos), half_um: self.half_um }
+    }
+
+    /// Half of the body's diagonal.
+    fn half_diagonal_um(&self) -> f64 {
+        self.half_um[0].hypot(self.half_um[1])
+    }
+
+    /// The radius of the disc about the middle of its circle that the body never leaves.
+    pub fn reach_um(&self, curve_um: f64) -> f64 {
+        (curve_um.abs() + self.half_um[1]).hypot(self.half_um[0])
+    }
+
+    /// No point of the body goes farther than this on the whole way.
+    pub fn travel_um(&self) -> f64 {
+        match self.curve_um {
+            None => self.way_um,
+            Some(curve_um) => self.way_um / curve_um.abs() * self.reach_um(curve_um),
+        }
+    }
+
+    /// The straight way of every point of the body; `None` if the body turns.
+    pub fn shift(&self) -> Option<Vector2<f64>> {
+        let (sin, cos) = self.start.theta_rad.sin_cos();
+        (self.curve_um.is_none() || self.way_um == 0.0).then(|| Vector2::new(sin, cos) * self.way_um)
+    }
+
+    /// A disc that holds the body between two shares of the way.
+    pub fn disc(&self, [from, to]: [f64; 2]) -> (Point2<f64>, f64) {
+        let half_way_um = self.way_um * (to - from) / 2.0;
+        let middle = self.start.moved(self.curve_um, self.way_um * (from + to) / 2.0);
+        let near = (middle.at, half_way_um + self.half_diagonal_um());
+        match self.curve_um {
+            Some(curve_um) if self.reach_um(curve_um) < near.1 => {
+                (self.start.centre(curve_um), self.reach_um(curve_um))
+            }
+            Some(_) | None => near,
+        }
+    }
+
+    /// The same without the turns after the first one, and which share of the way that is.
+    pub fn once_round(&self) -> (Ride, f64) {
+        let whole_um = self.curve_um.map_or(f64::INFINITY, |curve_um| TAU * curve_um.abs());
+        if self.way_um <= whole_um {
+            (*self, 1.0)
+        } else {
+            (Ride { way_um: whole_um, ..*self }, whole_um / self.way_um)
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Where the steering arms can be under a voltage, when each transition voltage is known only to plus or minus a margin.
+//!
+//! Input: the levels of the bed, one after the other. Output: for each arm up, down, or not known. Promise: an arm that is said to be up or
+//! down is so for every combination of transition voltages within their margins, from whatever arms were at first.
+
+use crate::device::microrobots::{Arm, Facts, Robot};
+
+/// Below this two voltages count as one, for the rounding of levels that lie right on their limits.
+const ROUNDING_V: f64 = 1e-9;
+
+/// The arms of all rows of the table.
+#[derive(Debug, Clone)]
+pub(super) struct Relays<'f> {
+    facts: &'f Facts,
+    /// `None` for an arm that may be up or down.
+    pub arms: Vec<Option<Arm>>,
+}
+
+impl<'f> Relays<'f> {
+    /// Nothing is known of any arm.
+    pub fn new(facts: &'f Facts) -> Relays<'f> {
+        Relays { facts, arms: vec![None; facts.robots.len()] }
+    }
+
+    /// The bed is at a level for long enough that arms follow it.
+    pub fn visit(&mut self, level_v: f64) {
+        for (robot, arm) in self.facts.robots.iter().zip(&mut self.arms) {
+            *arm = after(robot, self.facts.margin_v, level_v, *arm);
+        }
+    }
+
+    /// The row of the first arm that is not known.
+    pub fn unknown(&self) -> Option<usize> {
+        self.arms.iter().position(Option::is_none)
+    }
+
+    /// The row of the first arm that a level may move.
+    pub fn moved_by(&self, level_v: f64) -> Option<usize> {
+        let margin_v = self.facts.margin_v;
+        let mut rows = self.facts.robots.iter().zip(&self.arms);
+        rows.position(|(robot, arm)| after(robot, margin_v, level_v, *arm) != *arm)
+    }
+
+    /// The row of the first arm that is not surely up.
+    pub fn not_up(&self) -> Option<usize> {
+        self.arms.iter().position(|arm| *arm != Some(Arm::Up))
+    }
+}
+
+fn after(robot: &Robot, margin_v: f64, level_v: f64, arm: Option<Arm>) -> Option<Arm> {
+    let over_snap_v = level_v - robot.snap_down_v;
+    let over_release_v = level_v - robot.release_v;
+    if over_snap_v >= margin_v - ROUNDING_V {
+        return Some(Arm::Down);
+    }
+    if over_release_v <= ROUNDING_V - margin_v {
+        return Some(Arm::Up);
+    }
+    let keeps = match arm? {
+        Arm::Up => over_snap_v <= ROUNDING_V - margin_v,
+        Arm::Down => over_release_v >= margin_v - ROUNDING_V,
+    };
+    arm.filter(|_| keeps)
+}

@@ -1,0 +1,146 @@
+//! Robots that come to stick in a structure.
+
+use super::*;
+use crate::check::claims::microrobots::Dock;
+
+fn docking(state: usize, strokes: u64, docks: &[usize]) -> Leg {
+    Leg { docks: docks.to_vec(), ..leg(state, strokes) }
+}
+
+/// Two robots head on that end with a gap between them.
+fn head_on(gap_um: f64, docks: &[usize]) -> Day {
+    let start = [(0, 0.0, 0.0, 0.0), (1, 840.0 + gap_um, 0.0, 180.0)];
+    Day::new(order(&start)).assemble(&[0, 1], &[docking(0, 600, docks)])
+}
+
+fn judged(day: &Day) -> Vec<Rule> {
+    let (schedule, claims) = day.both();
+    rules(&schedule, &claims)
+}
+
+#[test]
+fn bodies_that_touch_dock() {
+    assert_eq!(judged(&head_on(4.999, &[0, 1])), []);
+    assert_eq!(judged(&head_on(5.001, &[0, 1])), [Rule::State, Rule::Dock]);
+    assert_eq!(judged(&head_on(5.001, &[])), [Rule::Meet, Rule::Dock]);
+    assert_eq!(judged(&head_on(4.999, &[])), [Rule::State]);
+    assert_eq!(judged(&head_on(10.001, &[])), [Rule::Dock]);
+    assert_eq!(judged(&head_on(0.0, &[0, 1])), []);
+    assert_eq!(judged(&head_on(-4.999, &[0, 1])), []);
+    assert_eq!(judged(&head_on(-5.001, &[0, 1])), [Rule::Meet]);
+}
+
+#[test]
+fn a_robot_docks_at_its_goal_only() {
+    let off = |x_um: f64, docks: &[usize]| {
+        let mut day = head_on(2.0, docks);
+        let Action::Assemble(list) = &mut day.order.steps[0].action else { panic!("an assembly") };
+        list[0].goal.pose.x_um += x_um;
+        judged(&day)
+    };
+    assert_eq!(off(0.499, &[0, 1]), []);
+    assert_eq!(off(0.501, &[]), [Rule::Meet, Rule::Dock]);
+    assert_eq!(off(0.501, &[0, 1]), [Rule::State, Rule::Dock]);
+}
+
+/// The exception holds for the last stretch alone: both close in at one micrometre for each of their own.
+#[test]
+fn bodies_touch_on_the_last_stretch_only() {
+    let stretch = |length_um, cycle_um| {
+        let mut day = head_on(4.0, &[0, 1]);
+        let facts = Arc::make_mut(&mut day.order.facts);
+        (facts.fine.length_um, facts.fine.cycle_um) = (length_um, cycle_um);
+        judged(&day)
+    };
+    assert_eq!(stretch(200.0, 20.0), []);
+    assert_eq!(stretch(2.0, 1.001), []);
+    assert_eq!(stretch(2.0, 0.999), [Rule::Meet]);
+    assert_eq!(stretch(0.0, 0.0), [Rule::Meet]);
+}
+
+/// It may lie in several legs, and in several steps.
+#[test]
+fn the_last_stretch_goes_on_over_legs() {
+    let start = [(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0)];
+    let tail = |strokes| {
+        let all = [leg(0, 600 - strokes), docking(0, strokes, &[0, 1])];
+        judged(&Day::new(order(&start)).assemble(&[0, 1], &all))
+    };
+    assert_eq!(tail(2), []);
+    assert_eq!(tail(20), []);
+    let steps = Day::new(order(&start)).apply(0, 597).wait(5).assemble(&[0, 1], &[docking(0, 3, &[0, 1])]);
+    assert_eq!(judged(&steps), []);
+}
+
+/// Two are docked, a third one comes from the side; then nothing but the fourth moves.
+fn structure(gap_um: f64) -> Day {
+    let start = [(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0), (2, 300.0, 700.0 + gap_um, 270.0), (3, 0.0, 2000.0, 0.0)];
+    Day::new(order(&start))
+        .assemble(&[0, 1], &[docking(0, 600, &[0, 1])])
+        .assemble(&[2], &[leg(0, 100), docking(0, 400, &[2])])
+        .apply(3, 200)
+}
+
+#[test]
+fn a_robot_docks_with_what_is_docked() {
+    assert_eq!(judged(&structure(3.0)), []);
+    assert_eq!(judged(&structure(4.999)), []);
+    assert_eq!(judged(&structure(5.001)), [Rule::State, Rule::Dock]);
+    assert_eq!(judged(&structure(-4.999)), []);
+    assert_eq!(judged(&structure(-5.001)), [Rule::Meet]);
+}
+
+#[test]
+fn what_is_docked_stays_so_in_the_next_run() {
+    let first = structure(0.0);
+    let robots: Vec<_> = first.order.robots.iter().map(|robot| (robot.row, robot.pose)).collect();
+    let mut second = Day::new(first.order.clone());
+    second.order.steps.clear();
+    let second = second.apply(4, 300);
+    let claims = in_turn(vec![first.order, second.order]);
+    let sound = schedule(&claims, &[first.legs, second.legs]);
+    passes(&sound, &claims);
+    assert_eq!(robots.len(), 4);
+    let State::Microrobots { docked, .. } = &sound.plans[1].states[1].state else { panic!("a bed's state") };
+    assert_eq!(*docked, ["D1", "D2", "D3"]);
+    let mut loose = sound;
+    let State::Microrobots { docked, .. } = &mut loose.plans[1].states[0].state else { panic!("a bed's state") };
+    docked.remove(1);
+    only(Rule::Start, &loose, &claims);
+}
+
+/// Docking is for steps that assemble: to be driven up to a body is not to dock with it.
+#[test]
+fn only_an_assembly_docks() {
+    let start = [(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0)];
+    assert_eq!(judged(&Day::new(order(&start)).drive(0, &[(0, 600)])), [Rule::Meet]);
+    let both_again = head_on(2.0, &[0, 1]).assemble(&[0, 1], &[]);
+    assert_eq!(judged(&both_again), []);
+    let mut elsewhere = both_again;
+    let Action::Assemble(docks) = &mut elsewhere.order.steps[1].action else { panic!("an assembly") };
+    docks[1] = Dock { goal: stop(pose(0.0, 0.0, 0.0)), ..docks[1].clone() };
+    assert_eq!(judged(&elsewhere), [Rule::Dock]);
+}
+
+/// A robot that comes to its goal one leg before the other one has nothing to dock with, and moves on.
+#[test]
+fn robots_dock_together_or_with_what_is_docked() {
+    let start = [(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0)];
+    let mut day = Day::new(order(&start)).assemble(&[0, 1], &[leg(0, 598), leg(0, 2)]);
+    let Action::Assemble(docks) = &mut day.order.steps[0].action else { panic!("an assembly") };
+    docks[0].goal.pose.x_um -= 0.9;
+    assert_eq!(judged(&day), [Rule::Meet, Rule::Dock]);
+}
+
+/// Docked robots stand in the way of orbits like any others.
+#[test]
+fn orbits_keep_clear_of_what_is_docked() {
+    let reach = f64::hypot(180.0, 100.0);
+    let by = |x: f64| {
+        let robots = [(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0), (3, -200.0, -150.0 - reach - 30.0 - x, 180.0)];
+        let day = Day::new(order(&robots)).assemble(&[0, 1], &[docking(0, 600, &[0, 1])]).apply(4, 1600);
+        judged(&day)
+    };
+    assert_eq!(by(2000.0), []);
+    assert_eq!(by(0.0), []);
+}

@@ -1,0 +1,250 @@
+//! Nothing that can be read makes the verifier panic, and no claim takes it long.
+
+use super::*;
+use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::{Facts, MAX_ROBOTS};
+use crate::geometry::Shape;
+use proptest::prelude::*;
+
+fn sound() -> (Claims, Schedule) {
+    let mut order = order(&[(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0), (3, 0.0, 2000.0, 0.0)]);
+    order.obstacles = Arc::new(vec![obstacle("dust", Shape::Disc { radius_um: 5.0 }, pose(-500.0, -500.0, 0.0))]);
+    let dock = Leg { docks: vec![0, 1], ..leg(0, 600) };
+    let day = Day::new(order).assemble(&[0, 1], &[dock]).wait(DWELL).drive(2, &[(4, 300), (1, 100)]).apply(2, 40);
+    let (schedule, claims) = day.both();
+    (claims, schedule)
+}
+
+fn instant() -> impl Strategy<Value = u64> {
+    prop_oneof![Just(0), Just(1), Just(u64::MAX), Just(1 << 40), Just(PERIOD), Just(DWELL), Just(1 << 62), any::<u64>()]
+}
+
+fn index() -> impl Strategy<Value = u32> {
+    prop_oneof![4 => 0..8u32, 1 => Just(u32::MAX), 1 => any::<u32>()]
+}
+
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        Just(0.0),
+        Just(100.0),
+        Just(60.0),
+        Just(0.5),
+        Just(1e6),
+        Just(-1.0),
+        Just(1e-300),
+        Just(f64::NAN),
+        Just(f64::INFINITY),
+        Just(-1e308),
+        any::<f64>()
+    ]
+}
+
+fn pick<T>(list: &mut [T], at: usize) -> Option<&mut T> {
+    let len = list.len().max(1);
+    list.get_mut(at % len)
+}
+
+/// Writes nonsense to one field of a schedule.
+fn spoiled(schedule: &mut Schedule, (what, at): (u8, usize), value: u64, small: u32, number: f64) {
+    let Schedule { duration_ns, channels, actuations, steps, plans, .. } = schedule;
+    match what {
+        0 => *duration_ns = value,
+        1 => drop(pick(steps, at).map(|step| step.duration_ns = value)),
+        2 => drop(pick(steps, at).map(|step| step.start_ns = value)),
+        3 => drop(pick(plans, at).map(|plan| plan.duration_ns = value)),
+        4 => drop(pick(actuations, at).map(|actuation| actuation.duration_ns = value)),
+        5 => drop(pick(actuations, at).map(|actuation| actuation.start_ns = value)),
+        6 => drop(pick(actuations, at).map(|actuation| actuation.step = small)),
+        7 => drop(pick(actuations, at).map(|actuation| (actuation.from, actuation.to) = (number, number))),
+        8 => drop(pick(actuations, at).map(|a| a.swing = Some(Swing { period_ns: value, levels: [number, a.to] }))),
+        9 => drop(pick(actuations, at).map(|actuation| actuation.swing = None)),
+        10 => plans.iter_mut().for_each(|plan| plan.states.truncate(at)),
+        11 => drop((at < actuations.len()).then(|| actuations.remove(at))),
+        12 => drop(pick(channels, at).map(|channel| channel.name = format!("fleet.bed{small}"))),
+        _ => drop(pick(plans, 0).and_then(|plan| pick(&mut plan.states, at)).map(|timed| {
+            let State::Microrobots { control, arms, docked, poses } = &mut timed.state else { return };
+            (*control, arms[0]) = (small as usize, small as u8);
+            docked.push(format!("D{small}"));
+            poses.insert(format!("D{small}"), [number, 0.0, 0.0]);
+        })),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn spoiled_schedules_are_judged(
+        spoils in prop::collection::vec(((0..14u8, 0..12usize), instant(), index(), number()), 1..6),
+        sorts: bool,
+    ) {
+        let (claims, mut schedule) = sound();
+        spoils.iter().for_each(|(place, value, small, number)| spoiled(&mut schedule, *place, *value, *small, *number));
+        if sorts {
+            schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+        }
+        verify(schedule, &claims);
+    }
+}
+
+/// Writes a number to one field of an order.
+fn distorted(order: &mut MicrorobotsOrder, what: u8, at: usize, value: f64, ns: u64) {
+    let facts = Arc::make_mut(&mut order.facts);
+    match what {
+        0 => facts.robots[at % 4].snap_down_v = value,
+        1 => facts.robots[at % 4].release_v = value,
+        2 => facts.robots[at % 4].turning_radius_um = value,
+        3 => facts.robots[at % 4].step_um = value,
+        4 => facts.robots[at % 4].length_um = value,
+        5 => facts.robots[at % 4].width_um = value,
+        6 => facts.margin_v = value,
+        7 => facts.max_v = value,
+        8 => facts.relax_v = value,
+        9 => facts.flex_v = value,
+        10 => facts.clearance_um = value,
+        11 => facts.orbit_clearance_um = value,
+        12 => facts.docking.tolerance_um = value,
+        13 => facts.fine.length_um = value,
+        14 => facts.fine.cycle_um = value,
+        15 => facts.period_ns = ns,
+        16 => facts.dwell_ns = ns,
+        17 => Arc::make_mut(&mut order.states)[at % 5].levels_v[0] = value,
+        18 => Arc::make_mut(&mut order.robots)[at % 3].pose.x_um = value,
+        19 => Arc::make_mut(&mut order.robots)[at % 3].pose.heading_rad = value,
+        20 => Arc::make_mut(&mut order.obstacles)[0].shape = Shape::Disc { radius_um: value },
+        21 => Arc::make_mut(&mut order.obstacles)[0].pose.x_um = value,
+        22 => order.precision.place_um = value,
+        23 => order.precision.heading_rad = value,
+        24 => Arc::make_mut(&mut order.robots)[at % 3].row = ns as usize,
+        25 => order.steps[3].action = Action::Apply { state: at, duration_ns: ns },
+        26 => order.steps[1].action = Action::Wait(ns),
+        _ => drop(Arc::make_mut(&mut order.states).remove(at % 5)),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_claims_are_judged(
+        edits in prop::collection::vec((0..28u8, 0..12usize, number(), instant()), 1..4),
+        follows: bool,
+    ) {
+        let (mut claims, mut schedule) = sound();
+        let order = order_of(&mut claims, 0);
+        edits.iter().for_each(|(what, at, value, ns)| distorted(order, *what, *at, *value, *ns));
+        if follows {
+            let Facts { flex_v, relax_v, .. } = *order.facts;
+            for train in schedule.actuations.iter_mut().filter(|actuation| actuation.swing.is_some()) {
+                (train.from, train.to) = (flex_v, relax_v);
+                train.swing = Some(Swing { period_ns: PERIOD, levels: [flex_v, relax_v] });
+            }
+        }
+        verify(schedule, &claims);
+    }
+}
+
+#[test]
+fn claims_that_no_program_has_are_inconclusive() {
+    let (claims, schedule) = sound();
+    passes(&schedule, &claims);
+    type Spoil = fn(&mut MicrorobotsOrder);
+    fn facts(order: &mut MicrorobotsOrder) -> &mut Facts {
+        Arc::make_mut(&mut order.facts)
+    }
+    let cases: &[(&str, Spoil)] = &[
+        ("no row", |order| facts(order).robots.clear()),
+        ("too many", |order| {
+            let row = facts(order).robots[0].clone();
+            facts(order).robots.resize(MAX_ROBOTS + 1, row);
+        }),
+        ("two robots of one name", |order| facts(order).robots[1].name = "D1".into()),
+        ("a voltage out of its range", |order| facts(order).margin_v = f64::NAN),
+        ("a voltage out of its range", |order| facts(order).margin_v = -1.0),
+        ("more than the source gives", |order| facts(order).max_v = 99.0),
+        ("without two halves", |order| facts(order).period_ns = 0),
+        ("without two halves", |order| facts(order).period_ns = 3),
+        ("dwell time of 0", |order| facts(order).dwell_ns = 0),
+        ("a length out of its range", |order| facts(order).clearance_um = -1.0),
+        ("a length out of its range", |order| facts(order).docking.tolerance_um = f64::INFINITY),
+        ("a length out of its range", |order| facts(order).fine.length_um = f64::NAN),
+        ("never releases", |order| facts(order).robots[2].release_v = 130.0),
+        ("a robot out of its range", |order| facts(order).robots[2].turning_radius_um = 0.0),
+        ("a robot out of its range", |order| facts(order).robots[2].step_um = 1e7),
+        ("of another table", |order| Arc::make_mut(&mut order.states)[1].arms.truncate(3)),
+        ("a control state twice", |order| {
+            let states = Arc::make_mut(&mut order.states);
+            states[1].arms = states[2].arms.clone();
+        }),
+        ("no levels", |order| Arc::make_mut(&mut order.states)[1].levels_v.clear()),
+        ("not finite", |order| Arc::make_mut(&mut order.states)[1].levels_v[0] = f64::NAN),
+        ("with all arms up", |order| drop(Arc::make_mut(&mut order.states).remove(0))),
+        ("out of the order of their table", |order| Arc::make_mut(&mut order.robots).swap(0, 1)),
+        ("the table does not have", |order| Arc::make_mut(&mut order.robots)[2].row = 4),
+        ("a robot out of the plane", |order| Arc::make_mut(&mut order.robots)[2].pose.y_um = f64::NAN),
+        ("no shape", |order| {
+            Arc::make_mut(&mut order.obstacles)[0].shape = Shape::Disc { radius_um: -1.0 };
+        }),
+        ("no precision", |order| order.precision.place_um = f64::NAN),
+        ("apply a state", |order| order.steps[3].action = Action::Apply { state: 5, duration_ns: 1 }),
+        ("drive a robot that", |order| {
+            order.steps[2].action = Action::Drive { robot: 3, stops: vec![stop(pose(0.0, 0.0, 0.0))] };
+        }),
+        ("to no goal", |order| order.steps[2].action = Action::Drive { robot: 2, stops: vec![] }),
+        ("a goal out of the plane", |order| {
+            order.steps[2].action = Action::Drive { robot: 2, stops: vec![stop(pose(1e7, 0.0, 0.0))] };
+        }),
+        ("assemble no robot", |order| order.steps[0].action = Action::Assemble(vec![])),
+        ("a robot twice", |order| {
+            let Action::Assemble(docks) = &mut order.steps[0].action else { return };
+            docks[1].robot = 0;
+        }),
+        ("assemble a robot that", |order| {
+            let Action::Assemble(docks) = &mut order.steps[0].action else { return };
+            docks[1].robot = 3;
+        }),
+    ];
+    for (expected, spoil) in cases {
+        let mut claims = claims.clone();
+        spoil(order_of(&mut claims, 0));
+        match verify(schedule.clone(), &claims) {
+            Verdict::Inconclusive { why } => assert!(why.contains(expected), "{expected}: {why}"),
+            Verdict::Accepted(_) | Verdict::Rejected(_) => panic!("claims with {expected} were judged"),
+        }
+    }
+}
+
+/// Other facts, or other robots, on the same device.
+#[test]
+fn a_bed_has_one_table_and_one_set_of_robots() {
+    let start = || Day::new(order(&[(0, 0.0, 0.0, 0.0)])).apply(0, 10).order;
+    let why = |second: MicrorobotsOrder| {
+        let claims = in_turn(vec![start(), second]);
+        let schedule = schedule(&claims, &[vec![legs(&[(0, 10)])], vec![legs(&[(0, 10)])]]);
+        match verify(schedule, &claims) {
+            Verdict::Inconclusive { why } => why,
+            Verdict::Accepted(_) | Verdict::Rejected(_) => panic!("two beds in one"),
+        }
+    };
+    let mut faster = start();
+    Arc::make_mut(&mut faster.facts).robots[0].step_um = 0.6;
+    assert_eq!(why(faster), "the claims hold two sets of facts about the device `fleet`");
+    let other = Day::new(order(&[(1, 0.0, 0.0, 0.0)])).apply(0, 10).order;
+    assert_eq!(why(other), "the claims hold two sets of parts on the device `fleet`");
+}
+
+/// As large as plans are: 500 legs, four robots, 50 obstacles about them.
+#[test]
+fn a_large_schedule_is_followed() {
+    let mut order =
+        order(&[(0, 0.0, 0.0, 0.0), (1, 1500.0, 0.0, 90.0), (2, 0.0, 1500.0, 180.0), (3, 1500.0, 1500.0, 0.0)]);
+    let ring = (0..50).map(|at| {
+        let angle_rad = f64::from(at) / 50.0 * TAU;
+        let (x, y) = (1e5 * angle_rad.cos(), 1e5 * angle_rad.sin());
+        obstacle("dust", Shape::Box { size_um: [50.0, 20.0] }, pose(x, y, f64::from(at)))
+    });
+    order.obstacles = Arc::new(ring.collect());
+    let all: Vec<(usize, u64)> = (0..500).map(|at| (4 - at % 2, 300)).collect();
+    let (schedule, claims) = Day::new(order).drive(0, &all).both();
+    passes(&schedule, &claims);
+}
