@@ -174,8 +174,8 @@ impl Judge<'_> {
         for entry in &call.entries {
             let robot = self.robot(&entry.object);
             let goal = phrases(&entry.phrases, "to").next().and_then(|target| self.stop(target, robot));
-            let earlier = robot.and_then(|robot| seen.insert(robot, entry.object.span));
-            let wrong = earlier.map(|earlier| errors::assembled_twice(self.name(robot), entry.object.span, earlier));
+            let earlier = robot.and_then(|robot| seen.insert(robot, entry.span));
+            let wrong = earlier.map(|earlier| errors::assembled_twice(self.name(robot), entry.span, earlier));
             let is_first = self.unless(wrong, Some(&entry.object)).is_some();
             docks.push(robot.zip(goal).filter(|_| is_first).map(|(robot, goal)| Dock { robot, goal }));
         }

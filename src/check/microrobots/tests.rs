@@ -167,7 +167,7 @@ fn levels_and_voltages_keep_their_limits() {
     rows(&[[110.0, 120.0]], &["E0418"]);
     assert_codes(&table(&[[110.0, 100.0]], "relax: 104 V, flex: 105 V"), &[]);
     assert_codes(&table(&[[110.0, 100.1]], "relax: 104 V, flex: 105 V"), &["E0419"]);
-    assert_codes(&table(&[[109.0, 106.0]], "relax: 110 V, flex: 111 V"), &["E0418", "E0419"]);
+    assert_codes(&table(&[[109.0, 106.0]], "relax: 110 V, flex: 111 V"), &["E0419", "E0418"]);
     rows(&[[110.0, -1.0]], &["E0403"]);
     rows(&[[0.0, 20.0]], &["E0403"]);
     rows(&[], &["E0312"]);

@@ -104,7 +104,7 @@ impl Walk {
             Action::Assemble(docks) => {
                 let found = self.assemble(docks, order);
                 self.bed = Bed::Moved;
-                docks.iter().for_each(|dock| drop(self.docked.insert(dock.robot, dock.goal.clone())));
+                self.docked.extend(docks.iter().map(|dock| (dock.robot, dock.goal.clone())));
                 found
             }
         }
@@ -283,27 +283,68 @@ fn partner<'a>(structure: &[Docked], goals: &'a [Docked<'a>], at: usize, docking
 
 /// What is wrong with goals whatever the order in which they are taken: of all orders, in the one that goes furthest.
 fn in_any_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> Option<Diagnostic> {
-    let mut best: Option<(usize, Diagnostic)> = None;
-    for first in 0..goals.len() {
-        let mut ordered = goals.to_vec();
-        ordered.swap(0, first);
-        for next in 1..ordered.len() {
-            let before = [structure, &ordered[..next]].concat();
-            let fits = |at: &usize| {
-                let mut tried = ordered.clone();
-                tried.swap(next, *at);
-                docking::misfit(&tried[next], &before, partner(structure, &tried, next, docking), docking).is_none()
-            };
-            let Some(at) = (next..ordered.len()).find(fits) else { break };
-            ordered.swap(next, at);
-        }
-        let wrong = in_this_order(structure, &ordered, docking)?;
-        let fitting =
-            (1..ordered.len()).take_while(|count| in_this_order(structure, &ordered[..*count], docking).is_none());
-        let count = fitting.count();
-        if best.as_ref().is_none_or(|(most, _)| count > *most) {
-            best = Some((count, wrong));
-        }
+    let pairs = Pairs::of(structure, goals, docking);
+    let orders = (0..goals.len()).map(|first| pairs.order(first));
+    let (furthest, _) = orders.max_by_key(|(_, fitting)| *fitting)?;
+    let ordered: Vec<Docked> = furthest.into_iter().map(|goal| goals[goal]).collect();
+    in_this_order(structure, &ordered, docking)
+}
+
+/// How goals fit to each other and to a structure, each pair looked at once.
+struct Pairs {
+    /// For each goal what it may dock with: goals, then the structure. `None` where the two overlap.
+    fits: Vec<Vec<Option<Fit>>>,
+    goals: usize,
+}
+
+/// How two bodies that do not overlap meet.
+#[derive(Debug, Clone, Copy)]
+struct Fit {
+    meets_head_on: bool,
+    sticks: bool,
+    touches: bool,
+}
+
+impl Pairs {
+    fn of(structure: &[Docked], goals: &[Docked], docking: &Docking) -> Pairs {
+        let fit = |one: &Docked, other: &Docked| {
+            let alone = std::slice::from_ref(other);
+            docking::misfit(one, alone, Partner::Nothing, docking).is_none().then(|| Fit {
+                meets_head_on: docking::misfit(one, alone, Partner::First(other), docking).is_none(),
+                sticks: docking::sticks(one, other, docking),
+                touches: docking::touches(one, other, docking),
+            })
+        };
+        let others = || goals.iter().chain(structure);
+        let fits = goals.iter().map(|one| others().map(|other| fit(one, other)).collect()).collect();
+        Pairs { fits, goals: goals.len() }
     }
-    best.map(|(_, wrong)| wrong)
+
+    /// The goals in an order that begins with one of them and takes the next that fits as long as there is one, and how many fit.
+    fn order(&self, first: usize) -> (Vec<usize>, usize) {
+        let structure = self.goals..self.fits[first].len();
+        let is_new = structure.clone().all(|docked| !self.fits[first][docked].is_some_and(|fit| fit.touches));
+        let mut docked: Vec<usize> = structure.collect();
+        let mut taken = vec![first];
+        let mut open: Vec<usize> = (0..self.goals).filter(|goal| *goal != first).collect();
+        docked.push(first);
+        loop {
+            let fits = |goal: &usize| {
+                let fits = &self.fits[*goal];
+                let is_clear = docked.iter().all(|other| fits[*other].is_some());
+                let holds = match (is_new, taken.len()) {
+                    (true, 1) => fits[first].is_some_and(|fit| fit.meets_head_on),
+                    _ => docked.iter().any(|other| fits[*other].is_some_and(|fit| fit.sticks)),
+                };
+                is_clear && holds
+            };
+            let Some(at) = open.iter().position(fits) else { break };
+            let next = open.remove(at);
+            docked.push(next);
+            taken.push(next);
+        }
+        let fitting = taken.len();
+        taken.append(&mut open);
+        (taken, fitting)
+    }
 }
