@@ -143,7 +143,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
                 let touch = Touch { share: touch.share * part, ..touch };
                 let name = &self.bed.order.obstacles[obstacle].name;
                 let title = |at: &str| {
-                    let (gap, needed) = (digits(touch.gap_um), digits(needed_um));
+                    let (gap, needed) = (digits(touch.gap_um.max(0.0)), digits(needed_um));
                     format!(
                         "`{}` comes within {gap} um of `{name}` at {at}, {needed} um are needed",
                         self.bed.name(robot)
@@ -261,9 +261,13 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
 
     fn orbit(&self, train: &Train, robot: usize, name: &str, touch: Touch) -> Violation {
         let needed = digits(self.bed.order.facts.orbit_clearance_um);
-        let (owner, gap) = (self.bed.name(robot), digits(touch.gap_um));
+        let (owner, gap) = (self.bed.name(robot), digits(touch.gap_um.abs()));
+        let how = match touch.gap_um < 0.0 {
+            true => format!("overlaps {name} by {gap} um"),
+            false => format!("lies {gap} um from {name}"),
+        };
         self.violation(Rule::Orbit, train, touch.share, |at| {
-            format!("the orbit of `{owner}` lies {gap} um from {name} at {at}, {needed} um are needed")
+            format!("the orbit of `{owner}` {how} at {at}, {needed} um are needed")
         })
     }
 

@@ -50,7 +50,7 @@ impl<G: Fn(f64) -> f64, F: Fn([f64; 2]) -> f64> Gap<G, F> {
     /// A place between two shares of the way where it is less than needed.
     ///
     /// # Errors
-    /// When all looks are used up.
+    /// When all looks are used up, or the way is so long that its halves are none.
     pub fn below(&self, span: [f64; 2], needed_um: f64, looks: &mut Looks) -> Result<Option<Touch>, Endless> {
         let mut open = vec![span];
         while let Some([from, to]) = open.pop() {
@@ -65,6 +65,9 @@ impl<G: Fn(f64) -> f64, F: Fn([f64; 2]) -> f64> Gap<G, F> {
             }
             let lost_um = self.travel_um * (to - from) / 2.0;
             if gap_um - lost_um < needed_um && lost_um > RESOLUTION_UM {
+                if share <= from || to <= share {
+                    return Err(Endless);
+                }
                 open.extend([[share, to], [from, share]]);
             }
         }

@@ -2,7 +2,7 @@ use super::{Edit, each_alone, only, passes, rules};
 use crate::check::claims::Claims;
 use crate::check::claims::electrode_array::{Action, Body, Bystanders, ElectrodeArrayOrder, Move, Objective};
 use crate::device::electrode_array::{Hold, Separation};
-use crate::schedule::{Schedule, State};
+use crate::schedule::{Schedule, State, Swing};
 use crate::verify::{Rule, Verdict, verify};
 use build::*;
 use std::sync::Arc;
@@ -30,6 +30,9 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     ("a little more potential", Rule::Potential, |s| s.actuations[0].from = 100.000_000_1),
     ("a little less potential", Rule::Potential, |s| s.actuations[3].to = 99.999_999_9),
     ("the other sign", Rule::Potential, |s| (s.actuations[1].from, s.actuations[1].to) = (-100.0, -100.0)),
+    ("an electrode that swings", Rule::Swing, |s| {
+        s.actuations[0].swing = Some(Swing { period_ns: BEAT, levels: [100.0; 2] });
+    }),
     ("on a little late", Rule::Beat, |s| {
         let last = s.actuations.last_mut().unwrap();
         (last.start_ns, last.duration_ns) = (last.start_ns + 1, last.duration_ns - 1);

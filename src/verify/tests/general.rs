@@ -3,7 +3,7 @@ use crate::check::claims::dimibot::{Action, Method, Objective};
 use crate::check::claims::{Job, Relation, Requirement, Timeline};
 use crate::device::dimibot::PLANNERS;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::schedule::Actuation;
+use crate::schedule::{Actuation, Swing};
 use crate::source::Span;
 
 /// A program with two devices: bot fetches, then bot returns while arm waves, then after 7 ms bot nods.
@@ -286,4 +286,12 @@ fn times_that_differ_print_differently() {
     use super::rule::ms;
     let printed = [ms(0), ms(1), ms(15 * MS), ms(15 * MS + 100_000), ms(u64::MAX)];
     assert_eq!(printed, ["0 ms", "0.000001 ms", "15 ms", "15.1 ms", "18446744073709.551615 ms"]);
+}
+
+#[test]
+fn modules_do_not_swing() {
+    let mut broken = schedule(&day(), DAY);
+    let pulse = &mut broken.actuations[0];
+    pulse.swing = Some(Swing { period_ns: pulse.duration_ns, levels: [pulse.from, pulse.to] });
+    only(Rule::Swing, &broken, &day());
 }

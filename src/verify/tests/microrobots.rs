@@ -59,6 +59,10 @@ fn with_pose(schedule: &mut Schedule, at: usize, [x_um, heading_rad]: [f64; 2]) 
     (pose[0], pose[2]) = (pose[0] + x_um, pose[2] + heading_rad);
 }
 
+fn figure(schedule: &mut Schedule, name: &str, value: f64) {
+    schedule.plans[0].outcomes.insert(name.to_owned(), value);
+}
+
 /// Each edit of the day's schedule breaks one rule and no other.
 const BROKEN: &[(&str, Rule, Edit)] = &[
     ("more than the source gives", Rule::Level, |s| level(s, 0, [200.000_001; 2])),
@@ -112,8 +116,8 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     }),
     ("another cost", Rule::Figure, |s| s.plans[0].cost += 1e-6),
     ("another planner", Rule::Figure, |s| s.plans[0].planner = "portfolio".into()),
-    ("another number of strokes", Rule::Figure, |s| drop(s.plans[0].outcomes.insert("strokes".into(), 2501.0))),
-    ("another number of legs", Rule::Figure, |s| drop(s.plans[0].outcomes.insert("switches".into(), 4.0))),
+    ("another number of strokes", Rule::Figure, |s| figure(s, "strokes", 2501.0)),
+    ("another number of legs", Rule::Figure, |s| figure(s, "switches", 4.0)),
     ("another channel", Rule::Channel, |s| s.channels[0].name = "fleet.bed2".into()),
 ];
 
