@@ -4,11 +4,12 @@
 //! without a beginning: the job ends there.
 
 use super::assembly::{self, Assembled};
+use super::drive::{self, Drive};
 use super::why::Why;
-use super::world::World;
+use super::world::{Bed, World};
 use super::{Docking, Leg, Motion, Stage, StepMotion};
 use crate::check::claims::Job;
-use crate::check::claims::microrobots::{Action, Dock, MicrorobotsOrder, Step};
+use crate::check::claims::microrobots::{Action, Dock, MicrorobotsOrder, Step, Stop};
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
 use crate::plan::requirements::{Kept, require};
@@ -64,19 +65,22 @@ pub fn plan(job: &Job, order: &MicrorobotsOrder, standing: &mut Standing, sink: 
 
 /// A plan, and where the robots stand after it.
 fn planned(job: &Job, order: &MicrorobotsOrder, start: Crew, sink: &mut Sink) -> Option<(Option<Plan>, Crew)> {
-    let mut crew = start.clone();
+    let world = World::new(order);
+    let mut bed = Bed::new(start.poses.clone(), start.docked.clone());
     let mut tally = Tally::default();
     let mut steps = Vec::with_capacity(order.steps.len());
     for step in &order.steps {
-        let done = step_done(order, step, &crew, sink)?;
-        if let StepMotion::Legs { legs, docks, .. } = &done.motion {
-            legs.iter().enumerate().for_each(|leg| crew.follow(order, leg, docks));
+        let done = Planner { order, world: &world, bed: &bed, step }.done(sink)?;
+        match &done.motion {
+            StepMotion::Legs { legs, docks, .. } => bed.follow(&world, legs, docks),
+            StepMotion::Wait(_) => bed.rest(),
         }
         tally.add(order, &done);
         steps.push(done.motion);
     }
     let motion = Motion { start, steps };
     let plan = tally.plan(motion);
+    let crew = Crew { poses: bed.poses, docked: bed.docked };
     let kept = require(job, &plan, &mut |_| None, sink);
     Some(((kept == Kept::Yes).then_some(plan), crew))
 }
@@ -89,41 +93,78 @@ struct Done {
     remarks: Vec<Remark>,
 }
 
-fn step_done(order: &MicrorobotsOrder, step: &Step, crew: &Crew, sink: &mut Sink) -> Option<Done> {
-    let why = Why { order, step };
-    match &step.action {
-        Action::Wait(duration_ns) => {
-            Some(Done { motion: StepMotion::Wait(*duration_ns), bound_ns: *duration_ns, remarks: Vec::new() })
+/// Plans one step, from where the bed is.
+struct Planner<'a> {
+    order: &'a MicrorobotsOrder,
+    world: &'a World,
+    bed: &'a Bed,
+    step: &'a Step,
+}
+
+impl<'a> Planner<'a> {
+    fn done(&self, sink: &mut Sink) -> Option<Done> {
+        match &self.step.action {
+            Action::Wait(duration_ns) => {
+                Some(Done { motion: StepMotion::Wait(*duration_ns), bound_ns: *duration_ns, remarks: Vec::new() })
+            }
+            Action::Apply { state, duration_ns } => self.applied(*state, *duration_ns, sink),
+            Action::Drive { robot, stops } => self.driven(*robot, stops, sink),
+            Action::Assemble(docks) => self.assembled(docks, sink),
         }
-        Action::Apply { state, duration_ns } => {
-            let leg = Leg { state: *state, strokes: duration_ns.div_ceil(order.facts.period_ns) };
-            if let Some(hit) = World::new(order).first_hit(&crew.poses, &crew.docked, &[leg], &[]) {
-                sink.push(why.applied_into(&hit));
+    }
+
+    fn why(&self) -> Why<'a> {
+        Why { order: self.order, step: self.step }
+    }
+
+    fn applied(&self, state: usize, duration_ns: u64, sink: &mut Sink) -> Option<Done> {
+        let leg = Leg { state, strokes: duration_ns.div_ceil(self.order.facts.period_ns) };
+        if let Some(hit) = self.bed.first_hit(self.world, &[leg], &[]) {
+            sink.push(self.why().applied_into(&hit));
+            return None;
+        }
+        Some(Done { bound_ns: leg_ns(self.order, leg), motion: plain(vec![leg]), remarks: Vec::new() })
+    }
+
+    fn driven(&self, robot: usize, stops: &[Stop], sink: &mut Sink) -> Option<Done> {
+        let poses: Vec<Pose> = stops.iter().map(|stop| stop.pose).collect();
+        let request = Drive { order: self.order, world: self.world, bed: self.bed, robot, stops: &poses };
+        match drive::drive(&request, Budget::of(self.order.expansions)) {
+            Ok(driven) => {
+                // A way in whole strokes as short as one can be counts as the best.
+                let bound_ns = if driven.optimal { driven.time_ns } else { driven.least_ns };
+                Some(Done { bound_ns, motion: plain(driven.legs), remarks: Vec::new() })
+            }
+            Err(stuck) => {
+                sink.push(self.why().not_driven(robot, &stuck, stops));
+                None
+            }
+        }
+    }
+
+    fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<Done> {
+        let (poses, docked) = (&self.bed.poses, &self.bed.docked);
+        let budget = Budget::of(self.order.expansions);
+        let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
+        let span = |robot: usize| goal(robot).unwrap_or(self.step.span);
+        let assembled = match assembly::assemble(self.order, poses, docked, docks, budget) {
+            Ok(assembled) => assembled,
+            Err(stuck) => {
+                sink.push(self.why().not_assembled(&stuck, &span));
                 return None;
             }
-            Some(Done { bound_ns: leg_ns(order, leg), motion: legs(vec![leg]), remarks: Vec::new() })
+        };
+        let Assembled { legs, docks, stages, least_ns, .. } = assembled;
+        // The assembly was planned from rest; a robot may have been turning since the step before.
+        if let Some(hit) = self.bed.first_hit(self.world, &legs, &docks) {
+            sink.push(self.why().still_turning(&hit));
+            return None;
         }
-        Action::Drive { .. } => None,
-        Action::Assemble(docks) => assembled(&why, docks, crew, sink),
+        Some(Done { motion: StepMotion::Legs { legs, docks, stages }, bound_ns: least_ns, remarks: Vec::new() })
     }
 }
 
-fn assembled(why: &Why, docks: &[Dock], crew: &Crew, sink: &mut Sink) -> Option<Done> {
-    let order = why.order;
-    let budget = Budget::of(order.expansions);
-    let assembled = match assembly::assemble(order, &crew.poses, &crew.docked, docks, budget) {
-        Ok(assembled) => assembled,
-        Err(stuck) => {
-            let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
-            sink.push(why.not_assembled(&stuck, &|robot| goal(robot).unwrap_or(why.step.span)));
-            return None;
-        }
-    };
-    let Assembled { legs, docks, stages, least_ns, .. } = assembled;
-    Some(Done { motion: StepMotion::Legs { legs, docks, stages }, bound_ns: least_ns, remarks: Vec::new() })
-}
-
-fn legs(legs: Vec<Leg>) -> StepMotion {
+fn plain(legs: Vec<Leg>) -> StepMotion {
     StepMotion::Legs { legs, docks: Vec::new(), stages: Vec::<Stage>::new() }
 }
 

@@ -1,8 +1,9 @@
 //! Why a step of microrobots has no plan, in words: which robot, which orbit, which obstacle.
 
 use super::assembly::{Blocker, Certainty, Stuck};
+use super::drive::{self, Reason, Thing};
 use super::world::{Hit, Meeting};
-use crate::check::claims::microrobots::{MicrorobotsOrder, Step};
+use crate::check::claims::microrobots::{MicrorobotsOrder, Step, Stop};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::source::Span;
@@ -21,6 +22,83 @@ impl Why<'_> {
         let diagnostic =
             Diagnostic::new(Code::E0606, title).label(self.step.span, "this carries all robots that have not docked");
         self.labelled(diagnostic, hit.meeting).help("apply it for a shorter time, or another state")
+    }
+
+    /// What is said of an assembly after a step in which robots turned, so that they are on their orbits from its beginning.
+    pub fn still_turning(&self, hit: &Hit) -> Diagnostic {
+        let diagnostic = Diagnostic::new(Code::E0602, format!("no way was found: {}", self.meeting(hit.meeting)))
+            .label(self.step.span, "it has been turning since the step before");
+        self.labelled(diagnostic, hit.meeting).help("put `wait 1 ms` before this step: at 0 V all arms go up")
+    }
+
+    /// What is said of a robot that does not come to one of its stops.
+    pub fn not_driven(&self, robot: usize, stuck: &drive::Stuck, stops: &[Stop]) -> Diagnostic {
+        let code = if stuck.reason.is_proof() { Code::E0601 } else { Code::E0602 };
+        let name = self.name(robot);
+        let goal = stops.get(stuck.stop).map_or(self.step.span, |stop| stop.span);
+        let start = self.order.robots[robot].span;
+        let clearance = length(self.order.facts.clearance_um);
+        match stuck.reason {
+            Reason::Docked => Diagnostic::new(code, format!("{name} has docked and moves no more"))
+                .label(self.step.span, "it is part of a structure")
+                .help("drive it before it docks"),
+            Reason::NeverTurns => {
+                Diagnostic::new(code, format!("no control state lowers the arm of {name}, so it only runs straight"))
+                    .label(goal, "it would have to turn")
+                    .help("`tweeze devices FILE` shows the control states")
+            }
+            Reason::NeverRuns => {
+                Diagnostic::new(code, format!("no control state raises the arm of {name}, so it only turns"))
+                    .label(goal, "it would have to run straight")
+                    .help("`tweeze devices FILE` shows the control states")
+            }
+            Reason::Start(thing) => {
+                let title = format!("{name} stands too near to {} to move: {clearance} are kept", self.thing(thing));
+                let diagnostic = Diagnostic::new(code, title).label(start, "it starts here");
+                self.near(diagnostic, thing, start).help("let it start elsewhere, or turned otherwise")
+            }
+            Reason::Goal(thing) => {
+                let title = format!("at its goal {name} is too near to {}: {clearance} are kept", self.thing(thing));
+                let diagnostic = Diagnostic::new(code, title).label(goal, "no way can end here");
+                self.near(diagnostic, thing, goal).help("choose another place or heading")
+            }
+            Reason::Blocked(thing) => {
+                let title = format!("no way was found for {name} round {}", self.thing(thing));
+                let diagnostic = Diagnostic::new(code, title).label(goal, "the way to this pose");
+                self.near(diagnostic, thing, goal).help("name a pose on the way with `via`, or make room")
+            }
+            Reason::GaveUp(thing) => {
+                let diagnostic = self.gave_up();
+                self.near(diagnostic, thing, self.step.span)
+            }
+            Reason::OutOfBudget => self.gave_up(),
+            Reason::TooFine => Diagnostic::new(code, format!("whole strokes do not bring {name} within the precision"))
+                .label(goal, "this pose")
+                .help("ask for less `precision`, or give the bed a smaller `step_size`"),
+            Reason::Meets(hit) => {
+                let title = format!("{name} has a way, but all robots move with it: {}", self.meeting(hit.meeting));
+                let diagnostic = Diagnostic::new(code, title)
+                    .label(goal, "so it ends with the last of the control states that were tried");
+                self.labelled(diagnostic, hit.meeting)
+                    .help("make room for the robots that run along or turn, or drive them out of the way first")
+            }
+        }
+    }
+
+    fn thing(&self, thing: Thing) -> String {
+        match thing {
+            Thing::Obstacle(index) => format!("`{}`", self.order.obstacles[index].name),
+            Thing::Robot(robot) => self.name(robot),
+            Thing::Orbit(robot) => format!("the orbit of {}", self.name(robot)),
+        }
+    }
+
+    fn near(&self, diagnostic: Diagnostic, thing: Thing, said: Span) -> Diagnostic {
+        let span = match thing {
+            Thing::Obstacle(index) => self.order.obstacles[index].span,
+            Thing::Robot(robot) | Thing::Orbit(robot) => self.order.robots[robot].span,
+        };
+        diagnostic.label_elsewhere(span, said, "in the way")
     }
 
     /// What is said of an assembly that has no plan.
