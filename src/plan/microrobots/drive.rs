@@ -16,7 +16,7 @@
 mod choice;
 
 use super::Leg;
-use super::free;
+use super::free::{self, Segment};
 use super::strokes::{self, Train};
 use super::ways::{NoWay, Task};
 use super::world::{Bed, Fixtures, Hit, Meeting, Obstruction, World};
@@ -166,13 +166,12 @@ impl Progress<'_> {
         let mut around = Around::docked(world, bed, robot);
         let mut last = None;
         for _ in 0..MAX_ROUNDS {
-            let task = Task { world, robot, from, to: goal, fixtures: &around.fixtures };
-            let found = match task.find(&mut self.meter) {
-                Ok(found) => found,
+            let found = match self.find(from, goal, &around) {
+                Ok(way) => way,
                 // What was put in the way closes it: what was met before says more.
-                Err(no_way) => return Err(last.map_or_else(|| around.reason(no_way), Reason::Meets)),
+                Err(reason) => return Err(last.map_or(reason, Reason::Meets)),
             };
-            let trains = strokes::whole(&world.body(robot).robot, from, goal, &found.way, order.precision);
+            let trains = strokes::whole(&world.body(robot).robot, from, goal, &found, order.precision);
             match self.choose(&trains.ok_or(Reason::TooFine)?) {
                 Ok(legs) => {
                     self.legs = legs;
@@ -188,6 +187,22 @@ impl Progress<'_> {
             }
         }
         self.other_word(from, goal, last)
+    }
+
+    /// A way of the robot alone. Unless the free optimum is clear, it keeps room for the rounding to whole strokes where there is room.
+    fn find(&mut self, from: Pose, to: Pose, around: &Around) -> Result<Vec<Segment>, Reason> {
+        let Drive { order, world, robot, .. } = *self.request;
+        let exact = Task { world, robot, from, to, fixtures: &around.fixtures };
+        if let Ok(found) = exact.direct() {
+            return Ok(found.way);
+        }
+        let wide = world.widened(strokes::ASTRAY * order.precision.place_um);
+        let found = Task { world: &wide, ..exact }.find(&mut self.meter);
+        let found = found.or_else(|no_way| match no_way {
+            NoWay::GaveUp(_) => Err(no_way),
+            NoWay::Start(_) | NoWay::Goal(_) | NoWay::Blocked(_) => exact.find(&mut self.meter),
+        });
+        found.map(|found| found.way).map_err(|no_way| around.reason(no_way))
     }
 
     /// The other free way, which lets the others move otherwise.

@@ -12,7 +12,8 @@
 //! What is found is then shortened by moving its corners (`shorten`).
 //!
 //! Promise: a free way, never one that is not. Not promised: that one is found where there is one, or that it is the shortest, unless it is as
-//! long as the bound. Cost grows with corners² × headings; each state that is taken is a step of the budget.
+//! long as the bound. Cost grows with corners² × headings; each state that is taken
+//! is a step of the budget.
 
 mod corners;
 mod graph;
@@ -23,6 +24,7 @@ use super::world::{Fixtures, Obstruction, World};
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
 use crate::plan::search::Meter;
+use corners::Corners;
 use graph::Graph;
 use rustc_hash::FxHashMap;
 use std::cmp::{Ordering, Reverse};
@@ -35,11 +37,8 @@ const STAGES: [Stage; 5] = [
     Stage { corners: 96, weight: 1.2, states: 2_000 },
     Stage { corners: 192, weight: 1.5, states: 4_000 },
     Stage { corners: 384, weight: 2.0, states: 20_000 },
-    Stage { corners: MOST_CORNERS, weight: 3.0, states: u64::MAX },
+    Stage { corners: 640, weight: 3.0, states: 40_000 },
 ];
-
-/// The most corners that are tried.
-const MOST_CORNERS: usize = 640;
 
 /// One search.
 struct Stage {
@@ -100,9 +99,9 @@ impl<'a> Task<'a> {
         at(self.from).map_or(Ok(()), |found| Err(NoWay::Start(found)))?;
         at(self.to).map_or(Ok(()), |found| Err(NoWay::Goal(found)))?;
         let bound_um = free::distance_um(self.facts(), self.from, self.to);
-        let corners = corners::around(self);
+        let mut corners = Corners::around(self);
         for stage in STAGES {
-            let corners = &corners[..corners.len().min(stage.corners)];
+            let corners = corners.first(self, stage.corners);
             if let Some(way) = Search::new(self, corners, stage).run(meter, blocked)? {
                 let way = shorten::shortened(self, way);
                 return Ok(Found { length_um: free::length_um(&way), way, bound_um });
@@ -226,11 +225,12 @@ impl<'a> Search<'a> {
 
     /// The cheapest way over the corners; `None` if there is none.
     fn run(mut self, meter: &mut Meter, blocked: Obstruction) -> Result<Option<Vec<Segment>>, NoWay> {
-        let until = meter.spent().saturating_add(self.stage.states);
+        let mut taken = 0;
         while let Some(Reverse(Entry { state: index, .. })) = self.queue.pop() {
-            if meter.spent() >= until {
+            if taken >= self.stage.states {
                 return Ok(None);
             }
+            taken += 1;
             meter.step().ok_or(NoWay::GaveUp(blocked))?;
             let state = self.states[index as usize];
             if self.is_done(&state) || !self.is_reached(&state) {

@@ -38,9 +38,10 @@ const MARGIN_RAD: f64 = 1e-6;
 const MAX_SAMPLES: u32 = 200_000;
 
 /// The bed of an order.
+#[derive(Debug, Clone)]
 pub struct World {
     bodies: Vec<Body>,
-    obstacles: Vec<Rounded>,
+    obstacles: Vec<Obstacle>,
     /// By control state, then by robot of the order.
     arms: Vec<Arm>,
     keep_um: f64,
@@ -49,6 +50,14 @@ pub struct World {
     overlap_um: f64,
     /// The last stretch before docking.
     fine_um: f64,
+}
+
+/// What is in the way.
+#[derive(Debug, Clone)]
+struct Obstacle {
+    body: Rounded,
+    /// It lies within this.
+    bound: Disc,
 }
 
 /// A robot's measures.
@@ -100,7 +109,7 @@ impl World {
         let arms_of = |state: usize| order.robots.iter().map(move |placed| order.states[state].arms[placed.row]);
         World {
             bodies,
-            obstacles: obstacles.collect(),
+            obstacles: obstacles.map(Obstacle::new).collect(),
             arms: (0..order.states.len()).flat_map(arms_of).collect(),
             keep_um: facts.clearance_um,
             orbit_keep_um: facts.orbit_clearance_um,
@@ -125,8 +134,13 @@ impl World {
     }
 
     /// The bodies of the obstacles.
-    pub fn obstacles(&self) -> &[Rounded] {
-        &self.obstacles
+    pub fn obstacles(&self) -> impl Iterator<Item = &Rounded> {
+        self.obstacles.iter().map(|obstacle| &obstacle.body)
+    }
+
+    /// The same bed with larger clearances: what is free there stays free when it is moved by this.
+    pub fn widened(&self, room_um: f64) -> Self {
+        World { keep_um: self.keep_um + room_um, orbit_keep_um: self.orbit_keep_um + room_um, ..self.clone() }
     }
 
     /// The clearances of bodies and of discs.
@@ -166,6 +180,15 @@ impl World {
     pub fn first_hit(&self, start: &[Pose], docked: &[bool], legs: &[Leg], docks: &[Docking]) -> Option<Hit> {
         let mut course = Course::new(self, start, docked, legs, docks);
         (0..legs.len()).find_map(|leg| course.follow(leg))
+    }
+}
+
+impl Obstacle {
+    fn new(body: Rounded) -> Self {
+        let [min_um, max_um] = [body.bounds().min_um, body.bounds().max_um];
+        let centre_um = [0, 1].map(|axis| (min_um[axis] + max_um[axis]) / 2.0);
+        let radius_um = (max_um[0] - min_um[0]).hypot(max_um[1] - min_um[1]) / 2.0;
+        Obstacle { body, bound: Disc { centre_um, radius_um } }
     }
 }
 

@@ -5,7 +5,7 @@
 //! the lines along which the robot just passes it on either side. Besides these: points on the first and the last heading,
 //! and a coarse lattice. Every one is kept only if the robot can be there with some heading.
 
-use super::{MOST_CORNERS, Task};
+use super::Task;
 use crate::geometry::{Core, Rounded};
 use crate::plan::microrobots::free;
 use crate::plan::microrobots::world::{Disc, MARGIN_UM, Rectangle};
@@ -29,27 +29,37 @@ const SAME_UM: f64 = 1.0;
 /// What is kept from what is passed beyond what has to be.
 const ROOM_UM: f64 = 0.5 + MARGIN_UM;
 
-/// All corners, those with the shortest ways over them first.
-pub(super) fn around(task: &Task) -> Vec<[f64; 2]> {
-    let mut found = Vec::new();
-    let points = points(task);
-    points.iter().for_each(|point| around_point(task, point, &mut found));
-    along_headings(task, &mut found);
-    lattice(task, &points, &mut found);
-    let cost_um = |corner: [f64; 2]| cost_um(task, corner);
-    let mut ranked: Vec<(f64, [f64; 2])> = found.into_iter().map(|corner| (cost_um(corner), corner)).collect();
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1[0].total_cmp(&b.1[0])).then(a.1[1].total_cmp(&b.1[1])));
-    let mut kept: Vec<[f64; 2]> = Vec::new();
-    for (_, corner) in ranked {
-        let is_new = kept.iter().all(|other| (other[0] - corner[0]).hypot(other[1] - corner[1]) > SAME_UM);
-        if is_new && is_usable(task, corner) {
-            kept.push(corner);
-        }
-        if kept.len() >= MOST_CORNERS {
-            break;
-        }
+/// Corners in the order in which they are tried: those with the shortest ways over them first.
+pub(super) struct Corners {
+    ranked: std::vec::IntoIter<[f64; 2]>,
+    kept: Vec<[f64; 2]>,
+}
+
+impl Corners {
+    pub(super) fn around(task: &Task) -> Self {
+        let mut found = Vec::new();
+        let points = points(task);
+        points.iter().for_each(|point| around_point(task, point, &mut found));
+        along_headings(task, &mut found);
+        lattice(task, &points, &mut found);
+        let cost_um = |corner: [f64; 2]| cost_um(task, corner);
+        let mut ranked: Vec<(f64, [f64; 2])> = found.into_iter().map(|corner| (cost_um(corner), corner)).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1[0].total_cmp(&b.1[0])).then(a.1[1].total_cmp(&b.1[1])));
+        let ranked: Vec<[f64; 2]> = ranked.into_iter().map(|(_, corner)| corner).collect();
+        Corners { ranked: ranked.into_iter(), kept: Vec::new() }
     }
-    kept
+
+    /// The first so many corners that the robot can be at; fewer if there are no more.
+    pub(super) fn first(&mut self, task: &Task, count: usize) -> &[[f64; 2]] {
+        while self.kept.len() < count {
+            let Some(corner) = self.ranked.next() else { break };
+            let far = |other: &[f64; 2]| (other[0] - corner[0]).hypot(other[1] - corner[1]) > SAME_UM;
+            if self.kept.iter().all(far) && is_usable(task, corner) {
+                self.kept.push(corner);
+            }
+        }
+        &self.kept[..self.kept.len().min(count)]
+    }
 }
 
 /// What a way over a corner costs where nothing is in its way: to the corner by a turn and a run, and on by the free optimum.

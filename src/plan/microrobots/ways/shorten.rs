@@ -8,7 +8,7 @@ use crate::plan::microrobots::free::{self, Segment, joined};
 const STEPS_UM: [f64; 2] = [200.0, 0.5];
 
 /// The most tries.
-const MAX_TRIES: usize = 1_500;
+const MAX_TRIES: usize = 500;
 
 /// What a move has to gain.
 const LEAST_GAIN_UM: f64 = 1e-3;

@@ -1,7 +1,7 @@
 //! The rules of collision for one leg of the whole bed.
 
 use super::tracks::{Kind, Track, far_apart, first_near, first_near_convex};
-use super::{Course, Disc, Hit, MARGIN_UM, Meeting, statics};
+use super::{Course, Disc, Hit, MARGIN_UM, Meeting, Obstacle, statics};
 
 impl Course<'_> {
     /// The first forbidden meeting of the leg whose tracks are set.
@@ -32,7 +32,7 @@ impl Course<'_> {
     fn obstacles_of(&self, robot: usize, told: &mut impl FnMut(Option<f64>, Meeting)) {
         let track = &self.tracks[robot];
         for (obstacle, body) in self.world.obstacles.iter().enumerate() {
-            told(statics::meets_rounded(track, body, self.world.keep_um), Meeting::Obstacle { robot, obstacle });
+            told(statics::meets_obstacle(track, body, self.world.keep_um), Meeting::Obstacle { robot, obstacle });
         }
     }
 
@@ -41,7 +41,7 @@ impl Course<'_> {
         let Track { centre_um, reach_um, .. } = self.tracks[robot];
         let disc = Disc { centre_um, radius_um: reach_um };
         let keep_um = self.world.orbit_keep_um;
-        for (obstacle, body) in self.world.obstacles.iter().enumerate() {
+        for (obstacle, Obstacle { body, .. }) in self.world.obstacles.iter().enumerate() {
             let near = disc.to_rounded_um(body) < keep_um + MARGIN_UM;
             told(near.then_some(0.0), Meeting::OrbitObstacle { robot, obstacle });
         }

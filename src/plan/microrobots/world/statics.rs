@@ -1,7 +1,7 @@
 //! One robot's way among things that rest: what every search asks over and over.
 
 use super::tracks::{Kind, Track, first_near};
-use super::{MARGIN_UM, Rectangle, World};
+use super::{MARGIN_UM, Obstacle, Rectangle, World};
 use crate::device::microrobots::Arm;
 use crate::geometry::distance::{point_segment, segment_core};
 use crate::geometry::{Pose, Rounded};
@@ -56,7 +56,7 @@ impl World {
         let body = &self.bodies[robot];
         let strokes = stretch.way_um / body.robot.step_um;
         let track = Track::new(body, pose, Some(stretch.arm), strokes);
-        let obstacle = self.obstacles.iter().position(|other| meets_rounded(&track, other, self.keep_um).is_some());
+        let obstacle = self.obstacles.iter().position(|other| meets_obstacle(&track, other, self.keep_um).is_some());
         let disc = || fixtures.discs.iter().position(|disc| meets_disc(&track, disc, self.orbit_keep_um).is_some());
         let rests = || fixtures.bodies.iter().position(|other| meets_rectangle(&track, other, self.keep_um).is_some());
         obstacle
@@ -89,7 +89,7 @@ impl World {
     /// What the disc of a robot that orbits is too near to, besides other robots that move.
     pub fn obstruction_of_orbit(&self, disc: &Disc, fixtures: &Fixtures) -> Option<Obstruction> {
         let keep_um = self.orbit_keep_um + MARGIN_UM;
-        let obstacle = self.obstacles.iter().position(|other| disc.to_rounded_um(other) < keep_um);
+        let obstacle = self.obstacles.iter().position(|other| disc.to_rounded_um(&other.body) < keep_um);
         let theirs = || fixtures.discs.iter().position(|other| disc.to_disc_um(other) < keep_um);
         let near = |body: &Rectangle| body.to_point_um(disc.centre_um) - disc.radius_um < keep_um;
         let rests = || fixtures.bodies.iter().position(near);
@@ -102,7 +102,7 @@ impl World {
     /// By how much a robot at a pose is farther from everything that rests than it has to be; negative if it is too near.
     pub fn room_um(&self, robot: usize, pose: Pose, fixtures: &Fixtures) -> f64 {
         let body = self.rectangle(robot, pose);
-        let obstacles = self.obstacles.iter().map(|other| body.to_rounded_um(other) - self.keep_um);
+        let obstacles = self.obstacles.iter().map(|other| body.to_rounded_um(&other.body) - self.keep_um);
         let bodies = fixtures.bodies.iter().map(|other| body.to_rectangle_um(other) - self.keep_um);
         let to_disc_um = |disc: &super::Disc| body.to_point_um(disc.centre_um) - disc.radius_um;
         let discs = fixtures.discs.iter().map(|disc| to_disc_um(disc) - self.orbit_keep_um);
@@ -111,9 +111,14 @@ impl World {
 }
 
 /// The first instant at which a robot is too near to an obstacle.
-pub(super) fn meets_rounded(track: &Track, body: &Rounded, keep_um: f64) -> Option<f64> {
+pub(super) fn meets_obstacle(track: &Track, obstacle: &Obstacle, keep_um: f64) -> Option<f64> {
     let (segment, radius_um) = track.bound();
-    if segment_core(segment, &body.core) - body.radius_um - radius_um >= keep_um + MARGIN_UM {
+    let Obstacle { body, bound: Disc { centre_um: [x, y], radius_um: bound_um } } = obstacle;
+    let near_um = keep_um + MARGIN_UM + radius_um;
+    if point_segment(Point2::new(*x, *y), segment) - bound_um >= near_um {
+        return None;
+    }
+    if segment_core(segment, &body.core) - body.radius_um >= near_um {
         return None;
     }
     meets(track, keep_um, |rectangle| rectangle.to_rounded_um(body))
