@@ -151,7 +151,7 @@ ledger! {
     E0527 "parts that cannot merge"
     E0528 "scenes with unlike parts or robots in one schedule"
     E0529 "a merge on a device that does not hold"
-    E0530 "a part that stands where a later scene has an obstacle"
+    E0530 "a part or robot that stands where a later scene has an obstacle"
     E0531 "a control state that the bed does not have"
     E0532 "a robot that the table does not have"
     E0533 "a robot without a heading"
