@@ -43,7 +43,7 @@ def voltages(channel, messages, device, schedule, table):
     for t_ns, proto in messages:
         for path, (name, bound) in fields.items():
             found, wanted = field(proto, path), schedule.envelope(name, t_ns)[bound or 0]
-            demand(abs(found - wanted) <= 1e-12 * abs(wanted), f"{path} is {found} V at {t_ns} ns, not {wanted} V")
+            demand(abs(found - wanted) <= 1e-12 * abs(wanted), f"{name} as {path} is {found} V at {t_ns} ns, not {wanted} V")
             if table and bound is None:
                 in_csv = held(table[1], table[2][:, table[0].index(header(table[0], name))], t_ns)
                 demand(found == in_csv, f"{name} is {found} V at {t_ns} ns, and {in_csv} V in the CSV file")

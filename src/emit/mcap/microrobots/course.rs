@@ -84,10 +84,15 @@ impl<'a> Course<'a> {
         let plans = jobs.filter_map(|(job, plan)| PlanCourse::new(job.order.microrobots()?, plan, &trains));
         let mut plans: Vec<PlanCourse> = plans.collect();
         let robots = plans.first().map_or_else(Vec::new, |plan| names(plan.order));
-        let wanted: usize = plans.iter().flat_map(|plan| &plan.legs).map(|leg| leg.wanted(plans[0].order)).sum();
+        plans.retain(|plan| plan.order.robots.len() == robots.len());
+        let wanted = plans.iter().map(PlanCourse::wanted).fold(0, usize::saturating_add);
         let most = MAX_POSES / robots.len().max(1);
         for plan in &mut plans {
             plan.moments = moments(plan, most.min(wanted) as f64 / wanted.max(1) as f64);
+        }
+        // Before the first task they stand where it begins.
+        if let Some(first) = plans.first_mut().and_then(|plan| plan.moments.first_mut()) {
+            first.t_ns = 0;
         }
         Course { robots, plans }
     }
@@ -132,6 +137,11 @@ impl<'a> PlanCourse<'a> {
             legs.push(Leg { start_ns: timed.t_ns, end_ns, control: *control, arms, train_ns, movers });
         }
         Some(PlanCourse { order, start_ns: plan.start_ns, legs, moments: Vec::new() })
+    }
+
+    /// How many poses of each robot there should be.
+    fn wanted(&self) -> usize {
+        self.legs.iter().map(|leg| leg.wanted(self.order)).fold(0, usize::saturating_add)
     }
 
     /// The orbits of all robots: an arm that is down in one leg and in the next stays down between them.

@@ -113,6 +113,21 @@ fn robots_have_bodies_in_frames_that_turn() {
 }
 
 #[test]
+fn robots_stand_from_the_beginning_on() {
+    let (bed, _) = fixture::bed();
+    let later = fixture::changed(&bed, |schedule| {
+        schedule.actuations.iter_mut().for_each(|actuation| actuation.start_ns += 1000);
+        schedule.plans[0].start_ns += 1000;
+        schedule.plans[0].states.iter_mut().for_each(|state| state.t_ns += 1000);
+    });
+    let (topics, movers) = topics(&later, "m");
+    let instants = |name| topic(&topics, name).messages.iter().map(|(t_ns, _)| *t_ns).take(2).collect::<Vec<_>>();
+    assert_eq!(instants("/m/poses"), [0, 2_001_000]);
+    assert_eq!(instants("/m/scene"), [0]);
+    assert!(movers.iter().all(|mover| mover.places[0].0 == 0 && mover.places[1].0 == 2_001_000));
+}
+
+#[test]
 fn an_hour_of_motion_is_a_bounded_number_of_poses() {
     let hour = fixture::changed(&fixture::train(72_000_000), |schedule| {
         let states = &mut schedule.plans[0].states;
