@@ -2,6 +2,7 @@
 //! with a train of strokes, and every robot moves with every stroke.
 
 mod job;
+pub mod strategy;
 
 pub use job::{Standing, plan};
 

@@ -1,0 +1,151 @@
+use super::*;
+use crate::check::claims::microrobots::{Assurance, Placed, Precision};
+use crate::device::microrobots::{Arm, ControlState, Docking as Limits, Errors, Facts, Fine, Robot, Turning};
+use crate::geometry::Pose;
+use crate::plan::microrobots::strategy::bent;
+use crate::plan::microrobots::{Docking, StepMotion};
+use crate::source::Span;
+use std::sync::Arc;
+
+/// A speed of 200 µm/s, and the published bound on the turning error: 3.7 degrees per millimetre.
+pub fn errors(replan_ms: u64) -> Errors {
+    Errors {
+        speed_ratio: 0.02,
+        turning_rad_per_um: 3.7_f64.to_radians() / 1000.0,
+        place_um: 1.0,
+        heading_rad: 0.5_f64.to_radians(),
+        replan_ns: replan_ms * 1_000_000,
+    }
+}
+
+pub fn robot(name: &str, turning: Turning) -> Robot {
+    Robot {
+        name: name.to_owned(),
+        snap_down_v: 120.0,
+        release_v: 40.0,
+        turning_radius_um: 165.0,
+        step_um: 0.01,
+        turning,
+        length_um: 260.0,
+        width_um: 60.0,
+    }
+}
+
+/// A bed with so many robots of one kind; state j lowers the first j.
+pub fn order(count: usize, turning: Turning, errors: Errors, poses: &[Pose]) -> MicrorobotsOrder {
+    let robots = (0..count).map(|index| robot(&format!("D{}", index + 1), turning)).collect();
+    let arm = |state: usize, row: usize| if row < state { Arm::Down } else { Arm::Up };
+    let state = |state: usize| ControlState {
+        arms: (0..count).map(|row| arm(state, row)).collect(),
+        levels_v: vec![9.0, 120.0],
+        slack_v: 1.0,
+    };
+    let facts = Facts {
+        robots,
+        margin_v: 2.0,
+        max_v: 200.0,
+        relax_v: 60.0,
+        flex_v: 100.0,
+        period_ns: 50_000,
+        dwell_ns: 2_000_000,
+        clearance_um: 20.0,
+        orbit_clearance_um: 30.0,
+        docking: Limits {
+            self_aligning_rad: 60_f64.to_radians(),
+            self_aligning_um: 80.0,
+            sticking_rad: 45_f64.to_radians(),
+            tolerance_um: 5.0,
+        },
+        fine: Fine { length_um: 250.0, cycle_um: 10.0 },
+        errors: Some(errors),
+    };
+    let placed = poses.iter().enumerate().map(|(row, pose)| Placed { row, pose: *pose, span: Span::default() });
+    MicrorobotsOrder {
+        facts: Arc::new(facts),
+        states: Arc::new((0..=count).map(state).collect()),
+        obstacles: Arc::new(Vec::new()),
+        robots: Arc::new(placed.collect()),
+        expansions: 1000,
+        precision: Precision { place_um: 0.5, heading_rad: 0.01 },
+        assurance: Assurance::Told,
+        steps: Vec::new(),
+    }
+}
+
+pub fn pose(x_um: f64, y_um: f64, degrees: f64) -> Pose {
+    Pose { x_um, y_um, heading_rad: degrees.to_radians() }
+}
+
+/// Where a robot has to be so that so great a share of turning leads it to a goal.
+pub fn before(robot: &Robot, goal: Pose, share: f64, way_um: f64) -> Pose {
+    let turn_per_um = share * robot.turning.sign() / robot.turning_radius_um;
+    let back = Pose { heading_rad: goal.heading_rad + std::f64::consts::PI, ..goal };
+    let there = bent(back, -turn_per_um, way_um);
+    Pose { heading_rad: crate::device::microrobots::wrapped_rad(there.heading_rad - std::f64::consts::PI), ..there }
+}
+
+/// One robot, the last, that docks head on with the first, which stands docked at the origin heading for +x.
+pub fn single(start: Pose, turning: Turning, errors: Errors) -> (MicrorobotsOrder, Motion) {
+    let order = order(2, turning, errors, &[start, pose(0.0, 0.0, 0.0)]);
+    let goal = pose(260.0, 0.0, 180.0);
+    let approach = before(order.robot(0), goal, 0.5, 250.0);
+    let stage = Stage::Single { robot: 0, states: [1, 0], approach, goal };
+    let steps = vec![StepMotion::Legs {
+        legs: Vec::new(),
+        docks: vec![Docking { robot: 0, leg: 0 }],
+        stages: vec![stage],
+    }];
+    let motion = Motion { start: vec![start, pose(0.0, 0.0, 0.0)], docked: vec![false, true], steps };
+    (order, motion)
+}
+
+#[test]
+fn shares_are_as_wilson_says() {
+    // Newcombe, Statistics in Medicine 17 (1998), Table I, method 3: 81 of 263 and 15 of 148, 0 of 20, 1 of 29.
+    for (successes, trials, low, high) in
+        [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
+    {
+        let [below, above] = wilson(successes, trials);
+        assert!((below - low).abs() < 5e-5 && (above - high).abs() < 5e-5, "{successes}/{trials}: {below} {above}");
+    }
+    assert_eq!(wilson(0, 0), [0.0, 1.0]);
+}
+
+#[test]
+fn the_spread_is_of_ranks() {
+    let spread = Spread::of((1..=100).rev().map(f64::from).collect());
+    assert_eq!((spread.mean, spread.p95, spread.max), (50.5, 95.0, 100.0));
+    assert_eq!(Spread::of(Vec::new()), Spread::default());
+}
+
+#[test]
+fn without_errors_everything_fits() {
+    let none = Errors { speed_ratio: 0.0, turning_rad_per_um: 0.0, place_um: 0.0, heading_rad: 0.0, replan_ns: 100_000_000 };
+    for turning in [Turning::Clockwise, Turning::Counterclockwise] {
+        let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning, none);
+        let report = simulate(&order, &motion, 8, 1, 2).expect("the errors are known");
+        assert_eq!(report.successes, 8, "{report:?}");
+        assert!(report.dockings[0].across_um.max < 0.2 && report.dockings[0].incidence_rad.max < 0.02, "{report:?}");
+    }
+}
+
+#[test]
+fn threads_change_nothing() {
+    let (order, motion) = single(pose(1500.0, 900.0, 30.0), Turning::Clockwise, errors(100));
+    let one = simulate(&order, &motion, 50, 7, 1);
+    assert!(one.is_some());
+    assert_eq!(one, simulate(&order, &motion, 50, 7, 4));
+    assert_ne!(one, simulate(&order, &motion, 50, 8, 4));
+}
+
+#[test]
+fn published_errors_are_mastered() {
+    for replan_ms in [100, 300, 1000] {
+        for turning in [Turning::Clockwise, Turning::Counterclockwise] {
+            let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning, errors(replan_ms));
+            let report = simulate(&order, &motion, 1000, 7, 2).expect("the errors are known");
+            println!("{replan_ms} {turning:?} {report:#?}");
+            assert_eq!(report.successes, 1000);
+        }
+    }
+}
