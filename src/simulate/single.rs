@@ -95,7 +95,7 @@ impl Task {
             if !is_kept {
                 let measured = trial.measured(self.robot);
                 (share, aside_um) = steered(driver, frame, measured, [0.0, 1.0]);
-                is_kept = frame.gap_um(frame.seen(measured)) < 1.5 * interval_um;
+                is_kept = frame.gap_um(frame.seen(measured)) < interval_um + driver.kept_um;
             }
             let mut way_um = 0.0;
             while way_um < interval_um - 1e-9 {

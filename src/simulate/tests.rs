@@ -149,3 +149,15 @@ fn published_errors_are_mastered() {
         }
     }
 }
+
+#[test]
+fn what_is_guaranteed_does_not_fail() {
+    use crate::plan::microrobots::guarantee::guarantees;
+    for replan_ms in [50, 100, 300, 1000] {
+        let (order, motion) = single(pose(1500.0, 900.0, 30.0), Turning::Clockwise, errors(replan_ms));
+        let assured = guarantees(&order, &motion).unwrap();
+        for containment in &assured[0].containments {
+            println!("{replan_ms} {:8.3} {}", containment.margin(), containment.said(&order));
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! The planner of STRING microrobots: one voltage drives all robots, so that a plan is one sequence of control states, each
 //! with a train of strokes, and every robot moves with every stroke.
 
+pub mod guarantee;
 mod job;
 pub mod strategy;
 

@@ -17,7 +17,8 @@
 //! **Fine motion** ([`approach`]). At every measurement the share of the cycle with the arm down is chosen so that the robot,
 //! when one of its front corners has met the edge and it has turned about it until its front lies flat, is in its place
 //! sideways. Since the bed may rest, an interval of the fine motion is at most an eighth of its length, whatever the time
-//! between measurements. When less than half an interval would be left, the share is kept until contact.
+//! between measurements. When less than an eighth would be left after another interval, the share is kept until contact: so
+//! near, a measurement moves the place less than its own error.
 
 mod approach;
 mod bodies;
@@ -26,7 +27,7 @@ mod pursuit;
 
 pub use approach::{Contact, Frame, bent, steered};
 pub use bodies::{Body, Solid, body, edge_gap_um, obstacles};
-pub use episode::{Episode, episodes};
+pub use episode::{Episode, driven, episodes};
 pub use pursuit::{Phase, Pursuit};
 
 use crate::check::claims::microrobots::MicrorobotsOrder;
@@ -36,6 +37,12 @@ use std::f64::consts::TAU;
 
 /// Into so many intervals the fine motion is divided at least.
 const FINE_INTERVALS: f64 = 8.0;
+
+/// An interval near a target is at most this part of the fine motion.
+const NEAR_INTERVALS: f64 = 6.0;
+
+/// A direction is measured at so many times the error of a centre.
+const SURE_CENTRES: f64 = 20.0;
 
 /// Two centres nearer than this are one.
 pub const SAME_UM: f64 = 1e-6;
@@ -55,8 +62,12 @@ pub struct Driver<'a> {
     pub errors: Errors,
     /// The nominal way from one measurement to the next, in gross motion.
     pub interval_um: f64,
+    /// The same near a target, and in the last bit of the last turn: the bed rests for the remainder.
+    pub near_interval_um: f64,
     /// The same in fine motion: whole cycles.
     pub fine_interval_um: f64,
+    /// The share of the last cycles is kept when less than this would be left after another interval.
+    pub kept_um: f64,
     /// A cycle of the fine motion.
     pub cycle_um: f64,
 }
@@ -88,7 +99,9 @@ impl<'a> Driver<'a> {
         let cycle_um = facts.fine.cycle_um.min(interval_um).min(facts.fine.length_um);
         let most_um = interval_um.min(facts.fine.length_um / FINE_INTERVALS);
         let fine_interval_um = cycle_um * (most_um / cycle_um).floor().max(1.0);
-        Some(Driver { robot, errors, interval_um, fine_interval_um, cycle_um })
+        let kept_um = facts.fine.length_um / FINE_INTERVALS;
+        let near_interval_um = interval_um.min(facts.fine.length_um / NEAR_INTERVALS);
+        Some(Driver { robot, errors, interval_um, near_interval_um, fine_interval_um, kept_um, cycle_um })
     }
 
     /// +1 if it turns counter-clockwise.
@@ -119,7 +132,7 @@ impl<'a> Driver<'a> {
 
     /// The bound on the error of the direction of a target so far away, with what an interval adds.
     pub fn aim_error_rad(&self, distance_um: f64) -> f64 {
-        let off_um = self.centre_error_um() + self.creep_um(self.interval_um);
+        let off_um = self.centre_error_um() + self.creep_um(self.interval_um.min(distance_um));
         self.errors.heading_rad + (off_um / distance_um.max(off_um).max(SAME_UM)).asin()
     }
 
@@ -139,17 +152,19 @@ impl<'a> Driver<'a> {
         self.centre_miss_um() - self.centre_error_um()
     }
 
-    /// No interval ends nearer before a target, so that none is passed unawares.
+    /// No interval that is corrected ends nearer before a target: so that none is passed unawares, and that the noise of a measured
+    /// centre turns the robot only a little.
     pub fn guard_um(&self) -> f64 {
-        2.0 * (self.centre_error_um() + self.errors.speed_ratio * self.interval_um) + SAME_UM
+        let passed_um = self.centre_error_um() + self.errors.speed_ratio * self.interval_um;
+        (2.0 * passed_um).max(SURE_CENTRES * self.centre_error_um()) + SAME_UM
     }
 
     /// How far from its target a centre may end, before the last turn.
     pub fn centre_miss_um(&self) -> f64 {
         let centre_um = self.centre_error_um();
-        let left_um = self.interval_um + self.guard_um() + centre_um;
+        let left_um = self.near_interval_um + self.guard_um() + centre_um;
         let drift = self.errors.turning_rad_per_um;
-        let off_um = 2.0 * (centre_um + self.creep_um(self.interval_um));
+        let off_um = 2.0 * (centre_um + self.creep_um(self.interval_um.min(left_um)));
         let excess_um = 2.0 * self.miss_rad_per_um() * left_um * left_um / 4.0;
         let across_um = off_um + 2.0 * self.errors.heading_rad * left_um + drift * left_um * left_um + excess_um;
         let along_um = centre_um + self.errors.speed_ratio * left_um + 0.05 * across_um;
@@ -158,7 +173,7 @@ impl<'a> Driver<'a> {
 
     /// Where the gross motion ends, truly: the paper's δ(t_2π) for this strategy, measured once more and believed.
     pub fn cylinder(&self) -> Cylinder {
-        let heading_rad = self.errors.heading_rad + self.interval_um * self.miss_rad_per_um() + 1e-9;
+        let heading_rad = self.errors.heading_rad + self.near_interval_um * self.miss_rad_per_um() + 1e-9;
         let circle_um = self.creep_um(TAU * self.robot.turning_radius_um);
         let radius_um = self.centre_miss_um() + circle_um + self.robot.turning_radius_um * heading_rad + SAME_UM;
         Cylinder {

@@ -6,6 +6,9 @@ use crate::geometry::distance::quadrilateral_core;
 use crate::geometry::{Core, Pose};
 use nalgebra::Point2;
 
+/// What overlaps a front by less than this lies before it.
+const TOUCHING_UM: f64 = 1.0;
+
 /// The corners of a robot's body, in order around it.
 pub type Body = [Point2<f64>; 4];
 
@@ -52,6 +55,22 @@ impl Solid {
         let [x_um, y_um] = robot.orbit_centre_um(pose);
         let name = format!("the orbit of {}", robot.name);
         Solid::new(name, Core::Point(Point2::new(x_um, y_um)), robot.orbit_reach_um() + growth_um)
+    }
+
+    /// Whether all of it lies before the front of a robot at its goal, but for a tolerance in touching.
+    pub fn is_ahead(&self, robot: &Robot, goal: Pose) -> bool {
+        let (sin, cos) = goal.heading_rad.sin_cos();
+        let ahead_um = |point: &Point2<f64>| (point.x - goal.x_um) * cos + (point.y - goal.y_um) * sin;
+        let nearest_um = self.points().iter().map(ahead_um).fold(f64::INFINITY, f64::min) - self.radius_um;
+        nearest_um >= robot.length_um / 2.0 - TOUCHING_UM
+    }
+
+    fn points(&self) -> &[Point2<f64>] {
+        match &self.core {
+            Core::Point(point) => std::slice::from_ref(point),
+            Core::Segment(ends) => ends,
+            Core::Polygon(corners) => corners,
+        }
     }
 
     /// How far a body is from it; exact below `enough_um`, and a lower bound beyond.

@@ -86,6 +86,8 @@ impl Pursuit {
 
     fn towards(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<Piece> {
         let target = self.target(driver, measured);
+        let is_near = target.distance_um <= driver.interval_um + driver.guard_um();
+        let most_um = if is_near { most_um.min(driver.near_interval_um) } else { most_um };
         let turn_rad = self.turn_rad(driver, &target);
         let turn_um = turn_rad / ((1.0 + driver.errors.speed_ratio) * driver.steepest_per_um());
         let turning = Piece { arm: Arm::Down, way_um: turn_um.min(most_um) };
@@ -128,10 +130,11 @@ impl Pursuit {
         let left_rad = driver.side() * (self.approach.heading_rad - measured.heading_rad);
         let is_over = turn(-left_rad) <= driver.accepted().heading_rad;
         let turn_um = if is_over { 0.0 } else { turn(left_rad) * driver.robot.turning_radius_um };
-        if turn_um <= most_um {
+        if turn_um <= driver.near_interval_um {
             self.phase = Phase::Arrived;
+            return vec![Piece { arm: Arm::Down, way_um: turn_um }];
         }
-        vec![Piece { arm: Arm::Down, way_um: turn_um.min(most_um) }]
+        vec![Piece { arm: Arm::Down, way_um: (turn_um - driver.near_interval_um / 2.0).min(most_um) }]
     }
 
     /// The nominal way that is left from a pose, without lags.
