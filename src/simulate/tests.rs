@@ -161,3 +161,34 @@ fn what_is_guaranteed_does_not_fail() {
         }
     }
 }
+
+/// Two robots that meet head on at the origin, so far from their approaches, and two legs that tell their ways.
+pub fn pair(errors: Errors) -> (MicrorobotsOrder, Motion) {
+    let goals = [pose(-130.0, 0.0, 0.0), pose(130.0, 0.0, 180.0)];
+    let starts = [pose(-2500.0, -1400.0, 70.0), pose(600.0, 900.0, 10.0)];
+    let order = order(2, Turning::Clockwise, errors, &[starts[1], starts[0]]);
+    let (first, second) = (1, 0);
+    let approach = [before(order.robot(0), goals[0], 1.0 / 3.0, 250.0), before(order.robot(0), goals[1], 2.0 / 3.0, 250.0)];
+    let (sin, cos) = approach[0].heading_rad.sin_cos();
+    // Half a circle more than the second needs at least.
+    let facts = order.robot(0);
+    let [from, to] = [starts[1], approach[1]].map(|pose| facts.orbit_centre_um(pose));
+    let direction_rad = (to[1] - from[1]).atan2(to[0] - from[0]);
+    let last_rad = (direction_rad - approach[1].heading_rad).rem_euclid(std::f64::consts::TAU);
+    let run_um = (to[0] - from[0]).hypot(to[1] - from[1]) + 165.0 * (last_rad + std::f64::consts::PI);
+    let intermediate =
+        Pose { x_um: approach[0].x_um - run_um * cos, y_um: approach[0].y_um - run_um * sin, ..approach[0] };
+    let stage = Stage::Pair { first, second, states: [2, 1, 0], intermediate, approach, goals };
+    let docks = vec![Docking { robot: first, leg: 0 }, Docking { robot: second, leg: 0 }];
+    let steps = vec![StepMotion::Legs { legs: Vec::new(), docks, stages: vec![stage] }];
+    (order, Motion { start: vec![starts[1], starts[0]], docked: vec![false, false], steps })
+}
+
+#[test]
+fn two_robots_meet() {
+    for replan_ms in [100, 1000] {
+        let (order, motion) = pair(errors(replan_ms));
+        let report = simulate(&order, &motion, 200, 7, 2).expect("the errors are known");
+        println!("{replan_ms} {report:#?}");
+    }
+}

@@ -20,14 +20,24 @@
 //! between measurements. When less than an eighth would be left after another interval, the share is kept until contact: so
 //! near, a measurement moves the place less than its own error.
 
+//!
+//! **Two robots at once** ([`couple`]). The second orbits while the first is driven, and the first runs straight, uncorrected, while the
+//! second is driven. They come at once if the first has as far to run along its line as the second has to its approach; what
+//! the first is late is made up for by sliding the pose where its own driving ends along its line, and, where that
+//! does not help, by a racetrack. If they still miss each other by more than half of the fine motion, all begins anew from the
+//! measured poses. In the fine motion the first turns for at most, the second for at least half of a cycle, so that each can
+//! be steered for itself; they stick together where they meet.
+
 mod approach;
 mod bodies;
+mod couple;
 mod episode;
 mod pursuit;
 
 pub use approach::{Contact, Frame, bent, steered};
 pub use bodies::{Body, Solid, body, edge_gap_um, obstacles};
-pub use episode::{Episode, driven, episodes};
+pub use couple::{Couple, SHARES};
+pub use episode::{Episode, centres, driven, episodes, poses_of};
 pub use pursuit::{Phase, Pursuit};
 
 use crate::check::claims::microrobots::MicrorobotsOrder;

@@ -102,7 +102,7 @@ fn nearest(order: &MicrorobotsOrder, robot: usize, way: &[Pose], target: Pose) -
 }
 
 /// The centres about which a robot turns in some legs, but for the first one and the last one.
-fn centres(order: &MicrorobotsOrder, robot: usize, way: &[Pose], legs: &[Leg], begins: usize) -> Vec<[f64; 2]> {
+pub fn centres(order: &MicrorobotsOrder, robot: usize, way: &[Pose], legs: &[Leg], begins: usize) -> Vec<[f64; 2]> {
     let facts = order.robot(robot);
     let first_um = facts.orbit_centre_um(way[begins]);
     let last_um = facts.orbit_centre_um(way[legs.len()]);

@@ -48,6 +48,21 @@ impl Pursuit {
         self.next = if self.phase == Phase::Turning { self.centres_um.len() } else { self.centres_um.len() - 1 };
     }
 
+    /// Changes where it ends.
+    pub fn aim(&mut self, driver: &Driver, approach: Pose) {
+        self.approach = approach;
+        if let Some(last_um) = self.centres_um.last_mut() {
+            *last_um = driver.robot.orbit_centre_um(approach);
+        }
+    }
+
+    /// Whether where it ends can still be changed.
+    pub fn is_far(&self, driver: &Driver, measured: Pose) -> bool {
+        let is_last = self.next + 1 == self.centres_um.len();
+        let near_um = 2.0 * (driver.interval_um + driver.guard_um());
+        self.next < self.centres_um.len() && !(is_last && self.target(driver, measured).distance_um < near_um)
+    }
+
     fn last_um(&self) -> [f64; 2] {
         self.centres_um[self.centres_um.len() - 1]
     }
@@ -137,7 +152,18 @@ impl Pursuit {
         vec![Piece { arm: Arm::Down, way_um: (turn_um - driver.near_interval_um / 2.0).min(most_um) }]
     }
 
-    /// The nominal way that is left from a pose, without lags.
+    /// The least way that is left, if the heading happens to be right for it.
+    pub fn least_um(&self, driver: &Driver, pose: Pose) -> f64 {
+        let [x_um, y_um] = driver.robot.orbit_centre_um(pose);
+        let Some([to_x_um, to_y_um]) = self.centres_um.get(self.next) else { return self.left_um(driver, pose) };
+        let lag_rad = driver.lag_rad((to_x_um - x_um).hypot(to_y_um - y_um));
+        let heading_rad = (to_y_um - y_um).atan2(to_x_um - x_um) - driver.side() * (lag_rad + 1e-6);
+        let (sin, cos) = heading_rad.sin_cos();
+        let arm_um = driver.side() * driver.robot.turning_radius_um;
+        self.left_um(driver, Pose { x_um: x_um + arm_um * sin, y_um: y_um - arm_um * cos, heading_rad })
+    }
+
+    /// The nominal way that is left from a pose, as if corrections cost nothing but the circles that they do.
     pub fn left_um(&self, driver: &Driver, pose: Pose) -> f64 {
         let radius_um = driver.robot.turning_radius_um;
         let [mut x_um, mut y_um] = driver.robot.orbit_centre_um(pose);
@@ -151,9 +177,16 @@ impl Pursuit {
             let (dx_um, dy_um) = (to_x_um - x_um, to_y_um - y_um);
             let distance_um = dx_um.hypot(dy_um);
             if distance_um > driver.left_alone_um() {
-                let slack_rad = if self.phase == Phase::Facing { 0.0 } else { 0.5 };
                 let direction_rad = dy_um.atan2(dx_um);
-                way_um += radius_um * ahead(direction_rad, heading_rad, slack_rad) + distance_um;
+                let lag_rad = driver.lag_rad(distance_um);
+                let turned_rad = match self.phase {
+                    // What lies within the lag costs a circle.
+                    Phase::Facing => lag_rad + ahead(direction_rad, heading_rad + driver.side() * lag_rad, 0.0),
+                    Phase::Running | Phase::Finishing | Phase::Turning | Phase::Arrived => {
+                        ahead(direction_rad, heading_rad, 0.5)
+                    }
+                };
+                way_um += radius_um * turned_rad + distance_um;
                 heading_rad = direction_rad;
             }
             (x_um, y_um) = (*to_x_um, *to_y_um);
