@@ -34,13 +34,7 @@ pub const MAX_TRIALS: u64 = 10_000_000;
 
 /// What came of so many trials (at most [`MAX_TRIALS`]) of a plan; `None` where the device does not say its errors, or nothing is
 /// assembled.
-pub fn simulate(
-    order: &MicrorobotsOrder,
-    motion: &Motion,
-    trials: u64,
-    seed: u64,
-    threads: usize,
-) -> Option<Report> {
+pub fn simulate(order: &MicrorobotsOrder, motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<Report> {
     let errors = order.facts.errors?;
     let episodes = episodes(order, motion);
     let first = episodes.first()?;

@@ -13,6 +13,9 @@ use std::f64::consts::PI;
 /// Intervals of one gross motion.
 const MAX_INTERVALS: usize = 20_000;
 
+/// What of the distance up to which two robots align themselves is used before the fine motion.
+const ALIGNED_SHARE: f64 = 0.5;
+
 /// How often the way to a contact is halved; far below a stroke.
 const HALVINGS: usize = 40;
 
@@ -31,12 +34,12 @@ pub fn run(trial: &mut Trial, episode: &Episode) -> Result<(), Failure> {
     let Some(couple) = Couple::new(trial.order, [first, second], intermediate, approach) else { return Ok(()) };
     let mut meeting = Meeting { couple, robots: [first, second], states, goals };
     trial.begin(vec![first, second]);
-    let [mut first_via_um, second_via_um] = meeting.bring_near(trial, episode)?;
-    for _ in 0..MAX_ROUNDS {
-        meeting.stage_1(trial, std::mem::take(&mut first_via_um), &second_via_um)?;
-        meeting.stage_2(trial, &second_via_um)?;
-        let measured = [first, second].map(|robot| trial.measured(robot));
-        if meeting.couple.run_um(measured[0]).abs() <= meeting.couple.missed_um {
+    let [mut first_via_um, mut second_via_um] = meeting.bring_near(trial, episode)?;
+    for round in 0..MAX_ROUNDS {
+        let via_um = [std::mem::take(&mut first_via_um), std::mem::take(&mut second_via_um)];
+        meeting.stage_1(trial, &via_um, round)?;
+        meeting.stage_2(trial, &via_um[1])?;
+        if meeting.is_within_reach(trial) {
             return meeting.dock(trial);
         }
     }
@@ -105,11 +108,11 @@ impl Meeting<'_> {
     }
 
     /// The first robot to its line, while the second orbits, until it is there in time.
-    fn stage_1(&mut self, trial: &mut Trial, via_um: Vec<[f64; 2]>, second_via_um: &[[f64; 2]]) -> Result<(), Failure> {
+    fn stage_1(&mut self, trial: &mut Trial, via_um: &[Vec<[f64; 2]>; 2], round: usize) -> Result<(), Failure> {
         let (first, accepted) = (self.robots[0], self.couple.drivers[0].accepted());
-        let second = Pursuit::new(&self.couple.drivers[1], second_via_um.to_vec(), self.couple.approach[1]);
-        self.couple.give_time(&second, trial.measured(self.robots[1]));
-        let mut pursuit = Pursuit::new(&self.couple.drivers[0], via_um, self.couple.intermediate());
+        let second = Pursuit::new(&self.couple.drivers[1], via_um[1].clone(), self.couple.approach[1]);
+        self.couple.give_time(&second, trial.measured(self.robots[1]), round);
+        let mut pursuit = Pursuit::new(&self.couple.drivers[0], via_um[0].clone(), self.couple.intermediate());
         let mut rounds = 0;
         for _ in 0..MAX_INTERVALS {
             trial.tick();
@@ -117,7 +120,7 @@ impl Meeting<'_> {
             if pursuit.phase == Phase::Arrived {
                 let late_um = self.couple.late_um([&pursuit, &second], measured);
                 let is_there = accepted.holds(pursuit.approach, measured[0]);
-                if is_there && late_um.abs() <= self.couple.missed_um / 2.0 {
+                if is_there && late_um.abs() <= self.couple.begun_um() {
                     return Ok(());
                 }
                 rounds += 1;
@@ -164,6 +167,16 @@ impl Meeting<'_> {
         Err((self.robots[1], Reason::TimeLimit))
     }
 
+    /// Whether the two come at once, and what the fine motion cannot correct is within what they align themselves.
+    fn is_within_reach(&self, trial: &Trial) -> bool {
+        let measured = self.measured(trial);
+        let frames = self.couple.frames(self.goals, measured);
+        let aside_um =
+            [0, 1].map(|at| steered(&self.couple.drivers[at], &frames[at], measured[at], SHARES[at]).1.abs());
+        let most_um = ALIGNED_SHARE * trial.order.facts.docking.self_aligning_um;
+        self.couple.run_um(measured[0]).abs() <= self.couple.missed_um && aside_um[0] + aside_um[1] <= most_um
+    }
+
     fn dock(&self, trial: &mut Trial) -> Result<(), Failure> {
         let driver = &self.couple.drivers[0];
         let interval_um = driver.fine_interval_um;
@@ -174,9 +187,7 @@ impl Meeting<'_> {
             if !is_kept {
                 let measured = self.measured(trial);
                 let frames = self.couple.frames(self.goals, measured);
-                shares = [0, 1].map(|at| {
-                    steered(&self.couple.drivers[at], &frames[at], measured[at], SHARES[at]).0
-                });
+                shares = [0, 1].map(|at| steered(&self.couple.drivers[at], &frames[at], measured[at], SHARES[at]).0);
                 is_kept = frames[0].gap_um(frames[0].seen(measured[0])) < interval_um + driver.kept_um;
             }
             let mut way_um = 0.0;

@@ -51,13 +51,7 @@ impl Task {
         edge_gap_um(order.robot(self.robot), goal, &bodies, tolerance_um).unwrap_or(0.0)
     }
 
-    fn approach(
-        &self,
-        trial: &mut Trial,
-        driver: &Driver,
-        mut pursuit: Pursuit,
-        frame: &Frame,
-    ) -> Result<(), Failure> {
+    fn approach(&self, trial: &mut Trial, driver: &Driver, mut pursuit: Pursuit, frame: &Frame) -> Result<(), Failure> {
         let circle_um = TAU * driver.robot.turning_radius_um;
         let mut left_um = MAX_TIMES * (pursuit.left_um(driver, trial.poses[self.robot]) + circle_um);
         let mut rounds = 0;
@@ -115,7 +109,8 @@ impl Task {
     fn touches(&self, trial: &mut Trial, frame: &Frame, piece: Piece) -> Result<bool, Failure> {
         let state = self.state(piece.arm);
         let step_um = trial.order.robot(self.robot).step_um;
-        let gap_um = |trial: &Trial, way_um: f64| frame.gap_um(frame.seen(trial.gone(self.robot, state, way_um / step_um)));
+        let gap_um =
+            |trial: &Trial, way_um: f64| frame.gap_um(frame.seen(trial.gone(self.robot, state, way_um / step_um)));
         if gap_um(trial, piece.way_um) > 0.0 {
             trial.drive(state, self.robot, piece.way_um, Manners::Docking)?;
             return Ok(false);

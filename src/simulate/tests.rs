@@ -2,6 +2,7 @@ use super::*;
 use crate::check::claims::microrobots::{Assurance, Placed, Precision};
 use crate::device::microrobots::{Arm, ControlState, Docking as Limits, Errors, Facts, Fine, Robot, Turning};
 use crate::geometry::Pose;
+use crate::plan::microrobots::guarantee::{Check, Containment, guarantees};
 use crate::plan::microrobots::strategy::bent;
 use crate::plan::microrobots::{Docking, StepMotion};
 use crate::source::Span;
@@ -90,11 +91,8 @@ pub fn single(start: Pose, turning: Turning, errors: Errors) -> (MicrorobotsOrde
     let goal = pose(260.0, 0.0, 180.0);
     let approach = before(order.robot(0), goal, 0.5, 250.0);
     let stage = Stage::Single { robot: 0, states: [1, 0], approach, goal };
-    let steps = vec![StepMotion::Legs {
-        legs: Vec::new(),
-        docks: vec![Docking { robot: 0, leg: 0 }],
-        stages: vec![stage],
-    }];
+    let steps =
+        vec![StepMotion::Legs { legs: Vec::new(), docks: vec![Docking { robot: 0, leg: 0 }], stages: vec![stage] }];
     let motion = Motion { start: vec![start, pose(0.0, 0.0, 0.0)], docked: vec![false, true], steps };
     (order, motion)
 }
@@ -120,7 +118,8 @@ fn the_spread_is_of_ranks() {
 
 #[test]
 fn without_errors_everything_fits() {
-    let none = Errors { speed_ratio: 0.0, turning_rad_per_um: 0.0, place_um: 0.0, heading_rad: 0.0, replan_ns: 100_000_000 };
+    let none =
+        Errors { speed_ratio: 0.0, turning_rad_per_um: 0.0, place_um: 0.0, heading_rad: 0.0, replan_ns: 100_000_000 };
     for turning in [Turning::Clockwise, Turning::Counterclockwise] {
         let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning, none);
         let report = simulate(&order, &motion, 8, 1, 2).expect("the errors are known");
@@ -150,25 +149,109 @@ fn published_errors_are_mastered() {
     }
 }
 
+/// Scales of the published errors, and other figures, that are drawn anew for every configuration.
+fn drawn(random: &mut random::Random) -> (MicrorobotsOrder, Motion) {
+    let mut errors = errors([20, 100, 250, 1000][(random.share() * 4.0) as usize]);
+    errors.speed_ratio *= 2.0 * random.share();
+    errors.turning_rad_per_um *= 2.0 * random.share();
+    errors.place_um *= 2.0 * random.share();
+    errors.heading_rad *= 1.5 * random.share();
+    let turning = [Turning::Clockwise, Turning::Counterclockwise][(random.share() * 2.0) as usize];
+    let start = pose(700.0 + 2000.0 * random.share(), 1500.0 * random.either(), 180.0 * random.either());
+    let (mut order, mut motion) = single(start, turning, errors);
+    let facts = Arc::make_mut(&mut order.facts);
+    facts.docking.tolerance_um = 4.0 + 8.0 * random.share();
+    facts.fine.cycle_um = 5.0 + 10.0 * random.share();
+    facts.fine.length_um = 200.0 + 100.0 * random.share();
+    facts.robots[0].turning_radius_um = 140.0 + 60.0 * random.share();
+    facts.robots[0].step_um *= 0.5 + random.share();
+    let goal = pose(260.0, 0.0, 180.0);
+    let share = 0.3 + 0.4 * random.share();
+    let approach = before(&facts.robots[0], goal, share, facts.fine.length_um);
+    if let StepMotion::Legs { stages, .. } = &mut motion.steps[0] {
+        stages[0] = Stage::Single { robot: 0, states: [1, 0], approach, goal };
+    }
+    (order, motion)
+}
+
 #[test]
 fn what_is_guaranteed_does_not_fail() {
-    use crate::plan::microrobots::guarantee::guarantees;
-    for replan_ms in [50, 100, 300, 1000] {
-        let (order, motion) = single(pose(1500.0, 900.0, 30.0), Turning::Clockwise, errors(replan_ms));
-        let assured = guarantees(&order, &motion).unwrap();
-        for containment in &assured[0].containments {
-            println!("{replan_ms} {:8.3} {}", containment.margin(), containment.said(&order));
+    let mut random = random::Random::new(5, 5);
+    let mut count = 0;
+    for _ in 0..100 {
+        let (order, motion) = drawn(&mut random);
+        let assured = guarantees(&order, &motion).expect("the errors are known");
+        if assured[0].violated().is_none() {
+            count += 1;
+            let report = simulate(&order, &motion, 200, 11, 2).expect("the errors are known");
+            assert_eq!(report.successes, 200, "{:?} {:?}", report.failures, assured[0].containments);
+            let docking = &report.dockings[0];
+            let has =
+                |check: Check| assured[0].containments.iter().find(|held| held.check == check).map(|held| held.needs);
+            let (needs_um, fine) = (has(Check::Place), order.facts.fine);
+            assert!(
+                needs_um.is_some_and(|needs_um| docking.across_um.max <= needs_um),
+                "{needs_um:?} {docking:?} {fine:?} {:?}",
+                order.facts.errors
+            );
+            assert!(has(Check::Angle).is_some_and(|needs_rad| docking.incidence_rad.max <= needs_rad));
         }
+    }
+    assert!(count >= 20, "only {count} of 100 are guaranteed");
+}
+
+#[test]
+fn published_errors_are_guaranteed() {
+    for replan_ms in [50, 100, 300, 1000] {
+        let (mut order, motion) = single(pose(1500.0, 900.0, 30.0), Turning::Clockwise, errors(replan_ms));
+        Arc::make_mut(&mut order.facts).docking.tolerance_um = 7.0;
+        let assured = guarantees(&order, &motion).expect("the errors are known");
+        assert_eq!(assured[0].violated(), None, "{replan_ms}");
+        let report = simulate(&order, &motion, 1000, 7, 2).expect("the errors are known");
+        assert_eq!(report.successes, 1000);
     }
 }
 
+#[test]
+fn larger_errors_are_not_guaranteed_and_fail_more_often() {
+    let mut successes = Vec::new();
+    for scale in [1.0, 3.0, 8.0] {
+        let mut errors = errors(100);
+        errors.place_um *= scale;
+        errors.heading_rad *= scale;
+        errors.turning_rad_per_um *= scale;
+        let (mut order, motion) = single(pose(1500.0, 900.0, 30.0), Turning::Clockwise, errors);
+        Arc::make_mut(&mut order.facts).docking.tolerance_um = 7.0;
+        let assured = guarantees(&order, &motion).expect("the errors are known");
+        assert_eq!(assured[0].violated().is_none(), scale == 1.0, "{scale}");
+        successes.push(simulate(&order, &motion, 300, 7, 2).map_or(0, |report| report.successes));
+    }
+    assert!(successes[0] == 300 && successes[1] < 300 && successes[2] < successes[1], "{successes:?}");
+}
+
+#[test]
+fn a_robot_in_the_way_is_run_into() {
+    let (mut order, motion) = single(pose(1500.0, 900.0, 30.0), Turning::Clockwise, errors(100));
+    let shape = crate::geometry::Shape::Disc { radius_um: 200.0 };
+    let at = pose(900.0, 500.0, 0.0);
+    let wall =
+        crate::check::claims::microrobots::Obstacle { name: "wall".into(), shape, pose: at, span: Span::default() };
+    order.obstacles = Arc::new(vec![wall]);
+    let assured = guarantees(&order, &motion).expect("the errors are known");
+    let is_wall = |held: &&Containment| held.check == Check::Gross("wall".into());
+    assert!(assured[0].containments.iter().find(is_wall).is_some_and(|held| held.margin() < 0.0));
+    let report = simulate(&order, &motion, 20, 7, 2).expect("the errors are known");
+    assert_eq!(report.failures[0].reason, Reason::Collision("wall".into()));
+}
+
 /// Two robots that meet head on at the origin, so far from their approaches, and two legs that tell their ways.
-pub fn pair(errors: Errors) -> (MicrorobotsOrder, Motion) {
+pub fn pair(errors: Errors, second: Pose) -> (MicrorobotsOrder, Motion) {
     let goals = [pose(-130.0, 0.0, 0.0), pose(130.0, 0.0, 180.0)];
-    let starts = [pose(-2500.0, -1400.0, 70.0), pose(600.0, 900.0, 10.0)];
+    let starts = [pose(-2500.0, -1400.0, 70.0), second];
     let order = order(2, Turning::Clockwise, errors, &[starts[1], starts[0]]);
-    let (first, second) = (1, 0);
-    let approach = [before(order.robot(0), goals[0], 1.0 / 3.0, 250.0), before(order.robot(0), goals[1], 2.0 / 3.0, 250.0)];
+    let robots = [1, 0];
+    let approach =
+        [before(order.robot(0), goals[0], 1.0 / 3.0, 250.0), before(order.robot(0), goals[1], 2.0 / 3.0, 250.0)];
     let (sin, cos) = approach[0].heading_rad.sin_cos();
     // Half a circle more than the second needs at least.
     let facts = order.robot(0);
@@ -178,17 +261,22 @@ pub fn pair(errors: Errors) -> (MicrorobotsOrder, Motion) {
     let run_um = (to[0] - from[0]).hypot(to[1] - from[1]) + 165.0 * (last_rad + std::f64::consts::PI);
     let intermediate =
         Pose { x_um: approach[0].x_um - run_um * cos, y_um: approach[0].y_um - run_um * sin, ..approach[0] };
-    let stage = Stage::Pair { first, second, states: [2, 1, 0], intermediate, approach, goals };
-    let docks = vec![Docking { robot: first, leg: 0 }, Docking { robot: second, leg: 0 }];
+    let stage = Stage::Pair { first: robots[0], second: robots[1], states: [2, 1, 0], intermediate, approach, goals };
+    let docks = vec![Docking { robot: robots[0], leg: 0 }, Docking { robot: robots[1], leg: 0 }];
     let steps = vec![StepMotion::Legs { legs: Vec::new(), docks, stages: vec![stage] }];
     (order, Motion { start: vec![starts[1], starts[0]], docked: vec![false, false], steps })
 }
 
 #[test]
 fn two_robots_meet() {
-    for replan_ms in [100, 1000] {
-        let (order, motion) = pair(errors(replan_ms));
+    for (replan_ms, second) in
+        [(100, pose(600.0, 900.0, 10.0)), (1000, pose(600.0, 900.0, 10.0)), (100, pose(400.0, 500.0, 10.0))]
+    {
+        let (order, motion) = pair(errors(replan_ms), second);
         let report = simulate(&order, &motion, 200, 7, 2).expect("the errors are known");
-        println!("{replan_ms} {report:#?}");
+        println!("{replan_ms} {} {:?} {:?}", report.successes, report.failures, report.time_s);
+        for held in guarantees(&order, &motion).expect("the errors are known").iter().flat_map(|a| &a.containments) {
+            println!("{replan_ms} {:8.3} {}", held.margin(), held.said(&order));
+        }
     }
 }

@@ -16,15 +16,15 @@
 //!
 //! **Fine motion** ([`approach`]). At every measurement the share of the cycle with the arm down is chosen so that the robot,
 //! when one of its front corners has met the edge and it has turned about it until its front lies flat, is in its place
-//! sideways. Since the bed may rest, an interval of the fine motion is at most an eighth of its length, whatever the time
-//! between measurements. When less than an eighth would be left after another interval, the share is kept until contact: so
+//! sideways. Since the bed may rest, an interval of the fine motion is at most a tenth of its length, whatever the time
+//! between measurements. When less than a tenth would be left after another interval, the share is kept until contact: so
 //! near, a measurement moves the place less than its own error.
 
 //!
 //! **Two robots at once** ([`couple`]). The second orbits while the first is driven, and the first runs straight, uncorrected, while the
 //! second is driven. They come at once if the first has as far to run along its line as the second has to its approach; what
 //! the first is late is made up for by sliding the pose where its own driving ends along its line, and, where that
-//! does not help, by a racetrack. If they still miss each other by more than half of the fine motion, all begins anew from the
+//! does not help, by a racetrack. If they still miss each other by too much of the fine motion, all begins anew from the
 //! measured poses. In the fine motion the first turns for at most, the second for at least half of a cycle, so that each can
 //! be steered for itself; they stick together where they meet.
 
@@ -46,7 +46,7 @@ use crate::geometry::Pose;
 use std::f64::consts::TAU;
 
 /// Into so many intervals the fine motion is divided at least.
-const FINE_INTERVALS: f64 = 8.0;
+const FINE_INTERVALS: f64 = 10.0;
 
 /// An interval near a target is at most this part of the fine motion.
 const NEAR_INTERVALS: f64 = 6.0;

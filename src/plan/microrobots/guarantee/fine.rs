@@ -124,7 +124,8 @@ impl Bounds<'_> {
 
     /// The same at least: on a way that bends as much as it can, against the normal of its end.
     fn moved_at_least(&self, way_um: f64) -> f64 {
-        let bent_rad = (way_um / self.driver.robot.turning_radius_um).min(self.steepest_rad + self.incidence_rad).min(1.5);
+        let bent_rad =
+            (way_um / self.driver.robot.turning_radius_um).min(self.steepest_rad + self.incidence_rad).min(1.5);
         let lean_um = self.driver.robot.width_um / 2.0 * self.incidence_rad.sin();
         let least = way_um * (way_um * bent_rad.cos() + self.length_um() - 2.0 * lean_um) / 2.0;
         least.max(1e-6)
@@ -147,7 +148,8 @@ impl Bounds<'_> {
         let errors = self.driver.errors;
         let unsure_um = errors.place_um + errors.heading_rad * self.length_um().hypot(self.driver.robot.width_um) / 2.0;
         let over_um = self.driver.fine_interval_um * errors.speed_ratio;
-        (self.driver.kept_um - over_um - unsure_um).max(0.05 * self.driver.kept_um)
+        // A turn may bring the front ahead faster than the middle.
+        (0.8 * (self.driver.kept_um - over_um - unsure_um)).max(0.05 * self.driver.kept_um)
     }
 
     /// How much the curvature that is needed may change, and the incidence with it, over all intervals; the last one that is
@@ -177,8 +179,10 @@ impl Bounds<'_> {
         let robot = self.driver.robot;
         let unsure_um = errors.place_um + errors.heading_rad * self.length_um().hypot(robot.width_um) / 2.0;
         let gap_um = self.driver.fine_interval_um + self.driver.kept_um + unsure_um;
-        let steepest_rad = self.incidence_rad + 1.2 * gap_um / robot.turning_radius_um;
-        let way_um = gap_um / steepest_rad.min(STEEPEST_RAD).cos();
+        let steepest_rad = self.incidence_rad + 1.3 * gap_um / robot.turning_radius_um;
+        // A turn takes back the corner that is ahead.
+        let turning = robot.width_um / 2.0 / robot.turning_radius_um;
+        let way_um = gap_um / (steepest_rad.min(STEEPEST_RAD).cos() - turning).max(0.2);
         let cycle_um = self.driver.cycle_um;
         let ripple_um = (self.length_um() / 2.0 + cycle_um) * cycle_um / (8.0 * robot.turning_radius_um) + 0.01;
         let drift_um = self.drift_per_um() * self.moved(way_um);

@@ -13,7 +13,7 @@ use std::f64::consts::{E, TAU};
 const LOOK_UM: f64 = 5.0;
 
 /// Rooms beyond this are not measured exactly.
-const ENOUGH_UM: f64 = 500.0;
+pub const ENOUGH_UM: f64 = 500.0;
 
 /// What stands or moves about a robot that is driven.
 pub struct Surroundings {
@@ -24,12 +24,19 @@ pub struct Surroundings {
 
 impl Surroundings {
     /// The tightest: what is needed, and the room that there is.
-    fn tightest(&self, body: &Body, needs_um: f64, so_far: Option<Room>, is_met: &impl Fn(&Solid) -> bool) -> Option<Room> {
+    pub fn tightest(
+        &self,
+        body: &Body,
+        needs_um: f64,
+        so_far: Option<Room>,
+        is_met: &impl Fn(&Solid) -> bool,
+    ) -> Option<Room> {
         let free = self.free.iter().map(|solid| (solid, 0.0));
         let docked = self.docked.iter().filter(|(solid, _)| !is_met(solid)).map(|(solid, stray_um)| (solid, *stray_um));
         let mut tightest = so_far;
         for (solid, stray_um) in free.chain(docked) {
-            let room = (solid.name.as_str(), needs_um + stray_um, solid.distance_um(body, needs_um + stray_um + ENOUGH_UM));
+            let room =
+                (solid.name.as_str(), needs_um + stray_um, solid.distance_um(body, needs_um + stray_um + ENOUGH_UM));
             if tightest.as_ref().is_none_or(|(_, needs_um, has_um)| room.2 - room.1 < has_um - needs_um) {
                 tightest = Some((room.0.to_owned(), room.1, room.2));
             }
@@ -54,6 +61,8 @@ struct Part {
 pub struct Way<'a> {
     driver: &'a Driver<'a>,
     parts: Vec<Part>,
+    /// What it would be without errors.
+    nominal: Vec<Part>,
     /// How far the approach may be displaced with the structure.
     pub shift_um: f64,
     /// Of every turn before a run, and of the last one: what it needs so that no circle is driven, and what it has; in radians.
@@ -66,10 +75,31 @@ impl<'a> Way<'a> {
     /// From where the stage begins, or any place on that orbit, by way of centres to the approach.
     pub fn new(bed: &Bed, driver: &'a Driver<'a>, robot: usize, via_um: &[[f64; 2]], approach: Pose) -> Self {
         let shift_um = bed.structure.of_um(approach);
-        let mut way = Way { driver, parts: Vec::new(), shift_um, turns_rad: Vec::new(), length_um: [0.0; 2] };
+        let mut way = Way::between(driver, shift_um);
         let start = bed.episode.poses[robot];
         way.walk(start, via_um, approach, bed.structure.heading_rad, !bed.is_first);
         way
+    }
+
+    /// Without any part yet; its approach may be displaced by so much.
+    pub fn between(driver: &'a Driver<'a>, shift_um: f64) -> Self {
+        Way { driver, parts: Vec::new(), nominal: Vec::new(), shift_um, turns_rad: Vec::new(), length_um: [0.0; 2] }
+    }
+
+    /// The most that it strays anywhere.
+    pub fn stray_um(&self) -> f64 {
+        self.parts.iter().map(|part| part.stray_um).fold(0.0, f64::max)
+    }
+
+    /// Nominally, so far before its end; on the first orbit if that is longer ago.
+    pub fn left(&self, mut left_um: f64) -> Pose {
+        for part in self.nominal.iter().rev() {
+            if left_um <= part.way_um {
+                return bent(part.from, part.turn_per_um, part.way_um - left_um);
+            }
+            left_um -= part.way_um;
+        }
+        self.nominal.first().map_or(Pose::at(0.0, 0.0), |part| bent(part.from, part.turn_per_um, -left_um))
     }
 
     /// From a pose that is known, or from any place on its orbit.
@@ -108,39 +138,42 @@ impl<'a> Way<'a> {
         let (side, radius_um) = (self.driver.side(), self.driver.robot.turning_radius_um);
         let angle_rad = turn(side * (to - from));
         let needs_rad = before + after;
+        let way_um = angle_rad * radius_um;
+        let pose = self.on_circle(centre_um, from);
+        self.nominal.push(Part { from: pose, turn_per_um: side / radius_um, way_um, stray_um: 0.0 });
         self.turns_rad.push([needs_rad, angle_rad]);
         let (begin_rad, swept_rad) = match any || angle_rad < needs_rad || angle_rad + needs_rad >= TAU {
             true => (from, TAU),
             false => (from - side * before, angle_rad + needs_rad),
         };
-        let (sin, cos) = begin_rad.sin_cos();
-        let from = Pose {
-            x_um: centre_um[0] + side * radius_um * sin,
-            y_um: centre_um[1] - side * radius_um * cos,
-            heading_rad: begin_rad,
-        };
+        let from = self.on_circle(centre_um, begin_rad);
         let way_um = swept_rad * radius_um;
         self.parts.push(Part { from, turn_per_um: side / radius_um, way_um, stray_um: off_um });
         self.length_um[0] += angle_rad * radius_um;
-        self.length_um[1] += needs_rad * radius_um;
+    }
+
+    fn on_circle(&self, [x_um, y_um]: [f64; 2], heading_rad: f64) -> Pose {
+        let (sin, cos) = heading_rad.sin_cos();
+        let arm_um = self.driver.side() * self.driver.robot.turning_radius_um;
+        Pose { x_um: x_um + arm_um * sin, y_um: y_um - arm_um * cos, heading_rad }
     }
 
     fn run(&mut self, centre_um: [f64; 2], direction_rad: f64, run_um: f64, stray: &Stray) {
-        let (side, radius_um) = (self.driver.side(), self.driver.robot.turning_radius_um);
-        let (sin, cos) = direction_rad.sin_cos();
-        let from = Pose {
-            x_um: centre_um[0] + side * radius_um * sin,
-            y_um: centre_um[1] - side * radius_um * cos,
-            heading_rad: direction_rad,
-        };
+        let radius_um = self.driver.robot.turning_radius_um;
+        let from = self.on_circle(centre_um, direction_rad);
+        self.nominal.push(Part { from, turn_per_um: 0.0, way_um: run_um, stray_um: 0.0 });
         // A centre on its line with a heading that is off puts the body farther along, and hardly aside.
-        let (tilt_rad, reach_um) = (stray.heading_rad, self.driver.robot.length_um.hypot(self.driver.robot.width_um) / 2.0);
+        let (tilt_rad, reach_um) =
+            (stray.heading_rad, self.driver.robot.length_um.hypot(self.driver.robot.width_um) / 2.0);
         let (longer_um, aside_um) = (radius_um * tilt_rad, radius_um * tilt_rad * tilt_rad / 2.0);
         let from = bent(from, 0.0, -longer_um);
         let stray_um = stray.place_um + aside_um + reach_um * tilt_rad;
         self.parts.push(Part { from, turn_per_um: 0.0, way_um: run_um + 2.0 * longer_um, stray_um });
         self.length_um[0] += run_um;
-        self.length_um[1] += stray.place_um + run_um * stray.heading_rad * stray.heading_rad / 2.0;
+        // Turns add up to what the headings ask for, less what the robot turns on its own account.
+        let errors = self.driver.errors;
+        let turned_um = errors.turning_rad_per_um * run_um * radius_um;
+        self.length_um[1] += run_um * tilt_rad * tilt_rad / 2.0 + turned_um + self.driver.centre_miss_um();
     }
 
     /// Where there is the least room for it, if there is anything.
@@ -183,8 +216,10 @@ impl Stray {
         let bulge_um = drift * run_um * run_um / 8.0 + steady_rad * run_um / E;
         let place_um = off_um + 2.0 * centre_um + 1.1 * bulge_um + first_rad * interval_um;
         let logs = 1.0 + (run_um / interval_um.max(1.0)).max(1.0).ln();
-        let heading_rad =
-            drift * run_um / 2.0 + steady_rad * logs + first_rad + 2.0 * driver.aim_error_rad(run_um.min(interval_um + driver.guard_um()));
+        let heading_rad = drift * run_um / 2.0
+            + steady_rad * logs
+            + first_rad
+            + 2.0 * driver.aim_error_rad(run_um.min(interval_um + driver.guard_um()));
         Stray { place_um, heading_rad }
     }
 }
@@ -215,7 +250,8 @@ impl Stretch<'_> {
             let gone_um = way_um * look as f64 / looks;
             let left_um = way_um - gone_um;
             let tilt_rad = self.last.incidence_rad + self.last.bend_per_um * left_um;
-            let aside_um = self.last.across_um + self.last.incidence_rad * left_um
+            let aside_um = self.last.across_um
+                + self.last.incidence_rad * left_um
                 + self.last.bend_per_um * left_um * left_um / 2.0;
             let half_um = LOOK_UM / 2.0 * (1.0 + reach_um / robot.turning_radius_um);
             let stray_um = aside_um + tilt_rad * reach_um + self.shift_um + half_um;

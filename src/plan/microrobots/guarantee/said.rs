@@ -14,9 +14,9 @@ impl Containment {
                 "the cylinder about the approach of {name} has a radius of {needs:.1} um, the fine motion can correct {:.1} um",
                 has.max(0.0)
             ),
-            Check::Place => format!(
-                "{name} may dock {needs:.1} um beside its place, the docking tolerance is {has:.1} um"
-            ),
+            Check::Place => {
+                format!("{name} may dock {needs:.1} um beside its place, the docking tolerance is {has:.1} um")
+            }
             Check::Angle => format!(
                 "{name} may meet its structure at {needs_deg:.1} deg from the normal of its edge, the sticking angle is {has_deg:.1} deg"
             ),
@@ -26,10 +26,9 @@ impl Containment {
             Check::Directions => format!(
                 "{name} and its partner may meet at an angle of {needs_deg:.1} deg, they align themselves up to {has_deg:.1} deg"
             ),
-            Check::Gross(thing) => format!(
-                "{name} may stray {needs:.1} um from its way, which passes {thing} at {:.1} um",
-                has.max(0.0)
-            ),
+            Check::Gross(thing) => {
+                format!("{name} may stray {needs:.1} um from its way, which passes {thing} at {:.1} um", has.max(0.0))
+            }
             Check::Fine(thing) => format!(
                 "{name} may stray {needs:.1} um in its fine motion, which passes {thing} at {:.1} um",
                 has.max(0.0)

@@ -1,6 +1,6 @@
 //! The first two robots: how their ways are brought to end at once, and how one cycle steers both.
 
-use super::{Driver, Pursuit, steered, Frame};
+use super::{Driver, Frame, Phase, Pursuit, steered};
 use crate::check::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -9,7 +9,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 pub const SHARES: [[f64; 2]; 2] = [[0.0, 0.5], [0.5, 1.0]];
 
 /// The part of the fine motion by which one robot may be ahead of the other.
-const MISSED_SHARE: f64 = 0.5;
+const MISSED_SHARE: f64 = 0.6;
+
+/// What of that is accepted when the first robot begins its run.
+const BEGUN_SHARE: f64 = 0.4;
 
 /// The intermediate pose slides on its line by so much of the turning radius at most, to either side.
 const SLIDE_SHARE: f64 = 0.5;
@@ -66,12 +69,20 @@ impl<'a> Couple<'a> {
         TAU * self.drivers[1].robot.turning_radius_um / self.ratio
     }
 
-    /// Gives the second robot the time that it needs at least, by a first robot that begins its run farther back.
-    pub fn give_time(&mut self, second: &Pursuit, measured: Pose) {
+    /// How far one may be ahead of the other when the first begins its run.
+    pub fn begun_um(&self) -> f64 {
+        BEGUN_SHARE * self.missed_um
+    }
+
+    /// Gives the second robot the time that it needs, by a first robot that begins its run farther back, or not as far back as was
+    /// planned: the paper's bound t_4π on a run that has to be tried again.
+    pub fn give_time(&mut self, second: &Pursuit, measured: Pose, round: usize) {
         let least_um = second.least_um(&self.drivers[1], measured) / self.ratio;
         (self.back_um, self.slid_um) = (0.0, 0.0);
-        let short_um = least_um - self.run_um(self.intermediate()) - self.missed_um / 2.0;
-        self.back_um = (short_um / self.circle_um()).ceil().max(0.0) * self.circle_um();
+        let short_um = least_um - self.run_um(self.intermediate()) - self.begun_um();
+        let circles = (short_um / self.circle_um()).ceil();
+        // The plan's own ways are known to be free.
+        self.back_um = if round == 0 { circles.max(0.0) } else { circles } * self.circle_um();
     }
 
     /// Whether the second robot has time for another circle of its orbit before it leaves it.
@@ -89,7 +100,12 @@ impl<'a> Couple<'a> {
     /// By how much the first robot would come too late, were both driven to their approaches, the first by way of the intermediate
     /// pose; between minus and plus half of the second one's circle.
     pub fn late_um(&self, pursuits: [&Pursuit; 2], measured: [Pose; 2]) -> f64 {
-        let first_um = pursuits[0].left_um(&self.drivers[0], measured[0]) + self.run_um(self.intermediate());
+        let first_um = match pursuits[0].phase {
+            Phase::Arrived => self.run_um(measured[0]),
+            Phase::Facing | Phase::Running | Phase::Finishing | Phase::Turning => {
+                pursuits[0].left_um(&self.drivers[0], measured[0]) + self.run_um(self.intermediate())
+            }
+        };
         let second_um = pursuits[1].left_um(&self.drivers[1], measured[1]) / self.ratio;
         let circle_um = self.circle_um();
         let late_um = (first_um - second_um).rem_euclid(circle_um);
