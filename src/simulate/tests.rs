@@ -137,18 +137,6 @@ fn threads_change_nothing() {
     assert_ne!(one, simulate(&order, &motion, 50, 8, 4));
 }
 
-#[test]
-fn published_errors_are_mastered() {
-    for replan_ms in [100, 300, 1000] {
-        for turning in [Turning::Clockwise, Turning::Counterclockwise] {
-            let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning, errors(replan_ms));
-            let report = simulate(&order, &motion, 1000, 7, 2).expect("the errors are known");
-            println!("{replan_ms} {turning:?} {report:#?}");
-            assert_eq!(report.successes, 1000);
-        }
-    }
-}
-
 /// Scales of the published errors, and other figures, that are drawn anew for every configuration.
 fn drawn(random: &mut random::Random) -> (MicrorobotsOrder, Motion) {
     let mut errors = errors([20, 100, 250, 1000][(random.share() * 4.0) as usize]);
@@ -178,13 +166,13 @@ fn drawn(random: &mut random::Random) -> (MicrorobotsOrder, Motion) {
 fn what_is_guaranteed_does_not_fail() {
     let mut random = random::Random::new(5, 5);
     let mut count = 0;
-    for _ in 0..100 {
+    for _ in 0..60 {
         let (order, motion) = drawn(&mut random);
         let assured = guarantees(&order, &motion).expect("the errors are known");
         if assured[0].violated().is_none() {
             count += 1;
-            let report = simulate(&order, &motion, 200, 11, 2).expect("the errors are known");
-            assert_eq!(report.successes, 200, "{:?} {:?}", report.failures, assured[0].containments);
+            let report = simulate(&order, &motion, 100, 11, 2).expect("the errors are known");
+            assert_eq!(report.successes, 100, "{:?} {:?}", report.failures, assured[0].containments);
             let docking = &report.dockings[0];
             let has =
                 |check: Check| assured[0].containments.iter().find(|held| held.check == check).map(|held| held.needs);
@@ -197,13 +185,14 @@ fn what_is_guaranteed_does_not_fail() {
             assert!(has(Check::Angle).is_some_and(|needs_rad| docking.incidence_rad.max <= needs_rad));
         }
     }
-    assert!(count >= 20, "only {count} of 100 are guaranteed");
+    assert!(count >= 15, "only {count} of 60 are guaranteed");
 }
 
 #[test]
 fn published_errors_are_guaranteed() {
-    for replan_ms in [50, 100, 300, 1000] {
-        let (mut order, motion) = single(pose(1500.0, 900.0, 30.0), Turning::Clockwise, errors(replan_ms));
+    let [right, left] = [Turning::Clockwise, Turning::Counterclockwise];
+    for (replan_ms, turning) in [(50, right), (100, right), (300, right), (1000, right), (50, left), (300, left)] {
+        let (mut order, motion) = single(pose(1500.0, 900.0, 30.0), turning, errors(replan_ms));
         Arc::make_mut(&mut order.facts).docking.tolerance_um = 7.0;
         let assured = guarantees(&order, &motion).expect("the errors are known");
         assert_eq!(assured[0].violated(), None, "{replan_ms}");
@@ -267,16 +256,70 @@ pub fn pair(errors: Errors, second: Pose) -> (MicrorobotsOrder, Motion) {
     (order, Motion { start: vec![starts[1], starts[0]], docked: vec![false, false], steps })
 }
 
+fn scaled(scale: f64, replan_ms: u64) -> Errors {
+    let mut errors = errors(replan_ms);
+    errors.speed_ratio *= scale;
+    errors.place_um *= scale;
+    errors.heading_rad *= scale;
+    errors.turning_rad_per_um *= scale;
+    errors
+}
+
 #[test]
-fn two_robots_meet() {
-    for (replan_ms, second) in
-        [(100, pose(600.0, 900.0, 10.0)), (1000, pose(600.0, 900.0, 10.0)), (100, pose(400.0, 500.0, 10.0))]
+fn two_robots_surely_meet() {
+    for (scale, second) in
+        [(0.0, pose(400.0, 500.0, 10.0)), (0.2, pose(400.0, 500.0, 10.0)), (0.15, pose(350.0, 600.0, 190.0))]
     {
-        let (order, motion) = pair(errors(replan_ms), second);
-        let report = simulate(&order, &motion, 200, 7, 2).expect("the errors are known");
-        println!("{replan_ms} {} {:?} {:?}", report.successes, report.failures, report.time_s);
-        for held in guarantees(&order, &motion).expect("the errors are known").iter().flat_map(|a| &a.containments) {
-            println!("{replan_ms} {:8.3} {}", held.margin(), held.said(&order));
-        }
+        let (order, motion) = pair(scaled(scale, 100), second);
+        let assured = guarantees(&order, &motion).expect("the errors are known");
+        assert_eq!(assured[0].violated(), None, "{scale}");
+        let report = simulate(&order, &motion, 300, 7, 2).expect("the errors are known");
+        assert_eq!(report.successes, 300, "{:?}", report.failures);
+        let axes = assured[0].containments.iter().find(|held| held.check == Check::Axes);
+        assert!(axes.is_some_and(|held| report.dockings[0].across_um.max <= held.needs));
     }
+}
+
+#[test]
+fn with_published_errors_two_robots_mostly_meet() {
+    let (order, motion) = pair(errors(100), pose(400.0, 500.0, 10.0));
+    let assured = guarantees(&order, &motion).expect("the errors are known");
+    assert!(assured[0].violated().is_some());
+    let report = simulate(&order, &motion, 200, 7, 2).expect("the errors are known");
+    assert!((170..=200).contains(&report.successes), "{:?}", report.failures);
+}
+
+/// The pair of [`pair`], and a third robot that orbits meanwhile and docks behind the first.
+fn three(errors: Errors) -> (MicrorobotsOrder, Motion) {
+    let (_, two) = pair(errors, pose(400.0, 500.0, 10.0));
+    let third = pose(-900.0, 1500.0, 120.0);
+    let poses = [third, two.start[0], two.start[1]];
+    let order = order(3, Turning::Clockwise, errors, &poses);
+    let StepMotion::Legs { stages, .. } = &two.steps[0] else { unreachable!("it has legs") };
+    let Stage::Pair { intermediate, approach, goals, .. } = stages[0] else { unreachable!("it is a pair") };
+    let goal = pose(-390.0, 0.0, 0.0);
+    let tail = before(order.robot(0), goal, 0.5, 250.0);
+    let stages = vec![
+        Stage::Pair { first: 2, second: 1, states: [3, 2, 1], intermediate, approach, goals },
+        Stage::Single { robot: 0, states: [1, 0], approach: tail, goal },
+    ];
+    let docks = [2, 1, 0].map(|robot| Docking { robot, leg: 0 }).to_vec();
+    let steps = vec![StepMotion::Legs { legs: Vec::new(), docks, stages }];
+    (order, Motion { start: poses.to_vec(), docked: vec![false; 3], steps })
+}
+
+#[test]
+fn a_third_robot_follows_the_structure() {
+    let (mut order, motion) = three(scaled(0.1, 100));
+    Arc::make_mut(&mut order.facts).docking.tolerance_um = 7.0;
+    let assured = guarantees(&order, &motion).expect("the errors are known");
+    assert_eq!(assured.iter().map(|stage| stage.robots.len()).collect::<Vec<_>>(), [2, 1]);
+    for stage in &assured {
+        assert_eq!(stage.violated(), None);
+    }
+    let report = simulate(&order, &motion, 300, 7, 2).expect("the errors are known");
+    assert_eq!(report.successes, 300, "{:?}", report.failures);
+    assert_eq!(report.dockings.iter().map(|docking| docking.robot).collect::<Vec<_>>(), [2, 1, 0]);
+    // The structure is not where it should be, and the third robot is in its place of it all the same.
+    assert!(report.dockings[2].heading_rad.max > 0.001 && report.dockings[2].across_um.max < 3.0, "{report:?}");
 }

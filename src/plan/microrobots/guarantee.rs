@@ -185,7 +185,8 @@ fn single(bed: &Bed, robot: usize, approach: Pose, goal: Pose) -> Option<Vec<Con
     let gap_um = bed.gap_um(robot, goal);
     let mut found = vec![held(Check::Edge, 1.0, f64::from(u8::from(gap_um.is_some())))];
     let frame = Frame::new(driver.robot, goal, gap_um.unwrap_or(0.0));
-    let last = fine::Last::new(&driver, &frame, approach, cylinder, [0.0, 1.0]);
+    let region = fine::Region { cylinder, along_um: cylinder.radius_um };
+    let last = fine::Last::new(&driver, &frame, approach, region, [0.0, 1.0]);
     found.push(held(Check::Cone, cylinder.radius_um, last.reach_um));
     found.push(held(Check::Angle, last.incidence_rad, docking.sticking_rad));
     found.push(held(Check::Place, last.across_um, docking.tolerance_um));

@@ -17,7 +17,7 @@
 //! **Fine motion** ([`approach`]). At every measurement the share of the cycle with the arm down is chosen so that the robot,
 //! when one of its front corners has met the edge and it has turned about it until its front lies flat, is in its place
 //! sideways. Since the bed may rest, an interval of the fine motion is at most a tenth of its length, whatever the time
-//! between measurements. When less than a tenth would be left after another interval, the share is kept until contact: so
+//! between measurements. When less than an eighth would be left after another interval, the share is kept until contact: so
 //! near, a measurement moves the place less than its own error.
 
 //!
@@ -47,6 +47,9 @@ use std::f64::consts::TAU;
 
 /// Into so many intervals the fine motion is divided at least.
 const FINE_INTERVALS: f64 = 10.0;
+
+/// This part of the fine motion is driven with the share that was chosen before.
+const KEPT_PARTS: f64 = 8.0;
 
 /// An interval near a target is at most this part of the fine motion.
 const NEAR_INTERVALS: f64 = 6.0;
@@ -109,7 +112,7 @@ impl<'a> Driver<'a> {
         let cycle_um = facts.fine.cycle_um.min(interval_um).min(facts.fine.length_um);
         let most_um = interval_um.min(facts.fine.length_um / FINE_INTERVALS);
         let fine_interval_um = cycle_um * (most_um / cycle_um).floor().max(1.0);
-        let kept_um = facts.fine.length_um / FINE_INTERVALS;
+        let kept_um = facts.fine.length_um / KEPT_PARTS;
         let near_interval_um = interval_um.min(facts.fine.length_um / NEAR_INTERVALS);
         Some(Driver { robot, errors, interval_um, near_interval_um, fine_interval_um, kept_um, cycle_um })
     }

@@ -14,6 +14,13 @@ const STEEPEST_RAD: f64 = 1.3;
 /// So often the incidence and the reserve, which depend on each other, are worked out anew.
 const ROUNDS: usize = 30;
 
+/// A cylinder that is longer along the way to the goal.
+#[derive(Debug, Clone, Copy)]
+pub struct Region {
+    pub cylinder: Cylinder,
+    pub along_um: f64,
+}
+
 /// The bounds of a fine motion that begins in a cylinder.
 #[derive(Debug, Clone, Copy)]
 pub struct Last {
@@ -38,16 +45,16 @@ struct Bounds<'a> {
 
 impl Last {
     /// Of a robot that steers by a share of turning between two bounds.
-    pub fn new(driver: &Driver, frame: &Frame, approach: Pose, cylinder: Cylinder, shares: [f64; 2]) -> Self {
+    pub fn new(driver: &Driver, frame: &Frame, approach: Pose, region: Region, shares: [f64; 2]) -> Self {
         let seen = frame.seen(approach);
-        let steepest_rad = (seen.heading_rad.abs() + cylinder.heading_rad).min(STEEPEST_RAD);
-        let [begin_rad, begin_bend_per_um, way_um] = met(driver, frame, approach, cylinder, shares);
+        let steepest_rad = (seen.heading_rad.abs() + region.cylinder.heading_rad).min(STEEPEST_RAD);
+        let [begin_rad, begin_bend_per_um, way_um] = met(driver, frame, approach, region, shares);
         let mut bounds = Bounds { driver, incidence_rad: begin_rad, steepest_rad, way_um };
         for _ in 0..ROUNDS {
             bounds.incidence_rad = (begin_rad + bounds.reserve()[1]).min(STEEPEST_RAD);
         }
         let [reserve_per_um, _] = bounds.reserve();
-        let reach_um = cylinder.radius_um + slack(driver, frame, seen, cylinder, (shares, reserve_per_um));
+        let reach_um = region.cylinder.radius_um + slack(driver, frame, seen, region, (shares, reserve_per_um));
         Last {
             reach_um,
             incidence_rad: bounds.incidence_rad,
@@ -58,25 +65,25 @@ impl Last {
 }
 
 /// Eight corners of a box that holds a cylinder, as poses of the world, and whether they are seen to lie apart from its middle.
-fn corners(frame: &Frame, approach: Pose, cylinder: Cylinder) -> Vec<Pose> {
+fn corners(frame: &Frame, approach: Pose, region: Region) -> Vec<Pose> {
     let seen = frame.seen(approach);
     let off = |index: usize, bit: usize| if index & bit == 0 { -1.0 } else { 1.0 };
     let corner = |index: usize| Pose {
-        x_um: seen.x_um + off(index, 1) * cylinder.radius_um,
-        y_um: seen.y_um + off(index, 2) * cylinder.radius_um,
-        heading_rad: seen.heading_rad + off(index, 4) * cylinder.heading_rad,
+        x_um: seen.x_um + off(index, 1) * region.along_um,
+        y_um: seen.y_um + off(index, 2) * region.cylinder.radius_um,
+        heading_rad: seen.heading_rad + off(index, 4) * region.cylinder.heading_rad,
     };
     (0..8).map(corner).collect()
 }
 
 /// If nothing went wrong any more: the steepest incidence from a cylinder, how far curvatures differ from the middle's, the
 /// longest way.
-fn met(driver: &Driver, frame: &Frame, approach: Pose, cylinder: Cylinder, shares: [f64; 2]) -> [f64; 3] {
+fn met(driver: &Driver, frame: &Frame, approach: Pose, region: Region, shares: [f64; 2]) -> [f64; 3] {
     let per_um = 1.0 / driver.robot.turning_radius_um;
     let share = |seen: Pose| steered(driver, frame, frame.placed(seen), shares).0;
     let middle = share(frame.seen(approach));
     let (mut incidence_rad, mut bend_per_um, mut way_um) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for corner in corners(frame, approach, cylinder) {
+    for corner in corners(frame, approach, region) {
         let share = share(corner);
         let contact = frame.met(corner, share * per_um);
         incidence_rad = incidence_rad.max(contact.map_or(STEEPEST_RAD, |contact| contact.incidence_rad.abs()));
@@ -92,18 +99,18 @@ fn slack(
     driver: &Driver,
     frame: &Frame,
     seen: Pose,
-    cylinder: Cylinder,
+    region: Region,
     ([least, most], reserve_per_um): ([f64; 2], f64),
 ) -> f64 {
     let per_um = 1.0 / driver.robot.turning_radius_um;
     let (low, high) = (least * per_um + reserve_per_um, most * per_um - reserve_per_um);
     // The place across has at most one extreme along x within the cylinder; the sagitta bounds it.
-    let sagitta_um = cylinder.radius_um * cylinder.radius_um * per_um / 2.0;
+    let sagitta_um = region.along_um * region.along_um * per_um / 2.0;
     let across = |ahead: f64, aside: f64, turn_per_um: f64| {
         let corner = Pose {
-            x_um: seen.x_um + ahead * cylinder.radius_um,
-            y_um: seen.y_um + aside * cylinder.radius_um,
-            heading_rad: seen.heading_rad + aside * cylinder.heading_rad,
+            x_um: seen.x_um + ahead * region.along_um,
+            y_um: seen.y_um + aside * region.cylinder.radius_um,
+            heading_rad: seen.heading_rad + aside * region.cylinder.heading_rad,
         };
         frame.met(corner, turn_per_um).map_or(f64::INFINITY, |contact| contact.across_um)
     };

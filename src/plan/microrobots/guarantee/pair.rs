@@ -4,7 +4,7 @@
 //! driven, which is bounded only if the second surely drives no circle ([`Check::Turn`]). In the fine motion each of them has half
 //! of the range of curvatures. What that does not correct is left to their aligning themselves.
 
-use super::fine::Last;
+use super::fine::{Last, Region};
 use super::room::{ENOUGH_UM, Stretch, Surroundings, Way};
 use super::{Bed, Check, Containment, Displaced};
 use crate::device::microrobots::{Arm, wrapped_rad};
@@ -39,7 +39,12 @@ pub fn containments(bed: &Bed, structure: &mut Displaced) -> Option<Vec<Containm
     let cylinders = pairing.cylinders(&ways[1], missed_um);
     let frames = [0, 1].map(|at| Frame::new(pairing.couple.drivers[at].robot, goals[at], 0.0));
     let lasts =
-        [0, 1].map(|at| Last::new(&pairing.couple.drivers[at], &frames[at], approach[at], cylinders[at], SHARES[at]));
+        [0, 1].map(|at| {
+            // Where they meet is shifted by half of what they miss each other: as if both had begun so much nearer or farther.
+            let driver = &pairing.couple.drivers[at];
+            let region = Region { cylinder: cylinders[at], along_um: driver.cylinder().radius_um + missed_um / 2.0 };
+            Last::new(driver, &frames[at], approach[at], region, SHARES[at])
+        });
     found.extend(pairing.contact(&cylinders, &lasts));
     found.extend(pairing.rooms(&ways, &frames, &lasts, missed_um));
     let aside_um = pairing.aside_um(&cylinders, &lasts);
@@ -120,11 +125,9 @@ impl<'a> Pairing<'a, '_> {
         let run_um = self.run_um(second) + missed_um;
         let heading_rad = first.heading_rad + drift * run_um;
         let radius_um = first.radius_um + first.heading_rad * run_um + drift * run_um * run_um / 2.0;
-        // Where they meet is shifted by half of what they miss each other: as if both had begun so much nearer or farther.
-        let shift_um = missed_um / 2.0;
         [
-            Cylinder { radius_um: radius_um.max(shift_um), heading_rad },
-            Cylinder { radius_um: other.radius_um.max(shift_um), heading_rad: other.heading_rad },
+            Cylinder { radius_um, heading_rad },
+            other,
         ]
     }
 
