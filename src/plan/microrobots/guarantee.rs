@@ -197,6 +197,3 @@ fn single(bed: &Bed, robot: usize, approach: Pose, goal: Pose) -> Option<Vec<Con
     found.extend(stretch.tightest(&around).map(|(name, needs, has)| held(Check::Fine(name), needs, has)));
     Some(found)
 }
-
-#[cfg(test)]
-mod tests;

@@ -215,6 +215,3 @@ pub fn turn(angle_rad: f64) -> f64 {
 pub fn angle(angle_rad: f64) -> f64 {
     crate::device::microrobots::wrapped_rad(angle_rad)
 }
-
-#[cfg(test)]
-mod tests;

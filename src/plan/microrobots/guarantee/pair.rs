@@ -38,13 +38,12 @@ pub fn containments(bed: &Bed, structure: &mut Displaced) -> Option<Vec<Containm
     found.extend(meeting);
     let cylinders = pairing.cylinders(&ways[1], missed_um);
     let frames = [0, 1].map(|at| Frame::new(pairing.couple.drivers[at].robot, goals[at], 0.0));
-    let lasts =
-        [0, 1].map(|at| {
-            // Where they meet is shifted by half of what they miss each other: as if both had begun so much nearer or farther.
-            let driver = &pairing.couple.drivers[at];
-            let region = Region { cylinder: cylinders[at], along_um: driver.cylinder().radius_um + missed_um / 2.0 };
-            Last::new(driver, &frames[at], approach[at], region, SHARES[at])
-        });
+    let lasts = [0, 1].map(|at| {
+        // Where they meet is shifted by half of what they miss each other: as if both had begun so much nearer or farther.
+        let driver = &pairing.couple.drivers[at];
+        let region = Region { cylinder: cylinders[at], along_um: driver.cylinder().radius_um + missed_um / 2.0 };
+        Last::new(driver, &frames[at], approach[at], region, SHARES[at])
+    });
     found.extend(pairing.contact(&cylinders, &lasts));
     found.extend(pairing.rooms(&ways, &frames, &lasts, missed_um));
     let aside_um = pairing.aside_um(&cylinders, &lasts);
@@ -125,10 +124,7 @@ impl<'a> Pairing<'a, '_> {
         let run_um = self.run_um(second) + missed_um;
         let heading_rad = first.heading_rad + drift * run_um;
         let radius_um = first.radius_um + first.heading_rad * run_um + drift * run_um * run_um / 2.0;
-        [
-            Cylinder { radius_um, heading_rad },
-            other,
-        ]
+        [Cylinder { radius_um, heading_rad }, other]
     }
 
     /// How far beside its place each may come to lie.

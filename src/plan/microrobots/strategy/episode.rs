@@ -35,6 +35,9 @@ pub fn episodes<'a>(order: &MicrorobotsOrder, motion: &'a Motion) -> Vec<Episode
             found.push(episode(order, step, stage, (&poses, &docked), &legs[at..end]));
             follow(order, &mut poses, &mut docked, (&legs[at..end], at), docks);
             at = end;
+            for (robot, goal) in goals(stage) {
+                (poses[robot], docked[robot]) = (goal, true);
+            }
         }
         follow(order, &mut poses, &mut docked, (&legs[at..], at), docks);
     }
@@ -48,6 +51,13 @@ pub fn driven(stage: &Stage) -> Vec<(usize, Pose)> {
             vec![(*first, *intermediate), (*second, approach[1])]
         }
         Stage::Single { robot, approach, .. } => vec![(*robot, *approach)],
+    }
+}
+
+fn goals(stage: &Stage) -> Vec<(usize, Pose)> {
+    match stage {
+        Stage::Pair { first, second, goals, .. } => vec![(*first, goals[0]), (*second, goals[1])],
+        Stage::Single { robot, goal, .. } => vec![(*robot, *goal)],
     }
 }
 
