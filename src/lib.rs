@@ -16,6 +16,8 @@
 //! | [`verify`] | a schedule and the claims | a [`Verified`](verify::Verified) schedule, replayed by geometry of its own |
 //! | [`emit`] | a verified schedule | MCAP, JSON, CSV, VCD, SPICE and SCPI files |
 //!
+//! Beside them [`simulate`] carries plans out with imperfect devices, where a kind says its errors.
+//!
 //! They stand on a base that knows nothing of them: [`source`] (files and spans), [`quantity`] (units and dimensions),
 //! [`geometry`], [`diagnostic`] (what is said to people), [`device`] (the vocabulary and facts of each kind) and [`stdlib`] (published
 //! devices, in the language itself). [`compile`] calls the stages in their order; [`cli`] is the only place that touches files, clock and
@@ -44,6 +46,7 @@ pub mod geometry;
 pub mod plan;
 pub mod quantity;
 pub mod schedule;
+pub mod simulate;
 pub mod source;
 pub mod stdlib;
 pub mod syntax;

@@ -19,6 +19,7 @@ const SIGHT: &[(&str, &[&str])] = &[
     ("syntax", &[]),
     ("check", &["syntax", "stdlib"]),
     ("plan", &["check"]),
+    ("simulate", &["check", "plan"]),
     ("schedule", &["check", "plan"]),
     ("verify", &["check", "schedule"]),
     ("emit", &["check", "schedule", "verify"]),

@@ -1,0 +1,199 @@
+//! The bounds of the first two robots.
+//!
+//! The first is brought to its intermediate pose like any robot; then it runs straight and uncorrected for as long as the second is
+//! driven, which is bounded only if the second surely drives no circle ([`Check::Turn`]). In the fine motion each of them has half
+//! of the range of curvatures. What that does not correct is left to their aligning themselves.
+
+use super::fine::{Last, Region};
+use super::room::{ENOUGH_UM, Stretch, Surroundings, Way};
+use super::{Bed, Check, Containment, Displaced};
+use crate::device::microrobots::{Arm, wrapped_rad};
+use crate::geometry::Pose;
+use crate::plan::microrobots::Stage;
+use crate::plan::microrobots::strategy::{Couple, Cylinder, Frame, SHARES, Solid, body, poses_of};
+use std::f64::consts::{PI, TAU};
+
+/// Goals whose headings are so far from opposite are not head on.
+const HEAD_ON_RAD: f64 = 0.02;
+
+/// Between two looks at both bodies.
+const LOOK_UM: f64 = 5.0;
+
+struct Pairing<'a, 'b> {
+    bed: &'a Bed<'b>,
+    couple: Couple<'a>,
+    robots: [usize; 2],
+    intermediate: Pose,
+    goals: [Pose; 2],
+}
+
+pub fn containments(bed: &Bed, structure: &mut Displaced) -> Option<Vec<Containment>> {
+    let &Stage::Pair { first, second, intermediate, approach, goals, .. } = bed.episode.stage else { return None };
+    let couple = Couple::new(bed.order, [first, second], intermediate, approach)?;
+    let pairing = Pairing { bed, couple, robots: [first, second], intermediate, goals };
+    let mut found = vec![pairing.edge()];
+    let ways = pairing.ways();
+    found.extend(pairing.turns(&ways));
+    let (missed_um, meeting) = pairing.meeting(&ways[1]);
+    found.extend(meeting);
+    let cylinders = pairing.cylinders(&ways[1], missed_um);
+    let frames = [0, 1].map(|at| Frame::new(pairing.couple.drivers[at].robot, goals[at], 0.0));
+    let lasts = [0, 1].map(|at| {
+        // Where they meet is shifted by half of what they miss each other: as if both had begun so much nearer or farther.
+        let driver = &pairing.couple.drivers[at];
+        let region = Region { cylinder: cylinders[at], along_um: driver.cylinder().radius_um + missed_um / 2.0 };
+        Last::new(driver, &frames[at], approach[at], region, SHARES[at])
+    });
+    found.extend(pairing.contact(&cylinders, &lasts));
+    found.extend(pairing.rooms(&ways, &frames, &lasts, missed_um));
+    let aside_um = pairing.aside_um(&cylinders, &lasts);
+    *structure = Displaced {
+        middle_um: [(goals[0].x_um + goals[1].x_um) / 2.0, (goals[0].y_um + goals[1].y_um) / 2.0],
+        place_um: (aside_um[0].max(aside_um[1])).hypot(missed_um / 2.0),
+        heading_rad: (lasts[0].incidence_rad + lasts[1].incidence_rad) / 2.0,
+    };
+    Some(found)
+}
+
+impl<'a> Pairing<'a, '_> {
+    fn held(&self, which: usize, check: Check, needs: f64, has: f64) -> Containment {
+        Containment { robot: self.robots[which], check, needs, has }
+    }
+
+    /// The two touch at their goals, and face each other there.
+    fn edge(&self) -> Containment {
+        let facts = [0, 1].map(|at| self.couple.drivers[at].robot);
+        let other = Solid::standing(facts[1], self.goals[1]);
+        let tolerance_um = self.bed.order.facts.docking.tolerance_um;
+        let touch = other.distance_um(&body(facts[0], self.goals[0], 0.0), tolerance_um) <= tolerance_um + 1e-6;
+        let between_rad = wrapped_rad(self.goals[0].heading_rad - self.goals[1].heading_rad - PI);
+        let face = other.is_ahead(facts[0], self.goals[0]) && between_rad.abs() <= HEAD_ON_RAD;
+        self.held(0, Check::Edge, 1.0, f64::from(u8::from(touch && face)))
+    }
+
+    /// The way of the first to its intermediate pose, slid as far as it may, and of the second to its approach.
+    fn ways(&'a self) -> [Way<'a>; 2] {
+        let via_um = |at: usize| self.bed.episode.via_um.get(at).map_or(&[][..], |via_um| &via_um[..]);
+        let mut first = Way::between(&self.couple.drivers[0], self.couple.slide_um());
+        first.walk(self.bed.episode.poses[self.robots[0]], via_um(0), self.intermediate, 0.0, !self.bed.is_first);
+        let mut second = Way::between(&self.couple.drivers[1], 0.0);
+        second.walk(self.halt(), via_um(1), self.couple.approach[1], 0.0, true);
+        [first, second]
+    }
+
+    /// Where the second robot orbits until it is driven to its approach.
+    fn halt(&self) -> Pose {
+        let second = self.robots[1];
+        let ends = self.bed.episode.gross.first().map_or(0, |gross| gross[1]);
+        let poses = poses_of(self.bed.order, second, self.bed.episode.poses[second], &self.bed.episode.legs[..ends]);
+        poses[poses.len() - 1]
+    }
+
+    /// The second robot leaves its orbit when it wants; any later turn has to be long enough.
+    fn turns(&self, ways: &[Way; 2]) -> Option<Containment> {
+        let shortage = |[needs, has]: &[f64; 2]| has - needs;
+        let tightest = ways[1].turns_rad.iter().skip(1).min_by(|a, b| shortage(a).total_cmp(&shortage(b)));
+        tightest.map(|[needs, has]| self.held(1, Check::Turn, *needs, *has))
+    }
+
+    /// How long the second robot is driven, at most: from anywhere on its orbit, in micrometres of the first one's way.
+    fn run_um(&self, second: &Way) -> f64 {
+        let circle_um = TAU * self.couple.drivers[1].robot.turning_radius_um;
+        let nominal_um = self.couple.run_um(self.intermediate) + self.couple.slide_um();
+        nominal_um.max((second.length_um[0] + second.length_um[1]) / self.couple.ratio).min(nominal_um + circle_um)
+    }
+
+    /// By how much they may miss each other when the second is there, and what is accepted.
+    fn meeting(&self, second: &Way) -> (f64, [Containment; 2]) {
+        let drivers = &self.couple.drivers;
+        let speed = drivers[0].errors.speed_ratio + drivers[1].errors.speed_ratio;
+        let unsure_um = drivers[0].errors.place_um + drivers[1].centre_error_um();
+        let missed_um = self.couple.begun_um() + speed * self.run_um(second) + second.length_um[1] + unsure_um;
+        // After the last slide there are a circle and two intervals.
+        let circle_um = TAU * drivers[0].robot.turning_radius_um;
+        let late_um = speed * (circle_um + 2.0 * (drivers[0].interval_um + drivers[0].guard_um())) + unsure_um;
+        let late = self.held(1, Check::Meeting, late_um, self.couple.begun_um());
+        (missed_um, [late, self.held(0, Check::Meeting, missed_um, self.couple.missed_um)])
+    }
+
+    /// Where both are when the fine motion begins, what they miss each other in time left out.
+    fn cylinders(&self, second: &Way, missed_um: f64) -> [Cylinder; 2] {
+        let [first, other] = [0, 1].map(|at| self.couple.drivers[at].cylinder());
+        let drift =
+            self.couple.drivers[0].errors.turning_rad_per_um * (1.0 + self.couple.drivers[0].errors.speed_ratio);
+        let run_um = self.run_um(second) + missed_um;
+        let heading_rad = first.heading_rad + drift * run_um;
+        let radius_um = first.radius_um + first.heading_rad * run_um + drift * run_um * run_um / 2.0;
+        [Cylinder { radius_um, heading_rad }, other]
+    }
+
+    /// How far beside its place each may come to lie.
+    fn aside_um(&self, cylinders: &[Cylinder; 2], lasts: &[Last; 2]) -> [f64; 2] {
+        [0, 1].map(|at| {
+            let length_um = self.bed.order.facts.fine.length_um;
+            let drift = self.couple.drivers[at].errors.turning_rad_per_um;
+            let beyond_um = (cylinders[at].radius_um - lasts[at].reach_um).max(0.0);
+            let saturated_um = if beyond_um > 0.0 { drift * length_um * length_um } else { 0.0 };
+            lasts[at].across_um + beyond_um + saturated_um
+        })
+    }
+
+    fn contact(&self, cylinders: &[Cylinder; 2], lasts: &[Last; 2]) -> [Containment; 2] {
+        let docking = self.bed.order.facts.docking;
+        let aside_um = self.aside_um(cylinders, lasts);
+        let between_rad = lasts[0].incidence_rad + lasts[1].incidence_rad;
+        // The axes are compared at the fronts, which lie as far apart as a corner leans.
+        let lean_um = self.couple.drivers[0].robot.width_um * between_rad.min(1.0).sin();
+        [
+            self.held(0, Check::Axes, aside_um[0] + aside_um[1] + lean_um, docking.self_aligning_um),
+            self.held(0, Check::Directions, between_rad, docking.self_aligning_rad),
+        ]
+    }
+
+    fn rooms(&self, ways: &[Way; 2], frames: &[Frame; 2], lasts: &[Last; 2], missed_um: f64) -> Vec<Containment> {
+        let mut around = self.bed.surroundings(&self.robots);
+        let mut found = Vec::new();
+        for at in [1, 0] {
+            if at == 0 {
+                // While it is driven, the second orbits.
+                let driver = &self.couple.drivers[1];
+                let creep_um = driver.creep_um(ways[0].length_um[0]) + driver.centre_miss_um();
+                around.free.push(Solid::orbit(driver.robot, self.halt(), creep_um));
+            }
+            let room = ways[at].tightest(&around);
+            found.extend(room.map(|(name, needs, has)| self.held(at, Check::Gross(name), needs, has)));
+        }
+        around.free.pop();
+        for at in [0, 1] {
+            let (driver, approach) = (&self.couple.drivers[at], self.couple.approach[at]);
+            let shift_um = missed_um / 2.0;
+            let stretch = Stretch { driver, frame: &frames[at], last: &lasts[at], approach, shift_um };
+            let room = stretch.tightest(&around);
+            found.extend(room.map(|(name, needs, has)| self.held(at, Check::Fine(name), needs, has)));
+        }
+        found.extend(self.apart(&around, ways, missed_um));
+        found
+    }
+
+    /// The run of the first, against everything and against the second, which is driven meanwhile.
+    fn apart(&self, around: &Surroundings, ways: &[Way; 2], missed_um: f64) -> Vec<Containment> {
+        let [first, second] = [0, 1].map(|at| &self.couple.drivers[at]);
+        let run_um = self.run_um(&ways[1]);
+        let cylinder = self.cylinders(&ways[1], missed_um)[0];
+        let reach_um = first.robot.length_um.hypot(first.robot.width_um) / 2.0;
+        let stray_um = cylinder.radius_um + reach_um * cylinder.heading_rad + LOOK_UM;
+        let second_um = ways[1].stray_um() + missed_um + LOOK_UM;
+        let (mut tightest, mut nearest): (Option<(String, f64, f64)>, _) = (None, f64::INFINITY);
+        for look in 0..=(run_um / LOOK_UM) as u64 {
+            let left_um = look as f64 * LOOK_UM;
+            let pose = first.robot.moved(self.couple.approach[0], Arm::Up, -left_um);
+            let whole = body(first.robot, pose, 0.0);
+            tightest = around.tightest(&whole, stray_um, tightest, &|_| false);
+            let other = ways[1].left(left_um * self.couple.ratio);
+            nearest = f64::min(nearest, Solid::standing(second.robot, other).distance_um(&whole, ENOUGH_UM));
+        }
+        let room = tightest.map(|(name, needs, has)| self.held(0, Check::Gross(name), needs, has));
+        let name = second.robot.name.clone();
+        room.into_iter().chain([self.held(0, Check::Gross(name), stray_um + second_um, nearest)]).collect()
+    }
+}

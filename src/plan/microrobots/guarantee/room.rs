@@ -1,0 +1,263 @@
+//! Whether there is room for all that robots may stray from their ways.
+//!
+//! Ways are looked at every few micrometres of their length, with half of that distance added to what the robot may stray; so
+//! nothing between is missed.
+
+use super::Bed;
+use super::fine::Last;
+use crate::geometry::Pose;
+use crate::plan::microrobots::strategy::{Body, Driver, Frame, Solid, bent, body, steered, turn};
+use std::f64::consts::{E, TAU};
+
+/// Between two looks at a body.
+const LOOK_UM: f64 = 5.0;
+
+/// Rooms beyond this are not measured exactly.
+pub const ENOUGH_UM: f64 = 500.0;
+
+/// What stands or moves about a robot that is driven.
+pub struct Surroundings {
+    pub free: Vec<Solid>,
+    /// With how far each may be from where it should be.
+    pub docked: Vec<(Solid, f64)>,
+}
+
+impl Surroundings {
+    /// The tightest: what is needed, and the room that there is.
+    pub fn tightest(
+        &self,
+        body: &Body,
+        needs_um: f64,
+        so_far: Option<Room>,
+        is_met: &impl Fn(&Solid) -> bool,
+    ) -> Option<Room> {
+        let free = self.free.iter().map(|solid| (solid, 0.0));
+        let docked = self.docked.iter().filter(|(solid, _)| !is_met(solid)).map(|(solid, stray_um)| (solid, *stray_um));
+        let mut tightest = so_far;
+        for (solid, stray_um) in free.chain(docked) {
+            let room =
+                (solid.name.as_str(), needs_um + stray_um, solid.distance_um(body, needs_um + stray_um + ENOUGH_UM));
+            if tightest.as_ref().is_none_or(|(_, needs_um, has_um)| room.2 - room.1 < has_um - needs_um) {
+                tightest = Some((room.0.to_owned(), room.1, room.2));
+            }
+        }
+        tightest
+    }
+}
+
+/// A name, what is needed and what there is.
+pub type Room = (String, f64, f64);
+
+/// A piece of the nominal way.
+struct Part {
+    from: Pose,
+    /// Counter-clockwise is positive.
+    turn_per_um: f64,
+    way_um: f64,
+    stray_um: f64,
+}
+
+/// A gross motion with what a robot may stray from it.
+pub struct Way<'a> {
+    driver: &'a Driver<'a>,
+    parts: Vec<Part>,
+    /// What it would be without errors.
+    nominal: Vec<Part>,
+    /// How far the approach may be displaced with the structure.
+    pub shift_um: f64,
+    /// Of every turn before a run, and of the last one: what it needs so that no circle is driven, and what it has; in radians.
+    pub turns_rad: Vec<[f64; 2]>,
+    /// The nominal length, and by how much it may be longer or shorter if no circle is driven.
+    pub length_um: [f64; 2],
+}
+
+impl<'a> Way<'a> {
+    /// From where the stage begins, or any place on that orbit, by way of centres to the approach.
+    pub fn new(bed: &Bed, driver: &'a Driver<'a>, robot: usize, via_um: &[[f64; 2]], approach: Pose) -> Self {
+        let shift_um = bed.structure.of_um(approach);
+        let mut way = Way::between(driver, shift_um);
+        let start = bed.episode.poses[robot];
+        way.walk(start, via_um, approach, bed.structure.heading_rad, !bed.is_first);
+        way
+    }
+
+    /// Without any part yet; its approach may be displaced by so much.
+    pub fn between(driver: &'a Driver<'a>, shift_um: f64) -> Self {
+        Way { driver, parts: Vec::new(), nominal: Vec::new(), shift_um, turns_rad: Vec::new(), length_um: [0.0; 2] }
+    }
+
+    /// The most that it strays anywhere.
+    pub fn stray_um(&self) -> f64 {
+        self.parts.iter().map(|part| part.stray_um).fold(0.0, f64::max)
+    }
+
+    /// Nominally, so far before its end; on the first orbit if that is longer ago.
+    pub fn left(&self, mut left_um: f64) -> Pose {
+        for part in self.nominal.iter().rev() {
+            if left_um <= part.way_um {
+                return bent(part.from, part.turn_per_um, part.way_um - left_um);
+            }
+            left_um -= part.way_um;
+        }
+        self.nominal.first().map_or(Pose::at(0.0, 0.0), |part| bent(part.from, part.turn_per_um, -left_um))
+    }
+
+    /// From a pose that is known, or from any place on its orbit.
+    pub fn walk(&mut self, start: Pose, via_um: &[[f64; 2]], approach: Pose, tilt_rad: f64, is_orbiting: bool) {
+        let driver = self.driver;
+        let mut centre_um = driver.robot.orbit_centre_um(start);
+        let mut heading_rad = start.heading_rad;
+        let last_um = driver.robot.orbit_centre_um(approach);
+        let circle_um = driver.creep_um(TAU * driver.robot.turning_radius_um);
+        let shift_um = self.shift_um + tilt_rad * driver.robot.turning_radius_um;
+        let (mut off_um, mut unsure_rad) = (circle_um + driver.centre_error_um(), driver.errors.heading_rad);
+        let count = via_um.len();
+        for (index, next_um) in via_um.iter().copied().chain([last_um]).enumerate() {
+            let moved_um = if index == count { shift_um } else { 0.0 };
+            let (dx_um, dy_um) = (next_um[0] - centre_um[0], next_um[1] - centre_um[1]);
+            let run_um = dx_um.hypot(dy_um);
+            if run_um <= driver.left_alone_um() + moved_um {
+                off_um += run_um + moved_um;
+                centre_um = next_um;
+                continue;
+            }
+            let direction_rad = dy_um.atan2(dx_um);
+            let stray = Stray::new(driver, run_um, off_um + moved_um);
+            let slack_rad = [unsure_rad, stray.heading_rad + driver.lag_rad(run_um)];
+            self.turn(centre_um, [heading_rad, direction_rad], slack_rad, off_um, is_orbiting && index == 0);
+            self.run(centre_um, direction_rad, run_um, &stray);
+            (centre_um, heading_rad) = (next_um, direction_rad);
+            (off_um, unsure_rad) = (driver.centre_miss_um() + circle_um + moved_um, stray.heading_rad);
+        }
+        let unsure = [unsure_rad, tilt_rad + driver.cylinder().heading_rad];
+        self.turn(centre_um, [heading_rad, approach.heading_rad], unsure, off_um, false);
+    }
+
+    /// A turn about a centre; a full circle where it may become one.
+    fn turn(&mut self, centre_um: [f64; 2], [from, to]: [f64; 2], [before, after]: [f64; 2], off_um: f64, any: bool) {
+        let (side, radius_um) = (self.driver.side(), self.driver.robot.turning_radius_um);
+        let angle_rad = turn(side * (to - from));
+        let needs_rad = before + after;
+        let way_um = angle_rad * radius_um;
+        let pose = self.on_circle(centre_um, from);
+        self.nominal.push(Part { from: pose, turn_per_um: side / radius_um, way_um, stray_um: 0.0 });
+        self.turns_rad.push([needs_rad, angle_rad]);
+        let (begin_rad, swept_rad) = match any || angle_rad < needs_rad || angle_rad + needs_rad >= TAU {
+            true => (from, TAU),
+            false => (from - side * before, angle_rad + needs_rad),
+        };
+        let from = self.on_circle(centre_um, begin_rad);
+        let way_um = swept_rad * radius_um;
+        self.parts.push(Part { from, turn_per_um: side / radius_um, way_um, stray_um: off_um });
+        self.length_um[0] += angle_rad * radius_um;
+    }
+
+    fn on_circle(&self, [x_um, y_um]: [f64; 2], heading_rad: f64) -> Pose {
+        let (sin, cos) = heading_rad.sin_cos();
+        let arm_um = self.driver.side() * self.driver.robot.turning_radius_um;
+        Pose { x_um: x_um + arm_um * sin, y_um: y_um - arm_um * cos, heading_rad }
+    }
+
+    fn run(&mut self, centre_um: [f64; 2], direction_rad: f64, run_um: f64, stray: &Stray) {
+        let radius_um = self.driver.robot.turning_radius_um;
+        let from = self.on_circle(centre_um, direction_rad);
+        self.nominal.push(Part { from, turn_per_um: 0.0, way_um: run_um, stray_um: 0.0 });
+        // A centre on its line with a heading that is off puts the body farther along, and hardly aside.
+        let (tilt_rad, reach_um) =
+            (stray.heading_rad, self.driver.robot.length_um.hypot(self.driver.robot.width_um) / 2.0);
+        let (longer_um, aside_um) = (radius_um * tilt_rad, radius_um * tilt_rad * tilt_rad / 2.0);
+        let from = bent(from, 0.0, -longer_um);
+        let stray_um = stray.place_um + aside_um + reach_um * tilt_rad;
+        self.parts.push(Part { from, turn_per_um: 0.0, way_um: run_um + 2.0 * longer_um, stray_um });
+        self.length_um[0] += run_um;
+        // Turns add up to what the headings ask for, less what the robot turns on its own account.
+        let errors = self.driver.errors;
+        let turned_um = errors.turning_rad_per_um * run_um * radius_um;
+        self.length_um[1] += run_um * tilt_rad * tilt_rad / 2.0 + turned_um + self.driver.centre_miss_um();
+    }
+
+    /// Where there is the least room for it, if there is anything.
+    pub fn tightest(&self, around: &Surroundings) -> Option<Room> {
+        let mut tightest = None;
+        for part in &self.parts {
+            let looks = (part.way_um / LOOK_UM).ceil().max(1.0);
+            for look in 0..=looks as u64 {
+                let pose = bent(part.from, part.turn_per_um, part.way_um * look as f64 / looks);
+                let half_um = self.half_look_um(part.turn_per_um);
+                let whole = body(self.driver.robot, pose, 0.0);
+                tightest = around.tightest(&whole, part.stray_um + half_um, tightest, &|_| false);
+            }
+        }
+        tightest
+    }
+
+    fn half_look_um(&self, turn_per_um: f64) -> f64 {
+        let reach_um = self.driver.robot.length_um.hypot(self.driver.robot.width_um) / 2.0;
+        LOOK_UM / 2.0 * (1.0 + reach_um * turn_per_um.abs())
+    }
+}
+
+/// How far a robot may be from a straight way between two turns.
+struct Stray {
+    place_um: f64,
+    heading_rad: f64,
+}
+
+impl Stray {
+    /// The direction lags by 2 ε + 2 u/D + ω D/2 and what an interval adds at most, where ε is the error of a measured heading,
+    /// u that of a centre and ω the bound on the curvature; integrated along the way that is the offset from the line.
+    fn new(driver: &Driver, run_um: f64, off_um: f64) -> Self {
+        let errors = driver.errors;
+        let interval_um = driver.interval_um.min(run_um);
+        let drift = errors.turning_rad_per_um;
+        let centre_um = driver.centre_error_um() + driver.creep_um(driver.interval_um);
+        let steady_rad = 2.0 * errors.heading_rad + drift * interval_um;
+        let first_rad = 2.0 * driver.miss_rad_per_um() * interval_um;
+        let bulge_um = drift * run_um * run_um / 8.0 + steady_rad * run_um / E;
+        let place_um = off_um + 2.0 * centre_um + 1.1 * bulge_um + first_rad * interval_um;
+        let logs = 1.0 + (run_um / interval_um.max(1.0)).max(1.0).ln();
+        let heading_rad = drift * run_um / 2.0
+            + steady_rad * logs
+            + first_rad
+            + 2.0 * driver.aim_error_rad(run_um.min(interval_um + driver.guard_um()));
+        Stray { place_um, heading_rad }
+    }
+}
+
+/// A fine motion with what a robot may stray from it.
+pub struct Stretch<'a> {
+    pub driver: &'a Driver<'a>,
+    pub frame: &'a Frame,
+    pub last: &'a Last,
+    pub approach: Pose,
+    pub shift_um: f64,
+}
+
+impl Stretch<'_> {
+    /// Where there is the least room for it but at the edge that it meets, if there is anything.
+    pub fn tightest(&self, around: &Surroundings) -> Option<Room> {
+        let robot = self.driver.robot;
+        let share = steered(self.driver, self.frame, self.approach, [0.0, 1.0]).0;
+        let turn_per_um = self.driver.side() * share / robot.turning_radius_um;
+        let seen = self.frame.seen(self.approach);
+        let way_um = self.frame.met(seen, share / robot.turning_radius_um).map_or(0.0, |contact| contact.way_um);
+        let reach_um = robot.length_um.hypot(robot.width_um) / 2.0;
+        let at_goal = self.frame.goal;
+        let is_met = |solid: &Solid| solid.is_ahead(robot, at_goal);
+        let looks = (way_um / LOOK_UM).ceil().max(1.0);
+        let mut tightest = None;
+        for look in 0..=looks as u64 {
+            let gone_um = way_um * look as f64 / looks;
+            let left_um = way_um - gone_um;
+            let tilt_rad = self.last.incidence_rad + self.last.bend_per_um * left_um;
+            let aside_um = self.last.across_um
+                + self.last.incidence_rad * left_um
+                + self.last.bend_per_um * left_um * left_um / 2.0;
+            let half_um = LOOK_UM / 2.0 * (1.0 + reach_um / robot.turning_radius_um);
+            let stray_um = aside_um + tilt_rad * reach_um + self.shift_um + half_um;
+            let pose = bent(self.approach, turn_per_um, gone_um);
+            tightest = around.tightest(&body(robot, pose, 0.0), stray_um, tightest, &is_met);
+        }
+        tightest
+    }
+}

@@ -1,0 +1,147 @@
+//! The stages of a plan, each with where everything nominally is when it begins, and the ways that its robots take.
+
+use super::SAME_UM;
+use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::{Arm, wrapped_rad};
+use crate::geometry::Pose;
+use crate::plan::microrobots::{Docking, Leg, Motion, Stage, StepMotion};
+
+/// A stage and its surroundings.
+#[derive(Debug, Clone)]
+pub struct Episode<'a> {
+    /// Index of the order's steps.
+    pub step: usize,
+    pub stage: &'a Stage,
+    /// Where each robot of the order is when it begins.
+    pub poses: Vec<Pose>,
+    pub docked: Vec<bool>,
+    /// Of this stage alone.
+    pub legs: &'a [Leg],
+    /// The gross motion of each robot that is driven, in the order of driving: after so many legs it begins, and ends.
+    pub gross: Vec<[usize; 2]>,
+    /// The centres of turns between its beginning and its approach, for each of them.
+    pub via_um: Vec<Vec<[f64; 2]>>,
+}
+
+/// The stages of a plan in order of time.
+pub fn episodes<'a>(order: &MicrorobotsOrder, motion: &'a Motion) -> Vec<Episode<'a>> {
+    let mut found = Vec::new();
+    let (mut poses, mut docked) = (motion.start.clone(), motion.docked.clone());
+    for (step, steps) in motion.steps.iter().enumerate() {
+        let StepMotion::Legs { legs, docks, stages } = steps else { continue };
+        let mut at = 0;
+        for stage in stages {
+            let end = last_leg(stage, docks).map_or(legs.len(), |leg| leg + 1).clamp(at, legs.len());
+            found.push(episode(order, step, stage, (&poses, &docked), &legs[at..end]));
+            follow(order, &mut poses, &mut docked, (&legs[at..end], at), docks);
+            at = end;
+            for (robot, goal) in goals(stage) {
+                (poses[robot], docked[robot]) = (goal, true);
+            }
+        }
+        follow(order, &mut poses, &mut docked, (&legs[at..], at), docks);
+    }
+    found
+}
+
+/// The robots of a stage in the order in which they are driven, with the poses at which that ends.
+pub fn driven(stage: &Stage) -> Vec<(usize, Pose)> {
+    match stage {
+        Stage::Pair { first, second, intermediate, approach, .. } => {
+            vec![(*first, *intermediate), (*second, approach[1])]
+        }
+        Stage::Single { robot, approach, .. } => vec![(*robot, *approach)],
+    }
+}
+
+fn goals(stage: &Stage) -> Vec<(usize, Pose)> {
+    match stage {
+        Stage::Pair { first, second, goals, .. } => vec![(*first, goals[0]), (*second, goals[1])],
+        Stage::Single { robot, goal, .. } => vec![(*robot, *goal)],
+    }
+}
+
+fn last_leg(stage: &Stage, docks: &[Docking]) -> Option<usize> {
+    let robots = driven(stage);
+    docks.iter().filter(|dock| robots.iter().any(|(robot, _)| *robot == dock.robot)).map(|dock| dock.leg).max()
+}
+
+fn episode<'a>(
+    order: &MicrorobotsOrder,
+    step: usize,
+    stage: &'a Stage,
+    (poses, docked): (&[Pose], &[bool]),
+    legs: &'a [Leg],
+) -> Episode<'a> {
+    let (mut gross, mut via_um, mut begins) = (Vec::new(), Vec::new(), 0);
+    for (robot, target) in driven(stage) {
+        let way = poses_of(order, robot, poses[robot], legs);
+        let ends = nearest(order, robot, &way[begins..], target) + begins;
+        via_um.push(centres(order, robot, &way, &legs[..ends], begins));
+        gross.push([begins, ends]);
+        begins = ends;
+    }
+    Episode { step, stage, poses: poses.to_vec(), docked: docked.to_vec(), legs, gross, via_um }
+}
+
+/// Where a robot is before each leg, and after the last one.
+pub fn poses_of(order: &MicrorobotsOrder, robot: usize, start: Pose, legs: &[Leg]) -> Vec<Pose> {
+    let mut poses = vec![start];
+    for leg in legs {
+        let pose = poses[poses.len() - 1];
+        poses.push(after(order, robot, pose, leg));
+    }
+    poses
+}
+
+fn after(order: &MicrorobotsOrder, robot: usize, pose: Pose, leg: &Leg) -> Pose {
+    let facts = order.robot(robot);
+    let arm = order.states[leg.state].arms[order.robots[robot].row];
+    facts.moved(pose, arm, facts.step_um * leg.strokes as f64)
+}
+
+/// After how many legs a robot is nearest to a pose.
+fn nearest(order: &MicrorobotsOrder, robot: usize, way: &[Pose], target: Pose) -> usize {
+    let radius_um = order.robot(robot).turning_radius_um;
+    let off_um = |pose: &Pose| {
+        let turned_um = radius_um * wrapped_rad(pose.heading_rad - target.heading_rad).abs();
+        (pose.x_um - target.x_um).hypot(pose.y_um - target.y_um) + turned_um
+    };
+    let count = way.len();
+    (0..count).min_by(|a, b| off_um(&way[*a]).total_cmp(&off_um(&way[*b]))).unwrap_or(0)
+}
+
+/// The centres about which a robot turns in some legs, but for the first one and the last one.
+pub fn centres(order: &MicrorobotsOrder, robot: usize, way: &[Pose], legs: &[Leg], begins: usize) -> Vec<[f64; 2]> {
+    let facts = order.robot(robot);
+    let first_um = facts.orbit_centre_um(way[begins]);
+    let last_um = facts.orbit_centre_um(way[legs.len()]);
+    let is_other = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) > SAME_UM;
+    let mut found: Vec<[f64; 2]> = Vec::new();
+    for (leg, pose) in legs.iter().zip(way).skip(begins) {
+        let centre_um = facts.orbit_centre_um(*pose);
+        let turns = order.states[leg.state].arms[order.robots[robot].row] == Arm::Down;
+        if turns && is_other(centre_um, *found.last().unwrap_or(&first_um)) {
+            found.push(centre_um);
+        }
+    }
+    if found.last().is_some_and(|centre_um| !is_other(*centre_um, last_um)) {
+        found.pop();
+    }
+    found
+}
+
+fn follow(
+    order: &MicrorobotsOrder,
+    poses: &mut [Pose],
+    docked: &mut [bool],
+    (legs, first): (&[Leg], usize),
+    docks: &[Docking],
+) {
+    for (index, leg) in legs.iter().enumerate() {
+        for robot in (0..poses.len()).filter(|robot| !docked[*robot]) {
+            poses[robot] = after(order, robot, poses[robot], leg);
+        }
+        docks.iter().filter(|dock| dock.leg == first + index).for_each(|dock| docked[dock.robot] = true);
+    }
+}

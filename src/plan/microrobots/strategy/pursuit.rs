@@ -1,0 +1,211 @@
+//! Gross motion: from centre to centre, always a little behind, and then to a heading.
+
+use super::{Driver, Piece, angle, turn};
+use crate::device::microrobots::Arm;
+use crate::geometry::Pose;
+use std::f64::consts::TAU;
+
+/// What the next measurement is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
+    /// To turn towards a new target; a circle if it does not lie as far ahead as the lag.
+    Facing,
+    /// To run towards the target; what it drifts away to the good side is corrected.
+    Running,
+    /// To finish the run, uncorrected, because the target is too near.
+    Finishing,
+    /// To turn to the heading of the approach.
+    Turning,
+    /// To see whether it is there.
+    Arrived,
+}
+
+/// The gross motion of a robot.
+#[derive(Debug, Clone)]
+pub struct Pursuit {
+    /// Centres of turns, the last one that of the approach.
+    pub centres_um: Vec<[f64; 2]>,
+    pub approach: Pose,
+    /// Index of the centre that is sought.
+    pub next: usize,
+    pub phase: Phase,
+}
+
+impl Pursuit {
+    /// By way of these centres; that of the approach itself is added.
+    pub fn new(driver: &Driver, mut via_um: Vec<[f64; 2]>, approach: Pose) -> Self {
+        via_um.push(driver.robot.orbit_centre_um(approach));
+        Pursuit { centres_um: via_um, approach, next: 0, phase: Phase::Facing }
+    }
+
+    /// Goes on after a measurement at the end that was not believed: turns on if that is all, begins anew otherwise.
+    pub fn retry(&mut self, driver: &Driver, measured: Pose) {
+        let ahead_rad = driver.side() * angle(self.approach.heading_rad - measured.heading_rad);
+        let [x_um, y_um] = driver.robot.orbit_centre_um(measured);
+        let [last_x_um, last_y_um] = self.last_um();
+        let is_near = (last_x_um - x_um).hypot(last_y_um - y_um) <= driver.left_alone_um();
+        self.phase = if is_near && ahead_rad > 0.0 { Phase::Turning } else { Phase::Facing };
+        self.next = if self.phase == Phase::Turning { self.centres_um.len() } else { self.centres_um.len() - 1 };
+    }
+
+    /// Changes where it ends.
+    pub fn aim(&mut self, driver: &Driver, approach: Pose) {
+        self.approach = approach;
+        if let Some(last_um) = self.centres_um.last_mut() {
+            *last_um = driver.robot.orbit_centre_um(approach);
+        }
+    }
+
+    /// Whether where it ends can still be changed.
+    pub fn is_far(&self, driver: &Driver, measured: Pose) -> bool {
+        let is_last = self.next + 1 == self.centres_um.len();
+        let near_um = 2.0 * (driver.interval_um + driver.guard_um());
+        self.next < self.centres_um.len() && !(is_last && self.target(driver, measured).distance_um < near_um)
+    }
+
+    fn last_um(&self) -> [f64; 2] {
+        self.centres_um[self.centres_um.len() - 1]
+    }
+
+    /// What the robot does until the next measurement, at most so long a way; shorter where it rests for the measurement.
+    pub fn pieces(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<Piece> {
+        self.skip_captured(driver, measured);
+        match self.phase {
+            Phase::Facing | Phase::Running => self.towards(driver, measured, most_um),
+            Phase::Finishing => self.finish(driver, measured, most_um),
+            Phase::Turning => self.last_turn(driver, measured, most_um),
+            Phase::Arrived => Vec::new(),
+        }
+    }
+
+    fn skip_captured(&mut self, driver: &Driver, measured: Pose) {
+        while self.phase == Phase::Facing && self.target(driver, measured).distance_um <= driver.left_alone_um() {
+            self.pass();
+        }
+    }
+
+    fn pass(&mut self) {
+        self.next += 1;
+        self.phase = if self.next < self.centres_um.len() { Phase::Facing } else { Phase::Turning };
+    }
+
+    fn target(&self, driver: &Driver, measured: Pose) -> Target {
+        let [x_um, y_um] = driver.robot.orbit_centre_um(measured);
+        let [to_x_um, to_y_um] = self.centres_um[self.next];
+        let (dx_um, dy_um) = (to_x_um - x_um, to_y_um - y_um);
+        let ahead_rad = turn(driver.side() * (dy_um.atan2(dx_um) - measured.heading_rad));
+        // A rounding behind is not a circle ahead.
+        let ahead_rad = if ahead_rad > TAU - 1e-9 { 0.0 } else { ahead_rad };
+        Target { distance_um: dx_um.hypot(dy_um), ahead_rad }
+    }
+
+    fn towards(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<Piece> {
+        let target = self.target(driver, measured);
+        let is_near = target.distance_um <= driver.interval_um + driver.guard_um();
+        let most_um = if is_near { most_um.min(driver.near_interval_um) } else { most_um };
+        let turn_rad = self.turn_rad(driver, &target);
+        let turn_um = turn_rad / ((1.0 + driver.errors.speed_ratio) * driver.steepest_per_um());
+        let turning = Piece { arm: Arm::Down, way_um: turn_um.min(most_um) };
+        if turn_um > most_um {
+            return vec![turning];
+        }
+        let run_um = (target.distance_um * (target.ahead_rad - turn_rad).cos()).max(0.0);
+        let left_um = most_um - turn_um;
+        self.phase = if run_um <= left_um + driver.guard_um() { Phase::Finishing } else { Phase::Running };
+        if run_um <= left_um {
+            self.pass();
+        }
+        vec![turning, Piece { arm: Arm::Up, way_um: run_um.min(left_um) }]
+    }
+
+    /// The angle to turn, never beyond the lag whatever the errors.
+    fn turn_rad(&self, driver: &Driver, target: &Target) -> f64 {
+        let lag_rad = driver.lag_rad(target.distance_um);
+        let is_noise = target.ahead_rad >= TAU - driver.aim_error_rad(target.distance_um) - 1e-9;
+        let is_behind = self.phase == Phase::Facing && lag_rad > target.ahead_rad + 1e-9;
+        if is_behind {
+            target.ahead_rad + TAU - lag_rad
+        } else if is_noise && self.phase == Phase::Running {
+            0.0
+        } else {
+            (target.ahead_rad - lag_rad).max(0.0)
+        }
+    }
+
+    fn finish(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<Piece> {
+        let target = self.target(driver, measured);
+        let run_um = (target.distance_um * target.ahead_rad.cos()).max(0.0);
+        if run_um <= most_um {
+            self.pass();
+        }
+        vec![Piece { arm: Arm::Up, way_um: run_um.min(most_um) }]
+    }
+
+    fn last_turn(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<Piece> {
+        let left_rad = driver.side() * (self.approach.heading_rad - measured.heading_rad);
+        let is_over = turn(-left_rad) <= driver.accepted().heading_rad;
+        let turn_um = if is_over { 0.0 } else { turn(left_rad) * driver.robot.turning_radius_um };
+        if turn_um <= driver.near_interval_um {
+            self.phase = Phase::Arrived;
+            return vec![Piece { arm: Arm::Down, way_um: turn_um }];
+        }
+        vec![Piece { arm: Arm::Down, way_um: (turn_um - driver.near_interval_um / 2.0).min(most_um) }]
+    }
+
+    /// The least way that is left, if the heading happens to be right for it.
+    pub fn least_um(&self, driver: &Driver, pose: Pose) -> f64 {
+        let [x_um, y_um] = driver.robot.orbit_centre_um(pose);
+        let Some([to_x_um, to_y_um]) = self.centres_um.get(self.next) else { return self.left_um(driver, pose) };
+        let lag_rad = driver.lag_rad((to_x_um - x_um).hypot(to_y_um - y_um));
+        let heading_rad = (to_y_um - y_um).atan2(to_x_um - x_um) - driver.side() * (lag_rad + 1e-6);
+        let (sin, cos) = heading_rad.sin_cos();
+        let arm_um = driver.side() * driver.robot.turning_radius_um;
+        self.left_um(driver, Pose { x_um: x_um + arm_um * sin, y_um: y_um - arm_um * cos, heading_rad })
+    }
+
+    /// The nominal way that is left from a pose, as if corrections cost nothing but the circles that they do.
+    pub fn left_um(&self, driver: &Driver, pose: Pose) -> f64 {
+        let radius_um = driver.robot.turning_radius_um;
+        let [mut x_um, mut y_um] = driver.robot.orbit_centre_um(pose);
+        let (mut heading_rad, mut way_um) = (pose.heading_rad, 0.0);
+        // What lies within the noise behind is not a circle ahead.
+        let ahead = |to_rad: f64, from_rad: f64, slack_rad: f64| {
+            let turned_rad = turn(driver.side() * (to_rad - from_rad));
+            if turned_rad > TAU - slack_rad { turned_rad - TAU } else { turned_rad }
+        };
+        for [to_x_um, to_y_um] in self.centres_um.iter().skip(self.next) {
+            let (dx_um, dy_um) = (to_x_um - x_um, to_y_um - y_um);
+            let distance_um = dx_um.hypot(dy_um);
+            if distance_um > driver.left_alone_um() {
+                let direction_rad = dy_um.atan2(dx_um);
+                let lag_rad = driver.lag_rad(distance_um);
+                let turned_rad = match self.phase {
+                    // What lies within the lag costs a circle.
+                    Phase::Facing => lag_rad + ahead(direction_rad, heading_rad + driver.side() * lag_rad, 0.0),
+                    Phase::Running | Phase::Finishing | Phase::Turning | Phase::Arrived => {
+                        ahead(direction_rad, heading_rad, 0.5)
+                    }
+                };
+                way_um += radius_um * turned_rad + distance_um;
+                heading_rad = direction_rad;
+            }
+            (x_um, y_um) = (*to_x_um, *to_y_um);
+        }
+        let slack_rad = driver.accepted().heading_rad;
+        way_um + radius_um * ahead(self.approach.heading_rad, heading_rad, slack_rad)
+    }
+}
+
+impl Driver<'_> {
+    /// The narrowest turn that the errors allow, as a curvature.
+    fn steepest_per_um(&self) -> f64 {
+        1.0 / self.robot.turning_radius_um + self.errors.turning_rad_per_um
+    }
+}
+
+/// Where a centre is to go.
+struct Target {
+    distance_um: f64,
+    /// To turn until the heading points to it; from 0 to a full turn.
+    ahead_rad: f64,
+}

@@ -1,0 +1,138 @@
+//! What came of the trials: numbers for people.
+
+use super::trial::{Ended, Met, Reason};
+use serde::Serialize;
+
+/// The quantile of the normal distribution that belongs to 95 % on both sides.
+const Z: f64 = 1.959_963_984_540_054;
+
+/// The mean, the 95th percentile and the maximum of something.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Spread {
+    pub mean: f64,
+    pub p95: f64,
+    pub max: f64,
+}
+
+/// How a robot came to its place, over all trials in which it did or met its structure at least; errors without signs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Dockings {
+    /// Index of the order's robots.
+    pub robot: usize,
+    /// How often it met its structure.
+    pub count: u64,
+    /// Sideways, once it lies flat; of a pair, between the axes.
+    pub across_um: Spread,
+    /// Along its heading: how far the structure is from where it should be, of a pair.
+    pub along_um: Spread,
+    /// Between its heading and the normal of the edge at contact; of a pair, between the axes.
+    pub incidence_rad: Spread,
+    /// Of its heading in the world, once it lies flat.
+    pub heading_rad: Spread,
+}
+
+/// Why trials failed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Failures {
+    /// Index of the order's robots.
+    pub robot: usize,
+    pub reason: Reason,
+    pub count: u64,
+}
+
+/// What came of the trials.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    pub trials: u64,
+    pub successes: u64,
+    /// The share of successes, 95 % sure.
+    pub wilson: [f64; 2],
+    /// In the order in which the robots are driven.
+    pub dockings: Vec<Dockings>,
+    /// Of the trials that succeeded, in seconds.
+    pub time_s: Spread,
+    /// The most frequent first.
+    pub failures: Vec<Failures>,
+}
+
+/// The interval that holds the share of successes with 95 % confidence.
+///
+/// Source: Wilson, *Probable inference, the law of succession, and statistical inference*, JASA 22 (1927).
+pub fn wilson(successes: u64, trials: u64) -> [f64; 2] {
+    if trials == 0 {
+        return [0.0, 1.0];
+    }
+    let count = trials as f64;
+    let share = successes as f64 / count;
+    let scale = 1.0 + Z * Z / count;
+    let middle = (share + Z * Z / (2.0 * count)) / scale;
+    let half = Z / scale * (share * (1.0 - share) / count + Z * Z / (4.0 * count * count)).sqrt();
+    [(middle - half).max(0.0), (middle + half).min(1.0)]
+}
+
+impl Spread {
+    /// Of any numbers, whatever their order; all 0 for none.
+    pub fn of(mut values: Vec<f64>) -> Self {
+        if values.is_empty() {
+            return Spread::default();
+        }
+        values.sort_by(f64::total_cmp);
+        let rank = (0.95 * values.len() as f64).ceil() as usize;
+        Spread {
+            mean: values.iter().sum::<f64>() / values.len() as f64,
+            p95: values[rank.clamp(1, values.len()) - 1],
+            max: values[values.len() - 1],
+        }
+    }
+}
+
+impl Report {
+    /// Of trials in their order.
+    pub fn new(trials: &[Ended]) -> Self {
+        let successes = trials.iter().filter(|trial| trial.failure.is_none()).count() as u64;
+        let time_s = |trial: &Ended| trial.failure.is_none().then_some(trial.time_ns as f64 / 1e9);
+        Report {
+            trials: trials.len() as u64,
+            successes,
+            wilson: wilson(successes, trials.len() as u64),
+            dockings: dockings(trials),
+            time_s: Spread::of(trials.iter().filter_map(time_s).collect()),
+            failures: failures(trials),
+        }
+    }
+}
+
+fn dockings(trials: &[Ended]) -> Vec<Dockings> {
+    let mut robots: Vec<usize> = Vec::new();
+    for met in trials.iter().flat_map(|trial| &trial.met) {
+        if !robots.contains(&met.robot) {
+            robots.push(met.robot);
+        }
+    }
+    robots.into_iter().map(|robot| docking(robot, trials)).collect()
+}
+
+fn docking(robot: usize, trials: &[Ended]) -> Dockings {
+    let all: Vec<&Met> = trials.iter().flat_map(|trial| &trial.met).filter(|met| met.robot == robot).collect();
+    let spread = |of: fn(&Met) -> f64| Spread::of(all.iter().map(|met| of(met).abs()).collect());
+    Dockings {
+        robot,
+        count: all.len() as u64,
+        across_um: spread(|met| met.across_um),
+        along_um: spread(|met| met.along_um),
+        incidence_rad: spread(|met| met.incidence_rad),
+        heading_rad: spread(|met| met.heading_rad),
+    }
+}
+
+fn failures(trials: &[Ended]) -> Vec<Failures> {
+    let mut found: Vec<Failures> = Vec::new();
+    for (robot, reason) in trials.iter().filter_map(|trial| trial.failure.clone()) {
+        match found.iter_mut().find(|known| known.robot == robot && known.reason == reason) {
+            Some(known) => known.count += 1,
+            None => found.push(Failures { robot, reason, count: 1 }),
+        }
+    }
+    found.sort_by(|a, b| b.count.cmp(&a.count).then(a.robot.cmp(&b.robot)).then(a.reason.cmp(&b.reason)));
+    found
+}
