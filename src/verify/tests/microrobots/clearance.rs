@@ -155,7 +155,7 @@ fn long_ways_are_looked_at_quickly() {
 #[test]
 fn what_takes_too_long_is_refused() {
     let turns = |strokes| {
-        let mut day = Day::new(order(&[(0, 0.0, 0.0, 90.0), (1, 250.000_1, 0.0, 90.0)]));
+        let mut day = Day::new(order(&[(0, 0.0, 0.0, 90.0), (1, f64::hypot(240.0, 60.0) + 10.000_1, 0.0, 90.0)]));
         Arc::make_mut(&mut day.order.facts).orbit_clearance_um = 0.0;
         let (schedule, claims) = day.apply(2, strokes).both();
         match verify(schedule, &claims) {

@@ -108,7 +108,7 @@ fn distorted(order: &mut MicrorobotsOrder, what: u8, at: usize, value: f64, ns: 
         14 => facts.fine.cycle_um = value,
         15 => facts.period_ns = ns,
         16 => facts.dwell_ns = ns,
-        17 => Arc::make_mut(&mut order.states)[at % 5].levels_v[0] = value,
+        17 => drop(pick(Arc::make_mut(&mut order.states).as_mut_slice(), at).map(|state| state.levels_v[0] = value)),
         18 => Arc::make_mut(&mut order.robots)[at % 3].pose.x_um = value,
         19 => Arc::make_mut(&mut order.robots)[at % 3].pose.heading_rad = value,
         20 => Arc::make_mut(&mut order.obstacles)[0].shape = Shape::Disc { radius_um: value },
@@ -118,7 +118,7 @@ fn distorted(order: &mut MicrorobotsOrder, what: u8, at: usize, value: f64, ns: 
         24 => Arc::make_mut(&mut order.robots)[at % 3].row = ns as usize,
         25 => order.steps[3].action = Action::Apply { state: at, duration_ns: ns },
         26 => order.steps[1].action = Action::Wait(ns),
-        _ => drop(Arc::make_mut(&mut order.states).remove(at % 5)),
+        _ => Arc::make_mut(&mut order.states).truncate(at % 5),
     }
 }
 
