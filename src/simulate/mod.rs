@@ -66,6 +66,7 @@ fn stage(trial: &mut Trial, episode: &Episode) -> Result<(), Failure> {
     trial.take(episode);
     match *episode.stage {
         Stage::Single { robot, states, approach, goal } => Task { robot, states, approach, goal }.run(trial, episode),
+        Stage::Escort { .. } => Ok(()),
         Stage::Pair { .. } => pair::run(trial, episode),
     }
 }

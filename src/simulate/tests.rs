@@ -4,7 +4,7 @@ use crate::device::microrobots::{Arm, ControlState, Docking as Limits, Errors, F
 use crate::geometry::Pose;
 use crate::plan::microrobots::guarantee::{Check, Containment, guarantees};
 use crate::plan::microrobots::strategy::bent;
-use crate::plan::microrobots::{Docking, StepMotion};
+use crate::plan::microrobots::{Crew, Docking, StepMotion};
 use crate::source::Span;
 use std::sync::Arc;
 
@@ -93,7 +93,7 @@ pub fn single(start: Pose, turning: Turning, errors: Errors) -> (MicrorobotsOrde
     let stage = Stage::Single { robot: 0, states: [1, 0], approach, goal };
     let steps =
         vec![StepMotion::Legs { legs: Vec::new(), docks: vec![Docking { robot: 0, leg: 0 }], stages: vec![stage] }];
-    let motion = Motion { start: vec![start, pose(0.0, 0.0, 0.0)], docked: vec![false, true], steps };
+    let motion = Motion { start: Crew { poses: vec![start, pose(0.0, 0.0, 0.0)], docked: vec![false, true] }, steps };
     (order, motion)
 }
 
@@ -253,7 +253,7 @@ pub fn pair(errors: Errors, second: Pose) -> (MicrorobotsOrder, Motion) {
     let stage = Stage::Pair { first: robots[0], second: robots[1], states: [2, 1, 0], intermediate, approach, goals };
     let docks = vec![Docking { robot: robots[0], leg: 0 }, Docking { robot: robots[1], leg: 0 }];
     let steps = vec![StepMotion::Legs { legs: Vec::new(), docks, stages: vec![stage] }];
-    (order, Motion { start: vec![starts[1], starts[0]], docked: vec![false, false], steps })
+    (order, Motion { start: Crew { poses: vec![starts[1], starts[0]], docked: vec![false, false] }, steps })
 }
 
 fn scaled(scale: f64, replan_ms: u64) -> Errors {
@@ -293,7 +293,7 @@ fn with_published_errors_two_robots_mostly_meet() {
 fn three(errors: Errors) -> (MicrorobotsOrder, Motion) {
     let (_, two) = pair(errors, pose(400.0, 500.0, 10.0));
     let third = pose(-900.0, 1500.0, 120.0);
-    let poses = [third, two.start[0], two.start[1]];
+    let poses = [third, two.start.poses[0], two.start.poses[1]];
     let order = order(3, Turning::Clockwise, errors, &poses);
     let StepMotion::Legs { stages, .. } = &two.steps[0] else { unreachable!("it has legs") };
     let Stage::Pair { intermediate, approach, goals, .. } = stages[0] else { unreachable!("it is a pair") };
@@ -305,7 +305,7 @@ fn three(errors: Errors) -> (MicrorobotsOrder, Motion) {
     ];
     let docks = [2, 1, 0].map(|robot| Docking { robot, leg: 0 }).to_vec();
     let steps = vec![StepMotion::Legs { legs: Vec::new(), docks, stages }];
-    (order, Motion { start: poses.to_vec(), docked: vec![false; 3], steps })
+    (order, Motion { start: Crew { poses: poses.to_vec(), docked: vec![false; 3] }, steps })
 }
 
 #[test]

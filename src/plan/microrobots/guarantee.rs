@@ -117,6 +117,7 @@ pub fn guarantees(order: &MicrorobotsOrder, motion: &Motion) -> Option<Vec<Assur
         let bed = Bed { order, episode, obstacles: &solids, is_first, structure };
         let containments = match episode.stage {
             Stage::Pair { .. } => pair::containments(&bed, &mut structure),
+            Stage::Escort { .. } => continue,
             Stage::Single { robot, approach, goal, .. } => single(&bed, *robot, *approach, *goal),
         };
         let robots = super::strategy::driven(episode.stage).into_iter().map(|(robot, _)| robot).collect();

@@ -1,9 +1,17 @@
 //! The planner of STRING microrobots: one voltage drives all robots, so that a plan is one sequence of control states, each
 //! with a train of strokes, and every robot moves with every stroke.
 
+pub mod assembly;
+pub mod drive;
+pub mod fine;
+pub mod free;
 pub mod guarantee;
 mod job;
 pub mod strategy;
+pub mod strokes;
+pub mod ways;
+mod why;
+pub mod world;
 
 pub use job::{Crew, Standing, leg_ns, plan};
 

@@ -85,7 +85,7 @@ pub(crate) fn carried(steps: Vec<StepMotion>) -> (Claims, Schedule) {
         bounds: Default::default(),
         outcomes: Default::default(),
         remarks: Vec::new(),
-        motion: AnyMotion::Microrobots(Motion { start: start.to_vec(), docked: vec![false; 3], steps }),
+        motion: AnyMotion::Microrobots(Motion { start: Crew { poses: start.to_vec(), docked: vec![false; 3] }, steps }),
     };
     let job = Job {
         task: "assemble".to_owned(),

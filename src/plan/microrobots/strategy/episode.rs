@@ -26,7 +26,7 @@ pub struct Episode<'a> {
 /// The stages of a plan in order of time.
 pub fn episodes<'a>(order: &MicrorobotsOrder, motion: &'a Motion) -> Vec<Episode<'a>> {
     let mut found = Vec::new();
-    let (mut poses, mut docked) = (motion.start.clone(), motion.docked.clone());
+    let (mut poses, mut docked) = (motion.start.poses.clone(), motion.start.docked.clone());
     for (step, steps) in motion.steps.iter().enumerate() {
         let StepMotion::Legs { legs, docks, stages } = steps else { continue };
         let mut at = 0;
@@ -50,6 +50,7 @@ pub fn driven(stage: &Stage) -> Vec<(usize, Pose)> {
         Stage::Pair { first, second, intermediate, approach, .. } => {
             vec![(*first, *intermediate), (*second, approach[1])]
         }
+        Stage::Escort { robot, to, .. } => vec![(*robot, *to)],
         Stage::Single { robot, approach, .. } => vec![(*robot, *approach)],
     }
 }
@@ -57,6 +58,7 @@ pub fn driven(stage: &Stage) -> Vec<(usize, Pose)> {
 fn goals(stage: &Stage) -> Vec<(usize, Pose)> {
     match stage {
         Stage::Pair { first, second, goals, .. } => vec![(*first, goals[0]), (*second, goals[1])],
+        Stage::Escort { .. } => Vec::new(),
         Stage::Single { robot, goal, .. } => vec![(*robot, *goal)],
     }
 }
