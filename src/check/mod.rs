@@ -24,6 +24,7 @@ mod shapes;
 mod tasks;
 mod unused;
 pub mod value;
+mod verbs;
 mod wiring;
 
 pub use dimibot::start_disagrees;

@@ -36,7 +36,7 @@ fn is_file(subject: &str) -> bool {
 
 /// Rows in columns, each as wide as its widest entry, two blanks apart and two from the margin; numbers stand at the right, but
 /// for those of the last column.
-fn aligned(rows: &[Vec<String>]) -> String {
+pub fn aligned(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let entries = |column: usize| rows.iter().filter_map(move |row| row.get(column));
     let width = |column: usize| entries(column).map(|entry| entry.chars().count()).max().unwrap_or(0);

@@ -87,7 +87,7 @@ impl Assured {
     /// The first containment that does not hold; without one the stage is guaranteed.
     pub fn violated(&self) -> Option<&Containment> {
         // What is not a number does not hold.
-        self.containments.iter().find(|containment| !(containment.margin() >= 0.0))
+        self.containments.iter().find(|containment| containment.margin().is_nan() || containment.margin() < 0.0)
     }
 
     /// The containment of lengths with the smallest margin.

@@ -5,11 +5,12 @@
 
 use super::assembly::{self, Assembled};
 use super::drive::{self, Drive};
+use super::guarantee::guarantees;
 use super::why::Why;
 use super::world::{Bed, World};
 use super::{Docking, Leg, Motion, Stage, StepMotion};
 use crate::check::claims::Job;
-use crate::check::claims::microrobots::{Action, Dock, MicrorobotsOrder, Step, Stop};
+use crate::check::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Step, Stop};
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
 use crate::plan::requirements::{Kept, require};
@@ -79,10 +80,34 @@ fn planned(job: &Job, order: &MicrorobotsOrder, start: Crew, sink: &mut Sink) ->
         steps.push(done.motion);
     }
     let motion = Motion { start, steps };
+    let are_guaranteed = assure(order, &motion, &mut tally.remarks, sink);
     let plan = tally.plan(motion);
     let crew = Crew { poses: bed.poses, docked: bed.docked };
     let kept = require(job, &plan, &mut |_| None, sink);
-    Some(((kept == Kept::Yes).then_some(plan), crew))
+    Some(((kept == Kept::Yes && are_guaranteed).then_some(plan), crew))
+}
+
+/// Says of each stage of an assembly whether it is guaranteed; false where the task demands what is not.
+fn assure(order: &MicrorobotsOrder, motion: &Motion, remarks: &mut Vec<Remark>, sink: &mut Sink) -> bool {
+    let mut all_hold = true;
+    for assured in guarantees(order, motion).unwrap_or_default() {
+        let names: Vec<&str> = assured.robots.iter().map(|robot| order.robot(*robot).name.as_str()).collect();
+        let subject = names.join(" and ");
+        let text = match (assured.violated(), assured.tightest_um()) {
+            (Some(violated), _) => format!("not guaranteed: {}", violated.said(order)),
+            (None, Some(tightest)) => {
+                format!("guaranteed, {:.1} um to spare: {}", tightest.margin(), tightest.said(order))
+            }
+            (None, None) => "guaranteed".to_owned(),
+        };
+        if let Some(violated) = assured.violated().filter(|_| order.assurance == Assurance::Demanded) {
+            all_hold = false;
+            let step = &order.steps[assured.step];
+            sink.push(Why { order, step }.not_guaranteed(&subject, violated));
+        }
+        remarks.push(Remark { subject, text });
+    }
+    all_hold
 }
 
 /// A step with its plan.

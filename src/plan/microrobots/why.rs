@@ -2,6 +2,7 @@
 
 use super::assembly::{Blocker, Certainty, Stuck};
 use super::drive::{self, Reason, Thing};
+use super::guarantee::Containment;
 use super::world::{Hit, Meeting};
 use crate::check::claims::microrobots::{MicrorobotsOrder, Step, Stop};
 use crate::diagnostic::{Code, Diagnostic};
@@ -29,6 +30,13 @@ impl Why<'_> {
         let diagnostic = Diagnostic::new(Code::E0602, format!("no way was found: {}", self.meeting(hit.meeting)))
             .label(self.step.span, "it has been turning since the step before");
         self.labelled(diagnostic, hit.meeting).help("put `wait 1 ms` before this step: at 0 V all arms go up")
+    }
+
+    /// What is said of a stage whose success does not follow from the bounds on errors, though the task asks for that.
+    pub fn not_guaranteed(&self, names: &str, violated: &Containment) -> Diagnostic {
+        Diagnostic::new(Code::E0605, format!("the docking of {names} is not guaranteed: {}", violated.said(self.order)))
+            .label(self.step.span, "by the bounds on errors of the device")
+            .help("measure more often (`replan_interval`), allow a longer `fine_length` or more `docking_tolerance`, or leave `guaranteed` out and count with `tweeze simulate`")
     }
 
     /// What is said of a robot that does not come to one of its stops.

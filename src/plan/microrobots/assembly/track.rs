@@ -38,24 +38,9 @@ impl Track {
         other.pieces.iter().for_each(|&(arm, strokes)| self.push(arm, strokes));
     }
 
-    pub fn strokes(&self) -> u64 {
-        self.pieces.iter().map(|piece| piece.1).sum()
-    }
-
     /// Where it brings a robot.
     pub fn end(&self, robot: &Robot, from: Pose) -> Pose {
         end(robot, from, &self.pieces)
-    }
-
-    /// What is left of it after some strokes.
-    pub fn after(&self, strokes: u64) -> Track {
-        let (mut rest, mut skipped) = (Track::default(), strokes);
-        for &(arm, count) in &self.pieces {
-            let gone = skipped.min(count);
-            skipped -= gone;
-            rest.push(arm, count - gone);
-        }
-        rest
     }
 }
 

@@ -30,7 +30,8 @@ pub fn episodes<'a>(order: &MicrorobotsOrder, motion: &'a Motion) -> Vec<Episode
     for (step, steps) in motion.steps.iter().enumerate() {
         let StepMotion::Legs { legs, docks, stages } = steps else { continue };
         let mut at = 0;
-        for stage in stages {
+        // What an escort does belongs to the episode of its pair, in which the second robot is brought near at first.
+        for stage in stages.iter().filter(|stage| !matches!(stage, Stage::Escort { .. })) {
             let end = last_leg(stage, docks).map_or(legs.len(), |leg| leg + 1).clamp(at, legs.len());
             found.push(episode(order, step, stage, (&poses, &docked), &legs[at..end]));
             follow(order, &mut poses, &mut docked, (&legs[at..end], at), docks);

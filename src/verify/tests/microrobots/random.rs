@@ -65,7 +65,10 @@ struct Least {
 }
 
 /// The disc of each robot in each leg, where it orbits.
-fn discs(day: &Day) -> Vec<Vec<Option<(Point2<f64>, f64)>>> {
+/// Middle and radius of a disc.
+type Disc = (Point2<f64>, f64);
+
+fn discs(day: &Day) -> Vec<Vec<Option<Disc>>> {
     let (order, legs) = (&day.order, day.legs.concat());
     let mut discs = vec![vec![None; legs.len()]; order.robots.len()];
     for (index, placed) in order.robots.iter().enumerate() {

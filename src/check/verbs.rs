@@ -1,0 +1,216 @@
+//! Verbs: their nouns, objects, prepositions and braces, in the words of the kind.
+
+use super::Checker;
+use super::errors::{self, Wanted};
+use super::lets::Argument;
+use super::scope::{Scope, nearest, path_text};
+use super::tasks::{Call, Entered};
+use crate::device::{self, Count, Vocabulary};
+use crate::source::Span;
+use crate::syntax::tree::{self, Entry, Expr, ExprKind};
+use std::collections::BTreeMap;
+
+impl Checker<'_> {
+    /// A step that is a verb with its object and its prepositions; `None` after an error.
+    pub fn verb(&mut self, step: &tree::Step, scope: &Scope, vocabulary: &'static Vocabulary) -> Option<Call> {
+        let Some(verb) = vocabulary.verb(&step.head.text) else {
+            let verbs: Vec<&str> = vocabulary.verbs.iter().map(|verb| verb.name).collect();
+            let near = nearest(&step.head.text, verbs.iter().copied().chain(STEP_WORDS));
+            let written = (step.head.span, step.head.text.as_str());
+            self.sink.push(errors::unknown_verb(written, vocabulary.name, near, &verbs, vocabulary.together));
+            return None;
+        };
+        self.noun(step, verb)?;
+        let entries = self.braces(step, verb, scope);
+        let object = self.verb_object(step, verb, scope);
+        let phrases = self.phrases(step, verb, verb.phrases, scope);
+        Some(Call { verb, object: object?, phrases: phrases?, entries: entries?, span: step.span })
+    }
+
+    /// The word before the object is the verb's own; `None` after an error.
+    fn noun(&mut self, step: &tree::Step, verb: &'static device::Verb) -> Option<()> {
+        match (&step.noun, verb.noun) {
+            (None, None) => return Some(()),
+            (Some(noun), Some(own)) if noun.text == own => return Some(()),
+            (Some(noun), Some(own)) => {
+                let near = nearest(&noun.text, [own]);
+                self.sink.push(errors::wrong_noun(noun, verb, own, near));
+            }
+            (Some(noun), None) => self.sink.push(errors::unexpected_part(noun.span, verb, "a noun")),
+            (None, Some(own)) => self.sink.push(errors::missing_part(step.span, verb, &format!("`{own}`"))),
+        }
+        None
+    }
+
+    /// What stands in a verb's braces; `None` after an error.
+    fn braces(&mut self, step: &tree::Step, verb: &'static device::Verb, scope: &Scope) -> Option<Vec<Entered>> {
+        match (&step.block, verb.block) {
+            (None, None) => Some(Vec::new()),
+            (Some(_), None) => {
+                self.sink.push(errors::unexpected_part(step.head.span, verb, "a block"));
+                None
+            }
+            (None, Some(_)) => {
+                self.sink.push(errors::missing_part(step.span, verb, "its braces"));
+                None
+            }
+            (Some(entries), Some(block)) => {
+                let mut entered = Vec::new();
+                let is_whole = self.entered(entries, &mut scope.clone(), (verb, block), &mut entered);
+                is_whole.then_some(entered)
+            }
+        }
+    }
+
+    /// The entries of a verb's braces; whether nothing had to be left out.
+    fn entered(
+        &mut self,
+        entries: &[Entry],
+        scope: &mut Scope,
+        (verb, block): (&'static device::Verb, &'static device::Block),
+        found: &mut Vec<Entered>,
+    ) -> bool {
+        let mut is_whole = true;
+        for entry in entries {
+            is_whole &= match entry {
+                Entry::Step(step) => match self.one_entered(step, scope, (verb, block)) {
+                    Some(one) => {
+                        found.push(one);
+                        true
+                    }
+                    None => false,
+                },
+                Entry::For(each) => {
+                    let mut all = true;
+                    self.repeat(each, scope, &mut |checker, scope| {
+                        all &= checker.entered(&each.entries, scope, (verb, block), found);
+                    });
+                    all
+                }
+                Entry::Field(field) => {
+                    self.sink.push(errors::no_entry(field.name.span, verb));
+                    false
+                }
+                Entry::Error(_) => false,
+            };
+        }
+        is_whole
+    }
+
+    /// `D3 to pose(…)`: the head is the object.
+    fn one_entered(
+        &mut self,
+        step: &tree::Step,
+        scope: &Scope,
+        (verb, block): (&'static device::Verb, &'static device::Block),
+    ) -> Option<Entered> {
+        if step.noun.is_some() || step.object.is_some() || step.block.is_some() {
+            self.sink.push(errors::no_entry(step.span, verb));
+            return None;
+        }
+        let name = tree::IndexedName { name: step.head.clone(), indices: step.indices.clone(), span: step.head.span };
+        let path = tree::Path { segments: vec![name], span: step.head.span };
+        let head = Expr { kind: ExprKind::Path(path), span: step.head.span };
+        let wanted = Wanted { name: format!("`{}`", verb.name), doc: verb.doc.to_owned(), declared: None };
+        let object = self.accept(block.object, &head, scope, &wanted);
+        let object = object.map(|value| self.argument_of(&head, value, scope));
+        let phrases = self.phrases(step, verb, block.phrases, scope);
+        Some(Entered { object: object?, phrases: phrases?, span: step.span })
+    }
+
+    fn verb_object(
+        &mut self,
+        step: &tree::Step,
+        verb: &'static device::Verb,
+        scope: &Scope,
+    ) -> Option<Option<Argument>> {
+        match (&step.object, verb.object) {
+            (None, None) => Some(None),
+            (Some(expr), Some(sort)) => {
+                if let Some((lacking, place)) = self.without_preposition(expr, verb, scope) {
+                    self.sink.push(errors::missing_preposition(place, verb, lacking));
+                    return None;
+                }
+                let wanted = Wanted { name: format!("`{}`", verb.name), doc: verb.doc.to_owned(), declared: None };
+                let value = self.accept(sort, expr, scope, &wanted)?;
+                Some(Some(self.argument_of(expr, value, scope)))
+            }
+            (Some(expr), None) => {
+                let lacking = verb.phrases.iter().find(|entry| {
+                    entry.count == Count::Once && step.phrases.iter().all(|p| p.preposition.text != entry.preposition)
+                });
+                self.sink.push(match lacking {
+                    Some(lacking) => errors::missing_preposition(expr.span, verb, lacking.preposition),
+                    None => errors::unexpected_part(expr.span, verb, "an object"),
+                });
+                None
+            }
+            (None, Some(sort)) => {
+                self.sink.push(errors::missing_part(step.span, verb, &lacking(sort)));
+                None
+            }
+        }
+    }
+
+    /// The preposition that `move m1 (5, 3)` lacks, and where: what looks like a call of a function is an object and its place.
+    fn without_preposition(
+        &self,
+        expr: &Expr,
+        verb: &'static device::Verb,
+        scope: &Scope,
+    ) -> Option<(&'static str, Span)> {
+        let ExprKind::Call { function, .. } = &expr.kind else { return None };
+        let names_object = matches!(verb.object, Some(device::Sort::Object(_)));
+        let is_function = super::scope::keeper(&path_text(function)).is_some() || self.names_value(function, scope);
+        let first = verb.phrases.iter().find(|phrase| phrase.count == Count::Once);
+        let place = Span { start: function.span.end, ..expr.span };
+        first.filter(|_| names_object && !is_function).map(|phrase| (phrase.preposition, place))
+    }
+
+    fn phrases(
+        &mut self,
+        step: &tree::Step,
+        verb: &'static device::Verb,
+        known: &'static [device::Phrase],
+        scope: &Scope,
+    ) -> Option<Vec<(&'static str, Argument)>> {
+        let mut accepted = Vec::new();
+        let mut is_whole = true;
+        let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
+        for phrase in &step.phrases {
+            let name = phrase.preposition.text.as_str();
+            let Some(entry) = known.iter().find(|entry| entry.preposition == name) else {
+                self.sink.push(errors::unknown_preposition(&phrase.preposition, verb, known));
+                is_whole = false;
+                continue;
+            };
+            if let Some(earlier) = seen.insert(name, phrase.preposition.span).filter(|_| entry.count == Count::Once) {
+                self.sink.push(errors::preposition_twice(&phrase.preposition, earlier, verb));
+                is_whole = false;
+            }
+            let wanted = Wanted { name: format!("`{name}` of `{}`", verb.name), doc: String::new(), declared: None };
+            match self.accept(entry.sort, &phrase.value, scope, &wanted) {
+                Some(value) => accepted.push((entry.preposition, self.argument_of(&phrase.value, value, scope))),
+                None => is_whole = false,
+            }
+        }
+        // An object where there should be none stands for the phrase that is lacking, as a phrase that is wrong does, and was told.
+        let lacks_preposition =
+            step.object.as_ref().is_some_and(|expr| self.without_preposition(expr, verb, scope).is_some());
+        let is_told = !is_whole || (step.object.is_some() && verb.object.is_none()) || lacks_preposition;
+        let needed = known.iter().filter(|entry| entry.count == Count::Once && !is_told);
+        for entry in needed.filter(|entry| !seen.contains_key(entry.preposition)) {
+            self.sink.push(errors::missing_part(step.span, verb, &format!("`{}`", entry.preposition)));
+            is_whole = false;
+        }
+        is_whole.then_some(accepted)
+    }
+}
+
+/// What a verb lacks that has no object.
+fn lacking(sort: device::Sort) -> String {
+    if let device::Sort::Object(noun) = sort { format!("a {noun}") } else { "an object".to_owned() }
+}
+
+/// The words that stand where a verb may, whatever the kind.
+const STEP_WORDS: [&str; 6] = ["wait", "together", "minimize", "using", "require", "start"];
