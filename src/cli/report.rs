@@ -44,7 +44,7 @@ impl Topic {
         match self {
             Topic::Visits => "Visits",
             Topic::Nearest => "Nearest",
-            Topic::Guaranteed => "Guaranteed",
+            Topic::Guaranteed => "Assured",
         }
     }
 }

@@ -83,7 +83,13 @@ fn summary(task: &str, seed: u64, report: &Report) -> String {
     );
     let time = spread(report.time_s, 1.0);
     let line = terminal::line("Simulated", task, 0, &counted);
-    format!("{line}{}", terminal::line("", task, 0, &format!("time of those: {time} s (mean, 95 %, longest)")))
+    if report.successes == 0 {
+        return line;
+    }
+    format!(
+        "{line}{}",
+        terminal::line("", "", task.chars().count(), &format!("time of those: {time} s (mean, 95 %, longest)"))
+    )
 }
 
 /// A row for each robot, each figure as its mean, the 95th percentile and the largest.

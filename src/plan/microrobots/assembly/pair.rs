@@ -82,10 +82,13 @@ fn brought_together(pairing: &Pairing, site: Site, meter: &mut Meter) -> Result<
     let ways = pairing.ways_of_second(site, meter)?;
     let mut departures: Vec<Departure> = ways.iter().flat_map(|way| pairing.with_circles(way)).collect();
     departures.sort_by(|a, b| a.total_um.total_cmp(&b.total_um));
-    for departure in departures {
-        let legs = pairing.timed(&departure, site);
-        if let Some(stretch) = pairing.first_free(&departure, legs, (ground, meter), &mut stuck)? {
-            return Ok(stretch);
+    for stages in pairing.stages() {
+        let kept = |departure: &&Departure| *stages == Stages::Mingled || departure.halt.is_none();
+        for departure in departures.iter().filter(kept) {
+            let legs = pairing.timed(departure, *stages, site);
+            if let Some(stretch) = pairing.first_free(departure, legs, (ground, meter), &mut stuck)? {
+                return Ok(stretch);
+            }
         }
     }
     for (departure, way) in pairing.roundabout(&ways, site, meter)? {
@@ -95,6 +98,15 @@ fn brought_together(pairing: &Pairing, site: Site, meter: &mut Meter) -> Result<
         }
     }
     Err(stuck)
+}
+
+/// How the two stages of the paper lie to one another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stages {
+    /// The first robot has turned for the last time before the second leaves the orbit that it begins on.
+    Apart,
+    /// It may turn whenever the second does.
+    Mingled,
 }
 
 /// What does not change while ways are looked for.
@@ -137,6 +149,15 @@ impl<'a> Pairing<'a> {
         let forced = if both { Some(Arm::Up) } else { one.then_some(Arm::Down) };
         let from = robots.map(|robot| bed.poses[robot]);
         Pairing { bed, roles, facts, from, goals, approach, aims, cycles, forced }
+    }
+
+    /// How the stages may lie, the better first: what is carried out in a closed loop, where the device says its errors, keeps them
+    /// apart as long as it can.
+    fn stages(&self) -> &'static [Stages] {
+        match self.bed.order.facts.errors {
+            Some(_) => &[Stages::Apart, Stages::Mingled],
+            None => &[Stages::Mingled],
+        }
     }
 
     /// The first of these that the rules of collision allow; what stops the last one is noted.
@@ -195,14 +216,20 @@ impl<'a> Pairing<'a> {
     }
 
     /// Legs that bring both robots to their approaches at the same time, the second by this way.
-    fn timed(&self, departure: &Departure, site: Site) -> Vec<Vec<Leg>> {
+    fn timed(&self, departure: &Departure, stages: Stages, site: Site) -> Vec<Vec<Leg>> {
         let first = self.facts[0];
-        let last = departure.way.last().filter(|segment| segment.arm == Arm::Up);
+        let later_um = match stages {
+            Stages::Apart => departure.way.iter().skip(1).map(|segment| segment.way_um).sum(),
+            Stages::Mingled => {
+                let last = departure.way.last().filter(|segment| segment.arm == Arm::Up);
+                last.map_or(0.0, |segment| segment.way_um)
+            }
+        };
         let asked = Asked {
             from: self.first_from(),
             to: self.approach[0],
             length_um: (self.total(departure) - self.forced_strokes()) as f64 * first.step_um,
-            least_last_um: last.map_or(0.0, |segment| segment.way_um / self.facts[1].step_um * first.step_um),
+            least_last_um: later_um / self.facts[1].step_um * first.step_um,
         };
         self.legs(departure, closings(first, &asked), site)
     }

@@ -8,6 +8,9 @@ impl Containment {
     pub fn said(&self, order: &MicrorobotsOrder) -> String {
         let name = &order.robot(self.robot).name;
         let (needs, has) = (self.needs, self.has);
+        if !needs.is_finite() {
+            return format!("how far {name} may stray is not bounded: an error can add full circles to its way");
+        }
         let (needs_deg, has_deg) = (needs.to_degrees(), has.to_degrees());
         match &self.check {
             Check::Cone => format!(
