@@ -80,7 +80,7 @@ fn says(text: &str, parts: &[&str]) {
 #[test]
 fn help_teaches() {
     let bench = Bench::new();
-    let commands = ["check", "build", "verify", "explain", "devices", "completions"];
+    let commands = ["check", "build", "verify", "explain", "simulate", "devices", "completions"];
     let top = out(&bench.run(&["--help"]).code(DONE));
     says(&top, &commands);
     says(&top, &["Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3", "tweeze build FILE.twz"]);
@@ -489,4 +489,34 @@ fn logs_that_are_damaged_or_of_another_program_are_refused() {
     says(&err(&bench.run(&["verify", "go.mcap", "--against", "b.twz"]).code(REFUSED)), &["E07"]);
     bench.run(&["verify", "go.mcap", "--against", "missing.twz"]).code(FILES);
     says(&err(&bench.run(&["verify", "a.twz"]).code(FILES)), &["E0840", "`tweeze verify` reads the `.mcap` file"]);
+}
+
+#[test]
+fn a_suggested_table_is_a_program_that_checks_and_tells_its_states() {
+    let bench = Bench::new();
+    let wanted = ["devices", "--suggest", "microrobots", "--robots", "6", "--margin", "4V", "--max", "200V"];
+    let table = out(&bench.run(&wanted).code(DONE));
+    fs::write(bench.path("a.twz"), &table).expect("a program is written");
+    let told = out(&bench.run(&["devices", "a.twz"]).code(DONE));
+    says(&told, &["bed: microrobots, 6 robots", "D6", "slack"]);
+    assert_eq!(told.lines().filter(|line| line.ends_with(" V")).count(), 6 + 1 + 1, "{told}");
+    let many = ["devices", "--suggest", "microrobots", "--robots", "60", "--margin", "4V", "--max", "200V"];
+    says(&err(&bench.run(&many).code(ERRORS)), &["60 robots do not fit", "at most "]);
+    bench.run(&["devices", "--robots", "6"]).code(USAGE);
+}
+
+#[test]
+fn a_simulation_is_the_same_for_the_same_seed() {
+    let bench = Bench::new();
+    let four = example("microrobots_four.twz");
+    let simulated = |seed: &str| {
+        let four = four.to_string_lossy();
+        out(&bench.run(&["simulate", &four, "--trials", "100", "--seed", seed]).code(DONE))
+    };
+    let told = simulated("7");
+    says(&told, &["of 100 trials succeeded", "95 % confidence (seed 7)", "D1", "incidence"]);
+    assert_eq!(told, simulated("7"));
+    assert_ne!(told, simulated("8"));
+    let fetch = example("dimibot_fetch.twz");
+    says(&err(&bench.run(&["simulate", &fetch.to_string_lossy()]).code(USAGE)), &["nothing to simulate"]);
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 /// Of a schedule with more edges than this, the files that have a line for each are not written: `run.py` says so.
-const MANY_EDGES: u64 = 1_000_000;
+const MANY_EDGES: u64 = 200_000;
 
 fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -24,7 +24,7 @@ const SIGHT: &[(&str, &[&str])] = &[
     ("verify", &["check", "schedule"]),
     ("emit", &["check", "schedule", "verify"]),
     ("compile", &["syntax", "check", "plan", "schedule", "verify"]),
-    ("cli", &["syntax", "check", "plan", "schedule", "verify", "emit", "compile", "stdlib"]),
+    ("cli", &["syntax", "check", "plan", "schedule", "verify", "emit", "compile", "stdlib", "simulate"]),
 ];
 
 /// The kinds of device; each has the same file name in every stage.

@@ -26,7 +26,7 @@ JUDGES = {
 }
 
 # Of schedules with more edges than this, files with a line for each edge may be left out.
-MANY_EDGES = 1_000_000
+MANY_EDGES = 200_000
 LINE_FOR_EDGE = (".csv", ".vcd")
 
 

@@ -6,10 +6,10 @@
 //! well succeed nearly always.
 //!
 //! Method: the forward projection of the gross motion is the cylinder about the approach ([`Driver::cylinder`]); it has to lie in
-//! the preimage of the goal under the fine motion ([`fine`]), that is within the reach of its curvatures on both sides, less
+//! the preimage of the goal under the fine motion (`fine`), that is within the reach of its curvatures on both sides, less
 //! what the errors of all intervals may use up of it. The error at contact is that of the last measurement and of the way after
 //! it. The goal region is enlarged by compliance: any angle within the docking limits will do. The ways themselves, with all that
-//! robots may stray from them, have to stay clear of everything ([`room`]); the paper's C_O is replaced by that test. Source: the
+//! robots may stray from them, have to stay clear of everything (`room`); the paper's C_O is replaced by that test. Source: the
 //! paper's section 3.4, with the ranges of the three primitives put to the right robots.
 
 mod fine;

@@ -3,7 +3,7 @@
 //! Input: what a robot is and what the errors are at most; a measured pose. Output: what the arm does until the next measurement.
 //! The two steps are those of the paper's section 3.2 (error detection and recovery).
 //!
-//! **Gross motion** ([`pursuit`]). While its arm is down a robot turns about a centre that stays; while it is up the centre goes
+//! **Gross motion** (`pursuit`). While its arm is down a robot turns about a centre that stays; while it is up the centre goes
 //! where the robot heads. So a way is a list of centres, and after the last one a turn to the heading that is wanted. A robot
 //! turns to one side only, so an error of its heading to the other side costs a circle. Hence it never turns as far as its
 //! target: it keeps a lag, as much as the bounds let it drift to the bad side on the rest of the way, plus the uncertainty
@@ -14,14 +14,14 @@
 //! [`Driver::cylinder`] bounds it. A circle is driven where a new target lies less than the lag ahead, and where the heading has
 //! passed the last one; that is the paper's δ(t_2π).
 //!
-//! **Fine motion** ([`approach`]). At every measurement the share of the cycle with the arm down is chosen so that the robot,
+//! **Fine motion** (`approach`). At every measurement the share of the cycle with the arm down is chosen so that the robot,
 //! when one of its front corners has met the edge and it has turned about it until its front lies flat, is in its place
 //! sideways. Since the bed may rest, an interval of the fine motion is at most a tenth of its length, whatever the time
 //! between measurements. When less than an eighth would be left after another interval, the share is kept until contact: so
 //! near, a measurement moves the place less than its own error.
 
 //!
-//! **Two robots at once** ([`couple`]). The second orbits while the first is driven, and the first runs straight, uncorrected, while the
+//! **Two robots at once** (`couple`). The second orbits while the first is driven, and the first runs straight, uncorrected, while the
 //! second is driven. They come at once if the first has as far to run along its line as the second has to its approach; what
 //! the first is late is made up for by sliding the pose where its own driving ends along its line, and, where that
 //! does not help, by a racetrack. If they still miss each other by too much of the fine motion, all begins anew from the

@@ -8,7 +8,7 @@
 //! nothing can happen. Two bodies that both run straight need no such steps: their distance is convex in time. A body that runs straight past
 //! something that rests sweeps a rectangle.
 //!
-//! Promise: stricter than the rules by [`MARGIN_UM`], so that roundings decide nothing. What is not told apart within [`MAX_SAMPLES`] instants
+//! Promise: stricter than the rules by [`MARGIN_UM`], so that roundings decide nothing. What is not told apart within `MAX_SAMPLES` instants
 //! of one pair in one leg counts as a meeting. Cost: pairs of robots + robots × obstacles for each leg, most of them by their bounds alone.
 
 mod bed;

@@ -3,8 +3,8 @@
 //! Input: the voltages of a table and the limits of the source. Output: [`Analysis`], the control states with a shortest control
 //! cycle each, or what is wrong with the table and the smallest change of one voltage that mends it.
 //!
-//! Voltages are compared as whole numbers ([`table::Table`]), so that a gap of exactly two margins is one. Which patterns can be
-//! set follows from pairs of rows ([`table::Table::separates`]); how, and why nothing else can, is proven in [`cycles`].
+//! Voltages are compared as whole numbers (`table::Table`), so that a gap of exactly two margins is one. Which patterns can be
+//! set follows from pairs of rows (`table::Table::separates`); how, and why nothing else can, is proven in `cycles`.
 
 mod cycles;
 mod faults;

@@ -1,8 +1,8 @@
 //! Assembly: robots to goals where they dock with one another, while those that wait their turn orbit.
 //!
 //! The problem: every robot moves with every stroke until it docks, and it docks only at a body that is docked or docks at the same
-//! time. Method (the paper's sections 2 and 3): two robots come together first ([`pair`]); then one robot after the other comes to
-//! the structure ([`single`]); the robots that are still to come orbit all the while. Which robots go first, in which role and in
+//! time. Method (the paper's sections 2 and 3): two robots come together first (`pair`); then one robot after the other comes to
+//! the structure (`single`); the robots that are still to come orbit all the while. Which robots go first, in which role and in
 //! which order, is searched depth first over what the control states allow, and cut off by a bound.
 //! Guaranteed: the result meets no objection of the rules of collision ([`super::world`]), and every robot ends within precision.
 //! Not guaranteed: that there is no faster way, or none at all where the search ends without one; a [`Stuck`] says which of its
