@@ -2,6 +2,7 @@
 //!
 //! `cargo bench --bench microrobots` prints all tables, `-- states` one of them. Instances come from fixed seeds.
 
+mod assemblies;
 #[path = "../electrode_array/clock.rs"]
 mod clock;
 mod relays;
@@ -9,7 +10,8 @@ mod rival;
 
 fn main() {
     let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default();
-    let tables: [(&str, fn()); 2] = [("check", relays::check), ("states", relays::states)];
+    let tables: [(&str, fn()); 3] =
+        [("check", relays::check), ("states", relays::states), ("assemblies", assemblies::table)];
     for (_, table) in tables.iter().filter(|(name, _)| name.contains(&filter)) {
         table();
     }

@@ -1,0 +1,99 @@
+//! Assemblies from the text of a program: planned, and carried out a thousand times with errors. There is no public rival that does
+//! either.
+
+use crate::clock::timed;
+use std::fmt::Write;
+use tweeze::check::Options;
+use tweeze::check::claims::Claims;
+use tweeze::check::imports::Library;
+use tweeze::compile::{self, Program};
+use tweeze::diagnostic::Sink;
+use tweeze::plan::{self, Motion, Plan};
+use tweeze::simulate::simulate;
+use tweeze::source::Sources;
+
+/// Trials of one simulation.
+const TRIALS: u64 = 1_000;
+
+/// Where the robots start, in millimetres and degrees, the one that snaps last first; and where they dock.
+const ENDS: [([f64; 3], [f64; 3]); 5] = [
+    ([-0.5, 3.0, 180.0], [1.60, 1.20, 90.0]),
+    ([3.5, 3.0, 0.0], [1.60, 1.46, 270.0]),
+    ([4.0, -0.5, 90.0], [1.76, 1.40, 180.0]),
+    ([-1.5, -1.0, 0.0], [1.44, 1.26, 0.0]),
+    ([5.5, 1.5, 90.0], [1.76, 1.24, 180.0]),
+];
+
+/// Programs of the benchmark use no file beside them.
+struct Alone;
+
+impl Library for Alone {
+    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
+        Err(format!("no file is named {path}"))
+    }
+}
+
+/// `count` robots whose table is the best for so many.
+fn program(count: usize) -> String {
+    let mut text = "use std.microrobots\ndevice fleet : microrobots.bed {\n  robots: table {\n    \
+                    robot | snap_down [V] | release [V] | turning_radius [um]\n"
+        .to_owned();
+    for label in 1..=count {
+        let _ = writeln!(text, "    D{label} | {} | {} | {}", 106 + 12 * label, 8 + 9 * label, 160 + 3 * label);
+    }
+    text.push_str("  }\n  margin: 2 V\n}\nscene field {\n");
+    let pose = |[x, y, heading]: [f64; 3]| format!("pose({x} mm, {y} mm, {heading} deg)");
+    let named = || (1..=count).rev().zip(&ENDS);
+    for (label, (start, _)) in named() {
+        let _ = writeln!(text, "  robot D{label} at {}", pose(*start));
+    }
+    text.push_str("}\ntask join on fleet in field {\n  assemble {\n");
+    for (label, (_, goal)) in named() {
+        let _ = writeln!(text, "    D{label} to {}", pose(*goal));
+    }
+    text.push_str("  }\n}\n");
+    text
+}
+
+fn claims(text: &str) -> Claims {
+    let options = Options::default();
+    let program = Program { name: "bench.twz", text, library: &Alone, options: &options };
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let checked = compile::check(&program, &mut sources, &mut sink).expect("the program is right");
+    checked.claims.into_iter().next().expect("it has a task")
+}
+
+fn planned(claims: &Claims) -> Option<Plan> {
+    plan::plan(claims, &mut Sink::default(), &mut |_, _, _| ())?.pop()
+}
+
+/// One row for each number of robots.
+pub fn table() {
+    println!(
+        "Assemblies of 2 to {} robots: planned; then {TRIALS} trials with the errors of `std.microrobots`, on one thread.\n",
+        ENDS.len()
+    );
+    println!("| robots | planned in [ms] | lasts [s] | bound [s] | {TRIALS} trials in [ms] | succeeded |");
+    println!("|---|---|---|---|---|---|");
+    for count in 2..=ENDS.len() {
+        let claims = claims(&program(count));
+        let (planning, plan) = timed(|| planned(&claims));
+        let Some(plan) = plan else {
+            println!("| {count} | {:.1} | no plan | | | |", planning.as_secs_f64() * 1e3);
+            continue;
+        };
+        let (Motion::Microrobots(motion), Some(order)) = (&plan.motion, claims.jobs[0].order.microrobots()) else {
+            continue;
+        };
+        let (simulating, report) = timed(|| simulate(order, motion, TRIALS, 7, 1));
+        println!(
+            "| {count} | {:.1} | {:.1} | {:.1} | {:.0} | {} |",
+            planning.as_secs_f64() * 1e3,
+            plan.cost,
+            plan.bound,
+            simulating.as_secs_f64() * 1e3,
+            report.map_or(0, |report| report.successes)
+        );
+    }
+    println!();
+}
