@@ -6,6 +6,7 @@ use super::scope::{DeclarationSort, Place, Scope, keeper, nearest};
 use super::value::{ShapeValue, Value};
 use super::{Checker, errors};
 use crate::device::Kind;
+use crate::diagnostic::Diagnostic;
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Item, SceneEntry};
 use std::collections::BTreeMap;
@@ -34,6 +35,17 @@ pub struct Scene {
     pub objects: Vec<Rc<Object>>,
     /// How many scenes it stands on.
     depth: usize,
+}
+
+impl Scene {
+    /// What is said of a scene with more objects of a noun than its device takes; `most` holds the nouns with their limits.
+    pub fn crowd(&self, most: &[(&str, usize)]) -> Option<Diagnostic> {
+        most.iter().find_map(|&(noun, most)| {
+            let mut alike = self.objects.iter().filter(|object| object.noun == noun);
+            let first = alike.nth(most)?;
+            Some(errors::too_many_objects(first.span, noun, most + 1 + alike.count(), most))
+        })
+    }
 }
 
 /// The objects of a scene while it is being made out.

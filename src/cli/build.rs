@@ -1,11 +1,12 @@
 //! `tweeze build`.
 
 use super::arguments::BuildArguments;
-use super::disk::{self, Disk};
+use super::disk;
+use super::loaded::Loaded;
 use super::waiting::Waiting;
 use super::{Exit, report, terminal};
 use crate::check::Options;
-use crate::compile::{self, Compiled, Outcome, Program};
+use crate::compile::{self, Compiled, Outcome};
 use crate::diagnostic::Sink;
 use crate::emit::{self, Format, OutputFile, Provenance};
 use crate::source::Sources;
@@ -15,26 +16,22 @@ use std::path::{Path, PathBuf};
 /// Builds a program and writes the whole set of its files, or nothing.
 pub fn run(arguments: &BuildArguments) -> Exit {
     let format = arguments.report.format;
-    let text = match disk::read_program(&arguments.file) {
-        Ok(text) => text,
-        Err(diagnostic) => {
-            terminal::report_one(*diagnostic, format);
-            return Exit::Files;
-        }
-    };
     let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
-    let name = arguments.file.to_string_lossy();
-    let program = Program { name: &name, text: &text, library: &Disk, options: &options };
+    let loaded = match Loaded::read(&arguments.file, options, &arguments.report) {
+        Ok(loaded) => loaded,
+        Err(exit) => return exit,
+    };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let waiting = Waiting::begin();
-    let outcome =
-        compile::compile(&program, &mut sources, &mut sink, &mut |index, count, task| waiting.at(index, count, task));
+    let outcome = compile::compile(&loaded.program(), &mut sources, &mut sink, &mut |index, count, task| {
+        waiting.at(index, count, task)
+    });
     drop(waiting);
     terminal::report(&sink, &sources, format);
     match outcome {
         Outcome::Errors => Exit::Errors,
         Outcome::Refused => Exit::Refused,
-        Outcome::Compiled(compiled) => write(arguments, &compiled, &provenance(&sources, &options)),
+        Outcome::Compiled(compiled) => write(arguments, &compiled, &provenance(&sources, &loaded.options)),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::arguments::SimulateArguments;
 use super::devices::aligned;
-use super::disk::{self, Disk};
+use super::loaded::Loaded;
 use super::{Exit, terminal};
 use crate::check::Options;
 use crate::check::claims::Job;
@@ -15,24 +15,18 @@ use crate::source::Sources;
 
 /// Runs the assemblies of a program against robots and measurements with errors.
 pub fn run(arguments: &SimulateArguments) -> Exit {
-    let format = arguments.report.format;
-    let text = match disk::read_program(&arguments.file) {
-        Ok(text) => text,
-        Err(diagnostic) => {
-            terminal::report_one(*diagnostic, format);
-            return Exit::Files;
-        }
-    };
     let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
-    let name = arguments.file.to_string_lossy();
-    let program = Program { name: &name, text: &text, library: &Disk, options: &options };
+    let loaded = match Loaded::read(&arguments.file, options, &arguments.report) {
+        Ok(loaded) => loaded,
+        Err(exit) => return exit,
+    };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let told = told(&program, arguments, &mut sources, &mut sink);
-    terminal::report(&sink, &sources, format);
+    let told = told(&loaded.program(), arguments, &mut sources, &mut sink);
+    terminal::report(&sink, &sources, arguments.report.format);
     match told {
         None => Exit::Errors,
         Some(told) if told.is_empty() => {
-            eprintln!("{name} has no assembly whose device says all its errors: nothing to simulate");
+            eprintln!("{} has no assembly whose device says all its errors: nothing to simulate", loaded.name());
             Exit::Usage
         }
         Some(told) => terminal::answer(&told.join("\n")),

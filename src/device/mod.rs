@@ -111,6 +111,26 @@ pub struct Field {
     pub doc: &'static str,
 }
 
+/// A quantity above zero.
+const fn positive(dimension: Dimension) -> Sort {
+    Sort::Quantity { dimension, range: Range::Positive }
+}
+
+/// A quantity of zero or above.
+const fn not_negative(dimension: Dimension) -> Sort {
+    Sort::Quantity { dimension, range: Range::NotNegative }
+}
+
+/// A field that may not be left out.
+const fn required(name: &'static str, sort: Sort, doc: &'static str) -> Field {
+    Field { name, sort, need: Need::Required, doc }
+}
+
+/// A field that may be left out; `without` says what then holds.
+const fn optional(name: &'static str, sort: Sort, without: &'static str, doc: &'static str) -> Field {
+    Field { name, sort, need: Need::Optional(without), doc }
+}
+
 /// The option of a planner that limits its search, which is `default` steps where it is left out.
 const fn expansions(default: &'static str, doc: &'static str) -> Field {
     let sort = Sort::Count { least: 1, most: MAX_EXPANSIONS };

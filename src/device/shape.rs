@@ -1,6 +1,6 @@
 //! The shapes that every kind may use: their words and their fields.
 
-use super::{Field, Need, Range, Sort};
+use super::{Field, Need, Range, Sort, required};
 use crate::quantity::Dimension;
 
 /// The forms of a shape.
@@ -67,10 +67,6 @@ impl Form {
 
 const fn length(name: &'static str, range: Range, doc: &'static str) -> Field {
     let sort = Sort::Quantity { dimension: Dimension::LENGTH, range };
-    Field { name, sort, need: Need::Required, doc }
-}
-
-const fn required(name: &'static str, sort: Sort, doc: &'static str) -> Field {
     Field { name, sort, need: Need::Required, doc }
 }
 

@@ -45,12 +45,9 @@ impl Checker<'_> {
 }
 
 fn judged_scene(scene: &Scene, device: &Device, facts: &Facts, sink: &mut Sink) -> Judged {
-    for (noun, most) in [("part", MAX_PARTS), ("obstacle", MAX_OBSTACLES)] {
-        let count = scene.objects.iter().filter(|object| object.noun == noun).count();
-        if let Some(first) = scene.objects.iter().filter(|object| object.noun == noun).nth(most) {
-            sink.push(errors::too_many_objects(first.span, noun, count, most));
-            return Judged { is_whole: false, ..judged(&[], device, facts, sink) };
-        }
+    if let Some(crowd) = scene.crowd(&[("part", MAX_PARTS), ("obstacle", MAX_OBSTACLES)]) {
+        sink.push(crowd);
+        return Judged { is_whole: false, ..judged(&[], device, facts, sink) };
     }
     judged(&scene.objects, device, facts, sink)
 }

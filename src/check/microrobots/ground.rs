@@ -46,12 +46,9 @@ impl Checker<'_> {
 }
 
 fn judged_scene(scene: &Scene, device: &Device, facts: &Facts, sink: &mut Sink) -> Ground {
-    for (noun, most) in [("robot", MAX_ROBOTS), ("obstacle", MAX_OBSTACLES)] {
-        let count = scene.objects.iter().filter(|object| object.noun == noun).count();
-        if let Some(first) = scene.objects.iter().filter(|object| object.noun == noun).nth(most) {
-            sink.push(errors::too_many_objects(first.span, noun, count, most));
-            return Ground { is_whole: false, ..judged(&[], device, facts, sink) };
-        }
+    if let Some(crowd) = scene.crowd(&[("robot", MAX_ROBOTS), ("obstacle", MAX_OBSTACLES)]) {
+        sink.push(crowd);
+        return Ground { is_whole: false, ..judged(&[], device, facts, sink) };
     }
     judged(&scene.objects, device, facts, sink)
 }

@@ -4,9 +4,9 @@ use super::beds;
 use crate::check::Options;
 use crate::check::devices::Facts;
 use crate::cli::arguments::DevicesArguments;
-use crate::cli::disk::{self, Disk};
+use crate::cli::loaded::Loaded;
 use crate::cli::{Exit, terminal};
-use crate::compile::{self, Program};
+use crate::compile;
 use crate::device::dimibot::Side;
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity};
@@ -15,23 +15,21 @@ use std::path::Path;
 
 /// Checks a program and tells of each of its devices.
 pub fn run(file: &Path, arguments: &DevicesArguments) -> Exit {
-    let format = arguments.report.format;
-    let text = match disk::read_program(file) {
-        Ok(text) => text,
-        Err(diagnostic) => {
-            terminal::report_one(*diagnostic, format);
-            return Exit::Files;
-        }
-    };
     let options = Options { settings: arguments.settings.set.clone(), only: None };
-    let name = file.to_string_lossy();
-    let program = Program { name: &name, text: &text, library: &Disk, options: &options };
+    let loaded = match Loaded::read(file, options, &arguments.report) {
+        Ok(loaded) => loaded,
+        Err(exit) => return exit,
+    };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let checked = compile::check(&program, &mut sources, &mut sink);
-    terminal::report(&sink, &sources, format);
+    let checked = compile::check(&loaded.program(), &mut sources, &mut sink);
+    terminal::report(&sink, &sources, arguments.report.format);
     let Some(checked) = checked else { return Exit::Errors };
     let devices: Vec<String> = checked.devices.iter().map(|(name, facts)| told(name, facts)).collect();
-    terminal::answer(&if devices.is_empty() { format!("{name} declares no device\n") } else { devices.join("\n") })
+    terminal::answer(&if devices.is_empty() {
+        format!("{} declares no device\n", loaded.name())
+    } else {
+        devices.join("\n")
+    })
 }
 
 fn told(name: &str, facts: &Facts) -> String {

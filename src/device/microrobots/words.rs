@@ -3,26 +3,10 @@
 use super::MAX_LEVELS;
 use crate::device::shape::Form;
 use crate::device::{
-    Block, Choice, Count, Field, Need, Noun, Outcome, Phrase, Planner, Range, Sort, Together, Verb, Vocabulary,
-    expansions,
+    Block, Choice, Count, Field, Noun, Outcome, Phrase, Planner, Sort, Together, Verb, Vocabulary, expansions,
+    not_negative, optional, positive, required,
 };
 use crate::quantity::Dimension;
-
-const fn positive(dimension: Dimension) -> Sort {
-    Sort::Quantity { dimension, range: Range::Positive }
-}
-
-const fn not_negative(dimension: Dimension) -> Sort {
-    Sort::Quantity { dimension, range: Range::NotNegative }
-}
-
-const fn required(name: &'static str, sort: Sort, doc: &'static str) -> Field {
-    Field { name, sort, need: Need::Required, doc }
-}
-
-const fn optional(name: &'static str, sort: Sort, without: &'static str, doc: &'static str) -> Field {
-    Field { name, sort, need: Need::Optional(without), doc }
-}
 
 const TURNS: [Choice; 2] = [
     Choice { name: "clockwise", doc: "its heading falls while its arm is down" },

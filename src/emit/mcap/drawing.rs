@@ -19,6 +19,21 @@ pub mod color {
     pub const START: Color = Color { r: 0.8, g: 0.47, b: 0.65, a: 1.0 };
     pub const STOP: Color = Color { r: 0.0, g: 0.62, b: 0.45, a: 1.0 };
     pub const TIP: Color = Color { r: 0.94, g: 0.89, b: 0.26, a: 1.0 };
+
+    /// The colours that things of one sort take turns in.
+    const TURNS: [Color; 6] = [
+        Color { r: 0.34, g: 0.71, b: 0.91, a: 1.0 },
+        Color { r: 0.9, g: 0.62, b: 0.0, a: 1.0 },
+        Color { r: 0.0, g: 0.62, b: 0.45, a: 1.0 },
+        Color { r: 0.8, g: 0.47, b: 0.65, a: 1.0 },
+        Color { r: 0.0, g: 0.45, b: 0.7, a: 1.0 },
+        Color { r: 0.94, g: 0.89, b: 0.26, a: 1.0 },
+    ];
+
+    /// The colour of one of several things of a sort, by its index.
+    pub fn in_turn(index: usize) -> Color {
+        TURNS[index % TURNS.len()]
+    }
 }
 
 /// The most corners of a polygon whose inside is filled; the way of filling grows with the square of their number.

@@ -30,9 +30,7 @@ impl Crew {
     /// Carries all robots through the leg of a step at an index of its legs; some may dock at its end.
     pub fn follow(&mut self, order: &MicrorobotsOrder, (index, leg): (usize, &Leg), docks: &[Docking]) {
         for robot in (0..self.poses.len()).filter(|robot| !self.docked[*robot]) {
-            let facts = order.robot(robot);
-            let arm = order.states[leg.state].arms[order.robots[robot].row];
-            self.poses[robot] = facts.moved(self.poses[robot], arm, facts.step_um * leg.strokes as f64);
+            self.poses[robot] = leg.carried(order, robot, self.poses[robot]);
         }
         docks.iter().filter(|dock| dock.leg == index).for_each(|dock| self.docked[dock.robot] = true);
     }

@@ -15,6 +15,7 @@ pub mod world;
 
 pub use job::{Crew, Standing, leg_ns, plan};
 
+use crate::check::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 
 /// What the bed does.
@@ -48,6 +49,15 @@ pub struct Leg {
     pub state: usize,
     /// At least 1.
     pub strokes: u64,
+}
+
+impl Leg {
+    /// Where it carries a robot of the order that has not docked.
+    pub fn carried(self, order: &MicrorobotsOrder, robot: usize, pose: Pose) -> Pose {
+        let facts = order.robot(robot);
+        let arm = order.states[self.state].arms[order.robots[robot].row];
+        facts.moved(pose, arm, facts.step_um * self.strokes as f64)
+    }
 }
 
 /// A robot that comes to its goal and stays there.

@@ -37,16 +37,6 @@ const MAX_ELECTRODES: usize = 10_000;
 /// The most parts, stops or obstacles that get a label each.
 const MAX_LABELS: usize = 200;
 
-/// The colours that parts take turns in (after Okabe and Ito, for the colour-blind).
-const PARTS: [Color; 6] = [
-    Color { r: 0.34, g: 0.71, b: 0.91, a: 1.0 },
-    Color { r: 0.9, g: 0.62, b: 0.0, a: 1.0 },
-    Color { r: 0.0, g: 0.62, b: 0.45, a: 1.0 },
-    Color { r: 0.8, g: 0.47, b: 0.65, a: 1.0 },
-    Color { r: 0.0, g: 0.45, b: 0.7, a: 1.0 },
-    Color { r: 0.94, g: 0.89, b: 0.26, a: 1.0 },
-];
-
 const ACTIVE: Color = Color { r: 1.0, g: 0.95, b: 0.4, a: 1.0 };
 
 /// `/<device>/scene`, `/<device>/plan`, `/<device>/active` and the first two as points.
@@ -86,7 +76,7 @@ pub fn topics(verified: &Verified, device: &str) -> Vec<Topic> {
 }
 
 fn color_of(part: usize) -> Color {
-    PARTS[part % PARTS.len()]
+    color::in_turn(part)
 }
 
 fn scenery(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> Vec<SceneEntity> {

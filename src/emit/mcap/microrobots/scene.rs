@@ -37,16 +37,6 @@ const MAX_LABELS: usize = 200;
 /// Distance of neighbouring points of the clouds, in micrometres.
 const POINTS_UM: f64 = 2.0;
 
-/// The colours that robots take turns in (after Okabe and Ito, for the colour-blind).
-const ROBOTS: [Color; 6] = [
-    Color { r: 0.34, g: 0.71, b: 0.91, a: 1.0 },
-    Color { r: 0.9, g: 0.62, b: 0.0, a: 1.0 },
-    Color { r: 0.0, g: 0.62, b: 0.45, a: 1.0 },
-    Color { r: 0.8, g: 0.47, b: 0.65, a: 1.0 },
-    Color { r: 0.0, g: 0.45, b: 0.7, a: 1.0 },
-    Color { r: 0.94, g: 0.89, b: 0.26, a: 1.0 },
-];
-
 /// An arm that is down.
 const DOWN: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
 
@@ -57,7 +47,7 @@ const DOCKED: Color = Color { r: 0.6, g: 0.6, b: 0.6, a: 1.0 };
 const ORBIT_ALPHA: f64 = 0.25;
 
 fn color_of(robot: usize) -> Color {
-    ROBOTS[robot % ROBOTS.len()]
+    color::in_turn(robot)
 }
 
 /// The poses that a task asks for, with the robots that they are for.

@@ -26,21 +26,22 @@ pub struct Episode<'a> {
 /// The stages of a plan in order of time.
 pub fn episodes<'a>(order: &MicrorobotsOrder, motion: &'a Motion) -> Vec<Episode<'a>> {
     let mut found = Vec::new();
-    let (mut poses, mut docked) = (motion.start.poses.clone(), motion.start.docked.clone());
+    let mut crew = motion.start.clone();
     for (step, steps) in motion.steps.iter().enumerate() {
         let StepMotion::Legs { legs, docks, stages } = steps else { continue };
+        let numbered: Vec<(usize, &Leg)> = legs.iter().enumerate().collect();
         let mut at = 0;
         // What an escort does belongs to the episode of its pair, in which the second robot is brought near at first.
         for stage in stages.iter().filter(|stage| !matches!(stage, Stage::Escort { .. })) {
             let end = last_leg(stage, docks).map_or(legs.len(), |leg| leg + 1).clamp(at, legs.len());
-            found.push(episode(order, step, stage, (&poses, &docked), &legs[at..end]));
-            follow(order, &mut poses, &mut docked, (&legs[at..end], at), docks);
+            found.push(episode(order, step, stage, (&crew.poses, &crew.docked), &legs[at..end]));
+            numbered[at..end].iter().for_each(|leg| crew.follow(order, *leg, docks));
             at = end;
             for (robot, goal) in goals(stage) {
-                (poses[robot], docked[robot]) = (goal, true);
+                (crew.poses[robot], crew.docked[robot]) = (goal, true);
             }
         }
-        follow(order, &mut poses, &mut docked, (&legs[at..], at), docks);
+        numbered[at..].iter().for_each(|leg| crew.follow(order, *leg, docks));
     }
     found
 }
@@ -92,15 +93,9 @@ pub fn poses_of(order: &MicrorobotsOrder, robot: usize, start: Pose, legs: &[Leg
     let mut poses = vec![start];
     for leg in legs {
         let pose = poses[poses.len() - 1];
-        poses.push(after(order, robot, pose, leg));
+        poses.push(leg.carried(order, robot, pose));
     }
     poses
-}
-
-fn after(order: &MicrorobotsOrder, robot: usize, pose: Pose, leg: &Leg) -> Pose {
-    let facts = order.robot(robot);
-    let arm = order.states[leg.state].arms[order.robots[robot].row];
-    facts.moved(pose, arm, facts.step_um * leg.strokes as f64)
 }
 
 /// After how many legs a robot is nearest to a pose.
@@ -132,19 +127,4 @@ pub fn centres(order: &MicrorobotsOrder, robot: usize, way: &[Pose], legs: &[Leg
         found.pop();
     }
     found
-}
-
-fn follow(
-    order: &MicrorobotsOrder,
-    poses: &mut [Pose],
-    docked: &mut [bool],
-    (legs, first): (&[Leg], usize),
-    docks: &[Docking],
-) {
-    for (index, leg) in legs.iter().enumerate() {
-        for robot in (0..poses.len()).filter(|robot| !docked[*robot]) {
-            poses[robot] = after(order, robot, poses[robot], leg);
-        }
-        docks.iter().filter(|dock| dock.leg == first + index).for_each(|dock| docked[dock.robot] = true);
-    }
 }
