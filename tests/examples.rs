@@ -23,7 +23,7 @@ fn examples() -> Vec<(String, String)> {
 fn has_docked(state: &State) -> bool {
     match state {
         State::Microrobots { docked, .. } => !docked.is_empty(),
-        State::Dimibot { .. } | State::ElectrodeArray { .. } => false,
+        State::Dimibot { .. } | State::ElectrodeArray { .. } | State::Fingers { .. } => false,
     }
 }
 

@@ -37,7 +37,7 @@ fn plan(text: &str) -> Option<PlanRecord> {
 fn words(plan: &PlanRecord) -> Vec<u64> {
     let word = |state: &State| match state {
         State::Dimibot { word, .. } => *word,
-        State::ElectrodeArray { .. } | State::Microrobots { .. } => panic!("a DiMiBot"),
+        State::ElectrodeArray { .. } | State::Microrobots { .. } | State::Fingers { .. } => panic!("a DiMiBot"),
     };
     plan.states.iter().map(|timed| word(&timed.state)).collect()
 }

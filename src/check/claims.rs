@@ -5,6 +5,7 @@
 
 pub mod dimibot;
 pub mod electrode_array;
+pub mod fingers;
 pub mod microrobots;
 
 use crate::device::Kind;
@@ -64,6 +65,7 @@ impl Job {
             Order::Dimibot(order) => order.steps.len(),
             Order::ElectrodeArray(order) => order.steps.len(),
             Order::Microrobots(order) => order.steps.len(),
+            Order::Fingers(order) => order.steps.len(),
         }
     }
 
@@ -73,6 +75,7 @@ impl Job {
             Order::Dimibot(_) => Kind::Dimibot,
             Order::ElectrodeArray(_) => Kind::ElectrodeArray,
             Order::Microrobots(_) => Kind::Microrobots,
+            Order::Fingers(_) => Kind::Fingers,
         }
     }
 }
@@ -84,6 +87,7 @@ pub enum Order {
     Dimibot(dimibot::DimibotOrder),
     ElectrodeArray(electrode_array::ElectrodeArrayOrder),
     Microrobots(microrobots::MicrorobotsOrder),
+    Fingers(fingers::FingersOrder),
 }
 
 impl Order {
@@ -91,7 +95,7 @@ impl Order {
     pub fn dimibot(&self) -> Option<&dimibot::DimibotOrder> {
         match self {
             Order::Dimibot(order) => Some(order),
-            Order::ElectrodeArray(_) | Order::Microrobots(_) => None,
+            Order::ElectrodeArray(_) | Order::Microrobots(_) | Order::Fingers(_) => None,
         }
     }
 
@@ -99,7 +103,7 @@ impl Order {
     pub fn electrode_array(&self) -> Option<&electrode_array::ElectrodeArrayOrder> {
         match self {
             Order::ElectrodeArray(order) => Some(order),
-            Order::Dimibot(_) | Order::Microrobots(_) => None,
+            Order::Dimibot(_) | Order::Microrobots(_) | Order::Fingers(_) => None,
         }
     }
 
@@ -107,7 +111,15 @@ impl Order {
     pub fn microrobots(&self) -> Option<&microrobots::MicrorobotsOrder> {
         match self {
             Order::Microrobots(order) => Some(order),
-            Order::Dimibot(_) | Order::ElectrodeArray(_) => None,
+            Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Fingers(_) => None,
+        }
+    }
+
+    /// The order, if it is of a hand.
+    pub fn fingers(&self) -> Option<&fingers::FingersOrder> {
+        match self {
+            Order::Fingers(order) => Some(order),
+            Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Microrobots(_) => None,
         }
     }
 }

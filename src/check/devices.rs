@@ -4,7 +4,7 @@ use super::fields::{Accepted, Given, Owner};
 use super::lets::Origin;
 use super::lineage::Base;
 use super::scope::{DeclarationSort, Place, nearest, path_text};
-use super::{Checker, dimibot, electrode_array, errors, microrobots};
+use super::{Checker, dimibot, electrode_array, errors, fingers, microrobots};
 use crate::device::{self, Kind};
 use crate::source::Span;
 use crate::syntax::tree::{self, Item};
@@ -43,6 +43,7 @@ pub enum Facts {
     Dimibot(Rc<device::dimibot::Facts>),
     ElectrodeArray(Rc<device::electrode_array::Facts>),
     Microrobots(Rc<microrobots::Bed>),
+    Fingers(Rc<device::fingers::Facts>),
 }
 
 impl Facts {
@@ -52,6 +53,7 @@ impl Facts {
             Facts::Dimibot(facts) => facts.channels().iter().any(|channel| channel == name),
             Facts::ElectrodeArray(facts) => facts.electrode(name).is_some(),
             Facts::Microrobots(_) => name == device::microrobots::CHANNEL,
+            Facts::Fingers(facts) => facts.channels().iter().any(|channel| channel == name),
         }
     }
 
@@ -64,6 +66,7 @@ impl Facts {
                 [device::electrode_array::Cell::new(1, 1), last].map(device::electrode_array::Facts::channel).to_vec()
             }
             Facts::Microrobots(_) => vec![device::microrobots::CHANNEL.to_owned()],
+            Facts::Fingers(facts) => facts.channels(),
         }
     }
 }
@@ -179,6 +182,7 @@ impl Checker<'_> {
                 electrode_array::facts(device, self.sink).map(|facts| Facts::ElectrodeArray(Rc::new(facts)))
             }
             Kind::Microrobots => microrobots::bed(device, self.sink).map(|bed| Facts::Microrobots(Rc::new(bed))),
+            Kind::Fingers => fingers::facts(device, self.sink).map(|facts| Facts::Fingers(Rc::new(facts))),
         }
     }
 }

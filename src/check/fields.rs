@@ -148,7 +148,12 @@ impl Checker<'_> {
             | Sort::Object(_)
             | Sort::Name
             | Sort::Pose
-            | Sort::Control => None,
+            | Sort::Control
+            | Sort::Vector { .. }
+            | Sort::Contacts
+            | Sort::Orientation
+            | Sort::Curve
+            | Sort::Text => None,
         }
     }
 
@@ -274,6 +279,9 @@ fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(), B
             }),
             _ => wrong("a list of places", "[(9 um, 9 um), (12 um, 9 um), (9 um, 12 um)]"),
         },
+        Sort::Text if matches!(value, Value::Text(_)) => Ok(()),
+        Sort::Text => wrong("a string", "\"bead.stl\""),
+        Sort::Vector { .. } | Sort::Contacts | Sort::Orientation | Sort::Curve => wrong("nothing yet", ""),
     }
 }
 

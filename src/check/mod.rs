@@ -15,6 +15,7 @@ mod functions;
 pub mod imports;
 pub mod lets;
 mod lineage;
+pub mod fingers;
 pub mod microrobots;
 mod programs;
 mod scenes;

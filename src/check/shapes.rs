@@ -17,6 +17,8 @@ pub const MAX_CORNERS: usize = 2_000;
 pub fn impossible(shape: &ShapeValue, span: Span) -> Option<Diagnostic> {
     match shape.form {
         Form::Disc | Form::Capsule | Form::Cells | Form::Layout => None,
+        Form::Ellipsoid | Form::Superellipsoid | Form::RoundedBox => None,
+        Form::Profile | Form::Sections | Form::Mesh => None,
         Form::Box => {
             let at = field_span(shape, "size", span);
             let is_flat = size_um(shape).iter().any(|side| *side <= 0.0);
@@ -100,6 +102,8 @@ pub fn in_plane(shape: &ShapeValue) -> Option<Shape> {
             Some(Shape::Capsule { length_um: length_um(shape, "length"), radius_um: length_um(shape, "radius") })
         }
         Form::Cells | Form::Layout => None,
+        Form::Ellipsoid | Form::Superellipsoid | Form::RoundedBox => None,
+        Form::Profile | Form::Sections | Form::Mesh => None,
     }
 }
 

@@ -126,6 +126,7 @@ impl<'a> Checker<'a> {
             Facts::Dimibot(facts) => self.dimibot_order(&site, &facts, parts).map(Order::Dimibot),
             Facts::ElectrodeArray(facts) => self.electrode_array_order(&site, &facts, parts).map(Order::ElectrodeArray),
             Facts::Microrobots(bed) => self.microrobots_order(&site, &bed, parts).map(Order::Microrobots),
+            Facts::Fingers(facts) => self.fingers_order(&site, &facts, parts).map(Order::Fingers),
         };
         Some(Job {
             task: item.name.text.clone(),

@@ -4,6 +4,7 @@
 
 mod dimibot;
 mod electrode_array;
+mod fingers;
 mod microrobots;
 
 use super::terminal;
@@ -123,6 +124,7 @@ fn cost(run: &Told) -> String {
         Order::Dimibot(order) => dimibot::cost(run.plan, order),
         Order::ElectrodeArray(order) => electrode_array::cost(run.plan, order),
         Order::Microrobots(_) => microrobots::cost(run.plan),
+        Order::Fingers(_) => fingers::cost(run.plan),
     }
 }
 
@@ -131,6 +133,7 @@ fn notes(run: &Told) -> Vec<Note> {
         Order::Dimibot(order) => dimibot::notes(run, order),
         Order::ElectrodeArray(_) => Vec::new(),
         Order::Microrobots(_) => microrobots::notes(run),
+        Order::Fingers(_) => fingers::notes(run),
     }
 }
 

@@ -8,7 +8,7 @@ use crate::check::Options;
 use crate::check::claims::Job;
 use crate::compile::{self, Program};
 use crate::diagnostic::Sink;
-use crate::plan::{self, Motion, Plan};
+use crate::plan::{self, Plan};
 use crate::quantity::digits;
 use crate::simulate::{self, Dockings, Reason, Report, Spread};
 use crate::source::Sources;
@@ -57,7 +57,7 @@ fn told(
 /// What came of one assembly; `None` where there is none, or where the device does not say its errors.
 fn one(job: &Job, plan: &Plan, arguments: &SimulateArguments) -> Option<String> {
     let order = job.order.microrobots()?;
-    let Motion::Microrobots(motion) = &plan.motion else { return None };
+    let motion = plan.motion.microrobots()?;
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let (trials, seed) = (u64::from(arguments.trials), arguments.seed);
     let report = simulate::simulate(order, motion, trials, seed, threads)?;

@@ -5,6 +5,7 @@
 
 pub mod dimibot;
 pub mod electrode_array;
+pub mod fingers;
 pub mod microrobots;
 pub mod shape;
 
@@ -21,11 +22,12 @@ pub enum Kind {
     Dimibot,
     ElectrodeArray,
     Microrobots,
+    Fingers,
 }
 
 impl Kind {
     /// Every kind, in the order of the handbook.
-    pub const ALL: &'static [Kind] = &[Kind::Dimibot, Kind::ElectrodeArray, Kind::Microrobots];
+    pub const ALL: &'static [Kind] = &[Kind::Dimibot, Kind::ElectrodeArray, Kind::Microrobots, Kind::Fingers];
 
     /// The kind's word in the language.
     pub fn name(self) -> &'static str {
@@ -43,6 +45,7 @@ impl Kind {
             Kind::Dimibot => &dimibot::VOCABULARY,
             Kind::ElectrodeArray => &electrode_array::VOCABULARY,
             Kind::Microrobots => &microrobots::VOCABULARY,
+            Kind::Fingers => &fingers::VOCABULARY,
         }
     }
 }
@@ -116,6 +119,11 @@ const fn positive(dimension: Dimension) -> Sort {
     Sort::Quantity { dimension, range: Range::Positive }
 }
 
+/// A quantity of either sign.
+const fn any(dimension: Dimension) -> Sort {
+    Sort::Quantity { dimension, range: Range::Any }
+}
+
 /// A quantity of zero or above.
 const fn not_negative(dimension: Dimension) -> Sort {
     Sort::Quantity { dimension, range: Range::NotNegative }
@@ -182,6 +190,16 @@ pub enum Sort {
     Pose,
     /// A control state of microrobots: its number, or a word with a digit for each arm.
     Control,
+    /// Three coordinates along x, y and z, each of this range.
+    Vector { dimension: Dimension, range: Range },
+    /// A contact for each finger, from 1, or 0 where the finger is free.
+    Contacts,
+    /// An orientation in space: `euler(…)` or `quaternion(…)`.
+    Orientation,
+    /// A length as an expression of the angle `t`, which goes once round from 0 deg to 360 deg.
+    Curve,
+    /// A string, as the name of a file.
+    Text,
 }
 
 /// The values that a quantity may take, in SI units.
@@ -191,6 +209,8 @@ pub enum Range {
     Positive,
     /// Zero or above.
     NotNegative,
+    /// Of either sign.
+    Any,
 }
 
 impl Range {
@@ -199,6 +219,7 @@ impl Range {
         match self {
             Range::Positive => value > 0.0,
             Range::NotNegative => value >= 0.0,
+            Range::Any => true,
         }
     }
 
@@ -207,6 +228,7 @@ impl Range {
         match self {
             Range::Positive => "above 0",
             Range::NotNegative => "0 or above",
+            Range::Any => "of either sign",
         }
     }
 }

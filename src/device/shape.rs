@@ -1,6 +1,6 @@
 //! The shapes that every kind may use: their words and their fields.
 
-use super::{Field, Need, Range, Sort, required};
+use super::{Field, Need, Range, Sort, optional, required};
 use crate::quantity::Dimension;
 
 /// The forms of a shape.
@@ -12,11 +12,30 @@ pub enum Form {
     Capsule,
     Cells,
     Layout,
+    Ellipsoid,
+    Superellipsoid,
+    RoundedBox,
+    Profile,
+    Sections,
+    Mesh,
 }
 
 impl Form {
     /// Every form, in the order of the handbook.
-    pub const ALL: &'static [Form] = &[Form::Disc, Form::Box, Form::Polygon, Form::Capsule, Form::Cells, Form::Layout];
+    pub const ALL: &'static [Form] = &[
+        Form::Disc,
+        Form::Box,
+        Form::Polygon,
+        Form::Capsule,
+        Form::Cells,
+        Form::Layout,
+        Form::Ellipsoid,
+        Form::Superellipsoid,
+        Form::RoundedBox,
+        Form::Profile,
+        Form::Sections,
+        Form::Mesh,
+    ];
 
     /// The forms that take up room wherever they are put.
     pub const SOLID: &'static [Form] = &[Form::Disc, Form::Box, Form::Polygon, Form::Capsule, Form::Cells];
@@ -30,6 +49,12 @@ impl Form {
             Form::Capsule => "capsule",
             Form::Cells => "cells",
             Form::Layout => "layout",
+            Form::Ellipsoid => "ellipsoid",
+            Form::Superellipsoid => "superellipsoid",
+            Form::RoundedBox => "rounded_box",
+            Form::Profile => "profile",
+            Form::Sections => "sections",
+            Form::Mesh => "mesh",
         }
     }
 
@@ -47,6 +72,12 @@ impl Form {
             Form::Capsule => &CAPSULE,
             Form::Cells => &CELLS,
             Form::Layout => &LAYOUT,
+            Form::Ellipsoid => &ELLIPSOID,
+            Form::Superellipsoid => &SUPERELLIPSOID,
+            Form::RoundedBox => &ROUNDED_BOX,
+            Form::Profile => &PROFILE,
+            Form::Sections => &SECTIONS,
+            Form::Mesh => &MESH,
         }
     }
 
@@ -61,6 +92,12 @@ impl Form {
             }
             Form::Cells => "a block of lattice cells, both corners included",
             Form::Layout => "a part that electrodes carry: what it has underneath, and how wide it is",
+            Form::Ellipsoid => "an ellipsoid with its axes along x, y and z",
+            Form::Superellipsoid => "an ellipsoid whose flanks are flattened: |x/a|^n + |y/b|^n + |z/c|^n = 1",
+            Form::RoundedBox => "a box with its middle at the origin, its edges and corners rounded",
+            Form::Profile => "a flat part: its outline in the plane xy, by points or by a curve; it turns about z only",
+            Form::Sections => "a solid by its outlines in the planes xy and xz, which meet on the x axis",
+            Form::Mesh => "a solid of triangles from an STL file, whose sections through the origin are taken",
         }
     }
 }
@@ -92,4 +129,41 @@ const LAYOUT: [Field; 2] = [
         need: Need::Required,
         doc: "from its centre to its rim, in pitches of the board",
     },
+];
+
+const VECTOR: Sort = Sort::Vector { dimension: Dimension::LENGTH, range: Range::Positive };
+const MATERIAL: Field = optional(
+    "material",
+    Sort::Quantity { dimension: Dimension::DENSITY, range: Range::Positive },
+    "without weight",
+    "its density, as `f.silicon`; with it the part has a weight",
+);
+const ELLIPSOID: [Field; 2] = [required("axes", VECTOR, "its semi-axes along x, y and z"), MATERIAL];
+const SUPERELLIPSOID: [Field; 3] = [
+    required("axes", VECTOR, "its semi-axes along x, y and z"),
+    required(
+        "exponent",
+        Sort::Quantity { dimension: Dimension::NUMBER, range: Range::Positive },
+        "n: 2 makes an ellipsoid, 4 is nearly a box; from 2 to 10",
+    ),
+    MATERIAL,
+];
+const ROUNDED_BOX: [Field; 3] = [
+    required("size", VECTOR, "its full width along x, y and z"),
+    length("radius", Range::Positive, "of its edges, at most half of the least width"),
+    MATERIAL,
+];
+const PROFILE: [Field; 3] = [
+    optional("points", Sort::Places, "`x` and `y`", "four points or more of the outline, in order round it, not crossing"),
+    optional("x", Sort::Curve, "`points`", "along x, as an expression of the angle `t`: `16 um * cos(t)`"),
+    optional("y", Sort::Curve, "`points`", "along y, as an expression of the angle `t`: `12 um * sin(t)`"),
+];
+const SECTIONS: [Field; 2] = [
+    required("xy", Sort::Shape(Form::Profile), "its outline in the plane xy, by x and y"),
+    required("xz", Sort::Shape(Form::Profile), "its outline in the plane xz, by x and z (written as x and y)"),
+];
+const MESH: [Field; 3] = [
+    required("file", Sort::Text, "an STL file beside the program, ASCII or binary; a closed surface"),
+    length("unit", Range::Positive, "what 1 stands for in the file, as `1 um`"),
+    MATERIAL,
 ];

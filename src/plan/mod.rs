@@ -7,6 +7,7 @@
 pub mod dimibot;
 pub mod electrode_array;
 mod errors;
+pub mod fingers;
 pub mod microrobots;
 mod requirements;
 pub mod search;
@@ -56,6 +57,41 @@ pub enum Motion {
     Dimibot(dimibot::Motion),
     ElectrodeArray(electrode_array::Motion),
     Microrobots(microrobots::Motion),
+    Fingers(fingers::Motion),
+}
+
+impl Motion {
+    /// The motion, if it is a DiMiBot's.
+    pub fn dimibot(&self) -> Option<&dimibot::Motion> {
+        match self {
+            Motion::Dimibot(motion) => Some(motion),
+            Motion::ElectrodeArray(_) | Motion::Microrobots(_) | Motion::Fingers(_) => None,
+        }
+    }
+
+    /// The motion, if it is an electrode array's.
+    pub fn electrode_array(&self) -> Option<&electrode_array::Motion> {
+        match self {
+            Motion::ElectrodeArray(motion) => Some(motion),
+            Motion::Dimibot(_) | Motion::Microrobots(_) | Motion::Fingers(_) => None,
+        }
+    }
+
+    /// The motion, if it is of microrobots.
+    pub fn microrobots(&self) -> Option<&microrobots::Motion> {
+        match self {
+            Motion::Microrobots(motion) => Some(motion),
+            Motion::Dimibot(_) | Motion::ElectrodeArray(_) | Motion::Fingers(_) => None,
+        }
+    }
+
+    /// The motion, if it is of a hand.
+    pub fn fingers(&self) -> Option<&fingers::Motion> {
+        match self {
+            Motion::Fingers(motion) => Some(motion),
+            Motion::Dimibot(_) | Motion::ElectrodeArray(_) | Motion::Microrobots(_) => None,
+        }
+    }
 }
 
 /// Told before each job is planned: which one of how many, and its task.
@@ -66,6 +102,7 @@ pub fn plan(claims: &Claims, sink: &mut Sink, progress: Progress) -> Option<Vec<
     let mut robots = dimibot::Standing::default();
     let mut trays = electrode_array::Standing::default();
     let mut beds = microrobots::Standing::default();
+    let mut hands = fingers::Standing::default();
     let mut plans = Vec::with_capacity(claims.jobs.len());
     for (index, job) in claims.jobs.iter().enumerate() {
         progress(index, claims.jobs.len(), &job.task);
@@ -73,6 +110,7 @@ pub fn plan(claims: &Claims, sink: &mut Sink, progress: Progress) -> Option<Vec<
             Order::Dimibot(order) => dimibot::plan(job, order, &mut robots, sink),
             Order::ElectrodeArray(order) => electrode_array::plan(job, order, &mut trays, sink),
             Order::Microrobots(order) => microrobots::plan(job, order, &mut beds, sink),
+            Order::Fingers(order) => fingers::plan(job, order, &mut hands, sink),
         });
     }
     plans.into_iter().collect()

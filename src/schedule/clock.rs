@@ -2,7 +2,7 @@
 
 use super::{
     Actuation, Channel, PlanRecord, Schedule, SourceRef, Step, Swing, TimedState, Unit, dimibot, electrode_array,
-    microrobots,
+    fingers, microrobots,
 };
 use crate::check::claims::{Claims, Job, Order, Timeline};
 use crate::diagnostic::{Code, Diagnostic, Sink};
@@ -42,16 +42,7 @@ pub fn schedule(claims: &Claims, plans: &[Plan], sources: &Sources, sink: &mut S
         .jobs
         .iter()
         .zip(plans)
-        .map(|(job, plan)| match (&job.order, &plan.motion) {
-            (Order::Dimibot(order), Motion::Dimibot(motion)) => dimibot::run(order, motion),
-            (Order::ElectrodeArray(order), Motion::ElectrodeArray(motion)) => electrode_array::run(order, motion),
-            (Order::Microrobots(order), Motion::Microrobots(motion)) => microrobots::run(order, motion),
-            (Order::Dimibot(_), Motion::ElectrodeArray(_) | Motion::Microrobots(_))
-            | (Order::ElectrodeArray(_), Motion::Dimibot(_) | Motion::Microrobots(_))
-            | (Order::Microrobots(_), Motion::Dimibot(_) | Motion::ElectrodeArray(_)) => {
-                unreachable!("the planner answers an order with a motion of its kind")
-            }
-        })
+        .map(|(job, plan)| run(&job.order, &plan.motion))
         .collect();
     let Some(runs) = runs.into_iter().collect::<Option<Vec<Run>>>() else { return too_long(claims, sink) };
     let mut starts = vec![0; runs.len()];
@@ -61,6 +52,17 @@ pub fn schedule(claims: &Claims, plans: &[Plan], sources: &Sources, sink: &mut S
         builder.add(job, &plans[job], run, start_ns);
     }
     Some(builder.finish(duration_ns))
+}
+
+/// A plan on a clock of its own; `None` if it lasts longer than a `u64` counts.
+fn run(order: &Order, motion: &Motion) -> Option<Run> {
+    let of_its_kind = "the planner answers an order with a motion of its kind";
+    match order {
+        Order::Dimibot(order) => dimibot::run(order, motion.dimibot().expect(of_its_kind)),
+        Order::ElectrodeArray(order) => electrode_array::run(order, motion.electrode_array().expect(of_its_kind)),
+        Order::Microrobots(order) => microrobots::run(order, motion.microrobots().expect(of_its_kind)),
+        Order::Fingers(order) => fingers::run(order, motion.fingers().expect(of_its_kind)),
+    }
 }
 
 fn too_long(claims: &Claims, sink: &mut Sink) -> Option<Schedule> {
@@ -80,6 +82,7 @@ fn channels(job: &Job, claims: &Claims, runs: &[Run]) -> Vec<(String, Unit)> {
             electrode_array::channels(&order.facts, own)
         }
         Order::Microrobots(_) => vec![(crate::device::microrobots::CHANNEL.to_owned(), Unit::Volt)],
+        Order::Fingers(order) => order.facts.channels().into_iter().map(|name| (name, Unit::Micrometre)).collect(),
     }
 }
 

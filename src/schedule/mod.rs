@@ -7,6 +7,7 @@
 pub mod clock;
 mod dimibot;
 pub(crate) mod electrode_array;
+pub(crate) mod fingers;
 pub(crate) mod microrobots;
 
 pub use clock::{schedule, source_ref};
@@ -55,6 +56,9 @@ pub struct Channel {
 pub enum Unit {
     #[serde(rename = "V")]
     Volt,
+    /// Where a stage is. A hand's channels have a value at every instant of their runs, one stretch after the other.
+    #[serde(rename = "um")]
+    Micrometre,
 }
 
 impl Unit {
@@ -62,12 +66,13 @@ impl Unit {
     pub fn symbol(self) -> &'static str {
         match self {
             Unit::Volt => "V",
+            Unit::Micrometre => "um",
         }
     }
 }
 
 /// A channel's value over a stretch of time, from one number in a straight line to another; outside of its actuations a
-/// voltage is 0 V.
+/// voltage is 0 V, and a stage stays where it was last, or where it is first wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Actuation {
     /// Index of the schedule's channels.
@@ -162,6 +167,10 @@ impl State {
             State::Dimibot { position_um, .. } => position_um.to_vec(),
             State::ElectrodeArray { .. } => Vec::new(),
             State::Microrobots { poses, .. } => poses.values().flatten().copied().collect(),
+            State::Fingers { tips_um, position_um, orientation, .. } => {
+                let tips = tips_um.iter().flatten().flatten();
+                tips.chain(position_um).chain(orientation).copied().collect()
+            }
         }
     }
 }
@@ -190,5 +199,19 @@ pub enum State {
         docked: Vec<String>,
         /// Place in micrometres and heading in radians, as in `pose(…)`, of each robot on the bed, by its name.
         poses: std::collections::BTreeMap<String, [f64; 3]>,
+    },
+    Fingers {
+        /// The contact that each finger holds, from 1; 0 for a free finger.
+        grasp: Vec<u32>,
+        /// The angle of the turn that goes on, as steps from its beginning, from 1 as in the paper; below 1 for turns backwards.
+        angle_index: i64,
+        /// The plane in which the fingers hold.
+        plane: crate::device::fingers::Plane,
+        /// The centre of each tip that holds, in the hand's frame.
+        tips_um: Vec<Option<[f64; 3]>>,
+        /// Where the part's origin is in the hand's frame.
+        position_um: [f64; 3],
+        /// The part's orientation in the hand's frame as a unit quaternion w, x, y, z, with w not negative.
+        orientation: [f64; 4],
     },
 }

@@ -325,7 +325,7 @@ impl<'r, 'a> Board<'r, 'a> {
 fn start(run: &Run, order: &ElectrodeArrayOrder, standing: &Standing) -> Vec<Option<Cell>> {
     let stands = match standing.get(run.job.device.as_str()) {
         Some(State::ElectrodeArray { parts }) => Some(parts),
-        Some(State::Dimibot { .. } | State::Microrobots { .. }) | None => None,
+        Some(State::Dimibot { .. } | State::Microrobots { .. } | State::Fingers { .. }) | None => None,
     };
     let cell = |[column, row]: [u32; 2]| Cell::new(column, row);
     let place = |parts: &BTreeMap<String, [u32; 2]>, name: &String| parts.get(name).copied().map(cell);

@@ -4,7 +4,7 @@
 //! start and a duration overflows, every number is finite, and every channel is one of a claimed device.
 
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{dimibot, electrode_array, microrobots};
+use super::{dimibot, electrode_array, fingers, microrobots};
 use crate::check::claims::{Claims, Order};
 use crate::schedule::{Actuation, Schedule, Swing, Unit};
 use std::collections::{BTreeMap, BTreeSet};
@@ -115,6 +115,7 @@ fn owner<'a>(name: &str, orders: &BTreeMap<&'a str, &Order>) -> Option<(&'a str,
             Order::Dimibot(order) => dimibot::unit(channel, order),
             Order::ElectrodeArray(order) => electrode_array::unit(channel, order),
             Order::Microrobots(_) => microrobots::unit(channel),
+            Order::Fingers(order) => fingers::unit(channel, order),
         };
         unit.map(|unit| (*device, unit))
     })
@@ -173,7 +174,7 @@ fn swing_fault(actuation: &Actuation, swing: Swing, order: Option<&Order>) -> Op
     let Actuation { duration_ns, from, to, .. } = *actuation;
     match order {
         Some(Order::Microrobots(_)) => (),
-        Some(Order::Dimibot(_) | Order::ElectrodeArray(_)) | None => {
+        Some(Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Fingers(_)) | None => {
             return Some("swings, but a channel of this kind holds its value".to_owned());
         }
     }

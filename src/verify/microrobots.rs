@@ -153,7 +153,7 @@ impl<'r, 'a> Bed<'r, 'a> {
     fn new(run: &'r Run<'a>, order: &'r MicrorobotsOrder, standing: &Standing) -> Self {
         let left = match standing.get(run.job.device.as_str()) {
             Some(State::Microrobots { poses, docked, .. }) => Some((poses, docked)),
-            Some(State::Dimibot { .. } | State::ElectrodeArray { .. }) | None => None,
+            Some(State::Dimibot { .. } | State::ElectrodeArray { .. } | State::Fingers { .. }) | None => None,
         };
         let names = || (0..order.robots.len()).map(|robot| &order.robot(robot).name);
         let stands = |name: &String| left.and_then(|(poses, _)| poses.get(name)).map(|pose| Place::new(*pose));

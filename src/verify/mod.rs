@@ -14,6 +14,7 @@ mod boxes;
 mod clock;
 mod dimibot;
 mod electrode_array;
+mod fingers;
 mod form;
 pub mod log;
 mod microrobots;
@@ -153,6 +154,7 @@ fn judge(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, Unfit> 
             Order::Dimibot(order) => dimibot::replay(run, order, &mut standing, &mut findings).map_err(Halt::from),
             Order::ElectrodeArray(order) => electrode_array::replay(run, order, &mut standing, &mut findings),
             Order::Microrobots(order) => microrobots::replay(run, order, &mut standing, &mut findings),
+            Order::Fingers(order) => fingers::replay(run, order, &mut standing, &mut findings),
         };
         match replay {
             Ok(replay) => record::check(run, &replay, &mut findings),

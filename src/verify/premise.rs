@@ -3,7 +3,7 @@
 //! Input: claims. Output: nothing, or why not. Claims that the checker made always pass; those of a hostile log may not,
 //! and the rules rely on what is asked here.
 
-use super::{Unfit, dimibot, electrode_array, microrobots};
+use super::{Unfit, dimibot, electrode_array, fingers, microrobots};
 use crate::check::claims::electrode_array::ElectrodeArrayOrder;
 use crate::check::claims::microrobots::MicrorobotsOrder;
 use crate::check::claims::{Claims, Job, Order, Timeline};
@@ -26,6 +26,7 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
             Order::Dimibot(order) => dimibot::check_claims(order)?,
             Order::ElectrodeArray(order) => electrode_array::check_claims(order)?,
             Order::Microrobots(order) => microrobots::check_claims(order)?,
+            Order::Fingers(order) => fingers::check_claims(order)?,
         }
         let first = devices.entry(job.device.as_str()).or_insert(job);
         if !same_facts(first, job) {
@@ -79,9 +80,8 @@ fn same_facts(one: &Job, other: &Job) -> bool {
             };
             std::sync::Arc::ptr_eq(&one.facts, &other.facts) || same(one, other)
         }
-        (Order::Dimibot(_), Order::ElectrodeArray(_) | Order::Microrobots(_))
-        | (Order::ElectrodeArray(_), Order::Dimibot(_) | Order::Microrobots(_))
-        | (Order::Microrobots(_), Order::Dimibot(_) | Order::ElectrodeArray(_)) => false,
+        (Order::Fingers(one), Order::Fingers(other)) => one.facts == other.facts,
+        (Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Microrobots(_) | Order::Fingers(_), _) => false,
     }
 }
 
@@ -98,8 +98,7 @@ fn same_parts(one: &Job, other: &Job) -> bool {
             let rows = |order: &MicrorobotsOrder| order.robots.iter().map(|robot| robot.row).collect::<Vec<_>>();
             rows(one) == rows(other)
         }
-        (Order::Dimibot(_), Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Microrobots(_))
-        | (Order::ElectrodeArray(_), Order::Dimibot(_) | Order::Microrobots(_))
-        | (Order::Microrobots(_), Order::Dimibot(_) | Order::ElectrodeArray(_)) => true,
+        (Order::Fingers(one), Order::Fingers(other)) => one.part == other.part,
+        (Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Microrobots(_) | Order::Fingers(_), _) => true,
     }
 }

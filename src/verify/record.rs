@@ -5,7 +5,7 @@
 
 use super::clock::Run;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{Replay, Terms, dimibot, electrode_array, microrobots};
+use super::{Replay, Terms, dimibot, electrode_array, fingers, microrobots};
 use crate::check::claims::{Order, Relation, Requirement};
 use crate::device::Outcome;
 use crate::quantity::{Dimension, Quantity, digits};
@@ -33,6 +33,7 @@ fn terms(run: &Run) -> Terms {
         Order::Dimibot(order) => dimibot::terms(order),
         Order::ElectrodeArray(order) => electrode_array::terms(order),
         Order::Microrobots(_) => microrobots::terms(),
+        Order::Fingers(order) => fingers::terms(order),
     }
 }
 
@@ -184,9 +185,11 @@ fn same(recorded: &State, replayed: &State) -> bool {
                     name == true_name && microrobots::near(pose, true_pose)
                 })
         }
-        (State::Dimibot { .. }, State::ElectrodeArray { .. } | State::Microrobots { .. })
-        | (State::ElectrodeArray { .. }, State::Dimibot { .. } | State::Microrobots { .. })
-        | (State::Microrobots { .. }, State::Dimibot { .. } | State::ElectrodeArray { .. }) => false,
+        (State::Fingers { .. }, State::Fingers { .. }) => fingers::near(recorded, replayed),
+        (
+            State::Dimibot { .. } | State::ElectrodeArray { .. } | State::Microrobots { .. } | State::Fingers { .. },
+            _,
+        ) => false,
     }
 }
 
@@ -197,6 +200,7 @@ fn shown(state: &State) -> String {
         }
         State::ElectrodeArray { parts } => electrode_array::shown(parts),
         State::Microrobots { control, docked, poses, .. } => microrobots::shown(*control, docked, poses),
+        State::Fingers { .. } => fingers::shown(state),
     }
 }
 
@@ -245,6 +249,7 @@ fn mend(run: &Run, relation: Relation, name: &'static str, value: &str) -> Strin
         Order::Dimibot(_) => dimibot::minimized_as(name),
         Order::ElectrodeArray(_) => electrode_array::minimized_as(name),
         Order::Microrobots(_) => microrobots::minimized_as(name),
+        Order::Fingers(_) => fingers::minimized_as(name),
     };
     let limit = match relation {
         Relation::AtMost | Relation::AtLeast | Relation::Equal => format!("a limit of {value} would hold"),

@@ -2,6 +2,7 @@
 
 mod devices;
 mod electrode_array;
+mod fingers;
 mod microrobots;
 mod names;
 mod tasks;

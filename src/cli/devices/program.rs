@@ -44,6 +44,10 @@ fn told(name: &str, facts: &Facts) -> String {
             format!("{name}: electrode_array, {columns} x {rows} electrodes {pitch} apart\n")
         }
         Facts::Microrobots(bed) => beds::told(name, bed),
+        Facts::Fingers(facts) => {
+            let (fingers, tip) = (facts.fingers, length(facts.tip_radius_um));
+            format!("{name}: fingers, {fingers} with tips of {tip} radius\n")
+        }
     }
 }
 

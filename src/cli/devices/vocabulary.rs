@@ -147,6 +147,14 @@ fn sort(sort: Sort) -> String {
         Sort::Name => "name".to_owned(),
         Sort::Pose => "pose".to_owned(),
         Sort::Control => "number, or word of arms".to_owned(),
+        Sort::Vector { dimension, .. } => {
+            let unit = dimension.example_unit();
+            format!("(x, y, z) [{unit}]")
+        }
+        Sort::Contacts => "(contact, contact, …)".to_owned(),
+        Sort::Orientation => "euler(…) or quaternion(…)".to_owned(),
+        Sort::Curve => "length, of the angle t".to_owned(),
+        Sort::Text => "string".to_owned(),
     }
 }
 

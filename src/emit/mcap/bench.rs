@@ -1,6 +1,6 @@
 //! The devices of a log, side by side, with their jobs in order of time.
 
-use super::{dimibot, electrode_array, microrobots};
+use super::{dimibot, electrode_array, fingers, microrobots};
 use crate::check::claims::{Job, Order};
 use crate::schedule::PlanRecord;
 use crate::verify::Verified;
@@ -39,6 +39,7 @@ fn reach(job: &Job) -> [f64; 2] {
         Order::Dimibot(order) => [0.0, dimibot::width_um(&order.facts)],
         Order::ElectrodeArray(order) => [0.0, electrode_array::width(&order.facts)],
         Order::Microrobots(order) => microrobots::reach_um(order),
+        Order::Fingers(order) => fingers::reach_um(order),
     }
 }
 

@@ -16,6 +16,7 @@ mod drawing;
 mod electrode_array;
 mod foxglove;
 mod frames;
+mod fingers;
 mod microrobots;
 #[cfg(test)]
 mod tests;
@@ -118,6 +119,7 @@ fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
             Order::Dimibot(_) => dimibot::topics(verified, signals, bench.device),
             Order::ElectrodeArray(_) => electrode_array::topics(verified, bench.device),
             Order::Microrobots(_) => microrobots::topics(verified, bench.device),
+            Order::Fingers(_) => fingers::topics(verified, bench.device),
         };
         topics.extend(own);
         movers.extend(moving);

@@ -31,7 +31,7 @@ pub fn topics(verified: &Verified, device: &str, poses: &[(u64, [f64; 3])]) -> [
 pub fn place(state: &TimedState) -> [f64; 3] {
     match &state.state {
         State::Dimibot { position_um: [x, y], .. } => [*x, *y, 0.0],
-        State::ElectrodeArray { .. } | State::Microrobots { .. } => {
+        State::ElectrodeArray { .. } | State::Microrobots { .. } | State::Fingers { .. } => {
             unreachable!("the verifier holds states against the kind of their device")
         }
     }

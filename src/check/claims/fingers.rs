@@ -1,0 +1,121 @@
+//! What a task claims of a hand.
+
+use crate::device::fingers::{Facts, Plane};
+use crate::geometry::outline::Outline;
+use crate::source::Span;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// A task of a hand.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FingersOrder {
+    /// Shared by all tasks of one device, like the part by all of one scene.
+    pub facts: Arc<Facts>,
+    /// What the task turns. All tasks of one device in one schedule turn the same part.
+    pub part: Arc<Part>,
+    /// How far from its goal each turn may end.
+    pub precision_rad: f64,
+    /// The force on the part in the hand's frame, weight included, in micronewtons; it acts at the part's centre of mass.
+    pub load_un: [f64; 3],
+    pub planner: Planner,
+    /// Grasps that the search may expand.
+    pub expansions: u64,
+    pub steps: Vec<Step>,
+}
+
+/// The object between the fingers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// The name in the scene.
+    pub name: String,
+    /// Its outline in the plane xy.
+    pub xy: Section,
+    /// Its outline in the plane xz; `None` for a flat part.
+    pub xz: Option<Section>,
+    /// Its centre of mass in its own frame; it matters only where there is a load.
+    pub centre_um: [f64; 3],
+    /// Where its origin is before the device's first task, in the hand's frame; its axes are then along the hand's.
+    pub position_um: [f64; 3],
+    #[serde(skip)]
+    pub span: Span,
+}
+
+impl Part {
+    /// Its outline in a plane, if it has one there.
+    pub fn section(&self, plane: Plane) -> Option<&Section> {
+        match plane {
+            Plane::Xy => Some(&self.xy),
+            Plane::Xz => self.xz.as_ref(),
+        }
+    }
+}
+
+/// An outline with its contacts, evenly spaced by rolling: from each to the next the object turns by the same angle.
+///
+/// Of a curve with the signed curvature κ the contacts lie where the integral of κ + 1/l2 along the outline, from where the x axis
+/// leaves it, is a multiple of (2π + P/l2)/c; so c steps go round a section of the perimeter P (equation 8 of the paper with
+/// the sign of κ, which it drops).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Section {
+    /// In the coordinates of [`Plane::axes`], counter-clockwise.
+    pub outline: Outline,
+    /// c: how many contacts there are, numbered from 1.
+    pub contacts: u32,
+    /// The number of the contact where the x axis enters, the paper's J; contact 1 is its I. `None` where no contact lies there.
+    pub opposite: Option<u32>,
+    /// By how much rolling from one contact to the next turns the object: nearly the device's step.
+    pub step_rad: f64,
+}
+
+/// Which way to plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Planner {
+    JointAstar,
+    PublishedAstar,
+    GreedyDecomposition,
+}
+
+/// One step of a task.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    pub action: Action,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// What a step does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Action {
+    /// The fingers hold these contacts at the end, one number for each finger, 0 for a free one; `None`: any grasp.
+    ///
+    /// In the plane of the next turn of the task, or of the last one where none follows.
+    Grasp(Option<Vec<u32>>),
+    /// In a plane, by so many steps of its section: all the way round, not the short one.
+    Rotate {
+        plane: Plane,
+        steps: i32,
+        /// As asked for.
+        angle_rad: f64,
+    },
+    /// To an orientation, whichever way: a unit quaternion w, x, y, z that carries the part's axes into the hand's frame.
+    ///
+    /// `turns` are the ways in which it can be done within the precision, each a sequence of turns; at least one. An empty
+    /// sequence stands where the part already has its orientation.
+    Orient { goal: [f64; 4], turns: Vec<Vec<Turn>> },
+    /// Carried along, all fingers together.
+    Translate([f64; 3]),
+    /// All fingers leave.
+    Release,
+    /// Nothing moves for so long, in nanoseconds.
+    Wait(u64),
+}
+
+/// A turn of whole steps in a plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Turn {
+    pub plane: Plane,
+    /// Not 0.
+    pub steps: i32,
+}

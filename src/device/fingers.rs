@@ -1,0 +1,153 @@
+//! Fingers on translation stages that hold a micro-object between their tips and turn it: a hand.
+//!
+//! Facts, frames and vocabulary of the kind. Tips are spheres that translate and never turn; the object rolls on them. Source of the
+//! model: Kumar, Gauthier, Dahmouche, *Path planning for 3-D in-hand manipulation of micro-objects using rotation decomposition*,
+//! Micromachines 12(8), 986, 2021, with the slips of that text put right where the doc comments say so.
+
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+mod words;
+
+pub use words::VOCABULARY;
+
+/// The fewest fingers that can hand an object over.
+pub const MIN_FINGERS: u32 = 3;
+
+/// The most fingers of one hand.
+pub const MAX_FINGERS: u32 = 6;
+
+/// The most fingers that hold at the same time.
+pub const MAX_HOLDING: usize = 3;
+
+/// The most steps of one turn: 1 deg each.
+pub const MAX_STEPS_PER_TURN: u32 = 360;
+
+/// The most contacts of one section.
+pub const MAX_CONTACTS: u32 = 512;
+
+/// The axes of a stage, in the order of coordinates.
+pub const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// A plane through the object's origin, in which its outline is sampled and fingers roll.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Plane {
+    /// The object turns about its own z axis.
+    Xy,
+    /// The object turns about its own y axis.
+    Xz,
+}
+
+impl Plane {
+    /// Both planes, in the order of the paper.
+    pub const ALL: [Plane; 2] = [Plane::Xy, Plane::Xz];
+
+    /// The plane's own coordinate axes in the object's frame: a positive turn carries the first one towards the second.
+    ///
+    /// Both planes share the first one, along x: contact 1, the paper's I, lies where it leaves the object.
+    pub const fn axes(self) -> [[f64; 3]; 2] {
+        match self {
+            Plane::Xy => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            Plane::Xz => [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]],
+        }
+    }
+
+    /// The axis of a turn in this plane, in the object's frame; right-handed.
+    pub const fn normal(self) -> [f64; 3] {
+        match self {
+            Plane::Xy => [0.0, 0.0, 1.0],
+            Plane::Xz => [0.0, 1.0, 0.0],
+        }
+    }
+
+    /// As it is written to files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Plane::Xy => "xy",
+            Plane::Xz => "xz",
+        }
+    }
+}
+
+/// Whether tips stick to the object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Adhesion {
+    /// A tip has to be pulled off.
+    Sticking,
+    /// Tips only push.
+    Absent,
+}
+
+/// What a device of this kind is: the fields of its declaration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Facts {
+    /// [`MIN_FINGERS`] to [`MAX_FINGERS`]; at most [`MAX_HOLDING`] of them hold at the same time.
+    pub fingers: u32,
+    /// The paper's l2.
+    pub tip_radius_um: f64,
+    pub adhesion: Adhesion,
+    /// The force in micronewtons that pulls a tip off the object; counts only with [`Adhesion::Sticking`].
+    pub pull_off_un: f64,
+    /// The greatest normal force of one tip, in micronewtons.
+    pub max_force_un: f64,
+    /// Of a tip on the object, a plain number above 0.
+    pub friction: f64,
+    /// How many rotation steps make 360 deg: the nominal step is 360 deg over this.
+    pub steps_per_turn: u32,
+    /// κ: the fingers that stay must resist this many times the pull-off force of the one that leaves.
+    pub removal_safety: f64,
+    /// What placing or removing a finger counts, in degrees rolled by one finger; whole.
+    pub gaiting_cost_deg: f64,
+    /// How far two tips, or a tip that is free and the object, stay apart.
+    pub clearance_um: f64,
+    /// How far from its contact a tip goes along the normal, slowly, when it comes and when it leaves.
+    pub retract_um: f64,
+    /// Of a free tip, along its way.
+    pub speed_um_per_s: f64,
+    /// Of a tip within `retract_um` of its contact.
+    pub approach_um_per_s: f64,
+    /// The fastest that a tip moves while it holds.
+    pub rolling_um_per_s: f64,
+    /// The force with which what the object rests on holds it before the first grasp and after a release, in micronewtons.
+    pub support_un: f64,
+    /// How far each stage reaches along x, y and z to both sides of the hand's origin.
+    pub range_um: [f64; 3],
+    /// How far a contact may be from rolling and touching exactly: planned ways keep within half of it.
+    pub tolerance_um: f64,
+}
+
+impl Facts {
+    /// The nominal rotation step, the paper's Δθ.
+    pub fn step_rad(&self) -> f64 {
+        TAU / f64::from(self.steps_per_turn)
+    }
+
+    /// The force that pulls a tip off, in micronewtons: zero without adhesion.
+    pub fn sticking_un(&self) -> f64 {
+        match self.adhesion {
+            Adhesion::Sticking => self.pull_off_un,
+            Adhesion::Absent => 0.0,
+        }
+    }
+
+    /// The names of the channels, without the device's name: finger 1's x, y and z, then finger 2's.
+    pub fn channels(&self) -> Vec<String> {
+        (0..self.fingers as usize).flat_map(|finger| (0..AXES.len()).map(move |axis| channel(finger, axis))).collect()
+    }
+}
+
+/// The channel of a finger's axis, both counted from 0: `f1.x` for the first.
+pub fn channel(finger: usize, axis: usize) -> String {
+    format!("f{}.{}", finger + 1, AXES[axis])
+}
+
+/// The finger and the axis of a channel, both counted from 0, if the name is one.
+pub fn finger_axis(channel: &str) -> Option<(usize, usize)> {
+    let (finger, axis) = channel.strip_prefix('f')?.split_once('.')?;
+    let axis = AXES.iter().position(|name| *name == axis)?;
+    let is_plain = finger.bytes().all(|digit| digit.is_ascii_digit()) && !finger.starts_with('0');
+    let number: usize = finger.parse().ok().filter(|_| is_plain)?;
+    Some((number.checked_sub(1)?, axis))
+}

@@ -1,0 +1,184 @@
+//! The vocabulary of hands.
+
+use super::{MAX_FINGERS, MIN_FINGERS};
+use crate::device::shape::Form;
+use crate::device::{
+    Choice, Count, Field, Noun, Outcome, Phrase, Planner, Range, Sort, Together, Verb, Vocabulary, any, expansions,
+    not_negative, optional, positive, required,
+};
+use crate::quantity::Dimension;
+
+const FIELDS: &[Field] = &[
+    required(
+        "fingers",
+        Sort::Count { least: MIN_FINGERS, most: MAX_FINGERS },
+        "how many there are; two or three of them hold at the same time",
+    ),
+    required("tip_radius", positive(Dimension::LENGTH), "of the spherical tip of each finger"),
+    required("adhesion", Sort::Flag, "whether tips stick to the object, so that they have to be pulled off"),
+    required("pull_off", not_negative(Dimension::FORCE), "what pulls a tip off the object; counts with `adhesion: true`"),
+    required("max_force", positive(Dimension::FORCE), "the greatest force of one tip along the normal"),
+    required("friction", positive(Dimension::NUMBER), "the coefficient between a tip and the object"),
+    required("step", positive(Dimension::ANGLE), "of rotation; it divides 360 deg"),
+    required(
+        "removal_safety",
+        not_negative(Dimension::NUMBER),
+        "the fingers that stay must resist this many times the pull-off force of the one that leaves",
+    ),
+    required("gaiting_cost", positive(Dimension::ANGLE), "what placing or removing a finger counts, as degrees rolled"),
+    required("clearance", not_negative(Dimension::LENGTH), "what tips keep from one another, and free tips from the object"),
+    required("retract", positive(Dimension::LENGTH), "how far a tip leaves its contact along the normal, at `approach_speed`"),
+    required("speed", positive(Dimension::SPEED), "of a free tip"),
+    required("approach_speed", positive(Dimension::SPEED), "of a tip that comes to its contact or leaves it"),
+    required("rolling_speed", positive(Dimension::SPEED), "of the fastest tip while the object rolls"),
+    required(
+        "range",
+        Sort::Vector { dimension: Dimension::LENGTH, range: Range::Positive },
+        "how far each stage reaches along x, y and z, to both sides of the hand's origin",
+    ),
+    optional(
+        "support",
+        not_negative(Dimension::FORCE),
+        "0 uN",
+        "with which what the object rests on holds it before the first grasp and after a release",
+    ),
+    required("tolerance", positive(Dimension::LENGTH), "how far a contact may be from touching and rolling exactly"),
+];
+
+const SETTINGS: &[Field] = &[
+    optional("precision", positive(Dimension::ANGLE), "0.5 deg", "how far from its goal each turn may end"),
+    optional(
+        "load",
+        Sort::Vector { dimension: Dimension::FORCE, range: Range::Any },
+        "none",
+        "a force on the object in the hand's frame, besides its weight",
+    ),
+];
+
+const AXIS_WORDS: [Choice; 3] = [
+    Choice { name: "x", doc: "by turns about z and y, as the object has no section across x" },
+    Choice { name: "y", doc: "in the object's plane xz" },
+    Choice { name: "z", doc: "in the object's plane xy" },
+];
+
+const VERBS: &[Verb] = &[
+    Verb {
+        name: "grasp",
+        noun: None,
+        object: Some(Sort::Object("part")),
+        phrases: &[Phrase { preposition: "at", sort: Sort::Contacts, count: Count::Once }],
+        block: None,
+        doc: "takes an object, or changes fingers, until each one holds the contact of its number; 0 is a free finger; \
+              without `at` the planner chooses",
+        example: "grasp bead at (1, 38)",
+    },
+    Verb {
+        name: "rotate",
+        noun: None,
+        object: Some(Sort::Object("part")),
+        phrases: &[
+            Phrase { preposition: "by", sort: any(Dimension::ANGLE), count: Count::Once },
+            Phrase { preposition: "about", sort: Sort::Word(&AXIS_WORDS), count: Count::Once },
+        ],
+        block: None,
+        doc: "turns an object about one of its own axes, right-handed; by 220 deg is the long way",
+        example: "rotate bead by 80 deg about z",
+    },
+    Verb {
+        name: "orient",
+        noun: None,
+        object: Some(Sort::Object("part")),
+        phrases: &[Phrase { preposition: "to", sort: Sort::Orientation, count: Count::Once }],
+        block: None,
+        doc: "turns an object to an orientation in the hand's frame, whichever way is the cheapest",
+        example: "orient bead to euler(80 deg, 220 deg, 100 deg)",
+    },
+    Verb {
+        name: "translate",
+        noun: None,
+        object: Some(Sort::Object("part")),
+        phrases: &[Phrase {
+            preposition: "by",
+            sort: Sort::Vector { dimension: Dimension::LENGTH, range: Range::Any },
+            count: Count::Once,
+        }],
+        block: None,
+        doc: "carries an object along x, y and z of the hand's frame, all fingers together",
+        example: "translate bead by (5 um, 0 um, 2 um)",
+    },
+    Verb {
+        name: "release",
+        noun: None,
+        object: None,
+        phrases: &[],
+        block: None,
+        doc: "takes all fingers off; what the object then rests on must hold it against the last one",
+        example: "release",
+    },
+];
+
+const BUDGET: [Field; 1] = [expansions("200 000 000", "how many grasps the search may expand before it gives up")];
+
+const PLANNERS: &[Planner] = &[
+    Planner {
+        name: "joint_astar",
+        options: &BUDGET,
+        doc: "all turns of a task searched as one problem by A*, with exact numbers of reconfigurations as its estimate",
+    },
+    Planner {
+        name: "published_astar",
+        options: &BUDGET,
+        doc: "the same problem with the paper's estimate, its index arithmetic put right",
+    },
+    Planner {
+        name: "greedy_decomposition",
+        options: &BUDGET,
+        doc: "the paper's way: each turn by itself, the cheapest one first, from where the last has ended",
+    },
+];
+
+const OUTCOMES: &[Outcome] = &[
+    Outcome {
+        name: "effort",
+        dimension: Dimension::ANGLE,
+        doc: "the turn of every step times the fingers that roll, and the gaiting cost of each finger placed or removed",
+    },
+    Outcome {
+        name: "reconfigurations",
+        dimension: Dimension::NUMBER,
+        doc: "fingers placed or removed, without those of the first grasp and of `release`",
+    },
+    Outcome {
+        name: "time",
+        dimension: Dimension::TIME,
+        doc: "from the beginning of the task to the end of its last step",
+    },
+];
+
+/// The words of the kind.
+pub const VOCABULARY: Vocabulary = Vocabulary {
+    name: "fingers",
+    summary: "fingers on translation stages that roll an object between their tips and change their grasp",
+    library: ("std.fingers", "fingers.three_fingers"),
+    fields: FIELDS,
+    nouns: &[Noun {
+        name: "part",
+        doc: "what the fingers turn",
+        shapes: &[
+            Form::Ellipsoid,
+            Form::Superellipsoid,
+            Form::RoundedBox,
+            Form::Profile,
+            Form::Sections,
+            Form::Mesh,
+        ],
+    }],
+    settings: SETTINGS,
+    state: None,
+    together: Together::No,
+    verbs: VERBS,
+    objectives: &[Choice { name: "effort", doc: "degrees rolled, and the gaiting cost of each finger placed or removed" }],
+    planners: PLANNERS,
+    outcomes: OUTCOMES,
+    channels: "<device>.f1.x, f1.y, f1.z and so on: where the centre of each finger's tip is, in micrometres",
+};

@@ -1,0 +1,79 @@
+//! What the grasp graph of one section is made of: which grasps hold, which fingers may come and go, and which grasps may roll on.
+//!
+//! Contacts are counted from 0 here, and from 1 in grasps. The graph itself is never built: these bits answer for every edge.
+
+/// A set of small whole numbers, one bit each.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Bits {
+    words: Vec<u64>,
+}
+
+impl Bits {
+    /// The empty set of numbers below `size`.
+    pub fn new(size: usize) -> Self {
+        Bits { words: vec![0; size.div_ceil(64)] }
+    }
+
+    /// Whether a number is in it; the number must be below the size.
+    #[inline]
+    pub fn has(&self, index: usize) -> bool {
+        self.words[index / 64] >> (index % 64) & 1 == 1
+    }
+
+    /// Puts a number into it; the number must be below the size.
+    #[inline]
+    pub fn put(&mut self, index: usize) {
+        self.words[index / 64] |= 1 << (index % 64);
+    }
+
+    /// Its words, 64 numbers each, the lowest bit first.
+    pub fn words(&self) -> &[u64] {
+        &self.words
+    }
+}
+
+/// The grasps of one section.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Tables {
+    /// c: contacts are 0 to c - 1, in the order in which positive turns leave them: one step on, contact i becomes i - 1.
+    pub contacts: usize,
+    /// One for all angles, or, where a load makes them differ, one for each angle of the leg from its lowest on.
+    pub layers: Vec<Layer>,
+}
+
+impl Tables {
+    /// The layer of an angle, counted from the lowest one of a leg.
+    #[inline]
+    pub fn layer(&self, angle: usize) -> &Layer {
+        if self.layers.len() == 1 { &self.layers[0] } else { &self.layers[angle] }
+    }
+
+    /// The bit of two contacts.
+    #[inline]
+    pub fn two(&self, i: usize, j: usize) -> usize {
+        i * self.contacts + j
+    }
+
+    /// The bit of three contacts.
+    #[inline]
+    pub fn three(&self, i: usize, j: usize, k: usize) -> usize {
+        (i * self.contacts + j) * self.contacts + k
+    }
+}
+
+/// What holds at one angle. Sets of pairs are symmetric, sets of triples too but for the last contact of `place` and `leave`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Layer {
+    /// Two fingers hold.
+    pub pair: Bits,
+    /// Three fingers hold.
+    pub triple: Bits,
+    /// Two fingers hold on while the object turns by a step, from here to the next angle.
+    pub roll_pair: Bits,
+    /// Three fingers do.
+    pub roll_triple: Bits,
+    /// While the first two hold, a finger may come to the third contact.
+    pub place: Bits,
+    /// While the first two hold, the finger on the third contact may leave.
+    pub leave: Bits,
+}
