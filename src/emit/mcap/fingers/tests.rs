@@ -2,7 +2,7 @@ use super::course::{Course, MAX_MOMENTS};
 use super::*;
 use crate::emit::fixture;
 use crate::schedule::State;
-use foxglove::SceneUpdate;
+use crate::emit::mcap::foxglove::SceneUpdate;
 use prost::Message as _;
 
 fn topic<'a>(topics: &'a [Topic], name: &str) -> &'a Topic {
