@@ -1,6 +1,7 @@
 //! The planner of hands: grasps are nodes, rolling and finger gaiting are edges, and all turns of a task are one problem.
 
 mod job;
+pub mod mechanics;
 pub mod tables;
 
 pub use job::{Standing, plan};
