@@ -2,6 +2,7 @@
 
 mod job;
 pub mod tables;
+pub mod ways;
 
 pub use job::{Standing, plan};
 
