@@ -38,7 +38,7 @@ impl<'a> Instant<'a> {
         }
         let of_fingers = |count: usize| contacts.iter().map(|at| grip.reach(at, &load, count)).collect::<Vec<_>>();
         let holding = |reaches: &[Reach]| {
-            let holds = |i: usize, j: usize| grip.line(&reaches[i], &reaches[j], &load, &demand).allows(&demand);
+            let holds = |i: usize, j: usize| grip.two_hold([&reaches[i], &reaches[j]], &load, &demand);
             Rows::symmetric(size, |i, j| clear.has(i, j) && holds(i, j))
         };
         let reaches = of_fingers(3);
@@ -82,7 +82,7 @@ impl<'a> Instant<'a> {
     }
 
     fn line(&self, i: usize, j: usize) -> Line {
-        self.grip.line(&self.reaches[i], &self.reaches[j], &self.load, &self.demand)
+        self.grip.line([&self.reaches[i], &self.reaches[j]], &self.load)
     }
 }
 

@@ -55,6 +55,10 @@ impl Reach {
         Reach { at_um: contact.point_um, sides: [cone(1.0), cone(-1.0), cap], count, corners_un }
     }
 
+    fn cone(&self) -> &[Side] {
+        &self.sides[..2]
+    }
+
     fn is_nothing(&self) -> bool {
         self.corners_un.count == 0
     }
@@ -102,8 +106,6 @@ impl Half {
 pub(super) struct Line {
     halves: [Half; 9],
     count: usize,
-    /// Whether a force along the line alone is within both cones, so that it may be as large as one likes.
-    antipodal: bool,
     /// Whether one of the two can exert nothing at all.
     nothing: bool,
     slack_un: f64,
@@ -112,16 +114,13 @@ pub(super) struct Line {
 impl Line {
     /// Of two fingers on different places.
     pub fn between(a: &Reach, b: &Reach, arm_um: f64, slack_un: f64) -> Line {
-        let mut line = Line { halves: [Half::NONE; 9], count: 0, antipodal: false, nothing: true, slack_un };
-        let run_um = [b.at_um[0] - a.at_um[0], b.at_um[1] - a.at_um[1]];
-        let length_um = run_um[0].hypot(run_um[1]);
+        let mut line = Line { halves: [Half::NONE; 9], count: 0, nothing: true, slack_un };
+        let (along, length_um) = chord(a, b);
         if a.is_nothing() || b.is_nothing() || length_um == 0.0 {
             return line;
         }
         line.nothing = false;
-        let bounds = Bounds::of(a, b, run_um.map(|part| part / length_um), length_um);
-        let slopes = || bounds.each().map(|(_, slope)| *slope);
-        line.antipodal = slopes().all(|slope| slope <= TOLERANCE) || slopes().all(|slope| slope >= -TOLERANCE);
+        let bounds = Bounds::of(a, b, along, length_um);
         for (low, slope) in bounds.each() {
             if slope.abs() <= PARALLEL {
                 line.push(low.scaled(arm_um));
@@ -142,14 +141,6 @@ impl Line {
         &self.halves[..self.count]
     }
 
-    /// Whether the two do what is asked.
-    pub fn allows(&self, demand: &Demand) -> bool {
-        match demand {
-            Demand::Squeeze => !self.nothing && self.antipodal,
-            Demand::Exert(wrench) => self.bears(wrench),
-        }
-    }
-
     /// Whether the two can exert a wrench.
     pub fn bears(&self, wrench: &Wrench) -> bool {
         !self.nothing && self.halves().iter().all(|half| half.of(wrench) <= half.bound_un + self.slack_un)
@@ -164,11 +155,31 @@ impl Line {
         let mut left = third.corners_un;
         for half in self.halves() {
             let side = half.at(third.at_um);
+            if left.count == 0 {
+                return false;
+            }
             // The two exert what is left of the wrench: half · (wrench − third) <= bound.
             left.cut(side.normal.map(|part| -part), side.bound_un - half.of(&wrench) + self.slack_un);
         }
         !self.nothing && left.count > 0
     }
+}
+
+/// Whether a force along the line through both contacts is in both cones, so that it may be as large as one likes.
+pub(super) fn are_antipodal(a: &Reach, b: &Reach) -> bool {
+    let (along, _) = chord(a, b);
+    let slopes = || {
+        let of_a = a.cone().iter().map(|side| dot(side.normal, along));
+        of_a.chain(b.cone().iter().map(|side| -dot(side.normal, along)))
+    };
+    slopes().all(|slope| slope <= TOLERANCE) || slopes().all(|slope| slope >= -TOLERANCE)
+}
+
+// The direction from one contact to the other, and how far it is.
+fn chord(a: &Reach, b: &Reach) -> ([f64; 2], f64) {
+    let run_um = [b.at_um[0] - a.at_um[0], b.at_um[1] - a.at_um[1]];
+    let length_um = run_um[0].hypot(run_um[1]);
+    (run_um.map(|part| part / length_um), length_um)
 }
 
 /// Half-spaces of wrenches and the force along the line: `half + slope · force <= bound`.

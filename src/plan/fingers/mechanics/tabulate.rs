@@ -6,7 +6,7 @@
 
 use super::grip::{Demand, Grip};
 use super::instant::{Instant, pairs};
-use super::rows::{Rows, numbers, step};
+use super::rows::{Rows, retain, step};
 use super::{Contacts, Load};
 use crate::device::fingers::Facts;
 use crate::plan::fingers::tables::{Bits, Layer, Tables};
@@ -15,7 +15,7 @@ use crate::plan::fingers::tables::{Bits, Layer, Tables};
 pub const MAX_TABLE_BITS: usize = 1 << 29;
 
 /// Into how many parts a rolling step is cut: a grasp has to hold at the ends of all of them.
-pub const PARTS_OF_STEP: usize = 8;
+pub const PARTS_OF_STEP: usize = 4;
 
 /// What tables are asked for.
 #[derive(Debug, Clone, Copy)]
@@ -80,8 +80,7 @@ fn ways(now: &Instant, layers: usize, tables: &Tables, reaches: &mut dyn FnMut(u
     let mut row = vec![0; now.clear.width()];
     for (i, j) in pairs(if layers == 1 { &now.pair } else { &now.clear }) {
         now.beside(i, j, &mut row);
-        let shut: Vec<usize> = numbers(&row).filter(|&k| !reaches(i, j, k)).collect();
-        shut.iter().for_each(|k| row[k / 64] &= !(1 << (k % 64)));
+        retain(&mut row, |k| reaches(i, j, k));
         open.put_row(tables.three(i, j, 0), &row);
     }
     open
@@ -118,12 +117,11 @@ fn come_and_go(grip: &Grip, now: &Instant, open: &Bits, tables: &Tables, layer: 
         layer.triple.read_row(tables.three(i, j, 0), tables.contacts, &mut holding);
         row.iter_mut().zip(&holding).for_each(|(word, holding)| *word &= holding);
         put_both(&mut layer.place, tables, [i, j], &row);
-        let line = grip.line(&reaches[i], &reaches[j], &now.load, &demands[i]);
-        for (k, word) in row.iter_mut().enumerate() {
-            let asked = [*word];
-            let stuck = numbers(&asked).filter(|bit| !line.allows(&demands[k * 64 + bit]));
-            *word &= !stuck.fold(0, |stuck, bit| stuck | 1 << bit);
-        }
+        let line = grip.line([&reaches[i], &reaches[j]], &now.load);
+        retain(&mut row, |k| match demands[k] {
+            Demand::Squeeze => true,
+            Demand::Exert(wrench) => line.bears(&wrench),
+        });
         put_both(&mut layer.leave, tables, [i, j], &row);
     }
 }
