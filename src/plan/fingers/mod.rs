@@ -1,5 +1,6 @@
 //! The planner of hands: grasps are nodes, rolling and finger gaiting are edges, and all turns of a task are one problem.
 
+pub mod graph;
 mod job;
 pub mod tables;
 
