@@ -2,6 +2,7 @@
 
 pub mod graph;
 mod job;
+pub mod mechanics;
 pub mod tables;
 
 pub use job::{Standing, plan};

@@ -1,0 +1,241 @@
+//! The wrenches that two fingers bear, as half-spaces, and whether a third finger can make up what is missing.
+
+use super::grip::{Demand, Wrench};
+use super::{Contact, TOLERANCE};
+
+/// The least slope of a half-space along the chord that bounds the force there: below, the side is taken as parallel to it.
+const PARALLEL: f64 = 1e-12;
+
+/// A side of a triangle of forces: `normal · f <= bound_un`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Side {
+    normal: [f64; 2],
+    bound_un: f64,
+}
+
+/// The forces that a finger can exert: a friction cone with a shifted apex, cut off at the greatest normal force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Reach {
+    at_um: [f64; 2],
+    /// The first two are those of the cone.
+    sides: [Side; 3],
+    /// How many sides there are: 2 of a cone that goes on for ever.
+    count: usize,
+    corners_un: Corners,
+}
+
+/// The corners of a convex polygon of forces, in order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Corners {
+    at_un: [[f64; 2]; 12],
+    count: usize,
+}
+
+impl Reach {
+    /// `|tangential| <= friction (normal + apex_un)` and `normal <= most_un`; infinite where no greatest force counts.
+    ///
+    /// Of an endless cone the corners are those at the normal force 1.
+    pub fn of(contact: &Contact, friction: f64, apex_un: f64, most_un: f64) -> Reach {
+        let inward = contact.normal.map(|part| -part);
+        let along = [-inward[1], inward[0]];
+        let size = friction.hypot(1.0);
+        let cone = |sign: f64| Side {
+            normal: [0, 1].map(|k| (sign * along[k] - friction * inward[k]) / size),
+            bound_un: friction * apex_un / size,
+        };
+        let force = |normal_un: f64, tangential_un: f64| [0, 1].map(|k| inward[k] * normal_un + along[k] * tangential_un);
+        let base_un = if most_un.is_finite() { most_un } else { 1.0 };
+        let half_un = friction * (base_un + apex_un);
+        let (count, ends) = (if most_un.is_finite() { 3 } else { 2 }, [force(base_un, half_un), force(base_un, -half_un)]);
+        let mut corners_un = Corners { at_un: [force(-apex_un, 0.0); 12], count };
+        corners_un.at_un[..2].copy_from_slice(&ends);
+        // Too large a share of the load leaves nothing of the triangle.
+        corners_un.count = if half_un < 0.0 { 0 } else { corners_un.count };
+        let cap = Side { normal: inward, bound_un: most_un };
+        Reach { at_um: contact.point_um, sides: [cone(1.0), cone(-1.0), cap], count, corners_un }
+    }
+
+    fn is_nothing(&self) -> bool {
+        self.corners_un.count == 0
+    }
+}
+
+/// A half-space of wrenches: `force · F + moment M <= bound_un`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Half {
+    force: [f64; 2],
+    moment_per_um: f64,
+    bound_un: f64,
+}
+
+impl Half {
+    const NONE: Half = Half { force: [0.0; 2], moment_per_um: 0.0, bound_un: 0.0 };
+
+    fn of(&self, wrench: &Wrench) -> f64 {
+        self.force[0] * wrench.force_un[0] + self.force[1] * wrench.force_un[1] + self.moment_per_um * wrench.moment_un_um
+    }
+
+    fn plus(&self, factor: f64, other: &Half, other_factor: f64) -> Half {
+        Half {
+            force: [0, 1].map(|k| factor * self.force[k] + other_factor * other.force[k]),
+            moment_per_um: factor * self.moment_per_um + other_factor * other.moment_per_um,
+            bound_un: factor * self.bound_un + other_factor * other.bound_un,
+        }
+    }
+
+    /// The same half-space with a normal of length 1, moments counted as forces at `arm_um`.
+    fn scaled(self, arm_um: f64) -> Half {
+        let size = self.force[0].hypot(self.force[1]).hypot(self.moment_per_um * arm_um);
+        self.plus(1.0 / size, &Half::NONE, 0.0)
+    }
+
+    /// The same as a half-plane of forces at a point.
+    fn at(&self, point_um: [f64; 2]) -> Side {
+        let [x, y] = point_um;
+        let normal = [self.force[0] - self.moment_per_um * y, self.force[1] + self.moment_per_um * x];
+        Side { normal, bound_un: self.bound_un }
+    }
+}
+
+/// What two fingers bear: only the force along the line through both contacts is free, and it is eliminated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Line {
+    halves: [Half; 9],
+    count: usize,
+    /// Whether a force along the line alone is within both cones, so that it may be as large as one likes.
+    antipodal: bool,
+    /// Whether one of the two can exert nothing at all.
+    nothing: bool,
+    slack_un: f64,
+}
+
+impl Line {
+    /// Of two fingers on different places.
+    pub fn between(a: &Reach, b: &Reach, arm_um: f64, slack_un: f64) -> Line {
+        let mut line = Line { halves: [Half::NONE; 9], count: 0, antipodal: false, nothing: true, slack_un };
+        let run_um = [b.at_um[0] - a.at_um[0], b.at_um[1] - a.at_um[1]];
+        let length_um = run_um[0].hypot(run_um[1]);
+        if a.is_nothing() || b.is_nothing() || length_um == 0.0 {
+            return line;
+        }
+        line.nothing = false;
+        let bounds = Bounds::of(a, b, run_um.map(|part| part / length_um), length_um);
+        let slopes = || bounds.each().map(|(_, slope)| *slope);
+        line.antipodal = slopes().all(|slope| slope <= TOLERANCE) || slopes().all(|slope| slope >= -TOLERANCE);
+        for (low, slope) in bounds.each() {
+            if slope.abs() <= PARALLEL {
+                line.push(low.scaled(arm_um));
+            }
+            for (high, rise) in bounds.each().filter(|(_, rise)| *slope < -PARALLEL && *rise > PARALLEL) {
+                line.push(low.plus(*rise, high, -slope).scaled(arm_um));
+            }
+        }
+        line
+    }
+
+    fn push(&mut self, half: Half) {
+        self.halves[self.count] = half;
+        self.count += 1;
+    }
+
+    fn halves(&self) -> &[Half] {
+        &self.halves[..self.count]
+    }
+
+    /// Whether the two do what is asked.
+    pub fn allows(&self, demand: &Demand) -> bool {
+        match demand {
+            Demand::Squeeze => !self.nothing && self.antipodal,
+            Demand::Exert(wrench) => self.bears(wrench),
+        }
+    }
+
+    /// Whether the two can exert a wrench.
+    pub fn bears(&self, wrench: &Wrench) -> bool {
+        !self.nothing && self.halves().iter().all(|half| half.of(wrench) <= half.bound_un + self.slack_un)
+    }
+
+    /// Whether the two and a third together do what is asked; where nothing acts and nothing sticks, the third presses.
+    pub fn takes(&self, third: &Reach, demand: &Demand) -> bool {
+        let wrench = match demand {
+            Demand::Squeeze => Wrench::NONE,
+            Demand::Exert(wrench) => *wrench,
+        };
+        let mut left = third.corners_un;
+        for half in self.halves() {
+            let side = half.at(third.at_um);
+            // The two exert what is left of the wrench: half · (wrench − third) <= bound.
+            left.cut(side.normal.map(|part| -part), side.bound_un - half.of(&wrench) + self.slack_un);
+        }
+        !self.nothing && left.count > 0
+    }
+}
+
+/// Half-spaces of wrenches and the force along the line: `half + slope · force <= bound`.
+struct Bounds {
+    all: [(Half, f64); 6],
+    count: usize,
+}
+
+impl Bounds {
+    fn of(a: &Reach, b: &Reach, along: [f64; 2], length_um: f64) -> Bounds {
+        let across = [-along[1], along[0]];
+        // The force of b across the line is what its moment about a has to be, over the distance.
+        let [x, y] = a.at_um.map(|part| part / length_um);
+        let of_b = Half { force: [y, -x], moment_per_um: 1.0 / length_um, bound_un: 0.0 };
+        let mut bounds = Bounds { all: [(Half::NONE, 0.0); 6], count: 0 };
+        for side in &a.sides[..a.count] {
+            let free = Half { force: side.normal, moment_per_um: 0.0, bound_un: side.bound_un };
+            bounds.push(free.plus(1.0, &of_b, -dot(side.normal, across)), dot(side.normal, along));
+        }
+        for side in &b.sides[..b.count] {
+            let free = Half { bound_un: side.bound_un, ..Half::NONE };
+            bounds.push(free.plus(1.0, &of_b, dot(side.normal, across)), -dot(side.normal, along));
+        }
+        bounds
+    }
+
+    fn push(&mut self, half: Half, slope: f64) {
+        self.all[self.count] = (half, slope);
+        self.count += 1;
+    }
+
+    fn each(&self) -> impl Iterator<Item = &(Half, f64)> {
+        self.all[..self.count].iter()
+    }
+}
+
+impl Corners {
+    /// Keeps what lies in `normal · f <= bound_un` (Sutherland and Hodgman).
+    fn cut(&mut self, normal: [f64; 2], bound_un: f64) {
+        let over = |corner: &[f64; 2]| dot(normal, *corner) - bound_un;
+        if self.at_un[..self.count].iter().all(|corner| over(corner) <= 0.0) {
+            return;
+        }
+        let all = *self;
+        self.count = 0;
+        for k in 0..all.count {
+            let (here, next) = (all.at_un[k], all.at_un[(k + 1) % all.count]);
+            let (over_here, over_next) = (over(&here), over(&next));
+            if over_here <= 0.0 {
+                self.push(here);
+            }
+            if (over_here <= 0.0) != (over_next <= 0.0) {
+                let part = over_here / (over_here - over_next);
+                self.push([0, 1].map(|k| here[k] + part * (next[k] - here[k])));
+            }
+        }
+    }
+
+    fn push(&mut self, corner_un: [f64; 2]) {
+        // Each half-space adds one corner at most: 3 + 9.
+        if self.count < self.at_un.len() {
+            self.at_un[self.count] = corner_un;
+            self.count += 1;
+        }
+    }
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
