@@ -10,6 +10,7 @@
 //! the smaller estimate is looked at first, then the one found last). **Cost:** a flood takes some nanoseconds for each of the
 //! C(F,3)·c³ chains that it meets, whatever the number of angles up to 64; the search, some for each contact of a pair it expands.
 
+mod course;
 mod flood;
 mod greedy;
 mod layout;
