@@ -220,7 +220,7 @@ impl Checker<'_> {
 }
 
 /// Whether a value is of a sort.
-fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
+pub fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
     let wrong = |what: &str, example: &str| Err(Box::new(errors::wrong_value(wanted, what, example, span, value)));
     match sort {
         Sort::Count { least, most } => judge_count((least, most), value, span, wanted),

@@ -19,6 +19,11 @@ fn length(um: f64) -> String {
     Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
 }
 
+/// A length as [`length`], for a text that goes into a message.
+pub fn length_text(um: f64) -> String {
+    length(um)
+}
+
 /// A force of at most four digits for a message.
 fn force(un: f64) -> String {
     let un: f64 = format!("{un:.3e}").parse().unwrap_or(un);
@@ -283,15 +288,14 @@ pub fn nothing_held(span: Span, what: &str, released: Option<Span>) -> Diagnosti
 }
 
 /// A part that goes with the last finger.
-pub fn sticks(span: Span, needed_un: f64, support_un: f64, device: (&str, f64, f64)) -> Diagnostic {
-    let (name, pull_off_un, safety) = device;
+pub fn sticks(span: Span, needed_un: f64, support_un: f64, (pull_off_un, safety): (f64, f64)) -> Diagnostic {
     let title = format!(
         "the part would stick to the last finger: {} hold it down, {} are needed",
         force(support_un),
         force(needed_un)
     );
     Diagnostic::new(Code::E0549, title).label(span, "let go here").help(format!(
-        "give device `{name}` `support: {}` (`pull_off` of {} times `removal_safety` of {}), or leave the part held",
+        "give the device `support: {}` (`pull_off` of {} times `removal_safety` of {}), or leave the part held",
         force(needed_un),
         force(pull_off_un),
         digits(safety)
