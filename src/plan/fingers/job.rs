@@ -220,7 +220,7 @@ pub fn answer(
     Ok(match order.planner {
         Planner::JointAstar => graph::solve(&request, Estimator::Layers, budget),
         Planner::PublishedAstar => graph::solve(&request, Estimator::Published, budget),
-        Planner::GreedyDecomposition => graph::decompose(&request, budget),
+        Planner::GreedyDecomposition => graph::decompose(&request, Estimator::Published, budget),
     })
 }
 
