@@ -131,9 +131,16 @@ impl Mesh {
         }
     }
 
-    /// The distance of a point from the surface, never negative; each triangle is asked.
+    /// The distance of a point from the surface, never negative; each triangle is asked whose box is near enough.
     pub fn distance_um(&self, point_um: [f64; 3]) -> f64 {
-        self.corners().map(|corners| surface::square(corners, point_um)).fold(f64::INFINITY, f64::min).sqrt()
+        let nearer = |best: f64, corners: [[f64; 3]; 3]| {
+            if surface::box_square(corners, point_um) < best {
+                best.min(surface::square(corners, point_um))
+            } else {
+                best
+            }
+        };
+        self.corners().fold(f64::INFINITY, nearer).sqrt()
     }
 }
 

@@ -99,6 +99,15 @@ pub(super) fn volume_and_centre(mesh: &Mesh) -> (f64, [f64; 3]) {
     (volume, [0, 1, 2].map(|axis| apex[axis] + moment[axis] / volume))
 }
 
+/// The square of the distance of a point from the box round a triangle.
+pub(super) fn box_square([a, b, c]: [[f64; 3]; 3], point: [f64; 3]) -> f64 {
+    let off = |axis: usize| {
+        let (low, high) = (a[axis].min(b[axis]).min(c[axis]), a[axis].max(b[axis]).max(c[axis]));
+        (low - point[axis]).max(point[axis] - high).max(0.0).powi(2)
+    };
+    off(0) + off(1) + off(2)
+}
+
 /// The square of the distance of a point from a triangle: from its plane if the foot lies inside, else from the nearest side.
 pub(super) fn square([a, b, c]: [[f64; 3]; 3], point: [f64; 3]) -> f64 {
     let normal = cross(minus(b, a), minus(c, a));

@@ -1,6 +1,7 @@
 //! Meshes made here, whole and damaged.
 
 use super::*;
+use crate::geometry::outline::{Curve, Outline};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
@@ -218,6 +219,24 @@ fn what_is_no_surface_is_refused() {
     assert_eq!(Mesh::read(&binary(&many, b"")), Err(MeshError::TooManyTriangles(MAX_TRIANGLES + 1)));
     assert_eq!(Mesh::read(&vec![0; MAX_BYTES + 1]), Err(MeshError::TooLong { bytes: MAX_BYTES + 1 }));
     assert_eq!(Mesh::read(&binary(&Vec::new(), b"")), Err(MeshError::Empty));
+}
+
+/// From a mesh to an outline: that of the paper's ellipsoid, with its 74 contacts.
+#[test]
+fn a_section_becomes_a_smooth_outline() {
+    let axes_um = [16.0, 11.845, 11.845];
+    let mesh = Mesh::read(&binary(&scaled(&icosphere(4), axes_um), b"")).unwrap();
+    let exact = Curve::of(&Outline::Ellipse { semi_um: [16.0, 11.845] }).unwrap();
+    for axes in [XY, XZ] {
+        let line = mesh.section(axes).unwrap();
+        let curve = Curve::of(&Outline::from_polygon(&line).unwrap()).unwrap();
+        let contacts = curve.rolled_rad(curve.perimeter_um(), 4.5) / (TAU / 18.0);
+        assert!((contacts - 74.0).abs() < 0.2, "{contacts}");
+        let places = (0..200).map(|step| curve.spot(curve.perimeter_um() * f64::from(step) / 200.0).point_um);
+        let off = places.map(|place| exact.nearest(place).distance_um.abs()).fold(0.0, f64::max);
+        assert!(off < 0.05, "{off}");
+        assert!(curve.least_curvature_per_um() > 0.03, "{}", curve.least_curvature_per_um());
+    }
 }
 
 #[test]
