@@ -1,6 +1,7 @@
 //! What an expression is worth.
 
 use crate::device::shape::Form;
+use crate::geometry::mesh::Mesh;
 use crate::quantity::{Dimension, Quantity};
 use crate::source::{Span, Spanned};
 use std::collections::BTreeMap;
@@ -61,7 +62,7 @@ pub struct ObjectName {
 pub struct MeshFile {
     /// As the program writes it.
     pub path: String,
-    pub mesh: (),
+    pub mesh: Mesh,
 }
 
 /// A form with the fields that were given so far.

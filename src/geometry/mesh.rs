@@ -8,6 +8,7 @@
 //! though the plane lay a little behind (symbolic perturbation); so each triangle is cut on two edges or on none.
 
 mod section;
+mod said;
 mod stl;
 mod surface;
 #[cfg(test)]

@@ -104,13 +104,10 @@ pub fn mesh_file_not_plain(span: Span) -> Diagnostic {
 }
 
 /// A file of triangles that is no closed surface.
-pub fn bad_mesh(span: Span, path: &str, why: &str, line: Option<Span>) -> Diagnostic {
-    let diagnostic = Diagnostic::new(Code::E0553, format!("`{path}` {why}")).label(span, "used here");
-    let diagnostic = match line {
-        Some(line) => diagnostic.label(line, "in this line"),
-        None => diagnostic,
-    };
-    diagnostic.help("write the file anew from a solid: a closed surface, as STL, ASCII or binary")
+pub fn bad_mesh(span: Span, path: &str, why: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0553, format!("`{path}` {why}"))
+        .label(span, "used here")
+        .help("write the file anew from a solid: one closed surface round its origin, as STL, in text or binary")
 }
 
 pub fn part_without_shape(span: Span, name: &str) -> Diagnostic {
