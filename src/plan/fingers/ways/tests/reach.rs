@@ -5,7 +5,7 @@ use super::*;
 /// By how much a tip on a way comes nearer than it should, to the outline and to tips on other contacts: negative where it is clear.
 fn intrusion_um(bench: &Bench, way: &Way, holding: &[usize]) -> f64 {
     let facts = &bench.facts;
-    let far_um = super::super::reach::clear_um(facts, bench.curve.reach_um());
+    let far_um = facts.sphere_um(0, bench.curve.reach_um());
     let tips: Vec<Vector2<f64>> =
         holding.iter().map(|contact| bench.reach.way(*contact, &[]).expect("it is open").touch_um).collect();
     let mut worst_um = f64::NEG_INFINITY;
