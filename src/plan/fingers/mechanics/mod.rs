@@ -12,11 +12,11 @@
 
 mod contact;
 mod grip;
+mod instant;
 mod load;
 mod pair;
 mod rows;
 mod tabulate;
-mod instant;
 
 pub use contact::{Contact, Contacts};
 pub use grip::{Grip, Wrench};

@@ -43,10 +43,12 @@ impl Reach {
             normal: [0, 1].map(|k| (sign * along[k] - friction * inward[k]) / size),
             bound_un: friction * apex_un / size,
         };
-        let force = |normal_un: f64, tangential_un: f64| [0, 1].map(|k| inward[k] * normal_un + along[k] * tangential_un);
+        let force =
+            |normal_un: f64, tangential_un: f64| [0, 1].map(|k| inward[k] * normal_un + along[k] * tangential_un);
         let base_un = if most_un.is_finite() { most_un } else { 1.0 };
         let half_un = friction * (base_un + apex_un);
-        let (count, ends) = (if most_un.is_finite() { 3 } else { 2 }, [force(base_un, half_un), force(base_un, -half_un)]);
+        let (count, ends) =
+            (if most_un.is_finite() { 3 } else { 2 }, [force(base_un, half_un), force(base_un, -half_un)]);
         let mut corners_un = Corners { at_un: [force(-apex_un, 0.0); 12], count };
         corners_un.at_un[..2].copy_from_slice(&ends);
         // Too large a share of the load leaves nothing of the triangle.
@@ -76,7 +78,9 @@ impl Half {
     const NONE: Half = Half { force: [0.0; 2], moment_per_um: 0.0, bound_un: 0.0 };
 
     fn of(&self, wrench: &Wrench) -> f64 {
-        self.force[0] * wrench.force_un[0] + self.force[1] * wrench.force_un[1] + self.moment_per_um * wrench.moment_un_um
+        self.force[0] * wrench.force_un[0]
+            + self.force[1] * wrench.force_un[1]
+            + self.moment_per_um * wrench.moment_un_um
     }
 
     fn plus(&self, factor: f64, other: &Half, other_factor: f64) -> Half {
