@@ -130,6 +130,7 @@ pub(crate) struct Checker<'a> {
     origins: electrode_array::Origins,
     grounds: BTreeMap<(Place, Place), microrobots::Ground>,
     pose_origins: microrobots::Origins,
+    benches: BTreeMap<(Place, Place), fingers::Bench>,
     repetitions: usize,
 }
 
@@ -152,6 +153,7 @@ impl<'a> Checker<'a> {
             origins: electrode_array::Origins::new(),
             grounds: BTreeMap::new(),
             pose_origins: microrobots::Origins::new(),
+            benches: BTreeMap::new(),
             repetitions: 0,
         }
     }

@@ -9,7 +9,21 @@ use crate::syntax::tree::{self, Ident, Item, Tree};
 use std::collections::BTreeMap;
 
 /// The functions of the language.
-pub const FUNCTIONS: &[&str] = &["abs", "min", "max", "round", "floor", "sqrt", "sin", "cos", "atan2", "count", "pose"];
+pub const FUNCTIONS: &[&str] = &[
+    "abs",
+    "min",
+    "max",
+    "round",
+    "floor",
+    "sqrt",
+    "sin",
+    "cos",
+    "atan2",
+    "count",
+    "pose",
+    "euler",
+    "quaternion",
+];
 
 /// A file with what it declares and which files it uses.
 #[derive(Debug)]

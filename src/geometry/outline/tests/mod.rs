@@ -1,5 +1,7 @@
 //! Outlines against formulas, integrals and brute force.
 
+mod lists;
+
 use super::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
