@@ -120,12 +120,22 @@ fn assert_told_by_single_grasps(facts: &Facts, part: &(Section, Curve), load: Lo
     let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
     let grip = Grip::of(facts, contacts.reach_um());
     let size = contacts.number();
+    let firm = grip.with_reserve();
     let is_single = tables.layers.len() == 1;
     for (at, layer) in tables.layers.iter().enumerate() {
-        let parts = (0..=tabulate::PARTS_OF_STEP).map(|part| part as f64 / tabulate::PARTS_OF_STEP as f64);
-        let parts: Vec<Told> = parts.map(|part| Told::at(&grip, &contacts, load, [at as f64, part])).collect();
-        let (now, goes_on) = (&parts[0], is_single || at + 1 < angles);
-        let on = |grasp: &[usize]| goes_on && parts.iter().all(|part| part.holds(grasp));
+        let told = |hand, part: usize, of: usize| {
+            Told::at(hand, &contacts, load, [at as f64, part as f64 / of as f64])
+        };
+        let now = told(&grip, 0, 1);
+        let next = told(&grip, 1, 1);
+        let between: Vec<Told> = (1..PARTS_OF_STEP).map(|part| told(&firm, part, PARTS_OF_STEP)).collect();
+        let passing: Vec<Told> = (1..PARTS_OF_ROLLING).map(|part| told(&grip, part, PARTS_OF_ROLLING)).collect();
+        let on = |grasp: &[usize]| {
+            (is_single || at + 1 < angles)
+                && next.holds(grasp)
+                && between.iter().all(|part| part.holds(grasp))
+                && passing.iter().all(|part| part.has_room(grasp))
+        };
         for (i, j) in (0..size).flat_map(|i| (0..size).map(move |j| (i, j))) {
             let held = i != j && now.holds(&[i, j]);
             assert_eq!(layer.pair.has(i * size + j), held, "{at}: {i} {j}");
@@ -157,11 +167,17 @@ impl<'a> Told<'a> {
         Told { grip, contacts: contacts.after(part), load }
     }
 
+    fn held(&self, grasp: &[usize]) -> Vec<Contact> {
+        grasp.iter().map(|contact| self.contacts[*contact]).collect()
+    }
+
+    fn has_room(&self, grasp: &[usize]) -> bool {
+        let held = self.held(grasp);
+        (0..held.len()).all(|a| held[a].usable && (0..a).all(|b| held[a].tips_apart_um(&held[b]) >= 9.0))
+    }
+
     fn holds(&self, grasp: &[usize]) -> bool {
-        let held: Vec<Contact> = grasp.iter().map(|contact| self.contacts[*contact]).collect();
-        let room = |a: usize, b: usize| held[a].tips_apart_um(&held[b]) >= 9.0;
-        let has_room = (0..held.len()).all(|a| (0..a).all(|b| room(a, b)) && held[a].usable);
-        has_room && self.grip.holds(&held, &self.load)
+        self.has_room(grasp) && self.grip.holds(&self.held(grasp), &self.load)
     }
 }
 
