@@ -7,6 +7,10 @@ use super::pair::{Line, Reach, are_antipodal};
 use super::{Contact, Load, TOLERANCE};
 use crate::device::fingers::Facts;
 
+/// The share of friction, pull-off and greatest force that a grasp must do without while it rolls: from one instant that is looked
+/// at to the next a balance changes by less than this, and where tips roll on chords of their curves too.
+pub const RESERVE: f64 = 0.02;
+
 /// A force in the plane on the object, and its moment about the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wrench {
@@ -63,6 +67,17 @@ impl Grip {
             max_force_un: facts.max_force_un,
             removal_un: facts.removal_safety * facts.sticking_un(),
             arm_um: reach_um,
+        }
+    }
+
+    /// The same hand with [`RESERVE`] kept back.
+    pub fn with_reserve(&self) -> Grip {
+        let kept = 1.0 - RESERVE;
+        Grip {
+            friction: self.friction * kept,
+            sticking_un: self.sticking_un * kept,
+            max_force_un: self.max_force_un * kept,
+            ..*self
         }
     }
 

@@ -85,7 +85,10 @@ fn the_papers_ellipse_has_its_grasps() {
     for friction in [0.1, 0.3, 0.5] {
         let tables = tabulated(&hand(friction, Adhesion::Sticking), &part, Load::NONE, 19);
         assert_eq!((tables.layers.len(), grasps(&tables)), (1, 258_630), "friction does not matter where tips stick");
-        assert_eq!(tables.layers[0].roll_triple, tables.layers[0].triple, "a tip that has room has room while it rolls");
+        assert_eq!(
+            tables.layers[0].roll_triple, tables.layers[0].triple,
+            "a tip that has room has room while it rolls"
+        );
     }
 }
 
@@ -109,4 +112,97 @@ fn without_adhesion_grasps_grow_with_friction_as_in_table_2() {
             assert!((found - share).abs() < 0.02, "{semi_um:?}, {friction}: {found:.3}");
         }
     }
+}
+
+/// Every bit of the tables, told again from single grasps: what `holds` says of contacts at an instant, and room between tips.
+fn assert_told_by_single_grasps(facts: &Facts, part: &(Section, Curve), load: Load, angles: usize) {
+    let tables = tabulated(facts, part, load, angles);
+    let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
+    let grip = Grip::of(facts, contacts.reach_um());
+    let size = contacts.number();
+    let firm = grip.with_reserve();
+    let is_single = tables.layers.len() == 1;
+    for (at, layer) in tables.layers.iter().enumerate() {
+        let told = |hand, part: usize, of: usize| {
+            Told::at(hand, &contacts, load, [at as f64, part as f64 / of as f64])
+        };
+        let now = told(&grip, 0, 1);
+        let next = told(&grip, 1, 1);
+        let between: Vec<Told> = (1..PARTS_OF_STEP).map(|part| told(&firm, part, PARTS_OF_STEP)).collect();
+        let passing: Vec<Told> = (1..PARTS_OF_ROLLING).map(|part| told(&grip, part, PARTS_OF_ROLLING)).collect();
+        let on = |grasp: &[usize]| {
+            (is_single || at + 1 < angles)
+                && next.holds(grasp)
+                && between.iter().all(|part| part.holds(grasp))
+                && passing.iter().all(|part| part.has_room(grasp))
+        };
+        for (i, j) in (0..size).flat_map(|i| (0..size).map(move |j| (i, j))) {
+            let held = i != j && now.holds(&[i, j]);
+            assert_eq!(layer.pair.has(i * size + j), held, "{at}: {i} {j}");
+            assert_eq!(layer.roll_pair.has(i * size + j), held && on(&[i, j]), "{at}: {i} {j} roll");
+            for k in (0..size).step_by(3) {
+                let bit = tables.three(i, j, k);
+                let all = i != j && i != k && j != k && now.holds(&[i, j, k]);
+                assert_eq!(layer.triple.has(bit), all, "{at}: {i} {j} {k}");
+                assert_eq!(layer.roll_triple.has(bit), all && on(&[i, j, k]), "{at}: {i} {j} {k} roll");
+                assert_eq!(layer.place.has(bit), all && held, "{at}: {i} {j} {k} comes");
+                let lets_go =
+                    all && held && grip.resists([&now.contacts[i], &now.contacts[j]], &now.contacts[k], &now.load);
+                assert_eq!(layer.leave.has(bit), lets_go, "{at}: {i} {j} {k} leaves");
+            }
+        }
+    }
+}
+
+/// Contacts and load at an angle, and a part of a step after it.
+struct Told<'a> {
+    grip: &'a Grip,
+    contacts: Vec<Contact>,
+    load: Load,
+}
+
+impl<'a> Told<'a> {
+    fn at(grip: &'a Grip, contacts: &Contacts, load: Load, [angle, part]: [f64; 2]) -> Told<'a> {
+        let load = load.after_turn((angle + part) * contacts.step_rad());
+        Told { grip, contacts: contacts.after(part), load }
+    }
+
+    fn held(&self, grasp: &[usize]) -> Vec<Contact> {
+        grasp.iter().map(|contact| self.contacts[*contact]).collect()
+    }
+
+    fn has_room(&self, grasp: &[usize]) -> bool {
+        let held = self.held(grasp);
+        (0..held.len()).all(|a| held[a].usable && (0..a).all(|b| held[a].tips_apart_um(&held[b]) >= 9.0))
+    }
+
+    fn holds(&self, grasp: &[usize]) -> bool {
+        self.has_room(grasp) && self.grip.holds(&self.held(grasp), &self.load)
+    }
+}
+
+#[test]
+fn tables_say_what_single_grasps_say() {
+    let round = ellipse([8.0, 6.1], 28);
+    let waist = peanut(30);
+    let weight = Load { force_un: [0.4, -0.9], across_un: 0.0, at_um: [0.5, 0.2] };
+    let oblique = Load { across_un: 0.7, ..weight };
+    for adhesion in [Adhesion::Sticking, Adhesion::Absent] {
+        for part in [&round, &waist] {
+            assert_told_by_single_grasps(&hand(0.4, adhesion), part, Load::NONE, 5);
+        }
+        for load in [weight, oblique] {
+            assert_told_by_single_grasps(&hand(0.4, adhesion), &round, load, 3);
+        }
+    }
+}
+
+/// Slimmer in the middle: a tip in the waist may cut the outline elsewhere.
+fn peanut(contacts: u32) -> (Section, Curve) {
+    let round = |k: usize| {
+        let (sin, cos) = (k as f64 * TAU / 32.0).sin_cos();
+        let radius_um = 7.0 + 4.0 * (2.0 * cos * cos - 1.0);
+        [radius_um * cos, radius_um * sin]
+    };
+    section(Outline::Spline { points_um: (0..32).map(round).collect() }, contacts)
 }

@@ -68,7 +68,8 @@ impl Case {
             }
         }
         let [nx, ny] = leaves.normal.map(|part| part * pull_un);
-        let [[px, py], [lx, ly]] = [leaves.point_um, self.load.at_um].map(|point_um| point_um.map(|part| part / ARM_UM));
+        let [[px, py], [lx, ly]] =
+            [leaves.point_um, self.load.at_um].map(|point_um| point_um.map(|part| part / ARM_UM));
         let [fx, fy] = self.load.force_un;
         let outer_un = [nx + fx, ny + fy, px * ny - py * nx + lx * fy - ly * fx];
         for (row, outer_un) in rows.iter().zip(outer_un) {
