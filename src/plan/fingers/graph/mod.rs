@@ -25,7 +25,7 @@ pub use greedy::decompose;
 
 use crate::device::fingers::MAX_FINGERS;
 use crate::plan::fingers::tables::Tables;
-use crate::plan::search::{Budget, GaveUp};
+use crate::plan::search::{Budget, GaveUp, Meter};
 use std::sync::Arc;
 
 /// The most nodes of one route: all grasps that could be, times all angles, of all its legs.
@@ -149,6 +149,8 @@ pub struct Way {
     pub bound: u64,
     /// For each leg all nodes from its first at angle 0 to its last at its end; neighbours are joined by an edge.
     pub legs: Vec<Vec<Node>>,
+    /// How many nodes were expanded for it.
+    pub expanded: u64,
 }
 
 /// The farthest that any route comes.
@@ -168,6 +170,11 @@ pub struct Blocked {
     pub ends: u64,
 }
 
+impl Blocked {
+    /// No route, or none of which anything is known.
+    const NOWHERE: Blocked = Blocked { route: 0, leg: 0, begins: 0, farthest: None, arrives: 0, ends: 0 };
+}
+
 /// What came of a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
@@ -184,5 +191,5 @@ pub enum Answer {
 ///
 /// A step of the budget is a node that is expanded; floods are bounded by [`MAX_NODES`] and not counted.
 pub fn solve(request: &Request, estimator: Estimator, budget: Budget) -> Answer {
-    route::cheapest(request, estimator, budget)
+    route::cheapest(request, estimator, &mut Meter::new(budget))
 }

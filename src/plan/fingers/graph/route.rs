@@ -6,7 +6,7 @@ use super::layout::Spot;
 use super::published::Published;
 use super::walk::{Estimate, NEVER, Progress, Walk};
 use super::{Answer, Blocked, Costs, Estimator, Leg, Node, Request, Start, Way};
-use crate::plan::search::{Budget, Meter};
+use crate::plan::search::Meter;
 
 /// The exact number of reconfigurations to go, as far as the flood has come; one more than its last layer for all other nodes.
 #[derive(Debug)]
@@ -33,18 +33,43 @@ impl<const N: usize> Estimate for Layers<'_, N> {
 }
 
 /// See [`super::solve`].
-pub fn cheapest(request: &Request, estimator: Estimator, budget: Budget) -> Answer {
+pub fn cheapest(request: &Request, estimator: Estimator, meter: &mut Meter) -> Answer {
     let courses = match courses(request) {
         Ok(courses) => courses,
         Err(nodes) => return Answer::TooLarge { nodes },
     };
-    let angles = request.routes.iter().flatten().map(Leg::angles).max().unwrap_or(1);
-    let search = Search { request, courses: &courses, meter: Meter::new(budget) };
-    match angles {
+    let search = Search { request, courses: &courses, meter };
+    match angles(request) {
         0..=64 => search.run::<1>(estimator),
         65..=128 => search.run::<2>(estimator),
         _ => search.run::<8>(estimator),
     }
+}
+
+/// No way of any route costs less; `None` where there is none, or where a route is too large.
+pub fn bound(request: &Request) -> Option<u64> {
+    let courses = courses(request).ok()?;
+    let costs = request.costs;
+    let bound = |course: &Course| {
+        let layers = match angles(request) {
+            0..=64 => layers::<1>(course, request.start),
+            65..=128 => layers::<2>(course, request.start),
+            _ => layers::<8>(course, request.start),
+        };
+        layers.map(|layers| least(course, costs) + u64::from(costs.gait) * u64::from(layers))
+    };
+    courses.iter().filter_map(bound).min()
+}
+
+/// The least number of reconfigurations from the start to the end.
+fn layers<const N: usize>(course: &Course, start: Start) -> Option<u32> {
+    let flood = flooded::<N>(course, start);
+    (!flood.ended() || arrived(&flood, course, start)).then(|| flood.layer())
+}
+
+/// The most angles of a leg.
+fn angles(request: &Request) -> usize {
+    request.routes.iter().flatten().map(Leg::angles).max().unwrap_or(1)
 }
 
 /// A route that may still be the cheapest.
@@ -59,13 +84,13 @@ struct Candidate<'a, E> {
 struct Search<'a> {
     request: &'a Request,
     courses: &'a [Course],
-    meter: Meter,
+    meter: &'a mut Meter,
 }
 
 impl<'a> Search<'a> {
     fn run<const N: usize>(mut self, estimator: Estimator) -> Answer {
         if let Some(route) = self.courses.iter().position(|course| course.sheets.is_empty()) {
-            return Answer::Found(Way { route, cost: 0, bound: 0, legs: Vec::new() });
+            return Answer::Found(Way { route, cost: 0, bound: 0, legs: Vec::new(), expanded: 0 });
         }
         let found = match estimator {
             Estimator::Published => self.portfolio(Published::of),
@@ -84,6 +109,7 @@ impl<'a> Search<'a> {
         let mut open: Vec<Candidate<'a, E>> = (self.courses.iter().enumerate())
             .map(|(route, course)| Candidate { route, bound: least(course, costs), walk: None })
             .collect();
+        let before = self.meter.spent();
         loop {
             let at = (0..open.len()).min_by_key(|at| (open[*at].bound, open[*at].route))?;
             let limit = (open.iter().enumerate())
@@ -98,10 +124,11 @@ impl<'a> Search<'a> {
                 }
                 continue;
             };
-            match walk.advance(limit.unwrap_or(u64::MAX), &mut self.meter) {
+            match walk.advance(limit.unwrap_or(u64::MAX), self.meter) {
                 Progress::Found(cost) => {
-                    let legs = legs(&self.courses[candidate.route], &walk.way());
-                    return Some(Answer::Found(Way { route: candidate.route, cost: cost * unit, bound: cost * unit, legs }));
+                    let (route, cost, expanded) = (candidate.route, cost * unit, self.meter.spent() - before);
+                    let legs = legs(&self.courses[route], &walk.way());
+                    return Some(Answer::Found(Way { route, cost, bound: cost, legs, expanded }));
                 }
                 Progress::AtLeast(bound) => candidate.bound = bound,
                 Progress::Exhausted => drop(open.remove(at)),
@@ -143,16 +170,20 @@ fn least(course: &Course, costs: Costs) -> u64 {
 pub fn flooded<const N: usize>(course: &Course, start: Start) -> Flood<'_, N> {
     let leg = course.sheets.len() - 1;
     let mut flood = Flood::from(course, Direction::Back, nodes_at(course, leg, course.sheets[leg].end).filter(|spot| course.is_goal(*spot)));
-    let begin = course.sheets[0].start;
-    let at = match start {
-        Start::Any => None,
-        Start::At(grasp) => course.place(0, begin, &grasp),
-    };
-    let arrived = |flood: &Flood<N>| at.map_or_else(|| flood.arrives(), |spot| flood.layer_of(spot).is_some());
-    while !flood.ended() && !arrived(&flood) {
+    while !flood.ended() && !arrived(&flood, course, start) {
         flood.deepen();
     }
     flood
+}
+
+/// Whether a flood from the goals has just come to the start.
+fn arrived<const N: usize>(flood: &Flood<N>, course: &Course, start: Start) -> bool {
+    match start {
+        Start::Any => flood.arrives(),
+        Start::At(grasp) => {
+            course.place(0, course.sheets[0].start, &grasp).is_some_and(|spot| flood.layer_of(spot).is_some())
+        }
+    }
 }
 
 /// All nodes of a leg at an angle.
@@ -184,7 +215,7 @@ fn blocked<const N: usize>(courses: &[Course], start: Start) -> Blocked {
             farthest = Some(report);
         }
     }
-    farthest.unwrap_or(Blocked { route: 0, leg: 0, begins: 0, farthest: None, arrives: 0, ends: 0 })
+    farthest.unwrap_or(Blocked::NOWHERE)
 }
 
 /// Where a route that has no way comes to a stop.
