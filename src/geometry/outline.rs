@@ -3,10 +3,36 @@
 //! Input: an [`Outline`] in micrometres. Output: a [`Curve`], run through counter-clockwise by the way along it, which begins where the
 //! positive x axis leaves it for good. Promise: ways, normals and curvatures agree with one another to [`PRECISION_UM`].
 
+mod boxes;
+mod follow;
+mod form;
+mod spline;
+#[cfg(test)]
+mod tests;
+
+use boxes::Boxes;
+use follow::{Course, gauss, turn};
+use form::{Form, cross, dot, minus, norm};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
 /// How exactly a [`Curve`] follows its outline.
 pub const PRECISION_UM: f64 = 1e-6;
+
+/// The fewest points of a spline.
+pub const MIN_POINTS: usize = 4;
+
+/// The most points of a spline.
+pub const MAX_POINTS: usize = 4096;
+
+/// The greatest coordinate or semi-axis.
+pub const MAX_UM: f64 = 1e6;
+
+/// The least semi-axis, half width or radius of a corner.
+pub const MIN_UM: f64 = 1e-3;
+
+/// The exponents of superellipses.
+pub const EXPONENTS: [f64; 2] = [2.0, 10.0];
 
 /// A closed smooth outline round the origin, in micrometres.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,7 +69,7 @@ pub struct Nearest {
 /// Why an outline cannot be followed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum OutlineError {
-    /// A number that is not finite, or too large.
+    /// A number that is not finite, too large, or out of the range that its form allows.
     Number,
     /// Fewer points than a spline needs.
     TooFewPoints(usize),
@@ -55,6 +81,8 @@ pub enum OutlineError {
     NoArea,
     /// It meets itself at these two ways along it.
     Crossing { ways_um: [f64; 2] },
+    /// It has a corner, or bends too sharply to be followed, near this point.
+    Rough { point_um: [f64; 2] },
     /// The x axis does not meet it on both sides of the origin, or the origin lies outside.
     OffOrigin,
 }
@@ -62,7 +90,16 @@ pub enum OutlineError {
 /// An outline made ready for questions.
 #[derive(Debug, Clone)]
 pub struct Curve {
+    form: Form,
+    course: Course,
+    boxes: Boxes,
     perimeter_um: f64,
+    opposite_um: f64,
+    area_um2: f64,
+    centre_um: [f64; 2],
+    reach_um: f64,
+    width_um: f64,
+    least_curvature_per_um: f64,
 }
 
 impl Curve {
@@ -70,8 +107,49 @@ impl Curve {
     ///
     /// # Errors
     /// See [`OutlineError`].
-    pub fn of(_outline: &Outline) -> Result<Curve, OutlineError> {
-        Err(OutlineError::NoArea)
+    pub fn of(outline: &Outline) -> Result<Curve, OutlineError> {
+        let form = formulas(outline)?;
+        let (begin, opposite) = axis_places(&form)?;
+        let mut course = Course::of(&form, begin)?;
+        let boxes = Boxes::round(&course);
+        if form.may_cross() {
+            uncrossed(&course, &boxes)?;
+        }
+        close(&mut course);
+        let perimeter_um = course.ways_um[course.stretches.len()];
+        let (area_um2, centre_um) = area_and_centre(&form, &course);
+        let numbers = (perimeter_um, area_um2, centre_um);
+        Curve::with(form, course, boxes, opposite, numbers)
+    }
+
+    fn with(
+        form: Form,
+        course: Course,
+        boxes: Boxes,
+        opposite: Option<Place>,
+        (perimeter_um, area_um2, centre_um): (f64, f64, [f64; 2]),
+    ) -> Result<Curve, OutlineError> {
+        let opposite_um = opposite.map_or(perimeter_um / 2.0, |place| way_at(&course, place));
+        let (reach_um, width_um, least_curvature_per_um) = (0.0, 0.0, 0.0);
+        let mut curve = Curve {
+            form,
+            course,
+            boxes,
+            perimeter_um,
+            opposite_um,
+            area_um2,
+            centre_um,
+            reach_um,
+            width_um,
+            least_curvature_per_um,
+        };
+        if curve.nearest([0.0, 0.0]).distance_um >= 0.0 {
+            return Err(OutlineError::OffOrigin);
+        }
+        curve.reach_um = -curve.least(|spot| -norm(spot.point_um));
+        curve.width_um = -curve.least(|spot| -spot.point_um[0]) - curve.least(|spot| spot.point_um[0]);
+        curve.least_curvature_per_um = curve.least(|spot| spot.curvature_per_um);
+        Ok(curve)
     }
 
     /// Once round.
@@ -81,42 +159,359 @@ impl Curve {
 
     /// How far from the origin it reaches.
     pub fn reach_um(&self) -> f64 {
-        self.perimeter_um
+        self.reach_um
     }
 
-    /// The place at a way along it; ways count on round and round, and backwards below 0.
+    /// The area that it encloses, in square micrometres.
+    pub fn area_um2(&self) -> f64 {
+        self.area_um2
+    }
+
+    /// The centre of the area that it encloses.
+    pub fn centre_um(&self) -> [f64; 2] {
+        self.centre_um
+    }
+
+    /// From its least to its greatest x.
+    pub fn longest_x_um(&self) -> f64 {
+        self.width_um
+    }
+
+    /// The place at a way along it; ways count on round and round, and backwards below 0. The normal counts on with them.
     pub fn spot(&self, way_um: f64) -> Spot {
-        Spot { point_um: [way_um, 0.0], normal_rad: 0.0, curvature_per_um: 0.0 }
+        let laps = (way_um / self.perimeter_um).floor();
+        let way_um = way_um - laps * self.perimeter_um;
+        let (at, t) = self.place(way_um);
+        let jet = self.form.at(self.course.stretches[at].piece, t);
+        let turned = turn(self.course.tangents[at], jet.first);
+        Spot {
+            point_um: jet.point,
+            normal_rad: self.course.turns_rad[at] + turned + laps * TAU,
+            curvature_per_um: jet.curvature(),
+        }
     }
 
-    /// The place nearest to a point.
-    pub fn nearest(&self, _point_um: [f64; 2]) -> Nearest {
-        Nearest { way_um: 0.0, distance_um: 0.0 }
+    /// The stretch and the parameter at a way within the first lap.
+    fn place(&self, way_um: f64) -> (usize, f64) {
+        let ways_um = &self.course.ways_um;
+        let at = ways_um.partition_point(|way| *way <= way_um).saturating_sub(1).min(self.course.stretches.len() - 1);
+        (at, self.course.stretches[at].t(way_um - ways_um[at]))
     }
 
-    /// The place nearest to a point in the neighbourhood of a way along the outline.
-    pub fn nearest_from(&self, _point_um: [f64; 2], way_um: f64) -> Nearest {
-        Nearest { way_um, distance_um: 0.0 }
+    /// The place nearest to a point; its way lies in the first lap.
+    pub fn nearest(&self, point_um: [f64; 2]) -> Nearest {
+        let mut found = Found { square: f64::INFINITY, way_um: 0.0, sign: f64::NAN };
+        if point_um.iter().all(|number| number.is_finite()) {
+            self.boxes.nearest(point_um, |at, best| {
+                if self.may_be_nearer(at, point_um, best) {
+                    self.foot(at, point_um).filter(|foot| foot.square < found.square).inspect(|foot| found = *foot);
+                }
+                found.square
+            });
+        }
+        Nearest { way_um: found.way_um, distance_um: found.square.sqrt() * found.sign }
+    }
+
+    /// Whether the chord is near enough that the stretch may hold a nearer place.
+    fn may_be_nearer(&self, at: usize, point_um: [f64; 2], square: f64) -> bool {
+        let [a, b] = [self.course.points_um[at], self.course.points_um[at + 1]];
+        let (chord, off) = (minus(b, a), minus(point_um, a));
+        let share = (dot(off, chord) / dot(chord, chord)).clamp(0.0, 1.0);
+        let reach = square.sqrt() + self.course.stretches[at].sag_um;
+        let gap = [off[0] - share * chord[0], off[1] - share * chord[1]];
+        dot(gap, gap) <= reach * reach
+    }
+
+    /// The place nearest to a point in the neighbourhood of a way along the outline: downhill from there. Its way runs on from that way,
+    /// and is not brought back to the first lap.
+    pub fn nearest_from(&self, point_um: [f64; 2], way_um: f64) -> Nearest {
+        let laps = (way_um / self.perimeter_um).floor();
+        let (mut at, _) = self.place(way_um - laps * self.perimeter_um);
+        let (count, mut around) = (self.course.stretches.len(), 0.0);
+        let ahead = self.slope(at, point_um) < 0.0;
+        // Forwards until the distance grows at the end of the stretch, or backwards until it falls at its beginning.
+        for _ in 0..count {
+            if ahead && self.slope(at + 1, point_um) < 0.0 {
+                at += 1;
+                if at == count {
+                    (at, around) = (0, around + 1.0);
+                }
+            } else if !ahead && self.slope(at, point_um) > 0.0 {
+                if at == 0 {
+                    (at, around) = (count, around - 1.0);
+                }
+                at -= 1;
+            } else {
+                break;
+            }
+        }
+        let found = self.foot(at, point_um).unwrap_or(Found { square: f64::NAN, way_um: 0.0, sign: 1.0 });
+        let way_um = found.way_um + (laps + around) * self.perimeter_um;
+        Nearest { way_um, distance_um: found.square.sqrt() * found.sign }
+    }
+
+    /// How half the square of the distance grows along the way at a node.
+    fn slope(&self, node: usize, point_um: [f64; 2]) -> f64 {
+        dot(minus(self.course.points_um[node], point_um), self.course.tangents[node])
+    }
+
+    /// The place of a stretch nearest to a point.
+    fn foot(&self, at: usize, point_um: [f64; 2]) -> Option<Found> {
+        let stretch = &self.course.stretches[at];
+        let slopes = [self.slope(at, point_um), self.slope(at + 1, point_um)];
+        if slopes[0] < 0.0 && slopes[1] > 0.0 {
+            let begin = stretch.from_t + (stretch.to_t - stretch.from_t) * slopes[0] / (slopes[0] - slopes[1]);
+            return Some(self.perpendicular(at, point_um, begin));
+        }
+        let gaps = [at, at + 1].map(|node| minus(point_um, self.course.points_um[node]));
+        let node = usize::from(dot(gaps[1], gaps[1]) < dot(gaps[0], gaps[0]));
+        let square = dot(gaps[node], gaps[node]);
+        let [x, y] = self.course.tangents[at + node];
+        let sign = if dot(gaps[node], [y, -x]) < 0.0 { -1.0 } else { 1.0 };
+        square.is_finite().then_some(Found { square, way_um: self.course.ways_um[at + node], sign })
+    }
+
+    /// Newton's method for where the gap is perpendicular to the curve, kept between two slopes of different sign.
+    fn perpendicular(&self, at: usize, point_um: [f64; 2], begin: f64) -> Found {
+        let stretch = &self.course.stretches[at];
+        let (mut low, mut high, mut t) = (stretch.from_t, stretch.to_t, begin);
+        let mut jet = self.form.at(stretch.piece, t);
+        for _ in 0..MAX_ITERATIONS {
+            let gap = minus(jet.point, point_um);
+            let slope = dot(gap, jet.first);
+            if slope > 0.0 {
+                high = t
+            } else {
+                low = t
+            }
+            let step = slope / (dot(jet.first, jet.first) + dot(gap, jet.second));
+            let next = t - step;
+            let (before, within) = (t, next >= low && next <= high);
+            t = if within { next } else { f64::midpoint(low, high) };
+            jet = self.form.at(stretch.piece, t);
+            if (t - before).abs() * jet.speed() < NEWTON_UM {
+                break;
+            }
+        }
+        let gap = minus(point_um, jet.point);
+        let sign = if dot(gap, jet.normal()) < 0.0 { -1.0 } else { 1.0 };
+        Found { square: dot(gap, gap), way_um: self.course.ways_um[at] + stretch.way_um(t), sign }
     }
 
     /// By how much the object turns while a tip rolls from way 0 to a way: the integral of κ + 1/l2, which is the turn of the normal
     /// and the way over the tip's radius.
     pub fn rolled_rad(&self, way_um: f64, tip_radius_um: f64) -> f64 {
-        self.spot(way_um).normal_rad - self.spot(0.0).normal_rad + way_um / tip_radius_um
+        self.spot(way_um).normal_rad - self.course.turns_rad[0] + way_um / tip_radius_um
     }
 
-    /// The way at which a tip has rolled so far; the inverse of [`Curve::rolled_rad`], for tips that reach everywhere.
-    pub fn way_rolled_um(&self, rolled_rad: f64, _tip_radius_um: f64) -> f64 {
-        rolled_rad
+    /// The way at which a tip has rolled so far; the inverse of [`Curve::rolled_rad`], for tips that reach everywhere (κ > -1/l2). For
+    /// others it is one of the ways, or none: some number.
+    pub fn way_rolled_um(&self, rolled_rad: f64, tip_radius_um: f64) -> f64 {
+        let once_rad = TAU + self.perimeter_um / tip_radius_um;
+        let laps = (rolled_rad / once_rad).floor();
+        let wanted_rad = rolled_rad - laps * once_rad;
+        let course = &self.course;
+        let at_node = |node: usize| course.turns_rad[node] - course.turns_rad[0] + course.ways_um[node] / tip_radius_um;
+        let (mut first, mut last) = (0, course.stretches.len());
+        while last - first > 1 {
+            let middle = usize::midpoint(first, last);
+            if at_node(middle) <= wanted_rad { first = middle } else { last = middle }
+        }
+        let (mut low, mut high) = (course.ways_um[first], course.ways_um[last]);
+        let share = (wanted_rad - at_node(first)) / (at_node(last) - at_node(first));
+        let mut way_um = low + (high - low) * share.clamp(0.0, 1.0);
+        for _ in 0..MAX_ITERATIONS {
+            let spot = self.spot(way_um);
+            let off = spot.normal_rad - course.turns_rad[0] + way_um / tip_radius_um - wanted_rad;
+            if off > 0.0 {
+                high = way_um
+            } else {
+                low = way_um
+            }
+            let next = way_um - off / (spot.curvature_per_um + tip_radius_um.recip());
+            let before = way_um;
+            way_um = if next >= low && next <= high { next } else { f64::midpoint(low, high) };
+            if (way_um - before).abs() < NEWTON_UM {
+                break;
+            }
+        }
+        way_um + laps * self.perimeter_um
     }
 
     /// The way to where the negative x axis meets it, farthest out.
     pub fn opposite_um(&self) -> f64 {
-        self.perimeter_um / 2.0
+        self.opposite_um
     }
 
     /// The least signed curvature.
     pub fn least_curvature_per_um(&self) -> f64 {
-        0.0
+        self.least_curvature_per_um
     }
+
+    /// The least value along the curve: that of the best node, improved by the golden section on both sides.
+    fn least(&self, value: impl Fn(&Spot) -> f64) -> f64 {
+        let ways_um = &self.course.ways_um;
+        let count = self.course.stretches.len();
+        let at = |way_um: f64| value(&self.spot(way_um));
+        let best = (0..count).map(|node| (at(ways_um[node]), node)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut least, node) = best.unwrap_or((f64::NAN, 0));
+        let before = if node == 0 { ways_um[count - 1] - self.perimeter_um } else { ways_um[node - 1] };
+        for (mut low, mut high) in [(before, ways_um[node]), (ways_um[node], ways_um[node + 1])] {
+            for _ in 0..SECTIONS {
+                let inner = [low + (high - low) * GOLDEN, high - (high - low) * GOLDEN];
+                let values = inner.map(at);
+                least = least.min(values[0]).min(values[1]);
+                if values[0] < values[1] { high = inner[1] } else { low = inner[0] }
+            }
+        }
+        least
+    }
+}
+
+/// The most steps of Newton's method, halvings among them.
+const MAX_ITERATIONS: usize = 60;
+
+/// Newton's method ends when it moves by less.
+const NEWTON_UM: f64 = 1e-9;
+
+/// How often an interval is cut by the golden section.
+const SECTIONS: usize = 40;
+
+/// The smaller part of the golden section.
+const GOLDEN: f64 = 0.381_966_011_250_105_1;
+
+/// A place that was found near a point.
+#[derive(Debug, Clone, Copy)]
+struct Found {
+    square: f64,
+    way_um: f64,
+    /// -1 inside.
+    sign: f64,
+}
+
+/// The formulas of an outline, all its numbers in range.
+fn formulas(outline: &Outline) -> Result<Form, OutlineError> {
+    match outline {
+        Outline::Ellipse { semi_um } => sizes(semi_um).map(|()| Form::Ellipse { semi: *semi_um }),
+        Outline::Superellipse { semi_um, exponent } => {
+            sizes(semi_um)?;
+            let in_range = (EXPONENTS[0]..=EXPONENTS[1]).contains(exponent);
+            in_range.then_some(Form::Superellipse { semi: *semi_um, exponent: *exponent }).ok_or(OutlineError::Number)
+        }
+        Outline::RoundedRectangle { half_um, radius_um } => {
+            sizes(half_um)?;
+            let in_range = (MIN_UM..=half_um[0].min(half_um[1])).contains(radius_um);
+            in_range.then(|| Form::rounded(*half_um, *radius_um)).ok_or(OutlineError::Number)
+        }
+        Outline::Spline { points_um } => spline_form(points_um),
+    }
+}
+
+fn sizes(semi_um: &[f64; 2]) -> Result<(), OutlineError> {
+    if semi_um.iter().any(|semi| !semi.is_finite() || *semi < 0.0 || *semi > MAX_UM) {
+        return Err(OutlineError::Number);
+    }
+    if semi_um.iter().any(|semi| *semi < MIN_UM) {
+        return Err(OutlineError::NoArea);
+    }
+    Ok(())
+}
+
+fn spline_form(points_um: &[[f64; 2]]) -> Result<Form, OutlineError> {
+    let count = points_um.len();
+    if count < MIN_POINTS {
+        return Err(OutlineError::TooFewPoints(count));
+    }
+    if count > MAX_POINTS {
+        return Err(OutlineError::TooManyPoints(count));
+    }
+    // Not NaN either.
+    if !points_um.iter().flatten().all(|number| number.abs() <= MAX_UM) {
+        return Err(OutlineError::Number);
+    }
+    let extent_um = points_um.iter().map(|point| norm(*point)).fold(0.0, f64::max);
+    let next = |at: usize| points_um[(at + 1) % count];
+    if let Some(at) = (0..count).find(|at| norm(minus(next(*at), points_um[*at])) <= LEAST_GAP * extent_um) {
+        return Err(OutlineError::RepeatedPoint(at));
+    }
+    let cubics = spline::through(points_um);
+    let area_um2 = spline::area(&cubics);
+    if area_um2.is_nan() || area_um2.abs() <= (MIN_UM * MIN_UM).max(LEAST_GAP * extent_um * extent_um) {
+        return Err(OutlineError::NoArea);
+    }
+    if area_um2 < 0.0 {
+        let reversed: Vec<[f64; 2]> = points_um.iter().rev().copied().collect();
+        return Ok(Form::Spline { cubics: spline::through(&reversed) });
+    }
+    Ok(Form::Spline { cubics })
+}
+
+/// How near two neighbours may be, as a share of the whole.
+const LEAST_GAP: f64 = 1e-9;
+
+/// A piece and a parameter in it.
+type Place = (usize, f64);
+
+/// Where the x axis leaves a form farthest out: where the curve begins, and the place opposite unless that is half way round.
+fn axis_places(form: &Form) -> Result<(Place, Option<Place>), OutlineError> {
+    let Form::Spline { cubics } = form else {
+        return Ok(((0, 0.0), None));
+    };
+    let roots = (0..cubics.len()).flat_map(|piece| {
+        let end_y = cubics[(piece + 1) % cubics.len()].at(0.0).point[1];
+        cubics[piece].roots_y(end_y).into_iter().map(move |t| (piece, t))
+    });
+    let x = |place: &Place| cubics[place.0].at(place.1).point[0];
+    let (right, left): (Vec<Place>, Vec<Place>) = roots.partition(|place| x(place) > 0.0);
+    let begin = right.into_iter().max_by(|a, b| x(a).total_cmp(&x(b)));
+    let opposite = left.into_iter().min_by(|a, b| x(a).total_cmp(&x(b)));
+    match (begin, opposite) {
+        (Some(begin), Some(opposite)) => Ok((begin, Some(opposite))),
+        (None, _) | (_, None) => Err(OutlineError::OffOrigin),
+    }
+}
+
+/// The way along a course to a place.
+fn way_at(course: &Course, (piece, t): Place) -> f64 {
+    let off = |at: usize| {
+        let stretch = &course.stretches[at];
+        if stretch.piece == piece { (stretch.from_t - t).max(t - stretch.to_t).max(0.0) } else { f64::INFINITY }
+    };
+    let nearest = (0..course.stretches.len()).min_by(|a, b| off(*a).total_cmp(&off(*b)));
+    nearest.map_or(f64::NAN, |at| course.ways_um[at] + course.stretches[at].way_um(t))
+}
+
+/// That a curve does not meet itself, and turns just once.
+fn uncrossed(course: &Course, boxes: &Boxes) -> Result<(), OutlineError> {
+    if let Some(pair) = boxes.crossing(course) {
+        return Err(OutlineError::Crossing { ways_um: pair.map(|at| course.ways_um[at]) });
+    }
+    let turned_rad = course.turns_rad[course.stretches.len()] - course.turns_rad[0];
+    if (turned_rad - TAU).abs() > 1e-3 {
+        return Err(OutlineError::Rough { point_um: course.points_um[0] });
+    }
+    Ok(())
+}
+
+/// Lays the last node on the first one.
+fn close(course: &mut Course) {
+    let last = course.stretches.len();
+    course.turns_rad[last] = course.turns_rad[0] + TAU;
+    course.points_um[last] = course.points_um[0];
+    course.tangents[last] = course.tangents[0];
+}
+
+/// Green's theorem: the area is ∮ (x dy - y dx) / 2, its moments are ∮ x² dy / 2 and -∮ y² dx / 2.
+fn area_and_centre(form: &Form, course: &Course) -> (f64, [f64; 2]) {
+    let (mut area, mut moment) = (0.0, [0.0; 2]);
+    for stretch in &course.stretches {
+        gauss(stretch.from_t, stretch.to_t, |t, weight| {
+            let jet = form.at(stretch.piece, t);
+            let [x, y] = jet.point;
+            area += weight * cross(jet.point, jet.first) / 2.0;
+            moment[0] += weight * x * x * jet.first[1] / 2.0;
+            moment[1] -= weight * y * y * jet.first[0] / 2.0;
+        });
+    }
+    (area, moment.map(|of_axis| of_axis / area))
 }

@@ -1,0 +1,118 @@
+//! Boxes round the stretches of a curve, in a tree, for questions about what is near.
+//!
+//! Input: the stretches and their nodes. Output: the stretches near a point, nearest first, and two stretches whose chords meet.
+//! Promise: no stretch that may matter is left out; a question about a point costs about the logarithm of the number of stretches.
+
+use super::follow::Course;
+use super::form::{cross, dot, minus};
+
+/// Least and greatest coordinates.
+#[derive(Debug, Clone, Copy)]
+struct Bounds {
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Bounds {
+    const NONE: Bounds = Bounds { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
+
+    fn with(&self, other: &Bounds) -> Bounds {
+        let low = [0, 1].map(|axis| self.low[axis].min(other.low[axis]));
+        let high = [0, 1].map(|axis| self.high[axis].max(other.high[axis]));
+        Bounds { low, high }
+    }
+
+    fn meets(&self, other: &Bounds) -> bool {
+        (0..2).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
+    }
+
+    /// The square of the distance from a point.
+    fn square(&self, point: [f64; 2]) -> f64 {
+        let off = |axis: usize| (self.low[axis] - point[axis]).max(point[axis] - self.high[axis]).max(0.0);
+        off(0).powi(2) + off(1).powi(2)
+    }
+}
+
+/// A binary tree over the stretches in their order: the children of i are 2 i and 2 i + 1, stretch s is the leaf `leaves` + s.
+#[derive(Debug, Clone)]
+pub(super) struct Boxes {
+    bounds: Vec<Bounds>,
+    leaves: usize,
+}
+
+impl Boxes {
+    pub fn round(course: &Course) -> Boxes {
+        let leaves = course.stretches.len().next_power_of_two();
+        let mut bounds = vec![Bounds::NONE; 2 * leaves];
+        for (at, stretch) in course.stretches.iter().enumerate() {
+            let [a, b] = [course.points_um[at], course.points_um[at + 1]];
+            let sag = stretch.sag_um;
+            let low = [0, 1].map(|axis: usize| a[axis].min(b[axis]) - sag);
+            let high = [0, 1].map(|axis: usize| a[axis].max(b[axis]) + sag);
+            bounds[leaves + at] = Bounds { low, high };
+        }
+        for at in (1..leaves).rev() {
+            bounds[at] = bounds[2 * at].with(&bounds[2 * at + 1]);
+        }
+        Boxes { bounds, leaves }
+    }
+
+    /// Asks stretches for the square of their distance, as long as one may be nearer than the best.
+    pub fn nearest(&self, point: [f64; 2], mut square: impl FnMut(usize, f64) -> f64) {
+        let mut best = f64::INFINITY;
+        let mut open = vec![(1, self.bounds[1].square(point))];
+        while let Some((at, least)) = open.pop() {
+            if least >= best || least.is_nan() {
+                continue;
+            }
+            if at >= self.leaves {
+                best = best.min(square(at - self.leaves, best));
+                continue;
+            }
+            let mut children = [2 * at, 2 * at + 1].map(|child| (child, self.bounds[child].square(point)));
+            if children[0].1 < children[1].1 {
+                children.swap(0, 1);
+            }
+            open.extend(children);
+        }
+    }
+
+    /// Two stretches that are no neighbours and whose chords meet.
+    pub fn crossing(&self, course: &Course) -> Option<[usize; 2]> {
+        let count = course.stretches.len();
+        let chord = |at: usize| [course.points_um[at], course.points_um[at + 1]];
+        let mut open = vec![(1, 1)];
+        while let Some((a, b)) = open.pop() {
+            if !self.bounds[a].meets(&self.bounds[b]) {
+                continue;
+            }
+            let (a_leaf, b_leaf) = (a >= self.leaves, b >= self.leaves);
+            if a_leaf && b_leaf {
+                let (one, other) = (a - self.leaves, b - self.leaves);
+                let apart = one.abs_diff(other);
+                if apart > 1 && apart + 1 < count && meet(chord(one), chord(other)) {
+                    return Some([one.min(other), one.max(other)]);
+                }
+            } else if a == b {
+                open.extend([(2 * a, 2 * a), (2 * a + 1, 2 * a + 1), (2 * a, 2 * a + 1)]);
+            } else if b_leaf || (!a_leaf && a < b) {
+                open.extend([(2 * a, b), (2 * a + 1, b)]);
+            } else {
+                open.extend([(a, 2 * b), (a, 2 * b + 1)]);
+            }
+        }
+        None
+    }
+}
+
+/// Whether two closed segments meet.
+fn meet(one: [[f64; 2]; 2], other: [[f64; 2]; 2]) -> bool {
+    let side = |line: [[f64; 2]; 2], point: [f64; 2]| cross(minus(line[1], line[0]), minus(point, line[0]));
+    let sides = [side(one, other[0]), side(one, other[1]), side(other, one[0]), side(other, one[1])];
+    let in_line = |line: [[f64; 2]; 2], point: [f64; 2]| dot(minus(point, line[0]), minus(point, line[1])) <= 0.0;
+    let touches = (sides[0] == 0.0 && in_line(one, other[0]))
+        || (sides[1] == 0.0 && in_line(one, other[1]))
+        || (sides[2] == 0.0 && in_line(other, one[0]))
+        || (sides[3] == 0.0 && in_line(other, one[1]));
+    touches || (sides[0] * sides[1] < 0.0 && sides[2] * sides[3] < 0.0)
+}

@@ -1,0 +1,222 @@
+//! Cuts an outline into short stretches on which the way and the parameter are polynomials of one another.
+//!
+//! Input: a form and where to begin. Output: the stretches in order, with the way and the turn of the normal at each node. Promise:
+//! on a stretch the way is right to [`WAY_UM`], the tangent turns by at most [`MAX_TURN_RAD`], and the curve stays within `sag` of the
+//! chord. Lengths are integrals by Gauss' rule with eight points; a stretch is halved until halves agree with the whole.
+
+use super::OutlineError;
+use super::form::{Form, Jet, cross, dot, minus, norm};
+
+/// How exactly one stretch tells its way.
+const WAY_UM: f64 = 1e-9;
+
+/// How exactly the length of one stretch is known.
+const LENGTH_UM: f64 = 1e-10;
+
+/// How far the tangent turns along one stretch.
+const MAX_TURN_RAD: f64 = 0.1;
+
+/// How often a piece is halved.
+const MAX_DEPTH: u32 = 36;
+
+/// The most stretches of a curve.
+const MAX_STRETCHES: usize = 1 << 17;
+
+/// The upper half of the nodes and weights of Gauss' rule with eight points.
+const GAUSS: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
+    (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
+];
+
+/// A polynomial of degree five on 0 to 1.
+#[derive(Debug, Clone, Copy)]
+struct Quintic([f64; 6]);
+
+impl Quintic {
+    /// From value, slope and second derivative at both ends.
+    fn between(from: [f64; 3], to: [f64; 3]) -> Quintic {
+        let value = to[0] - from[0] - from[1] - from[2] / 2.0;
+        let slope = to[1] - from[1] - from[2];
+        let bend = to[2] - from[2];
+        let high = [
+            10.0 * value - 4.0 * slope + bend / 2.0,
+            -15.0 * value + 7.0 * slope - bend,
+            6.0 * value - 3.0 * slope + bend / 2.0,
+        ];
+        Quintic([from[0], from[1], from[2] / 2.0, high[0], high[1], high[2]])
+    }
+
+    fn at(&self, x: f64) -> f64 {
+        self.0.iter().rev().fold(0.0, |sum, power| sum * x + power)
+    }
+}
+
+/// A short part of the curve.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stretch {
+    pub piece: usize,
+    pub from_t: f64,
+    pub to_t: f64,
+    pub length_um: f64,
+    /// How far the curve leaves the chord.
+    pub sag_um: f64,
+    /// The parameter's share by the way's share, and the other way round.
+    share_by_way: Quintic,
+    share_by_t: Quintic,
+}
+
+impl Stretch {
+    /// The parameter at a way from its beginning.
+    pub fn t(&self, way_um: f64) -> f64 {
+        self.from_t + (self.to_t - self.from_t) * self.share_by_way.at(way_um / self.length_um)
+    }
+
+    /// The way from its beginning at a parameter.
+    pub fn way_um(&self, t: f64) -> f64 {
+        self.length_um * self.share_by_t.at((t - self.from_t) / (self.to_t - self.from_t))
+    }
+}
+
+/// Sums over a stretch of parameters, with the weights of Gauss' rule.
+pub(super) fn gauss(from: f64, to: f64, mut sum: impl FnMut(f64, f64)) {
+    let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
+    for (node, weight) in GAUSS {
+        sum(middle - half * node, weight * half);
+        sum(middle + half * node, weight * half);
+    }
+}
+
+fn length(form: &Form, piece: usize, from: f64, to: f64) -> f64 {
+    let mut sum = 0.0;
+    gauss(from, to, |t, weight| sum += weight * form.at(piece, t).speed());
+    sum
+}
+
+/// By how much the direction turns from one to another.
+pub(super) fn turn(from: [f64; 2], to: [f64; 2]) -> f64 {
+    cross(from, to).atan2(dot(from, to))
+}
+
+/// The stretches of a curve and its nodes; there is one node more than there are stretches, and the last one lies on the first.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Course {
+    pub stretches: Vec<Stretch>,
+    pub ways_um: Vec<f64>,
+    /// The direction of the outward normal, running on.
+    pub turns_rad: Vec<f64>,
+    pub points_um: Vec<[f64; 2]>,
+    /// Unit tangents.
+    pub tangents: Vec<[f64; 2]>,
+}
+
+impl Course {
+    /// Follows a form once round from a parameter of a piece.
+    pub fn of(form: &Form, begin: (usize, f64)) -> Result<Course, OutlineError> {
+        let mut course = Course::default();
+        let mut open: Vec<(usize, f64, f64, u32)> = Vec::new();
+        for (piece, from, to) in spans(form, begin).into_iter().rev() {
+            open.push((piece, from, to, 0));
+        }
+        while let Some((piece, from, to, depth)) = open.pop() {
+            let ends = [form.at(piece, from), form.at(piece, to)];
+            if course.stretches.len() >= MAX_STRETCHES || ends.iter().any(|end| !is_sound(end)) {
+                return Err(OutlineError::Rough { point_um: ends[0].point });
+            }
+            match measured(form, piece, [from, to], &ends, depth) {
+                Some(stretch) => course.add(stretch, &ends),
+                None => {
+                    let middle = f64::midpoint(from, to);
+                    open.push((piece, middle, to, depth + 1));
+                    open.push((piece, from, middle, depth + 1));
+                }
+            }
+        }
+        Ok(course)
+    }
+
+    fn add(&mut self, stretch: Stretch, ends: &[Jet; 2]) {
+        if self.ways_um.is_empty() {
+            let normal = ends[0].normal();
+            self.node(0.0, normal[1].atan2(normal[0]), &ends[0]);
+        }
+        let at = self.stretches.len();
+        let turned = turn(self.tangents[at], ends[1].first);
+        self.node(self.ways_um[at] + stretch.length_um, self.turns_rad[at] + turned, &ends[1]);
+        self.stretches.push(stretch);
+    }
+
+    fn node(&mut self, way_um: f64, turn_rad: f64, jet: &Jet) {
+        let speed = jet.speed();
+        self.ways_um.push(way_um);
+        self.turns_rad.push(turn_rad);
+        self.points_um.push(jet.point);
+        self.tangents.push([jet.first[0] / speed, jet.first[1] / speed]);
+    }
+}
+
+fn is_sound(jet: &Jet) -> bool {
+    let speed = jet.speed();
+    speed.is_finite() && speed > 1e-12
+}
+
+/// The smooth parts of the pieces, from a beginning once round.
+fn spans(form: &Form, (first, begin): (usize, f64)) -> Vec<(usize, f64, f64)> {
+    let pieces = form.pieces();
+    let mut spans = Vec::new();
+    let mut add = |piece: usize, low: f64, high: f64| {
+        let cuts = form.cuts(piece);
+        // A sliver beside a cut is left out: it is shorter than anything that is told.
+        let least = 1e-12 * (cuts[cuts.len() - 1] - cuts[0]);
+        for pair in cuts.windows(2) {
+            let (from, to) = (pair[0].max(low), pair[1].min(high));
+            if to - from > least {
+                spans.push((piece, from, to));
+            }
+        }
+    };
+    add(first, begin, f64::INFINITY);
+    (1..pieces).for_each(|step| add((first + step) % pieces, f64::NEG_INFINITY, f64::INFINITY));
+    add(first, f64::NEG_INFINITY, begin);
+    spans
+}
+
+/// The stretch between two parameters, unless it has to be halved.
+fn measured(form: &Form, piece: usize, [from, to]: [f64; 2], ends: &[Jet; 2], depth: u32) -> Option<Stretch> {
+    let last = depth >= MAX_DEPTH;
+    let inner = [0.25, 0.5, 0.75].map(|share| from + share * (to - from));
+    let jets = inner.map(|t| form.at(piece, t));
+    let turned = turn(ends[0].first, jets[1].first).abs() + turn(jets[1].first, ends[1].first).abs();
+    if turned > MAX_TURN_RAD && !last {
+        return None;
+    }
+    let (first, second) = (length(form, piece, from, inner[1]), length(form, piece, inner[1], to));
+    let whole = first + second;
+    if (length(form, piece, from, to) - whole).abs() > LENGTH_UM.max(1e-14 * norm(ends[0].point)) && !last {
+        return None;
+    }
+    let (dt, speeds) = (to - from, ends.map(|end| end.speed()));
+    let haste = ends.map(|end| end.haste());
+    let by_way =
+        |end: usize| [end as f64, whole / (speeds[end] * dt), -haste[end] / speeds[end].powi(3) * whole * whole / dt];
+    let by_t = |end: usize| [end as f64, speeds[end] * dt / whole, haste[end] * dt * dt / whole];
+    let chord = minus(ends[1].point, ends[0].point);
+    let off = |jet: &Jet| (cross(chord, minus(jet.point, ends[0].point)) / norm(chord)).abs();
+    let stretch = Stretch {
+        piece,
+        from_t: from,
+        to_t: to,
+        length_um: whole,
+        sag_um: 1e-9 + 2.0 * jets.iter().map(off).fold(0.0, f64::max),
+        share_by_way: Quintic::between(by_way(0), by_way(1)),
+        share_by_t: Quintic::between(by_t(0), by_t(1)),
+    };
+    let quarters = [length(form, piece, from, inner[0]), first, first + length(form, piece, inner[1], inner[2])];
+    let fits = (0..3).all(|at| {
+        let way_off = (stretch.way_um(inner[at]) - quarters[at]).abs();
+        let t_off = (stretch.t(quarters[at]) - inner[at]).abs() * jets[at].speed();
+        way_off.max(t_off) <= WAY_UM
+    });
+    (fits || last).then_some(stretch)
+}

@@ -1,0 +1,165 @@
+//! The formulas of outlines: a point and its two derivatives by a parameter.
+//!
+//! Input: an [`Outline`](super::Outline) whose numbers are in range. Output: a [`Form`], which is made of pieces; within a piece it is
+//! smooth. Promise: pieces follow one another counter-clockwise and without gaps; no parameter makes it panic.
+
+use super::spline::Cubic;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// A point with its derivatives by the parameter.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Jet {
+    pub point: [f64; 2],
+    pub first: [f64; 2],
+    pub second: [f64; 2],
+}
+
+impl Jet {
+    pub fn speed(&self) -> f64 {
+        norm(self.first)
+    }
+
+    pub fn normal(&self) -> [f64; 2] {
+        let speed = self.speed();
+        [self.first[1] / speed, -self.first[0] / speed]
+    }
+
+    pub fn curvature(&self) -> f64 {
+        cross(self.first, self.second) / self.speed().powi(3)
+    }
+
+    /// How fast the speed grows.
+    pub fn haste(&self) -> f64 {
+        dot(self.first, self.second) / self.speed()
+    }
+}
+
+/// A straight line or an arc of a circle, with the way along it as the parameter.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Part {
+    Line { from: [f64; 2], along: [f64; 2] },
+    Arc { centre: [f64; 2], radius: f64, from_rad: f64 },
+}
+
+/// An outline as formulas.
+#[derive(Debug, Clone)]
+pub(super) enum Form {
+    /// One piece; the parameter is the eccentric anomaly.
+    Ellipse { semi: [f64; 2] },
+    /// One piece; the parameter is the angle in the square of which the semi-axes are halves.
+    Superellipse { semi: [f64; 2], exponent: f64 },
+    /// Lines and arcs with their lengths; each one's parameter begins at 0.
+    Parts { parts: Vec<(Part, f64)> },
+    /// Each piece's parameter begins at 0.
+    Spline { cubics: Vec<Cubic> },
+}
+
+impl Form {
+    /// A rectangle with round corners, from the middle of its right side; parts without length are left out.
+    pub fn rounded(half: [f64; 2], radius: f64) -> Form {
+        let [a, b] = [half[0] - radius, half[1] - radius];
+        let line = |from, along, length| (Part::Line { from, along }, length);
+        let arc = |centre, from_rad| (Part::Arc { centre, radius, from_rad }, radius * FRAC_PI_2);
+        let all = [
+            line([half[0], 0.0], [0.0, 1.0], b),
+            arc([a, b], 0.0),
+            line([a, half[1]], [-1.0, 0.0], a),
+            line([0.0, half[1]], [-1.0, 0.0], a),
+            arc([-a, b], FRAC_PI_2),
+            line([-half[0], b], [0.0, -1.0], b),
+            line([-half[0], 0.0], [0.0, -1.0], b),
+            arc([-a, -b], 2.0 * FRAC_PI_2),
+            line([-a, -half[1]], [1.0, 0.0], a),
+            line([0.0, -half[1]], [1.0, 0.0], a),
+            arc([a, -b], 3.0 * FRAC_PI_2),
+            line([half[0], -b], [0.0, 1.0], b),
+        ];
+        Form::Parts { parts: all.into_iter().filter(|(_, length)| *length > 0.0).collect() }
+    }
+
+    /// How many pieces it has.
+    pub fn pieces(&self) -> usize {
+        match self {
+            Form::Ellipse { .. } | Form::Superellipse { .. } => 1,
+            Form::Parts { parts } => parts.len(),
+            Form::Spline { cubics } => cubics.len(),
+        }
+    }
+
+    /// The parameters between which a piece lies, cut where it may be less smooth.
+    pub fn cuts(&self, piece: usize) -> Vec<f64> {
+        match self {
+            Form::Ellipse { .. } | Form::Superellipse { .. } => {
+                (0..=8).map(|eighth| f64::from(eighth) * TAU / 8.0).collect()
+            }
+            Form::Parts { parts } => vec![0.0, parts[piece].1],
+            Form::Spline { cubics } => vec![0.0, cubics[piece].length],
+        }
+    }
+
+    /// Whether it can meet itself.
+    pub fn may_cross(&self) -> bool {
+        match self {
+            Form::Ellipse { .. } | Form::Superellipse { .. } | Form::Parts { .. } => false,
+            Form::Spline { .. } => true,
+        }
+    }
+
+    pub fn at(&self, piece: usize, t: f64) -> Jet {
+        match self {
+            Form::Ellipse { semi: [a, b] } => {
+                let (s, c) = t.sin_cos();
+                Jet { point: [a * c, b * s], first: [-a * s, b * c], second: [-a * c, -b * s] }
+            }
+            Form::Superellipse { semi, exponent } => superellipse(*semi, *exponent, t),
+            Form::Parts { parts } => part(&parts[piece].0, t),
+            Form::Spline { cubics } => cubics[piece].at(t),
+        }
+    }
+}
+
+fn part(part: &Part, t: f64) -> Jet {
+    match part {
+        Part::Line { from, along } => {
+            Jet { point: [from[0] + t * along[0], from[1] + t * along[1]], first: *along, second: [0.0, 0.0] }
+        }
+        Part::Arc { centre, radius, from_rad } => {
+            let (s, c) = (from_rad + t / radius).sin_cos();
+            let point = [centre[0] + radius * c, centre[1] + radius * s];
+            Jet { point, first: [-s, c], second: [-c / radius, -s / radius] }
+        }
+    }
+}
+
+/// r(φ) = (|cos φ|^n + |sin φ|^n)^(-1/n), drawn out by the semi-axes; unlike the usual parameter it stays smooth on the axes.
+fn superellipse(semi: [f64; 2], n: f64, t: f64) -> Jet {
+    let (s, c) = t.sin_cos();
+    let [c_low, s_low] = [c.abs().powf(n - 2.0), s.abs().powf(n - 2.0)];
+    let sum = c_low * c * c + s_low * s * s;
+    let sum_1 = n * s * c * (s_low - c_low);
+    let sum_2 = n * (n - 1.0) * (c_low * s * s + s_low * c * c) - n * sum;
+    let r = sum.powf(-1.0 / n);
+    let share = sum_1 / sum;
+    let r_1 = -r * share / n;
+    let r_2 = r * ((1.0 / n + 1.0) / n * share * share - sum_2 / (n * sum));
+    let jet = |low: f64, low_1: f64| [r * low, r_1 * low + r * low_1, r_2 * low + 2.0 * r_1 * low_1 - r * low];
+    let (x, y) = (jet(c, -s), jet(s, c));
+    let [a, b] = semi;
+    Jet { point: [a * x[0], b * y[0]], first: [a * x[1], b * y[1]], second: [a * x[2], b * y[2]] }
+}
+
+pub(super) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+pub(super) fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+pub(super) fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+pub(super) fn norm(a: [f64; 2]) -> f64 {
+    a[0].hypot(a[1])
+}
