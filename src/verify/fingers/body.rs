@@ -124,11 +124,10 @@ impl Body {
         Some(surface.curve.nearest(place_um))
     }
 
-    /// How far from the part a tip's centre is at least.
-    pub fn distance_um(&self, pose: &Pose, tip_um: &Point, tolerance_um: f64) -> f64 {
+    /// How far from the part a tip's centre is at least; not necessarily the most that is known where it is `enough_um`.
+    pub fn distance_um(&self, pose: &Pose, tip_um: &Point, tolerance_um: f64, enough_um: f64) -> f64 {
         let sphere_um = (tip_um - pose.position_um).norm() - self.reach_um;
-        // The outline lies within the sphere: far away its exact distance does not matter.
-        if sphere_um > self.reach_um {
+        if sphere_um >= enough_um {
             return sphere_um;
         }
         let outlines = self.planes().filter_map(|plane| self.nearest(pose, plane, tip_um, tolerance_um));
