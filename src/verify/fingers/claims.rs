@@ -55,7 +55,8 @@ fn facts(facts: &Facts) -> Result<(), Unfit> {
     ];
     let is_above = |value: f64| is_number(value) && value >= MIN_NUMBER;
     demand(above.into_iter().flatten().chain([z_um]).all(is_above), "hold a field that is not above 0")?;
-    let others = [facts.pull_off_un, facts.removal_safety, facts.gaiting_cost_deg, facts.clearance_um, facts.support_un];
+    let others =
+        [facts.pull_off_un, facts.removal_safety, facts.gaiting_cost_deg, facts.clearance_um, facts.support_un];
     demand(others.into_iter().all(|value| is_number(value) && value >= 0.0), "hold a field out of its range")
 }
 
@@ -100,6 +101,7 @@ fn grasp(order: &FingersOrder, contacts: &[u32]) -> Result<(), Unfit> {
     demand(contacts.len() == order.facts.fingers as usize, "grasp with fingers that they do not have")?;
     let holding = contacts.iter().filter(|contact| **contact > 0).count();
     demand((2..=MAX_HOLDING).contains(&holding), "grasp with too few fingers, or too many")?;
-    let most = [Some(&order.part.xy), order.part.xz.as_ref()].into_iter().flatten().map(|section| section.contacts).max();
+    let most =
+        [Some(&order.part.xy), order.part.xz.as_ref()].into_iter().flatten().map(|section| section.contacts).max();
     demand(contacts.iter().all(|contact| Some(*contact) <= most), "grasp at a contact that is none")
 }

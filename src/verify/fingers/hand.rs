@@ -61,12 +61,7 @@ pub(super) struct Hand<'r, 'a> {
 
 impl<'r, 'a> Hand<'r, 'a> {
     /// Where everything is at first: where the last run of the device left it, or where the scene has the part.
-    pub fn new(
-        run: &'r Run<'a>,
-        order: &'r FingersOrder,
-        tracks: &Tracks,
-        left: Option<&State>,
-    ) -> Result<Self, Halt> {
+    pub fn new(run: &'r Run<'a>, order: &'r FingersOrder, tracks: &Tracks, left: Option<&State>) -> Result<Self, Halt> {
         let facts = &order.facts;
         let body = Body::of(&order.part, facts.tip_radius_um);
         let body = body.ok_or_else(|| Unfit("the claims hold an outline that cannot be followed".to_owned()))?;
@@ -136,7 +131,8 @@ impl<'r, 'a> Hand<'r, 'a> {
         for finger in 0..self.tips_um.len() {
             if let Some(hit) = self.strays(finger, &pose, start_ns, &self.tips_um) {
                 let title = self.pierce(finger, &hit);
-                findings.push(Violation::new(Rule::Pierce, start_ns, title).label(self.run.job.run_span, "in this run"));
+                findings
+                    .push(Violation::new(Rule::Pierce, start_ns, title).label(self.run.job.run_span, "in this run"));
             }
         }
         let (from_um, to_um) = (self.tips_um.clone(), self.tips_um.clone());
@@ -365,7 +361,8 @@ impl<'r, 'a> Hand<'r, 'a> {
     ) -> Result<(), Halt> {
         let time_ns = stretch.end_ns;
         if self.grip.holds.len() == MAX_HOLDING {
-            let title = format!("finger {} touches the part at {}, which {MAX_HOLDING} others hold", finger + 1, ms(time_ns));
+            let title =
+                format!("finger {} touches the part at {}, which {MAX_HOLDING} others hold", finger + 1, ms(time_ns));
             return Err(self.violation(Rule::Contact, nth, time_ns, title).into());
         }
         self.spans.end(time_ns.saturating_sub(1));
@@ -460,4 +457,3 @@ fn surface_of(body: &Body, plane: Plane) -> Result<&Surface, Halt> {
     let surface = body.surface(plane);
     surface.ok_or_else(|| Unfit("the claims hold no outline in a plane of a turn".to_owned()).into())
 }
-

@@ -169,7 +169,8 @@ impl<'a> Statics<'a> {
         let solution = problem.solve().ok()?.into_solution().ok()?;
         let force = |(touch, bearing): (&Touch, &Bearing)| {
             let [inward, tangent] = touch.directions();
-            let [normal, tangential] = [bearing.normal, bearing.tangential].map(|variable| solution.var_value(variable));
+            let [normal, tangential] =
+                [bearing.normal, bearing.tangential].map(|variable| solution.var_value(variable));
             [0, 1].map(|axis| (normal * inward[axis] + tangential * tangent[axis]) * unit_un)
         };
         Some(touches.iter().zip(&bearings).map(force).collect())

@@ -1,8 +1,8 @@
 //! A hand's state, and what is wrong with it, as it is told.
 
+use super::super::rule::ms;
 use super::clearance::{self, Hit};
 use super::hand::Hand;
-use super::super::rule::ms;
 use crate::check::claims::fingers::Action;
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
@@ -51,9 +51,8 @@ impl Hand<'_, '_> {
 
     /// The state as it is now, in the ways in which it can be told.
     pub(super) fn views(&self, nth: Option<usize>) -> Vec<State> {
-        let is_turning = nth.is_some_and(|nth| {
-            matches!(self.order.steps[nth].action, Action::Rotate { .. } | Action::Orient { .. })
-        });
+        let is_turning = nth
+            .is_some_and(|nth| matches!(self.order.steps[nth].action, Action::Rotate { .. } | Action::Orient { .. }));
         let angle_index = self.leg_steps.saturating_add(1);
         let mut told = vec![(self.grip.plane, angle_index)];
         if !is_turning {

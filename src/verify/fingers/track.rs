@@ -100,7 +100,8 @@ impl<'a> Tracks<'a> {
             [value_um(line, start_ns), value_um(line, end_ns)]
         };
         let ends: Vec<[f64; 2]> = self.axes.iter().map(ends).collect();
-        let points = |end: usize| ends.chunks(AXES.len()).map(move |xyz| Point::new(xyz[0][end], xyz[1][end], xyz[2][end]));
+        let points =
+            |end: usize| ends.chunks(AXES.len()).map(move |xyz| Point::new(xyz[0][end], xyz[1][end], xyz[2][end]));
         Stretch { start_ns, end_ns, from_um: points(0).collect(), to_um: points(1).collect() }
     }
 

@@ -342,7 +342,8 @@ fn run(schedule: &mut Schedule, job: &Job, index: usize, day: &Day) {
         let step_ns = at_ns;
         for line in lines {
             let step = schedule.steps.len() as u32;
-            let ends = tips_um.iter().zip(&line.tips_um).flat_map(|(from, to)| (0..3).map(|axis| (from[axis], to[axis])));
+            let ends =
+                tips_um.iter().zip(&line.tips_um).flat_map(|(from, to)| (0..3).map(|axis| (from[axis], to[axis])));
             for (channel, (from, to)) in ends.enumerate() {
                 let (channel, start_ns, duration_ns) = (channel as u32, at_ns, line.duration_ns);
                 schedule.actuations.push(Actuation { channel, start_ns, duration_ns, from, to, swing: None, step });
@@ -355,8 +356,7 @@ fn run(schedule: &mut Schedule, job: &Job, index: usize, day: &Day) {
     }
     let seconds = (at_ns - start_ns) as f64 / 1e9;
     let (effort_deg, reconfigurations) = (day.effort_deg, f64::from(day.reconfigurations));
-    let outcomes =
-        [("effort", effort_deg.to_radians()), ("reconfigurations", reconfigurations), ("time", seconds)];
+    let outcomes = [("effort", effort_deg.to_radians()), ("reconfigurations", reconfigurations), ("time", seconds)];
     schedule.plans.push(PlanRecord {
         task: job.task.clone(),
         device: job.device.clone(),
