@@ -40,6 +40,19 @@ impl Form {
     /// The forms that take up room wherever they are put.
     pub const SOLID: &'static [Form] = &[Form::Disc, Form::Box, Form::Polygon, Form::Capsule, Form::Cells];
 
+    /// Whether it is a shape of something that fingers turn.
+    pub fn is_of_space(self) -> bool {
+        match self {
+            Form::Ellipsoid
+            | Form::Superellipsoid
+            | Form::RoundedBox
+            | Form::Profile
+            | Form::Sections
+            | Form::Mesh => true,
+            Form::Disc | Form::Box | Form::Polygon | Form::Capsule | Form::Cells | Form::Layout => false,
+        }
+    }
+
     /// The form's word in the language.
     pub fn name(self) -> &'static str {
         match self {
