@@ -13,6 +13,7 @@ use crate::emit::mcap::cloud::{SpaceStroke, space_cloud};
 use crate::emit::mcap::drawing::{self, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, Vector3, line_primitive};
 use crate::geometry::outline::Curve;
+use crate::verify::finger_forces;
 use nalgebra::{Point3, Quaternion, UnitQuaternion};
 
 /// How much of what lies behind a tip is seen.
@@ -128,13 +129,15 @@ fn state(course: &Course, device: &str) -> Topic {
 }
 
 /// Where fingers touch the part, and with what force, in the part's frame so that both go with it.
+///
+/// Many forces balance a grasp; these are some that do, of a moderate size.
 fn contacts(order: &FingersOrder, grasp: &Grasp, device: &str) -> SceneEntity {
     let frame = part_frame(device, &order.part.name);
     let mut entity = drawing::entity(format!("{device}/contacts"), &frame, grasp.t_ns);
     let Some(section) = order.part.section(grasp.plane) else { return entity };
     let Ok(curve) = Curve::of(&section.outline) else { return entity };
     let tip_um = order.facts.tip_radius_um;
-    let forces_un = forces_un(order, grasp);
+    let forces_un = finger_forces(order, grasp.state).unwrap_or_default();
     for (finger, contact) in grasp.contacts.iter().enumerate().filter(|(_, contact)| **contact > 0) {
         let rolled_rad = f64::from(contact - 1) * section.step_rad;
         let spot = curve.spot(curve.way_rolled_um(rolled_rad, tip_um));
@@ -147,11 +150,6 @@ fn contacts(order: &FingersOrder, grasp: &Grasp, device: &str) -> SceneEntity {
         }
     }
     entity
-}
-
-/// The forces of the fingers on the part in the hand's frame, in micronewtons; none of a grasp that does not hold.
-fn forces_un(_order: &FingersOrder, _grasp: &Grasp) -> Vec<Option<[f64; 3]>> {
-    Vec::new()
 }
 
 /// A direction of the hand's frame in the part's.
