@@ -29,8 +29,8 @@ const FORCE_PART: f64 = 0.1;
 /// Distance of neighbouring points of the clouds, in micrometres.
 const POINTS_UM: f64 = 0.1;
 
-/// The most states whose grasps are shown.
-const MAX_GRASPS: usize = 50_000;
+/// The most states whose contacts are shown, since the forces of each take a linear program; of more only the words are told.
+const MAX_GRASPS: usize = 5_000;
 
 const FORCE: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
 const GOAL: Color = Color { r: 0.6, g: 0.6, b: 0.6, a: 1.0 };
@@ -114,28 +114,34 @@ fn goal(plan: &PlanCourse, device: &str) -> SceneEntity {
     for (_, outline) in solid::outlines(&plan.order.part) {
         drawing::line(&mut entity, outline, line_primitive::Type::LineLoop, GOAL);
     }
-    entity.lines.iter_mut().for_each(|line| line.pose = pose.clone());
+    entity.lines.iter_mut().for_each(|line| line.pose = pose);
     entity
 }
 
 /// `/<device>/state`: the contacts of each grasp, the forces there, and the grasp in words.
 fn state(course: &Course, device: &str) -> Topic {
-    let all = course.plans.iter().flat_map(|plan| plan.grasps.iter().map(move |grasp| (plan.order, grasp)));
-    let message = |(order, grasp): (&FingersOrder, &Grasp)| {
-        let entities = vec![contacts(order, grasp, device), words(order, grasp, device)];
-        (grasp.t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities }))
-    };
-    Topic::new::<SceneUpdate>(format!("/{device}/state"), all.take(MAX_GRASPS).map(message).collect())
+    let mut messages: Vec<(u64, Vec<u8>)> = Vec::new();
+    for plan in &course.plans {
+        let [_, high_um] = super::reach_um(plan.order);
+        let curve = |plane| Curve::of(&plan.order.part.section(plane)?.outline).ok();
+        let curves = Plane::ALL.map(|plane| (plane, curve(plane)));
+        for grasp in &plan.grasps {
+            let curve = curves.iter().find(|(plane, _)| *plane == grasp.plane).and_then(|(_, curve)| curve.as_ref());
+            let contacts = contacts(plan.order, grasp, curve.filter(|_| messages.len() < MAX_GRASPS), device);
+            let entities = vec![contacts, words(grasp, [0.0, high_um, 0.0], device)];
+            messages.push((grasp.t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities })));
+        }
+    }
+    Topic::new::<SceneUpdate>(format!("/{device}/state"), messages)
 }
 
 /// Where fingers touch the part, and with what force, in the part's frame so that both go with it.
 ///
 /// Many forces balance a grasp; these are some that do, of a moderate size.
-fn contacts(order: &FingersOrder, grasp: &Grasp, device: &str) -> SceneEntity {
+fn contacts(order: &FingersOrder, grasp: &Grasp, curve: Option<&Curve>, device: &str) -> SceneEntity {
     let frame = part_frame(device, &order.part.name);
     let mut entity = drawing::entity(format!("{device}/contacts"), &frame, grasp.t_ns);
-    let Some(section) = order.part.section(grasp.plane) else { return entity };
-    let Ok(curve) = Curve::of(&section.outline) else { return entity };
+    let (Some(section), Some(curve)) = (order.part.section(grasp.plane), curve) else { return entity };
     let tip_um = order.facts.tip_radius_um;
     let forces_un = finger_forces(order, grasp.state).unwrap_or_default();
     for (finger, contact) in grasp.contacts.iter().enumerate().filter(|(_, contact)| **contact > 0) {
@@ -159,12 +165,11 @@ fn turned_back(grasp: &Grasp, direction: [f64; 3]) -> [f64; 3] {
     turn.inverse_transform_vector(&direction.into()).into()
 }
 
-fn words(order: &FingersOrder, grasp: &Grasp, device: &str) -> SceneEntity {
+fn words(grasp: &Grasp, place: [f64; 3], device: &str) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/grasp"), device, grasp.t_ns);
     let contacts: Vec<String> = grasp.contacts.iter().map(u32::to_string).collect();
     let text = format!("grasp ({}) in {} at angle {}", contacts.join(", "), grasp.plane.name(), grasp.angle_index);
-    let [_, high_um] = super::reach_um(order);
-    drawing::text(&mut entity, [0.0, high_um, 0.0], text, color::TIP);
+    drawing::text(&mut entity, place, text, color::TIP);
     entity
 }
 
