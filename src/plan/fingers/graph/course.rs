@@ -146,6 +146,41 @@ impl Course {
         self.sheets[spot.leg].pin.is_none_or(|pin| self.grasp(spot) == pin)
     }
 
+    /// The nodes with which a leg may end, where they are few; `None` where any grasp will do.
+    pub fn few_ends(&self, leg: usize) -> Option<Vec<Spot>> {
+        let sheet = &self.sheets[leg];
+        if let Some(pin) = &sheet.pin {
+            return Some(self.place(leg, sheet.end, pin).into_iter().collect());
+        }
+        let Entry::Across { old, .. } = self.sheets.get(leg + 1)?.entry else { return None };
+        let turned = [old, [old[1], old[0]]];
+        let pairs = (0..self.sets.len() as u8).filter(|set| self.sets.is_pair(*set));
+        let ends = pairs.flat_map(|set| turned.map(|contacts| self.spot(leg, sheet.end, set, &contacts)));
+        Some(ends.flatten().collect())
+    }
+
+    /// The nodes with which a leg may end.
+    pub fn ends(&self, leg: usize) -> Vec<Spot> {
+        self.few_ends(leg).unwrap_or_else(|| self.nodes(leg, self.sheets[leg].end))
+    }
+
+    /// All nodes of a leg at an angle.
+    pub fn nodes(&self, leg: usize, angle: usize) -> Vec<Spot> {
+        let contacts = self.sheets[leg].contacts;
+        let mut found = Vec::new();
+        for set in 0..self.sets.len() as u8 {
+            let is_pair = self.sets.is_pair(set);
+            for (i, j) in (0..contacts).flat_map(|i| (0..contacts).map(move |j| (i, j))) {
+                if is_pair {
+                    found.extend(self.spot(leg, angle, set, &[i, j]));
+                } else {
+                    found.extend((0..contacts).filter_map(|k| self.spot(leg, angle, set, &[i, j, k])));
+                }
+            }
+        }
+        found
+    }
+
     /// Whether a node is an end of the route.
     #[inline]
     pub fn is_goal(&self, spot: Spot) -> bool {

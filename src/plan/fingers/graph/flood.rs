@@ -175,7 +175,13 @@ impl<'a, const N: usize> Flood<'a, N> {
         self.fields[0].now.iter().any(|(_, mask)| has(mask, start))
     }
 
-    /// All reached nodes of a leg at an angle.
+    /// The angles of a leg at which anything is reached.
+    pub fn angles(&self, leg: usize) -> Mask<N> {
+        let either = |a: Mask<N>, b: &Mask<N>| std::array::from_fn(|at| a[at] | b[at]);
+        self.fields[leg].seen.iter().fold([0; N], either)
+    }
+
+    /// How many nodes of a leg at an angle are reached.
     pub fn count(&self, leg: usize, angle: usize) -> u64 {
         self.fields[leg].seen.iter().filter(|mask| has(mask, angle)).count() as u64
     }
@@ -194,9 +200,9 @@ impl<const N: usize> Field<N> {
                 continue;
             }
             let third = wrapped(usize::from(p) + two, sheet.contacts) as u16;
-            for finger in 0..course.sets.fingers {
-                let Some((set, place)) = course.sets.with(chain.set, finger) else { continue };
-                self.meet(course, leg, Chain { set, phases: inserted([p, q], third, place) }, shared, layer);
+            for (set, place) in course.sets.wider(chain.set) {
+                let chain = Chain { set: *set, phases: inserted([p, q], third, *place) };
+                self.meet(course, leg, chain, shared, layer);
             }
         }
     }

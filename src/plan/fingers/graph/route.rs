@@ -4,6 +4,7 @@ use super::course::{Course, courses};
 use super::flood::{Direction, Flood};
 use super::layout::Spot;
 use super::published::Published;
+use super::strands::has;
 use super::walk::{Estimate, NEVER, Progress, Walk};
 use super::{Answer, Blocked, Costs, Estimator, Leg, Node, Request, Start, Way};
 use crate::plan::search::Meter;
@@ -169,7 +170,7 @@ fn least(course: &Course, costs: Costs) -> u64 {
 /// A flood from the goals that has come to the start, or to its end.
 pub fn flooded<const N: usize>(course: &Course, start: Start) -> Flood<'_, N> {
     let leg = course.sheets.len() - 1;
-    let mut flood = Flood::from(course, Direction::Back, nodes_at(course, leg, course.sheets[leg].end).filter(|spot| course.is_goal(*spot)));
+    let mut flood = Flood::from(course, Direction::Back, course.ends(leg).into_iter());
     while !flood.ended() && !arrived(&flood, course, start) {
         flood.deepen();
     }
@@ -184,16 +185,6 @@ fn arrived<const N: usize>(flood: &Flood<N>, course: &Course, start: Start) -> b
             course.place(0, course.sheets[0].start, &grasp).is_some_and(|spot| flood.layer_of(spot).is_some())
         }
     }
-}
-
-/// All nodes of a leg at an angle.
-fn nodes_at(course: &Course, leg: usize, angle: usize) -> impl Iterator<Item = Spot> + '_ {
-    let contacts = course.sheets[leg].contacts;
-    (0..course.sets.chains(contacts) as usize).filter_map(move |number| {
-        let chain = course.sets.chain(contacts, number);
-        let held = chain.phases.map(usize::from);
-        course.spot(leg, angle, chain.set, &held[..course.sets.members(chain.set).len()])
-    })
 }
 
 /// The nodes of a way by legs.
@@ -222,7 +213,7 @@ fn blocked<const N: usize>(courses: &[Course], start: Start) -> Blocked {
 fn stuck<const N: usize>(route: usize, course: &Course, start: Start) -> Blocked {
     let begin = course.sheets[0].start;
     let sources: Vec<Spot> = match start {
-        Start::Any => nodes_at(course, 0, begin).collect(),
+        Start::Any => course.nodes(0, begin),
         Start::At(grasp) => course.place(0, begin, &grasp).into_iter().collect(),
     };
     let mut flood = Flood::<N>::from(course, Direction::Onward, sources.into_iter());
@@ -230,17 +221,19 @@ fn stuck<const N: usize>(route: usize, course: &Course, start: Start) -> Blocked
         flood.deepen();
     }
     // The last leg that can begin is the one whose end is out of reach.
-    let leg = (0..course.sheets.len()).rev().find(|leg| flood.count(*leg, course.sheets[*leg].start) > 0).unwrap_or(0);
+    let begins = |leg: &usize| flood.count(*leg, course.sheets[*leg].start);
+    let leg = (0..course.sheets.len()).rev().find(|leg| begins(leg) > 0).unwrap_or(0);
     let sheet = &course.sheets[leg];
-    let reached = (0..sheet.angles).filter(|angle| flood.count(leg, *angle) > 0);
+    let reached = flood.angles(leg);
+    let reached = (0..sheet.angles).filter(|angle| has(&reached, *angle));
     let farthest = reached.min_by_key(|angle| angle.abs_diff(sheet.end)).map(|angle| angle as i32 - sheet.start as i32);
     let may_end = |spot: &Spot| course.is_goal(*spot) || course.next(*spot).is_some();
     Blocked {
         route,
         leg,
-        begins: flood.count(leg, sheet.start),
+        begins: begins(&leg),
         farthest,
         arrives: flood.count(leg, sheet.end),
-        ends: nodes_at(course, leg, sheet.end).filter(may_end).count() as u64,
+        ends: course.ends(leg).iter().filter(|spot| may_end(spot)).count() as u64,
     }
 }

@@ -30,6 +30,14 @@ impl Strand {
     /// Repeats the first `period` bits up to `bits`.
     fn repeat(&mut self, period: usize, bits: usize) {
         for strand in self.words.chunks_exact_mut(self.stride) {
+            if let [low, high, ..] = strand
+                && bits <= 128.min(2 * period)
+            {
+                let all = u128::from(*low) | u128::from(*high) << 64;
+                let all = all | all << period;
+                (*low, *high) = (all as u64, (all >> 64) as u64);
+                continue;
+            }
             for bit in period..bits {
                 let from = bit - period;
                 strand[bit / 64] |= (strand[from / 64] >> (from % 64) & 1) << (bit % 64);
