@@ -56,6 +56,11 @@ impl Sets {
         usize::from(set) < self.pairs
     }
 
+    /// How many of them are pairs.
+    pub fn pairs(&self) -> usize {
+        self.pairs
+    }
+
     /// The set of these fingers.
     pub fn find(&self, fingers: &[usize]) -> Option<u8> {
         self.members.iter().position(|set| set == fingers).map(|at| at as u8)
