@@ -326,7 +326,7 @@ pub fn mixed() -> (Verified, Provenance) {
             step: 0,
         };
         let way = [go(1_000_001, 20_000_000, -3.0, 12.0), go(21_000_001, 5_000_000, 12.0, 12.0)];
-        schedule.actuations.extend(way.into_iter().chain([go(40_000_000, 33_333_333, 12.0, 5.5)]));
+        schedule.actuations.extend(way.into_iter().chain([go(40_000_000, 20_333_333, 12.0, 5.5)]));
         schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
     });
     (mixed, provenance)
