@@ -42,7 +42,6 @@ fn color_of(finger: usize) -> Color {
 
 /// `/<device>/scene`, `/<device>/plan`, `/<device>/state` and the first two as points.
 pub fn topics(course: &Course, device: &str) -> Vec<Topic> {
-    let update = |entities: Vec<SceneEntity>| foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities });
     let scene = course.plans.first().map(|plan| (0, update(scenery(plan.order, course.fingers, device))));
     let scene_points = course.plans.first().map(|plan| {
         let part = &plan.order.part;
@@ -118,6 +117,21 @@ fn goal(plan: &PlanCourse, device: &str) -> SceneEntity {
     entity
 }
 
+fn update(entities: Vec<SceneEntity>) -> Vec<u8> {
+    foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities })
+}
+
+/// The contacts taken away, where the fingers that hold in a grasp begin to leave all of them.
+fn letting_go(plan: &PlanCourse, index: usize, place: [f64; 3], device: &str) -> Option<(u64, Vec<u8>)> {
+    let next = plan.grasps.get(index + 1).filter(|next| next.contacts.iter().all(|contact| *contact == 0))?;
+    let [start_ns, _] = plan.motions.get(index).copied().flatten()?;
+    let frame = part_frame(device, &plan.order.part.name);
+    let contacts = drawing::entity(format!("{device}/contacts"), &frame, start_ns);
+    let mut words = words(next, place, device);
+    words.timestamp = foxglove::timestamp(start_ns);
+    Some((start_ns, update(vec![contacts, words])))
+}
+
 /// `/<device>/state`: the contacts of each grasp, the forces there, and the grasp in words.
 fn state(course: &Course, device: &str) -> Topic {
     let mut messages: Vec<(u64, Vec<u8>)> = Vec::new();
@@ -125,11 +139,12 @@ fn state(course: &Course, device: &str) -> Topic {
         let [_, high_um] = super::reach_um(plan.order);
         let curve = |plane| Curve::of(&plan.order.part.section(plane)?.outline).ok();
         let curves = Plane::ALL.map(|plane| (plane, curve(plane)));
-        for grasp in &plan.grasps {
+        for (index, grasp) in plan.grasps.iter().enumerate() {
             let curve = curves.iter().find(|(plane, _)| *plane == grasp.plane).and_then(|(_, curve)| curve.as_ref());
             let contacts = contacts(plan.order, grasp, curve.filter(|_| messages.len() < MAX_GRASPS), device);
-            let entities = vec![contacts, words(grasp, [0.0, high_um, 0.0], device)];
-            messages.push((grasp.t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities })));
+            let place = [0.0, high_um, 0.0];
+            messages.push((grasp.t_ns, update(vec![contacts, words(grasp, place, device)])));
+            messages.extend(letting_go(plan, index, place, device));
         }
     }
     Topic::new::<SceneUpdate>(format!("/{device}/state"), messages)

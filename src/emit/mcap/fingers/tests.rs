@@ -128,3 +128,20 @@ fn a_long_way_is_a_bounded_number_of_moments() {
     let told = course.plans[0].moments.len();
     assert!(told <= MAX_MOMENTS + 100 && told > MAX_MOMENTS / 2, "{told} moments");
 }
+
+#[test]
+fn contacts_go_when_the_fingers_begin_to_leave() {
+    let gone = fixture::changed(&fixture::hand().0, |schedule| {
+        let last = schedule.plans[0].states.last_mut().unwrap();
+        let State::Fingers { grasp, tips_um, .. } = &mut last.state else { panic!("a state of a hand") };
+        (*grasp, *tips_um) = (vec![0; 3], vec![None; 3]);
+    });
+    let (topics, _) = topics(&gone, "hand");
+    let state = topic(&topics, "/hand/state");
+    let leave_ns = gone.schedule().steps[2].start_ns;
+    let going = state.messages.iter().rposition(|(t_ns, _)| *t_ns == leave_ns).unwrap();
+    assert_eq!(going, state.messages.len() - 2);
+    assert_eq!(scene(state, going - 1).entities[0].spheres.len(), 2);
+    assert_eq!(scene(state, going).entities[0].spheres.len(), 0);
+    assert_eq!(scene(state, going).entities[1].texts[0].text, "grasp (0, 0, 0) in xy at angle 3");
+}
