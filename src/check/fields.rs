@@ -202,7 +202,7 @@ impl Checker<'_> {
     /// A shape with some fields changed.
     pub fn shape_with(&mut self, shape: ShapeValue, span: Span, fields: &[tree::Field], scope: &Scope) -> Value {
         let mut shape = shape;
-        let owner = Owner { name: format!("a {}", shape.form.name()), declared: None };
+        let owner = Owner { name: shape.form.with_article(), declared: None };
         let given: Vec<Given> = fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
         shape.fields.extend(self.read_fields(&owner, &given, shape.form.fields()));
         if shape.form.is_of_space() && !self.counts_as_turns(SOLID_TURNS, span) {

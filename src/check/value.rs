@@ -94,7 +94,7 @@ impl Value {
             Value::Orientation(_) => "an orientation".to_owned(),
             Value::Curve(_) => "a curve".to_owned(),
             Value::Mesh(_) => "a file of triangles".to_owned(),
-            Value::Shape(shape) => format!("a {}", shape.form.name()),
+            Value::Shape(shape) => shape.form.with_article(),
             Value::Table(_) => "a table".to_owned(),
             Value::Object(object) => format!("the {} `{}`", object.noun, object.name),
             Value::Unknown => "an unknown value".to_owned(),

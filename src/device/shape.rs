@@ -71,6 +71,23 @@ impl Form {
         }
     }
 
+    /// Its word with an article: `a disc`, `an ellipsoid`.
+    pub fn with_article(self) -> String {
+        match self {
+            Form::Ellipsoid => format!("an {}", self.name()),
+            Form::Cells | Form::Sections => format!("a shape of {}", self.name()),
+            Form::Disc
+            | Form::Box
+            | Form::Polygon
+            | Form::Capsule
+            | Form::Layout
+            | Form::Superellipsoid
+            | Form::RoundedBox
+            | Form::Profile
+            | Form::Mesh => format!("a {}", self.name()),
+        }
+    }
+
     /// The form of a word.
     pub fn find(name: &str) -> Option<Form> {
         Form::ALL.iter().copied().find(|form| form.name() == name)

@@ -66,15 +66,22 @@ def tell(times, places, t_ns, at):
         places[letter].append(place)
 
 
+class Stages(Machine):
+    """With all axes that the dialect has."""
+
+    axes = set("XYZABCUVW")
+
+
 def by_pygcode(text, axes, places):
     """The machine of pygcode is at the same places after each line that moves or waits."""
-    machine, found = Machine(), {letter: [] for letter in axes}
+    machine, found = Stages(), {letter: [] for letter in axes}
     for line in text.splitlines():
-        block = Line(line).block
-        machine.process_block(block)
-        if any(word.letter in "GM" and word.value in (0, 1, 4) for word in block.words) and "G0 " not in line:
+        machine.process_block(Line(line).block)
+        if line.startswith(("M0 ", "G1 ", "G4 ")):
             for letter in axes:
                 found[letter].append(machine.pos.values[letter])
+    mode = str(machine.mode).split()
+    demand({"G21", "G90", "G93", "G61"} <= set(mode), f"pygcode ends in {mode}")
     for letter in axes:
         demand(numpy.array_equal(found[letter], places[letter]), f"pygcode has {letter} elsewhere")
 

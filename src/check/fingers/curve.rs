@@ -1,7 +1,7 @@
 //! Curves: an expression of the angle `t`, worked out all the way round.
 
 use crate::check::errors::{self, Wanted};
-use crate::check::scope::Scope;
+use crate::check::scope::{DeclarationSort, Scope};
 use crate::check::value::Value;
 use crate::check::{Checker, fields};
 use crate::device::{Range, Sort};
@@ -20,7 +20,10 @@ const ANGLE_NAME: &str = "t";
 impl Checker<'_> {
     /// The lengths of a curve; `None` after an error.
     pub fn accept_curve(&mut self, expr: &Expr, scope: &Scope, wanted: &Wanted) -> Option<Value> {
-        if let Some(earlier) = self.taken(ANGLE_NAME, scope) {
+        // Names of other sorts stand in no expression.
+        let own = self.modules[scope.module].names.get(ANGLE_NAME);
+        let value = own.filter(|declaration| declaration.sort == DeclarationSort::Let).map(|declaration| declaration.span);
+        if let Some(earlier) = scope.local(ANGLE_NAME).map(|local| local.span).or(value) {
             self.sink.push(errors::angle_name_taken(expr.span, earlier));
             return None;
         }

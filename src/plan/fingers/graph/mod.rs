@@ -20,6 +20,7 @@ mod strands;
 #[cfg(test)]
 mod tests;
 mod walk;
+mod weave;
 
 pub use greedy::decompose;
 
@@ -160,19 +161,16 @@ pub struct Blocked {
     pub route: usize,
     /// Index of its first leg whose end is out of reach.
     pub leg: usize,
-    /// How many grasps it can begin with; 0 only where the start itself is not in the tables.
-    pub begins: u64,
-    /// The angle nearest to its end that is reached; `None` where it cannot begin.
+    /// The angle nearest to its end that is reached: the end itself if only grasps come there that it may not end with. `None`
+    /// where it cannot begin, that is where the start does not hold.
     pub farthest: Option<i32>,
-    /// How many grasps are reached at the angle where it ends, though none of them is one that it may end with.
-    pub arrives: u64,
-    /// How many of the grasps that it may end with hold at all: reached or not.
+    /// How many of the grasps that it may end with hold at all.
     pub ends: u64,
 }
 
 impl Blocked {
     /// No route, or none of which anything is known.
-    const NOWHERE: Blocked = Blocked { route: 0, leg: 0, begins: 0, farthest: None, arrives: 0, ends: 0 };
+    const NOWHERE: Blocked = Blocked { route: 0, leg: 0, farthest: None, ends: 0 };
 }
 
 /// What came of a request.

@@ -4,11 +4,12 @@ use super::course::{Course, courses};
 use super::flood::{Direction, Flood};
 use super::layout::Spot;
 use super::published::Published;
+use super::strands::has;
 use super::walk::{Estimate, NEVER, Progress, Walk};
 use super::{Answer, Blocked, Costs, Estimator, Leg, Node, Request, Start, Way};
 use crate::plan::search::Meter;
 
-/// The exact number of reconfigurations to go, as far as the flood has come; one more than its last layer for all other nodes.
+/// The exact number of reconfigurations to go, as far as the flood has come; what it has not reached is farther.
 #[derive(Debug)]
 pub struct Layers<'a, const N: usize>(pub Flood<'a, N>);
 
@@ -18,7 +19,7 @@ impl<const N: usize> Estimate for Layers<'_, N> {
         match self.0.layer_of(spot) {
             Some(layer) => layer,
             None if self.0.ended() => NEVER,
-            None => self.0.layer() + 1,
+            None => self.0.floor(spot),
         }
     }
 
@@ -49,22 +50,31 @@ pub fn cheapest(request: &Request, estimator: Estimator, meter: &mut Meter) -> A
 /// No way of any route costs less; `None` where there is none, or where a route is too large.
 pub fn bound(request: &Request) -> Option<u64> {
     let courses = courses(request).ok()?;
-    let costs = request.costs;
     let bound = |course: &Course| {
-        let layers = match angles(request) {
-            0..=64 => layers::<1>(course, request.start),
-            65..=128 => layers::<2>(course, request.start),
-            _ => layers::<8>(course, request.start),
+        let gaits = match angles(request) {
+            0..=64 => gaits::<1>(course, request.start),
+            65..=128 => gaits::<2>(course, request.start),
+            _ => gaits::<8>(course, request.start),
         };
-        layers.map(|layers| least(course, costs) + u64::from(costs.gait) * u64::from(layers))
+        let reconfiguring = u64::from(request.costs.gait) * u64::from(gaits);
+        (gaits != NEVER).then(|| least(course, request.costs) + reconfiguring)
     };
     courses.iter().filter_map(bound).min()
 }
 
 /// The least number of reconfigurations from the start to the end.
-fn layers<const N: usize>(course: &Course, start: Start) -> Option<u32> {
-    let flood = flooded::<N>(course, start);
-    (!flood.ended() || arrived(&flood, course, start)).then(|| flood.layer())
+fn gaits<const N: usize>(course: &Course, start: Start) -> u32 {
+    let layers = Layers(flooded::<N>(course, start));
+    starts(course, start).into_iter().map(|spot| layers.gaits(spot)).min().unwrap_or(NEVER)
+}
+
+/// The nodes with which a route may begin.
+fn starts(course: &Course, start: Start) -> Vec<Spot> {
+    let begin = course.sheets[0].start;
+    match start {
+        Start::Any => course.nodes(0, begin),
+        Start::At(grasp) => course.place(0, begin, &grasp).into_iter().collect(),
+    }
 }
 
 /// The most angles of a leg.
@@ -169,7 +179,7 @@ fn least(course: &Course, costs: Costs) -> u64 {
 /// A flood from the goals that has come to the start, or to its end.
 pub fn flooded<const N: usize>(course: &Course, start: Start) -> Flood<'_, N> {
     let leg = course.sheets.len() - 1;
-    let mut flood = Flood::from(course, Direction::Back, nodes_at(course, leg, course.sheets[leg].end).filter(|spot| course.is_goal(*spot)));
+    let mut flood = Flood::from(course, Direction::Back, &course.ends(leg));
     while !flood.ended() && !arrived(&flood, course, start) {
         flood.deepen();
     }
@@ -184,16 +194,6 @@ fn arrived<const N: usize>(flood: &Flood<N>, course: &Course, start: Start) -> b
             course.place(0, course.sheets[0].start, &grasp).is_some_and(|spot| flood.layer_of(spot).is_some())
         }
     }
-}
-
-/// All nodes of a leg at an angle.
-fn nodes_at(course: &Course, leg: usize, angle: usize) -> impl Iterator<Item = Spot> + '_ {
-    let contacts = course.sheets[leg].contacts;
-    (0..course.sets.chains(contacts) as usize).filter_map(move |number| {
-        let chain = course.sets.chain(contacts, number);
-        let held = chain.phases.map(usize::from);
-        course.spot(leg, angle, chain.set, &held[..course.sets.members(chain.set).len()])
-    })
 }
 
 /// The nodes of a way by legs.
@@ -220,27 +220,21 @@ fn blocked<const N: usize>(courses: &[Course], start: Start) -> Blocked {
 
 /// Where a route that has no way comes to a stop.
 fn stuck<const N: usize>(route: usize, course: &Course, start: Start) -> Blocked {
-    let begin = course.sheets[0].start;
-    let sources: Vec<Spot> = match start {
-        Start::Any => nodes_at(course, 0, begin).collect(),
-        Start::At(grasp) => course.place(0, begin, &grasp).into_iter().collect(),
-    };
-    let mut flood = Flood::<N>::from(course, Direction::Onward, sources.into_iter());
+    let mut flood = Flood::<N>::from(course, Direction::Onward, &starts(course, start));
     while !flood.ended() {
         flood.deepen();
     }
     // The last leg that can begin is the one whose end is out of reach.
-    let leg = (0..course.sheets.len()).rev().find(|leg| flood.count(*leg, course.sheets[*leg].start) > 0).unwrap_or(0);
+    let is_begun = |leg: &usize| has(&flood.angles(*leg), course.sheets[*leg].start);
+    let leg = (0..course.sheets.len()).rev().find(is_begun).unwrap_or(0);
     let sheet = &course.sheets[leg];
-    let reached = (0..sheet.angles).filter(|angle| flood.count(leg, *angle) > 0);
+    let reached = (0..sheet.angles).filter(|angle| has(&flood.angles(leg), *angle));
     let farthest = reached.min_by_key(|angle| angle.abs_diff(sheet.end)).map(|angle| angle as i32 - sheet.start as i32);
     let may_end = |spot: &Spot| course.is_goal(*spot) || course.next(*spot).is_some();
     Blocked {
         route,
         leg,
-        begins: flood.count(leg, sheet.start),
         farthest,
-        arrives: flood.count(leg, sheet.end),
-        ends: nodes_at(course, leg, sheet.end).filter(may_end).count() as u64,
+        ends: course.ends(leg).iter().filter(|spot| may_end(spot)).count() as u64,
     }
 }

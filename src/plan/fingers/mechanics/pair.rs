@@ -53,8 +53,9 @@ impl Reach {
         let half_un = friction * (base_un + apex_un);
         let corners_un = [force(base_un, half_un), force(base_un, -half_un), force(-apex_un, 0.0)];
         let count = if most_un.is_finite() { 3 } else { 2 };
+        let nothing = half_un < -TOLERANCE * friction * (base_un + apex_un.abs());
         let cap = Side { normal: inward, bound_un: most_un };
-        Reach { at_um: contact.point_um, sides: [cone(1.0), cone(-1.0), cap], corners_un, count, nothing: half_un < 0.0 }
+        Reach { at_um: contact.point_um, sides: [cone(1.0), cone(-1.0), cap], corners_un, count, nothing }
     }
 
     fn cone(&self) -> &[Side] {

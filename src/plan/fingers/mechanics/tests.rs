@@ -6,6 +6,7 @@ use crate::plan::fingers::tables::{Bits, Tables};
 use std::f64::consts::TAU;
 
 mod oracle;
+mod paper;
 
 /// The paper's hand, with κ as it imitates the paper.
 fn hand(friction: f64, adhesion: Adhesion) -> Facts {
@@ -123,9 +124,7 @@ fn assert_told_by_single_grasps(facts: &Facts, part: &(Section, Curve), load: Lo
     let firm = grip.with_reserve();
     let is_single = tables.layers.len() == 1;
     for (at, layer) in tables.layers.iter().enumerate() {
-        let told = |hand, part: usize, of: usize| {
-            Told::at(hand, &contacts, load, [at as f64, part as f64 / of as f64])
-        };
+        let told = |hand, part: usize, of: usize| Told::at(hand, &contacts, load, [at as f64, part as f64 / of as f64]);
         let now = told(&grip, 0, 1);
         let next = told(&grip, 1, 1);
         let between: Vec<Told> = (1..PARTS_OF_STEP).map(|part| told(&firm, part, PARTS_OF_STEP)).collect();
@@ -205,4 +204,115 @@ fn peanut(contacts: u32) -> (Section, Curve) {
         [radius_um * cos, radius_um * sin]
     };
     section(Outline::Spline { points_um: (0..32).map(round).collect() }, contacts)
+}
+
+/// A contact every 10 deg round a circle, exactly.
+fn circle() -> Vec<Contact> {
+    let at = |index: u32| {
+        let (sin, cos) = (f64::from(index) * TAU / 36.0).sin_cos();
+        let out = |radius_um: f64| [radius_um * cos, radius_um * sin];
+        Contact { point_um: out(9.0), normal: [cos, sin], tip_um: out(13.5), usable: true }
+    };
+    (0..36).map(at).collect()
+}
+
+#[test]
+fn what_is_exactly_balanced_holds() {
+    // Two fingers at the ends of a right angle seen from the middle: the chord is 45 deg off both normals.
+    let contacts = circle();
+    let grip = |friction: f64| Grip::of(&hand(friction, Adhesion::Absent), 9.0);
+    let right_angle = [contacts[0], contacts[9]];
+    assert!(grip(1.0).holds(&right_angle, &Load::NONE));
+    assert!(!grip(1.0 - 1e-8).holds(&right_angle, &Load::NONE));
+    // Three at 0, 90 and 180 deg: the third one is of no use without friction, and not needed.
+    let three = [contacts[0], contacts[9], contacts[18]];
+    assert!(grip(1e-3).holds(&three, &Load::NONE));
+    // Three on one half of a circle have nothing to push against.
+    assert!(!grip(1e-3).holds(&[contacts[0], contacts[4], contacts[9]], &Load::NONE));
+}
+
+#[test]
+fn a_removal_in_balance_holds_up_to_its_safety() {
+    // Without a moment two opposite fingers resist across their chord as far as friction goes with all that presses and sticks.
+    let contacts = circle();
+    let resists = |safety: f64| {
+        let facts = Facts { removal_safety: safety, ..hand(0.3, Adhesion::Sticking) };
+        Grip::of(&facts, 9.0).resists([&contacts[0], &contacts[18]], &contacts[9], &Load::NONE)
+    };
+    // Both press with all they have: 2 × 0.3 × (30 + 1.5) μN over 1.5 μN.
+    assert!(resists(12.6) && !resists(12.6 + 1e-6));
+}
+
+#[test]
+fn a_load_across_is_shared_by_the_fingers_that_hold() {
+    let contacts = circle();
+    let holds = |grasp: &[usize], across_un: f64| {
+        let held: Vec<Contact> = grasp.iter().map(|contact| contacts[*contact]).collect();
+        Grip::of(&hand(0.3, Adhesion::Sticking), 9.0).holds(&held, &Load { across_un, ..Load::NONE })
+    };
+    // Each of two that press with 30 μN bears 0.3 × (30 + 1.5) μN.
+    assert!(holds(&[0, 18], 18.9) && !holds(&[0, 18], 18.9 + 1e-6));
+    assert!(holds(&[0, 12, 24], 28.35) && !holds(&[0, 12, 24], 28.35 + 1e-6));
+}
+
+#[test]
+fn a_load_turns_against_the_part() {
+    let load = Load { force_un: [0.0, -2.0], across_un: 0.5, at_um: [1.0, 0.0] };
+    let [x_un, y_un] = load.after_turn(TAU / 4.0).force_un;
+    assert!((x_un + 2.0).abs() < 1e-12 && y_un.abs() < 1e-12, "what is down lies along -x of a part turned by 90 deg");
+    let quarter = nalgebra::UnitQuaternion::from_euler_angles(0.0, 0.0, TAU / 4.0);
+    let seen = Load::seen(crate::device::fingers::Plane::Xy, &quarter, [0.0, -2.0, -0.5], [1.0, 0.0, 0.0]);
+    assert!((seen.force_un[0] + 2.0).abs() < 1e-12 && seen.across_un == 0.5 && seen.at_um == [1.0, 0.0]);
+}
+
+#[test]
+fn tables_have_a_size_that_is_not_passed() {
+    let part = ellipse([120.0, 90.0], 512);
+    let facts = hand(0.3, Adhesion::Sticking);
+    let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
+    let load = Load { across_un: 0.1, ..Load::NONE };
+    let asked = Asked { facts: &facts, contacts, load, lowest: 0, angles: 5 };
+    let refused = tables(&asked, &mut |_, _, _| true);
+    assert_eq!(refused.err(), Some(TooManyGrasps { contacts: 512, layers: 5 }));
+}
+
+#[test]
+fn a_contact_that_is_out_of_reach_is_neither_come_to_nor_left() {
+    let part = ellipse([8.0, 6.1], 28);
+    let facts = hand(0.3, Adhesion::Sticking);
+    let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
+    let asked = Asked { facts: &facts, contacts, load: Load::NONE, lowest: 0, angles: 1 };
+    let found = tables(&asked, &mut |i, j, k| i < j && k != 5).expect("few grasps");
+    let free = tabulated(&facts, &part, Load::NONE, 1);
+    for (i, j) in (0..28).flat_map(|i| (0..28).map(move |j| (i, j))) {
+        for k in 0..28 {
+            let bit = found.three(i, j, k);
+            let (now, was) = (&found.layers[0], &free.layers[0]);
+            assert_eq!(
+                [now.place.has(bit), now.leave.has(bit)],
+                [was.place.has(bit), was.leave.has(bit)].map(|was| was && k != 5)
+            );
+            assert_eq!(now.triple.has(bit), was.triple.has(bit));
+        }
+    }
+}
+
+#[test]
+fn rows_of_bits_go_in_and_out_anywhere() {
+    let mut dice = Dice(1);
+    for length in [1, 28, 63, 64, 65, 74, 128, 200] {
+        let start = dice.below(200);
+        let mut bits = Bits::new(start + length + 70);
+        let mut row = vec![0_u64; usize::div_ceil(length, 64)];
+        (0..length).filter(|_| dice.below(2) == 0).for_each(|bit| row[bit / 64] |= 1 << (bit % 64));
+        bits.put_row(start, &row);
+        (start + length..start + length + 70).for_each(|bit| bits.put(bit));
+        let mut back = vec![u64::MAX; row.len()];
+        bits.read_row(start, length, &mut back);
+        assert_eq!(back, row, "{start} {length}");
+        let mut stepped = row.clone();
+        rows::step(&row, length, &mut stepped);
+        let has = |row: &[u64], bit: usize| row[bit / 64] >> (bit % 64) & 1 == 1;
+        assert!((0..length).all(|bit| has(&stepped, (bit + 1) % length) == has(&row, bit)));
+    }
 }
