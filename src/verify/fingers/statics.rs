@@ -111,9 +111,9 @@ impl<'a> Statics<'a> {
             let room = facts.friction * sticking - share;
             for sign in [1.0, -1.0] {
                 let cone = [(tangential, sign), (normal, -facts.friction), (depth, 1.0)];
-                problem.add_constraint(&cone, ComparisonOp::Le, room);
+                problem.add_constraint(cone, ComparisonOp::Le, room);
             }
-            problem.add_constraint(&[(normal, 1.0), (depth, 1.0)], ComparisonOp::Le, most);
+            problem.add_constraint([(normal, 1.0), (depth, 1.0)], ComparisonOp::Le, most);
             Bearing { normal, tangential }
         };
         touches.iter().map(bearing).collect()
@@ -157,7 +157,7 @@ impl<'a> Statics<'a> {
     pub fn forces_un(&self, touches: &[Touch], sum_un: f64) -> Option<Vec<[f64; 2]>> {
         let unit_un = self.order.facts.max_force_un;
         let mut problem = Problem::new(OptimizationDirection::Maximize);
-        let depth = problem.add_var(1.0, (f64::NEG_INFINITY, 1.0));
+        let depth = problem.add_var(1.0, (-TOLERANCE, 1.0));
         let bearings = self.bearings(&mut problem, touches, depth, (unit_un, 1.0));
         self.balance(&mut problem, touches, &bearings, None, unit_un);
         let missed = problem.add_var(-SUM_WEIGHT, (0.0, f64::INFINITY));

@@ -181,8 +181,14 @@ fn shown_forces_balance() {
         let holding = contacts.iter().filter(|contact| **contact > 0).count() as f64;
         assert!((pressed_un - 3.0 * holding).abs() < 1e-5, "{pressed_un}");
     }
+    let order = order();
+    assert_eq!(forces(&order, &held(order.clone(), &[1, 38, 0]).state()).map(|forces| forces.len()), Some(3));
+    // Nothing balances a load that two tips cannot bear.
+    let mut loaded = order.clone();
+    loaded.load_un = [0.0, 40.0, 0.0];
+    assert_eq!(forces(&loaded, &held(order, &[1, 38, 0]).state()), None);
     let other = State::ElectrodeArray { parts: Default::default() };
-    assert_eq!(forces(&order(), &other), None);
+    assert_eq!(forces(&loaded, &other), None);
 }
 
 /// A peanut: a tip that sits in one of its dents must not touch the lobes.
@@ -205,4 +211,27 @@ fn concave_parts_are_rolled() {
     let day = held(order, &[1, half, 0]).rotate(Plane::Xy, -3).roll(-3);
     let (schedule, claims) = day.both();
     passes(&schedule, &claims);
+}
+
+/// A tip in the waist of a slender peanut would be in its lobes, too.
+#[test]
+fn tips_that_hold_touch_in_one_place_only() {
+    let grasped = |waist_um: f64| {
+        let mut order = order();
+        order.part = {
+            let mut part = order.part.as_ref().clone();
+            (part.xy, part.xz) = (peanut(waist_um), None);
+            Arc::new(part)
+        };
+        let contacts = order.part.xy.contacts;
+        let day = held(order, &[1, 1 + contacts / 4, 0]);
+        let (schedule, claims) = day.both();
+        match verify(schedule, &claims) {
+            Verdict::Rejected(found) => found.into_iter().map(|violation| violation.rule).collect(),
+            Verdict::Accepted(_) => Vec::new(),
+            Verdict::Inconclusive { why } => panic!("{why}"),
+        }
+    };
+    assert_eq!(grasped(12.0), []);
+    assert!(grasped(4.0).contains(&Rule::Pierce), "{:?}", grasped(4.0));
 }
