@@ -98,7 +98,7 @@ fn noise(random: &mut Random, contacts: usize, layers: usize) -> Tables {
 }
 
 /// A case: fingers, contacts, legs, junctions, pins and all.
-fn case(seed: u64) -> Request {
+pub fn case(seed: u64) -> Request {
     let random = &mut Random(seed.wrapping_mul(0x1234_5677));
     let fingers = if random.chance(75) || seed % 50 == 0 { 3 } else { 4 };
     let most = if fingers == 3 { random.pick(&[6, 7, 9, 10, 12, 14, 20]) } else { random.pick(&[5, 8, 11]) };
@@ -168,6 +168,7 @@ fn agrees(seed: u64) -> Option<u64> {
         match solve(&request, estimator, Budget::DEFAULT) {
             Answer::Found(way) => {
                 assert_eq!(Some((way.cost, way.route)), best, "case {seed}, {estimator:?}");
+                assert_eq!(way.bound, way.cost);
                 judge(&request, &way);
             }
             Answer::Impossible(blocked) => {
