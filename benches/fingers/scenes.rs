@@ -77,6 +77,18 @@ pub fn stuck(tables: &Tables, triple: [usize; 3]) -> Tables {
     other
 }
 
+/// The same tables, but no finger may come to make a triple, nor what it rolls to.
+pub fn lonely(tables: &Tables, triple: [usize; 3]) -> Tables {
+    let mut other = tables.clone();
+    for by in 0..tables.contacts {
+        let [i, j, k] = triple.map(|contact| (contact + by) % tables.contacts);
+        for [i, j, k] in [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]] {
+            other.layers[0].place.take(tables.three(i, j, k));
+        }
+    }
+    other
+}
+
 /// A turn with three fingers from one grasp to another.
 pub fn query(tables: &Arc<Tables>, start: [u32; 3], steps: i32, end: [u32; 3]) -> Request {
     let grasp = |list: [u32; 3]| Grasp::of(&list).expect("three fingers");

@@ -24,7 +24,9 @@ pub fn decompose(request: &Request, estimator: Estimator, budget: Budget) -> Ans
                     farthest = Some(blocked);
                 }
             }
-            Answer::Found(way) => return Answer::Found(Way { bound: bound(request).unwrap_or(0).min(way.cost), ..way }),
+            Answer::Found(way) => {
+                return Answer::Found(Way { bound: bound(request).unwrap_or(0).min(way.cost), ..way });
+            }
             other @ (Answer::GaveUp(_) | Answer::TooLarge { .. }) => return other,
         }
     }

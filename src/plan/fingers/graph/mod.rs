@@ -30,7 +30,7 @@ use crate::plan::search::{Budget, GaveUp, Meter};
 use std::sync::Arc;
 
 /// The most nodes of one route: all grasps that could be, times all angles, of all its legs.
-pub const MAX_NODES: u64 = 1 << 31;
+pub const MAX_NODES: u64 = 1 << 34;
 
 /// The contact of each finger, from 1; 0 for a finger that is free, or that the device does not have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -182,7 +182,9 @@ pub enum Answer {
     /// The budget of expanded nodes ran out.
     GaveUp(GaveUp),
     /// A route has more nodes than [`MAX_NODES`].
-    TooLarge { nodes: u64 },
+    TooLarge {
+        nodes: u64,
+    },
 }
 
 /// The cheapest way of all routes.

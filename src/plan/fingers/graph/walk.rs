@@ -119,7 +119,10 @@ impl<'a, E: Estimate> Walk<'a, E> {
     pub fn advance(&mut self, limit: u64, meter: &mut Meter) -> Progress {
         loop {
             let Some((key, entry)) = self.pop(limit) else {
-                return self.open.first_key_value().map_or(Progress::Exhausted, |((cost, _), _)| Progress::AtLeast(*cost));
+                return self
+                    .open
+                    .first_key_value()
+                    .map_or(Progress::Exhausted, |((cost, _), _)| Progress::AtLeast(*cost));
             };
             if entry.record == STARTS.record {
                 self.begin();

@@ -130,7 +130,9 @@ fn greedy_ways_are_ways() {
 fn spreads_like_steps<const N: usize>(random: &mut Random) {
     for _ in 0..300 {
         let angles = 1 + random.below(64 * N);
-        let word = |random: &mut Random| if random.chance(30) { random.next() & random.next() } else { random.next() | random.next() };
+        let word = |random: &mut Random| {
+            if random.chance(30) { random.next() & random.next() } else { random.next() | random.next() }
+        };
         let rolls: Mask<N> = below(std::array::from_fn(|_| word(random)), angles - 1);
         let mut seeds: Mask<N> = single(random.below(angles));
         if random.chance(50) {

@@ -59,7 +59,8 @@ pub fn layer(
             }
             for k in j + 1..contacts {
                 let [holds, rolls] = triple(i, j, k);
-                let all = [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]].map(|[i, j, k]| three(i, j, k));
+                let all =
+                    [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]].map(|[i, j, k]| three(i, j, k));
                 put(&mut triples, holds, &all);
                 put(&mut roll_triple, rolls, &all);
             }
@@ -108,10 +109,15 @@ pub fn case(seed: u64) -> Request {
     let table = |random: &mut Random| {
         let contacts = most - 2 * random.below(2);
         let layers = if by_angle { turn + 1 } else { 1 };
-        Arc::new(if random.chance(20) && !by_angle { circle(contacts, contacts / 7 + 1) } else { noise(random, contacts, layers) })
+        Arc::new(if random.chance(20) && !by_angle {
+            circle(contacts, contacts / 7 + 1)
+        } else {
+            noise(random, contacts, layers)
+        })
     };
     let sections = [table(random), table(random)];
-    let routes = (0..random.pick(&[1, 1, 1, 2, 3])).map(|_| route(random, fingers, turn, &sections)).collect::<Vec<_>>();
+    let routes =
+        (0..random.pick(&[1, 1, 1, 2, 3])).map(|_| route(random, fingers, turn, &sections)).collect::<Vec<_>>();
     let first = &routes[0][0];
     let start = match random.chance(40) {
         true => Start::Any,
