@@ -97,6 +97,17 @@ pub fn query(tables: &Arc<Tables>, start: [u32; 3], steps: i32, end: [u32; 3]) -
     Request { fingers: 3, start: Start::At(grasp(start)), routes: vec![vec![leg]], costs: COSTS }
 }
 
+/// A turn that ends with any two fingers on contacts 1 and 38, where another one in the other plane begins.
+pub fn junction(tables: &Arc<Tables>, start: [u32; 3], steps: i32) -> Request {
+    let mut request = query(tables, start, steps, start);
+    let ends = [0, 37];
+    let mut next = request.routes[0][0].clone();
+    request.routes[0][0].end = None;
+    (next.steps, next.end, next.entry) = (0, None, Entry::Across { old: ends, new: ends });
+    request.routes[0].push(next);
+    request
+}
+
 /// Queries between grasps that hold, with two and with three fingers, at random angles.
 pub fn random(tables: &Arc<Tables>, count: usize) -> Vec<Request> {
     let mut random = Random(7);

@@ -101,9 +101,9 @@ fn noise(random: &mut Random, contacts: usize, layers: usize) -> Tables {
 /// A case: fingers, contacts, legs, junctions, pins and all.
 pub fn case(seed: u64) -> Request {
     let random = &mut Random(seed.wrapping_mul(0x1234_5677));
-    let fingers = if random.chance(75) || seed % 50 == 0 { 3 } else { 4 };
+    let fingers = if random.chance(75) || seed.is_multiple_of(50) { 3 } else { 4 };
     let most = if fingers == 3 { random.pick(&[6, 7, 9, 10, 12, 14, 20]) } else { random.pick(&[5, 8, 11]) };
-    let most = if seed % 50 == 0 { 40 } else { most };
+    let most = if seed.is_multiple_of(50) { 40 } else { most };
     let turn = random.pick(&[2, 4, 7, 12]);
     let by_angle = random.chance(20);
     let table = |random: &mut Random| {
