@@ -97,7 +97,9 @@ fn second_rotation() {
         print!(" {:14.2} {:8}", published.milliseconds, published.expanded);
         println!(" {:>15} | {paper:12} {seconds:?}", theirs(&request, layers.outcome));
     }
-    println!("one by one: {total:.1} ms with layers; in the paper 278 s, and 34,207 s for a proof that there is no way");
+    println!(
+        "one by one: {total:.1} ms with layers; in the paper 278 s, and 34,207 s for a proof that there is no way"
+    );
     let cheapest = ours(&scenes::junction(&tables, [1, 38, 0], 11), Estimator::Layers);
     println!("the cheapest of the six, as one search: {}, {:.2} ms", shown(&cheapest), cheapest.milliseconds);
 }

@@ -76,6 +76,9 @@ impl<'a, const N: usize> Flood<'a, N> {
             flood.meet(spot.leg, spot.chain, single(spot.angle), 0);
         }
         for spot in triples {
+            if direction == Direction::Back && !flood.fields[spot.leg].hands_on && !flood.is_news(spot) {
+                continue;
+            }
             let rolls = course.sheets[spot.leg].rolls_three(spot.chain.phases);
             flood.part(spot.leg, spot.chain, spread(single(spot.angle), rolls), 1);
         }
@@ -189,6 +192,15 @@ impl<'a, const N: usize> Flood<'a, N> {
                 }
             }
         }
+    }
+
+    /// Whether a pair is open that a triple becomes.
+    fn is_news(&self, spot: &Spot) -> bool {
+        (0..3).any(|place| {
+            let ([p, q], _) = removed(spot.chain.phases, place);
+            let pair = Chain { set: self.course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
+            self.fields[spot.leg].open[self.course.pair_index(spot.leg, pair)] != [0; N]
+        })
     }
 
     /// Whether any pair is open that a triple becomes, whatever the phase at a place.
