@@ -85,7 +85,7 @@ impl Checker<'_> {
             return self.accept_curve(expr, scope, wanted);
         }
         if let Sort::Text = sort {
-            return self.accept_mesh(expr, scope, wanted);
+            return self.accept_mesh(expr, scope);
         }
         if let Sort::Object(noun) = sort {
             return self.accept_object(noun, expr, scope, wanted);
@@ -202,9 +202,12 @@ impl Checker<'_> {
     /// A shape with some fields changed.
     pub fn shape_with(&mut self, shape: ShapeValue, span: Span, fields: &[tree::Field], scope: &Scope) -> Value {
         let mut shape = shape;
-        let owner = Owner { name: format!("a {}", shape.form.name()), declared: None };
+        let owner = Owner { name: shape.form.with_article(), declared: None };
         let given: Vec<Given> = fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
         shape.fields.extend(self.read_fields(&owner, &given, shape.form.fields()));
+        if shape.form.is_of_space() && !self.counts_as_turns(SOLID_TURNS, span) {
+            return Value::Unknown;
+        }
         let missing = Self::missing(&shape.fields, shape.form.fields());
         if !missing.is_empty() {
             return self.unknown(errors::missing_fields(span, &owner.name, &missing, None));
@@ -218,6 +221,9 @@ impl Checker<'_> {
         }
     }
 }
+
+/// How many turns of a loop a shape in space counts: to judge it takes as long.
+const SOLID_TURNS: usize = 2_000;
 
 /// Whether a value is of a sort.
 pub fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(), Box<crate::diagnostic::Diagnostic>> {

@@ -1,6 +1,7 @@
 //! What an expression is worth.
 
 use crate::device::shape::Form;
+use crate::geometry::mesh::Mesh;
 use crate::quantity::{Dimension, Quantity};
 use crate::source::{Span, Spanned};
 use std::collections::BTreeMap;
@@ -61,7 +62,7 @@ pub struct ObjectName {
 pub struct MeshFile {
     /// As the program writes it.
     pub path: String,
-    pub mesh: (),
+    pub mesh: Mesh,
 }
 
 /// A form with the fields that were given so far.
@@ -93,7 +94,7 @@ impl Value {
             Value::Orientation(_) => "an orientation".to_owned(),
             Value::Curve(_) => "a curve".to_owned(),
             Value::Mesh(_) => "a file of triangles".to_owned(),
-            Value::Shape(shape) => format!("a {}", shape.form.name()),
+            Value::Shape(shape) => shape.form.with_article(),
             Value::Table(_) => "a table".to_owned(),
             Value::Object(object) => format!("the {} `{}`", object.noun, object.name),
             Value::Unknown => "an unknown value".to_owned(),

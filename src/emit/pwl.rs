@@ -14,7 +14,7 @@
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
-use super::signal::half_ns;
+use super::signal::{LEAP_UM, half_ns};
 use super::{Format, Signals, identifier};
 use crate::schedule::{Actuation, Swing, Unit};
 use std::collections::BTreeSet;
@@ -103,11 +103,11 @@ impl<'a> Line<'a> {
         self.second_level(train).unwrap_or_else(|| self.signals.value_before(self.channel, t_ns))
     }
 
-    /// Whether a stage is where it was, so that nothing has to rise.
+    /// Whether a stage is where it was, but for rounding, so that nothing has to rise.
     fn bends(&self, t_ns: u64) -> bool {
         match self.signals.unit(self.channel) {
             Unit::Volt => false,
-            Unit::Micrometre => self.base_before(t_ns) == self.base(t_ns),
+            Unit::Micrometre => (self.base_before(t_ns) - self.base(t_ns)).abs() <= LEAP_UM,
         }
     }
 

@@ -336,13 +336,13 @@ fn playback(signals: &Signals, sampling: &Sampling, playing: &Playing) -> String
     match playing {
         Playing::Waveforms => format!(
             "Sample period {period_ns} ns, {points} points, {} s in all. The schedule begins at the second sample: the first and the last\n\
-             are 0 V, because an output waits at its first sample and rests at its last.",
+             are 0 V, or where a stage is, because an output waits at its first sample and rests at its last.",
             seconds(points * period_ns),
         ),
         Playing::Sequences(_) => format!(
             "Each output plays a sequence: segments one after the other, each so many times, as the table at the end lists them.\n\
              Sample period {period_ns} ns; the schedule lasts {} s and begins when the trigger comes, at the second step: the first and\n\
-             the last segment are 0 V, where an output waits for its trigger and rests when all is played.",
+             the last segment are 0 V, or where a stage is; there an output waits for its trigger and rests when all is played.",
             seconds(signals.schedule.duration_ns),
         ),
     }

@@ -8,6 +8,9 @@
 use crate::schedule::{Actuation, Schedule, Swing, Unit};
 use std::collections::BTreeSet;
 
+/// What two positions may differ by and be the same but for rounding.
+pub const LEAP_UM: f64 = 1e-9;
+
 /// The actuations of every channel, for looking up values.
 pub struct Signals<'a> {
     pub schedule: &'a Schedule,
@@ -152,7 +155,7 @@ impl<'a> Signals<'a> {
     /// The first instant at which a stage would have to be in two places, with its channel; or where it would swing.
     pub fn first_leap(&self) -> Option<(usize, u64)> {
         let leap = |channel: usize| {
-            let leaps = |t_ns: &u64| self.value_before(channel, *t_ns) != self.value(channel, *t_ns);
+            let leaps = |t_ns: &u64| (self.value_before(channel, *t_ns) - self.value(channel, *t_ns)).abs() > LEAP_UM;
             let swing = self.swings(channel).next().map(|(actuation, _)| actuation.start_ns);
             let t_ns = swing.or_else(|| self.breaks([channel]).into_iter().find(leaps))?;
             Some((channel, t_ns))
@@ -200,8 +203,8 @@ fn at(actuation: &Actuation, t_ns: u64) -> f64 {
     if let Some(swing) = actuation.swing {
         return swing.levels[((t_ns - actuation.start_ns) / half_ns(swing) % 2) as usize];
     }
-    if actuation.from == actuation.to {
-        return actuation.from;
+    if actuation.from == actuation.to || t_ns == actuation.end_ns() {
+        return actuation.to;
     }
     let part = (t_ns - actuation.start_ns) as f64 / actuation.duration_ns as f64;
     actuation.from + (actuation.to - actuation.from) * part

@@ -104,13 +104,10 @@ pub fn mesh_file_not_plain(span: Span) -> Diagnostic {
 }
 
 /// A file of triangles that is no closed surface.
-pub fn bad_mesh(span: Span, path: &str, why: &str, line: Option<Span>) -> Diagnostic {
-    let diagnostic = Diagnostic::new(Code::E0553, format!("`{path}` {why}")).label(span, "used here");
-    let diagnostic = match line {
-        Some(line) => diagnostic.label(line, "in this line"),
-        None => diagnostic,
-    };
-    diagnostic.help("write the file anew from a solid: a closed surface, as STL, ASCII or binary")
+pub fn bad_mesh(span: Span, path: &str, why: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0553, format!("`{path}` {why}"))
+        .label(span, "used here")
+        .help("write the file anew from a solid: one closed surface round its origin, as STL, in text or binary")
 }
 
 pub fn part_without_shape(span: Span, name: &str) -> Diagnostic {
@@ -238,17 +235,41 @@ pub fn turn_too_far(span: Span, asked_rad: f64) -> Diagnostic {
         .help("write several steps one below the other")
 }
 
+/// What whole steps are to reach.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Asked {
+    Orientation,
+    TurnAboutX,
+}
+
 /// An orientation that whole steps miss.
-pub fn orientation_missed(span: Span, off_rad: f64, precision_rad: f64) -> Diagnostic {
+pub fn orientation_missed(span: Span, asked: Asked, off_rad: f64, precision_rad: f64) -> Diagnostic {
+    let (what, mend) = match asked {
+        Asked::Orientation => ("orientation", "angles that are whole steps"),
+        Asked::TurnAboutX => {
+            ("turn about x", "a `step` that divides 90 deg and the angle: the part is turned by 90 deg about z, and back after the turn about y")
+        }
+    };
     let title = format!(
-        "whole steps come no nearer to this orientation than {}, the precision is {}",
+        "whole steps come no nearer to this {what} than {}, the precision is {}",
         angle(off_rad),
         angle(precision_rad)
     );
-    Diagnostic::new(Code::E0545, title).label(span, "not reached").help(format!(
-        "write `precision: {} deg` among the settings, or angles that are whole steps",
-        digits(rounded_up(off_rad.to_degrees()))
-    ))
+    let precision = digits(rounded_up(off_rad.to_degrees()));
+    Diagnostic::new(Code::E0545, title)
+        .label(span, "not reached")
+        .help(format!("write `precision: {precision} deg` among the settings, or {mend}"))
+}
+
+pub fn other_part(run: Span, device: &str, first: &str, now: &str) -> Diagnostic {
+    let title = if first == now {
+        format!("`{device}` has turned `{first}` so far, the `{now}` of this scene has another shape")
+    } else {
+        format!("`{device}` has turned `{first}` so far, and cannot turn `{now}` in the same schedule")
+    };
+    Diagnostic::new(Code::E0528, title)
+        .label(run, "another part than before")
+        .help("a hand keeps its part between tasks: write a program, or another device, for each part")
 }
 
 pub fn flat_part(span: Span, name: &str, what: &str, declared: Span) -> Diagnostic {

@@ -1,9 +1,9 @@
-//! Curves: an expression of the angle `t`, worked out all the way round. Files of triangles, by their name.
+//! Curves: an expression of the angle `t`, worked out all the way round.
 
 use crate::check::errors::{self, Wanted};
-use crate::check::scope::Scope;
+use crate::check::scope::{DeclarationSort, Scope};
 use crate::check::value::Value;
-use crate::check::{Checker, MAX_REPETITIONS};
+use crate::check::{Checker, fields};
 use crate::device::{Range, Sort};
 use crate::quantity::{Dimension, Quantity};
 use crate::source::Spanned;
@@ -20,14 +20,14 @@ const ANGLE_NAME: &str = "t";
 impl Checker<'_> {
     /// The lengths of a curve; `None` after an error.
     pub fn accept_curve(&mut self, expr: &Expr, scope: &Scope, wanted: &Wanted) -> Option<Value> {
-        if let Some(earlier) = self.taken(ANGLE_NAME, scope) {
+        // Names of other sorts stand in no expression.
+        let own = self.modules[scope.module].names.get(ANGLE_NAME);
+        let value = own.filter(|declaration| declaration.sort == DeclarationSort::Let).map(|declaration| declaration.span);
+        if let Some(earlier) = scope.local(ANGLE_NAME).map(|local| local.span).or(value) {
             self.sink.push(errors::angle_name_taken(expr.span, earlier));
             return None;
         }
-        // Each angle counts as one turn of a loop, so that loops of curves have their end.
-        self.repetitions += SAMPLES;
-        if self.repetitions > MAX_REPETITIONS {
-            self.sink.push(errors::too_many_repetitions(expr.span, MAX_REPETITIONS));
+        if !self.counts_as_turns(SAMPLES, expr.span) {
             return None;
         }
         let name = Ident { text: ANGLE_NAME.to_owned(), span: expr.span };
@@ -38,7 +38,7 @@ impl Checker<'_> {
             let angle = Spanned::new(Value::Quantity(angle), expr.span);
             let value = scope.with(&name, angle, |scope| self.evaluate(expr, scope));
             let sort = Sort::Quantity { dimension: Dimension::LENGTH, range: Range::Any };
-            match super::super::fields::judge(sort, &value, expr.span, wanted) {
+            match fields::judge(sort, &value, expr.span, wanted) {
                 Ok(()) => {}
                 Err(_) if value.is_unknown() => return None,
                 Err(wrong) => {
@@ -51,11 +51,5 @@ impl Checker<'_> {
             }
         }
         Some(Value::Curve(Rc::new(lengths_um)))
-    }
-
-    /// The triangles of a file that was read with the program; `None` after an error.
-    pub fn accept_mesh(&mut self, expr: &Expr, _scope: &Scope, _wanted: &Wanted) -> Option<Value> {
-        self.sink.push(errors::mesh_file_not_plain(expr.span));
-        None
     }
 }

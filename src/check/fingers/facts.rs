@@ -132,7 +132,7 @@ impl Figures<'_> {
         let found = self.quantity(name)?;
         let um = found.in_unit("um");
         let fits = um == 0.0 || (MIN_LENGTH_UM..=MAX_LENGTH_UM).contains(&um);
-        self.unless(fits, name, &found.to_string(), "0.1 nm to 1 m");
+        self.unless(fits, name, &found.to_string(), "from 0.1 nm to 1 m");
         Some(um)
     }
 
@@ -153,7 +153,7 @@ impl Figures<'_> {
         let found = self.quantity(name)?;
         let um_per_s = found.in_unit("um/s");
         let fits = (SPEEDS_UM_PER_S[0]..=SPEEDS_UM_PER_S[1]).contains(&um_per_s);
-        self.unless(fits, name, &found.to_string(), "1 nm/s to 1 km/s");
+        self.unless(fits, name, &found.to_string(), "from 1 nm/s to 1 km/s");
         Some(um_per_s)
     }
 

@@ -67,14 +67,20 @@ pub struct Way {
     pub off_rad: f64,
 }
 
+/// For each of three angles: the short way or the long one, and the nearest number of steps or the next one.
+const CHOICES: u32 = 1 << 6;
+
+/// How much more than 360 deg a turn of whole steps may be, as a share.
+const FULL_SLACK: f64 = 1e-2;
+
 /// The ways of up to three turns of whole steps in alternating planes that come near a relative orientation: both solutions of its
-/// angles, with either plane first, each angle either way round. None twice, those of less turning first, at most [`MAX_WAYS`].
+/// angles, with either plane first, each angle either way round, and by the nearest number of steps or the next one. None twice, those of less turning first, at most [`MAX_WAYS`].
 pub fn ways(goal: &Orientation, part: &Part) -> Vec<Way> {
     let mut found: Vec<Way> = Vec::new();
     for first in Plane::ALL {
         for angles in decompositions(goal, first) {
-            for signs in 0..8 {
-                let Some(turns) = whole_turns(angles, signs, first, part) else { continue };
+            for choice in 0..CHOICES {
+                let Some(turns) = whole_turns(angles, choice, first, part) else { continue };
                 if found.iter().all(|way| way.turns != turns) {
                     let off_rad = after(&turns, part).angle_to(goal);
                     found.push(Way { turns, off_rad });
@@ -112,8 +118,9 @@ fn decompositions(goal: &Orientation, first: Plane) -> Vec<[f64; 3]> {
     vec![[a, b, c], [a + PI, -b, c + PI]]
 }
 
-/// Each angle as whole steps, the short way or (where its bit of `signs` is set) the long one; `None` where there is no long one.
-fn whole_turns(angles: [f64; 3], signs: u32, first: Plane, part: &Part) -> Option<Vec<Turn>> {
+/// Each angle as the nearest whole number of steps or the next one, the short way or the long one, by the bits of `choice`; `None` where that is no
+/// turn.
+fn whole_turns(angles: [f64; 3], choice: u32, first: Plane, part: &Part) -> Option<Vec<Turn>> {
     let other = match first {
         Plane::Xy => Plane::Xz,
         Plane::Xz => Plane::Xy,
@@ -121,17 +128,23 @@ fn whole_turns(angles: [f64; 3], signs: u32, first: Plane, part: &Part) -> Optio
     let mut turns: Vec<Turn> = Vec::new();
     for (index, (angle, plane)) in angles.into_iter().zip([first, other, first]).enumerate() {
         let short = (angle + PI).rem_euclid(TAU) - PI;
-        let is_long = signs >> index & 1 == 1;
+        let is_bit = |bit: usize| choice >> bit & 1 == 1;
+        let (is_long, is_next) = (is_bit(index), is_bit(index + 3));
         let section = part.section(plane);
-        if section.is_none() && short.abs() < FLAT && !is_long {
+        if section.is_none() && short.abs() < FLAT && !is_long && !is_next {
             continue;
         }
         let step_rad = section?.step_rad;
-        let steps = |angle: f64| (angle / step_rad).round() as i32;
-        if steps(short) == 0 && is_long {
+        let angle = if is_long { short - TAU.copysign(short) } else { short };
+        let exact = angle / step_rad;
+        let nearest = exact.round();
+        let other = if exact < nearest { nearest - 1.0 } else { nearest + 1.0 };
+        let steps = if is_next { other } else { nearest };
+        // A full turn is no other way to stay where it is.
+        if steps.abs() * step_rad > TAU * (1.0 + FULL_SLACK) || is_long && short.abs() < FULL_SLACK {
             return None;
         }
-        let steps = if is_long { steps(short - TAU.copysign(short)) } else { steps(short) };
+        let steps = steps as i32;
         match turns.last_mut() {
             // No turn was left between them.
             Some(Turn { plane: last, steps: sum }) if *last == plane => *sum += steps,

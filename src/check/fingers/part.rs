@@ -68,6 +68,8 @@ impl Reader<'_> {
             None => None,
         };
         self.within_its_sections(&solid, &xy, xz.as_ref(), shape.span)?;
+        self.clear_of_surface(&solid, &xy, Plane::Xy, shape.span)?;
+        xz.as_ref().map_or(Some(()), |xz| self.clear_of_surface(&solid, xz, Plane::Xz, shape.span))?;
         let part = Part {
             name: object.name.clone(),
             xy,
@@ -119,6 +121,24 @@ impl Reader<'_> {
         Some(Section { outline: outline.clone(), contacts: contacts as u32, opposite, step_rad })
     }
 
+    /// Whether tips that touch a section stand clear of the rest of the surface.
+    fn clear_of_surface(&mut self, solid: &Solid, section: &Section, plane: Plane, span: Span) -> Option<()> {
+        let Some(surface) = &solid.surface else { return Some(()) };
+        let curve = Curve::of(&section.outline).ok()?;
+        let (tip_um, tolerance_um) = (self.facts.tip_radius_um, self.facts.tolerance_um);
+        let depths = (1..=section.contacts).map(|contact| {
+            let (centre, _) = tip_um_at(section, &curve, contact, tip_um);
+            (tip_um - surface.distance_um(in_space(plane, centre)), contact)
+        });
+        let (depth_um, contact) = depths.max_by(|one, other| one.0.total_cmp(&other.0))?;
+        if depth_um <= tolerance_um {
+            return Some(());
+        }
+        let at = (contact, plane);
+        self.sink.push(errors::tip_in_solid(span, &self.object.name, at, depth_um, tolerance_um));
+        None
+    }
+
     /// Whether nothing of the part is in the way of tips that travel round its sections.
     fn within_its_sections(&mut self, solid: &Solid, xy: &Section, xz: Option<&Section>, span: Span) -> Option<()> {
         let sections = std::iter::once(xy).chain(xz);
@@ -164,12 +184,18 @@ fn hollow(curve: &Curve) -> [f64; 2] {
 }
 
 /// Where the centre of a tip is that touches a contact, in the plane's coordinates, and the outward normal there.
-pub fn tip_um(section: &Section, curve: &Curve, contact: u32, tip_radius_um: f64) -> ([f64; 2], f64) {
+pub fn tip_um_at(section: &Section, curve: &Curve, contact: u32, tip_radius_um: f64) -> ([f64; 2], f64) {
     let rolled = f64::from(contact - 1) * section.step_rad;
     let spot = curve.spot(curve.way_rolled_um(rolled, tip_radius_um));
     let (sine, cosine) = spot.normal_rad.sin_cos();
     let [x, y] = spot.point_um;
     ([x + tip_radius_um * cosine, y + tip_radius_um * sine], spot.normal_rad)
+}
+
+/// A place of a plane in the part's frame.
+fn in_space(plane: Plane, [a, b]: [f64; 2]) -> [f64; 3] {
+    let axes = plane.axes();
+    std::array::from_fn(|axis| a * axes[0][axis] + b * axes[1][axis])
 }
 
 /// Why two fingers that hold I and J in one plane do not hold them in the other, if that is so.
@@ -185,10 +211,9 @@ pub fn junction_fault(part: &Part, facts: &Facts) -> Option<String> {
             ));
         };
         let curve = Curve::of(&section.outline).ok()?;
-        let axes = plane.axes();
         for contact in [1, opposite] {
-            let ([a, b], normal_rad) = tip_um(section, &curve, contact, facts.tip_radius_um);
-            let point: [f64; 3] = std::array::from_fn(|axis| a * axes[0][axis] + b * axes[1][axis]);
+            let (centre, normal_rad) = tip_um_at(section, &curve, contact, facts.tip_radius_um);
+            let point = in_space(plane, centre);
             let across_rad = if contact == 1 { normal_rad } else { normal_rad - PI };
             tips.push((point, across_rad));
         }

@@ -5,10 +5,12 @@ use crate::check::value::{ShapeValue, Value};
 use crate::device::fingers::Plane;
 use crate::device::shape::Form;
 use crate::diagnostic::Diagnostic;
+use crate::geometry::mesh::Mesh;
 use crate::geometry::outline::{Curve, EXPONENTS, MAX_POINTS, MIN_POINTS, MIN_UM, Outline, OutlineError};
 use crate::quantity::digits;
 use crate::source::Span;
 use std::f64::consts::PI;
+use std::rc::Rc;
 
 /// What a shape is to a hand.
 #[derive(Debug, Clone)]
@@ -22,6 +24,8 @@ pub struct Solid {
     /// How far it reaches from its origin, as far as that is known.
     pub reach_um: f64,
     pub density_kg_per_m3: Option<f64>,
+    /// Its surface, where the sections alone do not tell whether tips run into it.
+    pub surface: Option<Rc<Mesh>>,
 }
 
 type Told<T> = Result<T, Box<Diagnostic>>;
@@ -41,7 +45,7 @@ pub fn of(shape: &ShapeValue, span: Span) -> Told<Solid> {
         Form::RoundedBox => rounded_box(shape)?,
         Form::Profile => flat(profile(shape, Plane::Xy, span)?),
         Form::Sections => sections(shape, span)?,
-        Form::Mesh => return Err(Box::new(errors::mesh_file_not_plain(span))),
+        Form::Mesh => mesh(shape, span)?,
         Form::Disc | Form::Box | Form::Polygon | Form::Capsule | Form::Cells | Form::Layout => {
             let known = [Form::Ellipsoid, Form::Profile].map(Form::name);
             return Err(Box::new(errors::shape_of_other_kind(span, shape.form.name(), "part", "fingers", &known)));
@@ -52,6 +56,7 @@ pub fn of(shape: &ShapeValue, span: Span) -> Told<Solid> {
         Form::RoundedBox => field("size"),
         Form::Profile if shape.fields.contains_key("points") => field("points"),
         Form::Profile => field("x"),
+        Form::Mesh => field("file"),
         _ => field("axes"),
     };
     for outline in std::iter::once(&solid.xy).chain(&solid.xz) {
@@ -61,7 +66,7 @@ pub fn of(shape: &ShapeValue, span: Span) -> Told<Solid> {
 }
 
 fn flat(xy: Outline) -> Solid {
-    Solid { xy, xz: None, volume_um3: None, centre_um: [0.0; 3], reach_um: 0.0, density_kg_per_m3: None }
+    Solid { xy, xz: None, volume_um3: None, centre_um: [0.0; 3], reach_um: 0.0, density_kg_per_m3: None, surface: None }
 }
 
 fn vector_um(shape: &ShapeValue, field: &str) -> [f64; 3] {
@@ -80,6 +85,7 @@ fn ellipsoid(shape: &ShapeValue) -> Solid {
         centre_um: [0.0; 3],
         reach_um: a.max(b).max(c),
         density_kg_per_m3: None,
+        surface: None,
     }
 }
 
@@ -104,6 +110,7 @@ fn superellipsoid(shape: &ShapeValue) -> Told<Solid> {
         centre_um: [0.0; 3],
         reach_um: super_reach([a, b, c], exponent),
         density_kg_per_m3: None,
+        surface: None,
     })
 }
 
@@ -166,6 +173,53 @@ fn rounded_box(shape: &ShapeValue) -> Told<Solid> {
         centre_um: [0.0; 3],
         reach_um: inner.iter().map(|inner| inner * inner).sum::<f64>().sqrt() + radius,
         density_kg_per_m3: None,
+        surface: None,
+    })
+}
+
+/// A mesh with its two sections, smoothed.
+fn mesh(shape: &ShapeValue, span: Span) -> Told<Solid> {
+    let field = |name: &str| shape.fields.get(name).map_or(span, |field| field.span);
+    let unit_um = match shape.fields.get("unit").map(|field| &field.value) {
+        Some(Value::Quantity(length)) => length.in_unit("um"),
+        _ => 0.0,
+    };
+    let Some(Value::Mesh(file)) = shape.fields.get("file").map(|field| &field.value) else {
+        return Err(Box::new(errors::mesh_file_not_plain(field("file"))));
+    };
+    let wrong = |why: &str| Box::new(errors::bad_mesh(field("file"), &file.path, why));
+    let surface = file.mesh.placed([0.0; 3], unit_um).map_err(|fault| wrong(&fault.to_string()))?;
+    let outline = |plane: Plane| {
+        let at = |why: String| wrong(&format!("has no outline in its plane {}: {why}", plane.name()));
+        let polygon = surface.section(plane.axes()).map_err(|fault| at(format!("it {fault}")))?;
+        let outline = Outline::from_polygon(&polygon).map_err(|fault| told_of_polygon(&fault, &at))?;
+        Curve::of(&outline).map_err(|fault| told_of_polygon(&fault, &at))?;
+        Ok::<Outline, Box<Diagnostic>>(outline)
+    };
+    let reach_um = surface.corners().flatten().map(|[x, y, z]| x.hypot(y).hypot(z)).fold(0.0, f64::max);
+    Ok(Solid {
+        xy: outline(Plane::Xy)?,
+        xz: Some(outline(Plane::Xz)?),
+        volume_um3: Some(surface.volume_um3()),
+        centre_um: surface.centre_um(),
+        reach_um,
+        density_kg_per_m3: None,
+        surface: Some(Rc::new(surface)),
+    })
+}
+
+/// What is said of a section that cannot be followed.
+fn told_of_polygon(fault: &OutlineError, at: &dyn Fn(String) -> Box<Diagnostic>) -> Box<Diagnostic> {
+    let point = |[x, y]: [f64; 2]| format!("({} um, {} um)", digits(x), digits(y));
+    at(match fault {
+        OutlineError::Number => "it is too large or too small; check `unit`".to_owned(),
+        OutlineError::TooFewPoints(_) | OutlineError::NoArea | OutlineError::RepeatedPoint(_) => {
+            "too few triangles meet it".to_owned()
+        }
+        OutlineError::TooManyPoints(count) => format!("{count} triangles meet it, which is too many"),
+        OutlineError::Crossing { .. } => "it crosses itself".to_owned(),
+        OutlineError::Rough { point_um } => format!("it has a corner near {}", point(*point_um)),
+        OutlineError::OffOrigin => "the origin of the file does not lie inside it".to_owned(),
     })
 }
 

@@ -291,7 +291,7 @@ impl Judge<'_> {
         let tip_um = self.facts.tip_radius_um;
         let held = contacts.iter().copied().filter(|contact| *contact > 0);
         let tips: Vec<(u32, [f64; 2])> =
-            held.map(|contact| (contact, part::tip_um(section, &curve, contact, tip_um).0)).collect();
+            held.map(|contact| (contact, part::tip_um_at(section, &curve, contact, tip_um).0)).collect();
         let cuts = tips.iter().find_map(|(contact, centre)| {
             let free_um = curve.nearest(*centre).distance_um;
             (free_um < tip_um - self.facts.tolerance_um).then_some((*contact, tip_um - free_um))

@@ -38,7 +38,7 @@ pub fn hands_agree(jobs: &mut [Job], sink: &mut Sink) {
         let Order::Fingers(order) = &mut job.order else { continue };
         let hand = hands.entry(job.device.clone()).or_insert_with(|| Hand::of(order));
         if !hand.is_alike(&order.part) {
-            sink.push(errors::unlike_parts(run_span, &job.device, &order.part.name));
+            sink.push(errors::other_part(run_span, &job.device, &hand.part.name, &order.part.name));
             return;
         }
         order.part = Arc::clone(&hand.part);
@@ -102,11 +102,14 @@ impl Hand {
             Action::Grasp(_) => self.hold = Hold::Held,
             Action::Rotate { plane, steps, .. } => self.rotate(Turn { plane: *plane, steps: *steps }, at)?,
             Action::Orient { goal, turns } => {
-                let is_relative = !turns.is_empty();
-                let asked = orientation::read(*goal);
-                let absolute = if is_relative { self.reached[0] * asked } else { asked };
+                let given = orientation::read(*goal);
+                let (asked, absolute) = if turns.is_empty() {
+                    (errors::Asked::Orientation, given)
+                } else {
+                    (errors::Asked::TurnAboutX, self.reached[0] * given)
+                };
                 *goal = orientation::written(&absolute);
-                *turns = self.orient(&absolute, at, order.precision_rad)?;
+                *turns = self.orient((asked, &absolute), at, order.precision_rad)?;
             }
             Action::Translate(by_um) => self.translate(*by_um, at, order)?,
             Action::Release => {
@@ -134,7 +137,12 @@ impl Hand {
     }
 
     /// The ways to an orientation that reach it from wherever the part may be.
-    fn orient(&mut self, goal: &Orientation, at: Span, precision_rad: f64) -> Result<Vec<Vec<Turn>>, Box<Diagnostic>> {
+    fn orient(
+        &mut self,
+        (asked, goal): (errors::Asked, &Orientation),
+        at: Span,
+        precision_rad: f64,
+    ) -> Result<Vec<Vec<Turn>>, Box<Diagnostic>> {
         let mut ways = orientation::ways(&(self.reached[0].inverse() * goal), &self.part);
         if ways.is_empty() {
             return Err(Box::new(errors::flat_part(at, &self.part.name, "not to this orientation", self.part.span)));
@@ -146,7 +154,7 @@ impl Hand {
         let best_rad = ways.iter().map(|way| way.off_rad).fold(f64::INFINITY, f64::min);
         ways.retain(|way| way.off_rad <= precision_rad);
         if ways.is_empty() {
-            return Err(Box::new(errors::orientation_missed(at, best_rad, precision_rad)));
+            return Err(Box::new(errors::orientation_missed(at, asked, best_rad, precision_rad)));
         }
         if let Some(why) = &self.junction_fault {
             let planes = |turns: &[Turn]| turns.iter().map(|turn| turn.plane).chain(self.planes.iter().copied()).collect();

@@ -78,7 +78,7 @@ fn pwl_bends_without_a_rise_and_says_its_scale() {
     let files = emit(Format::Pwl, &fixture::hand().0, &Provenance::default()).unwrap();
     let text = String::from_utf8(files[0].bytes.clone()).unwrap();
     let head = "* hand.f1.x [um], 1 V stands for 1 um, wire stage1/x\nVhand_f1_x hand_f1_x 0 PWL(\n";
-    assert!(text.contains(&format!("{head}+ 0 28.5\n+ 0.007 28.5\n+ 0.107 18.5\n+ 0.387 18.5\n")), "{text}");
+    assert!(text.contains(&format!("{head}+ 0 28.5\n+ 0.007 28.5\n+ 0.107 18.5\n+ 0.287 18.5\n")), "{text}");
 }
 
 #[test]

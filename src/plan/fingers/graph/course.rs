@@ -1,7 +1,8 @@
 //! A route made ready: its legs with their strands, and how nodes of one leg go on in the next.
 
 use super::layout::{Chain, MAX_DIGIT, MAX_LEGS, Sets, Spot, wrapped};
-use super::strands::Strands;
+use super::flood::removed;
+use super::strands::{Mask, Strands, below};
 use super::{Entry, Grasp, Leg, MAX_NODES, Request};
 use crate::device::fingers::MAX_FINGERS;
 use crate::plan::fingers::tables::Tables;
@@ -81,6 +82,33 @@ fn sheet(leg: &Leg, strands: Rc<Strands>) -> Sheet {
 }
 
 impl Sheet {
+    /// Where three fingers may roll on, from each angle to the next.
+    #[inline]
+    pub fn rolls_three<const N: usize>(&self, phases: [u16; 3]) -> Mask<N> {
+        let head = self.strands.head(phases[0]);
+        self.rolling(self.strands.roll_triple.window(self.strands.triple(head, phases), head.bit))
+    }
+
+    /// Where two fingers may.
+    #[inline]
+    pub fn rolls_two<const N: usize>(&self, phases: [u16; 2]) -> Mask<N> {
+        let head = self.strands.head(phases[0]);
+        self.rolling(self.strands.roll_pair.window(self.strands.pair(head, phases), head.bit))
+    }
+
+    /// A window of rolling steps cut off at the last angle, from which nothing rolls on.
+    #[inline]
+    pub fn rolling<const N: usize>(&self, window: Mask<N>) -> Mask<N> {
+        below(window, self.angles - 1)
+    }
+
+    /// The angles at which a pair's chain has nodes.
+    #[inline]
+    pub fn nodes_of_two<const N: usize>(&self, phases: [u16; 2]) -> Mask<N> {
+        let head = self.strands.head(phases[0]);
+        below(self.strands.hold_pair.window(self.strands.pair(head, phases), head.bit), self.angles)
+    }
+
     /// The contact of a phase.
     #[inline]
     pub fn contact(&self, angle: usize, phase: u16) -> usize {
@@ -106,6 +134,22 @@ impl Sheet {
 }
 
 impl Course {
+    /// The number of a pair's chain among those of its leg.
+    #[inline]
+    pub fn pair_index(&self, leg: usize, chain: Chain) -> usize {
+        self.sets.index(self.sheets[leg].contacts, chain)
+    }
+
+    /// The number of the pair that is left at a place of a triple, as a number for phase 0 of its last member and a step for each more.
+    pub fn pair_steps(&self, leg: usize, triple: impl Fn(u16) -> Chain, place: usize) -> (usize, usize) {
+        let index = |third: u16| {
+            let chain = triple(third);
+            let ([p, q], _) = removed(chain.phases, place);
+            self.pair_index(leg, Chain { set: self.sets.without(chain.set, place), phases: [p, q, 0] })
+        };
+        (index(0), index(1) - index(0))
+    }
+
     /// The contacts of a node, of each member of its set.
     pub fn contacts(&self, spot: Spot) -> [usize; 3] {
         spot.chain.phases.map(|phase| self.sheets[spot.leg].contact(spot.angle, phase))
@@ -144,6 +188,41 @@ impl Course {
     /// Whether a leg may end with a node at its end, as far as its pinned grasp goes.
     fn may_end(&self, spot: Spot) -> bool {
         self.sheets[spot.leg].pin.is_none_or(|pin| self.grasp(spot) == pin)
+    }
+
+    /// The nodes with which a leg may end, where they are few; `None` where any grasp will do.
+    pub fn few_ends(&self, leg: usize) -> Option<Vec<Spot>> {
+        let sheet = &self.sheets[leg];
+        if let Some(pin) = &sheet.pin {
+            return Some(self.place(leg, sheet.end, pin).into_iter().collect());
+        }
+        let Entry::Across { old, .. } = self.sheets.get(leg + 1)?.entry else { return None };
+        let turned = [old, [old[1], old[0]]];
+        let pairs = (0..self.sets.len() as u8).filter(|set| self.sets.is_pair(*set));
+        let ends = pairs.flat_map(|set| turned.map(|contacts| self.spot(leg, sheet.end, set, &contacts)));
+        Some(ends.flatten().collect())
+    }
+
+    /// The nodes with which a leg may end.
+    pub fn ends(&self, leg: usize) -> Vec<Spot> {
+        self.few_ends(leg).unwrap_or_else(|| self.nodes(leg, self.sheets[leg].end))
+    }
+
+    /// All nodes of a leg at an angle.
+    pub fn nodes(&self, leg: usize, angle: usize) -> Vec<Spot> {
+        let contacts = self.sheets[leg].contacts;
+        let mut found = Vec::new();
+        for set in 0..self.sets.len() as u8 {
+            let is_pair = self.sets.is_pair(set);
+            for (i, j) in (0..contacts).flat_map(|i| (0..contacts).map(move |j| (i, j))) {
+                if is_pair {
+                    found.extend(self.spot(leg, angle, set, &[i, j]));
+                } else {
+                    found.extend((0..contacts).filter_map(|k| self.spot(leg, angle, set, &[i, j, k])));
+                }
+            }
+        }
+        found
     }
 
     /// Whether a node is an end of the route.

@@ -3,23 +3,20 @@
 //! A phase is (contact + angle) modulo the number of contacts, angles counted from the lowest of the leg. Rolling leaves the phases
 //! of all holding fingers as they are, so that nodes which differ in the angle only form a chain.
 
-use crate::device::fingers::MAX_FINGERS;
-
-/// No set: the finger is in it already, or not in it.
-const NO_SET: u8 = u8::MAX;
-
 /// The sets of two or three fingers, pairs first, each kind in lexicographic order.
 #[derive(Debug, Clone)]
 pub struct Sets {
     pub fingers: usize,
     members: Vec<Vec<usize>>,
-    /// For each set and finger the set without it if it is in, with it if not, and the finger's place in the larger one.
-    other: Vec<[(u8, u8); MAX_FINGERS as usize]>,
+    /// For each pair the triples with a finger more, and the place of that finger.
+    wider: Vec<Vec<(u8, usize)>>,
+    /// For each triple the pairs without the finger at each place.
+    narrower: Vec<Vec<u8>>,
     pairs: usize,
 }
 
 impl Sets {
-    /// The sets of so many fingers, at most [`MAX_FINGERS`].
+    /// The sets of so many fingers.
     pub fn of(fingers: usize) -> Self {
         let mut members: Vec<Vec<usize>> = Vec::new();
         for a in 0..fingers {
@@ -31,8 +28,16 @@ impl Sets {
             members.extend((pair[1] + 1..fingers).map(|c| vec![pair[0], pair[1], c]));
         }
         members[pairs..].sort();
-        let other = members.iter().map(|set| std::array::from_fn(|finger| changed(&members, set, finger))).collect();
-        Sets { fingers, members, other, pairs }
+        let find = |fingers: &[usize]| members.iter().position(|set| set == fingers).map(|at| at as u8);
+        let without = |set: &[usize], place: usize| find(&[&set[..place], &set[place + 1..]].concat());
+        let narrower: Vec<Vec<u8>> = members.iter().map(|set| (0..set.len()).filter_map(|place| without(set, place)).collect()).collect();
+        let grown = |pair: usize| {
+            let triples = pairs..members.len();
+            let places = triples.flat_map(|triple| narrower[triple].iter().enumerate().map(move |(place, set)| (triple, place, *set)));
+            places.filter(|(_, _, set)| usize::from(*set) == pair).map(|(triple, place, _)| (triple as u8, place)).collect()
+        };
+        let wider = (0..pairs).map(grown).collect();
+        Sets { fingers, members, wider, narrower, pairs }
     }
 
     /// How many sets there are.
@@ -51,22 +56,26 @@ impl Sets {
         usize::from(set) < self.pairs
     }
 
+    /// How many of them are pairs.
+    pub fn pairs(&self) -> usize {
+        self.pairs
+    }
+
     /// The set of these fingers.
     pub fn find(&self, fingers: &[usize]) -> Option<u8> {
         self.members.iter().position(|set| set == fingers).map(|at| at as u8)
     }
 
-    /// A pair with a finger more, and the place of that finger; `None` if it is in already.
+    /// The triples that a pair becomes with a finger more, and the place of that finger.
     #[inline]
-    pub fn with(&self, pair: u8, finger: usize) -> Option<(u8, usize)> {
-        let (set, place) = self.other[usize::from(pair)][finger];
-        (set != NO_SET && self.is_pair(pair) && !self.is_pair(set)).then_some((set, usize::from(place)))
+    pub fn wider(&self, pair: u8) -> &[(u8, usize)] {
+        &self.wider[usize::from(pair)]
     }
 
     /// A triple without the finger at a place.
     #[inline]
     pub fn without(&self, triple: u8, place: usize) -> u8 {
-        self.other[usize::from(triple)][self.members[usize::from(triple)][place]].0
+        self.narrower[usize::from(triple)][place]
     }
 
     /// How many chains a leg with so many contacts has.
@@ -100,24 +109,6 @@ impl Sets {
         let set = (self.pairs + at / contacts.pow(3)) as u8;
         Chain { set, phases: [2, 1, 0].map(|power| digit(power, at) as u16) }
     }
-}
-
-/// The set that differs by a finger, and the finger's place in the larger of the two.
-fn changed(members: &[Vec<usize>], set: &[usize], finger: usize) -> (u8, u8) {
-    let mut other = set.to_vec();
-    let place = match set.iter().position(|member| *member == finger) {
-        Some(place) => {
-            other.remove(place);
-            place
-        }
-        None => {
-            let place = set.iter().filter(|member| **member < finger).count();
-            other.insert(place, finger);
-            place
-        }
-    };
-    let found = members.iter().position(|members| *members == other);
-    (found.map_or(NO_SET, |at| at as u8), place as u8)
 }
 
 /// Grasps of one set of fingers that roll into each other.

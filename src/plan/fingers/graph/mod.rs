@@ -20,12 +20,13 @@ mod strands;
 #[cfg(test)]
 mod tests;
 mod walk;
+mod weave;
 
 pub use greedy::decompose;
 
 use crate::device::fingers::MAX_FINGERS;
 use crate::plan::fingers::tables::Tables;
-use crate::plan::search::{Budget, GaveUp};
+use crate::plan::search::{Budget, GaveUp, Meter};
 use std::sync::Arc;
 
 /// The most nodes of one route: all grasps that could be, times all angles, of all its legs.
@@ -149,6 +150,8 @@ pub struct Way {
     pub bound: u64,
     /// For each leg all nodes from its first at angle 0 to its last at its end; neighbours are joined by an edge.
     pub legs: Vec<Vec<Node>>,
+    /// How many nodes were expanded for it.
+    pub expanded: u64,
 }
 
 /// The farthest that any route comes.
@@ -158,14 +161,16 @@ pub struct Blocked {
     pub route: usize,
     /// Index of its first leg whose end is out of reach.
     pub leg: usize,
-    /// How many grasps it can begin with; 0 only where the start itself is not in the tables.
-    pub begins: u64,
-    /// The angle nearest to its end that is reached; `None` where it cannot begin.
+    /// The angle nearest to its end that is reached: the end itself if only grasps come there that it may not end with. `None`
+    /// where it cannot begin, that is where the start does not hold.
     pub farthest: Option<i32>,
-    /// How many grasps are reached at the angle where it ends, though none of them is one that it may end with.
-    pub arrives: u64,
-    /// How many of the grasps that it may end with hold at all: reached or not.
+    /// How many of the grasps that it may end with hold at all.
     pub ends: u64,
+}
+
+impl Blocked {
+    /// No route, or none of which anything is known.
+    const NOWHERE: Blocked = Blocked { route: 0, leg: 0, farthest: None, ends: 0 };
 }
 
 /// What came of a request.
@@ -184,5 +189,5 @@ pub enum Answer {
 ///
 /// A step of the budget is a node that is expanded; floods are bounded by [`MAX_NODES`] and not counted.
 pub fn solve(request: &Request, estimator: Estimator, budget: Budget) -> Answer {
-    route::cheapest(request, estimator, budget)
+    route::cheapest(request, estimator, &mut Meter::new(budget))
 }

@@ -14,7 +14,6 @@
 use super::course::Course;
 use super::layout::{Sets, Spot};
 use super::walk::{Estimate, NEVER};
-use super::Entry;
 
 /// A grasp that a leg may end with.
 #[derive(Debug, Clone, Copy)]
@@ -51,23 +50,14 @@ impl<'a> Published<'a> {
             let rest = if course.is_goal(spot) { 0 } else { self.gaits(course.next(spot)?) };
             Some(Goal { set: spot.chain.set, phases: spot.chain.phases, rest }).filter(|goal| goal.rest != NEVER)
         };
-        if let Some(pin) = &sheet.pin {
-            return Some(course.place(leg, sheet.end, pin).and_then(goal).into_iter().collect());
+        if let Some(ends) = course.few_ends(leg) {
+            return Some(ends.into_iter().filter_map(goal).collect());
         }
+        // The next leg is in the same plane. A phase of it as one of this leg: the contact at the border is the same.
         let next = course.sheets.get(leg + 1)?;
-        match next.entry {
-            Entry::Across { old, .. } => {
-                let turned = [old, [old[1], old[0]]];
-                let pairs = (0..course.sets.len() as u8).filter(|set| course.sets.is_pair(*set));
-                let ends = pairs.flat_map(|set| turned.map(|contacts| course.spot(leg, sheet.end, set, &contacts)));
-                Some(ends.flatten().filter_map(goal).collect())
-            }
-            Entry::Same => self.goals[leg + 1].as_ref().map(|goals| {
-                // A phase of the next leg as one of this leg: the contact at the border is the same.
-                let carried = |phase: u16| sheet.phase(sheet.end, next.contact(next.start, phase));
-                goals.iter().map(|goal| Goal { phases: goal.phases.map(carried), ..*goal }).collect()
-            }),
-        }
+        let carried = |phase: u16| sheet.phase(sheet.end, next.contact(next.start, phase));
+        let goals = self.goals[leg + 1].as_ref()?.iter();
+        Some(goals.map(|goal| Goal { phases: goal.phases.map(carried), ..*goal }).collect())
     }
 }
 

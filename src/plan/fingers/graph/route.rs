@@ -4,11 +4,12 @@ use super::course::{Course, courses};
 use super::flood::{Direction, Flood};
 use super::layout::Spot;
 use super::published::Published;
+use super::strands::has;
 use super::walk::{Estimate, NEVER, Progress, Walk};
 use super::{Answer, Blocked, Costs, Estimator, Leg, Node, Request, Start, Way};
-use crate::plan::search::{Budget, Meter};
+use crate::plan::search::Meter;
 
-/// The exact number of reconfigurations to go, as far as the flood has come; one more than its last layer for all other nodes.
+/// The exact number of reconfigurations to go, as far as the flood has come; what it has not reached is farther.
 #[derive(Debug)]
 pub struct Layers<'a, const N: usize>(pub Flood<'a, N>);
 
@@ -18,7 +19,7 @@ impl<const N: usize> Estimate for Layers<'_, N> {
         match self.0.layer_of(spot) {
             Some(layer) => layer,
             None if self.0.ended() => NEVER,
-            None => self.0.layer() + 1,
+            None => self.0.floor(spot),
         }
     }
 
@@ -33,18 +34,52 @@ impl<const N: usize> Estimate for Layers<'_, N> {
 }
 
 /// See [`super::solve`].
-pub fn cheapest(request: &Request, estimator: Estimator, budget: Budget) -> Answer {
+pub fn cheapest(request: &Request, estimator: Estimator, meter: &mut Meter) -> Answer {
     let courses = match courses(request) {
         Ok(courses) => courses,
         Err(nodes) => return Answer::TooLarge { nodes },
     };
-    let angles = request.routes.iter().flatten().map(Leg::angles).max().unwrap_or(1);
-    let search = Search { request, courses: &courses, meter: Meter::new(budget) };
-    match angles {
+    let search = Search { request, courses: &courses, meter };
+    match angles(request) {
         0..=64 => search.run::<1>(estimator),
         65..=128 => search.run::<2>(estimator),
         _ => search.run::<8>(estimator),
     }
+}
+
+/// No way of any route costs less; `None` where there is none, or where a route is too large.
+pub fn bound(request: &Request) -> Option<u64> {
+    let courses = courses(request).ok()?;
+    let bound = |course: &Course| {
+        let gaits = match angles(request) {
+            0..=64 => gaits::<1>(course, request.start),
+            65..=128 => gaits::<2>(course, request.start),
+            _ => gaits::<8>(course, request.start),
+        };
+        let reconfiguring = u64::from(request.costs.gait) * u64::from(gaits);
+        (gaits != NEVER).then(|| least(course, request.costs) + reconfiguring)
+    };
+    courses.iter().filter_map(bound).min()
+}
+
+/// The least number of reconfigurations from the start to the end.
+fn gaits<const N: usize>(course: &Course, start: Start) -> u32 {
+    let layers = Layers(flooded::<N>(course, start));
+    starts(course, start).into_iter().map(|spot| layers.gaits(spot)).min().unwrap_or(NEVER)
+}
+
+/// The nodes with which a route may begin.
+fn starts(course: &Course, start: Start) -> Vec<Spot> {
+    let begin = course.sheets[0].start;
+    match start {
+        Start::Any => course.nodes(0, begin),
+        Start::At(grasp) => course.place(0, begin, &grasp).into_iter().collect(),
+    }
+}
+
+/// The most angles of a leg.
+fn angles(request: &Request) -> usize {
+    request.routes.iter().flatten().map(Leg::angles).max().unwrap_or(1)
 }
 
 /// A route that may still be the cheapest.
@@ -59,13 +94,13 @@ struct Candidate<'a, E> {
 struct Search<'a> {
     request: &'a Request,
     courses: &'a [Course],
-    meter: Meter,
+    meter: &'a mut Meter,
 }
 
 impl<'a> Search<'a> {
     fn run<const N: usize>(mut self, estimator: Estimator) -> Answer {
         if let Some(route) = self.courses.iter().position(|course| course.sheets.is_empty()) {
-            return Answer::Found(Way { route, cost: 0, bound: 0, legs: Vec::new() });
+            return Answer::Found(Way { route, cost: 0, bound: 0, legs: Vec::new(), expanded: 0 });
         }
         let found = match estimator {
             Estimator::Published => self.portfolio(Published::of),
@@ -84,6 +119,7 @@ impl<'a> Search<'a> {
         let mut open: Vec<Candidate<'a, E>> = (self.courses.iter().enumerate())
             .map(|(route, course)| Candidate { route, bound: least(course, costs), walk: None })
             .collect();
+        let before = self.meter.spent();
         loop {
             let at = (0..open.len()).min_by_key(|at| (open[*at].bound, open[*at].route))?;
             let limit = (open.iter().enumerate())
@@ -98,10 +134,11 @@ impl<'a> Search<'a> {
                 }
                 continue;
             };
-            match walk.advance(limit.unwrap_or(u64::MAX), &mut self.meter) {
+            match walk.advance(limit.unwrap_or(u64::MAX), self.meter) {
                 Progress::Found(cost) => {
-                    let legs = legs(&self.courses[candidate.route], &walk.way());
-                    return Some(Answer::Found(Way { route: candidate.route, cost: cost * unit, bound: cost * unit, legs }));
+                    let (route, cost, expanded) = (candidate.route, cost * unit, self.meter.spent() - before);
+                    let legs = legs(&self.courses[route], &walk.way());
+                    return Some(Answer::Found(Way { route, cost, bound: cost, legs, expanded }));
                 }
                 Progress::AtLeast(bound) => candidate.bound = bound,
                 Progress::Exhausted => drop(open.remove(at)),
@@ -142,27 +179,21 @@ fn least(course: &Course, costs: Costs) -> u64 {
 /// A flood from the goals that has come to the start, or to its end.
 pub fn flooded<const N: usize>(course: &Course, start: Start) -> Flood<'_, N> {
     let leg = course.sheets.len() - 1;
-    let mut flood = Flood::from(course, Direction::Back, nodes_at(course, leg, course.sheets[leg].end).filter(|spot| course.is_goal(*spot)));
-    let begin = course.sheets[0].start;
-    let at = match start {
-        Start::Any => None,
-        Start::At(grasp) => course.place(0, begin, &grasp),
-    };
-    let arrived = |flood: &Flood<N>| at.map_or_else(|| flood.arrives(), |spot| flood.layer_of(spot).is_some());
-    while !flood.ended() && !arrived(&flood) {
+    let mut flood = Flood::from(course, Direction::Back, &course.ends(leg));
+    while !flood.ended() && !arrived(&flood, course, start) {
         flood.deepen();
     }
     flood
 }
 
-/// All nodes of a leg at an angle.
-fn nodes_at(course: &Course, leg: usize, angle: usize) -> impl Iterator<Item = Spot> + '_ {
-    let contacts = course.sheets[leg].contacts;
-    (0..course.sets.chains(contacts) as usize).filter_map(move |number| {
-        let chain = course.sets.chain(contacts, number);
-        let held = chain.phases.map(usize::from);
-        course.spot(leg, angle, chain.set, &held[..course.sets.members(chain.set).len()])
-    })
+/// Whether a flood from the goals has just come to the start.
+fn arrived<const N: usize>(flood: &Flood<N>, course: &Course, start: Start) -> bool {
+    match start {
+        Start::Any => flood.arrives(),
+        Start::At(grasp) => {
+            course.place(0, course.sheets[0].start, &grasp).is_some_and(|spot| flood.layer_of(spot).is_some())
+        }
+    }
 }
 
 /// The nodes of a way by legs.
@@ -184,32 +215,26 @@ fn blocked<const N: usize>(courses: &[Course], start: Start) -> Blocked {
             farthest = Some(report);
         }
     }
-    farthest.unwrap_or(Blocked { route: 0, leg: 0, begins: 0, farthest: None, arrives: 0, ends: 0 })
+    farthest.unwrap_or(Blocked::NOWHERE)
 }
 
 /// Where a route that has no way comes to a stop.
 fn stuck<const N: usize>(route: usize, course: &Course, start: Start) -> Blocked {
-    let begin = course.sheets[0].start;
-    let sources: Vec<Spot> = match start {
-        Start::Any => nodes_at(course, 0, begin).collect(),
-        Start::At(grasp) => course.place(0, begin, &grasp).into_iter().collect(),
-    };
-    let mut flood = Flood::<N>::from(course, Direction::Onward, sources.into_iter());
+    let mut flood = Flood::<N>::from(course, Direction::Onward, &starts(course, start));
     while !flood.ended() {
         flood.deepen();
     }
     // The last leg that can begin is the one whose end is out of reach.
-    let leg = (0..course.sheets.len()).rev().find(|leg| flood.count(*leg, course.sheets[*leg].start) > 0).unwrap_or(0);
+    let is_begun = |leg: &usize| has(&flood.angles(*leg), course.sheets[*leg].start);
+    let leg = (0..course.sheets.len()).rev().find(is_begun).unwrap_or(0);
     let sheet = &course.sheets[leg];
-    let reached = (0..sheet.angles).filter(|angle| flood.count(leg, *angle) > 0);
+    let reached = (0..sheet.angles).filter(|angle| has(&flood.angles(leg), *angle));
     let farthest = reached.min_by_key(|angle| angle.abs_diff(sheet.end)).map(|angle| angle as i32 - sheet.start as i32);
     let may_end = |spot: &Spot| course.is_goal(*spot) || course.next(*spot).is_some();
     Blocked {
         route,
         leg,
-        begins: flood.count(leg, sheet.start),
         farthest,
-        arrives: flood.count(leg, sheet.end),
-        ends: nodes_at(course, leg, sheet.end).filter(may_end).count() as u64,
+        ends: course.ends(leg).iter().filter(|spot| may_end(spot)).count() as u64,
     }
 }

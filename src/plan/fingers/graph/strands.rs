@@ -4,6 +4,7 @@
 //! window of it; where each angle has its own, each chain is a strand.
 
 use super::layout::{ahead, wrapped};
+use super::weave::columns;
 use crate::plan::fingers::tables::{Layer, Tables};
 
 /// One bit for each angle.
@@ -27,9 +28,23 @@ impl Strand {
         self.words[strand * self.stride + bit / 64] |= 1 << (bit % 64);
     }
 
+    /// The first words of a strand.
+    fn set(&mut self, strand: usize, words: impl Iterator<Item = u64>) {
+        let from = strand * self.stride;
+        self.words[from..from + self.stride].iter_mut().zip(words).for_each(|(word, bits)| *word = bits);
+    }
+
     /// Repeats the first `period` bits up to `bits`.
     fn repeat(&mut self, period: usize, bits: usize) {
         for strand in self.words.chunks_exact_mut(self.stride) {
+            if let [low, high, ..] = strand
+                && bits <= 128.min(2 * period)
+            {
+                let all = u128::from(*low) | u128::from(*high) << 64;
+                let all = all | all << period;
+                (*low, *high) = (all as u64, (all >> 64) as u64);
+                continue;
+            }
             for bit in period..bits {
                 let from = bit - period;
                 strand[bit / 64] |= (strand[from / 64] >> (from % 64) & 1) << (bit % 64);
@@ -64,6 +79,8 @@ pub struct Strands {
     contacts: usize,
     /// Whether all angles have the same layer.
     turning: Turning,
+    /// Pairs that are nodes.
+    pub hold_pair: Strand,
     /// From an angle to the next, with a node at both ends.
     pub roll_pair: Strand,
     pub roll_triple: Strand,
@@ -100,15 +117,16 @@ impl Strands {
             Turning::Alike => (1, contacts + angles),
             Turning::Apart => (contacts, angles),
         };
-        let [roll_pair] = [Strand::new(rows * contacts, bits)];
+        let [hold_pair, roll_pair] = std::array::from_fn(|_| Strand::new(rows * contacts, bits));
         let [roll_triple, place, leave] = std::array::from_fn(|_| Strand::new(rows * contacts * contacts, bits));
-        let mut strands = Strands { contacts, turning, roll_pair, roll_triple, place, leave };
+        let mut strands = Strands { contacts, turning, hold_pair, roll_pair, roll_triple, place, leave };
         match turning {
             Turning::Alike => {
+                let here = &tables.layers[0];
                 for first in 0..contacts {
-                    let here = &tables.layers[0];
-                    strands.lay(tables, [here, here], first, (0, wrapped(contacts - first, contacts)));
+                    strands.lay_pairs(tables, [here, here], first, (0, wrapped(contacts - first, contacts)));
                 }
+                (0..contacts).for_each(|one| strands.weave(tables, one));
                 strands.repeat(contacts, bits);
             }
             Turning::Apart => {
@@ -116,7 +134,8 @@ impl Strands {
                     let above = tables.layer((angle + 1).min(tables.layers.len() - 1));
                     for first in 0..contacts {
                         let row = wrapped(first + angle % contacts, contacts);
-                        strands.lay(tables, [tables.layer(angle), above], first, (row, angle));
+                        strands.lay_pairs(tables, [tables.layer(angle), above], first, (row, angle));
+                        strands.lay_triples(tables, [tables.layer(angle), above], first, (row, angle));
                     }
                 }
             }
@@ -125,40 +144,73 @@ impl Strands {
     }
 
     fn repeat(&mut self, period: usize, bits: usize) {
-        for strand in [&mut self.roll_pair, &mut self.roll_triple, &mut self.place, &mut self.leave] {
+        for strand in [&mut self.hold_pair, &mut self.roll_pair, &mut self.roll_triple, &mut self.place, &mut self.leave] {
             strand.repeat(period, bits);
         }
     }
 
-    /// The bits of all grasps with a first contact, whose strands are in a row, at one bit of them.
-    fn lay(&mut self, tables: &Tables, [here, above]: [&Layer; 2], first: usize, (row, bit): (usize, usize)) {
+    /// The triples of one layer whose first two contacts are so far apart.
+    fn weave(&mut self, tables: &Tables, one: usize) {
         let contacts = self.contacts;
-        let back = |contact: usize| if contact == 0 { contacts - 1 } else { contact - 1 };
+        let width = contacts.div_ceil(64);
+        let layer = &tables.layers[0];
+        let [mut nodes, mut rolls, mut comes, mut leaves] = std::array::from_fn(|_| vec![0; contacts * width]);
+        let holds = |first: usize, second: usize| layer.pair.has(tables.two(first, second));
+        columns(&layer.triple, contacts, one, |_, _| true, &mut nodes);
+        columns(&layer.roll_triple, contacts, one, |_, _| true, &mut rolls);
+        columns(&layer.place, contacts, one, holds, &mut comes);
+        columns(&layer.leave, contacts, one, holds, &mut leaves);
+        for two in 0..contacts {
+            let range = two * width..(two + 1) * width;
+            let here = &nodes[range.clone()];
+            // The bits of the next angle: each one down, and the first of them behind the last.
+            let last = |at: usize| if at + 1 == width { (here[0] & 1) << ((contacts - 1) % 64) } else { here[at + 1] << 63 };
+            let next = |at: usize| here[at] >> 1 | last(at);
+            let strand = one * contacts + two;
+            let of = |bits: &[u64], at: usize| bits[range.start + at] & here[at];
+            self.roll_triple.set(strand, (0..width).map(|at| of(&rolls, at) & next(at)));
+            self.place.set(strand, (0..width).map(|at| of(&comes, at)));
+            self.leave.set(strand, (0..width).map(|at| of(&leaves, at)));
+        }
+    }
+
+    /// The bits of all pairs with a first contact, whose strands are in a row, at one bit of them.
+    fn lay_pairs(&mut self, tables: &Tables, [here, above]: [&Layer; 2], first: usize, (row, bit): (usize, usize)) {
+        let contacts = self.contacts;
         for one in 0..contacts {
             let second = wrapped(first + one, contacts);
             let pair = tables.two(first, second);
-            let holds = here.pair.has(pair);
-            if holds && here.roll_pair.has(pair) && above.pair.has(tables.two(back(first), back(second))) {
+            if !here.pair.has(pair) {
+                continue;
+            }
+            self.hold_pair.put(row * contacts + one, bit);
+            let next = tables.two(before(first, contacts), before(second, contacts));
+            if here.roll_pair.has(pair) && above.pair.has(next) {
                 self.roll_pair.put(row * contacts + one, bit);
             }
-            for two in 0..contacts {
-                let third = wrapped(first + two, contacts);
-                let triple = tables.three(first, second, third);
-                if !here.triple.has(triple) {
-                    continue;
-                }
-                let strand = (row * contacts + one) * contacts + two;
-                if here.roll_triple.has(triple)
-                    && above.triple.has(tables.three(back(first), back(second), back(third)))
-                {
-                    self.roll_triple.put(strand, bit);
-                }
-                if holds && here.place.has(triple) {
-                    self.place.put(strand, bit);
-                }
-                if holds && here.leave.has(triple) {
-                    self.leave.put(strand, bit);
-                }
+        }
+    }
+
+    /// The bits of all triples with a first contact.
+    fn lay_triples(&mut self, tables: &Tables, [here, above]: [&Layer; 2], first: usize, (row, bit): (usize, usize)) {
+        let contacts = self.contacts;
+        for (one, two) in (0..contacts).flat_map(|one| (0..contacts).map(move |two| (one, two))) {
+            let [second, third] = [one, two].map(|apart| wrapped(first + apart, contacts));
+            let triple = tables.three(first, second, third);
+            if !here.triple.has(triple) {
+                continue;
+            }
+            let strand = (row * contacts + one) * contacts + two;
+            let [i, j, k] = [first, second, third].map(|contact| before(contact, contacts));
+            if here.roll_triple.has(triple) && above.triple.has(tables.three(i, j, k)) {
+                self.roll_triple.put(strand, bit);
+            }
+            let holds = here.pair.has(tables.two(first, second));
+            if holds && here.place.has(triple) {
+                self.place.put(strand, bit);
+            }
+            if holds && here.leave.has(triple) {
+                self.leave.put(strand, bit);
             }
         }
     }
@@ -183,20 +235,11 @@ impl Strands {
     pub fn triple(&self, head: Head, phases: [u16; 3]) -> usize {
         self.pair(head, [phases[0], phases[1]]) * self.contacts + ahead(phases[0], phases[2], self.contacts)
     }
+}
 
-    /// Where a pair may roll on, from each of so many angles to the next, but for the last.
-    #[inline]
-    pub fn rolls_two<const N: usize>(&self, phases: [u16; 2], angles: usize) -> Mask<N> {
-        let head = self.head(phases[0]);
-        below(self.roll_pair.window(self.pair(head, phases), head.bit), angles - 1)
-    }
-
-    /// Where a triple may.
-    #[inline]
-    pub fn rolls_three<const N: usize>(&self, phases: [u16; 3], angles: usize) -> Mask<N> {
-        let head = self.head(phases[0]);
-        below(self.roll_triple.window(self.triple(head, phases), head.bit), angles - 1)
-    }
+/// The contact that one becomes by a step.
+fn before(contact: usize, contacts: usize) -> usize {
+    if contact == 0 { contacts - 1 } else { contact - 1 }
 }
 
 /// The bits below one.

@@ -254,9 +254,8 @@ impl<'a, E: Estimate> Walk<'a, E> {
                 continue;
             }
             let third = wrapped(usize::from(p) + two, sheet.contacts) as u16;
-            for finger in 0..course.sets.fingers {
-                let Some((set, place)) = course.sets.with(spot.chain.set, finger) else { continue };
-                let chain = Chain { set, phases: inserted([p, q], third, place) };
+            for (set, place) in course.sets.wider(spot.chain.set) {
+                let chain = Chain { set: *set, phases: inserted([p, q], third, *place) };
                 self.offer(Spot { chain, ..spot }, u64::from(self.costs.gait), turn);
             }
         }

@@ -4,16 +4,16 @@
 //! all tips run through at the same time.
 //!
 //! Method: while the part turns, the tips that hold follow the rolling constraint, which has a closed form ([`rolling`]), by chords of
-//! equal angles. A free tip waits on a sphere of its own about the part's origin, beyond everything that holds or is held and beyond the
-//! spheres of the fingers before it; it travels on a great circle of it, and comes and leaves by ways that [`Reach`] has tested
-//! ([`reach`]). Where the tip of another free finger is in the way, that one first steps aside on its own sphere.
+//! equal angles. A free tip waits on a sphere of its own ([`Facts::sphere_um`]) about the part's origin, beyond everything that holds
+//! or is held and beyond the spheres of the fingers before it; it travels on a great circle of it, and comes and leaves by ways that
+//! [`Reach`] has tested. Where the tip of another free finger is in the way, that one first steps aside on its own sphere.
 //!
-//! Promise: tips that hold are within half the tolerance of where rolling without slip has them, at every instant; free tips keep
-//! the clearance from the outline in their plane, from tips that hold and from each other, but for parts of the tolerance that
-//! [`Reach`] names. Not promised: the fastest ways. Cost grows with the number of chords.
+//! Promise: tips that hold are within half the tolerance of where rolling without slip has them, at every instant, and besides as far
+//! off as the two sections disagree where planes change; free tips keep the clearance from the outline in their plane, from tips that
+//! hold and from each other, less than the tolerance excepted. Not promised: the fastest ways. Cost grows with the number of chords.
 
 mod motion;
-pub mod reach;
+mod reach;
 pub mod rolling;
 mod sphere;
 
@@ -104,8 +104,7 @@ impl<'a> Hand<'a> {
     /// The radius of the sphere about the part's origin on which the tip of a finger, counted from 0, waits and travels.
     pub fn sphere_um(&self, finger: usize) -> f64 {
         let reach_um = self.xz.map_or(0.0, |side| side.curve.reach_um()).max(self.xy.curve.reach_um());
-        let apart_um = 2.0 * self.facts.tip_radius_um + self.facts.clearance_um + self.facts.tolerance_um;
-        reach::clear_um(self.facts, reach_um) + finger as f64 * apart_um
+        self.facts.sphere_um(finger, reach_um)
     }
 
     /// Where everything is before the device's first task: the fingers evenly about the part, each on its sphere.

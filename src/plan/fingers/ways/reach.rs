@@ -1,7 +1,7 @@
 //! Which contacts of a section a tip can come to, and leave, while other tips hold.
 //!
 //! Input: a curve, the hand's facts, the number of contacts. Output: a [`Reach`], which answers for every contact and any tips that
-//! hold. Method: from its contact a tip goes straight out along the normal by [`retract_um`], and then straight on in the first
+//! hold. Method: from its contact a tip goes straight out along the normal by [`Facts::slow_um`], and then straight on in the first
 //! clear direction of a fixed fan about the normal, until nothing of the part or of a tip that holds can be near. Each contact and each
 //! direction is tested once against the outline, and once against each tip; a question is then the conjunction of some masks.
 //!
@@ -28,18 +28,6 @@ const BLOCK: usize = 16;
 
 /// The fewest and the most samples of an outline.
 const SAMPLES: [f64; 2] = [256.0, 16_384.0];
-
-/// How far a tip goes out along the normal before it may turn: what the facts say, and never less than the clearance.
-pub fn retract_um(facts: &Facts) -> f64 {
-    facts.retract_um.max(facts.clearance_um)
-}
-
-/// How far from the part's origin, at least, a tip is clear of whatever holds or is held, for an outline that reaches so far; with
-/// room for chords that dip below it by the tolerance.
-pub fn clear_um(facts: &Facts, reach_um: f64) -> f64 {
-    let beyond_um = (2.0 * (facts.tip_radius_um + facts.clearance_um)).max(retract_um(facts));
-    reach_um + facts.tip_radius_um + beyond_um + facts.tolerance_um
-}
 
 /// The ways to the contacts of one section, in its coordinates. Contacts are counted from 0.
 #[derive(Debug, Clone)]
@@ -84,7 +72,7 @@ impl Reach {
         let mut reach = Reach { masks: vec![0; count * count], exits };
         // A tip that goes away from a convex outline keeps clear of it.
         let rim = (curve.least_curvature_per_um() < 0.0).then(|| Rim::of(curve, facts));
-        let radius_um = clear_um(facts, curve.reach_um());
+        let radius_um = facts.sphere_um(0, curve.reach_um());
         for contact in 0..count {
             reach.test(contact, rim.as_ref(), facts, radius_um);
         }
@@ -162,7 +150,7 @@ fn exit(curve: &Curve, facts: &Facts, contact: usize, contacts: u32) -> Exit {
     let round_rad = curve.rolled_rad(curve.perimeter_um(), facts.tip_radius_um);
     let (touch_um, normal_rad) = rolling::tip(curve, facts, contact as f64 * round_rad / f64::from(contacts));
     let (sin, cos) = normal_rad.sin_cos();
-    Exit { touch_um, bend_um: touch_um + Vector2::new(cos, sin) * retract_um(facts), normal_rad }
+    Exit { touch_um, bend_um: touch_um + Vector2::new(cos, sin) * facts.slow_um(), normal_rad }
 }
 
 /// An outline as points so close together that the nearest one is hardly farther than the outline.

@@ -8,6 +8,7 @@ mod travel;
 use super::*;
 use crate::device::fingers::Adhesion;
 use crate::geometry::outline::Outline;
+use crate::plan::fingers::Move;
 use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
 
 /// The paper's hand, with a fine tolerance.
@@ -42,7 +43,7 @@ pub fn ellipse() -> Outline {
 pub fn peanut() -> Outline {
     let place = |index: u32| {
         let turn_rad = TAU * f64::from(index) / 48.0;
-        let radius_um = 16.0 + 4.5 * (2.0 * turn_rad).cos();
+        let radius_um = 16.0 + 5.2 * (2.0 * turn_rad).cos();
         [radius_um * turn_rad.cos(), radius_um * turn_rad.sin()]
     };
     Outline::Spline { points_um: (0..48).map(place).collect() }

@@ -2,8 +2,9 @@
 
 use crate::plan::fingers::graph::{Entry, Grasp, Leg, Node, Request, Start, Way};
 use crate::plan::fingers::tables::Tables;
+use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::BinaryHeap;
 
 /// A leg, an angle in steps, and the grasp.
 pub type At = (usize, i32, Grasp);
@@ -143,7 +144,7 @@ pub fn is_end(route: &[Leg], (leg, angle, grasp): At) -> bool {
 
 /// The least cost of a route, and the farthest leg that is begun.
 pub fn dijkstra(request: &Request, route: &[Leg]) -> (Option<u64>, usize) {
-    let mut costs: HashMap<At, u64> = HashMap::new();
+    let mut costs: FxHashMap<At, u64> = FxHashMap::default();
     let mut open: BinaryHeap<Reverse<(u64, At)>> = BinaryHeap::new();
     for start in starts(request, route) {
         costs.insert(start, 0);

@@ -1,6 +1,6 @@
 //! Random cases: both estimators, the oracle, and the consistency of both estimates.
 
-use super::oracle::{At, dijkstra, edges, grasps, holds, judge};
+use super::oracle::{At, dijkstra, edges, holds, judge};
 use crate::plan::fingers::graph::course::courses;
 use crate::plan::fingers::graph::published::Published;
 use crate::plan::fingers::graph::route::{Layers, flooded};
@@ -100,8 +100,9 @@ fn noise(random: &mut Random, contacts: usize, layers: usize) -> Tables {
 /// A case: fingers, contacts, legs, junctions, pins and all.
 fn case(seed: u64) -> Request {
     let random = &mut Random(seed.wrapping_mul(0x1234_5677));
-    let fingers = if random.chance(75) { 3 } else { 4 };
-    let most = if fingers == 3 { random.pick(&[6, 9, 14, 20, 40]) } else { random.pick(&[5, 8, 11]) };
+    let fingers = if random.chance(75) || seed % 50 == 0 { 3 } else { 4 };
+    let most = if fingers == 3 { random.pick(&[6, 7, 9, 10, 12, 14, 20]) } else { random.pick(&[5, 8, 11]) };
+    let most = if seed % 50 == 0 { 40 } else { most };
     let turn = random.pick(&[2, 4, 7, 12]);
     let by_angle = random.chance(20);
     let table = |random: &mut Random| {
@@ -122,10 +123,19 @@ fn case(seed: u64) -> Request {
 
 /// Any grasp, mostly one that holds.
 fn some(random: &mut Random, fingers: usize, leg: &Leg, angle: i32) -> Grasp {
-    let all = grasps(fingers, leg.tables.contacts);
-    let tries = (0..50).map(|_| random.pick(&all)).collect::<Vec<_>>();
+    let tries: Vec<Grasp> = (0..50).map(|_| any(random, fingers, leg.tables.contacts)).collect();
     let holding = tries.iter().copied().find(|grasp| holds(leg, angle, grasp));
     if random.chance(95) { holding.unwrap_or(tries[0]) } else { tries[0] }
+}
+
+/// Two or three fingers somewhere.
+fn any(random: &mut Random, fingers: usize, contacts: usize) -> Grasp {
+    let count = 2 + random.below(2);
+    let mut grasp = Grasp([0; 6]);
+    while grasp.holding() < count {
+        grasp.0[random.below(fingers)] = random.below(contacts) as u16 + 1;
+    }
+    grasp
 }
 
 fn route(random: &mut Random, fingers: usize, turn: usize, sections: &[Arc<Tables>; 2]) -> Vec<Leg> {
@@ -189,9 +199,7 @@ fn estimates_are_consistent() {
             let random = &mut Random(seed);
             let published = Published::of(course);
             let mut layers = Layers::<1>(flooded(course, request.start));
-            let goals = layers.0.layer();
             (0..random.below(3)).for_each(|_| layers.deepen());
-            assert!(layers.0.layer() >= goals);
             for _ in 0..100 {
                 let leg = random.below(route.len());
                 let angle = route[leg].lowest + random.below(route[leg].angles()) as i32;
