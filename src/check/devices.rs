@@ -10,6 +10,7 @@ use crate::source::Span;
 use crate::syntax::tree::{self, Item};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// A device with its own fields and those of its bases.
 #[derive(Debug, Clone)]
@@ -43,7 +44,7 @@ pub enum Facts {
     Dimibot(Rc<device::dimibot::Facts>),
     ElectrodeArray(Rc<device::electrode_array::Facts>),
     Microrobots(Rc<microrobots::Bed>),
-    Fingers(Rc<device::fingers::Facts>),
+    Fingers(Arc<device::fingers::Facts>),
 }
 
 impl Facts {
@@ -182,7 +183,7 @@ impl Checker<'_> {
                 electrode_array::facts(device, self.sink).map(|facts| Facts::ElectrodeArray(Rc::new(facts)))
             }
             Kind::Microrobots => microrobots::bed(device, self.sink).map(|bed| Facts::Microrobots(Rc::new(bed))),
-            Kind::Fingers => fingers::facts(device, self.sink).map(|facts| Facts::Fingers(Rc::new(facts))),
+            Kind::Fingers => fingers::facts(device, self.sink).map(|facts| Facts::Fingers(Arc::new(facts))),
         }
     }
 }

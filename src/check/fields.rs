@@ -81,6 +81,12 @@ impl Checker<'_> {
             self.sink.push(wrong);
             return None;
         }
+        if let Sort::Curve = sort {
+            return self.accept_curve(expr, scope, wanted);
+        }
+        if let Sort::Text = sort {
+            return self.accept_mesh(expr, scope);
+        }
         if let Sort::Object(noun) = sort {
             return self.accept_object(noun, expr, scope, wanted);
         }
@@ -196,9 +202,12 @@ impl Checker<'_> {
     /// A shape with some fields changed.
     pub fn shape_with(&mut self, shape: ShapeValue, span: Span, fields: &[tree::Field], scope: &Scope) -> Value {
         let mut shape = shape;
-        let owner = Owner { name: format!("a {}", shape.form.name()), declared: None };
+        let owner = Owner { name: shape.form.with_article(), declared: None };
         let given: Vec<Given> = fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
         shape.fields.extend(self.read_fields(&owner, &given, shape.form.fields()));
+        if shape.form.is_of_space() && !self.counts_as_turns(SOLID_TURNS, span) {
+            return Value::Unknown;
+        }
         let missing = Self::missing(&shape.fields, shape.form.fields());
         if !missing.is_empty() {
             return self.unknown(errors::missing_fields(span, &owner.name, &missing, None));
@@ -213,8 +222,11 @@ impl Checker<'_> {
     }
 }
 
+/// How many turns of a loop a shape in space counts: to judge it takes as long.
+const SOLID_TURNS: usize = 2_000;
+
 /// Whether a value is of a sort.
-fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
+pub fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
     let wrong = |what: &str, example: &str| Err(Box::new(errors::wrong_value(wanted, what, example, span, value)));
     match sort {
         Sort::Count { least, most } => judge_count((least, most), value, span, wanted),
@@ -279,9 +291,13 @@ fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(), B
             }),
             _ => wrong("a list of places", "[(9 um, 9 um), (12 um, 9 um), (9 um, 12 um)]"),
         },
-        Sort::Text if matches!(value, Value::Text(_)) => Ok(()),
-        Sort::Text => wrong("a string", "\"bead.stl\""),
-        Sort::Vector { .. } | Sort::Contacts | Sort::Orientation | Sort::Curve => wrong("nothing yet", ""),
+        Sort::Vector { dimension, range } => judge_vector((dimension, range), value, span, wanted),
+        Sort::Contacts if is_contacts(value) => Ok(()),
+        Sort::Contacts => wrong("a contact for each finger", "(1, 38, 0)"),
+        Sort::Orientation if matches!(value, Value::Orientation(_)) => Ok(()),
+        Sort::Orientation => wrong("an orientation", "euler(80 deg, 220 deg, 100 deg)"),
+        Sort::Curve => wrong("a curve", "16 um * cos(t)"),
+        Sort::Text => wrong("the name of a file", "\"bead.stl\""),
     }
 }
 
@@ -316,6 +332,41 @@ fn judge_table(
 
 fn is_point(value: &Value, dimension: Dimension) -> bool {
     matches!(value, Value::Point(point) if point.len() == 2 && point[0].dimension == dimension)
+}
+
+/// Two or three numbers in brackets, or a list of numbers; what they stand for is for the hand to say.
+fn is_contacts(value: &Value) -> bool {
+    match value {
+        Value::Point(point) => point[0].dimension == Dimension::NUMBER,
+        Value::List(list) => list.iter().all(|element| match &element.value {
+            Value::Quantity(number) => number.dimension == Dimension::NUMBER,
+            other => other.is_unknown(),
+        }),
+        _ => false,
+    }
+}
+
+/// Three coordinates of a dimension, each in its range.
+fn judge_vector(
+    (dimension, range): (Dimension, device::Range),
+    value: &Value,
+    span: Span,
+    wanted: &Wanted,
+) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
+    let unit = dimension.example_unit();
+    let example = format!("(16 {unit}, 12 {unit}, 12 {unit})");
+    match value {
+        Value::Point(point) if point.len() == 3 && point[0].dimension == dimension => {
+            match point.iter().find(|coordinate| !range.holds(coordinate.si)) {
+                Some(odd) => Err(Box::new(errors::out_of_range(wanted, span, &odd.to_string(), range.text()))),
+                None => Ok(()),
+            }
+        }
+        _ => {
+            let what = format!("three {}s, along x, y and z", dimension.name());
+            Err(Box::new(errors::wrong_value(wanted, &what, &example, span, value)))
+        }
+    }
 }
 
 /// Whether a text could stand for itself where names are asked for.

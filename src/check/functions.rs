@@ -1,6 +1,7 @@
 //! Operators and functions on values, with the rules of their dimensions.
 
 use super::errors;
+use super::fingers::orientation;
 use super::value::{PoseValue, Value, whole};
 use crate::diagnostic::Diagnostic;
 use crate::quantity::{Dimension, Quantity};
@@ -150,6 +151,8 @@ pub fn apply_function(name: &str, span: Span, arguments: &[Spanned<Value>]) -> O
         ("min" | "max", _) if !arguments.is_empty() => extreme(name, span, arguments),
         ("pose", [x, y]) => pose(x, y, None),
         ("pose", [x, y, heading]) => pose(x, y, Some(heading)),
+        ("euler", [a, b, c]) => euler([a, b, c]),
+        ("quaternion", [w, x, y, z]) => quaternion(span, [w, x, y, z]),
         _ => Err(Box::new(errors::wrong_arguments(span, name, arguments.len()))),
     }
 }
@@ -237,4 +240,32 @@ fn pose(x: &Spanned<Value>, y: &Spanned<Value>, heading: Option<&Spanned<Value>>
         y: coordinate(y, Dimension::LENGTH)?,
         heading: heading.map_or(zero, |heading| coordinate(heading, Dimension::ANGLE))?,
     }))
+}
+
+/// Turns about z, y and z again, each about the axis as the turns before have left it.
+fn euler(angles: [&Spanned<Value>; 3]) -> Outcome {
+    let mut rad = [0.0; 3];
+    for (slot, angle) in rad.iter_mut().zip(angles) {
+        match &angle.value {
+            Value::Quantity(quantity) if quantity.dimension == Dimension::ANGLE => *slot = quantity.si,
+            other => return Err(Box::new(errors::no_angle(angle.span, other))),
+        }
+    }
+    Ok(Value::Orientation(orientation::from_euler(rad)))
+}
+
+/// A unit quaternion; what rounding took from its length is given back, but no more.
+fn quaternion(span: Span, parts: [&Spanned<Value>; 4]) -> Outcome {
+    let mut numbers = [0.0; 4];
+    for (slot, part) in numbers.iter_mut().zip(parts) {
+        match &part.value {
+            Value::Quantity(quantity) if quantity.dimension == Dimension::NUMBER => *slot = quantity.si,
+            other => return Err(Box::new(errors::bad_argument(part.span, "quaternion", other))),
+        }
+    }
+    let norm = numbers.iter().map(|number| number * number).sum::<f64>().sqrt();
+    if (norm - 1.0).abs() > orientation::NORM_SLACK {
+        return Err(Box::new(errors::no_unit_quaternion(span, numbers, norm)));
+    }
+    Ok(Value::Orientation(orientation::unit(numbers)))
 }

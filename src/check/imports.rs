@@ -1,12 +1,13 @@
 //! The files of a program: its own, those it uses, those they use.
 
-use super::errors;
+use super::{errors, meshes};
 use super::scope::{Import, Module, Origin};
 use crate::diagnostic::Sink;
 use crate::source::{FileId, Sources, Span};
 use crate::stdlib;
 use crate::syntax::{self, tree};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// The most files of one program.
 pub const MAX_FILES: usize = 256;
@@ -19,11 +20,20 @@ pub trait Library {
     /// # Errors
     /// Why it cannot be read, in words that end a sentence.
     fn read(&self, from: &str, path: &str) -> Result<(String, String), String>;
+
+    /// The same of a file of triangles, as text whatever it is on the disk.
+    ///
+    /// # Errors
+    /// Why it cannot be read, in words that end a sentence.
+    fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), String> {
+        self.read(from, path)
+    }
 }
 
 /// Reads a program's own file and every file that it uses, each once. The first module is the program's own.
 pub fn load(sources: &mut Sources, name: &str, text: &str, library: &dyn Library, sink: &mut Sink) -> Vec<Module> {
-    let mut loader = Loader { sources, library, sink, modules: Vec::new(), known: BTreeMap::new(), open: Vec::new() };
+    let (known, texts) = (BTreeMap::new(), BTreeMap::new());
+    let mut loader = Loader { sources, library, sink, modules: Vec::new(), known, texts, open: Vec::new() };
     loader.file((name, Span::default()), text, Origin::User);
     loader.modules.into_iter().flatten().collect()
 }
@@ -35,6 +45,8 @@ struct Loader<'a> {
     /// A module is `None` while the files that it uses are being read.
     modules: Vec<Option<Module>>,
     known: BTreeMap<String, usize>,
+    /// The files of triangles, by name.
+    texts: BTreeMap<String, Arc<str>>,
     /// The files that are being read, the outermost first, with the `use` that asked for each.
     open: Vec<(String, Span)>,
 }
@@ -48,9 +60,37 @@ impl Loader<'_> {
         let file = self.sources.add(name, text);
         let tree = syntax::parse(file, text, self.sink);
         let imports = self.imports(&tree);
+        let meshes = self.meshes(&tree, name);
         self.open.pop();
-        self.modules[index] = Some(Module::new(tree, imports, origin, self.sink));
+        let mut module = Module::new(tree, imports, origin, self.sink);
+        module.meshes = meshes;
+        self.modules[index] = Some(module);
         index
+    }
+
+    /// The files of triangles that the shapes of a file name; they become sources like any other, so that logs carry them.
+    fn meshes(&mut self, tree: &tree::Tree, from: &str) -> BTreeMap<String, Arc<str>> {
+        let mut meshes = BTreeMap::new();
+        for text in meshes::named(tree) {
+            let Some(path) = plain(text).filter(|path| !meshes.contains_key(path)) else { continue };
+            let is_full = self.modules.len() + self.texts.len() >= MAX_FILES;
+            match self.library.read_mesh(from, &path) {
+                Ok((name, _)) if is_full && !self.texts.contains_key(&name) => {
+                    self.sink.push(errors::too_many_files(text.span, MAX_FILES));
+                }
+                Ok((name, text)) => {
+                    let known = self.texts.entry(name);
+                    let known = known.or_insert_with_key(|name| {
+                        let text: Arc<str> = text.into();
+                        self.sources.add(name.clone(), Arc::clone(&text));
+                        text
+                    });
+                    meshes.insert(path, Arc::clone(known));
+                }
+                Err(why) => self.sink.push(errors::missing_file(text.span, &format!("`{path}`"), &why, &[])),
+            }
+        }
+        meshes
     }
 
     fn imports(&mut self, tree: &tree::Tree) -> BTreeMap<String, Import> {
@@ -152,7 +192,7 @@ impl Loader<'_> {
 }
 
 /// The characters of a string; `None` if there are holes in it.
-fn plain(text: &tree::Text) -> Option<String> {
+pub fn plain(text: &tree::Text) -> Option<String> {
     text.parts
         .iter()
         .map(|part| match part {

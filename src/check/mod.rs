@@ -15,6 +15,7 @@ mod functions;
 pub mod imports;
 pub mod lets;
 mod lineage;
+mod meshes;
 pub mod fingers;
 pub mod microrobots;
 mod programs;
@@ -130,6 +131,9 @@ pub(crate) struct Checker<'a> {
     origins: electrode_array::Origins,
     grounds: BTreeMap<(Place, Place), microrobots::Ground>,
     pose_origins: microrobots::Origins,
+    benches: BTreeMap<(Place, Place), fingers::Bench>,
+    /// Files of triangles that were read, by the module and the name written there; `None` after an error.
+    meshes: BTreeMap<(usize, String), Option<Rc<value::MeshFile>>>,
     repetitions: usize,
 }
 
@@ -152,6 +156,8 @@ impl<'a> Checker<'a> {
             origins: electrode_array::Origins::new(),
             grounds: BTreeMap::new(),
             pose_origins: microrobots::Origins::new(),
+            benches: BTreeMap::new(),
+            meshes: BTreeMap::new(),
             repetitions: 0,
         }
     }
@@ -322,6 +328,16 @@ impl<'a> Checker<'a> {
                 None => inside(self, scope),
             });
         }
+    }
+
+    /// Counts work as turns of a loop, so that loops of it have their end; whether the limit is kept.
+    fn counts_as_turns(&mut self, turns: usize, span: Span) -> bool {
+        self.repetitions += turns;
+        let is_kept = self.repetitions <= MAX_REPETITIONS;
+        if !is_kept {
+            self.sink.push(errors::too_many_repetitions(span, MAX_REPETITIONS));
+        }
+        is_kept
     }
 
     /// What a `for` runs over; once over the unknown value if that cannot be said.

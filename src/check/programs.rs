@@ -6,7 +6,7 @@ use super::lets::Argument;
 use super::scope::{Declaration, DeclarationSort, Place, Scope, nearest};
 use super::tasks::Run;
 use super::value::Value;
-use super::{Checker, dimibot, electrode_array, microrobots};
+use super::{Checker, dimibot, electrode_array, fingers, microrobots};
 use crate::device::Kind;
 use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};
@@ -165,6 +165,7 @@ impl<'a> Checker<'a> {
         dimibot::starts_agree(&draft.jobs, self.sink);
         electrode_array::places_agree(&draft.jobs, &self.origins, self.sink);
         microrobots::beds_agree(&draft.jobs, &self.pose_origins, self.sink);
+        fingers::hands_agree(&mut draft.jobs, self.sink);
         if self.sink.errors() > errors {
             return None;
         }

@@ -7,9 +7,24 @@ use crate::diagnostic::Sink;
 use crate::source::{FileId, Span, Spanned};
 use crate::syntax::tree::{self, Ident, Item, Tree};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// The functions of the language.
-pub const FUNCTIONS: &[&str] = &["abs", "min", "max", "round", "floor", "sqrt", "sin", "cos", "atan2", "count", "pose"];
+pub const FUNCTIONS: &[&str] = &[
+    "abs",
+    "min",
+    "max",
+    "round",
+    "floor",
+    "sqrt",
+    "sin",
+    "cos",
+    "atan2",
+    "count",
+    "pose",
+    "euler",
+    "quaternion",
+];
 
 /// A file with what it declares and which files it uses.
 #[derive(Debug)]
@@ -18,6 +33,8 @@ pub struct Module {
     /// The files behind `dimibot.` and `lab.`: their index, and where the `use` stands.
     pub imports: BTreeMap<String, Import>,
     pub names: BTreeMap<String, Declaration>,
+    /// The texts of the files of triangles that its shapes name, by the names written there.
+    pub meshes: BTreeMap<String, Arc<str>>,
     origin: Origin,
 }
 
@@ -105,7 +122,7 @@ impl Module {
                 }
             }
         }
-        Module { tree, imports, names, origin }
+        Module { tree, imports, names, meshes: BTreeMap::new(), origin }
     }
 
     /// Whether a name would be declared here by a part that could not be read: to miss it would tell one mistake twice.

@@ -2,6 +2,7 @@
 
 use super::errors;
 use super::evaluate::unturned;
+use super::fingers::solid;
 use super::value::{PoseValue, ShapeValue, Value};
 use crate::device::shape::Form;
 use crate::diagnostic::Diagnostic;
@@ -17,8 +18,12 @@ pub const MAX_CORNERS: usize = 2_000;
 pub fn impossible(shape: &ShapeValue, span: Span) -> Option<Diagnostic> {
     match shape.form {
         Form::Disc | Form::Capsule | Form::Cells | Form::Layout => None,
-        Form::Ellipsoid | Form::Superellipsoid | Form::RoundedBox => None,
-        Form::Profile | Form::Sections | Form::Mesh => None,
+        Form::Ellipsoid
+        | Form::Superellipsoid
+        | Form::RoundedBox
+        | Form::Profile
+        | Form::Sections
+        | Form::Mesh => solid::of(shape, span).err().map(|wrong| *wrong),
         Form::Box => {
             let at = field_span(shape, "size", span);
             let is_flat = size_um(shape).iter().any(|side| *side <= 0.0);

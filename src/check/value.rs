@@ -1,6 +1,7 @@
 //! What an expression is worth.
 
 use crate::device::shape::Form;
+use crate::geometry::mesh::Mesh;
 use crate::quantity::{Dimension, Quantity};
 use crate::source::{Span, Spanned};
 use std::collections::BTreeMap;
@@ -23,6 +24,11 @@ pub enum Value {
         from: i64,
         to: i64,
     },
+    /// A unit quaternion w, x, y, z.
+    Orientation([f64; 4]),
+    /// Lengths in micrometres at equal steps of the angle `t`, which goes once round.
+    Curve(Rc<Vec<f64>>),
+    Mesh(Rc<MeshFile>),
     Shape(ShapeValue),
     Table(Rc<TableValue>),
     Object(ObjectName),
@@ -51,6 +57,14 @@ pub struct ObjectName {
     pub name: String,
 }
 
+/// A file of triangles, in the file's own unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshFile {
+    /// As the program writes it.
+    pub path: String,
+    pub mesh: Mesh,
+}
+
 /// A form with the fields that were given so far.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShapeValue {
@@ -77,7 +91,10 @@ impl Value {
             Value::Pose(_) => "a pose".to_owned(),
             Value::List(_) => "a list".to_owned(),
             Value::Range { .. } => "a range".to_owned(),
-            Value::Shape(shape) => format!("a {}", shape.form.name()),
+            Value::Orientation(_) => "an orientation".to_owned(),
+            Value::Curve(_) => "a curve".to_owned(),
+            Value::Mesh(_) => "a file of triangles".to_owned(),
+            Value::Shape(shape) => shape.form.with_article(),
             Value::Table(_) => "a table".to_owned(),
             Value::Object(object) => format!("the {} `{}`", object.noun, object.name),
             Value::Unknown => "an unknown value".to_owned(),
@@ -98,6 +115,9 @@ impl Value {
             | Value::Pose(_)
             | Value::List(_)
             | Value::Range { .. }
+            | Value::Orientation(_)
+            | Value::Curve(_)
+            | Value::Mesh(_)
             | Value::Shape(_)
             | Value::Table(_)
             | Value::Object(_)

@@ -4,6 +4,7 @@ use super::errors;
 use crate::check::imports::Library;
 use crate::diagnostic::Diagnostic;
 use crate::emit::OutputFile;
+use crate::geometry::mesh::Mesh;
 use crate::source::MAX_FILE_BYTES;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -53,6 +54,26 @@ impl Library for Disk {
         let text = read_program(Path::new(&name)).map_err(|diagnostic| diagnostic.title)?;
         Ok((name, text))
     }
+
+    fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), String> {
+        let name = beside(from, path);
+        let bytes = read_bytes(Path::new(&name), MAX_FILE_BYTES).map_err(|diagnostic| diagnostic.title)?;
+        let is_text = bytes.trim_ascii_start().starts_with(b"solid");
+        let text = match String::from_utf8(bytes) {
+            Ok(text) if is_text => text,
+            Ok(text) => mesh_text(text.as_bytes())?,
+            Err(error) => mesh_text(error.as_bytes())?,
+        };
+        if text.len() > MAX_FILE_BYTES {
+            return Err(format!("it is larger than {} MiB as text", MAX_FILE_BYTES >> 20));
+        }
+        Ok((name, text))
+    }
+}
+
+/// The text of a binary file of triangles.
+fn mesh_text(bytes: &[u8]) -> Result<String, String> {
+    Mesh::read(bytes).map(|mesh| mesh.to_text()).map_err(|fault| format!("it {fault}"))
 }
 
 /// The files that a log carries.

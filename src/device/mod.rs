@@ -275,6 +275,7 @@ pub struct Phrase {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Count {
     Once,
+    AtMostOnce,
     /// In the order of writing.
     AnyNumber,
 }

@@ -40,6 +40,19 @@ impl Form {
     /// The forms that take up room wherever they are put.
     pub const SOLID: &'static [Form] = &[Form::Disc, Form::Box, Form::Polygon, Form::Capsule, Form::Cells];
 
+    /// Whether it is a shape of something that fingers turn.
+    pub fn is_of_space(self) -> bool {
+        match self {
+            Form::Ellipsoid
+            | Form::Superellipsoid
+            | Form::RoundedBox
+            | Form::Profile
+            | Form::Sections
+            | Form::Mesh => true,
+            Form::Disc | Form::Box | Form::Polygon | Form::Capsule | Form::Cells | Form::Layout => false,
+        }
+    }
+
     /// The form's word in the language.
     pub fn name(self) -> &'static str {
         match self {
@@ -55,6 +68,23 @@ impl Form {
             Form::Profile => "profile",
             Form::Sections => "sections",
             Form::Mesh => "mesh",
+        }
+    }
+
+    /// Its word with an article: `a disc`, `an ellipsoid`.
+    pub fn with_article(self) -> String {
+        match self {
+            Form::Ellipsoid => format!("an {}", self.name()),
+            Form::Cells | Form::Sections => format!("a shape of {}", self.name()),
+            Form::Disc
+            | Form::Box
+            | Form::Polygon
+            | Form::Capsule
+            | Form::Layout
+            | Form::Superellipsoid
+            | Form::RoundedBox
+            | Form::Profile
+            | Form::Mesh => format!("a {}", self.name()),
         }
     }
 

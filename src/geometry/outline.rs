@@ -6,6 +6,7 @@
 mod boxes;
 mod follow;
 mod form;
+mod resample;
 mod spline;
 #[cfg(test)]
 mod tests;
@@ -13,6 +14,7 @@ mod tests;
 use boxes::Boxes;
 use follow::{Course, gauss, turn};
 use form::{Form, cross, dot, minus, norm};
+pub use resample::{MAX_POLYGON, MAX_SMOOTHED};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 

@@ -1,1 +1,324 @@
-//! Hands: E0425 and on, E0540 and on.
+//! Hands: E0425, E0540 and on.
+
+use crate::check::value::Value;
+use crate::device::fingers::Plane;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::{Dimension, Quantity, digits};
+use crate::source::Span;
+
+/// An angle of at most six digits for a message.
+fn angle(rad: f64) -> String {
+    let deg = rad.to_degrees();
+    let deg: f64 = if deg.abs() < 1e-9 { 0.0 } else { format!("{deg:.4e}").parse().unwrap_or(deg) };
+    format!("{} deg", digits(deg))
+}
+
+/// A length of at most five digits for a message.
+fn length(um: f64) -> String {
+    let um: f64 = format!("{um:.4e}").parse().unwrap_or(um);
+    Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
+}
+
+/// A length as [`length`], for a text that goes into a message.
+pub fn length_text(um: f64) -> String {
+    length(um)
+}
+
+/// A force of at most four digits for a message.
+fn force(un: f64) -> String {
+    let un: f64 = format!("{un:.3e}").parse().unwrap_or(un);
+    Quantity::new(un / 1e6, Dimension::FORCE).to_string()
+}
+
+/// Two digits, and no less.
+fn rounded_up(value: f64) -> f64 {
+    if value <= 0.0 {
+        return 0.0;
+    }
+    let scale = 10f64.powi(1 - value.log10().floor() as i32);
+    (value * scale - 1e-9).ceil() / scale
+}
+
+/// Two digits, and no more.
+fn rounded_down(value: f64) -> f64 {
+    if value <= 0.0 {
+        return 0.0;
+    }
+    let scale = 10f64.powi(1 - value.log10().floor() as i32);
+    (value * scale + 1e-9).floor() / scale
+}
+
+pub fn hand_figure(name: &str, device: &str, found: &str, limit: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("`{name}` of device `{device}` is {found}, it must be {limit}"))
+        .help("check its unit")
+}
+
+pub fn gaiting_cost_not_whole(found: Quantity, most_deg: f64) -> Diagnostic {
+    let nearest = found.si.to_degrees().round().clamp(1.0, most_deg);
+    Diagnostic::new(Code::E0403, format!("`gaiting_cost` of {found}, it is a whole number of degrees, 1 to {most_deg}"))
+        .help(format!("write `{nearest} deg`"))
+}
+
+pub fn step_divides_no_turn(step: Quantity) -> Diagnostic {
+    let deg = step.si.to_degrees();
+    let divisors: Vec<u32> = (1..=90).filter(|divisor| 360 % divisor == 0).collect();
+    let below = divisors.iter().rev().find(|divisor| f64::from(**divisor) < deg);
+    let above = divisors.iter().find(|divisor| f64::from(**divisor) > deg);
+    let nearest: Vec<String> = [below, above].into_iter().flatten().map(|divisor| format!("`{divisor} deg`")).collect();
+    Diagnostic::new(Code::E0425, format!("a rotation step of {step}, which does not divide 360 deg"))
+        .help(format!("the nearest that do are {}", nearest.join(" and ")))
+}
+
+pub fn step_out_of_limits(step: Quantity, steps: f64, [least, most]: [u32; 2]) -> Diagnostic {
+    let title = format!("a rotation step of {step} makes {} of a full turn, {least} to {most} are planned with", digits(steps));
+    Diagnostic::new(Code::E0425, title).help("write a step from 1 deg to 90 deg, as `20 deg`")
+}
+
+pub fn no_angle(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(Code::E0307, format!("`euler` wants three angles, this is {}", found.describe_fully()))
+        .label(span, found.describe())
+        .help("write `euler(80 deg, 220 deg, 100 deg)`: turns about z, y and z, each about the part's own axis")
+}
+
+pub fn no_unit_quaternion(span: Span, numbers: [f64; 4], norm: f64) -> Diagnostic {
+    let title = format!("a quaternion of length {}, an orientation has one of length 1", digits(norm));
+    let diagnostic = Diagnostic::new(Code::E0307, title).label(span, "no orientation");
+    if norm == 0.0 || !norm.is_finite() {
+        return diagnostic.help("write w, x, y and z: `quaternion(1, 0, 0, 0)` turns nothing");
+    }
+    let unit: Vec<String> = numbers.iter().map(|number| format!("{:.6}", number / norm)).collect();
+    diagnostic.help(format!("divided by its length it is `quaternion({})`", unit.join(", ")))
+}
+
+pub fn angle_name_taken(span: Span, earlier: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0202, "`t` is declared twice: a curve has its own")
+        .label(span, "here it is the angle that goes once round")
+        .label(earlier, "declared here")
+        .help("give the other one another name")
+}
+
+pub fn mesh_file_not_plain(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0553, "the name of a file of triangles stands in quotes, where the mesh is declared")
+        .label(span, "not such a name")
+        .help("write the name itself, in a `let` or in a scene: `mesh { file: \"bead.stl\", unit: 1 um }`")
+}
+
+/// A file of triangles that is no closed surface.
+pub fn bad_mesh(span: Span, path: &str, why: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0553, format!("`{path}` {why}"))
+        .label(span, "used here")
+        .help("write the file anew from a solid: one closed surface round its origin, as STL, in text or binary")
+}
+
+pub fn part_without_shape(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0514, format!("part `{name}` has no shape, and fingers need one to hold"))
+        .label(span, "without a shape")
+        .help(format!("write `part {name} : ellipsoid {{ axes: (16 um, 12 um, 12 um) }}`"))
+}
+
+pub fn part_place(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(Code::E0515, format!("a part stands at a place in space, this is {}", found.describe_fully()))
+        .label(span, found.describe())
+        .help("write `at (0 um, 0 um, 5 um)`, or leave it out for the hand's origin; its axes are along the hand's at first")
+}
+
+/// A concave place that a tip is too large for.
+pub fn tip_too_large(span: Span, at: &Tipped, radius_um: f64, device: Span) -> Diagnostic {
+    let (least, name) = (length(radius_um), at.part);
+    let title = format!(
+        "a tip of radius {} does not reach into `{name}`, which is hollow with a radius of {least}",
+        length(at.tip_radius_um)
+    );
+    Diagnostic::new(Code::E0540, title)
+        .label(span, format!("near {} in the plane {}", at.place(), at.plane.name()))
+        .label(device, "the tips of this device")
+        .help(format!("tips of less than {} reach everywhere", length(rounded_down(radius_um))))
+}
+
+/// A place on a part, for a message.
+pub struct Tipped<'a> {
+    pub part: &'a str,
+    pub plane: Plane,
+    /// In the plane's coordinates.
+    pub point_um: [f64; 2],
+    pub tip_radius_um: f64,
+}
+
+impl Tipped<'_> {
+    fn place(&self) -> String {
+        let [a, b] = self.point_um;
+        match self.plane {
+            Plane::Xy => format!("x = {}, y = {}", length(a), length(b)),
+            Plane::Xz => format!("x = {}, z = {}", length(a), length(-b)),
+        }
+    }
+}
+
+pub fn too_many_contacts(span: Span, name: &str, plane: Plane, found: f64, most: u32) -> Diagnostic {
+    let title = format!("`{name}` has {} contacts in the plane {}, at most {most} are planned with", digits(found.round()), plane.name());
+    Diagnostic::new(Code::E0541, title)
+        .label(span, "too large for these tips and this step")
+        .help("make `step` larger, or the tips: there are (360 deg + perimeter / tip radius) / step contacts")
+}
+
+pub fn tip_in_solid(span: Span, name: &str, (contact, plane): (u32, Plane), depth_um: f64, tolerance_um: f64) -> Diagnostic {
+    let title = format!(
+        "a tip at contact {contact} in the plane {} would stand {} deep in `{name}`, {} is allowed",
+        plane.name(),
+        length(depth_um),
+        length(tolerance_um)
+    );
+    Diagnostic::new(Code::E0552, title)
+        .label(span, "its surface leans over the section there")
+        .help("turn or move the solid in its file until its surface stands upright on its planes xy and xz")
+}
+
+pub fn solid_reaches_out(span: Span, name: &str, reach_um: f64, most_um: f64) -> Diagnostic {
+    let title = format!(
+        "`{name}` reaches {} from its origin, tips travel round it where nothing reaches further than {}",
+        length(reach_um),
+        length(most_um)
+    );
+    Diagnostic::new(Code::E0552, title)
+        .label(span, "beyond its sections")
+        .help("round its corners, or use larger tips: they travel three of their radii outside its sections")
+}
+
+pub fn part_out_of_range(span: Span, name: &str, (axis, needed_um, range_um): (usize, f64, f64)) -> Diagnostic {
+    let axis = crate::device::fingers::AXES[axis];
+    let title = format!("tips round `{name}` go to {} along {axis}, the stages reach {}", length(needed_um), length(range_um));
+    Diagnostic::new(Code::E0550, title)
+        .label(span, "out of range")
+        .help(format!("stay nearer to the hand's origin, or give `range` at least {} there", length(rounded_up(needed_um))))
+}
+
+pub fn two_parts(first: (&str, Span), second: (&str, Span)) -> Diagnostic {
+    Diagnostic::new(Code::E0551, format!("a task turns one part, this one names `{}` and `{}`", first.0, second.0))
+        .label(second.1, format!("`{}` here", second.0))
+        .label(first.1, format!("`{}` here", first.0))
+        .help("write a task for each part, for two hands: one hand turns one part in a program")
+}
+
+pub fn which_part(span: Span, known: &[&str]) -> Diagnostic {
+    let title = format!("this task names none of the {} parts of its scene", known.len());
+    Diagnostic::new(Code::E0551, title)
+        .label(span, "which one?")
+        .help(format!("name it in a step, as `grasp {}`", known.first().copied().unwrap_or("bead")))
+}
+
+pub fn no_part(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0211, "the scene of this task has no part to turn")
+        .label(span, "a task of a hand")
+        .help("declare one: `scene cell { part bead : ellipsoid { axes: (16 um, 12 um, 12 um) } }` and `task … on hand in cell`")
+}
+
+/// An angle between two whole numbers of steps.
+pub fn no_whole_steps(span: Span, asked_rad: f64, step_rad: f64, precision_rad: f64) -> Diagnostic {
+    let below = (asked_rad / step_rad).floor();
+    let [low, high] = [below * step_rad, (below + 1.0) * step_rad];
+    let off_deg = (asked_rad - low).min(high - asked_rad).to_degrees();
+    let title = format!(
+        "a turn by {}, steps of {} come to {} and {}",
+        angle(asked_rad),
+        angle(step_rad),
+        angle(low),
+        angle(high)
+    );
+    Diagnostic::new(Code::E0543, title)
+        .label(span, format!("no whole number of steps within {}", angle(precision_rad)))
+        .help(format!("write one of these angles, or `precision: {} deg` among the settings", digits(rounded_up(off_deg))))
+}
+
+pub fn turn_too_far(span: Span, asked_rad: f64) -> Diagnostic {
+    Diagnostic::new(Code::E0544, format!("a turn by {}, one step turns by at most 360 deg", angle(asked_rad)))
+        .label(span, "more than once round")
+        .help("write several steps one below the other")
+}
+
+/// What whole steps are to reach.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Asked {
+    Orientation,
+    TurnAboutX,
+}
+
+/// An orientation that whole steps miss.
+pub fn orientation_missed(span: Span, asked: Asked, off_rad: f64, precision_rad: f64) -> Diagnostic {
+    let (what, mend) = match asked {
+        Asked::Orientation => ("orientation", "angles that are whole steps"),
+        Asked::TurnAboutX => {
+            ("turn about x", "a `step` that divides 90 deg and the angle: the part is turned by 90 deg about z, and back after the turn about y")
+        }
+    };
+    let title = format!(
+        "whole steps come no nearer to this {what} than {}, the precision is {}",
+        angle(off_rad),
+        angle(precision_rad)
+    );
+    let precision = digits(rounded_up(off_rad.to_degrees()));
+    Diagnostic::new(Code::E0545, title)
+        .label(span, "not reached")
+        .help(format!("write `precision: {precision} deg` among the settings, or {mend}"))
+}
+
+pub fn other_part(run: Span, device: &str, first: &str, now: &str) -> Diagnostic {
+    let title = if first == now {
+        format!("`{device}` has turned `{first}` so far, the `{now}` of this scene has another shape")
+    } else {
+        format!("`{device}` has turned `{first}` so far, and cannot turn `{now}` in the same schedule")
+    };
+    Diagnostic::new(Code::E0528, title)
+        .label(run, "another part than before")
+        .help("a hand keeps its part between tasks: write a program, or another device, for each part")
+}
+
+pub fn flat_part(span: Span, name: &str, what: &str, declared: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0546, format!("`{name}` is flat and turns about z only, {what}"))
+        .label(span, "out of its plane")
+        .label(declared, "declared by its outline in the plane xy")
+        .help("give it a solid shape, as `ellipsoid` or `sections { xy: …, xz: … }`, or turn it about z")
+}
+
+/// Planes between which no two fingers can hand over.
+pub fn no_junction(span: Span, name: &str, why: &str, declared: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0542, format!("`{name}` cannot go over from one plane to the other: {why}"))
+        .label(span, "in another plane than the part is held in")
+        .label(declared, "this part")
+        .help("between two planes a finger holds each of the places where the x axis leaves the part: make its outlines in both \
+               planes meet there, at right angles to the axis; or `release` it between them")
+}
+
+pub fn bad_grasp(span: Span, what: String, help: String) -> Diagnostic {
+    Diagnostic::new(Code::E0547, what).label(span, "no grasp").help(help)
+}
+
+pub fn tips_too_near(span: Span, (one, other): (u32, u32), distance_um: f64, least_um: f64) -> Diagnostic {
+    let title = format!("tips at the contacts {one} and {other} are {} apart, {} is needed", length(distance_um), length(least_um));
+    Diagnostic::new(Code::E0547, title)
+        .label(span, "too near to each other")
+        .help("take contacts further apart: that is twice `tip_radius`, and `clearance`")
+}
+
+pub fn nothing_held(span: Span, what: &str, released: Option<Span>) -> Diagnostic {
+    let diagnostic = Diagnostic::new(Code::E0548, format!("`{what}` where no finger holds the part")).label(span, "not held");
+    match released {
+        Some(released) => diagnostic.label(released, "released here"),
+        None => diagnostic,
+    }
+    .help(format!("`grasp` or `rotate` it before, or leave `{what}` out"))
+}
+
+/// A part that goes with the last finger.
+pub fn sticks(span: Span, needed_un: f64, support_un: f64, (pull_off_un, safety): (f64, f64)) -> Diagnostic {
+    let title = format!(
+        "the part would stick to the last finger: {} hold it down, {} are needed",
+        force(support_un),
+        force(needed_un)
+    );
+    Diagnostic::new(Code::E0549, title).label(span, "let go here").help(format!(
+        "give the device `support: {}` (`pull_off` of {} times `removal_safety` of {}), or leave the part held",
+        force(needed_un),
+        force(pull_off_un),
+        digits(safety)
+    ))
+}

@@ -10,6 +10,7 @@ mod values;
 
 pub use devices::*;
 pub use electrode_array::*;
+pub use fingers::*;
 pub use microrobots::*;
 pub use names::*;
 pub use tasks::*;

@@ -292,6 +292,7 @@ pub fn planner_cannot(span: Span, name: &str, what: &str, asked: Span) -> Diagno
 
 pub fn together_in_task(span: Span, kind: &str) -> Diagnostic {
     let title = match kind {
+        "fingers" => "a hand turns one part, and no two at the same time".to_owned(),
         "microrobots" => "one voltage drives all robots: goals at the same time are an assembly".to_owned(),
         _ => format!("{} has one end-effector and nothing to move together", with_article(kind)),
     };

@@ -162,6 +162,7 @@ fn verb_doc(verb: &crate::device::Verb) -> String {
     let phrases = verb.phrases.iter().map(|phrase| {
         let often = match phrase.count {
             Count::Once => "once",
+            Count::AtMostOnce => "at most once",
             Count::AnyNumber => "any number of times",
         };
         format!("`{}` {} {often}", phrase.preposition, sort(phrase.sort))

@@ -66,7 +66,7 @@ const VERBS: &[Verb] = &[
         name: "grasp",
         noun: None,
         object: Some(Sort::Object("part")),
-        phrases: &[Phrase { preposition: "at", sort: Sort::Contacts, count: Count::Once }],
+        phrases: &[Phrase { preposition: "at", sort: Sort::Contacts, count: Count::AtMostOnce }],
         block: None,
         doc: "takes an object, or changes fingers, until each one holds the contact of its number; 0 is a free finger; \
               without `at` the planner chooses",

@@ -24,7 +24,8 @@ pub struct Contact {
 impl Contact {
     /// How far the centres of tips on two contacts are apart.
     pub fn tips_apart_um(&self, other: &Contact) -> f64 {
-        (self.tip_um[0] - other.tip_um[0]).hypot(self.tip_um[1] - other.tip_um[1])
+        let [x_um, y_um] = [0, 1].map(|k| self.tip_um[k] - other.tip_um[k]);
+        (x_um * x_um + y_um * y_um).sqrt()
     }
 }
 

@@ -3,9 +3,13 @@
 //! Input: contacts with their normals, and the wrench that the fingers have to exert on the object. Output: yes or no, exact up to
 //! [`TOLERANCE`].
 
-use super::pair::{Line, Reach};
+use super::pair::{Line, Reach, are_antipodal};
 use super::{Contact, Load, TOLERANCE};
 use crate::device::fingers::Facts;
+
+/// The share of friction, pull-off and greatest force that a grasp must do without while it rolls: from one instant that is looked
+/// at to the next a balance changes by less than this, and where tips roll on chords of their curves too.
+pub const RESERVE: f64 = 0.02;
 
 /// A force in the plane on the object, and its moment about the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,6 +70,17 @@ impl Grip {
         }
     }
 
+    /// The same hand with [`RESERVE`] kept back.
+    pub fn with_reserve(&self) -> Grip {
+        let kept = 1.0 - RESERVE;
+        Grip {
+            friction: self.friction * kept,
+            sticking_un: self.sticking_un * kept,
+            max_force_un: self.max_force_un * kept,
+            ..*self
+        }
+    }
+
     /// Whether two or three fingers hold under a load; no other number of fingers does.
     ///
     /// Whether their tips have room is not asked here.
@@ -73,13 +88,13 @@ impl Grip {
         let demand = self.demand(load);
         let reach = |contact: &Contact| self.reach(contact, load, contacts.len());
         match contacts {
-            [a, b] => self.line(&reach(a), &reach(b), load, &demand).allows(&demand),
+            [a, b] => self.two_hold([&reach(a), &reach(b)], load, &demand),
             [a, b, c] => {
                 let reaches = [reach(a), reach(b), reach(c)];
                 let [a, b, c] = &reaches;
                 let idle = self.may_idle(load);
-                let pair = |a, b| self.line(a, b, load, &demand).allows(&demand);
-                idle && (pair(a, b) || pair(a, c) || pair(b, c)) || self.line(a, b, load, &demand).takes(c, &demand)
+                let pair_holds = [[a, b], [a, c], [b, c]].into_iter().any(|pair| self.two_hold(pair, load, &demand));
+                idle && pair_holds || self.line([a, b], load).takes(c, &demand)
             }
             [] | [_] | [_, _, _, _, ..] => false,
         }
@@ -91,7 +106,7 @@ impl Grip {
     pub fn resists(&self, stay: [&Contact; 2], leaves: &Contact, load: &Load) -> bool {
         let demand = self.removal(leaves, load);
         let [a, b] = stay.map(|contact| self.reach(contact, load, 2));
-        self.line(&a, &b, load, &demand).allows(&demand)
+        self.two_hold([&a, &b], load, &demand)
     }
 
     /// What the fingers have to do under a load.
@@ -133,9 +148,17 @@ impl Grip {
         Reach::of(contact, self.friction, apex_un, most_un)
     }
 
+    /// Whether two fingers do what is asked.
+    pub(super) fn two_hold(&self, [a, b]: [&Reach; 2], load: &Load, demand: &Demand) -> bool {
+        match demand {
+            Demand::Squeeze => are_antipodal(a, b),
+            Demand::Exert(wrench) => self.line([a, b], load).bears(wrench),
+        }
+    }
+
     /// What two of them bear together.
-    pub(super) fn line(&self, a: &Reach, b: &Reach, load: &Load, demand: &Demand) -> Line {
-        let slack_un = match demand {
+    pub(super) fn line(&self, [a, b]: [&Reach; 2], load: &Load) -> Line {
+        let slack_un = match self.demand(load) {
             Demand::Squeeze => TOLERANCE,
             Demand::Exert(_) => TOLERANCE * (self.removal_un + self.sticking_un + load.size_un()),
         };

@@ -25,12 +25,7 @@ pub(super) struct Instant<'a> {
 impl<'a> Instant<'a> {
     /// Tips stay `apart_um` from each other, centre to centre.
     pub fn of(grip: &'a Grip, contacts: Vec<Contact>, load: Load, apart_um: f64) -> Instant<'a> {
-        let size = contacts.len();
-        let least_um = apart_um * (1.0 - TOLERANCE);
-        let is_usable = |i: usize| contacts[i].usable;
-        let clear = Rows::symmetric(size, |i, j| {
-            is_usable(i) && is_usable(j) && contacts[i].tips_apart_um(&contacts[j]) >= least_um
-        });
+        let clear = room(&contacts, apart_um);
         let demand = grip.demand(&load);
         if grip.holds_anyway(&load) {
             let (pair, bear) = (clear.clone(), clear.clone());
@@ -38,13 +33,13 @@ impl<'a> Instant<'a> {
         }
         let of_fingers = |count: usize| contacts.iter().map(|at| grip.reach(at, &load, count)).collect::<Vec<_>>();
         let holding = |reaches: &[Reach]| {
-            let holds = |i: usize, j: usize| grip.line(&reaches[i], &reaches[j], &load, &demand).allows(&demand);
-            Rows::symmetric(size, |i, j| clear.has(i, j) && holds(i, j))
+            let holds = |i: usize, j: usize| grip.two_hold([&reaches[i], &reaches[j]], &load, &demand);
+            Rows::symmetric(contacts.len(), |i, j| clear.has(i, j) && holds(i, j))
         };
         let reaches = of_fingers(3);
         let pair = holding(&of_fingers(2));
         let bear = match (grip.may_idle(&load), load.across_un == 0.0) {
-            (false, _) => Rows::new(size),
+            (false, _) => Rows::new(contacts.len()),
             (true, true) => pair.clone(),
             (true, false) => holding(&reaches),
         };
@@ -82,8 +77,15 @@ impl<'a> Instant<'a> {
     }
 
     fn line(&self, i: usize, j: usize) -> Line {
-        self.grip.line(&self.reaches[i], &self.reaches[j], &self.load, &self.demand)
+        self.grip.line([&self.reaches[i], &self.reaches[j]], &self.load)
     }
+}
+
+/// The pairs of usable contacts on which tips stay so far apart, centre to centre.
+pub(super) fn room(contacts: &[Contact], apart_um: f64) -> Rows {
+    let least_um = apart_um * (1.0 - TOLERANCE);
+    let has_room = |a: &Contact, b: &Contact| a.usable && b.usable && a.tips_apart_um(b) >= least_um;
+    Rows::symmetric(contacts.len(), |i, j| has_room(&contacts[i], &contacts[j]))
 }
 
 /// The pairs of a symmetric set, the lower number first.

@@ -38,7 +38,8 @@ impl Load {
 
     /// Its size, in micronewtons.
     pub fn size_un(&self) -> f64 {
-        self.force_un[0].hypot(self.force_un[1]).hypot(self.across_un)
+        let [x_un, y_un] = self.force_un;
+        (x_un * x_un + y_un * y_un + self.across_un * self.across_un).sqrt()
     }
 
     /// The same force after the part has turned in the section's plane: it turns the other way round as the part sees it.

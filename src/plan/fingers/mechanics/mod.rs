@@ -12,16 +12,16 @@
 
 mod contact;
 mod grip;
+mod instant;
 mod load;
 mod pair;
 mod rows;
 mod tabulate;
-mod instant;
 
 pub use contact::{Contact, Contacts};
-pub use grip::{Grip, Wrench};
+pub use grip::{Grip, RESERVE, Wrench};
 pub use load::Load;
-pub use tabulate::{Asked, MAX_TABLE_BITS, TooManyGrasps, tables};
+pub use tabulate::{Asked, MAX_TABLE_BITS, PARTS_OF_ROLLING, PARTS_OF_STEP, TooManyGrasps, tables};
 
 /// By how much a balance may be missed, relative to the forces in play: what is exactly balanced holds, whatever the rounding.
 pub const TOLERANCE: f64 = 1e-9;

@@ -13,28 +13,32 @@ struct Side {
     bound_un: f64,
 }
 
+impl Side {
+    fn over_un(&self, force_un: &[f64; 2]) -> f64 {
+        dot(self.normal, *force_un) - self.bound_un
+    }
+
+    fn has(&self, force_un: &[f64; 2]) -> bool {
+        self.over_un(force_un) <= 0.0
+    }
+}
+
 /// The forces that a finger can exert: a friction cone with a shifted apex, cut off at the greatest normal force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reach {
     at_um: [f64; 2],
     /// The first two are those of the cone.
     sides: [Side; 3],
-    /// How many sides there are: 2 of a cone that goes on for ever.
+    /// In order; of an endless cone the two at the normal force 1.
+    corners_un: [[f64; 2]; 3],
+    /// How many sides and corners there are: 2 of an endless cone.
     count: usize,
-    corners_un: Corners,
-}
-
-/// The corners of a convex polygon of forces, in order.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Corners {
-    at_un: [[f64; 2]; 12],
-    count: usize,
+    /// Whether too large a share of the load leaves no force at all.
+    nothing: bool,
 }
 
 impl Reach {
     /// `|tangential| <= friction (normal + apex_un)` and `normal <= most_un`; infinite where no greatest force counts.
-    ///
-    /// Of an endless cone the corners are those at the normal force 1.
     pub fn of(contact: &Contact, friction: f64, apex_un: f64, most_un: f64) -> Reach {
         let inward = contact.normal.map(|part| -part);
         let along = [-inward[1], inward[0]];
@@ -43,20 +47,23 @@ impl Reach {
             normal: [0, 1].map(|k| (sign * along[k] - friction * inward[k]) / size),
             bound_un: friction * apex_un / size,
         };
-        let force = |normal_un: f64, tangential_un: f64| [0, 1].map(|k| inward[k] * normal_un + along[k] * tangential_un);
+        let force =
+            |normal_un: f64, tangential_un: f64| [0, 1].map(|k| inward[k] * normal_un + along[k] * tangential_un);
         let base_un = if most_un.is_finite() { most_un } else { 1.0 };
         let half_un = friction * (base_un + apex_un);
-        let (count, ends) = (if most_un.is_finite() { 3 } else { 2 }, [force(base_un, half_un), force(base_un, -half_un)]);
-        let mut corners_un = Corners { at_un: [force(-apex_un, 0.0); 12], count };
-        corners_un.at_un[..2].copy_from_slice(&ends);
-        // Too large a share of the load leaves nothing of the triangle.
-        corners_un.count = if half_un < 0.0 { 0 } else { corners_un.count };
+        let corners_un = [force(base_un, half_un), force(base_un, -half_un), force(-apex_un, 0.0)];
+        let count = if most_un.is_finite() { 3 } else { 2 };
+        let nothing = half_un < -TOLERANCE * friction * (base_un + apex_un.abs());
         let cap = Side { normal: inward, bound_un: most_un };
-        Reach { at_um: contact.point_um, sides: [cone(1.0), cone(-1.0), cap], count, corners_un }
+        Reach { at_um: contact.point_um, sides: [cone(1.0), cone(-1.0), cap], corners_un, count, nothing }
     }
 
-    fn is_nothing(&self) -> bool {
-        self.corners_un.count == 0
+    fn cone(&self) -> &[Side] {
+        &self.sides[..2]
+    }
+
+    fn corners(&self) -> impl Iterator<Item = &[f64; 2]> + Clone {
+        self.corners_un[..self.count].iter()
     }
 }
 
@@ -72,7 +79,9 @@ impl Half {
     const NONE: Half = Half { force: [0.0; 2], moment_per_um: 0.0, bound_un: 0.0 };
 
     fn of(&self, wrench: &Wrench) -> f64 {
-        self.force[0] * wrench.force_un[0] + self.force[1] * wrench.force_un[1] + self.moment_per_um * wrench.moment_un_um
+        self.force[0] * wrench.force_un[0]
+            + self.force[1] * wrench.force_un[1]
+            + self.moment_per_um * wrench.moment_un_um
     }
 
     fn plus(&self, factor: f64, other: &Half, other_factor: f64) -> Half {
@@ -85,15 +94,14 @@ impl Half {
 
     /// The same half-space with a normal of length 1, moments counted as forces at `arm_um`.
     fn scaled(self, arm_um: f64) -> Half {
-        let size = self.force[0].hypot(self.force[1]).hypot(self.moment_per_um * arm_um);
+        let size = (dot(self.force, self.force) + (self.moment_per_um * arm_um).powi(2)).sqrt();
         self.plus(1.0 / size, &Half::NONE, 0.0)
     }
 
-    /// The same as a half-plane of forces at a point.
-    fn at(&self, point_um: [f64; 2]) -> Side {
-        let [x, y] = point_um;
-        let normal = [self.force[0] - self.moment_per_um * y, self.force[1] + self.moment_per_um * x];
-        Side { normal, bound_un: self.bound_un }
+    /// The forces at a point after which what is left of a wrench is in the half-space: half · (wrench − force) <= bound.
+    fn left_at(&self, [x_um, y_um]: [f64; 2], wrench: &Wrench, slack_un: f64) -> Side {
+        let normal = [self.moment_per_um * y_um - self.force[0], -self.moment_per_um * x_um - self.force[1]];
+        Side { normal, bound_un: self.bound_un - self.of(wrench) + slack_un }
     }
 }
 
@@ -102,8 +110,6 @@ impl Half {
 pub(super) struct Line {
     halves: [Half; 9],
     count: usize,
-    /// Whether a force along the line alone is within both cones, so that it may be as large as one likes.
-    antipodal: bool,
     /// Whether one of the two can exert nothing at all.
     nothing: bool,
     slack_un: f64,
@@ -112,16 +118,13 @@ pub(super) struct Line {
 impl Line {
     /// Of two fingers on different places.
     pub fn between(a: &Reach, b: &Reach, arm_um: f64, slack_un: f64) -> Line {
-        let mut line = Line { halves: [Half::NONE; 9], count: 0, antipodal: false, nothing: true, slack_un };
-        let run_um = [b.at_um[0] - a.at_um[0], b.at_um[1] - a.at_um[1]];
-        let length_um = run_um[0].hypot(run_um[1]);
-        if a.is_nothing() || b.is_nothing() || length_um == 0.0 {
+        let mut line = Line { halves: [Half::NONE; 9], count: 0, nothing: true, slack_un };
+        let (along, length_um) = chord(a, b);
+        if a.nothing || b.nothing || length_um == 0.0 {
             return line;
         }
         line.nothing = false;
-        let bounds = Bounds::of(a, b, run_um.map(|part| part / length_um), length_um);
-        let slopes = || bounds.each().map(|(_, slope)| *slope);
-        line.antipodal = slopes().all(|slope| slope <= TOLERANCE) || slopes().all(|slope| slope >= -TOLERANCE);
+        let bounds = Bounds::of(a, b, along, length_um);
         for (low, slope) in bounds.each() {
             if slope.abs() <= PARALLEL {
                 line.push(low.scaled(arm_um));
@@ -142,14 +145,6 @@ impl Line {
         &self.halves[..self.count]
     }
 
-    /// Whether the two do what is asked.
-    pub fn allows(&self, demand: &Demand) -> bool {
-        match demand {
-            Demand::Squeeze => !self.nothing && self.antipodal,
-            Demand::Exert(wrench) => self.bears(wrench),
-        }
-    }
-
     /// Whether the two can exert a wrench.
     pub fn bears(&self, wrench: &Wrench) -> bool {
         !self.nothing && self.halves().iter().all(|half| half.of(wrench) <= half.bound_un + self.slack_un)
@@ -161,14 +156,43 @@ impl Line {
             Demand::Squeeze => Wrench::NONE,
             Demand::Exert(wrench) => *wrench,
         };
-        let mut left = third.corners_un;
-        for half in self.halves() {
-            let side = half.at(third.at_um);
-            // The two exert what is left of the wrench: half · (wrench − third) <= bound.
-            left.cut(side.normal.map(|part| -part), side.bound_un - half.of(&wrench) + self.slack_un);
+        if self.nothing || third.nothing {
+            return false;
         }
-        !self.nothing && left.count > 0
+        let mut sides = [Side { normal: [0.0; 2], bound_un: 0.0 }; 9];
+        let mut within = [true; 3];
+        for (half, side) in self.halves().iter().zip(&mut sides) {
+            *side = half.left_at(third.at_um, &wrench, self.slack_un);
+            let inside = third.corners().map(|corner| side.has(corner));
+            if inside.clone().all(|is_inside| !is_inside) {
+                return false;
+            }
+            within.iter_mut().zip(inside).for_each(|(within, is_inside)| *within &= is_inside);
+        }
+        if within[..third.count].contains(&true) {
+            return true;
+        }
+        let mut left = Corners::of(third);
+        sides[..self.count].iter().for_each(|side| left.cut(side));
+        left.count > 0
     }
+}
+
+/// Whether a force along the line through both contacts is in both cones, so that it may be as large as one likes.
+pub(super) fn are_antipodal(a: &Reach, b: &Reach) -> bool {
+    let (along, _) = chord(a, b);
+    let slopes = || {
+        let of_a = a.cone().iter().map(|side| dot(side.normal, along));
+        of_a.chain(b.cone().iter().map(|side| -dot(side.normal, along)))
+    };
+    slopes().all(|slope| slope <= TOLERANCE) || slopes().all(|slope| slope >= -TOLERANCE)
+}
+
+// The direction from one contact to the other, and how far it is.
+fn chord(a: &Reach, b: &Reach) -> ([f64; 2], f64) {
+    let run_um = [b.at_um[0] - a.at_um[0], b.at_um[1] - a.at_um[1]];
+    let length_um = dot(run_um, run_um).sqrt();
+    (run_um.map(|part| part / length_um), length_um)
 }
 
 /// Half-spaces of wrenches and the force along the line: `half + slope · force <= bound`.
@@ -205,18 +229,26 @@ impl Bounds {
     }
 }
 
+/// The corners of a convex polygon of forces, in order.
+struct Corners {
+    at_un: [[f64; 2]; 12],
+    count: usize,
+}
+
 impl Corners {
-    /// Keeps what lies in `normal · f <= bound_un` (Sutherland and Hodgman).
-    fn cut(&mut self, normal: [f64; 2], bound_un: f64) {
-        let over = |corner: &[f64; 2]| dot(normal, *corner) - bound_un;
-        if self.at_un[..self.count].iter().all(|corner| over(corner) <= 0.0) {
-            return;
-        }
-        let all = *self;
+    fn of(reach: &Reach) -> Corners {
+        let mut corners = Corners { at_un: [[0.0; 2]; 12], count: reach.count };
+        corners.at_un[..3].copy_from_slice(&reach.corners_un);
+        corners
+    }
+
+    /// Keeps what lies on the inner side (Sutherland and Hodgman).
+    fn cut(&mut self, side: &Side) {
+        let (all, count) = (self.at_un, self.count);
         self.count = 0;
-        for k in 0..all.count {
-            let (here, next) = (all.at_un[k], all.at_un[(k + 1) % all.count]);
-            let (over_here, over_next) = (over(&here), over(&next));
+        for k in 0..count {
+            let (here, next) = (all[k], all[(k + 1) % count]);
+            let (over_here, over_next) = (side.over_un(&here), side.over_un(&next));
             if over_here <= 0.0 {
                 self.push(here);
             }
@@ -228,7 +260,7 @@ impl Corners {
     }
 
     fn push(&mut self, corner_un: [f64; 2]) {
-        // Each half-space adds one corner at most: 3 + 9.
+        // Each half-plane adds one corner at most: 3 + 9.
         if self.count < self.at_un.len() {
             self.at_un[self.count] = corner_un;
             self.count += 1;

@@ -91,3 +91,12 @@ pub(super) fn numbers(row: &[u64]) -> impl Iterator<Item = usize> + '_ {
         })
     })
 }
+
+/// Keeps the numbers of a row that `keeps` says yes to.
+pub(super) fn retain(row: &mut [u64], mut keeps: impl FnMut(usize) -> bool) {
+    for (k, word) in row.iter_mut().enumerate() {
+        for bit in numbers(&[*word]) {
+            *word &= !(u64::from(!keeps(k * 64 + bit)) << bit);
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! A scene as one hand meets it: its parts.
+
+use super::part::{Judged, Reader};
+use crate::check::devices::Device;
+use crate::check::scenes::Scene;
+use crate::check::tasks::Site;
+use crate::check::{Checker, errors};
+use crate::device::fingers::{Facts, VOCABULARY};
+use crate::diagnostic::Sink;
+use crate::source::Span;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// The most parts of one scene.
+pub const MAX_PARTS: usize = 64;
+
+/// A part of a scene.
+#[derive(Debug, Clone)]
+pub struct Lying {
+    /// `None` if something is wrong with it, which was said.
+    pub judged: Option<(Arc<crate::check::claims::fingers::Part>, f64)>,
+    pub span: Span,
+}
+
+/// What a scene is to a hand.
+#[derive(Debug, Clone, Default)]
+pub struct Bench {
+    pub parts: Rc<BTreeMap<String, Lying>>,
+}
+
+impl Checker<'_> {
+    /// The scene of a task for its device, judged once.
+    pub fn bench(&mut self, site: &Site, facts: &Facts) -> Bench {
+        let Some((place, scene)) = &site.scene else { return Bench::default() };
+        let key = (*place, site.place);
+        if let Some(known) = self.benches.get(&key) {
+            return known.clone();
+        }
+        let bench = judged(scene, &site.device, facts, self.sink);
+        self.benches.insert(key, bench.clone());
+        bench
+    }
+}
+
+fn judged(scene: &Scene, device: &Device, facts: &Facts, sink: &mut Sink) -> Bench {
+    if let Some(crowd) = scene.crowd(&[("part", MAX_PARTS)]) {
+        sink.push(crowd);
+        let broken = scene.objects.iter().map(|object| (object.name.clone(), Lying { judged: None, span: object.span }));
+        return Bench { parts: Rc::new(broken.collect()) };
+    }
+    let mut parts = BTreeMap::new();
+    for object in &scene.objects {
+        if object.noun != "part" {
+            let known: Vec<&str> = VOCABULARY.nouns.iter().map(|noun| noun.name).collect();
+            sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, VOCABULARY.name, &known));
+            continue;
+        }
+        let judged = Reader { object, device, facts, sink }.part();
+        let judged = judged.map(|Judged { part, weight_un }| (Arc::new(part), weight_un));
+        parts.insert(object.name.clone(), Lying { judged, span: object.span });
+    }
+    Bench { parts: Rc::new(parts) }
+}

@@ -1,0 +1,174 @@
+//! The facts of a hand.
+
+use crate::check::devices::Device;
+use crate::check::errors;
+use crate::check::value::Value;
+use crate::device::fingers::{Adhesion, Facts, MAX_STEPS_PER_TURN};
+use crate::diagnostic::Sink;
+use crate::quantity::Quantity;
+use std::f64::consts::TAU;
+
+/// The fewest steps of one turn: 90 deg each.
+const MIN_STEPS_PER_TURN: u32 = 4;
+
+/// How far from a whole number of steps a full turn may be, in steps: what digits of a step leave out.
+const STEP_SLACK: f64 = 1e-4;
+
+/// The largest length of a hand: a metre.
+const MAX_LENGTH_UM: f64 = 1e6;
+
+/// The smallest length that is planned with: an atom.
+const MIN_LENGTH_UM: f64 = 1e-4;
+
+/// The largest force: a newton.
+const MAX_FORCE_UN: f64 = 1e6;
+
+/// The slowest and the fastest tip.
+const SPEEDS_UM_PER_S: [f64; 2] = [1e-3, 1e9];
+
+/// The largest friction coefficient, and the largest removal safety.
+const MAX_RATIO: f64 = 100.0;
+
+/// The facts of a hand; `None` after an error.
+pub fn facts(device: &Device, sink: &mut Sink) -> Option<Facts> {
+    if device.fields.values().any(|field| field.value.is_unknown()) {
+        return None;
+    }
+    let errors = sink.errors();
+    let steps_per_turn = steps_per_turn(device, sink);
+    let gaiting_cost_deg = gaiting_cost_deg(device, sink);
+    let mut figures = Figures { device, sink };
+    let facts = Facts {
+        fingers: figures.quantity("fingers")?.si as u32,
+        tip_radius_um: figures.length_um("tip_radius")?,
+        adhesion: adhesion(device),
+        pull_off_un: figures.force_un("pull_off")?,
+        max_force_un: figures.force_un("max_force")?,
+        friction: figures.ratio("friction")?,
+        steps_per_turn: steps_per_turn?,
+        removal_safety: figures.ratio("removal_safety")?,
+        gaiting_cost_deg: gaiting_cost_deg?,
+        clearance_um: figures.length_um("clearance")?,
+        retract_um: figures.length_um("retract")?,
+        speed_um_per_s: figures.speed_um_per_s("speed")?,
+        approach_um_per_s: figures.speed_um_per_s("approach_speed")?,
+        rolling_um_per_s: figures.speed_um_per_s("rolling_speed")?,
+        support_un: figures.force_un("support").unwrap_or(0.0),
+        range_um: figures.range_um()?,
+        tolerance_um: figures.length_um("tolerance")?,
+    };
+    (sink.errors() == errors).then_some(facts)
+}
+
+fn quantity(device: &Device, name: &str) -> Option<Quantity> {
+    match device.fields.get(name).map(|field| &field.value) {
+        Some(Value::Quantity(quantity)) => Some(*quantity),
+        _ => None,
+    }
+}
+
+fn adhesion(device: &Device) -> Adhesion {
+    match device.fields.get("adhesion").map(|field| &field.value) {
+        Some(Value::Bool(true)) => Adhesion::Sticking,
+        _ => Adhesion::Absent,
+    }
+}
+
+/// How many steps make a full turn; `None` after an error.
+fn steps_per_turn(device: &Device, sink: &mut Sink) -> Option<u32> {
+    let step = quantity(device, "step")?;
+    let steps = TAU / step.si;
+    let whole = steps.round();
+    if (whole - steps).abs() > STEP_SLACK * whole.max(1.0) {
+        tell(device, "step", errors::step_divides_no_turn(step), "does not divide 360 deg", sink);
+        return None;
+    }
+    if !(f64::from(MIN_STEPS_PER_TURN)..=f64::from(MAX_STEPS_PER_TURN)).contains(&whole) {
+        let wrong = errors::step_out_of_limits(step, whole, [MIN_STEPS_PER_TURN, MAX_STEPS_PER_TURN]);
+        tell(device, "step", wrong, "too large or too small", sink);
+        return None;
+    }
+    Some(whole as u32)
+}
+
+fn gaiting_cost_deg(device: &Device, sink: &mut Sink) -> Option<f64> {
+    const MOST_DEG: f64 = 36_000.0;
+    let cost = quantity(device, "gaiting_cost")?;
+    let deg = cost.si.to_degrees();
+    let is_whole = (deg - deg.round()).abs() < 1e-9 * deg.max(1.0) && deg.round() >= 1.0;
+    if is_whole && deg <= MOST_DEG {
+        return Some(deg.round());
+    }
+    tell(device, "gaiting_cost", errors::gaiting_cost_not_whole(cost, MOST_DEG), "not such an angle", sink);
+    None
+}
+
+/// Tells what is wrong with a field, at its value; at the device where that value comes from elsewhere.
+fn tell(device: &Device, field: &str, wrong: crate::diagnostic::Diagnostic, label: &str, sink: &mut Sink) {
+    let told = match device.fields.get(field) {
+        Some(value) => wrong.label(value.span, label),
+        None => wrong,
+    };
+    let origin = device.origins.get(field);
+    let told = match origin {
+        Some(origin) => told.label(origin.span, origin.text.clone()),
+        None => told,
+    };
+    sink.push(told.label(device.span, "of this device"));
+}
+
+/// Reads figures and holds them against their limits.
+struct Figures<'a> {
+    device: &'a Device,
+    sink: &'a mut Sink,
+}
+
+impl Figures<'_> {
+    fn quantity(&self, name: &str) -> Option<Quantity> {
+        quantity(self.device, name)
+    }
+
+    fn length_um(&mut self, name: &str) -> Option<f64> {
+        let found = self.quantity(name)?;
+        let um = found.in_unit("um");
+        let fits = um == 0.0 || (MIN_LENGTH_UM..=MAX_LENGTH_UM).contains(&um);
+        self.unless(fits, name, &found.to_string(), "from 0.1 nm to 1 m");
+        Some(um)
+    }
+
+    fn force_un(&mut self, name: &str) -> Option<f64> {
+        let found = self.quantity(name)?;
+        let un = found.in_unit("uN");
+        self.unless(un <= MAX_FORCE_UN, name, &found.to_string(), "at most 1 N");
+        Some(un)
+    }
+
+    fn ratio(&mut self, name: &str) -> Option<f64> {
+        let found = self.quantity(name)?;
+        self.unless(found.si <= MAX_RATIO, name, &found.to_string(), "at most 100");
+        Some(found.si)
+    }
+
+    fn speed_um_per_s(&mut self, name: &str) -> Option<f64> {
+        let found = self.quantity(name)?;
+        let um_per_s = found.in_unit("um/s");
+        let fits = (SPEEDS_UM_PER_S[0]..=SPEEDS_UM_PER_S[1]).contains(&um_per_s);
+        self.unless(fits, name, &found.to_string(), "from 1 nm/s to 1 km/s");
+        Some(um_per_s)
+    }
+
+    fn range_um(&mut self) -> Option<[f64; 3]> {
+        let Value::Point(point) = &self.device.fields.get("range")?.value else { return None };
+        let range_um = [0, 1, 2].map(|axis| point.get(axis).map_or(0.0, |length| length.in_unit("um")));
+        let greatest = point.iter().copied().max_by(|one, other| one.si.total_cmp(&other.si))?;
+        self.unless(greatest.in_unit("um") <= MAX_LENGTH_UM, "range", &greatest.to_string(), "at most 1 m");
+        Some(range_um)
+    }
+
+    fn unless(&mut self, fits: bool, name: &str, found: &str, limit: &str) {
+        if !fits {
+            let wrong = errors::hand_figure(name, &self.device.name, found, limit);
+            tell(self.device, name, wrong, &format!("must be {limit}"), self.sink);
+        }
+    }
+}

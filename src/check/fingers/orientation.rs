@@ -1,0 +1,156 @@
+//! Orientations in space: from what a program says of them, and by which turns of whole steps they are reached.
+//!
+//! A turn of a part is about its own axis, so that turns in their order multiply from the left to the right.
+
+use crate::check::claims::fingers::{Part, Turn};
+use crate::device::fingers::Plane;
+use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+use std::f64::consts::{PI, TAU};
+
+/// How far from 1 the length of a quaternion may be.
+pub const NORM_SLACK: f64 = 1e-3;
+
+/// The most ways of one step that are searched.
+pub const MAX_WAYS: usize = 48;
+
+/// Below this the sine of the middle angle leaves only one turn to be made.
+const FLAT: f64 = 1e-9;
+
+pub type Orientation = UnitQuaternion<f64>;
+
+/// The quaternion of turns about z, y and z.
+pub fn from_euler([a, b, c]: [f64; 3]) -> [f64; 4] {
+    written(&(about(Plane::Xy, a) * about(Plane::Xz, b) * about(Plane::Xy, c)))
+}
+
+/// A quaternion of length 1, its first number not negative.
+pub fn unit(numbers: [f64; 4]) -> [f64; 4] {
+    written(&read(numbers))
+}
+
+/// An orientation of the numbers w, x, y, z.
+pub fn read([w, x, y, z]: [f64; 4]) -> Orientation {
+    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
+}
+
+/// As claims hold it: w, x, y, z with w not negative.
+pub fn written(orientation: &Orientation) -> [f64; 4] {
+    let q = orientation.quaternion();
+    let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
+    // Adding zero takes the sign from a zero.
+    [q.w, q.i, q.j, q.k].map(|number| sign * number + 0.0)
+}
+
+/// A turn in a plane of the part.
+pub fn about(plane: Plane, angle_rad: f64) -> Orientation {
+    let [x, y, z] = plane.normal();
+    UnitQuaternion::from_axis_angle(&Unit::new_unchecked(Vector3::new(x, y, z)), angle_rad)
+}
+
+/// A turn about the part's x axis.
+pub fn about_x(angle_rad: f64) -> Orientation {
+    UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle_rad)
+}
+
+/// What some turns of whole steps do to a part.
+pub fn after(turns: &[Turn], part: &Part) -> Orientation {
+    turns.iter().fold(UnitQuaternion::identity(), |reached, turn| {
+        let step_rad = part.section(turn.plane).map_or(0.0, |section| section.step_rad);
+        reached * about(turn.plane, f64::from(turn.steps) * step_rad)
+    })
+}
+
+/// A way to an orientation, and by how much it misses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Way {
+    pub turns: Vec<Turn>,
+    pub off_rad: f64,
+}
+
+/// For each of three angles: the short way or the long one, and the nearest number of steps or the next one.
+const CHOICES: u32 = 1 << 6;
+
+/// How much more than 360 deg a turn of whole steps may be, as a share.
+const FULL_SLACK: f64 = 1e-2;
+
+/// The ways of up to three turns of whole steps in alternating planes that come near a relative orientation: both solutions of its
+/// angles, with either plane first, each angle either way round, and by the nearest number of steps or the next one. None twice, those of less turning first, at most [`MAX_WAYS`].
+pub fn ways(goal: &Orientation, part: &Part) -> Vec<Way> {
+    let mut found: Vec<Way> = Vec::new();
+    for first in Plane::ALL {
+        for angles in decompositions(goal, first) {
+            for choice in 0..CHOICES {
+                let Some(turns) = whole_turns(angles, choice, first, part) else { continue };
+                if found.iter().all(|way| way.turns != turns) {
+                    let off_rad = after(&turns, part).angle_to(goal);
+                    found.push(Way { turns, off_rad });
+                }
+            }
+        }
+    }
+    found.sort_by(|one, other| effort(one, part).total_cmp(&effort(other, part)));
+    found
+}
+
+fn effort(way: &Way, part: &Part) -> f64 {
+    let step = |plane| part.section(plane).map_or(0.0, |section| section.step_rad);
+    way.turns.iter().map(|turn| f64::from(turn.steps.abs()) * step(turn.plane)).sum()
+}
+
+/// The angles of three turns, the first and the last in one plane, the middle one in the other.
+fn decompositions(goal: &Orientation, first: Plane) -> Vec<[f64; 3]> {
+    // What is z, y, z in these coordinates is y, z, y in the part's own: x turned round, y and z exchanged.
+    let swap = match first {
+        Plane::Xy => UnitQuaternion::identity(),
+        Plane::Xz => {
+            let half = std::f64::consts::FRAC_1_SQRT_2;
+            UnitQuaternion::from_axis_angle(&Unit::new_unchecked(Vector3::new(0.0, half, half)), PI)
+        }
+    };
+    let r = (swap * goal * swap.inverse()).to_rotation_matrix();
+    let sine = r[(0, 2)].hypot(r[(1, 2)]);
+    if sine < FLAT {
+        let (whole, half) = (r[(1, 0)].atan2(r[(0, 0)]), r[(1, 0)].atan2(-r[(0, 0)]));
+        // Upside down the last turn counts against the first.
+        return if r[(2, 2)] > 0.0 { vec![[whole, 0.0, 0.0]] } else { vec![[-half, PI, 0.0], [0.0, PI, half]] };
+    }
+    let (a, b, c) = (r[(1, 2)].atan2(r[(0, 2)]), sine.atan2(r[(2, 2)]), r[(2, 1)].atan2(-r[(2, 0)]));
+    vec![[a, b, c], [a + PI, -b, c + PI]]
+}
+
+/// Each angle as the nearest whole number of steps or the next one, the short way or the long one, by the bits of `choice`; `None` where that is no
+/// turn.
+fn whole_turns(angles: [f64; 3], choice: u32, first: Plane, part: &Part) -> Option<Vec<Turn>> {
+    let other = match first {
+        Plane::Xy => Plane::Xz,
+        Plane::Xz => Plane::Xy,
+    };
+    let mut turns: Vec<Turn> = Vec::new();
+    for (index, (angle, plane)) in angles.into_iter().zip([first, other, first]).enumerate() {
+        let short = (angle + PI).rem_euclid(TAU) - PI;
+        let is_bit = |bit: usize| choice >> bit & 1 == 1;
+        let (is_long, is_next) = (is_bit(index), is_bit(index + 3));
+        let section = part.section(plane);
+        if section.is_none() && short.abs() < FLAT && !is_long && !is_next {
+            continue;
+        }
+        let step_rad = section?.step_rad;
+        let angle = if is_long { short - TAU.copysign(short) } else { short };
+        let exact = angle / step_rad;
+        let nearest = exact.round();
+        let other = if exact < nearest { nearest - 1.0 } else { nearest + 1.0 };
+        let steps = if is_next { other } else { nearest };
+        // A full turn is no other way to stay where it is.
+        if steps.abs() * step_rad > TAU * (1.0 + FULL_SLACK) || is_long && short.abs() < FULL_SLACK {
+            return None;
+        }
+        let steps = steps as i32;
+        match turns.last_mut() {
+            // No turn was left between them.
+            Some(Turn { plane: last, steps: sum }) if *last == plane => *sum += steps,
+            Some(_) | None => turns.push(Turn { plane, steps }),
+        }
+        turns.retain(|turn| turn.steps != 0);
+    }
+    Some(turns)
+}

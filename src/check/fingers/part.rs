@@ -1,0 +1,258 @@
+//! A part as one hand meets it: its contacts in both planes, and whether tips reach them.
+
+use super::solid::{self, Solid};
+use crate::check::claims::fingers::{Part, Section};
+use crate::check::devices::Device;
+use crate::check::errors;
+use crate::check::scenes::Object;
+use crate::check::value::Value;
+use crate::device::fingers::{Facts, MAX_CONTACTS, Plane, VOCABULARY};
+use crate::diagnostic::Sink;
+use crate::geometry::outline::{Curve, Outline};
+use crate::quantity::{Dimension, Quantity};
+use crate::source::Span;
+use std::f64::consts::PI;
+
+/// How far from a contact the place J may lie, in steps.
+const OPPOSITE_SLACK: f64 = 0.02;
+
+/// How far numbers of contacts are tried from the best one, for a contact at J.
+const CONTACTS_TRIED: i32 = 2;
+
+/// Which share of the device's tolerance may be lost where a finger holds the part in one plane and goes on in the other.
+const JUNCTION_SHARE: f64 = 0.25;
+
+/// Places looked at for where an outline bends inwards most.
+const LOOKS: usize = 4096;
+
+/// What the acceleration of a falling body is defined to be: standard gravity, 3rd General Conference on Weights and Measures, 1901.
+const STANDARD_GRAVITY_M_PER_S2: f64 = 9.806_65;
+
+/// A part with what a task needs besides.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    pub part: Part,
+    /// Its weight, in micronewtons; 0 without a material.
+    pub weight_un: f64,
+}
+
+/// Reads a part of a scene for a device.
+pub struct Reader<'a> {
+    pub object: &'a Object,
+    pub device: &'a Device,
+    pub facts: &'a Facts,
+    pub sink: &'a mut Sink,
+}
+
+impl Reader<'_> {
+    /// The part; `None` after an error.
+    pub fn part(&mut self) -> Option<Judged> {
+        let object = self.object;
+        let Some(shape) = &object.shape else {
+            self.sink.push(errors::part_without_shape(object.span, &object.name));
+            return None;
+        };
+        let forms = VOCABULARY.noun("part").map_or(&[][..], |noun| noun.shapes);
+        if !forms.contains(&shape.value.form) {
+            let known: Vec<&str> = forms.iter().map(|form| form.name()).collect();
+            let form = shape.value.form.name();
+            self.sink.push(errors::shape_of_other_kind(shape.span, form, &object.noun, VOCABULARY.name, &known));
+            return None;
+        }
+        let position_um = self.position_um()?;
+        // What is impossible in itself was said where the shape was read.
+        let solid = solid::of(&shape.value, shape.span).ok()?;
+        let xy = self.section(&solid.xy, Plane::Xy, shape.span)?;
+        let xz = match &solid.xz {
+            Some(outline) => Some(self.section(outline, Plane::Xz, shape.span)?),
+            None => None,
+        };
+        self.within_its_sections(&solid, &xy, xz.as_ref(), shape.span)?;
+        self.clear_of_surface(&solid, &xy, Plane::Xy, shape.span)?;
+        xz.as_ref().map_or(Some(()), |xz| self.clear_of_surface(&solid, xz, Plane::Xz, shape.span))?;
+        let part = Part {
+            name: object.name.clone(),
+            xy,
+            xz,
+            centre_um: solid.centre_um,
+            position_um,
+            span: object.span,
+        };
+        if let Some(wrong) = out_of_range(&part, position_um, self.facts) {
+            let at = object.at.as_ref().map_or(object.span, |at| at.span);
+            let told = errors::part_out_of_range(at, &part.name, wrong);
+            self.sink.push(told.label(self.device.span, "of this device"));
+            return None;
+        }
+        Some(Judged { part, weight_un: weight_un(&solid) })
+    }
+
+    fn position_um(&mut self) -> Option<[f64; 3]> {
+        let Some(at) = &self.object.at else { return Some([0.0; 3]) };
+        let um = |length: Option<&Quantity>| length.map_or(0.0, |length| length.in_unit("um"));
+        match &at.value {
+            Value::Point(point) if point[0].dimension == Dimension::LENGTH => {
+                Some([um(point.first()), um(point.get(1)), um(point.get(2))])
+            }
+            other => {
+                self.sink.push(errors::part_place(at.span, other));
+                None
+            }
+        }
+    }
+
+    /// An outline with its contacts, which every tip reaches.
+    fn section(&mut self, outline: &Outline, plane: Plane, span: Span) -> Option<Section> {
+        let curve = Curve::of(outline).ok()?;
+        let tip_um = self.facts.tip_radius_um;
+        let least = curve.least_curvature_per_um();
+        if least * tip_um <= -1.0 + 1e-9 {
+            let at = errors::Tipped { part: &self.object.name, plane, point_um: hollow(&curve), tip_radius_um: tip_um };
+            self.sink.push(errors::tip_too_large(span, &at, -1.0 / least, self.device.span));
+            return None;
+        }
+        let (contacts, opposite) = contacts(&curve, self.facts);
+        if contacts > f64::from(MAX_CONTACTS) {
+            let wrong = errors::too_many_contacts(span, &self.object.name, plane, contacts, MAX_CONTACTS);
+            self.sink.push(wrong.label(self.device.span, "of this device"));
+            return None;
+        }
+        let step_rad = once_round_rad(&curve, tip_um) / contacts;
+        Some(Section { outline: outline.clone(), contacts: contacts as u32, opposite, step_rad })
+    }
+
+    /// Whether tips that touch a section stand clear of the rest of the surface.
+    fn clear_of_surface(&mut self, solid: &Solid, section: &Section, plane: Plane, span: Span) -> Option<()> {
+        let Some(surface) = &solid.surface else { return Some(()) };
+        let curve = Curve::of(&section.outline).ok()?;
+        let (tip_um, tolerance_um) = (self.facts.tip_radius_um, self.facts.tolerance_um);
+        let depths = (1..=section.contacts).map(|contact| {
+            let (centre, _) = tip_um_at(section, &curve, contact, tip_um);
+            (tip_um - surface.distance_um(in_space(plane, centre)), contact)
+        });
+        let (depth_um, contact) = depths.max_by(|one, other| one.0.total_cmp(&other.0))?;
+        if depth_um <= tolerance_um {
+            return Some(());
+        }
+        let at = (contact, plane);
+        self.sink.push(errors::tip_in_solid(span, &self.object.name, at, depth_um, tolerance_um));
+        None
+    }
+
+    /// Whether nothing of the part is in the way of tips that travel round its sections.
+    fn within_its_sections(&mut self, solid: &Solid, xy: &Section, xz: Option<&Section>, span: Span) -> Option<()> {
+        let sections = std::iter::once(xy).chain(xz);
+        let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
+        let most_um = reach_um.fold(0.0, f64::max) + 2.0 * self.facts.tip_radius_um + self.facts.clearance_um;
+        if solid.reach_um <= most_um {
+            return Some(());
+        }
+        self.sink.push(errors::solid_reaches_out(span, &self.object.name, solid.reach_um, most_um));
+        None
+    }
+}
+
+/// By how much the part turns while a tip rolls once round it: U.
+fn once_round_rad(curve: &Curve, tip_radius_um: f64) -> f64 {
+    curve.rolled_rad(curve.perimeter_um(), tip_radius_um) - curve.rolled_rad(0.0, tip_radius_um)
+}
+
+/// c, and the number of the contact at J if one lies there: as many contacts as come nearest to the nominal step, if possible with one
+/// at J.
+fn contacts(curve: &Curve, facts: &Facts) -> (f64, Option<u32>) {
+    let once = once_round_rad(curve, facts.tip_radius_um);
+    let exact = once / facts.step_rad();
+    let share = curve.rolled_rad(curve.opposite_um(), facts.tip_radius_um) / once;
+    let mut tried: Vec<f64> = (-CONTACTS_TRIED..=CONTACTS_TRIED).map(|off| exact.round() + f64::from(off)).collect();
+    tried.sort_by(|one, other| (one - exact).abs().total_cmp(&(other - exact).abs()));
+    for contacts in tried {
+        let steps = share * contacts;
+        let off_um = (steps - steps.round()).abs() * facts.step_rad() * facts.tip_radius_um;
+        let is_near = (steps - steps.round()).abs() <= OPPOSITE_SLACK;
+        if is_near && off_um <= JUNCTION_SHARE * facts.tolerance_um && steps.round() < contacts {
+            return (contacts, Some(steps.round() as u32 + 1));
+        }
+    }
+    (exact.round(), None)
+}
+
+/// Where an outline bends inwards most.
+fn hollow(curve: &Curve) -> [f64; 2] {
+    let ways = (0..LOOKS).map(|look| curve.perimeter_um() * look as f64 / LOOKS as f64);
+    let spots = ways.map(|way| curve.spot(way));
+    spots.min_by(|one, other| one.curvature_per_um.total_cmp(&other.curvature_per_um)).map_or([0.0; 2], |spot| spot.point_um)
+}
+
+/// Where the centre of a tip is that touches a contact, in the plane's coordinates, and the outward normal there.
+pub fn tip_um_at(section: &Section, curve: &Curve, contact: u32, tip_radius_um: f64) -> ([f64; 2], f64) {
+    let rolled = f64::from(contact - 1) * section.step_rad;
+    let spot = curve.spot(curve.way_rolled_um(rolled, tip_radius_um));
+    let (sine, cosine) = spot.normal_rad.sin_cos();
+    let [x, y] = spot.point_um;
+    ([x + tip_radius_um * cosine, y + tip_radius_um * sine], spot.normal_rad)
+}
+
+/// A place of a plane in the part's frame.
+fn in_space(plane: Plane, [a, b]: [f64; 2]) -> [f64; 3] {
+    let axes = plane.axes();
+    std::array::from_fn(|axis| a * axes[0][axis] + b * axes[1][axis])
+}
+
+/// Why two fingers that hold I and J in one plane do not hold them in the other, if that is so.
+pub fn junction_fault(part: &Part, facts: &Facts) -> Option<String> {
+    let xz = part.xz.as_ref()?;
+    let mut tips = Vec::new();
+    for (section, plane) in [(&part.xy, Plane::Xy), (xz, Plane::Xz)] {
+        let Some(opposite) = section.opposite else {
+            return Some(format!(
+                "in the plane {} none of its {} contacts lies where the negative x axis leaves it",
+                plane.name(),
+                section.contacts
+            ));
+        };
+        let curve = Curve::of(&section.outline).ok()?;
+        for contact in [1, opposite] {
+            let (centre, normal_rad) = tip_um_at(section, &curve, contact, facts.tip_radius_um);
+            let point = in_space(plane, centre);
+            let across_rad = if contact == 1 { normal_rad } else { normal_rad - PI };
+            tips.push((point, across_rad));
+        }
+    }
+    let most_um = JUNCTION_SHARE * facts.tolerance_um;
+    [("positive", 0), ("negative", 1)].into_iter().find_map(|(side, index)| {
+        let (one, other) = (tips[index].0, tips[index + 2].0);
+        let apart_um = one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        let leaning = [tips[index].1, tips[index + 2].1].map(|rad| (rad.sin()).abs().asin().to_degrees());
+        (apart_um > most_um).then(|| {
+            format!(
+                "where the {side} x axis leaves it, its outlines put a tip {} apart, {} is allowed (they lean by {:.2} deg and {:.2} deg)",
+                errors::length_text(apart_um),
+                errors::length_text(most_um),
+                leaning[0],
+                leaning[1]
+            )
+        })
+    })
+}
+
+/// The stage axis that does not reach round a part, how far it would have to reach, and how far it does.
+pub fn out_of_range(part: &Part, position_um: [f64; 3], facts: &Facts) -> Option<(usize, f64, f64)> {
+    let sections = std::iter::once(&part.xy).chain(&part.xz);
+    let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
+    let sphere_um = reach_um.fold(0.0, f64::max) + 3.0 * facts.tip_radius_um + 2.0 * facts.clearance_um;
+    // With more than three fingers each that is free has a sphere of its own.
+    let spheres = if facts.fingers > 3 { f64::from(facts.fingers - 1) } else { 0.0 };
+    let needed_um = sphere_um + spheres * (2.0 * facts.tip_radius_um + facts.clearance_um);
+    (0..3).find_map(|axis| {
+        let needed_um = position_um[axis].abs() + needed_um;
+        (needed_um > facts.range_um[axis] * (1.0 + 1e-12)).then_some((axis, needed_um, facts.range_um[axis]))
+    })
+}
+
+/// The weight of a solid of known volume and density, in micronewtons.
+fn weight_un(solid: &Solid) -> f64 {
+    match (solid.volume_um3, solid.density_kg_per_m3) {
+        (Some(volume_um3), Some(density)) => density * volume_um3 * 1e-18 * STANDARD_GRAVITY_M_PER_S2 * 1e6,
+        _ => 0.0,
+    }
+}

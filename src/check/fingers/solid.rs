@@ -1,0 +1,330 @@
+//! From the shapes of the language to outlines in the planes of a part, and to what is known of its inside.
+
+use crate::check::errors;
+use crate::check::value::{ShapeValue, Value};
+use crate::device::fingers::Plane;
+use crate::device::shape::Form;
+use crate::diagnostic::Diagnostic;
+use crate::geometry::mesh::Mesh;
+use crate::geometry::outline::{Curve, EXPONENTS, MAX_POINTS, MIN_POINTS, MIN_UM, Outline, OutlineError};
+use crate::quantity::digits;
+use crate::source::Span;
+use std::f64::consts::PI;
+use std::rc::Rc;
+
+/// What a shape is to a hand.
+#[derive(Debug, Clone)]
+pub struct Solid {
+    pub xy: Outline,
+    /// `None` for a flat part.
+    pub xz: Option<Outline>,
+    /// Its volume, where it is known, in cubic micrometres.
+    pub volume_um3: Option<f64>,
+    pub centre_um: [f64; 3],
+    /// How far it reaches from its origin, as far as that is known.
+    pub reach_um: f64,
+    pub density_kg_per_m3: Option<f64>,
+    /// Its surface, where the sections alone do not tell whether tips run into it.
+    pub surface: Option<Rc<Mesh>>,
+}
+
+type Told<T> = Result<T, Box<Diagnostic>>;
+
+/// The solid of a shape that hands know; `span` is the whole shape.
+///
+/// # Errors
+/// What makes it impossible.
+pub fn of(shape: &ShapeValue, span: Span) -> Told<Solid> {
+    let density = shape.fields.get("material").and_then(|field| match &field.value {
+        Value::Quantity(density) => Some(density.si),
+        _ => None,
+    });
+    let solid = match shape.form {
+        Form::Ellipsoid => ellipsoid(shape),
+        Form::Superellipsoid => superellipsoid(shape)?,
+        Form::RoundedBox => rounded_box(shape)?,
+        Form::Profile => flat(profile(shape, Plane::Xy, span)?),
+        Form::Sections => sections(shape, span)?,
+        Form::Mesh => mesh(shape, span)?,
+        Form::Disc | Form::Box | Form::Polygon | Form::Capsule | Form::Cells | Form::Layout => {
+            let known = [Form::Ellipsoid, Form::Profile].map(Form::name);
+            return Err(Box::new(errors::shape_of_other_kind(span, shape.form.name(), "part", "fingers", &known)));
+        }
+    };
+    let field = |name: &str| shape.fields.get(name).map_or(span, |field| field.span);
+    let size = match shape.form {
+        Form::RoundedBox => field("size"),
+        Form::Profile if shape.fields.contains_key("points") => field("points"),
+        Form::Profile => field("x"),
+        Form::Mesh => field("file"),
+        _ => field("axes"),
+    };
+    for outline in std::iter::once(&solid.xy).chain(&solid.xz) {
+        Curve::of(outline).map_err(|fault| Box::new(told(&fault, outline, size)))?;
+    }
+    Ok(Solid { density_kg_per_m3: density, ..solid })
+}
+
+fn flat(xy: Outline) -> Solid {
+    Solid { xy, xz: None, volume_um3: None, centre_um: [0.0; 3], reach_um: 0.0, density_kg_per_m3: None, surface: None }
+}
+
+fn vector_um(shape: &ShapeValue, field: &str) -> [f64; 3] {
+    match shape.fields.get(field).map(|field| &field.value) {
+        Some(Value::Point(point)) if point.len() == 3 => [0, 1, 2].map(|axis: usize| point[axis].in_unit("um")),
+        _ => [0.0; 3],
+    }
+}
+
+fn ellipsoid(shape: &ShapeValue) -> Solid {
+    let [a, b, c] = vector_um(shape, "axes");
+    Solid {
+        xy: Outline::Ellipse { semi_um: [a, b] },
+        xz: Some(Outline::Ellipse { semi_um: [a, c] }),
+        volume_um3: Some(4.0 / 3.0 * PI * a * b * c),
+        centre_um: [0.0; 3],
+        reach_um: a.max(b).max(c),
+        density_kg_per_m3: None,
+        surface: None,
+    }
+}
+
+fn superellipsoid(shape: &ShapeValue) -> Told<Solid> {
+    let [a, b, c] = vector_um(shape, "axes");
+    let given = shape.fields.get("exponent");
+    let exponent = match given.map(|field| &field.value) {
+        Some(Value::Quantity(number)) => number.si,
+        _ => EXPONENTS[0],
+    };
+    if let Some(field) = given
+        && !(EXPONENTS[0]..=EXPONENTS[1]).contains(&exponent)
+    {
+        let what = format!("a superellipsoid of the exponent {}, from {} to {} are taken", digits(exponent), EXPONENTS[0], EXPONENTS[1]);
+        let help = "2 makes an ellipsoid; for flatter flanks take a `rounded_box`";
+        return Err(Box::new(errors::bad_shape(field.span, &what, "out of its range", help)));
+    }
+    Ok(Solid {
+        xy: Outline::Superellipse { semi_um: [a, b], exponent },
+        xz: Some(Outline::Superellipse { semi_um: [a, c], exponent }),
+        volume_um3: Some(8.0 * a * b * c * super_share(exponent)),
+        centre_um: [0.0; 3],
+        reach_um: super_reach([a, b, c], exponent),
+        density_kg_per_m3: None,
+        surface: None,
+    })
+}
+
+/// The share of its box that |x|^n + |y|^n + |z|^n = 1 fills: Γ(1 + 1/n)³ / Γ(1 + 3/n), which is Dirichlet's integral.
+fn super_share(n: f64) -> f64 {
+    (3.0 * log_gamma(1.0 + 1.0 / n) - log_gamma(1.0 + 3.0 / n)).exp()
+}
+
+/// The logarithm of Γ for arguments from 1, by Stirling's series from 10 upwards.
+fn log_gamma(x: f64) -> f64 {
+    let (mut x, mut below) = (x, 0.0);
+    while x < 10.0 {
+        below += x.ln();
+        x += 1.0;
+    }
+    let series = 1.0 / (12.0 * x) - 1.0 / (360.0 * x.powi(3)) + 1.0 / (1260.0 * x.powi(5)) - 1.0 / (1680.0 * x.powi(7));
+    (x - 0.5) * x.ln() - x + 0.5 * (2.0 * PI).ln() + series - below
+}
+
+/// How far a superellipsoid reaches, by Lagrange's condition.
+fn super_reach(axes: [f64; 3], n: f64) -> f64 {
+    let greatest = axes.into_iter().fold(0.0, f64::max);
+    if n - 2.0 < 1e-3 {
+        return greatest;
+    }
+    let power = 2.0 * n / (n - 2.0);
+    greatest * axes.iter().map(|axis| (axis / greatest).powf(power)).sum::<f64>().powf(1.0 / power)
+}
+
+fn rounded_box(shape: &ShapeValue) -> Told<Solid> {
+    let half = vector_um(shape, "size").map(|side| side / 2.0);
+    let least = half.into_iter().fold(f64::INFINITY, f64::min);
+    let given = shape.fields.get("radius");
+    let radius = match given.map(|field| &field.value) {
+        Some(Value::Quantity(length)) => length.in_unit("um"),
+        _ => 0.0,
+    };
+    if let Some(field) = given
+        && (radius > least * (1.0 + 1e-12) || radius < MIN_UM)
+    {
+        let text = |um: f64| format!("{} um", digits(um));
+        let what = format!("edges rounded by {}, from {} to {} can be", text(radius), text(MIN_UM), text(least));
+        let help = "the greatest is half of the least width";
+        return Err(Box::new(errors::bad_shape(field.span, &what, "cannot be its edges", help)));
+    }
+    let radius = radius.min(least);
+    let inner = half.map(|half| half - radius);
+    let [a, b, c] = inner.map(|inner| 2.0 * inner);
+    let outline = |other: usize| Outline::RoundedRectangle { half_um: [half[0], half[other]], radius_um: radius };
+    Ok(Solid {
+        xy: outline(1),
+        xz: Some(outline(2)),
+        // Steiner's formula for a box and a ball.
+        volume_um3: Some(
+            a * b * c
+                + 2.0 * radius * (a * b + b * c + c * a)
+                + PI * radius.powi(2) * (a + b + c)
+                + 4.0 / 3.0 * PI * radius.powi(3),
+        ),
+        centre_um: [0.0; 3],
+        reach_um: inner.iter().map(|inner| inner * inner).sum::<f64>().sqrt() + radius,
+        density_kg_per_m3: None,
+        surface: None,
+    })
+}
+
+/// A mesh with its two sections, smoothed.
+fn mesh(shape: &ShapeValue, span: Span) -> Told<Solid> {
+    let field = |name: &str| shape.fields.get(name).map_or(span, |field| field.span);
+    let unit_um = match shape.fields.get("unit").map(|field| &field.value) {
+        Some(Value::Quantity(length)) => length.in_unit("um"),
+        _ => 0.0,
+    };
+    let Some(Value::Mesh(file)) = shape.fields.get("file").map(|field| &field.value) else {
+        return Err(Box::new(errors::mesh_file_not_plain(field("file"))));
+    };
+    let wrong = |why: &str| Box::new(errors::bad_mesh(field("file"), &file.path, why));
+    let surface = file.mesh.placed([0.0; 3], unit_um).map_err(|fault| wrong(&fault.to_string()))?;
+    let outline = |plane: Plane| {
+        let at = |why: String| wrong(&format!("has no outline in its plane {}: {why}", plane.name()));
+        let polygon = surface.section(plane.axes()).map_err(|fault| at(format!("it {fault}")))?;
+        let outline = Outline::from_polygon(&polygon).map_err(|fault| told_of_polygon(&fault, &at))?;
+        Curve::of(&outline).map_err(|fault| told_of_polygon(&fault, &at))?;
+        Ok::<Outline, Box<Diagnostic>>(outline)
+    };
+    let reach_um = surface.corners().flatten().map(|[x, y, z]| x.hypot(y).hypot(z)).fold(0.0, f64::max);
+    Ok(Solid {
+        xy: outline(Plane::Xy)?,
+        xz: Some(outline(Plane::Xz)?),
+        volume_um3: Some(surface.volume_um3()),
+        centre_um: surface.centre_um(),
+        reach_um,
+        density_kg_per_m3: None,
+        surface: Some(Rc::new(surface)),
+    })
+}
+
+/// What is said of a section that cannot be followed.
+fn told_of_polygon(fault: &OutlineError, at: &dyn Fn(String) -> Box<Diagnostic>) -> Box<Diagnostic> {
+    let point = |[x, y]: [f64; 2]| format!("({} um, {} um)", digits(x), digits(y));
+    at(match fault {
+        OutlineError::Number => "it is too large or too small; check `unit`".to_owned(),
+        OutlineError::TooFewPoints(_) | OutlineError::NoArea | OutlineError::RepeatedPoint(_) => {
+            "too few triangles meet it".to_owned()
+        }
+        OutlineError::TooManyPoints(count) => format!("{count} triangles meet it, which is too many"),
+        OutlineError::Crossing { .. } => "it crosses itself".to_owned(),
+        OutlineError::Rough { point_um } => format!("it has a corner near {}", point(*point_um)),
+        OutlineError::OffOrigin => "the origin of the file does not lie inside it".to_owned(),
+    })
+}
+
+/// Two profiles, that of the plane xz written by x and z.
+fn sections(shape: &ShapeValue, span: Span) -> Told<Solid> {
+    let plane = |name: &str, plane: Plane| match shape.fields.get(name) {
+        Some(field) => match &field.value {
+            Value::Shape(shape) => {
+                let outline = profile(shape, plane, field.span)?;
+                Curve::of(&outline).map_err(|fault| Box::new(told(&fault, &outline, field.span)))?;
+                Ok(outline)
+            }
+            _ => Err(Box::new(errors::mesh_file_not_plain(field.span))),
+        },
+        None => Err(Box::new(errors::mesh_file_not_plain(span))),
+    };
+    let (xy, xz) = (plane("xy", Plane::Xy)?, plane("xz", Plane::Xz)?);
+    Ok(Solid { xz: Some(xz), ..flat(xy) })
+}
+
+/// The outline of a profile, counter-clockwise in the coordinates of a plane.
+fn profile(shape: &ShapeValue, plane: Plane, span: Span) -> Told<Outline> {
+    let points_um = match (shape.fields.get("points"), shape.fields.get("x"), shape.fields.get("y")) {
+        (Some(points), None, None) => match &points.value {
+            Value::List(list) if list.len() > MAX_POINTS => return Err(Box::new(too_many(list.len(), points.span))),
+            Value::List(list) => list.iter().filter_map(|point| place_um(&point.value)).collect(),
+            _ => Vec::new(),
+        },
+        (None, Some(x), Some(y)) => match (&x.value, &y.value) {
+            (Value::Curve(x), Value::Curve(y)) => x.iter().zip(y.iter()).map(|(x, y)| [*x, *y]).collect(),
+            _ => Vec::new(),
+        },
+        (Some(points), _, _) => {
+            let help = "leave out one of them";
+            let what = "a profile by points and by a curve";
+            return Err(Box::new(errors::bad_shape(points.span, what, "and by `x` or `y` as well", help)));
+        }
+        (None, _, _) => {
+            let help = "write `profile { points: [(9 um, 0 um), (0 um, 5 um), …] }`, or `profile { x: 9 um * cos(t), y: 5 um * sin(t) }`";
+            return Err(Box::new(errors::bad_shape(span, "a profile lacks its outline", "no `points`, and not both `x` and `y`", help)));
+        }
+    };
+    let mut points_um: Vec<[f64; 2]> = match plane {
+        Plane::Xy => points_um,
+        Plane::Xz => points_um.into_iter().map(|[x, z]: [f64; 2]| [x, -z]).collect(),
+    };
+    if turns_clockwise(&points_um) {
+        points_um.reverse();
+    }
+    Ok(Outline::Spline { points_um })
+}
+
+fn place_um(value: &Value) -> Option<[f64; 2]> {
+    match value {
+        Value::Point(point) if point.len() == 2 => Some([point[0].in_unit("um"), point[1].in_unit("um")]),
+        _ => None,
+    }
+}
+
+fn turns_clockwise(points: &[[f64; 2]]) -> bool {
+    let next = points.iter().cycle().skip(1);
+    points.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>() < 0.0
+}
+
+fn too_many(count: usize, span: Span) -> Diagnostic {
+    let what = format!("an outline of {count} points, at most {MAX_POINTS} are taken");
+    errors::bad_shape(span, &what, "too many points", "take every tenth: a smooth curve is laid through them")
+}
+
+/// What is said of an outline that cannot be followed.
+fn told(fault: &OutlineError, outline: &Outline, span: Span) -> Diagnostic {
+    let point = |[x, y]: [f64; 2]| format!("({} um, {} um)", digits(x), digits(y));
+    let place = |index: usize| match outline {
+        Outline::Spline { points_um } => points_um.get(index).map_or(String::new(), |at| format!(" near {}", point(*at))),
+        Outline::Ellipse { .. } | Outline::Superellipse { .. } | Outline::RoundedRectangle { .. } => String::new(),
+    };
+    let in_order = "give the points in order round the outline";
+    match fault {
+        OutlineError::Number => {
+            errors::bad_shape(span, "an outline too large or too small to follow", "1 nm to 1 m are taken", "check its units")
+        }
+        OutlineError::TooFewPoints(count) => {
+            let what = format!("an outline of {count} points, at least {MIN_POINTS} are needed");
+            errors::bad_shape(span, &what, "too few points", "a smooth curve is laid through them: give some more")
+        }
+        OutlineError::TooManyPoints(count) => too_many(*count, span),
+        OutlineError::RepeatedPoint(index) => {
+            let what = format!("an outline with a point given twice{}", place(*index));
+            errors::bad_shape(span, &what, "two neighbours are one place", "leave one of the two out")
+        }
+        OutlineError::NoArea => {
+            errors::bad_shape(span, "an outline without area", "its points lie on one line", "give it a thickness")
+        }
+        OutlineError::Crossing { ways_um } => {
+            let ways = ways_um.map(|way| format!("{} um", digits(way))).join(" and ");
+            let what = format!("an outline that crosses itself, {ways} along it");
+            errors::bad_shape(span, &what, "not a simple outline", in_order)
+        }
+        OutlineError::Rough { point_um } => {
+            let what = format!("an outline with a corner near {}", point(*point_um));
+            errors::bad_shape(span, &what, "tips roll on smooth outlines", "round it: let neighbouring points turn by less")
+        }
+        OutlineError::OffOrigin => {
+            let why = "the x axis must meet it on both sides of the origin";
+            errors::bad_shape(span, "an outline that does not lie round its origin", why, "move its points until the origin is inside")
+        }
+    }
+}

@@ -1,0 +1,337 @@
+//! The steps of a task: what can be judged of them without knowing how the part is turned by then.
+
+use super::bench::Bench;
+use super::orientation;
+use super::part;
+use crate::check::claims::fingers::{Action, FingersOrder, Part, Planner, Section, Step};
+use crate::check::lets::Argument;
+use crate::check::scope::nearest;
+use crate::check::tasks::{self, Call, Parts, Site};
+use crate::check::value::{Value, whole};
+use crate::check::{Checker, errors};
+use crate::device::fingers::{Facts, MAX_HOLDING, Plane};
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::geometry::outline::Curve;
+use crate::source::Span;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// Grasps that a search may expand where the task does not say.
+pub const DEFAULT_EXPANSIONS: u64 = 200_000_000;
+
+/// How far from its goal a turn may end where the task does not say.
+const DEFAULT_PRECISION_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
+
+/// How much more than 360 deg one step may turn by rounding, in radians.
+const FULL_TURN_SLACK: f64 = 1e-9;
+
+impl Checker<'_> {
+    /// A task's body in the kind's own terms; `None` after an error. Orientations are made turns when the runs of a schedule are walked.
+    pub fn fingers_order(&mut self, site: &Site, facts: &Arc<Facts>, parts: Parts) -> Option<FingersOrder> {
+        let bench = self.bench(site, facts);
+        let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
+        let lying = the_part(&bench, &parts, scene, site, self.sink)?;
+        let (part, weight_un) = lying?;
+        let precision_rad = match parts.settings.get("precision").map(|setting| &setting.value) {
+            Some(Value::Quantity(angle)) => angle.si,
+            Some(_) => return None,
+            None => DEFAULT_PRECISION_RAD,
+        };
+        let load_un = load_un(&parts, weight_un)?;
+        let mut judge = Judge { facts, part: &part, precision_rad, sink: self.sink };
+        let planes = grasp_planes(&parts.steps, &part);
+        let steps: Vec<Option<Step>> =
+            parts.steps.iter().zip(&planes).map(|(step, planes)| judge.step(step, planes)).collect();
+        Some(FingersOrder {
+            facts: Arc::clone(facts),
+            part,
+            precision_rad,
+            load_un,
+            planner: planner(&parts),
+            expansions: expansions(&parts),
+            steps: steps.into_iter().collect::<Option<Vec<Step>>>()?,
+        })
+    }
+}
+
+fn planner(parts: &Parts) -> Planner {
+    match parts.planner.as_ref().map(|(planner, _)| planner.value.name) {
+        Some("published_astar") => Planner::PublishedAstar,
+        Some("greedy_decomposition") => Planner::GreedyDecomposition,
+        Some(_) | None => Planner::JointAstar,
+    }
+}
+
+fn expansions(parts: &Parts) -> u64 {
+    let options = parts.planner.as_ref().map(|(_, options)| options);
+    let given = match options.and_then(|options| options.get("expansions")).map(|option| &option.value) {
+        Some(Value::Quantity(quantity)) => whole(*quantity).and_then(|number| u64::try_from(number).ok()),
+        _ => None,
+    };
+    given.unwrap_or(DEFAULT_EXPANSIONS)
+}
+
+/// The force on the part with its weight; `None` where it is unknown.
+fn load_un(parts: &Parts, weight_un: f64) -> Option<[f64; 3]> {
+    let mut load_un = match parts.settings.get("load").map(|setting| &setting.value) {
+        Some(Value::Point(point)) => [0, 1, 2].map(|axis| point.get(axis).map_or(0.0, |force| force.in_unit("uN"))),
+        Some(_) => return None,
+        None => [0.0; 3],
+    };
+    load_un[2] -= weight_un;
+    Some(load_un)
+}
+
+type Lain = Option<(Arc<Part>, f64)>;
+
+/// The one part of a task: that which its steps name, or the only one of its scene.
+fn the_part(bench: &Bench, parts: &Parts, scene: Option<Span>, site: &Site, sink: &mut Sink) -> Option<Lain> {
+    let mut first: Option<(&str, Span)> = None;
+    for call in calls(parts) {
+        let Some(argument) = &call.object else { continue };
+        let Value::Object(object) = &argument.value else { return None };
+        if !bench.parts.contains_key(&object.name) {
+            let known = bench.parts.keys().map(String::as_str);
+            let near = nearest(&object.name, known);
+            let wrong = errors::unknown_object(argument.span, &object.name, "part", near, scene);
+            sink.push(errors::given_at(wrong, argument));
+            return None;
+        }
+        match first {
+            Some((name, span)) if name != object.name => {
+                sink.push(errors::two_parts((name, span), (&object.name, argument.span)));
+                return None;
+            }
+            Some(_) => {}
+            None => first = Some((&object.name, argument.span)),
+        }
+    }
+    let name = match (first, bench.parts.len()) {
+        (Some((name, _)), _) => name,
+        (None, 1) => bench.parts.keys().next()?,
+        (None, 0) => {
+            sink.push(errors::no_part(scene.unwrap_or(site.device.span)));
+            return None;
+        }
+        (None, _) => {
+            let known: Vec<&str> = bench.parts.keys().map(String::as_str).collect();
+            sink.push(errors::which_part(parts.steps.first().map_or(site.device.span, |step| step.span), &known));
+            return None;
+        }
+    };
+    bench.parts.get(name).map(|lying| lying.judged.clone())
+}
+
+fn calls(parts: &Parts) -> impl Iterator<Item = &Call> {
+    parts.steps.iter().filter_map(|step| match &step.action {
+        tasks::Action::Verb(call) => Some(call),
+        tasks::Action::Together(_) | tasks::Action::Wait(_) => None,
+    })
+}
+
+/// For each step the planes that the numbers of a grasp there may count in: that of the next turn, else that of the last one.
+fn grasp_planes(steps: &[tasks::Step], part: &Part) -> Vec<Vec<Plane>> {
+    let turned: Vec<Option<Vec<Plane>>> = steps.iter().map(|step| planes_of(step, part)).collect();
+    (0..steps.len())
+        .map(|index| {
+            let next = turned[index..].iter().find_map(Option::as_ref);
+            let known = next.or_else(|| turned[..index].iter().rev().find_map(Option::as_ref));
+            known.cloned().unwrap_or_else(|| vec![Plane::Xy])
+        })
+        .collect()
+}
+
+/// The planes that a step may begin to turn in; `None` if it turns nothing.
+fn planes_of(step: &tasks::Step, part: &Part) -> Option<Vec<Plane>> {
+    let tasks::Action::Verb(call) = &step.action else { return None };
+    match (call.verb.name, phrase(call, "about").map(|about| &about.value)) {
+        ("rotate", Some(Value::Text(axis))) if axis == "z" => Some(vec![Plane::Xy]),
+        ("rotate", Some(Value::Text(axis))) if axis == "y" => Some(vec![Plane::Xz]),
+        ("rotate" | "orient", _) => Some(Plane::ALL.into_iter().filter(|plane| part.section(*plane).is_some()).collect()),
+        _ => None,
+    }
+}
+
+fn phrase<'c>(call: &'c Call, preposition: &str) -> Option<&'c Argument> {
+    call.phrases.iter().find(|(name, _)| *name == preposition).map(|(_, argument)| argument)
+}
+
+/// Judges the steps of one task.
+struct Judge<'a> {
+    facts: &'a Facts,
+    part: &'a Part,
+    precision_rad: f64,
+    sink: &'a mut Sink,
+}
+
+impl Judge<'_> {
+    fn step(&mut self, step: &tasks::Step, planes: &[Plane]) -> Option<Step> {
+        let action = match &step.action {
+            tasks::Action::Wait(duration_ns) => Action::Wait(*duration_ns),
+            tasks::Action::Verb(call) => self.call(call, planes)?,
+            // The kind has no goals at the same time, which was said.
+            tasks::Action::Together(_) => return None,
+        };
+        Some(Step { action, span: step.span })
+    }
+
+    fn call(&mut self, call: &Call, planes: &[Plane]) -> Option<Action> {
+        match call.verb.name {
+            "grasp" => match phrase(call, "at") {
+                None => Some(Action::Grasp(None)),
+                Some(argument) => self.grasp(argument, planes).map(|contacts| Action::Grasp(Some(contacts))),
+            },
+            "rotate" => self.rotate(call),
+            "orient" => self.orient(phrase(call, "to")?),
+            "translate" => translate(phrase(call, "by")?),
+            _ => self.release(call.span),
+        }
+    }
+
+    fn rotate(&mut self, call: &Call) -> Option<Action> {
+        let (by, about) = (phrase(call, "by")?, phrase(call, "about")?);
+        let (Value::Quantity(angle), Value::Text(axis)) = (&by.value, &about.value) else { return None };
+        let asked_rad = angle.si;
+        if asked_rad.abs() > TAU + FULL_TURN_SLACK {
+            return self.wrong(errors::turn_too_far(by.span, asked_rad), by);
+        }
+        let plane = match axis.as_str() {
+            "z" => Plane::Xy,
+            "y" => Plane::Xz,
+            _ => return self.about_x(asked_rad, about.span),
+        };
+        let Some(section) = self.part.section(plane) else { return self.flat(about.span, "not about y") };
+        let most = i32::try_from(self.facts.steps_per_turn).ok()?;
+        let steps = ((asked_rad / section.step_rad).round() as i32).clamp(-most, most);
+        if (f64::from(steps) * section.step_rad - asked_rad).abs() > self.precision_rad * (1.0 + 1e-9) {
+            let wrong = errors::no_whole_steps(by.span, asked_rad, section.step_rad, self.precision_rad);
+            return self.wrong(wrong, by);
+        }
+        Some(Action::Rotate { plane, steps, angle_rad: asked_rad })
+    }
+
+    fn about_x(&mut self, asked_rad: f64, about: Span) -> Option<Action> {
+        if self.part.xz.is_none() {
+            return self.flat(about, "not about x");
+        }
+        Some(super::walk::relative(orientation::about_x(asked_rad)))
+    }
+
+    fn orient(&mut self, to: &Argument) -> Option<Action> {
+        let Value::Orientation(goal) = &to.value else { return None };
+        Some(super::walk::absolute(*goal))
+    }
+
+    fn release(&mut self, span: Span) -> Option<Action> {
+        let needed_un = self.facts.removal_safety * self.facts.sticking_un();
+        if self.facts.support_un < needed_un * (1.0 - 1e-12) {
+            self.sink.push(errors::sticks(span, needed_un, self.facts.support_un, (self.facts.pull_off_un, self.facts.removal_safety)));
+            return None;
+        }
+        Some(Action::Release)
+    }
+
+    fn flat(&mut self, span: Span, what: &str) -> Option<Action> {
+        self.sink.push(errors::flat_part(span, &self.part.name, what, self.part.span));
+        None
+    }
+
+    fn wrong<T>(&mut self, diagnostic: Diagnostic, argument: &Argument) -> Option<T> {
+        self.sink.push(errors::given_at(diagnostic, argument));
+        None
+    }
+
+    /// A contact for each finger, in each of the planes that its numbers may count in; `None` after an error.
+    fn grasp(&mut self, argument: &Argument, planes: &[Plane]) -> Option<Vec<u32>> {
+        let fingers = self.facts.fingers as usize;
+        let numbers = numbers(&argument.value)?;
+        if numbers.len() > fingers {
+            let what = format!("a grasp of {} fingers, the hand has {fingers}", numbers.len());
+            return self.wrong(errors::bad_grasp(argument.span, what, "write a number for each finger, 0 for a free one".to_owned()), argument);
+        }
+        let mut contacts = Vec::with_capacity(fingers);
+        for number in numbers {
+            let most = planes.iter().filter_map(|plane| self.part.section(*plane)).map(|section| section.contacts).min()?;
+            let whole = whole(number).and_then(|number| u32::try_from(number).ok()).filter(|number| *number <= most);
+            let Some(contact) = whole else {
+                let plane = planes.first()?.name();
+                let what = format!("contact {number}, the contacts of `{}` in the plane {plane} are 1 to {most}", self.part.name);
+                let help = "write such a number, or 0 for a finger that is free".to_owned();
+                return self.wrong(errors::bad_grasp(argument.span, what, help), argument);
+            };
+            contacts.push(contact);
+        }
+        contacts.resize(fingers, 0);
+        let wrong = self.count_fault(&contacts, argument.span);
+        let wrong = wrong.or_else(|| planes.iter().find_map(|plane| self.tips_fault(&contacts, *plane, argument.span)));
+        match wrong {
+            Some(wrong) => self.wrong(wrong, argument),
+            None => Some(contacts),
+        }
+    }
+
+    fn count_fault(&self, contacts: &[u32], span: Span) -> Option<Diagnostic> {
+        let held: Vec<u32> = contacts.iter().copied().filter(|contact| *contact > 0).collect();
+        if !(2..=MAX_HOLDING).contains(&held.len()) {
+            let fingers = if held.len() == 1 { "1 finger".to_owned() } else { format!("{} fingers", held.len()) };
+            let what = format!("a grasp by {fingers}, two or three hold a part");
+            return Some(errors::bad_grasp(span, what, "write 0 for the other fingers, as `(1, 38, 0)`".to_owned()));
+        }
+        let twice = held.iter().enumerate().find(|(index, contact)| held[..*index].contains(contact));
+        twice.map(|(_, contact)| {
+            let what = format!("two fingers at contact {contact}");
+            errors::bad_grasp(span, what, "give each finger a contact of its own".to_owned())
+        })
+    }
+
+    /// Tips that touch one another, or the part where they should not.
+    fn tips_fault(&self, contacts: &[u32], plane: Plane, span: Span) -> Option<Diagnostic> {
+        let section: &Section = self.part.section(plane)?;
+        let curve = Curve::of(&section.outline).ok()?;
+        let tip_um = self.facts.tip_radius_um;
+        let held = contacts.iter().copied().filter(|contact| *contact > 0);
+        let tips: Vec<(u32, [f64; 2])> =
+            held.map(|contact| (contact, part::tip_um_at(section, &curve, contact, tip_um).0)).collect();
+        let cuts = tips.iter().find_map(|(contact, centre)| {
+            let free_um = curve.nearest(*centre).distance_um;
+            (free_um < tip_um - self.facts.tolerance_um).then_some((*contact, tip_um - free_um))
+        });
+        if let Some((contact, deep_um)) = cuts {
+            let what = format!(
+                "a tip at contact {contact} would cut {} into `{}` elsewhere",
+                errors::length_text(deep_um),
+                self.part.name
+            );
+            return Some(errors::bad_grasp(span, what, "take a contact outside of the hollow".to_owned()));
+        }
+        let least_um = 2.0 * tip_um + self.facts.clearance_um;
+        tips.iter().enumerate().find_map(|(index, (contact, [x, y]))| {
+            tips[..index].iter().find_map(|(other, [a, b])| {
+                let apart_um = (x - a).hypot(y - b);
+                let is_near = apart_um < least_um * (1.0 - 1e-9);
+                is_near.then(|| errors::tips_too_near(span, (*other, *contact), apart_um, least_um))
+            })
+        })
+    }
+}
+
+/// The numbers of a grasp.
+fn numbers(value: &Value) -> Option<Vec<crate::quantity::Quantity>> {
+    match value {
+        Value::Point(point) => Some(point.clone()),
+        Value::List(list) => list
+            .iter()
+            .map(|element| match &element.value {
+                Value::Quantity(number) => Some(*number),
+                _ => None,
+            })
+            .collect(),
+        _ => None,
+    }
+}
+
+fn translate(by: &Argument) -> Option<Action> {
+    let Value::Point(point) = &by.value else { return None };
+    let um = |axis: usize| point.get(axis).map_or(0.0, |length| length.in_unit("um"));
+    Some(Action::Translate([um(0), um(1), um(2)]))
+}

@@ -1,0 +1,203 @@
+//! How the part is turned, whether it is held, and where it is when a step begins: known before planning, as goals are fixed.
+//!
+//! The runs of a schedule are walked in their order, and orientations become turns on the way. Where several ways lead to an
+//! orientation, each of them may have been taken, and what follows holds after every one.
+
+use super::orientation::{self, MAX_WAYS, Orientation};
+use super::part;
+use crate::check::claims::fingers::{Action, FingersOrder, Part, Turn};
+use crate::check::claims::{Job, Order};
+use crate::check::errors;
+use crate::device::fingers::Plane;
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::source::Span;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Orientations nearer to each other than this are one.
+const SAME_RAD: f64 = 1e-9;
+
+/// The most orientations that a part may have after a step.
+const MAX_REACHED: usize = 256;
+
+/// What stands for an orientation in the hand's frame until the runs are walked.
+pub fn absolute(goal: [f64; 4]) -> Action {
+    Action::Orient { goal, turns: Vec::new() }
+}
+
+/// What stands for an orientation relative to where the part is until the runs are walked: with one way that does nothing.
+pub fn relative(goal: Orientation) -> Action {
+    Action::Orient { goal: orientation::written(&goal), turns: vec![Vec::new()] }
+}
+
+/// What a schedule asks of each hand and its part, run after run.
+pub fn hands_agree(jobs: &mut [Job], sink: &mut Sink) {
+    let mut hands: BTreeMap<String, Hand> = BTreeMap::new();
+    for job in jobs {
+        let (span, run_span) = (job.span, job.run_span);
+        let Order::Fingers(order) = &mut job.order else { continue };
+        let hand = hands.entry(job.device.clone()).or_insert_with(|| Hand::of(order));
+        if !hand.is_alike(&order.part) {
+            sink.push(errors::other_part(run_span, &job.device, &hand.part.name, &order.part.name));
+            return;
+        }
+        order.part = Arc::clone(&hand.part);
+        for index in 0..order.steps.len() {
+            let at = order.steps[index].span;
+            let run = if run_span == span { at } else { run_span };
+            let mut action = order.steps[index].action.clone();
+            if let Err(wrong) = hand.advance(&mut action, at, order) {
+                sink.push(wrong.label_elsewhere(run, at, "run here"));
+                return;
+            }
+            order.steps[index].action = action;
+        }
+    }
+}
+
+/// Whether fingers hold the part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Hold {
+    Held,
+    /// Since the release there, if there was one.
+    Free(Option<Span>),
+}
+
+/// A hand between two steps.
+struct Hand {
+    part: Arc<Part>,
+    hold: Hold,
+    /// The planes in which the part may have been turned last since it was grasped.
+    planes: BTreeSet<Plane>,
+    /// Each orientation that the part may have; never empty.
+    reached: Vec<Orientation>,
+    position_um: [f64; 3],
+    /// Why the part cannot go over from one plane to the other, if it cannot.
+    junction_fault: Option<String>,
+}
+
+type Told = Result<(), Box<Diagnostic>>;
+
+impl Hand {
+    fn of(order: &FingersOrder) -> Hand {
+        Hand {
+            part: Arc::clone(&order.part),
+            hold: Hold::Free(None),
+            planes: BTreeSet::new(),
+            reached: vec![Orientation::identity()],
+            position_um: order.part.position_um,
+            junction_fault: part::junction_fault(&order.part, &order.facts),
+        }
+    }
+
+    /// Whether a part of another scene is the one that the hand has turned so far.
+    fn is_alike(&self, part: &Arc<Part>) -> bool {
+        let own = &self.part;
+        Arc::ptr_eq(own, part) || (own.name == part.name && own.xy == part.xy && own.xz == part.xz)
+    }
+
+    fn advance(&mut self, action: &mut Action, at: Span, order: &FingersOrder) -> Told {
+        match action {
+            Action::Wait(_) => {}
+            Action::Grasp(_) => self.hold = Hold::Held,
+            Action::Rotate { plane, steps, .. } => self.rotate(Turn { plane: *plane, steps: *steps }, at)?,
+            Action::Orient { goal, turns } => {
+                let given = orientation::read(*goal);
+                let (asked, absolute) = if turns.is_empty() {
+                    (errors::Asked::Orientation, given)
+                } else {
+                    (errors::Asked::TurnAboutX, self.reached[0] * given)
+                };
+                *goal = orientation::written(&absolute);
+                *turns = self.orient((asked, &absolute), at, order.precision_rad)?;
+            }
+            Action::Translate(by_um) => self.translate(*by_um, at, order)?,
+            Action::Release => {
+                if let Hold::Free(released) = self.hold {
+                    return Err(Box::new(errors::nothing_held(at, "release", released)));
+                }
+                self.hold = Hold::Free(Some(at));
+                self.planes.clear();
+            }
+        }
+        Ok(())
+    }
+
+    fn rotate(&mut self, turn: Turn, at: Span) -> Told {
+        if let Some(why) = &self.junction_fault
+            && self.planes.iter().any(|plane| *plane != turn.plane)
+        {
+            return Err(Box::new(errors::no_junction(at, &self.part.name, why, self.part.span)));
+        }
+        self.hold = Hold::Held;
+        self.planes = BTreeSet::from([turn.plane]);
+        let by = orientation::after(&[turn], &self.part);
+        self.reached.iter_mut().for_each(|reached| *reached *= by);
+        Ok(())
+    }
+
+    /// The ways to an orientation that reach it from wherever the part may be.
+    fn orient(
+        &mut self,
+        (asked, goal): (errors::Asked, &Orientation),
+        at: Span,
+        precision_rad: f64,
+    ) -> Result<Vec<Vec<Turn>>, Box<Diagnostic>> {
+        let mut ways = orientation::ways(&(self.reached[0].inverse() * goal), &self.part);
+        if ways.is_empty() {
+            return Err(Box::new(errors::flat_part(at, &self.part.name, "not to this orientation", self.part.span)));
+        }
+        for way in &mut ways {
+            let by = orientation::after(&way.turns, &self.part);
+            way.off_rad = self.reached.iter().map(|reached| (reached * by).angle_to(goal)).fold(0.0, f64::max);
+        }
+        let best_rad = ways.iter().map(|way| way.off_rad).fold(f64::INFINITY, f64::min);
+        ways.retain(|way| way.off_rad <= precision_rad);
+        if ways.is_empty() {
+            return Err(Box::new(errors::orientation_missed(at, asked, best_rad, precision_rad)));
+        }
+        if let Some(why) = &self.junction_fault {
+            let planes = |turns: &[Turn]| turns.iter().map(|turn| turn.plane).chain(self.planes.iter().copied()).collect();
+            ways.retain(|way| BTreeSet::<Plane>::len(&planes(&way.turns)) <= 1);
+            if ways.is_empty() {
+                return Err(Box::new(errors::no_junction(at, &self.part.name, why, self.part.span)));
+            }
+        }
+        ways.truncate(MAX_WAYS.min((MAX_REACHED / self.reached.len()).max(1)));
+        self.take(&ways);
+        Ok(ways.into_iter().map(|way| way.turns).collect())
+    }
+
+    /// Any of some ways has been taken.
+    fn take(&mut self, ways: &[orientation::Way]) {
+        let before = std::mem::take(&mut self.planes);
+        let mut reached: Vec<Orientation> = Vec::new();
+        for way in ways {
+            match way.turns.last() {
+                Some(turn) => drop(self.planes.insert(turn.plane)),
+                None => self.planes.extend(&before),
+            }
+            let by = orientation::after(&way.turns, &self.part);
+            for now in self.reached.iter().map(|from| from * by) {
+                if reached.iter().all(|known| known.angle_to(&now) > SAME_RAD) {
+                    reached.push(now);
+                }
+            }
+        }
+        self.reached = reached;
+        self.hold = Hold::Held;
+    }
+
+    fn translate(&mut self, by_um: [f64; 3], at: Span, order: &FingersOrder) -> Told {
+        if let Hold::Free(released) = self.hold {
+            return Err(Box::new(errors::nothing_held(at, "translate", released)));
+        }
+        for (position_um, by_um) in self.position_um.iter_mut().zip(by_um) {
+            *position_um += by_um;
+        }
+        match part::out_of_range(&self.part, self.position_um, &order.facts) {
+            Some(wrong) => Err(Box::new(errors::part_out_of_range(at, &self.part.name, wrong))),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! Closed surfaces of triangles: reading STL files, volume and centre, sections, distances.
+//!
+//! Input: the bytes of an STL file, text or binary, whose numbers are micrometres. Output: a [`Mesh`] whose surface is closed and faces
+//! outwards. Promise: what is not closed, not finite or too large is refused; the same bytes give the same mesh, and
+//! [`Mesh::to_text`] is read back bit by bit. Whether the surface meets itself is not looked at.
+//!
+//! Volume and centre come from the divergence theorem. A section gives a vertex that lies on the plane to the side in front of it, as
+//! though the plane lay a little behind (symbolic perturbation); so each triangle is cut on two edges or on none.
+
+mod section;
+mod said;
+mod stl;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+/// The most triangles of a mesh.
+pub const MAX_TRIANGLES: usize = 200_000;
+
+/// The longest file.
+pub const MAX_BYTES: usize = 1 << 26;
+
+/// The greatest coordinate.
+pub const MAX_UM: f64 = 1e6;
+
+/// Why a mesh is none, or has no section.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MeshError {
+    /// More than [`MAX_BYTES`].
+    TooLong { bytes: usize },
+    /// More than [`MAX_TRIANGLES`].
+    TooManyTriangles(usize),
+    /// It is no STL file; what the reader says.
+    Format(String),
+    /// No triangle at all.
+    Empty,
+    /// A coordinate of this triangle, counted from 0, is not finite or too large.
+    Number { triangle: usize },
+    /// This triangle, counted from 0, has no area.
+    ZeroArea { triangle: usize },
+    /// Edges that belong to one triangle only, and the middle of one of them: holes.
+    Open { edges: usize, at_um: [f64; 3] },
+    /// Edges of more than two triangles, or of two that face opposite ways, and the middle of one of them.
+    Tangled { edges: usize, at_um: [f64; 3] },
+    /// It encloses no volume.
+    NoVolume,
+    /// The plane does not meet it.
+    NoSection,
+    /// The plane cuts it in several closed lines.
+    SeveralLoops(usize),
+}
+
+/// A closed surface that faces outwards, in micrometres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    vertices_um: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    /// The bounds of each [`BLOCK`] triangles in their order.
+    blocks_um: Vec<[[f64; 3]; 2]>,
+}
+
+/// How many triangles, which often lie beside one another, have bounds of their own.
+const BLOCK: usize = 64;
+
+impl Mesh {
+    /// Reads an STL file, text or binary. One that faces inwards is turned round.
+    ///
+    /// # Errors
+    /// See [`MeshError`].
+    pub fn read(bytes: &[u8]) -> Result<Mesh, MeshError> {
+        let corners_um = stl::corners(bytes)?;
+        Mesh::of(&corners_um)
+    }
+
+    /// Joins triangles, given by their corners, at corners that are the same place.
+    ///
+    /// # Errors
+    /// All of [`MeshError`] but those of files and sections.
+    pub fn of(corners_um: &[[[f64; 3]; 3]]) -> Result<Mesh, MeshError> {
+        surface::joined(corners_um)
+    }
+
+    /// The same in other units and about another origin: each coordinate less that of the origin, times the scale.
+    ///
+    /// # Errors
+    /// When that is no mesh any more, because numbers become too large or fall together.
+    pub fn placed(&self, origin_um: [f64; 3], scale: f64) -> Result<Mesh, MeshError> {
+        let place = |point: [f64; 3]| [0, 1, 2].map(|axis| (point[axis] - origin_um[axis]) * scale);
+        let corners_um: Vec<[[f64; 3]; 3]> = self.corners().map(|corners| corners.map(place)).collect();
+        Mesh::of(&corners_um)
+    }
+
+    /// As the text of an STL file, without normals. What was read from a file is read back from this bit by bit.
+    pub fn to_text(&self) -> String {
+        stl::text(self)
+    }
+
+    /// How many triangles it has.
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// The corners of each triangle, counter-clockwise seen from outside.
+    pub fn corners(&self) -> impl Iterator<Item = [[f64; 3]; 3]> + '_ {
+        self.triangles.iter().map(|triangle| self.places(*triangle))
+    }
+
+    fn places(&self, triangle: [u32; 3]) -> [[f64; 3]; 3] {
+        triangle.map(|vertex| self.vertices_um[vertex as usize])
+    }
+
+    /// The least and the greatest coordinates.
+    pub fn bounds_um(&self) -> [[f64; 3]; 2] {
+        surface::bounds(self.vertices_um.iter().copied())
+    }
+
+    /// What it encloses, in cubic micrometres.
+    pub fn volume_um3(&self) -> f64 {
+        surface::volume_and_centre(self).0
+    }
+
+    /// The centre of the volume that it encloses.
+    pub fn centre_um(&self) -> [f64; 3] {
+        surface::volume_and_centre(self).1
+    }
+
+    /// Where the plane through the origin along two perpendicular unit vectors cuts it: a closed line in coordinates along them,
+    /// counter-clockwise; the first point is not repeated.
+    ///
+    /// # Errors
+    /// [`MeshError::NoSection`] and [`MeshError::SeveralLoops`].
+    pub fn section(&self, axes: [[f64; 3]; 2]) -> Result<Vec<[f64; 2]>, MeshError> {
+        let mut loops = section::loops(self, axes);
+        match loops.len() {
+            0 => Err(MeshError::NoSection),
+            1 => Ok(loops.remove(0)),
+            several => Err(MeshError::SeveralLoops(several)),
+        }
+    }
+
+    /// The distance of a point from the surface, never negative: that from the nearest triangle, of all in blocks that are near enough.
+    pub fn distance_um(&self, point_um: [f64; 3]) -> f64 {
+        let away = |bounds: &[[f64; 3]; 2]| surface::box_square(*bounds, point_um);
+        let mut blocks: Vec<(f64, &[[u32; 3]])> =
+            self.blocks_um.iter().map(away).zip(self.triangles.chunks(BLOCK)).collect();
+        blocks.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let mut best = f64::INFINITY;
+        for (least, triangles) in blocks {
+            if least >= best {
+                break;
+            }
+            let square = |triangle: &[u32; 3]| surface::square(self.places(*triangle), point_um);
+            best = triangles.iter().map(square).fold(best, f64::min);
+        }
+        best.sqrt()
+    }
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
