@@ -12,3 +12,6 @@ mod walk;
 pub use bench::Bench;
 pub use facts::facts;
 pub use walk::hands_agree;
+
+#[cfg(test)]
+mod tests;

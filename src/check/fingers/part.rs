@@ -70,14 +70,8 @@ impl Reader<'_> {
         self.within_its_sections(&solid, &xy, xz.as_ref(), shape.span)?;
         self.clear_of_surface(&solid, &xy, Plane::Xy, shape.span)?;
         xz.as_ref().map_or(Some(()), |xz| self.clear_of_surface(&solid, xz, Plane::Xz, shape.span))?;
-        let part = Part {
-            name: object.name.clone(),
-            xy,
-            xz,
-            centre_um: solid.centre_um,
-            position_um,
-            span: object.span,
-        };
+        let part =
+            Part { name: object.name.clone(), xy, xz, centre_um: solid.centre_um, position_um, span: object.span };
         if let Some(wrong) = out_of_range(&part, position_um, self.facts) {
             let at = object.at.as_ref().map_or(object.span, |at| at.span);
             let told = errors::part_out_of_range(at, &part.name, wrong);
@@ -180,7 +174,9 @@ fn contacts(curve: &Curve, facts: &Facts) -> (f64, Option<u32>) {
 fn hollow(curve: &Curve) -> [f64; 2] {
     let ways = (0..LOOKS).map(|look| curve.perimeter_um() * look as f64 / LOOKS as f64);
     let spots = ways.map(|way| curve.spot(way));
-    spots.min_by(|one, other| one.curvature_per_um.total_cmp(&other.curvature_per_um)).map_or([0.0; 2], |spot| spot.point_um)
+    spots
+        .min_by(|one, other| one.curvature_per_um.total_cmp(&other.curvature_per_um))
+        .map_or([0.0; 2], |spot| spot.point_um)
 }
 
 /// Where the centre of a tip is that touches a contact, in the plane's coordinates, and the outward normal there.
