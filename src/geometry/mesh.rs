@@ -55,7 +55,12 @@ pub enum MeshError {
 pub struct Mesh {
     vertices_um: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
+    /// The bounds of each [`BLOCK`] triangles in their order.
+    blocks_um: Vec<[[f64; 3]; 2]>,
 }
+
+/// How many triangles, which often lie beside one another, have bounds of their own.
+const BLOCK: usize = 64;
 
 impl Mesh {
     /// Reads an STL file, text or binary. One that faces inwards is turned round.
@@ -97,15 +102,16 @@ impl Mesh {
 
     /// The corners of each triangle, counter-clockwise seen from outside.
     pub fn corners(&self) -> impl Iterator<Item = [[f64; 3]; 3]> + '_ {
-        self.triangles.iter().map(|triangle| triangle.map(|vertex| self.vertices_um[vertex as usize]))
+        self.triangles.iter().map(|triangle| self.places(*triangle))
+    }
+
+    fn places(&self, triangle: [u32; 3]) -> [[f64; 3]; 3] {
+        triangle.map(|vertex| self.vertices_um[vertex as usize])
     }
 
     /// The least and the greatest coordinates.
     pub fn bounds_um(&self) -> [[f64; 3]; 2] {
-        let bound = |start: f64, pick: fn(f64, f64) -> f64| {
-            [0, 1, 2].map(|axis| self.vertices_um.iter().map(|vertex| vertex[axis]).fold(start, pick))
-        };
-        [bound(f64::INFINITY, f64::min), bound(f64::NEG_INFINITY, f64::max)]
+        surface::bounds(self.vertices_um.iter().copied())
     }
 
     /// What it encloses, in cubic micrometres.
@@ -132,9 +138,21 @@ impl Mesh {
         }
     }
 
-    /// The distance of a point from the surface, never negative; each triangle is asked.
+    /// The distance of a point from the surface, never negative: that from the nearest triangle, of all in blocks that are near enough.
     pub fn distance_um(&self, point_um: [f64; 3]) -> f64 {
-        self.corners().map(|corners| surface::square(corners, point_um)).fold(f64::INFINITY, f64::min).sqrt()
+        let away = |bounds: &[[f64; 3]; 2]| surface::box_square(*bounds, point_um);
+        let mut blocks: Vec<(f64, &[[u32; 3]])> =
+            self.blocks_um.iter().map(away).zip(self.triangles.chunks(BLOCK)).collect();
+        blocks.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let mut best = f64::INFINITY;
+        for (least, triangles) in blocks {
+            if least >= best {
+                break;
+            }
+            let square = |triangle: &[u32; 3]| surface::square(self.places(*triangle), point_um);
+            best = triangles.iter().map(square).fold(best, f64::min);
+        }
+        best.sqrt()
     }
 }
 

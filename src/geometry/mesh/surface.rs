@@ -3,7 +3,7 @@
 //! Input: the corners of triangles. Output: vertices, joined where they are the same place, and triangles that face outwards. Promise:
 //! each edge belongs to two triangles that run along it in opposite directions.
 
-use super::{MAX_TRIANGLES, MAX_UM, Mesh, MeshError, cross, dot, minus};
+use super::{BLOCK, MAX_TRIANGLES, MAX_UM, Mesh, MeshError, cross, dot, minus};
 
 /// The least volume, as a share of the cube round the mesh.
 const LEAST_VOLUME: f64 = 1e-9;
@@ -53,7 +53,8 @@ fn indexed(corners_um: &[[[f64; 3]; 3]]) -> Mesh {
         }
         triangles[at / 3][at % 3] = (vertices_um.len() - 1) as u32;
     }
-    Mesh { vertices_um, triangles }
+    let blocks_um = corners_um.chunks(BLOCK).map(|block| bounds(block.iter().flatten().copied())).collect();
+    Mesh { vertices_um, triangles, blocks_um }
 }
 
 /// The three edges of a triangle, in its direction.
@@ -97,6 +98,19 @@ pub(super) fn volume_and_centre(mesh: &Mesh) -> (f64, [f64; 3]) {
         (0..3).for_each(|axis| moment[axis] += part * (a[axis] + b[axis] + c[axis]) / 4.0);
     }
     (volume, [0, 1, 2].map(|axis| apex[axis] + moment[axis] / volume))
+}
+
+/// The least and the greatest coordinates of some places.
+pub(super) fn bounds(places_um: impl Iterator<Item = [f64; 3]>) -> [[f64; 3]; 2] {
+    places_um.fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], place| {
+        [[0, 1, 2].map(|axis| low[axis].min(place[axis])), [0, 1, 2].map(|axis| high[axis].max(place[axis]))]
+    })
+}
+
+/// The square of the distance of a point from a box.
+pub(super) fn box_square([low, high]: [[f64; 3]; 2], point: [f64; 3]) -> f64 {
+    let off = |axis: usize| (low[axis] - point[axis]).max(point[axis] - high[axis]).max(0.0).powi(2);
+    off(0) + off(1) + off(2)
 }
 
 /// The square of the distance of a point from a triangle: from its plane if the foot lies inside, else from the nearest side.

@@ -1,6 +1,7 @@
 //! Meshes made here, whole and damaged.
 
 use super::*;
+use crate::geometry::outline::{Curve, Outline};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
@@ -156,15 +157,15 @@ fn a_box_is_exact() {
 /// The distance from a fine grid of places on each triangle is hardly more than that told, and never less.
 #[test]
 fn distances_are_those_of_brute_force() {
-    let mesh = Mesh::of(&scaled(&icosphere(1), [9.0, 7.0, 5.0])).unwrap();
+    let mesh = Mesh::of(&scaled(&icosphere(3), [9.0, 7.0, 5.0])).unwrap();
     for step in 0..40 {
         let angle = f64::from(step) * 0.7;
         let point = [8.0 * angle.cos(), 9.0 * (1.3 * angle).sin(), 6.0 * (0.37 * angle).sin()];
         let mut brute = f64::INFINITY;
         for [a, b, c] in mesh.corners() {
-            for i in 0..=60 {
-                for j in 0..=60 - i {
-                    let (s, t) = (f64::from(i) / 60.0, f64::from(j) / 60.0);
+            for i in 0..=12 {
+                for j in 0..=12 - i {
+                    let (s, t) = (f64::from(i) / 12.0, f64::from(j) / 12.0);
                     let place = [0, 1, 2].map(|axis| a[axis] + s * (b[axis] - a[axis]) + t * (c[axis] - a[axis]));
                     brute = brute.min(dot(minus(place, point), minus(place, point)).sqrt());
                 }
@@ -172,6 +173,8 @@ fn distances_are_those_of_brute_force() {
         }
         let told = mesh.distance_um(point);
         assert!(told <= brute + 1e-12 && told > brute - 0.1, "{point:?}: {told} {brute}");
+        let each = mesh.corners().map(|corners| surface::square(corners, point)).fold(f64::INFINITY, f64::min);
+        assert_eq!(told, each.sqrt());
     }
 }
 
@@ -218,6 +221,24 @@ fn what_is_no_surface_is_refused() {
     assert_eq!(Mesh::read(&binary(&many, b"")), Err(MeshError::TooManyTriangles(MAX_TRIANGLES + 1)));
     assert_eq!(Mesh::read(&vec![0; MAX_BYTES + 1]), Err(MeshError::TooLong { bytes: MAX_BYTES + 1 }));
     assert_eq!(Mesh::read(&binary(&Vec::new(), b"")), Err(MeshError::Empty));
+}
+
+/// From a mesh to an outline: that of the paper's ellipsoid, with its 74 contacts.
+#[test]
+fn a_section_becomes_a_smooth_outline() {
+    let axes_um = [16.0, 11.845, 11.845];
+    let mesh = Mesh::read(&binary(&scaled(&icosphere(4), axes_um), b"")).unwrap();
+    let exact = Curve::of(&Outline::Ellipse { semi_um: [16.0, 11.845] }).unwrap();
+    for axes in [XY, XZ] {
+        let line = mesh.section(axes).unwrap();
+        let curve = Curve::of(&Outline::from_polygon(&line).unwrap()).unwrap();
+        let contacts = curve.rolled_rad(curve.perimeter_um(), 4.5) / (TAU / 18.0);
+        assert!((contacts - 74.0).abs() < 0.2, "{contacts}");
+        let places = (0..200).map(|step| curve.spot(curve.perimeter_um() * f64::from(step) / 200.0).point_um);
+        let off = places.map(|place| exact.nearest(place).distance_um.abs()).fold(0.0, f64::max);
+        assert!(off < 0.05, "{off}");
+        assert!(curve.least_curvature_per_um() > 0.03, "{}", curve.least_curvature_per_um());
+    }
 }
 
 #[test]

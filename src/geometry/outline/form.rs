@@ -38,7 +38,7 @@ impl Jet {
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Part {
     Line { from: [f64; 2], along: [f64; 2] },
-    Arc { centre: [f64; 2], radius: f64, from_rad: f64 },
+    Arc { centre: [f64; 2], radius_um: f64, from_rad: f64 },
 }
 
 /// An outline as formulas.
@@ -56,10 +56,10 @@ pub(super) enum Form {
 
 impl Form {
     /// A rectangle with round corners, from the middle of its right side; parts without length are left out.
-    pub fn rounded(half: [f64; 2], radius: f64) -> Form {
-        let [a, b] = [half[0] - radius, half[1] - radius];
+    pub fn rounded(half: [f64; 2], radius_um: f64) -> Form {
+        let [a, b] = [half[0] - radius_um, half[1] - radius_um];
         let line = |from, along, length| (Part::Line { from, along }, length);
-        let arc = |centre, from_rad| (Part::Arc { centre, radius, from_rad }, radius * FRAC_PI_2);
+        let arc = |centre, from_rad| (Part::Arc { centre, radius_um, from_rad }, radius_um * FRAC_PI_2);
         let all = [
             line([half[0], 0.0], [0.0, 1.0], b),
             arc([a, b], 0.0),
@@ -93,7 +93,7 @@ impl Form {
                 (0..=8).map(|eighth| f64::from(eighth) * TAU / 8.0).collect()
             }
             Form::Parts { parts } => vec![0.0, parts[piece].1],
-            Form::Spline { cubics } => vec![0.0, cubics[piece].length],
+            Form::Spline { cubics } => vec![0.0, cubics[piece].length_um],
         }
     }
 
@@ -123,10 +123,10 @@ fn part(part: &Part, t: f64) -> Jet {
         Part::Line { from, along } => {
             Jet { point: [from[0] + t * along[0], from[1] + t * along[1]], first: *along, second: [0.0, 0.0] }
         }
-        Part::Arc { centre, radius, from_rad } => {
-            let (s, c) = (from_rad + t / radius).sin_cos();
-            let point = [centre[0] + radius * c, centre[1] + radius * s];
-            Jet { point, first: [-s, c], second: [-c / radius, -s / radius] }
+        Part::Arc { centre, radius_um, from_rad } => {
+            let (s, c) = (from_rad + t / radius_um).sin_cos();
+            let point = [centre[0] + radius_um * c, centre[1] + radius_um * s];
+            Jet { point, first: [-s, c], second: [-c / radius_um, -s / radius_um] }
         }
     }
 }

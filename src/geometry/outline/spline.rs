@@ -6,10 +6,10 @@
 
 use super::form::{Jet, cross, minus, norm};
 
-/// a + b s + c s² + d s³ for s from 0 to `length`.
+/// a + b s + c s² + d s³ for s from 0 to `length_um`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cubic {
-    pub length: f64,
+    pub length_um: f64,
     powers: [[f64; 2]; 4],
 }
 
@@ -27,10 +27,10 @@ impl Cubic {
     /// Where y is 0, by parameter; an end that lies on the axis counts. The next cubic begins at `end_y`: what is rounded differently at
     /// the end of this one shall not hide a root between them.
     pub fn roots_y(&self, end_y: f64) -> Vec<f64> {
-        let y = |s: f64| if s == self.length { end_y } else { self.at(s).point[1] };
+        let y = |s: f64| if s == self.length_um { end_y } else { self.at(s).point[1] };
         let mut ends = vec![0.0];
-        ends.extend(self.flat_y().into_iter().filter(|s| *s > 0.0 && *s < self.length));
-        ends.push(self.length);
+        ends.extend(self.flat_y().into_iter().filter(|s| *s > 0.0 && *s < self.length_um));
+        ends.push(self.length_um);
         let mut roots: Vec<f64> = ends.iter().copied().filter(|s| y(*s) == 0.0).collect();
         roots.extend(
             ends.windows(2).filter(|pair| y(pair[0]) * y(pair[1]) < 0.0).map(|pair| bisect(y, pair[0], pair[1])),
@@ -82,7 +82,7 @@ pub(super) fn through(points: &[[f64; 2]]) -> Vec<Cubic> {
             let of_axis = [points[at][axis], slope, from / 2.0, (to - from) / (6.0 * h)];
             (0..4).for_each(|power| powers[power][axis] = of_axis[power]);
         }
-        Cubic { length: h, powers }
+        Cubic { length_um: h, powers }
     };
     (0..n).map(cubic).collect()
 }
@@ -131,8 +131,8 @@ pub(super) fn area(cubics: &[Cubic]) -> f64 {
     let nodes = [(-0.6_f64.sqrt(), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)];
     let of = |cubic: &Cubic| -> f64 {
         let share = |(node, weight): (f64, f64)| {
-            let jet = cubic.at(cubic.length * (1.0 + node) / 2.0);
-            weight * cubic.length * cross(jet.point, jet.first) / 2.0
+            let jet = cubic.at(cubic.length_um * (1.0 + node) / 2.0);
+            weight * cubic.length_um * cross(jet.point, jet.first) / 2.0
         };
         nodes.into_iter().map(share).sum()
     };

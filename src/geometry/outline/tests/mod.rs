@@ -388,7 +388,7 @@ fn a_crossing_is_found() {
 #[test]
 fn whatever_the_numbers_it_comes_to_an_end() {
     let mut dice = Dice(23);
-    for round in 0..400 {
+    for round in 0..140 {
         let scale = 10_f64.powi(round % 14 - 7);
         let count = 4 + (round % 60) as usize;
         let points: Vec<[f64; 2]> = (0..count).map(|_| [scale * dice.next(), scale * dice.next()]).collect();
