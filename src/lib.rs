@@ -14,7 +14,7 @@
 //! | [`plan`] | claims | a [`Plan`](plan::Plan) for each job, or a proof that there is none, or the budget that ran out |
 //! | [`schedule`] | plans | one [`Schedule`](schedule::Schedule): channels and actuations in integer nanoseconds |
 //! | [`verify`] | a schedule and the claims | a [`Verified`](verify::Verified) schedule, replayed by geometry of its own |
-//! | [`emit`] | a verified schedule | MCAP, JSON, CSV, VCD, SPICE and SCPI files |
+//! | [`emit`] | a verified schedule | MCAP, JSON, CSV, VCD, SPICE, SCPI and G-code files |
 //!
 //! Beside them [`simulate`] carries plans out with imperfect devices, where a kind says its errors.
 //!

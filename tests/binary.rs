@@ -289,6 +289,14 @@ fn all_files_are_written_or_none() {
     assert_eq!(fs::read_to_string(bench.path("a.twz")).expect("there"), SMALL);
 }
 
+#[test]
+fn voltages_are_no_gcode() {
+    let bench = Bench::with(SMALL);
+    let refused = bench.run(&["build", "a.twz", "-o", "out", "--emit", "json,gcode"]).code(ERRORS);
+    says(&err(&refused), &["E0827", "`bot.bl0.set` takes voltages"]);
+    assert!(bench.names("out").is_empty());
+}
+
 #[cfg(unix)]
 #[test]
 fn a_folder_that_cannot_be_written_to() {

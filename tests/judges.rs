@@ -3,6 +3,7 @@
 //! Not run by libtest, so that what is skipped is said aloud. `TWEEZE_ORACLE_PYTHON` names the Python that has the readers, else
 //! `.venv-oracle/bin/python` or `python3` is tried; with `TWEEZE_REQUIRE_ORACLES=1` a missing judge is a failure.
 
+use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -19,8 +20,13 @@ fn main() -> ExitCode {
     for example in examples(root) {
         let before = schedules(folder.path());
         let mut built = build(&example, "mcap,json,pwl,scpi", folder.path());
-        if schedules(folder.path()).difference(&before).all(|path| edges(path) <= MANY_EDGES) {
+        let written = schedules(folder.path());
+        let written: Vec<Value> = written.difference(&before).map(|path| document(path)).collect();
+        if written.iter().all(|schedule| edges(schedule) <= MANY_EDGES) {
             built = built.and_then(|()| build(&example, "csv,vcd", folder.path()));
+        }
+        if written.iter().all(is_of_stages) {
+            built = built.and_then(|()| build(&example, "gcode", folder.path()));
         }
         if let Err(why) = built {
             return fail(&why);
@@ -55,12 +61,19 @@ fn schedules(folder: &Path) -> BTreeSet<PathBuf> {
     paths.filter(|path| path.extension().is_some_and(|ending| ending == "json")).collect()
 }
 
+fn document(path: &Path) -> Value {
+    std::fs::read(path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default()
+}
+
+/// Whether all channels of a schedule are positions, so that it can be written as G-code.
+fn is_of_stages(schedule: &Value) -> bool {
+    schedule["channels"].as_array().is_some_and(|channels| channels.iter().all(|channel| channel["unit"] == "um"))
+}
+
 /// The edges of a schedule's drive trains.
-fn edges(path: &Path) -> u64 {
-    let document: serde_json::Value =
-        std::fs::read(path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default();
-    let actuations = document["actuations"].as_array().map_or(&[][..], Vec::as_slice);
-    let of = |actuation: &serde_json::Value| {
+fn edges(schedule: &Value) -> u64 {
+    let actuations = schedule["actuations"].as_array().map_or(&[][..], Vec::as_slice);
+    let of = |actuation: &Value| {
         let period_ns = actuation["swing"]["period_ns"].as_u64()?;
         Some(2 * actuation["duration_ns"].as_u64()? / period_ns.max(1))
     };

@@ -132,6 +132,20 @@ impl Facts {
         }
     }
 
+    /// How far from its contact a tip is slow when it comes and when it leaves: never less than the clearance.
+    pub fn slow_um(&self) -> f64 {
+        self.retract_um.max(self.clearance_um)
+    }
+
+    /// The radius of the sphere about the object's origin on which the tip of a finger, counted from 0, waits and travels while it is
+    /// free, for an object that reaches so far: each finger has its own, clear of what holds and is held and of those of the
+    /// fingers before it, though chords of it dip by the tolerance.
+    pub fn sphere_um(&self, finger: usize, reach_um: f64) -> f64 {
+        let beyond_um = (2.0 * (self.tip_radius_um + self.clearance_um)).max(self.slow_um());
+        let apart_um = 2.0 * self.tip_radius_um + self.clearance_um + self.tolerance_um;
+        reach_um + self.tip_radius_um + beyond_um + self.tolerance_um + finger as f64 * apart_um
+    }
+
     /// The names of the channels, without the device's name: finger 1's x, y and z, then finger 2's.
     pub fn channels(&self) -> Vec<String> {
         (0..self.fingers as usize).flat_map(|finger| (0..AXES.len()).map(move |axis| channel(finger, axis))).collect()

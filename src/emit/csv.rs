@@ -1,26 +1,33 @@
 //! CSV: one row for each change, one column for each channel.
 //!
-//! The first column is the time in nanoseconds; a row's values hold until the next row. The last row is the end of the
+//! The first column is the time in nanoseconds. A row's voltages hold until the next row; positions, whose columns are in um, run in
+//! a straight line to the next row, so that `numpy.interp(t, time, x)` is where a stage is. The last row is the end of the
 //! schedule. A column's header is the channel's name with its unit, and behind ` @ ` its wire: `bot.bl4.set [V] @ Dev1/port0/line8`.
 //! Numbers are the shortest that read back as the same `f64`, so that `pandas.read_csv(path)` and
 //! `numpy.loadtxt(path, delimiter=",", skiprows=1)` take the file as it is.
 
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
-use crate::schedule::Channel;
+use crate::schedule::{Channel, Unit};
 
-/// About how many bytes a value takes, with its comma.
-const VALUE_BYTES: u64 = 4;
+/// About how many bytes a voltage takes, with its comma.
+const VOLTAGE_BYTES: u64 = 4;
+
+/// About how many bytes a position takes.
+const POSITION_BYTES: u64 = 20;
 
 /// The bytes of the file.
 ///
 /// # Errors
-/// [`EmitError::Ramp`] for a value that is not constant, [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
+/// [`EmitError::Ramp`] for a voltage that is not constant, [`EmitError::Leap`] for a position that jumps,
+/// [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
 pub(super) fn write(signals: &Signals) -> Result<Vec<u8>, EmitError> {
     EmitError::refuse_ramps(Format::Csv, signals)?;
+    EmitError::refuse_leaps(Format::Csv, signals)?;
     let schedule = signals.schedule;
     let channels = schedule.channels.len();
-    let row_bytes = digits(schedule.duration_ns) + 1 + channels as u64 * VALUE_BYTES;
+    let values: u64 = schedule.channels.iter().map(value_bytes).sum();
+    let row_bytes = digits(schedule.duration_ns) + 1 + values;
     let bytes = signals.count_edges(0..channels).saturating_mul(row_bytes);
     EmitError::refuse_size(Format::Csv, bytes, MAX_TEXT_BYTES)?;
 
@@ -42,6 +49,13 @@ fn times(signals: &Signals) -> impl Iterator<Item = u64> {
     let inner = edges.filter(move |t_ns| *t_ns > 0 && *t_ns < duration_ns);
     let end = Some(duration_ns).filter(|end_ns| *end_ns > 0);
     std::iter::once(0).chain(inner).chain(end)
+}
+
+fn value_bytes(channel: &Channel) -> u64 {
+    match channel.unit {
+        Unit::Volt => VOLTAGE_BYTES,
+        Unit::Micrometre => POSITION_BYTES,
+    }
 }
 
 /// How many digits a number has.

@@ -11,7 +11,7 @@ pub const MAX_TEXT_BYTES: u64 = 1 << 30;
 pub enum EmitError {
     /// A voltage, a place or a figure is infinite or no number.
     NotFinite,
-    /// A value runs from one number to another, and the format only holds values.
+    /// A voltage runs from one number to another, and the format only holds voltages.
     Ramp { format: Format, channel: String, start_ns: u64, from: f64, to: f64 },
     /// The file would be larger than its readers take.
     TooLarge { format: Format, bytes: u64, limit: u64 },
@@ -20,17 +20,29 @@ pub enum EmitError {
     TooManyPoints { points: u64, limit: u64, period_ns: u64, duration_ns: u64, most_steps: Option<u64> },
     /// The instrument has fewer outputs than the schedule has channels.
     TooManyOutputs { channels: usize, limit: usize },
+    /// A position jumps, and the format only has straight lines between positions.
+    Leap { format: Format, channel: String, t_ns: u64, from: f64, to: f64 },
+    /// The format only says where stages are: the first channel that is none, if there is a channel.
+    NotPositions { format: Format, channel: Option<String> },
     /// The library that writes the format gave up.
     Failed { format: Format, detail: String },
 }
 
 impl EmitError {
-    /// An error if any value is not constant.
+    /// An error if any voltage is not constant.
     pub(super) fn refuse_ramps(format: Format, signals: &Signals) -> Result<(), EmitError> {
         let Some(ramp) = signals.first_ramp() else { return Ok(()) };
         let channel = signals.schedule.channels.get(ramp.channel as usize);
         let channel = channel.map_or_else(String::new, |channel| channel.name.clone());
         Err(EmitError::Ramp { format, channel, start_ns: ramp.start_ns, from: ramp.from, to: ramp.to })
+    }
+
+    /// An error if any position jumps.
+    pub(super) fn refuse_leaps(format: Format, signals: &Signals) -> Result<(), EmitError> {
+        let Some((index, t_ns)) = signals.first_leap() else { return Ok(()) };
+        let channel = signals.schedule.channels[index].name.clone();
+        let (from, to) = (signals.value_before(index, t_ns), signals.value(index, t_ns));
+        Err(EmitError::Leap { format, channel, t_ns, from, to })
     }
 
     /// An error if `bytes` are more than `limit`.
@@ -45,7 +57,7 @@ impl EmitError {
                 .help("look for a constant of the device that is so large or so small that its products leave the range of numbers"),
             EmitError::Ramp { format, channel, start_ns, from, to } => Diagnostic::new(
                 Code::E0821,
-                format!("`{channel}` runs from {from} to {to} at {start_ns} ns, and `{}` only holds values", format.name()),
+                format!("`{channel}` runs from {from} to {to} at {start_ns} ns, and `{}` only holds voltages", format.name()),
             )
             .help("write `--emit mcap`, `json` or `pwl`, which hold straight lines"),
             EmitError::TooLarge { format, bytes, limit } => Diagnostic::new(
@@ -76,6 +88,19 @@ impl EmitError {
                 format!("{channels} channels, the instrument has {limit} outputs"),
             )
             .help("build the tasks of each device on their own with `--task`"),
+            EmitError::Leap { format, channel, t_ns, from, to } => Diagnostic::new(
+                Code::E0826,
+                format!("`{channel}` leaps from {from} um to {to} um at {t_ns} ns, and `{}` only has straight lines", format.name()),
+            )
+            .help("write `--emit mcap`, `json` or `pwl`, which hold it as it is"),
+            EmitError::NotPositions { format, channel } => {
+                let what = match channel {
+                    Some(channel) => format!("`{channel}` takes voltages"),
+                    None => "the schedule has no channel".to_owned(),
+                };
+                Diagnostic::new(Code::E0827, format!("{what}, and `{}` only says where stages are", format.name()))
+                    .help("write voltages with `--emit csv`, `pwl` or `scpi`, and the tasks of stages on their own with `--task`")
+            }
             EmitError::Failed { format, detail } => {
                 Diagnostic::new(Code::E0825, format!("the {} file could not be composed: {detail}", format.name()))
                     .help("this is a fault of Tweeze, please report it with the program")

@@ -4,16 +4,21 @@ use super::Provenance;
 use crate::check::claims::dimibot::{
     Action, Asked, Body, DimibotOrder, Method, Objective, Obstacle, Planner, Step as Claim, Stop,
 };
+use crate::check::claims::fingers::{self, FingersOrder, Part, Section};
 use crate::check::claims::{Claims, Job, Order, Timeline};
 use crate::device::Kind;
 use crate::device::dimibot::tests::femto_st;
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous, Switch};
+use crate::device::fingers::{Adhesion, Facts as Hand, Plane};
+use crate::geometry::outline::Outline;
 use crate::geometry::shape::{Pose, Shape};
 use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, State, Step, Swing, TimedState, Unit};
 use crate::source::Span;
 use crate::verify::Verified;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 /// A robot of 5 + 5 modules that goes through every sort of obstacle: nine pulses of 15 ms without rests.
 pub fn fetch() -> (Verified, Provenance) {
@@ -301,4 +306,263 @@ pub fn paces() -> (Verified, Provenance) {
         ];
     });
     (paces, provenance)
+}
+
+/// The ball between the fingers of [`hand`], and the tips of those.
+const BALL_UM: f64 = 14.0;
+const TIP_UM: f64 = 4.5;
+const CONTACTS: u32 = 74;
+
+/// Where the free tips of [`hand`] are, from the middle of the ball.
+const FREE_UM: f64 = 28.5;
+
+/// How far the ball turns from a contact to the next.
+fn step_rad() -> f64 {
+    TAU * (1.0 + BALL_UM / TIP_UM) / f64::from(CONTACTS)
+}
+
+/// Three fingers that turn a ball by two steps, one of them taking the place of another, and carry it upwards. The run begins 7 ms
+/// after the schedule, and ends 3 ms before it.
+pub fn hand() -> (Verified, Provenance) {
+    let (verified, _) = idle();
+    let text = "task turn on hand { }\n";
+    let mut schedule = verified.schedule().clone();
+    schedule.name = "turn".to_owned();
+    schedule.source.file = "turn.twz".to_owned();
+    schedule.source.sha256 = Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect();
+    let facts = hand_facts();
+    let wire = |name: &str| (name == "f1.x").then(|| "stage1/x".to_owned());
+    let channel = |name: String| Channel {
+        name: format!("hand.{name}"),
+        device: "hand".to_owned(),
+        unit: Unit::Micrometre,
+        wire: wire(&name),
+    };
+    schedule.channels = facts.channels().into_iter().map(channel).collect();
+    let mut hand = Gesture::new();
+    hand.perform();
+    schedule.duration_ns = hand.t_ns + 3_000_000;
+    schedule.actuations = hand.actuations;
+    schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+    schedule.steps = hand.steps;
+    schedule.plans = vec![PlanRecord {
+        task: "turn".to_owned(),
+        device: "hand".to_owned(),
+        kind: Kind::Fingers,
+        planner: "by hand".to_owned(),
+        objective: "effort".to_owned(),
+        unit: "deg".to_owned(),
+        cost: 440.0,
+        bound: 400.0,
+        optimal: false,
+        bounds: Default::default(),
+        outcomes: BTreeMap::from([("reconfigurations".to_owned(), 2.0)]),
+        start_ns: 7_000_000,
+        duration_ns: hand.t_ns - 7_000_000,
+        states: hand.states,
+        remarks: Vec::new(),
+    }];
+    let mut claims = verified.claims().clone();
+    claims.name = "turn".to_owned();
+    claims.wires = BTreeMap::from([("hand.f1.x".to_owned(), "stage1/x".to_owned())]);
+    claims.jobs = vec![Job {
+        task: "turn".to_owned(),
+        device: "hand".to_owned(),
+        requirements: Vec::new(),
+        order: Order::Fingers(hand_order(facts)),
+        span: Span::default(),
+        run_span: Span::default(),
+    }];
+    let provenance = Provenance { files: vec![("turn.twz".to_owned(), text.to_owned())], settings: Vec::new() };
+    (Verified::assume(schedule, claims), provenance)
+}
+
+fn hand_facts() -> Hand {
+    Hand {
+        fingers: 3,
+        tip_radius_um: TIP_UM,
+        adhesion: Adhesion::Sticking,
+        pull_off_un: 1.5,
+        max_force_un: 30.0,
+        friction: 0.3,
+        steps_per_turn: 18,
+        removal_safety: 1.0,
+        gaiting_cost_deg: 180.0,
+        clearance_um: 0.5,
+        retract_um: 2.0,
+        speed_um_per_s: 1000.0,
+        approach_um_per_s: 100.0,
+        rolling_um_per_s: 200.0,
+        support_un: 3.0,
+        range_um: [60.0; 3],
+        tolerance_um: 0.05,
+    }
+}
+
+fn hand_order(facts: Hand) -> FingersOrder {
+    let outline = Outline::Ellipse { semi_um: [BALL_UM; 2] };
+    let section = Section { outline, contacts: CONTACTS, opposite: Some(1 + CONTACTS / 2), step_rad: step_rad() };
+    let part = Part {
+        name: "bead".to_owned(),
+        xy: section.clone(),
+        xz: Some(section),
+        centre_um: [0.0; 3],
+        position_um: [0.0; 3],
+        span: Span::default(),
+    };
+    let turn = fingers::Action::Rotate { plane: Plane::Xy, steps: 2, angle_rad: 2.0 * step_rad() };
+    let actions = [
+        fingers::Action::Grasp(Some(vec![1, 38, 0])),
+        turn,
+        fingers::Action::Translate([0.0, 0.0, 5.0]),
+        fingers::Action::Wait(50_000_000),
+    ];
+    let steps = actions.into_iter().map(|action| fingers::Step { action, span: Span::default() }).collect();
+    FingersOrder {
+        facts: Arc::new(facts),
+        part: Arc::new(part),
+        precision_rad: 0.01,
+        load_un: [0.0; 3],
+        planner: fingers::Planner::JointAstar,
+        expansions: 1,
+        steps,
+    }
+}
+
+/// What three fingers do, move by move.
+struct Gesture {
+    t_ns: u64,
+    tips_um: [[f64; 3]; 3],
+    /// Contacts that the fingers hold, from 1; 0 for a free finger.
+    grasp: [u32; 3],
+    turned: i64,
+    height_um: f64,
+    actuations: Vec<Actuation>,
+    steps: Vec<Step>,
+    states: Vec<TimedState>,
+}
+
+/// A place in the plane of the ball's middle.
+fn on_circle(angle_rad: f64, radius_um: f64, height_um: f64) -> [f64; 3] {
+    [angle_rad.cos() * radius_um, angle_rad.sin() * radius_um, height_um]
+}
+
+impl Gesture {
+    fn new() -> Gesture {
+        let homes = [0.0, TAU / 3.0, 2.0 * TAU / 3.0].map(|angle_rad| on_circle(angle_rad, FREE_UM, 0.0));
+        let (actuations, steps, states) = (Vec::new(), Vec::new(), Vec::new());
+        Gesture { t_ns: 7_000_000, tips_um: homes, grasp: [0; 3], turned: 0, height_um: 0.0, actuations, steps, states }
+    }
+
+    fn perform(&mut self) {
+        self.record();
+        self.step("grasp bead at (1, 38, 0)");
+        self.to(100, 0, on_circle(0.0, BALL_UM + TIP_UM, 0.0));
+        self.arc(1, [TAU / 3.0, PI], 80);
+        self.to(100, 1, on_circle(PI, BALL_UM + TIP_UM, 0.0));
+        self.grasp = [1, 38, 0];
+        self.record();
+        self.step("rotate bead by 40 deg about z");
+        self.roll();
+        let angle_rad = self.angle_rad(57);
+        self.arc(2, [2.0 * TAU / 3.0, angle_rad], 80);
+        self.to(100, 2, on_circle(angle_rad, BALL_UM + TIP_UM, 0.0));
+        self.grasp[2] = 57;
+        self.record();
+        let angle_rad = self.angle_rad(self.grasp[1]);
+        self.to(100, 1, on_circle(angle_rad, FREE_UM, 0.0));
+        self.grasp[1] = 0;
+        self.record();
+        self.roll();
+        self.step("translate bead by (0 um, 0 um, 5 um)");
+        self.height_um = 5.0;
+        self.go(50_000_000, self.tips_um.map(|[x, y, _]| [x, y, 5.0]));
+        self.record();
+        self.step("wait 50 ms");
+        self.go(50_000_000, self.tips_um);
+        self.end_step();
+    }
+
+    /// Where a contact is now, as an angle in the hand's frame.
+    fn angle_rad(&self, contact: u32) -> f64 {
+        f64::from(contact - 1) * TAU / f64::from(CONTACTS) + self.turned as f64 * step_rad()
+    }
+
+    /// All that hold roll by a step.
+    fn roll(&mut self) {
+        let angles_rad = self.grasp.map(|contact| self.angle_rad(contact.max(1)));
+        for chord in 1..=4 {
+            let rolled_rad = f64::from(chord) / 4.0 * (step_rad() - TAU / f64::from(CONTACTS));
+            let mut tips_um = self.tips_um;
+            for finger in (0..3).filter(|finger| self.grasp[*finger] > 0) {
+                tips_um[finger] = on_circle(angles_rad[finger] + rolled_rad, BALL_UM + TIP_UM, 0.0);
+            }
+            self.go(25_000_000, tips_um);
+        }
+        self.turned += 1;
+        self.grasp = self.grasp.map(|contact| if contact == 1 { CONTACTS } else { contact.saturating_sub(1) });
+        self.record();
+    }
+
+    fn arc(&mut self, finger: usize, [from_rad, to_rad]: [f64; 2], milliseconds: u64) {
+        for chord in 1..=4 {
+            let angle_rad = from_rad + (to_rad - from_rad) * f64::from(chord) / 4.0;
+            self.to(milliseconds / 4, finger, on_circle(angle_rad, FREE_UM, 0.0));
+        }
+    }
+
+    fn to(&mut self, milliseconds: u64, finger: usize, tip_um: [f64; 3]) {
+        let mut tips_um = self.tips_um;
+        tips_um[finger] = tip_um;
+        self.go(milliseconds * 1_000_000, tips_um);
+    }
+
+    fn go(&mut self, duration_ns: u64, tips_um: [[f64; 3]; 3]) {
+        let step = self.steps.len() as u32 - 1;
+        let ends = self.tips_um.into_iter().flatten().zip(tips_um.into_iter().flatten());
+        for (channel, (from, to)) in (0..).zip(ends) {
+            let start_ns = self.t_ns;
+            let last = self.actuations.iter_mut().rfind(|last| last.channel == channel && last.step == step);
+            match last.filter(|last| last.from == last.to && from == to) {
+                Some(last) => last.duration_ns += duration_ns,
+                None => self.actuations.push(Actuation { channel, start_ns, duration_ns, from, to, swing: None, step }),
+            }
+        }
+        (self.t_ns, self.tips_um) = (self.t_ns + duration_ns, tips_um);
+    }
+
+    fn step(&mut self, text: &str) {
+        self.end_step();
+        self.steps.push(Step {
+            task: "turn".to_owned(),
+            plan: 0,
+            text: text.to_owned(),
+            file: "turn.twz".to_owned(),
+            line: 1,
+            column: 1,
+            start_ns: self.t_ns,
+            duration_ns: 0,
+            span: Span::default(),
+        });
+    }
+
+    fn end_step(&mut self) {
+        if let Some(step) = self.steps.last_mut() {
+            step.duration_ns = self.t_ns - step.start_ns;
+        }
+    }
+
+    fn record(&mut self) {
+        let (sin, cos) = (self.turned as f64 * step_rad() / 2.0).sin_cos();
+        let tips = self.grasp.iter().zip(self.tips_um);
+        let state = State::Fingers {
+            grasp: self.grasp.to_vec(),
+            angle_index: 1 + self.turned,
+            plane: Plane::Xy,
+            tips_um: tips.map(|(contact, tip_um)| (*contact > 0).then_some(tip_um)).collect(),
+            position_um: [0.0, 0.0, self.height_um],
+            orientation: [cos, 0.0, 0.0, sin],
+        };
+        self.states.push(TimedState { t_ns: self.t_ns, state });
+    }
 }

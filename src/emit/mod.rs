@@ -1,4 +1,4 @@
-//! Writes a verified schedule in the forms that other programs read; one file for each format.
+//! Writes a verified schedule in the forms that other programs read.
 //!
 //! Input: a [`Verified`] schedule and its [`Provenance`]. Output: [`OutputFile`]s, in memory. Promise: no file is touched, the
 //! same input gives the same bytes, and every format holds every channel at every instant, or [`EmitError`] says why it cannot.
@@ -7,6 +7,7 @@ pub mod csv;
 mod error;
 #[cfg(test)]
 pub(crate) mod fixture;
+pub mod gcode;
 mod identifier;
 pub mod mcap;
 pub mod pwl;
@@ -35,12 +36,14 @@ pub enum Format {
     Pwl,
     /// Upload script for arbitrary-waveform generators.
     Scpi,
+    /// Moves of translation stages, for LinuxCNC.
+    Gcode,
 }
 
 impl Format {
     /// Every format, in the order of the handbook.
     pub const ALL: &'static [Format] =
-        &[Format::Mcap, Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi];
+        &[Format::Mcap, Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi, Format::Gcode];
 
     /// As `--emit` takes it.
     pub fn name(self) -> &'static str {
@@ -51,6 +54,7 @@ impl Format {
             Format::Vcd => "vcd",
             Format::Pwl => "pwl",
             Format::Scpi => "scpi",
+            Format::Gcode => "gcode",
         }
     }
 
@@ -99,10 +103,14 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
             let [script, description] = scpi::write(&signals, &scpi::GENERIC)?;
             Ok(vec![file("scpi", script), file("scpi.txt", description)])
         }
+        Format::Gcode => {
+            let programs = gcode::write(&signals)?;
+            Ok(programs.into_iter().map(|(of, program)| file(&format!("{of}.ngc"), program)).collect())
+        }
     }
 }
 
-/// Formats of decimal text have no form for infinity, and a voltage has no use for it.
+/// Formats of decimal text have no form for infinity, and neither voltages nor places have a use for it.
 fn check_finite(schedule: &Schedule) -> Result<(), EmitError> {
     let actuations = schedule.actuations.iter().flat_map(|actuation| {
         let levels = actuation.swing.map_or([0.0; 2], |swing| swing.levels);

@@ -5,15 +5,18 @@
 //! voltages to `<name>.ngspice.txt`. A source cannot jump: a step at `t` begins at `t` and is done [`RISE_NS`] later. Straight
 //! lines from one value to another are exact.
 //!
+//! A channel of positions is a source too, in which 1 V stands for 1 um: what a model of a stage, or of the amplifier in front of
+//! it, takes as its set point after a gain of volts for each micrometre. The comment before the source says so.
+//!
 //! A drive train stays one line however long it is: the PWL source of its channel holds the second level of the swing, and a PULSE
 //! source in series with it adds the difference to the first one for half of each period; its eighth number is how many
 //! periods there are. The node carries the sum, the voltage of the channel.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
-use super::signal::half_ns;
+use super::signal::{LEAP_UM, half_ns};
 use super::{Format, Signals, identifier};
-use crate::schedule::{Actuation, Swing};
+use crate::schedule::{Actuation, Swing, Unit};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
@@ -100,6 +103,14 @@ impl<'a> Line<'a> {
         self.second_level(train).unwrap_or_else(|| self.signals.value_before(self.channel, t_ns))
     }
 
+    /// Whether a stage is where it was, but for rounding, so that nothing has to rise.
+    fn bends(&self, t_ns: u64) -> bool {
+        match self.signals.unit(self.channel) {
+            Unit::Volt => false,
+            Unit::Micrometre => (self.base_before(t_ns) - self.base(t_ns)).abs() <= LEAP_UM,
+        }
+    }
+
     fn second_level(&self, train: Option<&Actuation>) -> Option<f64> {
         train.and_then(|train| train.swing).filter(|_| !self.trains.is_empty()).map(|swing| swing.levels[1])
     }
@@ -115,6 +126,9 @@ impl<'a> Line<'a> {
         for &t_ns in &breaks {
             let done_ns = t_ns + RISE_NS;
             add(t_ns, self.base_before(t_ns));
+            if self.bends(t_ns) {
+                continue;
+            }
             let next = breaks.range(t_ns + 1..=done_ns).next();
             match next {
                 Some(_) => add(done_ns, self.base_before(done_ns)),
@@ -137,7 +151,11 @@ fn sources(signals: &Signals, lines: &[Line], nodes: &[String], inner: &[String]
     for (line, node) in lines.iter().zip(nodes) {
         let channel = &schedule.channels[line.channel];
         let wire = channel.wire.as_deref().map_or_else(String::new, |wire| format!(", wire {}", one_line(wire)));
-        let _ = writeln!(text, "* {} [{}]{wire}", channel.name, channel.unit.symbol());
+        let scale = match channel.unit {
+            Unit::Volt => "",
+            Unit::Micrometre => ", 1 V stands for 1 um",
+        };
+        let _ = writeln!(text, "* {} [{}]{scale}{wire}", channel.name, channel.unit.symbol());
         let own: Vec<&str> = inner.by_ref().take(line.trains.len()).map(String::as_str).collect();
         // Each source stands on the next one, the last one on ground.
         let below = own.iter().copied().chain(["0"]);

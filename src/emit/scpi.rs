@@ -10,13 +10,20 @@
 //!
 //! Where a channel has drive trains, all outputs play sequences instead, in the dialect of the 33500 series: a train is one
 //! segment and the number of its repetitions. A sequence waits for its trigger at 0 V and rests at 0 V.
+//!
+//! A channel of positions is the voltage at the analogue input of a stage's driver, 1 V for each um, which a lab scales by what its
+//! driver takes. A generator has no straight lines, so they are sampled: at each sample the output is where the stage is to be, and
+//! from one to the next no stage moves by more than [`sampling::SAMPLE_UM`] unless the instrument's memory is too small for that; the
+//! description says by how much. It waits at the first position and rests at the last one.
 
+mod sampling;
 mod sequence;
 
 use super::csv::one_line;
 use super::error::EmitError;
-use super::signal::half_ns;
 use super::{Format, Signals};
+use crate::schedule::Unit;
+use sampling::Sampling;
 pub use sequence::Sequencer;
 use sequence::{Sequence, sequence};
 use std::fmt::Write as _;
@@ -105,13 +112,6 @@ impl Profile {
     }
 }
 
-/// The samples of all channels, before they are scaled.
-pub struct Sampling {
-    pub period_ns: u64,
-    /// With the samples of 0 V at both ends; a sequence repeats some of them.
-    pub points: u64,
-}
-
 /// What the outputs play, one entry for each channel where they play sequences.
 enum Playing {
     Waveforms,
@@ -136,19 +136,10 @@ pub(super) fn write(signals: &Signals, profile: &Profile) -> Result<[Vec<u8>; 2]
     if channels > profile.outputs {
         return Err(EmitError::TooManyOutputs { channels, limit: profile.outputs });
     }
-    let sampling = sampling(signals, profile);
+    let sampling = Sampling::new(signals, profile);
     let playing = playing(signals, profile, &sampling)?;
     let description = description(signals, profile, &sampling, &playing);
     Ok([script(signals, profile, &sampling, &playing), description.into_bytes()])
-}
-
-fn sampling(signals: &Signals, profile: &Profile) -> Sampling {
-    let schedule = signals.schedule;
-    let times = schedule.actuations.iter().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);
-    let halves = schedule.actuations.iter().filter_map(|actuation| actuation.swing).map(half_ns);
-    let period_ns = times.chain(halves).fold(schedule.duration_ns, gcd).max(1);
-    let points = schedule.duration_ns / period_ns + 2;
-    Sampling { period_ns, points: points.max(profile.least_points) }
 }
 
 fn playing(signals: &Signals, profile: &Profile, sampling: &Sampling) -> Result<Playing, EmitError> {
@@ -166,13 +157,6 @@ fn playing(signals: &Signals, profile: &Profile, sampling: &Sampling) -> Result<
     let of_channel = |channel| sequence(signals, channel, full_scale_volts(signals, channel), profile, sampling);
     let sequences: Option<Vec<Sequence>> = (0..signals.schedule.channels.len()).map(of_channel).collect();
     sequences.map(Playing::Sequences).ok_or_else(|| refused(Some(profile.sequencer.most_steps as u64)))
-}
-
-fn gcd(mut a: u64, mut b: u64) -> u64 {
-    while b > 0 {
-        (a, b) = (b, a % b);
-    }
-    a
 }
 
 fn script(signals: &Signals, profile: &Profile, sampling: &Sampling, playing: &Playing) -> Vec<u8> {
@@ -260,7 +244,7 @@ fn seconds(t_ns: u64) -> String {
     format!("{}.{:09}", t_ns / 1_000_000_000, t_ns % 1_000_000_000)
 }
 
-/// The largest voltage of a channel in either direction, or 1 V where it is never driven.
+/// The largest voltage or position of a channel in either direction, or 1 V where it is never driven.
 fn full_scale_volts(signals: &Signals, channel: usize) -> f64 {
     let levels = signals.of(channel).iter().flat_map(|actuation| [actuation.from, actuation.to]);
     let largest = levels.map(f64::abs).fold(0.0, f64::max);
@@ -268,6 +252,22 @@ fn full_scale_volts(signals: &Signals, channel: usize) -> f64 {
 }
 
 fn codes(signals: &Signals, channel: usize, volts: f64, profile: &Profile, sampling: &Sampling) -> Vec<i16> {
+    match signals.unit(channel) {
+        Unit::Volt => codes_of_voltages(signals, channel, volts, profile, sampling),
+        Unit::Micrometre => {
+            let positions = sampling.positions(signals, channel);
+            positions.map(|position_um| profile.code(position_um, volts)).collect()
+        }
+    }
+}
+
+fn codes_of_voltages(
+    signals: &Signals,
+    channel: usize,
+    volts: f64,
+    profile: &Profile,
+    sampling: &Sampling,
+) -> Vec<i16> {
     let mut codes = vec![0; sampling.points as usize];
     for actuation in signals.of(channel) {
         let [first, end] =
@@ -294,19 +294,24 @@ fn description(signals: &Signals, profile: &Profile, sampling: &Sampling, playin
          Read the answer to every {} before sending on; anything but 0 means that the instrument refused a message.\n\
          Compare the commands with your instrument's manual, connect the actuators last, and try at a low voltage first.\n\
          Voltages are those of an output without load. Where an amplifier stands between output and actuator, divide each\n\
-         VOLT by its gain; generators rarely give the current that an actuator draws.\n\n\
+         VOLT by its gain; generators rarely give the current that an actuator draws.\n{}\n\
          {} All outputs begin on {}.\n\
          Several instruments: send each its own messages, then trigger them from one line (EXT) instead of BUS.\n\n\
          output\tsegment\tfull scale [V]\tchannel\twire\n",
         profile.name,
         profile.ask_error,
+        stages(signals, sampling),
         playback(signals, sampling, playing),
         profile.start.join(" "),
     );
     for (index, channel) in schedule.channels.iter().enumerate() {
         let wire = channel.wire.as_deref().map_or_else(|| "-".to_owned(), one_line);
         let volts = full_scale_volts(signals, index);
-        let _ = writeln!(text, "{}\t{}\t{volts}\t{}\t{wire}", index + 1, segment(index), channel.name);
+        let mark = match channel.unit {
+            Unit::Volt => "",
+            Unit::Micrometre => " [um]",
+        };
+        let _ = writeln!(text, "{}\t{}\t{volts}\t{}{mark}\t{wire}", index + 1, segment(index), channel.name);
     }
     if let Playing::Sequences(sequences) = playing {
         text.push_str("\noutput\tstep\tsegment\tpoints\ttimes\tgoes on\tfirst sample\n");
@@ -315,19 +320,29 @@ fn description(signals: &Signals, profile: &Profile, sampling: &Sampling, playin
     text
 }
 
+/// How to read the outputs of positions.
+fn stages(signals: &Signals, sampling: &Sampling) -> String {
+    let Some(step_um) = sampling.step_um(signals) else { return String::new() };
+    format!(
+        "\nOutputs of positions, whose channels are marked um in the table, give 1 V for each micrometre: multiply their VOLT by the volts\n\
+         that the stage's driver takes for a micrometre, and set VOLT:OFFS where its zero lies elsewhere. They wait at the first position\n\
+         and rest at the last one. Straight lines are sampled: a stage moves by {step_um} um at the most from one sample to the next.\n"
+    )
+}
+
 /// How long the outputs play, and how they wait and rest.
 fn playback(signals: &Signals, sampling: &Sampling, playing: &Playing) -> String {
     let Sampling { period_ns, points } = sampling;
     match playing {
         Playing::Waveforms => format!(
             "Sample period {period_ns} ns, {points} points, {} s in all. The schedule begins at the second sample: the first and the last\n\
-             are 0 V, because an output waits at its first sample and rests at its last.",
+             are 0 V, or where a stage is, because an output waits at its first sample and rests at its last.",
             seconds(points * period_ns),
         ),
         Playing::Sequences(_) => format!(
             "Each output plays a sequence: segments one after the other, each so many times, as the table at the end lists them.\n\
              Sample period {period_ns} ns; the schedule lasts {} s and begins when the trigger comes, at the second step: the first and\n\
-             the last segment are 0 V, where an output waits for its trigger and rests when all is played.",
+             the last segment are 0 V, or where a stage is; there an output waits for its trigger and rests when all is played.",
             seconds(signals.schedule.duration_ns),
         ),
     }

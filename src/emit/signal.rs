@@ -1,10 +1,15 @@
 //! The channels of a schedule as functions of time.
 //!
+//! Outside of its actuations a voltage is 0 V, and a stage stays where it was last, or where it is first wanted.
+//!
 //! A swing is one actuation, however long it is. Its ends are [`Signals::breaks`]; what happens between them is only counted, or
 //! told one instant after the other by [`Edges`], for the formats that cannot say it in one go.
 
-use crate::schedule::{Actuation, Schedule, Swing};
+use crate::schedule::{Actuation, Schedule, Swing, Unit};
 use std::collections::BTreeSet;
+
+/// What two positions may differ by and be the same but for rounding.
+pub const LEAP_UM: f64 = 1e-9;
 
 /// The actuations of every channel, for looking up values.
 pub struct Signals<'a> {
@@ -35,41 +40,72 @@ impl<'a> Signals<'a> {
         self.of(channel).iter().filter_map(|actuation| Some((*actuation, actuation.swing?)))
     }
 
+    /// What the numbers of a channel are.
+    pub fn unit(&self, channel: usize) -> Unit {
+        self.schedule.channels[channel].unit
+    }
+
+    /// The channels whose numbers are of a unit.
+    pub fn in_unit(&self, unit: Unit) -> impl Iterator<Item = usize> + Clone {
+        (0..self.schedule.channels.len()).filter(move |channel| self.unit(*channel) == unit)
+    }
+
     /// The value at an instant; where it jumps, the new one.
     pub fn value(&self, channel: usize, t_ns: u64) -> f64 {
-        self.during(channel, t_ns).map_or(0.0, |actuation| at(actuation, t_ns))
+        let rest = || self.rest(channel, self.begun(channel, t_ns));
+        self.during(channel, t_ns).map_or_else(rest, |actuation| at(actuation, t_ns))
     }
 
     /// The value just before an instant.
     pub fn value_before(&self, channel: usize, t_ns: u64) -> f64 {
-        self.until(channel, t_ns).map_or(0.0, |actuation| match actuation.swing {
+        let rest = || self.rest(channel, self.begun_before(channel, t_ns));
+        self.until(channel, t_ns).map_or_else(rest, |actuation| match actuation.swing {
             // Levels hold for whole nanoseconds, so the one before is that of the nanosecond before.
             Some(_) => at(actuation, t_ns - 1),
             None => at(actuation, t_ns),
         })
     }
 
+    /// The value between two actuations, so many of them being over: a stage stays where it is, a voltage is off.
+    fn rest(&self, channel: usize, over: usize) -> f64 {
+        let list = self.of(channel);
+        match self.unit(channel) {
+            Unit::Volt => 0.0,
+            Unit::Micrometre => match over.checked_sub(1) {
+                Some(last) => list[last].to,
+                None => list.first().map_or(0.0, |first| first.from),
+            },
+        }
+    }
+
+    /// How many actuations of a channel have begun by an instant.
+    fn begun(&self, channel: usize, t_ns: u64) -> usize {
+        self.of(channel).partition_point(|actuation| actuation.start_ns <= t_ns)
+    }
+
+    /// How many actuations of a channel have begun before an instant.
+    fn begun_before(&self, channel: usize, t_ns: u64) -> usize {
+        self.of(channel).partition_point(|actuation| actuation.start_ns < t_ns)
+    }
+
     /// The lowest and the highest value that a channel takes about an instant: the levels of a swing, else twice the value.
     pub fn envelope(&self, channel: usize, t_ns: u64) -> [f64; 2] {
         match self.during(channel, t_ns) {
             Some(Actuation { swing: Some(Swing { levels: [a, b], .. }), .. }) => [a.min(*b), a.max(*b)],
-            Some(actuation) => [at(actuation, t_ns); 2],
-            None => [0.0; 2],
+            Some(_) | None => [self.value(channel, t_ns); 2],
         }
     }
 
     /// The actuation of a channel that an instant lies in, its start included.
     pub fn during(&self, channel: usize, t_ns: u64) -> Option<&'a Actuation> {
-        let list = self.of(channel);
-        let after = list.partition_point(|actuation| actuation.start_ns <= t_ns);
-        after.checked_sub(1).map(|last| list[last]).filter(|actuation| t_ns < actuation.end_ns())
+        let last = self.begun(channel, t_ns).checked_sub(1)?;
+        Some(self.of(channel)[last]).filter(|actuation| t_ns < actuation.end_ns())
     }
 
     /// The actuation of a channel that an instant lies in, its end included.
     pub fn until(&self, channel: usize, t_ns: u64) -> Option<&'a Actuation> {
-        let list = self.of(channel);
-        let after = list.partition_point(|actuation| actuation.start_ns < t_ns);
-        after.checked_sub(1).map(|last| list[last]).filter(|actuation| t_ns <= actuation.end_ns())
+        let last = self.begun_before(channel, t_ns).checked_sub(1)?;
+        Some(self.of(channel)[last]).filter(|actuation| t_ns <= actuation.end_ns())
     }
 
     /// The instants at which an actuation of one of these channels begins or ends, in order.
@@ -95,18 +131,36 @@ impl<'a> Signals<'a> {
         actuations.map(of_actuation).fold(0, u64::saturating_add)
     }
 
-    /// The devices that have channels, with their channels' indices, in the order of the channels.
-    pub fn devices(&self) -> Vec<(&'a str, Vec<usize>)> {
-        let mut devices: indexmap::IndexMap<&str, Vec<usize>> = indexmap::IndexMap::new();
+    /// The devices that have channels, with the unit and the indices of their channels, in the order of the channels.
+    pub fn devices(&self) -> Vec<(&'a str, Unit, Vec<usize>)> {
+        let mut devices: indexmap::IndexMap<(&str, Unit), Vec<usize>> = indexmap::IndexMap::new();
         for (index, channel) in self.schedule.channels.iter().enumerate() {
-            devices.entry(&channel.device).or_default().push(index);
+            devices.entry((&channel.device, channel.unit)).or_default().push(index);
         }
-        devices.into_iter().collect()
+        devices.into_iter().map(|((device, unit), channels)| (device, unit, channels)).collect()
     }
 
-    /// The first actuation that runs in a straight line, where a format can only hold values.
+    /// The first voltage that runs in a straight line, where a format can only hold voltages.
     pub fn first_ramp(&self) -> Option<&'a Actuation> {
-        self.schedule.actuations.iter().find(|actuation| actuation.swing.is_none() && actuation.from != actuation.to)
+        self.schedule.actuations.iter().find(|actuation| {
+            let of_volts = self
+                .schedule
+                .channels
+                .get(actuation.channel as usize)
+                .is_some_and(|channel| channel.unit == Unit::Volt);
+            of_volts && actuation.swing.is_none() && actuation.from != actuation.to
+        })
+    }
+
+    /// The first instant at which a stage would have to be in two places, with its channel; or where it would swing.
+    pub fn first_leap(&self) -> Option<(usize, u64)> {
+        let leap = |channel: usize| {
+            let leaps = |t_ns: &u64| (self.value_before(channel, *t_ns) - self.value(channel, *t_ns)).abs() > LEAP_UM;
+            let swing = self.swings(channel).next().map(|(actuation, _)| actuation.start_ns);
+            let t_ns = swing.or_else(|| self.breaks([channel]).into_iter().find(leaps))?;
+            Some((channel, t_ns))
+        };
+        self.in_unit(Unit::Micrometre).find_map(leap)
     }
 }
 
@@ -149,8 +203,8 @@ fn at(actuation: &Actuation, t_ns: u64) -> f64 {
     if let Some(swing) = actuation.swing {
         return swing.levels[((t_ns - actuation.start_ns) / half_ns(swing) % 2) as usize];
     }
-    if actuation.from == actuation.to {
-        return actuation.from;
+    if actuation.from == actuation.to || t_ns == actuation.end_ns() {
+        return actuation.to;
     }
     let part = (t_ns - actuation.start_ns) as f64 / actuation.duration_ns as f64;
     actuation.from + (actuation.to - actuation.from) * part

@@ -1,7 +1,9 @@
 use super::{EmitError, Format, Provenance, emit, fixture};
 use crate::diagnostic::Code;
-use crate::schedule::json;
+use crate::schedule::{Unit, json};
 use crate::verify::Verified;
+
+mod positions;
 
 fn one(format: Format, (verified, provenance): &(Verified, Provenance)) -> Vec<u8> {
     let mut files = emit(format, verified, provenance).expect("the fixture can be written");
@@ -17,6 +19,12 @@ fn code(format: Format, verified: &Verified) -> Code {
     error.diagnostic().code
 }
 
+/// The formats that a fixture can be written in: G-code is of stages only.
+fn formats(verified: &Verified) -> impl Iterator<Item = Format> {
+    let all_stages = verified.schedule().channels.iter().all(|channel| channel.unit == Unit::Micrometre);
+    Format::ALL.iter().copied().filter(move |format| all_stages || *format != Format::Gcode)
+}
+
 #[test]
 fn names_find_their_formats() {
     for format in Format::ALL {
@@ -27,12 +35,12 @@ fn names_find_their_formats() {
 
 #[test]
 fn the_same_schedule_gives_the_same_bytes() {
-    for format in Format::ALL {
-        for make in [fixture::fetch, fixture::pair, fixture::idle, fixture::bed, fixture::paces] {
-            let (verified, provenance) = make();
+    for make in [fixture::fetch, fixture::pair, fixture::idle, fixture::bed, fixture::paces, fixture::hand] {
+        let (verified, provenance) = make();
+        for format in formats(&verified) {
             let (again, _) = make();
-            let files = emit(*format, &verified, &provenance).unwrap();
-            assert_eq!(files, emit(*format, &again, &provenance).unwrap());
+            let files = emit(format, &verified, &provenance).unwrap();
+            assert_eq!(files, emit(format, &again, &provenance).unwrap());
             assert!(!files.is_empty());
             assert!(
                 files.iter().all(|file| file.name.starts_with(&verified.schedule().name) && !file.bytes.is_empty())
@@ -43,7 +51,7 @@ fn the_same_schedule_gives_the_same_bytes() {
 
 #[test]
 fn json_comes_back_as_it_was() {
-    for make in [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::bed, fixture::paces] {
+    for make in [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::bed, fixture::paces, fixture::hand] {
         let fixture = make();
         let bytes = one(Format::Json, &fixture);
         let back = json::read(&bytes).unwrap();
@@ -68,7 +76,7 @@ fn csv_has_a_row_for_each_change_and_units_and_wires_in_the_header() {
 }
 
 #[test]
-fn a_ramp_is_refused_where_values_are_held() {
+fn a_ramp_is_refused_where_voltages_are_held() {
     let (flat, _) = fixture::fetch();
     let ramp = fixture::changed(&flat, |schedule| schedule.actuations[3].to = 10.0);
     for format in [Format::Csv, Format::Vcd, Format::Scpi] {
@@ -106,12 +114,16 @@ fn write_fixtures() {
             std::fs::write(folder.join(file.name), file.bytes).unwrap();
         }
     };
-    for format in Format::ALL {
-        for fixture in
-            [fixture::fetch(), fixture::pair(), fixture::large(), fixture::idle(), fixture::bed(), fixture::paces()]
-        {
-            write(&folder, *format, fixture);
-        }
+    for make in [
+        fixture::fetch,
+        fixture::pair,
+        fixture::large,
+        fixture::idle,
+        fixture::bed,
+        fixture::paces,
+        fixture::hand,
+    ] {
+        formats(&make().0).for_each(|format| write(&folder, format, make()));
     }
     for format in [Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi] {
         // Longer than the deck goes on.

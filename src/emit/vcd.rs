@@ -2,11 +2,18 @@
 //!
 //! Each channel is a `real` variable in volts, found under its own name: the scopes are the name's parts, `bot` / `bl4`, and the
 //! variable is `set`. A wired channel is found a second time in the scope `wires`, under the wire's name. The timescale is 1 ns.
+//!
+//! A position moves steadily, and VCD has steps only. So it is written as an encoder of 10 nm would count it: at every nanosecond
+//! the nearest multiple of [`COUNT_UM`], which a comment says of the channel.
+
+mod counts;
 
 use super::csv::{digits, one_line};
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
-use crate::schedule::Channel;
+use crate::schedule::{Channel, Unit};
+pub use counts::COUNT_UM;
+use counts::Counts;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::fmt::Write as _;
@@ -20,12 +27,13 @@ const WIRES: &str = "wires";
 /// The text of the file.
 ///
 /// # Errors
-/// [`EmitError::Ramp`] for a value that is not constant, [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
+/// [`EmitError::Ramp`] for a voltage that is not constant, [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
 pub(super) fn write(signals: &Signals) -> Result<Vec<u8>, EmitError> {
     EmitError::refuse_ramps(Format::Vcd, signals)?;
     let schedule = signals.schedule;
     let change_bytes = digits(schedule.duration_ns) + CHANGE_BYTES;
-    let bytes = signals.count_edges(0..schedule.channels.len()).saturating_mul(change_bytes);
+    let lines = signals.count_edges(0..schedule.channels.len()).saturating_add(counts::number(signals));
+    let bytes = lines.saturating_mul(change_bytes);
     EmitError::refuse_size(Format::Vcd, bytes, MAX_TEXT_BYTES)?;
     let mut text = String::new();
     let _ = writeln!(text, "$version tweeze {} $end", env!("CARGO_PKG_VERSION"));
@@ -33,7 +41,11 @@ pub(super) fn write(signals: &Signals) -> Result<Vec<u8>, EmitError> {
     for channel in &schedule.channels {
         let wire = channel.wire.as_deref().unwrap_or("none");
         let (name, unit) = (word(&channel.name), channel.unit.symbol());
-        let _ = writeln!(text, "$comment {name} [{unit}] wire: {} $end", one_line(wire).replace('$', "_"));
+        let form = match channel.unit {
+            Unit::Volt => String::new(),
+            Unit::Micrometre => format!(" as the nearest multiple of {COUNT_UM} {unit}"),
+        };
+        let _ = writeln!(text, "$comment {name} [{unit}]{form} wire: {} $end", one_line(wire).replace('$', "_"));
     }
     text.push_str("$timescale 1 ns $end\n");
     declare(&mut text, &schedule.channels);
@@ -81,39 +93,56 @@ impl Scope {
 }
 
 fn changes(text: &mut String, signals: &Signals) {
-    let channels = signals.schedule.channels.len();
+    let mut said: Vec<f64> = Vec::new();
     text.push_str("#0\n$dumpvars\n");
-    for channel in 0..channels {
-        let _ = writeln!(text, "r{} {}", signals.value(channel, 0), code(channel));
+    for channel in 0..signals.schedule.channels.len() {
+        let value = first(signals, channel);
+        let _ = writeln!(text, "r{value} {}", code(channel));
+        said.push(value);
     }
     text.push_str("$end\n");
     let mut last_ns = 0;
-    for (t_ns, channel) in edges(signals).filter(|(t_ns, _)| *t_ns > 0) {
-        if signals.value_before(channel, t_ns) == signals.value(channel, t_ns) {
+    for (t_ns, channel, value) in values(signals).filter(|(t_ns, ..)| *t_ns > 0) {
+        if said[channel] == value {
             continue;
         }
         if t_ns != last_ns {
             let _ = writeln!(text, "#{t_ns}");
             last_ns = t_ns;
         }
-        let _ = writeln!(text, "r{} {}", signals.value(channel, t_ns), code(channel));
+        let _ = writeln!(text, "r{value} {}", code(channel));
+        said[channel] = value;
     }
     if signals.schedule.duration_ns != last_ns {
         let _ = writeln!(text, "#{}", signals.schedule.duration_ns);
     }
 }
 
-/// The edges of every channel with the channel's index, in order of time, then of channel.
-fn edges(signals: &Signals) -> impl Iterator<Item = (u64, usize)> {
-    let channels = 0..signals.schedule.channels.len();
-    let mut of_channel: Vec<_> = channels.map(|channel| signals.edges([channel])).collect();
-    let firsts = of_channel.iter_mut().enumerate();
-    let mut due: BinaryHeap<_> =
-        firsts.filter_map(|(channel, edges)| Some(Reverse((edges.next()?, channel)))).collect();
+fn first(signals: &Signals, channel: usize) -> f64 {
+    match signals.unit(channel) {
+        Unit::Volt => signals.value(channel, 0),
+        Unit::Micrometre => counts::counted(signals.value(channel, 0)),
+    }
+}
+
+/// What channels are from an instant on, in order of time, then of channel; some of it is no change.
+fn values<'a>(signals: &'a Signals) -> impl Iterator<Item = (u64, usize, f64)> + 'a {
+    let of_channel = |channel: usize| -> Box<dyn Iterator<Item = (u64, f64)> + 'a> {
+        match signals.unit(channel) {
+            Unit::Volt => Box::new(signals.edges([channel]).map(move |t_ns| (t_ns, signals.value(channel, t_ns)))),
+            Unit::Micrometre => Box::new(Counts::new(signals, channel)),
+        }
+    };
+    let mut of_channel: Vec<_> = (0..signals.schedule.channels.len()).map(of_channel).collect();
+    let mut heads: Vec<Option<(u64, f64)>> = of_channel.iter_mut().map(Iterator::next).collect();
+    let firsts = heads.iter().enumerate();
+    let mut due: BinaryHeap<_> = firsts.filter_map(|(channel, head)| Some(Reverse(((*head)?.0, channel)))).collect();
     std::iter::from_fn(move || {
         let Reverse((t_ns, channel)) = due.pop()?;
-        due.extend(of_channel[channel].next().map(|next_ns| Reverse((next_ns, channel))));
-        Some((t_ns, channel))
+        let (_, value) = heads[channel]?;
+        heads[channel] = of_channel[channel].next();
+        due.extend(heads[channel].map(|(next_ns, _)| Reverse((next_ns, channel))));
+        Some((t_ns, channel, value))
     })
 }
 

@@ -52,7 +52,7 @@ pub struct Channel {
 }
 
 /// What a channel's numbers are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Unit {
     #[serde(rename = "V")]
     Volt,

@@ -3,7 +3,7 @@
 //! Input: the bytes of an MCAP file. Output: a [`Log`] with what the verifier needs, or a [`LogError`] that says what is wrong
 //! and where. Promise: every checksum is there and right; no input makes it panic or hang; memory stays within a small multiple
 //! of the limits below and of the file's own size. What the log says is not judged here, but for [`Log::voltage_fault`], which
-//! holds the recorded voltages against the recorded schedule.
+//! holds the recorded voltages and positions against the recorded schedule.
 //!
 //! The records are taken apart by hand (MCAP specification, version 0): the usual reader takes lengths on trust.
 
@@ -14,7 +14,7 @@ mod series;
 pub use error::LogError;
 pub use series::{Bound, Column, Series, VoltageFault};
 
-use crate::schedule::{Schedule, json};
+use crate::schedule::{Schedule, Unit, json};
 use crate::source::MAX_FILE_BYTES;
 use records::{Attachment, Contents};
 
@@ -27,7 +27,7 @@ pub const MAX_MESSAGE_BYTES: u64 = 64 * 1024 * 1024;
 /// The most messages that a log may hold.
 pub const MAX_MESSAGES: u64 = 4_000_000;
 
-/// The most devices whose voltages a log may hold.
+/// The most topics of channels that a log may hold.
 pub const MAX_DEVICES: u64 = 1000;
 
 /// The largest schedule that a log may carry, in bytes of JSON.
@@ -48,10 +48,25 @@ pub const SOURCE_PREFIX: &str = "source/";
 /// Name of the metadata record that says where the log comes from.
 pub const METADATA: &str = "tweeze";
 
-/// What the topics of voltages end with; the device stands before it.
-pub const VOLTAGES_SUFFIX: &str = "/voltages";
+/// The topic of a device that holds its channels of a unit.
+pub fn topic(device: &str, unit: Unit) -> String {
+    format!("/{device}{}", suffix(unit))
+}
 
-/// What stands behind the path of a field in the metadata of a topic of voltages, for the entry that says which [`Bound`] it is.
+/// Whether a topic holds channels.
+pub fn is_topic(name: &str) -> bool {
+    name.starts_with('/') && [Unit::Volt, Unit::Micrometre].iter().any(|unit| name.ends_with(suffix(*unit)))
+}
+
+/// What the topics of channels end with; the device stands before it.
+fn suffix(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Volt => "/voltages",
+        Unit::Micrometre => "/positions",
+    }
+}
+
+/// What stands behind the path of a field in the metadata of a topic of channels, for the entry that says which [`Bound`] it is.
 pub const BOUND_SUFFIX: &str = ".bound";
 
 /// As [`BOUND_SUFFIX`], for the periods of the drive trains in nanoseconds, with blanks between them.
@@ -69,7 +84,7 @@ pub struct Log {
     pub settings: Vec<String>,
     /// The version of Tweeze that wrote it.
     pub version: String,
-    /// What the recorded pictures and plots show of the channels, one series for each device.
+    /// What the recorded plots show of the channels, one series for each device and unit.
     pub voltages: Vec<Series>,
 }
 
@@ -149,7 +164,7 @@ fn files(contents: &Contents) -> Result<Vec<(String, String)>, LogError> {
 }
 
 impl Log {
-    /// The first place at which the recorded voltages are not those of the recorded schedule.
+    /// The first place at which the recorded voltages and positions are not those of the recorded schedule.
     pub fn voltage_fault(&self) -> Option<VoltageFault> {
         series::fault(&self.schedule, &self.voltages)
     }

@@ -14,7 +14,7 @@ mod boxes;
 mod clock;
 mod dimibot;
 mod electrode_array;
-mod fingers;
+pub mod fingers;
 mod form;
 pub mod log;
 mod microrobots;

@@ -94,6 +94,26 @@ pub enum Rule {
     Dock,
     /// A swing has whole periods of two levels, on a channel that may swing.
     Swing,
+    /// An axis of a hand has one value at every instant of a run, and never jumps.
+    Axis,
+    /// A stage stays within its range.
+    Range,
+    /// A tip that holds touches the part all the time.
+    Gap,
+    /// A tip that holds rolls without slip.
+    Slip,
+    /// Fingers come and leave at contacts, and leave no part to one finger.
+    Contact,
+    /// Fingers that hold are in equilibrium.
+    Equilibrium,
+    /// Fingers that stay resist the pull of one that leaves.
+    Removal,
+    /// What a part rests on holds it as the last fingers leave.
+    Support,
+    /// No tip is in the part, and no free one too near it.
+    Pierce,
+    /// Tips keep clear of one another.
+    Apart,
 }
 
 impl Rule {
@@ -144,6 +164,16 @@ impl Rule {
             Rule::Orbit => Code::E0748,
             Rule::Dock => Code::E0749,
             Rule::Swing => Code::E0750,
+            Rule::Axis => Code::E0751,
+            Rule::Range => Code::E0752,
+            Rule::Gap => Code::E0753,
+            Rule::Slip => Code::E0754,
+            Rule::Contact => Code::E0755,
+            Rule::Equilibrium => Code::E0756,
+            Rule::Removal => Code::E0757,
+            Rule::Support => Code::E0758,
+            Rule::Pierce => Code::E0759,
+            Rule::Apart => Code::E0760,
         }
     }
 }

@@ -3,6 +3,7 @@
 mod build;
 mod dimibot;
 mod electrode_array;
+mod fingers;
 mod garbage;
 mod general;
 mod microrobots;

@@ -12,6 +12,10 @@ from schedule import held
 from verdict import demand
 
 
+# What the topics of channels end with, by the unit.
+TOPICS = {"V": "voltages", "um": "positions"}
+
+
 def judge(path, schedule):
     with open(path, "rb") as file:
         reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
@@ -25,35 +29,35 @@ def judge(path, schedule):
     topics = {}
     for channel, t_ns, proto in messages:
         topics.setdefault(channel.topic, (channel, []))[1].append((t_ns, proto))
-    devices = {channel["device"] for channel in schedule.document["channels"]}
+    series = {(channel["device"], channel["unit"]) for channel in schedule.document["channels"]}
     csv_path = path.with_suffix(".csv")
     table = csv_judge.read(csv_path) if csv_path.exists() else None
-    compared = sum(voltages(*topics[f"/{device}/voltages"], device, schedule, table) for device in sorted(devices))
+    compared = sum(channels(*topics[f"/{device}/{TOPICS[unit]}"], device, unit, schedule, table) for device, unit in sorted(series))
     log_lines(topics.get("/log", (None, []))[1], schedule)
     motion(topics, schedule)
     provenance(attachments, metadata, schedule)
-    return f"{compared} voltages, {len(messages)} messages on {len(topics)} topics, {len(attachments)} attachments agree"
+    return f"{compared} values, {len(messages)} messages on {len(topics)} topics, {len(attachments)} attachments agree"
 
 
-def voltages(channel, messages, device, schedule, table):
+def channels(channel, messages, device, unit, schedule, table):
     """Every value against the JSON, and against the CSV where there is one; and no edge may be left out.
 
     A channel with drive trains is there twice, with their lower and their higher level."""
-    fields = columns(channel.metadata, device, schedule)
+    fields = columns(channel.metadata, device, unit, schedule)
     for t_ns, proto in messages:
         for path, (name, bound) in fields.items():
             found, wanted = field(proto, path), schedule.envelope(name, t_ns)[bound or 0]
-            demand(abs(found - wanted) <= 1e-12 * abs(wanted), f"{name} as {path} is {found} V at {t_ns} ns, not {wanted} V")
-            if table and bound is None:
+            demand(abs(found - wanted) <= 1e-12 * max(abs(wanted), abs(wanted) if unit == "V" else 1.0), f"{name} as {path} is {found} {unit} at {t_ns} ns, not {wanted} {unit}")
+            if table and bound is None and unit == "V":
                 in_csv = held(table[1], table[2][:, table[0].index(header(table[0], name))], t_ns)
                 demand(found == in_csv, f"{name} is {found} V at {t_ns} ns, and {in_csv} V in the CSV file")
     times = {t_ns for t_ns, _ in messages}
     own = {t for name, _ in fields.values() for edge in schedule.ends(name) for t in (edge, edge - 1) if t >= 0}
-    demand(own | {0, schedule.duration_ns} <= times, f"/{device}/voltages leaves out an edge")
+    demand(own | {0, schedule.duration_ns} <= times, f"/{device}/{TOPICS[unit]} leaves out an edge")
     return len(messages) * len(fields)
 
 
-def columns(metadata, device, schedule):
+def columns(metadata, device, unit, schedule):
     """What each field is: a channel, and which level of its drive trains."""
     fields, kinds = {}, {"low": 0, "high": 1, None: None}
     for path, name in metadata.items():
@@ -63,9 +67,9 @@ def columns(metadata, device, schedule):
         demand(metadata.get(f"{path}.wire") == schedule.wires[name], f"the wire of {name} is another")
         periods = [int(period) for period in metadata.get(f"{path}.period_ns", "").split()]
         demand(periods == schedule.periods(name), f"the drive trains of {name} have other periods")
-    expected = {entry["name"] for entry in schedule.document["channels"] if entry["device"] == device}
+    expected = {entry["name"] for entry in schedule.document["channels"] if (entry["device"], entry["unit"]) == (device, unit)}
     wanted = {(name, bound) for name in expected for bound in ((0, 1) if schedule.periods(name) else (None,))}
-    demand(set(fields.values()) == wanted, f"/{device}/voltages has other channels")
+    demand(set(fields.values()) == wanted, f"/{device}/{TOPICS[unit]} has other channels")
     return fields
 
 
@@ -89,12 +93,13 @@ def log_lines(messages, schedule):
 def motion(topics, schedule):
     """Poses, ways and scenes against the states of the plans."""
     for plan in schedule.document["plans"]:
-        {"dimibot": robot, "electrode_array": board, "microrobots": bed}[plan["kind"]](topics, plan)
+        kinds = {"dimibot": robot, "electrode_array": board, "microrobots": bed, "fingers": hand}
+        kinds[plan["kind"]](topics, plan, schedule)
     frames = {f.child_frame_id for _, m in topics["/tf"][1] for f in m.transforms}
     demand({plan["device"] for plan in schedule.document["plans"]} <= frames, "/tf lacks a device")
 
 
-def robot(topics, plan):
+def robot(topics, plan, _):
     """Pose, path and scene of an end-effector."""
     device, states = plan["device"], plan["states"]
     poses = dict((t, m.pose.position) for t, m in topics[f"/{device}/pose"][1])
@@ -110,7 +115,7 @@ def robot(topics, plan):
     demand(entities[f"{device}/lattice"].frame_id == device, "the lattice stands in another frame")
 
 
-def board(topics, plan):
+def board(topics, plan, _):
     """Parts where the states say; for each of them a frame and a body."""
     device, states = plan["device"], plan["states"]
     poses = dict((t, [(p.position.x, p.position.y) for p in m.poses]) for t, m in topics[f"/{device}/poses"][1])
@@ -127,7 +132,7 @@ def board(topics, plan):
         demand(body.frame_id in frames, f"/tf lacks the part {name}")
 
 
-def bed(topics, plan):
+def bed(topics, plan, _):
     """Robots where the states say, and turned so; arms as numbers; for each robot a frame, a body and a way."""
     device, states = plan["device"], plan["states"]
     channel, messages = topics[f"/{device}/poses"]
@@ -162,6 +167,38 @@ def bed(topics, plan):
             at, (x, y, _) = pose.position, state["poses"][name]
             demand(math.hypot(at.x - x, at.y - y) < 1e-5, f"the way of {name} is another")
     demand(topics[f"/{device}/plan"][1] and topics[f"/{device}/state"][1], f"{device} shows no goals or no arms")
+
+
+def hand(topics, plan, schedule):
+    """The part where the states say, and turned so; tips in frames where the stages are; a grasp for each state."""
+    device, states = plan["device"], plan["states"]
+    poses = {t: m.pose for t, m in topics[f"/{device}/pose"][1]}
+    frames = [(t, {f.child_frame_id: f for f in m.transforms}) for t, m in topics["/tf"][1]]
+    scene = {entity.id: entity for _, m in topics[f"/{device}/scene"][1] for entity in m.entities}
+    (body,) = (entity for name, entity in scene.items() if name.startswith(f"{device}/part/"))
+    demand(len(body.lines) in (1, 2) and all(len(line.points) > 60 for line in body.lines), f"{device} shows no sections")
+    for state in states:
+        pose = poses[max(t for t in poses if t <= state["t_ns"])]
+        place = [pose.position.x, pose.position.y, pose.position.z]
+        turn = [pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z]
+        demand(math.dist(place, state["position_um"]) < 1e-5, f"{device} has its part elsewhere at {state['t_ns']} ns")
+        demand(math.dist(turn, state["orientation"]) < 1e-7, f"{device} has turned its part otherwise at {state['t_ns']} ns")
+    bends = {t for channel in schedule.channels if channel.startswith(f"{device}.") for t in schedule.ends(channel)}
+    for t_ns, transforms in frames:
+        demand(body.frame_id in transforms, f"/tf lacks the part of {device}")
+        for finger in range(len(states[0]["grasp"])):
+            name = f"{device}/finger/f{finger + 1}"
+            at = transforms[name].translation
+            demand(scene[name].frame_id == name and len(scene[name].spheres) == 1, f"{device} draws no tip {name}")
+            for axis in "xyz":
+                off = abs(getattr(at, axis) - schedule.value(f"{device}.f{finger + 1}.{axis}", t_ns))
+                demand(off < 1e-5 or t_ns not in bends, f"{name} is {off} um off along {axis} at {t_ns} ns")
+    grasps = topics[f"/{device}/state"][1]
+    for state in states:
+        words = {e.texts[0].text for t, m in grasps if t == state["t_ns"] for e in m.entities if e.id == f"{device}/grasp"}
+        wanted = f"grasp ({', '.join(map(str, state['grasp']))}) in {state['plane']} at angle {state['angle_index']}"
+        demand(wanted in words, f"/{device}/state says {words} at {state['t_ns']} ns")
+    demand(topics[f"/{device}/plan"][1] and topics[f"/{device}/scene/points"][1], f"{device} shows no ways or no points")
 
 
 def provenance(attachments, metadata, schedule):

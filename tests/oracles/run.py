@@ -1,10 +1,10 @@
-"""Judges a folder of files that `tweeze build --emit mcap,json,csv,vcd,pwl,scpi` wrote, by programs that are not Tweeze's.
+"""Judges a folder of files that `tweeze build --emit mcap,json,csv,vcd,pwl,scpi,gcode` wrote, by programs that are not Tweeze's.
 
     python tests/oracles/run.py DIR
 
 Every `*.json` schedule in the folder is the measure for the files beside it. Exit status 0: all that was judged is right; 1:
 something is wrong. A file of very many lines may be left out, which is said too. A judge that is not installed is said aloud; with TWEEZE_REQUIRE_ORACLES=1 it counts as wrong, and so does
-a format that is not there.
+a format that is not there. G-code is asked for where all channels are stages.
 """
 
 import importlib
@@ -23,6 +23,7 @@ JUDGES = {
     ".vcd": "vcd_judge",
     ".cir": "spice_judge",
     ".scpi": "scpi_judge",
+    ".ngc": "gcode_judge",
 }
 
 # Of schedules with more edges than this, files with a line for each edge may be left out.
@@ -34,7 +35,7 @@ def judge(path, module, schedule):
     """What is said of one file: a word for the outcome, and the reason."""
     if not path.exists() and path.suffix in LINE_FOR_EDGE and schedule.count_edges() > MANY_EDGES:
         return "LONG", f"is left out, {schedule.count_edges()} edges"
-    if not path.exists():
+    if not path.exists() and not any(path.parent.glob(f"{path.stem}.*{path.suffix}")):
         return "MISSING", "was not written"
     try:
         return "right", importlib.import_module(module).judge(path, schedule)
@@ -60,6 +61,8 @@ def judge_folder(folder):
             verdicts.append((path.name, "WRONG", f"{type(error).__name__}: {error}"))
             continue
         for ending, module in JUDGES.items():
+            if ending == ".ngc" and not all(map(schedule.is_stage, schedule.channels)):
+                continue
             file = path.with_suffix(ending)
             verdicts.append((file.name, *judge(file, module, schedule)))
     return verdicts

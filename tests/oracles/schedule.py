@@ -19,6 +19,7 @@ class Schedule:
         self.bytes = Path(path).read_bytes()
         self.document = json.loads(self.bytes)
         self.channels = [channel["name"] for channel in self.document["channels"]]
+        self.units = {channel["name"]: channel["unit"] for channel in self.document["channels"]}
         self.wires = {channel["name"]: channel["wire"] for channel in self.document["channels"]}
         self.duration_ns = self.document["duration_ns"]
         self.pulses = {name: [] for name in self.channels}
@@ -37,11 +38,26 @@ class Schedule:
         pulses = self.pulses[channel]
         index = bisect.bisect_right(pulses, t_ns, key=lambda pulse: pulse[0]) - 1
         if index < 0 or t_ns >= pulses[index][1]:
-            return 0.0
+            return self.rest(channel, index)
         start, end, first, last, half = pulses[index]
         if half:
             return (first, last)[(t_ns - start) // half % 2]
         return first if first == last else first + (last - first) * (t_ns - start) / (end - start)
+
+    def rest(self, channel, index):
+        """The value after a pulse, -1 for before the first: a voltage is off, a stage stays where it is."""
+        pulses = self.pulses[channel]
+        if self.units[channel] == "V" or not pulses:
+            return 0.0
+        return pulses[index][3] if index >= 0 else pulses[0][2]
+
+    def is_stage(self, channel):
+        """Whether its numbers are positions."""
+        return self.units[channel] == "um"
+
+    def fastest(self, channel):
+        """The greatest speed of a stage, in um/ns."""
+        return max((abs(last - first) / (end - start) for start, end, first, last, _ in self.pulses[channel]), default=0.0)
 
     def envelope(self, channel, t_ns):
         """The lowest and the highest value of the drive train that an instant lies in, else twice the value."""

@@ -18,6 +18,9 @@ FULL_SCALE = 32767
 # Of a sequence in the 33500 series.
 MOST_STEPS = 512
 MOST_REPEATS = 1_000_000
+# The most that a stage moves between two samples, unless there are as many as the memory takes.
+SAMPLE_UM = 0.05
+FEW_POINTS = 500_000
 
 
 def messages(data):
@@ -118,31 +121,38 @@ def compare(rack, output, channel, schedule):
     segments = rack.segments[f":SOUR{output}:DATA:ARB:DAC"]
     steps = ask(":SOUR{}:DATA:SEQ")
     played = waveform if steps == "none" else sequence
-    codes, period_ns = played(ask, segments, steps)
+    waits, codes, period_ns = played(ask, segments, steps)
     demand(abs(period_ns - round(period_ns)) < 1e-6 * period_ns, f"a sample lasts {period_ns} ns")
     period_ns = round(period_ns)
-    for edge in schedule.edges(channel):
-        demand(edge % period_ns == 0, f"{channel} has an edge at {edge} ns, between samples")
     scale = float(ask(":SOUR{}:VOLT")) / 2 / FULL_SCALE
+    if schedule.is_stage(channel):
+        step_um = schedule.fastest(channel) * period_ns
+        demand(step_um <= SAMPLE_UM + 1e-9 or len(codes) >= FEW_POINTS, f"{channel} moves {step_um} um from sample to sample")
+    else:
+        for edge in schedule.edges(channel):
+            demand(edge % period_ns == 0, f"{channel} has an edge at {edge} ns, between samples")
     demand(len(codes) * period_ns >= schedule.duration_ns, f"output {output} ends too early")
+    at = lambda t_ns: schedule.value(channel, min(t_ns, schedule.duration_ns))
+    waits_at = [at(0), at(schedule.duration_ns)] if schedule.is_stage(channel) else [0, 0]
+    for code, expected in zip(waits, waits_at, strict=True):
+        demand(abs(code * scale - expected) <= scale / 2 + 1e-12, f"{channel} waits or rests at {code * scale} V, not {expected} V")
     for index, code in enumerate(codes):
-        found, expected = code * scale, schedule.value(channel, index * period_ns)
+        found, expected = code * scale, at(index * period_ns)
         demand(abs(found - expected) <= scale / 2 + 1e-12, f"{channel} is {found} V at {index * period_ns} ns, not {expected} V")
     return len(codes)
 
 
 def waveform(ask, segments, _):
-    """The samples from the trigger on of one segment in a burst, and how long each lasts."""
+    """What one segment in a burst waits at and rests at, its samples from the trigger on, and how long each lasts."""
     demand(ask(":SOUR{}:BURS:STAT") == "ON" and ask(":SOUR{}:BURS:NCYC") == "1", "the waveform is not played once")
     name = ask(":SOUR{}:FUNC:ARB")
     demand(name in segments, f"{name} is no segment")
     codes = segments[name]
-    demand(codes[0] == codes[-1] == 0, f"{name} waits or rests under voltage")
-    return codes[1:], float(ask(":SOUR{}:FUNC:ARB:PER")) * 1e9 / len(codes)
+    return [codes[0], codes[-1]], codes[1:], float(ask(":SOUR{}:FUNC:ARB:PER")) * 1e9 / len(codes)
 
 
 def sequence(ask, segments, block):
-    """The samples from the trigger on of a sequence, and how long each lasts.
+    """What a sequence waits at and rests at, its samples from the trigger on, and how long each lasts.
 
     As the 33500 series plays it: a name, then for each step a segment, how many times, how it goes on, and a marker."""
     offset, length = util.parse_ieee_block_header(block.encode("ascii"))
@@ -153,17 +163,18 @@ def sequence(ask, segments, block):
     demand(ask(":SOUR{}:FUNC:ARB:FILT") == "STEP", "the filter rings at edges")
     steps = [rest[at : at + 5] for at in range(0, len(rest), 5)]
     demand(all(len(step) == 5 for step in steps) and len(steps) <= MOST_STEPS, "a step has too little, or too many are there")
-    codes = []
+    codes, waits = [], []
     for number, (quoted, times, control, marker, point) in enumerate(steps):
         segment = segments.get(quoted.strip('"'))
         demand(segment is not None and 8 <= len(segment), f"{quoted} is no segment")
         demand(marker == "lowAtStart" and 4 <= int(point) <= len(segment) - 3, f"the marker of step {number} is off")
         demand(1 <= int(times) <= MOST_REPEATS, f"step {number} repeats {times} times")
         if control in ("onceWaitTrig", "repeatInf"):
-            demand(number in (0, len(steps) - 1) and not any(segment), f"step {number} stops, or under voltage")
+            demand(number in (0, len(steps) - 1) and len(set(segment)) == 1, f"step {number} stops, or swings")
+            waits.append(segment[0])
         else:
             demand(control == "repeat" or (control, times) == ("once", "1"), f"step {number} goes on by {control}")
             codes += segment * int(times)
     ends = [step[2] for step in (steps[0], steps[-1])]
     demand(ends == ["onceWaitTrig", "repeatInf"], f"it waits and rests by {ends}")
-    return codes, 1e9 / float(ask(":SOUR{}:FUNC:ARB:SRAT"))
+    return waits, codes, 1e9 / float(ask(":SOUR{}:FUNC:ARB:SRAT"))

@@ -28,7 +28,7 @@ def verdict(folder, ending, stem="Pair"):
 
 @pytest.fixture
 def folder(tmp_path):
-    for stem in ("Pair", "bed"):
+    for stem in ("Pair", "bed", "turn"):
         for file in FIXTURES.glob(f"{stem}.*"):
             shutil.copy(file, tmp_path)
     return tmp_path
@@ -40,9 +40,9 @@ def replace(path, old, new):
     path.write_bytes(data.replace(old, new, 1))
 
 
-@pytest.mark.parametrize("ending", run.JUDGES)
-def test_a_good_file_is_right(folder, ending):
-    outcome, reason = verdict(folder, ending)
+@pytest.mark.parametrize("stem,ending", [*(("Pair", ending) for ending in run.JUDGES if ending != ".ngc"), *(("turn", ending) for ending in run.JUDGES)])
+def test_a_good_file_is_right(folder, stem, ending):
+    outcome, reason = verdict(folder, ending, stem)
     assert outcome in ("right", "SKIPPED"), reason
 
 
@@ -119,6 +119,45 @@ def test_a_fault_of_a_train_is_found(folder, judged, broken, old, new):
     assert outcome == "WRONG", reason
 
 
+# Of stages.
+POSITION_FAULTS = [
+    (".json", ".json", b'"unit": "um"', b'"unit": "mm"'),
+    (".json", ".json", b'"plane": "xy"', b'"plane": "yz"'),
+    (".csv", ".csv", b"hand.f1.x [um]", b"hand.f1.x [V]"),
+    (".csv", ".csv", b"\n107000000,18.5,", b"\n107000000,18.500001,"),
+    (".csv", ".csv", b"\n107000000,", b"\n107000100,"),
+    (".vcd", ".vcd", b"r28.45 a\n", b"r28.46 a\n"),
+    (".vcd", ".vcd", b"r28.45 a\n", b"r28.454 a\n"),
+    (".vcd", ".vcd", b"r28.45 a\n", b""),
+    (".cir", ".pwl.inc", b"+ 0.107 18.5\n", b"+ 0.107 18.500001\n"),
+    (".cir", ".pwl.inc", b"+ 0.107 18.5\n", b""),
+    (".cir", ".pwl.inc", b", 1 V stands for 1 um", b""),
+    (".scpi", ".scpi", b":SOUR3:VOLT 10", b":SOUR3:VOLT 11"),
+    (".ngc", ".hand.ngc", b"G1 X0.018500 F600\n", b"G1 X0.018503 F600\n"),
+    (".ngc", ".hand.ngc", b"G1 X0.018500 F600\n", b"G1 X0.018500 F601\n"),
+    (".ngc", ".hand.ngc", b"; X is hand.f1.x", b"; X is hand.f1.y"),
+    (".ngc", ".hand.ngc", b"G4 P0.007", b"G4 P0.008"),
+    (".ngc", ".hand.ngc", b"G93\n", b"G94\n"),
+    (".ngc", ".hand.ngc", b"G21\n", b"G20\n"),
+    (".ngc", ".hand.ngc", b"\nM2\n", b"\n"),
+]
+
+
+@pytest.mark.parametrize("judged,broken,old,new", POSITION_FAULTS)
+def test_a_fault_of_positions_is_found(folder, judged, broken, old, new):
+    if verdict(folder, judged, "turn")[0] == "SKIPPED":
+        pytest.skip("the judge is not here")
+    replace(folder / f"turn{broken}", old, new)
+    outcome, reason = verdict(folder, judged, "turn")
+    assert outcome == "WRONG", reason
+
+
+def test_gcode_is_asked_for_where_all_channels_are_stages(folder):
+    (folder / "turn.hand.ngc").unlink()
+    judged = {name: outcome for name, outcome, _ in run.judge_folder(folder)}
+    assert judged["turn.ngc"] == "MISSING" and "Pair.ngc" not in judged
+
+
 def test_a_file_of_very_many_lines_may_be_left_out(folder, monkeypatch):
     (folder / "bed.csv").unlink()
     assert verdict(folder, ".csv", "bed")[0] == "MISSING"
@@ -174,6 +213,32 @@ def test_a_log_of_other_robots_is_found(folder, change):
     other.write_text(json.dumps(document))
     outcome, reason = run.judge(folder / "bed.mcap", "mcap_judge", Schedule(other))
     assert outcome == "WRONG" and " at " in reason, reason
+
+
+def carried(document):
+    document["plans"][0]["states"][-1]["position_um"][2] += 1e-4
+
+
+def rolled(document):
+    document["plans"][0]["states"][2]["orientation"][3] += 1e-6
+
+
+def grasped(document):
+    document["plans"][0]["states"][3]["grasp"][2] = 58
+
+
+def placed(document):
+    document["actuations"][0]["to"] += 1e-4
+
+
+@pytest.mark.parametrize("change", [carried, rolled, grasped, placed])
+def test_a_log_of_another_hand_is_found(folder, change):
+    other = folder / "other.json"
+    document = json.loads((folder / "turn.json").read_bytes())
+    change(document)
+    other.write_text(json.dumps(document))
+    outcome, reason = run.judge(folder / "turn.mcap", "mcap_judge", Schedule(other))
+    assert outcome == "WRONG" and "attached" not in reason, reason
 
 
 @pytest.mark.parametrize("change", [{"from": 21.0, "to": 21.0}, {"start_ns": 1}, {"duration_ns": 14_999_999}])

@@ -6,6 +6,9 @@ from vcdvcd import VCDVCD
 from schedule import held
 from verdict import demand
 
+# What a count of a position stands for.
+COUNT_UM = 0.01
+
 
 def judge(path, schedule):
     wires = {f"wires.{wire}": name for name, wire in schedule.wires.items() if wire}
@@ -22,9 +25,21 @@ def compare(changes, name, channel, schedule):
     demand(name in changes, f"{name} is not there")
     times = [t for t, _ in changes[name]]
     values = [v for _, v in changes[name]]
+    if schedule.is_stage(channel):
+        counts(times, values, name, channel, schedule)
+        return
     for t_ns in schedule.instants():
         found, expected = held(times, values, t_ns), schedule.value(channel, t_ns)
         demand(found == expected, f"{name} is {found} at {t_ns} ns, not {expected}")
+
+
+def counts(times, values, name, channel, schedule):
+    """A position is the nearest multiple of 0.01 um, on both sides of every change, at every bend, and at the end."""
+    instants = {*schedule.edges(channel), *times, *(t - 1 for t in times), 0, schedule.duration_ns}
+    for t_ns in sorted(t for t in instants if t >= 0):
+        found, expected = held(times, values, t_ns), schedule.value(channel, t_ns)
+        demand(abs(found - expected) <= COUNT_UM / 2 + 1e-6, f"{name} is {found} um at {t_ns} ns, not {expected} um")
+        demand(abs(found - round(found / COUNT_UM) * COUNT_UM) < 1e-9, f"{name} is {found} um, which is no count")
 
 
 def by_vcdvcd(path):

@@ -5,7 +5,7 @@
 use super::drawing;
 use super::foxglove::{self, Color, PackedElementField, PointCloud, packed_element_field::NumericType};
 use crate::geometry::shape::{Core, Rounded};
-use nalgebra::Point2;
+use nalgebra::{Point2, Point3};
 
 /// Distance of neighbouring points, in micrometres, unless there would be too many.
 const STEP_UM: f64 = 0.05;
@@ -19,6 +19,12 @@ pub const CIRCLE_CORNERS: usize = 48;
 /// A line through corners, of one colour.
 pub struct Stroke {
     pub corners: Vec<Point2<f64>>,
+    pub color: Color,
+}
+
+/// A line through corners in space, of one colour.
+pub struct SpaceStroke {
+    pub corners: Vec<Point3<f64>>,
     pub color: Color,
 }
 
@@ -60,14 +66,23 @@ pub fn cloud(strokes: &[Stroke], device: &str, t_ns: u64) -> PointCloud {
 
 /// A cloud whose neighbouring points are so far apart, or farther if there would be too many.
 pub fn spaced_cloud(strokes: &[Stroke], device: &str, t_ns: u64, least_step_um: f64) -> PointCloud {
+    let flat = |stroke: &Stroke| SpaceStroke {
+        corners: stroke.corners.iter().map(|corner| Point3::new(corner.x, corner.y, 0.0)).collect(),
+        color: stroke.color,
+    };
+    space_cloud(&strokes.iter().map(flat).collect::<Vec<_>>(), device, t_ns, least_step_um)
+}
+
+/// As [`spaced_cloud`], in space and in a frame of any name.
+pub fn space_cloud(strokes: &[SpaceStroke], frame: &str, t_ns: u64, least_step_um: f64) -> PointCloud {
     let lengths =
         strokes.iter().flat_map(|stroke| stroke.corners.windows(2)).map(|pair| nalgebra::distance(&pair[0], &pair[1]));
     let step_um = (lengths.sum::<f64>() / MAX_POINTS).max(least_step_um);
     let mut data = Vec::new();
-    for Stroke { corners, color } in strokes {
+    for SpaceStroke { corners, color } in strokes {
         let rgba = [color.r, color.g, color.b, color.a].map(|part| (part * 255.0).round() as u8);
-        let mut add = |point: Point2<f64>| {
-            for value in [point.x as f32, point.y as f32, 0.0] {
+        let mut add = |point: Point3<f64>| {
+            for value in [point.x as f32, point.y as f32, point.z as f32] {
                 data.extend(value.to_le_bytes());
             }
             data.extend(rgba);
@@ -88,7 +103,7 @@ pub fn spaced_cloud(strokes: &[Stroke], device: &str, t_ns: u64, least_step_um: 
     let colors = colors.map(|(name, at)| field(name, at, NumericType::Uint8));
     PointCloud {
         timestamp: foxglove::timestamp(t_ns),
-        frame_id: device.to_owned(),
+        frame_id: frame.to_owned(),
         pose: foxglove::pose_at([0.0; 3]),
         point_stride: 16,
         fields: places.chain(colors).collect(),

@@ -1,8 +1,9 @@
 //! Shapes as primitives that viewers draw.
 
 use super::foxglove::{
-    self, Color, CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion,
-    SpherePrimitive, TextPrimitive, TriangleListPrimitive, Vector3, line_primitive, scene_entity_deletion,
+    self, ArrowPrimitive, Color, CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, SceneEntity,
+    SceneEntityDeletion, SpherePrimitive, TextPrimitive, TriangleListPrimitive, Vector3, line_primitive,
+    scene_entity_deletion,
 };
 use crate::geometry::shape::{Core, Rounded};
 use nalgebra::{Point2, Vector2};
@@ -198,7 +199,7 @@ fn edges(corners: &[Point2<f64>]) -> impl Iterator<Item = (Point2<f64>, Point2<f
 
 /// Fills a simple polygon by cutting off its ears (Meisters, *Polygons have ears*, 1975). What crosses itself, or has too many
 /// corners, is filled as far as the ears go, its outline being drawn anyway.
-fn triangles(corners: &[Point2<f64>]) -> Vec<[Point2<f64>; 3]> {
+pub fn triangles(corners: &[Point2<f64>]) -> Vec<[Point2<f64>; 3]> {
     let mut rest = match corners.len() {
         0..=MAX_FILLED_CORNERS => corners.to_vec(),
         _ => return Vec::new(),
@@ -245,6 +246,23 @@ pub fn line(
         points: points.into_iter().map(|[x, y, z]| Point3 { x, y, z }).collect(),
         color: Some(color),
         ..LinePrimitive::default()
+    });
+}
+
+/// Adds an arrow from a point along a vector, as long as that.
+pub fn arrow(entity: &mut SceneEntity, from: [f64; 3], along: Vector3, diameter_um: f64, color: Color) {
+    let length_um = (along.x * along.x + along.y * along.y + along.z * along.z).sqrt();
+    if length_um <= 0.0 {
+        return;
+    }
+    let head_um = length_um.min(3.0 * diameter_um);
+    entity.arrows.push(ArrowPrimitive {
+        pose: foxglove::pointed_pose(from, [along.x, along.y, along.z].map(|part| part / length_um)),
+        shaft_length: length_um - head_um,
+        shaft_diameter: diameter_um,
+        head_length: head_um,
+        head_diameter: 2.0 * diameter_um,
+        color: Some(color),
     });
 }
 

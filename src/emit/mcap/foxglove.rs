@@ -41,3 +41,14 @@ pub fn turned_pose([x, y, z]: [f64; 3], [cos, sin]: [f64; 2]) -> Option<Pose> {
     let orientation = Quaternion { x: 0.0, y: 0.0, z: half(-cos).copysign(sin), w: half(cos) };
     Some(Pose { position: Some(Vector3 { x, y, z }), orientation: Some(orientation) })
 }
+
+/// A pose whose x axis has the direction of a unit vector.
+pub fn pointed_pose([x, y, z]: [f64; 3], [u, v, w]: [f64; 3]) -> Option<Pose> {
+    // From x to the vector the half way is their sum; straight back any axis across will do.
+    let half = ((1.0 + u) / 2.0).max(0.0).sqrt();
+    let orientation = match half {
+        0.0 => Quaternion { x: 0.0, y: 0.0, z: 1.0, w: 0.0 },
+        _ => Quaternion { x: 0.0, y: -w / (2.0 * half), z: v / (2.0 * half), w: half },
+    };
+    Some(Pose { position: Some(Vector3 { x, y, z }), orientation: Some(orientation) })
+}

@@ -7,27 +7,33 @@ use super::{Topic, WORLD, foxglove};
 use foxglove::{FrameTransform, FrameTransforms, Pose, Quaternion, Vector3};
 use std::collections::BTreeMap;
 
-/// Where something stands, and how it is turned about z.
+/// Where something stands, and how it is turned.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stand {
     pub place: [f64; 3],
-    /// Sine and cosine of half the angle from the x axis.
-    half_turn: [f64; 2],
+    /// A unit quaternion w, x, y, z.
+    turn: [f64; 4],
 }
 
-/// Steps of the grid that sines and cosines are rounded to: their last bits differ between machines, and a log must not.
+/// Steps of the grid that quaternions are rounded to: their last bits differ between machines, and a log must not.
 const GRID: f64 = 1e9;
 
 impl Stand {
     /// Without rotation.
     pub fn at(place: [f64; 3]) -> Stand {
-        Stand { place, half_turn: [0.0, 1.0] }
+        Stand { place, turn: [1.0, 0.0, 0.0, 0.0] }
     }
 
-    /// Turned by an angle, counter-clockwise.
+    /// Turned about z by an angle, counter-clockwise.
     pub fn turned(place: [f64; 3], heading_rad: f64) -> Stand {
         let (sin, cos) = (heading_rad / 2.0).sin_cos();
-        Stand { place, half_turn: [sin, cos].map(|value| (value * GRID).round() / GRID) }
+        Stand::oriented(place, [cos, 0.0, 0.0, sin])
+    }
+
+    /// Turned by a unit quaternion w, x, y, z.
+    pub fn oriented(place: [f64; 3], turn: [f64; 4]) -> Stand {
+        // Not minus zero.
+        Stand { place, turn: turn.map(|value| (value * GRID).round() / GRID + 0.0) }
     }
 
     /// As a message.
@@ -41,8 +47,8 @@ impl Stand {
     }
 
     fn rotation(&self) -> Quaternion {
-        let [z, w] = self.half_turn;
-        Quaternion { x: 0.0, y: 0.0, z, w }
+        let [w, x, y, z] = self.turn;
+        Quaternion { x, y, z, w }
     }
 }
 

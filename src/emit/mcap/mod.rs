@@ -1,10 +1,11 @@
 //! MCAP: a log that viewers play without set-up, and that `tweeze verify` judges without any other file.
 //!
-//! All messages are protobuf. For each device: `/<device>/voltages` (SI units); `/<device>/pose` and `/<device>/path` (where the
-//! end-effector is, and its whole way), or the `poses` of all parts or robots; `/<device>/scene` and `/<device>/plan` (what stands
-//! there, ways and stops, in three dimensions), and both as `…/points` for viewers that show no scenes. For all: `/tf` and `/log`
-//! (each step at its start, with its source line). Attachments: `schedule.json`, `claims.json`, every source file as `source/<name>`. The metadata record
-//! `tweeze` says which version wrote the log and from what. The clock begins at 0.
+//! All messages are protobuf. For each device: `/<device>/voltages` (V) or `/<device>/positions` (um); `/<device>/pose` (where the
+//! end-effector or the held part is) and `/<device>/path` (the whole way of an end-effector), or the `poses` of all parts or robots;
+//! `/<device>/scene` and `/<device>/plan` (what stands there, ways and stops, in three dimensions), and both as `…/points` for
+//! viewers that show no scenes. For all: `/tf` and `/log` (each step at its start, with its source line). Attachments:
+//! `schedule.json`, `claims.json`, every source file as `source/<name>`. The metadata record `tweeze` says which version wrote the
+//! log and from what. The clock begins at 0.
 //!
 //! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one micrometre.
 
@@ -95,7 +96,7 @@ fn refuse_what_is_not_read(topics: &[Topic], attachments: &[Attachment]) -> Resu
     refuse(lengths().max().unwrap_or(0), log::MAX_MESSAGE_BYTES)?;
     refuse(lengths().sum::<u64>() + definitions, log::MAX_DATA_BYTES)?;
     refuse(lengths().count() as u64, log::MAX_MESSAGES)?;
-    refuse(topics.iter().filter(|topic| topic.name.ends_with(log::VOLTAGES_SUFFIX)).count() as u64, log::MAX_DEVICES)?;
+    refuse(topics.iter().filter(|topic| log::is_topic(&topic.name)).count() as u64, log::MAX_DEVICES)?;
     for attachment in attachments {
         let limit = match attachment.name.as_str() {
             SCHEDULE => log::MAX_SCHEDULE_BYTES,
@@ -109,8 +110,8 @@ fn refuse_what_is_not_read(topics: &[Topic], attachments: &[Attachment]) -> Resu
 
 fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
     let mut topics = Vec::new();
-    for (device, channels) in signals.devices() {
-        topics.push(voltages::topic(signals, device, &channels));
+    for (device, unit, channels) in signals.devices() {
+        topics.push(voltages::topic(signals, device, unit, &channels));
     }
     let benches = Bench::all(verified);
     let mut movers = Vec::new();

@@ -38,7 +38,7 @@ fn found(edit: Edit, attach: impl Fn(&mut Attachment)) -> String {
 #[test]
 fn a_log_is_no_different_from_itself() {
     for make in
-        [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::crowd, fixture::bed, fixture::paces]
+        [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::crowd, fixture::bed, fixture::paces, fixture::hand]
     {
         let (verified, provenance) = make();
         let bytes = write(&verified, &provenance).unwrap();

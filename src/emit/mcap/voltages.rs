@@ -1,4 +1,6 @@
-//! The voltages of a device's channels as a time series that viewers plot by name.
+//! The voltages or positions of a device's channels as a time series that viewers plot by name.
+//!
+//! `/bot/voltages` has volts, `/hand/positions` micrometres; what follows holds of both.
 //!
 //! A message type is made for each device. Up to [`MAX_FIELDS`] channels each is a field, so that a plot is asked for as
 //! `/bot/voltages.bl4_set`; beyond that they are one list, `/plate/voltages.volts[7]`. The topic's metadata says which field is
@@ -11,7 +13,8 @@
 
 use super::{Signals, Topic, foxglove};
 use crate::emit::identifier;
-use crate::verify::log::{BOUND_SUFFIX, Bound, PERIOD_SUFFIX};
+use crate::schedule::Unit;
+use crate::verify::log::{self, BOUND_SUFFIX, Bound, PERIOD_SUFFIX};
 use prost::Message;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
@@ -24,7 +27,12 @@ pub const MAX_FIELDS: usize = 300;
 const MAX_NAME_BYTES: usize = 16 * 1024;
 
 /// The name of the field that lists many channels.
-const LIST: &str = "volts";
+fn list(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Volt => "volts",
+        Unit::Micrometre => "micrometres",
+    }
+}
 
 /// A number of each message.
 struct Column {
@@ -50,11 +58,11 @@ pub fn estimated_bytes(signals: &Signals) -> u64 {
         let messages = 2 * signals.breaks(channels.iter().copied()).len() + 2;
         messages as u64 * (columns(signals, channels).len() as u64 * 10 + 31)
     };
-    signals.devices().iter().map(|(_, channels)| of_device(channels)).sum()
+    signals.devices().iter().map(|(.., channels)| of_device(channels)).sum()
 }
 
-/// The topic of a device.
-pub fn topic(signals: &Signals, device: &str, channels: &[usize]) -> Topic {
+/// The topic of a device's channels of a unit.
+pub fn topic(signals: &Signals, device: &str, unit: Unit, channels: &[usize]) -> Topic {
     let all = &signals.schedule.channels;
     let columns = columns(signals, channels);
     let short = columns.iter().map(|Column { channel, bound }| {
@@ -64,8 +72,10 @@ pub fn topic(signals: &Signals, device: &str, channels: &[usize]) -> Topic {
     let short: Vec<String> = short.collect();
     let names = identifier::distinct(short.iter().map(String::as_str));
     let fields = names.len() <= MAX_FIELDS && names.iter().map(String::len).sum::<usize>() <= MAX_NAME_BYTES;
-    let paths =
-        names.iter().enumerate().map(|(index, name)| if fields { name.clone() } else { format!("{LIST}[{index}]") });
+    let paths = names
+        .iter()
+        .enumerate()
+        .map(|(index, name)| if fields { name.clone() } else { format!("{}[{index}]", list(unit)) });
     let mut metadata = BTreeMap::new();
     for (path, column) in paths.zip(&columns) {
         if let Some(wire) = &all[column.channel].wire {
@@ -78,9 +88,13 @@ pub fn topic(signals: &Signals, device: &str, channels: &[usize]) -> Topic {
         metadata.insert(path, all[column.channel].name.clone());
     }
     let package = format!("tweeze.{}", identifier::distinct([device])[0]);
+    let message = match unit {
+        Unit::Volt => "Voltages",
+        Unit::Micrometre => "Positions",
+    };
     Topic {
-        name: format!("/{device}/voltages"),
-        schema: schema(&package, "Voltages", if fields { Shape::Fields(&names) } else { Shape::List }),
+        name: log::topic(device, unit),
+        schema: schema(&package, message, if fields { Shape::Fields(&names) } else { Shape::List(list(unit)) }),
         metadata,
         messages: messages(signals, channels, &columns, if fields { encode_fields } else { encode_list }),
     }
@@ -95,7 +109,8 @@ fn periods(signals: &Signals, channel: usize) -> String {
 /// What a message looks like.
 pub enum Shape<'a> {
     Fields(&'a [String]),
-    List,
+    /// One field of this name.
+    List(&'a str),
 }
 
 /// A message type of doubles.
@@ -112,7 +127,7 @@ pub fn schema(package: &str, message: &str, shape: Shape) -> foxglove::Schema {
         Shape::Fields(names) => {
             names.iter().enumerate().map(|(index, name)| field(name, index + 1, Label::Optional)).collect()
         }
-        Shape::List => vec![field(LIST, 1, Label::Repeated)],
+        Shape::List(name) => vec![field(name, 1, Label::Repeated)],
     };
     let name = format!("{package}.{message}");
     let message = DescriptorProto { name: Some(message.into()), field: fields, ..DescriptorProto::default() };

@@ -1,12 +1,13 @@
 //! Waveforms as sequences: segments that are played one after the other, each so many times.
 //!
 //! Input: what an output plays, piece by piece. Output: a [`Sequence`] whose playback is that, sample by sample, between two
-//! stretches of 0 V: the instrument waits for the trigger in the first one and rests in the last one. Pieces with fewer samples
-//! than a segment may have are put together with their neighbours.
+//! stretches of 0 V, or of its first and its last position: the instrument waits for the trigger in the first one and rests in
+//! the last one. Pieces with fewer samples than a segment may have are put together with their neighbours.
 
 use super::{Profile, Sampling};
 use crate::emit::Signals;
 use crate::emit::signal::half_ns;
+use crate::schedule::Unit;
 use std::collections::BTreeMap;
 
 /// What an instrument takes as a sequence.
@@ -65,6 +66,15 @@ struct Piece {
     count: u64,
 }
 
+/// What an output plays: the level that it waits at, the pieces, the level that it rests at.
+struct Score {
+    ends: [i16; 2],
+    pieces: Vec<Piece>,
+}
+
+/// How many times the memory of an instrument may be sampled for positions, to be packed into it.
+const MAX_PACKED: u64 = 16;
+
 /// Pieces of at most so many samples are written out instead of repeated; four times as many where the steps do not suffice.
 const WRITTEN_OUT: u64 = 16;
 
@@ -76,11 +86,14 @@ pub fn sequence(
     profile: &Profile,
     sampling: &Sampling,
 ) -> Option<Sequence> {
-    let pieces = pieces(signals, channel, volts, profile, sampling)?;
+    let score = match signals.unit(channel) {
+        Unit::Volt => Score { ends: [0; 2], pieces: pieces(signals, channel, volts, profile, sampling)? },
+        Unit::Micrometre => positions(signals, channel, volts, profile, sampling)?,
+    };
     let mut written_out = WRITTEN_OUT;
     while written_out < profile.most_points {
         // More samples written out fill the memory, so there is no use in going on once it is full.
-        let sequence = Builder::compose(&pieces, profile, written_out)?;
+        let sequence = Builder::compose(&score, profile, written_out)?;
         if sequence.steps.len() <= profile.sequencer.most_steps {
             return Some(sequence);
         }
@@ -116,6 +129,19 @@ fn pieces(signals: &Signals, channel: usize, volts: f64, profile: &Profile, samp
     Some(pieces)
 }
 
+/// Where a stage is: a piece for each stretch of equal samples.
+fn positions(signals: &Signals, channel: usize, volts: f64, profile: &Profile, sampling: &Sampling) -> Option<Score> {
+    if sampling.points > MAX_PACKED * profile.most_points {
+        return None;
+    }
+    let codes = sampling.positions(signals, channel).map(|position_um| profile.code(position_um, volts));
+    let codes: Vec<i16> = codes.collect();
+    let piece = |run: &[i16]| Piece { samples: vec![run[0]], count: run.len() as u64 };
+    // The first sample is the one before the trigger.
+    let pieces = codes[1..].chunk_by(|a, b| a == b).map(piece).collect();
+    Some(Score { ends: [*codes.first()?, *codes.last()?], pieces })
+}
+
 /// Puts pieces together.
 struct Builder<'a> {
     profile: &'a Profile,
@@ -129,12 +155,12 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     /// `None` if the segments are too large for the instrument's memory.
-    fn compose(pieces: &[Piece], profile: &'a Profile, written_out: u64) -> Option<Sequence> {
+    fn compose(score: &Score, profile: &'a Profile, written_out: u64) -> Option<Sequence> {
         let (sequence, index) = (Sequence::default(), BTreeMap::new());
         let mut builder = Builder { profile, sequence, index, points: 0, pending: Vec::new() };
-        let rest = vec![0; profile.least_points as usize];
-        builder.step(rest.clone(), 1, Control::OnceWaitTrigger)?;
-        for piece in pieces {
+        let [wait, rest] = score.ends.map(|code| vec![code; profile.least_points as usize]);
+        builder.step(wait, 1, Control::OnceWaitTrigger)?;
+        for piece in &score.pieces {
             builder.add(piece, written_out)?;
         }
         let missing = rest.len().saturating_sub(builder.pending.len());

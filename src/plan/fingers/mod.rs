@@ -1,7 +1,14 @@
 //! The planner of hands: grasps are nodes, rolling and finger gaiting are edges, and all turns of a task are one problem.
 
+mod course;
+pub mod graph;
 mod job;
+pub mod mechanics;
+pub mod routes;
+mod sections;
 pub mod tables;
+pub mod ways;
+mod why;
 
 pub use job::{Standing, plan};
 

@@ -26,6 +26,36 @@ impl Bits {
         self.words[index / 64] |= 1 << (index % 64);
     }
 
+    /// Takes a number out of it; the number must be below the size.
+    #[inline]
+    pub fn take(&mut self, index: usize) {
+        self.words[index / 64] &= !(1 << (index % 64));
+    }
+
+    /// Puts the numbers of a row into it, counted from `start` on: those of its bits that are set.
+    pub fn put_row(&mut self, start: usize, row: &[u64]) {
+        let (word, shift) = (start / 64, start % 64);
+        for (k, bits) in row.iter().enumerate().filter(|(_, bits)| **bits != 0) {
+            self.words[word + k] |= bits << shift;
+            if shift > 0 && bits >> (64 - shift) != 0 {
+                self.words[word + k + 1] |= bits >> (64 - shift);
+            }
+        }
+    }
+
+    /// Reads `length` numbers from `start` on into a row, whose words must have room for them.
+    pub fn read_row(&self, start: usize, length: usize, row: &mut [u64]) {
+        let (word, shift) = (start / 64, start % 64);
+        for (k, bits) in row.iter_mut().enumerate() {
+            let low = self.words.get(word + k).map_or(0, |word| word >> shift);
+            let high = if shift == 0 { 0 } else { self.words.get(word + k + 1).map_or(0, |word| word << (64 - shift)) };
+            *bits = low | high;
+        }
+        if length % 64 > 0 {
+            row[length / 64] &= (1 << (length % 64)) - 1;
+        }
+    }
+
     /// Its words, 64 numbers each, the lowest bit first.
     pub fn words(&self) -> &[u64] {
         &self.words

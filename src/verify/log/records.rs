@@ -227,22 +227,22 @@ fn topic(record: &Record, contents: &mut Contents, state: &mut State) -> Result<
         };
     }
     let mut series = None;
-    if let Some(device) = series::device(&name) {
+    if super::is_topic(&name) {
         let schema =
             state.schemas.get(&schema).filter(|schema| schema.encoding == "protobuf" && encoding == "protobuf");
         let schema = schema.ok_or_else(|| LogError::content(format!("topic `{name}`"), "has no protobuf messages"))?;
         let (decoder, columns) = series::decoder(&schema.name, &schema.descriptor, &metadata)
             .map_err(|what| LogError::content(format!("topic `{name}`"), what))?;
-        if contents.voltages.iter().any(|series| series.device == device) {
+        if contents.voltages.iter().any(|series| series.topic == name) {
             return Err(LogError::damaged(record.offset(), format!("a second topic `{name}`")));
         }
         let (devices, limit) = (contents.voltages.len() as u64 + 1, MAX_DEVICES);
         if devices > limit {
-            let what = "the number of topics of voltages".to_owned();
+            let what = "the number of topics of channels".to_owned();
             return Err(LogError::TooLarge { offset: record.offset(), what, bytes: devices, limit });
         }
         series = Some((contents.voltages.len(), decoder));
-        contents.voltages.push(Series { device: device.to_owned(), columns, samples: Vec::new() });
+        contents.voltages.push(Series { topic: name.clone(), columns, samples: Vec::new() });
     }
     state.topics.insert(id, Topic { name, definition: record.body.to_vec(), series });
     Ok(())
@@ -270,7 +270,7 @@ fn message(record: &Record, contents: &mut Contents, state: &mut State) -> Resul
     (state.visit)(&topic.name, t_ns, &record.body[fields.at..]);
     let Some((index, decoder)) = &topic.series else { return Ok(()) };
     let series = &mut contents.voltages[*index];
-    let place = || format!("topic `{}` at {t_ns} ns", series.topic());
+    let place = || format!("topic `{}` at {t_ns} ns", topic.name);
     let values = decoder.decode(&record.body[fields.at..]).map_err(|what| LogError::content(place(), what))?;
     if series.samples.last().is_some_and(|(last_ns, _)| *last_ns >= t_ns) {
         return Err(LogError::content(place(), "does not come after the message before it"));

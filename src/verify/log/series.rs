@@ -1,7 +1,7 @@
-//! Recorded voltages: how their messages are read, and whether they are those of the schedule.
+//! Recorded voltages and positions: how their messages are read, and whether they are those of the schedule.
 
-use super::{BOUND_SUFFIX, PERIOD_SUFFIX, VOLTAGES_SUFFIX};
-use crate::schedule::{Actuation, Schedule, Swing};
+use super::{BOUND_SUFFIX, PERIOD_SUFFIX};
+use crate::schedule::{Actuation, Channel, Schedule, Swing, Unit};
 use prost::Message;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorSet};
@@ -13,10 +13,11 @@ pub const MAX_DESCRIPTOR_BYTES: usize = 64 * 1024;
 /// By how much a value on a slope may differ from its straight line, of the larger end's size: the rounding of few operations.
 const SLOPE_ROUNDING: f64 = 1e-12;
 
-/// The recorded voltages of a device.
+/// The recorded channels of a device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    pub device: String,
+    /// The topic that it stands in.
+    pub topic: String,
     pub columns: Vec<Column>,
     /// Instants in rising order, with a value for each column.
     pub samples: Vec<(u64, Vec<f64>)>,
@@ -56,18 +57,6 @@ impl Bound {
     fn read(word: Option<&String>) -> Option<Bound> {
         [Bound::Exact, Bound::Low, Bound::High].into_iter().find(|bound| bound.name() == word.map(String::as_str))
     }
-}
-
-impl Series {
-    /// The topic that it stands in.
-    pub fn topic(&self) -> String {
-        format!("/{}{VOLTAGES_SUFFIX}", self.device)
-    }
-}
-
-/// The device of a topic of voltages.
-pub fn device(topic: &str) -> Option<&str> {
-    topic.strip_prefix('/')?.strip_suffix(VOLTAGES_SUFFIX)
 }
 
 /// How the values of a message are found.
@@ -181,15 +170,15 @@ fn double(bytes: &mut &[u8]) -> Result<f64, String> {
     Ok(f64::from_le_bytes(*value))
 }
 
-/// Where the recorded voltages depart from the schedule.
+/// Where the recorded voltages or positions depart from the schedule.
 #[derive(Debug, Clone, PartialEq)]
 pub enum VoltageFault {
-    /// A device's voltages are not recorded, or are recorded without being in the schedule.
+    /// A device's channels are not recorded, or are recorded without being in the schedule.
     Topic { topic: String },
     /// The channels of a topic are not those of the device, in their order.
     Channels { topic: String },
     /// A value is another.
-    Value { channel: String, t_ns: u64, recorded: f64, scheduled: f64 },
+    Value { channel: String, unit: Unit, t_ns: u64, recorded: f64, scheduled: f64 },
     /// A jump or an end is not recorded, so that a plot would show something else.
     Gap { topic: String, t_ns: u64 },
 }
@@ -199,49 +188,55 @@ impl std::fmt::Display for VoltageFault {
         match self {
             VoltageFault::Topic { topic } => write!(f, "`{topic}` is missing or too many"),
             VoltageFault::Channels { topic } => write!(f, "`{topic}` has other channels"),
-            VoltageFault::Value { channel, t_ns, recorded, scheduled } => {
-                write!(f, "`{channel}` at {t_ns} ns has {recorded} V instead of {scheduled} V")
+            VoltageFault::Value { channel, unit, t_ns, recorded, scheduled } => {
+                let unit = unit.symbol();
+                write!(f, "`{channel}` at {t_ns} ns has {recorded} {unit} instead of {scheduled} {unit}")
             }
             VoltageFault::Gap { topic, t_ns } => write!(f, "`{topic}` has no message at {t_ns} ns"),
         }
     }
 }
 
-/// The first departure of recorded voltages from a schedule.
+/// The first departure of recorded voltages and positions from a schedule.
 ///
 /// If there is none, the straight lines between the messages of a topic are the channels of its device at every nanosecond, or
 /// the two levels between which they swing: every instant at which something jumps or bends is there, and the one before it,
 /// and 0, and the end.
 pub fn fault(schedule: &Schedule, voltages: &[Series]) -> Option<VoltageFault> {
-    let mut devices: Vec<&str> = schedule.channels.iter().map(|channel| channel.device.as_str()).collect();
-    devices.sort_unstable();
-    devices.dedup();
+    let topics: BTreeSet<String> = schedule.channels.iter().map(topic).collect();
     let mut by_channel = vec![Vec::new(); schedule.channels.len()];
     for actuation in &schedule.actuations {
         by_channel[actuation.channel as usize].push(actuation);
     }
     by_channel.iter_mut().for_each(|list| list.sort_by_key(|actuation| actuation.start_ns));
-    for device in &devices {
-        match voltages.iter().find(|series| series.device == *device) {
+    for topic in &topics {
+        match voltages.iter().find(|series| series.topic == *topic) {
             Some(series) => {
-                if let Some(fault) = device_fault(schedule, &by_channel, series) {
+                if let Some(fault) = topic_fault(schedule, &by_channel, series) {
                     return Some(fault);
                 }
             }
-            None => return Some(VoltageFault::Topic { topic: format!("/{device}{VOLTAGES_SUFFIX}") }),
+            None => return Some(VoltageFault::Topic { topic: topic.clone() }),
         }
     }
-    let extra = voltages.iter().find(|series| !devices.contains(&series.device.as_str()))?;
-    Some(VoltageFault::Topic { topic: extra.topic() })
+    let extra = voltages.iter().find(|series| !topics.contains(&series.topic))?;
+    Some(VoltageFault::Topic { topic: extra.topic.clone() })
 }
 
-fn device_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Series) -> Option<VoltageFault> {
-    let channels = schedule.channels.iter().zip(by_channel).filter(|(channel, _)| channel.device == series.device);
-    let columns: Vec<(Column, &[&Actuation])> = channels
-        .flat_map(|(channel, actuations)| columns(&channel.name, actuations).map(|column| (column, &actuations[..])))
+/// The topic that a channel is recorded in.
+fn topic(channel: &Channel) -> String {
+    super::topic(&channel.device, channel.unit)
+}
+
+fn topic_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Series) -> Option<VoltageFault> {
+    let channels = schedule.channels.iter().zip(by_channel).filter(|(channel, _)| topic(channel) == series.topic);
+    let columns: Vec<(Column, Unit, &[&Actuation])> = channels
+        .flat_map(|(channel, actuations)| {
+            columns(&channel.name, actuations).map(|column| (column, channel.unit, &actuations[..]))
+        })
         .collect();
-    if !columns.iter().map(|(column, _)| column).eq(&series.columns) {
-        return Some(VoltageFault::Channels { topic: series.topic() });
+    if !columns.iter().map(|(column, ..)| column).eq(&series.columns) {
+        return Some(VoltageFault::Channels { topic: series.topic.clone() });
     }
     let faults = columns.iter().enumerate();
     faults.map(|(index, column)| column_fault(schedule, series, index, column)).find_map(|fault| fault)
@@ -261,7 +256,7 @@ fn column_fault(
     schedule: &Schedule,
     series: &Series,
     index: usize,
-    (column, actuations): &(Column, &[&Actuation]),
+    (column, unit, actuations): &(Column, Unit, &[&Actuation]),
 ) -> Option<VoltageFault> {
     if let Some(fault) = gap(schedule.duration_ns, series, actuations) {
         return Some(fault);
@@ -271,23 +266,33 @@ fn column_fault(
         while actuations.get(next).is_some_and(|actuation| actuation.end_ns() <= *t_ns) {
             next += 1;
         }
-        let scheduled = actuations.get(next).map_or((0.0, 0.0), |actuation| voltage(actuation, column.bound, *t_ns));
+        let running = actuations.get(next).filter(|actuation| actuation.start_ns <= *t_ns);
+        let scheduled = running
+            .map_or_else(|| (rest(*unit, actuations, next), 0.0), |actuation| value(actuation, column.bound, *t_ns));
         let recorded = values[index];
         let agrees = (recorded - scheduled.0).abs() <= scheduled.1;
         if !agrees {
-            let (channel, t_ns, scheduled) = (column.channel.clone(), *t_ns, scheduled.0);
-            return Some(VoltageFault::Value { channel, t_ns, recorded, scheduled });
+            let (channel, unit, t_ns, scheduled) = (column.channel.clone(), *unit, *t_ns, scheduled.0);
+            return Some(VoltageFault::Value { channel, unit, t_ns, recorded, scheduled });
         }
     }
     None
 }
 
-/// The voltage that an actuation, the first that has not ended, asks for at an instant, and how exact it has to be.
-fn voltage(actuation: &Actuation, bound: Bound, t_ns: u64) -> (f64, f64) {
-    let Actuation { start_ns, duration_ns, from, to, swing, .. } = *actuation;
-    if t_ns < start_ns {
-        return (0.0, 0.0);
+/// The value between actuations, so many of them being over: a stage stays where it is, or where it is first wanted.
+fn rest(unit: Unit, actuations: &[&Actuation], over: usize) -> f64 {
+    match unit {
+        Unit::Volt => 0.0,
+        Unit::Micrometre => match over.checked_sub(1) {
+            Some(last) => actuations[last].to,
+            None => actuations.first().map_or(0.0, |first| first.from),
+        },
     }
+}
+
+/// The value that an actuation asks for at an instant within it, and how exact it has to be.
+fn value(actuation: &Actuation, bound: Bound, t_ns: u64) -> (f64, f64) {
+    let Actuation { start_ns, duration_ns, from, to, swing, .. } = *actuation;
     match (swing, bound) {
         (Some(Swing { levels: [a, b], .. }), Bound::Low) => return (a.min(b), 0.0),
         (Some(Swing { levels: [a, b], .. }), Bound::High) => return (a.max(b), 0.0),
@@ -306,5 +311,5 @@ fn gap(duration_ns: u64, series: &Series, actuations: &[&Actuation]) -> Option<V
     let times = edges.flat_map(|t_ns| [t_ns.saturating_sub(1), t_ns]).chain([0, duration_ns]);
     let recorded = |t_ns: &u64| series.samples.binary_search_by_key(t_ns, |(t_ns, _)| *t_ns).is_ok();
     let missing = times.into_iter().find(|t_ns| !recorded(t_ns));
-    missing.map(|t_ns| VoltageFault::Gap { topic: series.topic(), t_ns })
+    missing.map(|t_ns| VoltageFault::Gap { topic: series.topic.clone(), t_ns })
 }

@@ -206,7 +206,7 @@ fn fault(change: impl FnOnce(&mut Log)) -> Option<VoltageFault> {
 fn every_recorded_voltage_counts() {
     let value = |log: &mut Log, volts: f64| log.voltages[0].samples[2].1[0] = volts;
     assert_eq!(fault(|log| value(log, 0.0)), None);
-    let Some(VoltageFault::Value { channel, t_ns, recorded, scheduled }) = fault(|log| value(log, 1e-300)) else {
+    let Some(VoltageFault::Value { channel, t_ns, recorded, scheduled, .. }) = fault(|log| value(log, 1e-300)) else {
         panic!("a value that is not in the schedule is found")
     };
     assert_eq!((channel.as_str(), t_ns, recorded, scheduled), ("bot.bl0.set", 15_000_000, 1e-300, 0.0));
@@ -229,9 +229,9 @@ fn every_jump_is_recorded() {
 #[test]
 fn every_device_and_channel_is_recorded() {
     assert!(matches!(fault(|log| drop(log.voltages.pop())), Some(VoltageFault::Topic { .. })));
-    assert!(matches!(fault(|log| log.voltages[0].device.push('x')), Some(VoltageFault::Topic { .. })));
+    assert!(matches!(fault(|log| log.voltages[0].topic.push('x')), Some(VoltageFault::Topic { .. })));
     assert!(matches!(fault(|log| log.voltages[0].columns.swap(0, 1)), Some(VoltageFault::Channels { .. })));
-    let twice = fault(|log| log.voltages.push(Series { device: "ghost".into(), ..log.voltages[0].clone() }));
+    let twice = fault(|log| log.voltages.push(Series { topic: "/ghost/voltages".into(), ..log.voltages[0].clone() }));
     assert_eq!(twice, Some(VoltageFault::Topic { topic: "/ghost/voltages".into() }));
 }
 

@@ -11,7 +11,7 @@ fn small(most_points: u64, most_repeats: u64) -> Profile {
 fn composed(pieces: &[(Vec<i16>, u64)], profile: &Profile, written_out: u64) -> Option<Sequence> {
     let pieces: Vec<Piece> =
         pieces.iter().map(|(samples, count)| Piece { samples: samples.clone(), count: *count }).collect();
-    Builder::compose(&pieces, profile, written_out)
+    Builder::compose(&Score { ends: [0; 2], pieces }, profile, written_out)
 }
 
 /// What comes between the wait and the rest.

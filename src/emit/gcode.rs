@@ -1,0 +1,148 @@
+//! G-code in the dialect of LinuxCNC: where the stages of a hand are to be, on the schedule's clock.
+//!
+//! `<name>.<device>.ngc` moves up to three fingers: X Y Z are the axes of the first, U V W of the second, A B C of the third, all nine
+//! of them linear and in millimetres. A hand with more fingers has a file for every three, `<name>.<device>.f1-f3.ngc` and so on,
+//! which are to be started together. After a rapid move to where the schedule begins, the program pauses (M0); going on is the
+//! schedule's instant 0. Each line then says where the axes that move are at the next common instant. In G93 the feed is one over
+//! the minutes that a line takes, so that all axes arrive together and in time; G4 waits while nothing moves. G61 keeps the
+//! controller from rounding corners.
+//!
+//! Numbers are whole nanometres. What accelerations a machine needs is its own affair, and adds to the time of its moves.
+
+use super::csv::one_line;
+use super::error::{EmitError, MAX_TEXT_BYTES};
+use super::{Format, Signals};
+use crate::schedule::{Channel, Unit};
+use std::fmt::Write as _;
+
+/// The letters of a machine's axes: three for each finger.
+const LETTERS: [char; 9] = ['X', 'Y', 'Z', 'U', 'V', 'W', 'A', 'B', 'C'];
+
+/// Fingers that one file moves.
+const FINGERS: usize = 3;
+
+/// Axes of a finger.
+const AXES: usize = LETTERS.len() / FINGERS;
+
+/// About how many bytes a line takes for each axis, and besides.
+const WORD_BYTES: u64 = 11;
+const LINE_BYTES: u64 = 24;
+
+const NS_PER_MINUTE: f64 = 60e9;
+
+/// The files, each with what stands between the schedule's name and `.ngc`.
+///
+/// # Errors
+/// [`EmitError::NotPositions`] where some channel is no stage's, or there is none; [`EmitError::Leap`] for a position that jumps;
+/// [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
+pub(super) fn write(signals: &Signals) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
+    refuse_what_is_no_stage(signals)?;
+    EmitError::refuse_leaps(Format::Gcode, signals)?;
+    let mut files = Vec::new();
+    for (device, _, channels) in signals.devices() {
+        let groups: Vec<&[usize]> = channels.chunks(LETTERS.len()).collect();
+        for (index, group) in groups.iter().enumerate() {
+            let lines = signals.breaks(group.iter().copied()).len() as u64;
+            let bytes = lines.saturating_mul(group.len() as u64 * WORD_BYTES + LINE_BYTES);
+            EmitError::refuse_size(Format::Gcode, bytes, MAX_TEXT_BYTES)?;
+            let name = match groups.len() {
+                1 => device.to_owned(),
+                _ => format!("{device}.f{}-f{}", index * FINGERS + 1, index * FINGERS + group.len().div_ceil(AXES)),
+            };
+            files.push((name, program(signals, device, group).into_bytes()));
+        }
+    }
+    Ok(files)
+}
+
+fn refuse_what_is_no_stage(signals: &Signals) -> Result<(), EmitError> {
+    let of_volts = |channel: &&Channel| match channel.unit {
+        Unit::Volt => true,
+        Unit::Micrometre => false,
+    };
+    let channels = &signals.schedule.channels;
+    let channel = channels.iter().find(of_volts).map(|channel| channel.name.clone());
+    match channel.is_some() || channels.is_empty() {
+        true => Err(EmitError::NotPositions { format: Format::Gcode, channel }),
+        false => Ok(()),
+    }
+}
+
+/// The program that moves some channels of a device, as many as there are letters at the most.
+fn program(signals: &Signals, device: &str, channels: &[usize]) -> String {
+    let mut text = header(signals, device, channels);
+    let mut at_nm = places_nm(signals, channels, 0);
+    let _ = writeln!(text, "G0{}\nM0 ; going on is the instant 0 of the schedule", words(&at_nm, |_| true));
+    let duration_ns = signals.schedule.duration_ns;
+    let breaks = signals.breaks(channels.iter().copied());
+    let (mut last_ns, mut still_ns) = (0, 0);
+    for t_ns in breaks.into_iter().filter(|t_ns| *t_ns > 0 && *t_ns < duration_ns).chain([duration_ns]) {
+        let next_nm = places_nm(signals, channels, t_ns);
+        let moves = |axis: usize| next_nm[axis] != at_nm[axis];
+        match (0..channels.len()).any(moves) {
+            false => still_ns += t_ns - last_ns,
+            true => {
+                dwell(&mut text, std::mem::take(&mut still_ns));
+                let feed = NS_PER_MINUTE / (t_ns - last_ns) as f64;
+                let _ = writeln!(text, "G1{} F{feed}", words(&next_nm, moves));
+            }
+        }
+        (at_nm, last_ns) = (next_nm, t_ns);
+    }
+    dwell(&mut text, still_ns);
+    text.push_str("M2\n");
+    text
+}
+
+/// What whoever runs the program has to know; comments reach from `;` to the end of their line.
+fn header(signals: &Signals, device: &str, channels: &[usize]) -> String {
+    let schedule = signals.schedule;
+    let mut text = String::new();
+    let mut say = |line: String| {
+        let _ = writeln!(text, "; {}", ascii(&line));
+    };
+    say(format!("{}: stages of {device}, written by tweeze {}", schedule.name, env!("CARGO_PKG_VERSION")));
+    say(format!("from {}, SHA-256 {}", schedule.source.file, schedule.source.sha256));
+    for (channel, letter) in channels.iter().zip(LETTERS) {
+        let Channel { name, wire, .. } = &schedule.channels[*channel];
+        let wire = wire.as_ref().map_or_else(String::new, |wire| format!(", wire {wire}"));
+        say(format!("{letter} is {name}{wire}"));
+    }
+    for line in [
+        "all axes are linear and in millimetres, A, B and C too; set the machine up so",
+        "G93: F is one over the minutes that a line takes, so all axes arrive at the same instant; G4 waits P seconds",
+        "the first line is a rapid move to where the schedule begins: see that the way is free",
+    ] {
+        say(line.to_owned());
+    }
+    text.push_str("G21\nG90\nG61\nG93\n");
+    text
+}
+
+fn dwell(text: &mut String, still_ns: u64) {
+    if still_ns > 0 {
+        let _ = writeln!(text, "G4 P{}.{:09}", still_ns / 1_000_000_000, still_ns % 1_000_000_000);
+    }
+}
+
+/// Where channels are at an instant, in whole nanometres.
+fn places_nm(signals: &Signals, channels: &[usize], t_ns: u64) -> Vec<i64> {
+    channels.iter().map(|channel| (signals.value(*channel, t_ns) * 1000.0).round() as i64).collect()
+}
+
+/// The axes that are to be said, in millimetres.
+fn words(places_nm: &[i64], is_said: impl Fn(usize) -> bool) -> String {
+    let mut text = String::new();
+    for (axis, letter) in LETTERS.into_iter().enumerate().take(places_nm.len()).filter(|(axis, _)| is_said(*axis)) {
+        let place_nm = places_nm[axis];
+        let sign = if place_nm < 0 { "-" } else { "" };
+        let size = place_nm.unsigned_abs();
+        let _ = write!(text, " {letter}{sign}{}.{:06}", size / 1_000_000, size % 1_000_000);
+    }
+    text
+}
+
+/// The text as a comment that every controller takes.
+fn ascii(text: &str) -> String {
+    one_line(text).chars().map(|c| if c.is_ascii() { c } else { '_' }).collect()
+}

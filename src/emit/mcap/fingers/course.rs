@@ -1,0 +1,212 @@
+//! Where the part and the tips of a hand are, over time.
+//!
+//! The tips are where the schedule has them. The recorded states say where the part is after each change of the grasp and each step
+//! that it is rolled; between two of them it moves while a finger that holds does, steadily. How many moments are told is bounded,
+//! whatever the plan.
+
+use crate::check::claims::fingers::FingersOrder;
+use crate::device::fingers::{AXES, Plane, finger_axis};
+use crate::emit::Signals;
+use crate::emit::mcap::bench;
+use crate::schedule::{PlanRecord, State};
+use crate::verify::Verified;
+
+/// The farthest that a tip goes between two moments that are told, unless there would be too many.
+const STEP_UM: f64 = 1.0;
+
+/// About the most moments that are told, besides those at which some tip bends off.
+pub const MAX_MOMENTS: usize = 20_000;
+
+/// All that a hand does.
+pub struct Course<'a> {
+    pub fingers: usize,
+    /// In order of time.
+    pub plans: Vec<PlanCourse<'a>>,
+}
+
+/// What a hand does in one plan.
+pub struct PlanCourse<'a> {
+    pub order: &'a FingersOrder,
+    pub start_ns: u64,
+    /// In order of time.
+    pub grasps: Vec<Grasp<'a>>,
+    /// In order of time; the first one is that of the first state.
+    pub moments: Vec<Moment>,
+}
+
+/// A recorded state.
+pub struct Grasp<'a> {
+    pub t_ns: u64,
+    pub state: &'a State,
+    /// The contact of each finger, 0 for a free one.
+    pub contacts: &'a [u32],
+    pub angle_index: i64,
+    pub plane: Plane,
+    pub part: PartPose,
+}
+
+/// Where the part is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PartPose {
+    pub position_um: [f64; 3],
+    /// A unit quaternion w, x, y, z.
+    pub orientation: [f64; 4],
+}
+
+/// Where everything is at an instant.
+pub struct Moment {
+    pub t_ns: u64,
+    pub part: PartPose,
+    /// The middle of each tip.
+    pub tips_um: Vec<[f64; 3]>,
+}
+
+/// The channels of each finger, in the order of the axes.
+type Stages = Vec<[usize; 3]>;
+
+impl<'a> Course<'a> {
+    /// What a device does; nothing where it is of another kind.
+    pub fn new(verified: &'a Verified, signals: &Signals, device: &str) -> Self {
+        let jobs = bench::jobs(verified, device).into_iter();
+        let plans = jobs.filter_map(|(job, plan)| PlanCourse::new(job.order.fingers()?, plan));
+        let mut plans: Vec<PlanCourse> = plans.collect();
+        let fingers = plans.first().map_or(0, |plan| plan.order.facts.fingers as usize);
+        let stages = stages(signals, device, fingers);
+        let breaks: Vec<u64> = signals.breaks(stages.iter().flatten().copied()).into_iter().collect();
+        let stretches: Vec<Vec<[u64; 2]>> = plans.iter().map(|plan| plan.stretches(&breaks)).collect();
+        let wanted = stretches.iter().flatten().map(|stretch| wanted(signals, &stages, *stretch)).sum::<f64>();
+        let share = (MAX_MOMENTS as f64 / wanted.max(1.0)).min(1.0);
+        for (plan, stretches) in plans.iter_mut().zip(&stretches) {
+            plan.moments = plan.moments(signals, &stages, stretches, share);
+        }
+        // Before the first task they stand where it begins.
+        if let Some(first) = plans.first_mut().and_then(|plan| plan.moments.first_mut()) {
+            first.t_ns = 0;
+        }
+        Course { fingers, plans }
+    }
+
+    /// The name of the part.
+    pub fn part(&self) -> Option<&'a str> {
+        self.plans.first().map(|plan| plan.order.part.name.as_str())
+    }
+}
+
+/// The channels of a device by finger and axis.
+fn stages(signals: &Signals, device: &str, fingers: usize) -> Stages {
+    let mut stages = vec![[None; AXES.len()]; fingers];
+    for (index, channel) in signals.schedule.channels.iter().enumerate().filter(|(_, one)| one.device == device) {
+        let name = channel.name.strip_prefix(device).and_then(|name| name.strip_prefix('.'));
+        if let Some((finger, axis)) = name.and_then(finger_axis).filter(|(finger, _)| *finger < fingers) {
+            stages[finger][axis] = Some(index);
+        }
+    }
+    let every = "the schedule lists every channel of a hand";
+    stages.into_iter().map(|axes| axes.map(|channel| channel.expect(every))).collect()
+}
+
+fn tip_um(signals: &Signals, stage: &[usize; 3], t_ns: u64) -> [f64; 3] {
+    stage.map(|channel| signals.value(channel, t_ns))
+}
+
+/// Into how many parts a stretch in which all tips go straight should be divided.
+fn wanted(signals: &Signals, stages: &Stages, [start_ns, end_ns]: [u64; 2]) -> f64 {
+    let way = |stage: &[usize; 3]| {
+        let ends = [start_ns, end_ns].map(|t_ns| tip_um(signals, stage, t_ns));
+        ends[0].iter().zip(ends[1]).map(|(a, b)| (b - a) * (b - a)).sum::<f64>().sqrt()
+    };
+    (stages.iter().map(way).fold(0.0, f64::max) / STEP_UM).ceil()
+}
+
+impl<'a> PlanCourse<'a> {
+    fn new(order: &'a FingersOrder, plan: &'a PlanRecord) -> Option<Self> {
+        let mut grasps = Vec::with_capacity(plan.states.len());
+        for timed in &plan.states {
+            let State::Fingers { grasp, angle_index, plane, position_um, orientation, .. } = &timed.state else {
+                return None;
+            };
+            grasps.push(Grasp {
+                t_ns: timed.t_ns,
+                state: &timed.state,
+                contacts: grasp,
+                angle_index: *angle_index,
+                plane: *plane,
+                part: PartPose { position_um: *position_um, orientation: *orientation },
+            });
+        }
+        Some(PlanCourse { order, start_ns: plan.start_ns, grasps, moments: Vec::new() })
+    }
+
+    /// From one instant to the next at which a tip may bend off or a state is told.
+    fn stretches(&self, breaks: &[u64]) -> Vec<[u64; 2]> {
+        let (Some(first), Some(last)) = (self.grasps.first(), self.grasps.last()) else { return Vec::new() };
+        let (start_ns, end_ns) = (first.t_ns, last.t_ns);
+        let within = breaks.iter().copied().filter(|t_ns| (start_ns..=end_ns).contains(t_ns));
+        let mut instants: Vec<u64> = within.chain(self.grasps.iter().map(|grasp| grasp.t_ns)).collect();
+        instants.sort_unstable();
+        instants.dedup();
+        instants.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+    }
+
+    /// The moments of a plan: the ends of all stretches, and a share of those that are wanted between them.
+    fn moments(&self, signals: &Signals, stages: &Stages, stretches: &[[u64; 2]], share: f64) -> Vec<Moment> {
+        let motions: Vec<Option<[u64; 2]>> =
+            self.grasps.windows(2).map(|pair| self.motion(signals, stages, &pair[0], pair[1].t_ns)).collect();
+        let moment = |t_ns: u64| Moment {
+            t_ns,
+            part: self.part_at(&motions, t_ns),
+            tips_um: stages.iter().map(|stage| tip_um(signals, stage, t_ns)).collect(),
+        };
+        let mut moments: Vec<Moment> = self.grasps.first().map(|first| moment(first.t_ns)).into_iter().collect();
+        for &[start_ns, end_ns] in stretches {
+            let length_ns = end_ns - start_ns;
+            let parts = (wanted(signals, stages, [start_ns, end_ns]) * share) as u64;
+            let parts = parts.clamp(1, length_ns);
+            let inner = |part: u64| start_ns + (u128::from(length_ns) * u128::from(part) / u128::from(parts)) as u64;
+            moments.extend((1..=parts).map(|part| moment(inner(part))));
+        }
+        moments
+    }
+
+    /// From when to when after a grasp, until an instant, the fingers that hold move.
+    fn motion(&self, signals: &Signals, stages: &Stages, grasp: &Grasp, end_ns: u64) -> Option<[u64; 2]> {
+        let holding = stages.iter().zip(grasp.contacts).filter(|(_, contact)| **contact > 0);
+        let channels = holding.flat_map(|(stage, _)| stage);
+        let ramps = channels.flat_map(|channel| {
+            let list = signals.of(*channel);
+            let first = list.partition_point(|actuation| actuation.start_ns < grasp.t_ns);
+            list[first..].iter().take_while(|ramp| ramp.end_ns() <= end_ns).filter(|ramp| ramp.from != ramp.to)
+        });
+        let ends = ramps.map(|ramp| [ramp.start_ns, ramp.end_ns()]);
+        ends.reduce(|[first, last], [start_ns, end_ns]| [first.min(start_ns), last.max(end_ns)])
+    }
+
+    /// Where the part is at an instant, from the motion that follows each grasp.
+    fn part_at(&self, motions: &[Option<[u64; 2]>], t_ns: u64) -> PartPose {
+        let after = self.grasps.partition_point(|grasp| grasp.t_ns <= t_ns);
+        let index = after.saturating_sub(1);
+        let here = self.grasps[index].part;
+        let next = self.grasps.get(index + 1).zip(motions.get(index).copied().flatten());
+        match next {
+            Some((next, [start_ns, end_ns])) if t_ns > start_ns => {
+                let share = (t_ns.min(end_ns) - start_ns) as f64 / (end_ns - start_ns) as f64;
+                between(&here, &next.part, share)
+            }
+            Some(_) | None => here,
+        }
+    }
+}
+
+/// A share of the way from a pose to another. Turns go along the chord, which for the few degrees of a step is as good as the arc
+/// and needs no sine.
+fn between(one: &PartPose, other: &PartPose, share: f64) -> PartPose {
+    let mix = |a: f64, b: f64| a + (b - a) * share;
+    let [x, y, z] = [0, 1, 2].map(|axis| mix(one.position_um[axis], other.position_um[axis]));
+    // A quaternion and its negative are the same turn: the near one is meant.
+    let along: f64 = one.orientation.iter().zip(other.orientation).map(|(a, b)| a * b).sum();
+    let sign = if along < 0.0 { -1.0 } else { 1.0 };
+    let turn = [0, 1, 2, 3].map(|part| mix(one.orientation[part], sign * other.orientation[part]));
+    let norm = turn.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let orientation = if norm > 0.0 { turn.map(|part| part / norm) } else { one.orientation };
+    PartPose { position_um: [x, y, z], orientation }
+}

@@ -1,0 +1,188 @@
+//! The hand in three dimensions: the part and the tips; the ways of the tips and where the part ends; each grasp with its forces.
+//!
+//! Three topics, since a viewer that jumps in time reads the last message of each only: what is there (`scene`), what is planned
+//! (`plan`), and what holds from state to state (`state`). The first two come once more as points.
+
+use super::course::{Course, Grasp, PlanCourse};
+use super::solid;
+use super::{part_frame, stand, tip_frame};
+use crate::check::claims::fingers::{FingersOrder, Part};
+use crate::device::fingers::Plane;
+use crate::emit::mcap::Topic;
+use crate::emit::mcap::cloud::{SpaceStroke, space_cloud};
+use crate::emit::mcap::drawing::{self, color};
+use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, Vector3, line_primitive};
+use crate::geometry::outline::Curve;
+use nalgebra::{Point3, Quaternion, UnitQuaternion};
+
+/// How much of what lies behind a tip is seen.
+const TIP_ALPHA: f64 = 0.5;
+
+/// Diameters of what marks a place and of arrows, as parts of a tip's diameter.
+const MARK_PART: f64 = 0.12;
+const ARROW_PART: f64 = 0.06;
+
+/// The force that is drawn as long as a tip is wide, as a part of the greatest force of a tip.
+const FORCE_PART: f64 = 0.1;
+
+/// Distance of neighbouring points of the clouds, in micrometres.
+const POINTS_UM: f64 = 0.1;
+
+/// The most states whose grasps are shown.
+const MAX_GRASPS: usize = 50_000;
+
+const FORCE: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
+const GOAL: Color = Color { r: 0.6, g: 0.6, b: 0.6, a: 1.0 };
+
+/// Not that of the part.
+fn color_of(finger: usize) -> Color {
+    color::in_turn(finger + 1)
+}
+
+/// `/<device>/scene`, `/<device>/plan`, `/<device>/state` and the first two as points.
+pub fn topics(course: &Course, device: &str) -> Vec<Topic> {
+    let update = |entities: Vec<SceneEntity>| foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities });
+    let scene = course.plans.first().map(|plan| (0, update(scenery(plan.order, course.fingers, device))));
+    let scene_points = course.plans.first().map(|plan| {
+        let part = &plan.order.part;
+        let cloud = space_cloud(&part_strokes(part), &part_frame(device, &part.name), 0, POINTS_UM);
+        (0, foxglove::encode(&cloud))
+    });
+    let plans = course.plans.iter().map(|plan| (plan.start_ns, update(vec![trails(plan, device), goal(plan, device)])));
+    let plan_points = course.plans.iter().map(|plan| {
+        (plan.start_ns, foxglove::encode(&space_cloud(&trail_strokes(plan), device, plan.start_ns, POINTS_UM)))
+    });
+    vec![
+        Topic::new::<SceneUpdate>(format!("/{device}/scene"), scene.into_iter().collect()),
+        Topic::new::<SceneUpdate>(format!("/{device}/plan"), plans.collect()),
+        state(course, device),
+        Topic::new::<PointCloud>(format!("/{device}/scene/points"), scene_points.into_iter().collect()),
+        Topic::new::<PointCloud>(format!("/{device}/plan/points"), plan_points.collect()),
+    ]
+}
+
+fn scenery(order: &FingersOrder, fingers: usize, device: &str) -> Vec<SceneEntity> {
+    let part = &order.part;
+    let mut body = drawing::entity(format!("{device}/part/{}", part.name), &part_frame(device, &part.name), 0);
+    solid::draw(&mut body, part);
+    ends(&mut body, order);
+    let tips = (0..fingers).map(|finger| {
+        let mut tip = drawing::entity(format!("{device}/finger/f{}", finger + 1), &tip_frame(device, finger), 0);
+        let color = color_of(finger);
+        drawing::sphere(&mut tip, [0.0; 3], 2.0 * order.facts.tip_radius_um, Color { a: TIP_ALPHA, ..color });
+        drawing::text(&mut tip, [0.0; 3], format!("f{}", finger + 1), color);
+        tip
+    });
+    std::iter::once(body).chain(tips).collect()
+}
+
+/// Marks where both sections meet: the paper's I and J.
+fn ends(entity: &mut SceneEntity, order: &FingersOrder) {
+    let Ok(curve) = Curve::of(&order.part.xy.outline) else { return };
+    let mark_um = drawing::snapped(2.0 * order.facts.tip_radius_um * MARK_PART);
+    for (name, way_um) in [("I", 0.0), ("J", curve.opposite_um())] {
+        let place = solid::in_space(Plane::Xy, curve.spot(way_um).point_um);
+        drawing::sphere(entity, place, mark_um, color::TIP);
+        drawing::text(entity, place, name.to_owned(), color::TIP);
+    }
+}
+
+/// The way of each tip that moves.
+fn ways(plan: &PlanCourse) -> impl Iterator<Item = (usize, Vec<[f64; 3]>)> {
+    (0..plan.order.facts.fingers as usize).filter_map(|finger| {
+        let mut way: Vec<[f64; 3]> =
+            plan.moments.iter().map(|moment| moment.tips_um[finger].map(drawing::snapped)).collect();
+        way.dedup();
+        (way.len() > 1).then_some((finger, way))
+    })
+}
+
+fn trails(plan: &PlanCourse, device: &str) -> SceneEntity {
+    let mut entity = drawing::entity(format!("{device}/trails"), device, plan.start_ns);
+    for (finger, way) in ways(plan) {
+        drawing::line(&mut entity, way, line_primitive::Type::LineStrip, color_of(finger));
+    }
+    entity
+}
+
+/// The outlines of the part where the plan ends.
+fn goal(plan: &PlanCourse, device: &str) -> SceneEntity {
+    let mut entity = drawing::entity(format!("{device}/goal"), device, plan.start_ns);
+    let Some(last) = plan.grasps.last() else { return entity };
+    let pose = stand(&last.part).pose();
+    for (_, outline) in solid::outlines(&plan.order.part) {
+        drawing::line(&mut entity, outline, line_primitive::Type::LineLoop, GOAL);
+    }
+    entity.lines.iter_mut().for_each(|line| line.pose = pose.clone());
+    entity
+}
+
+/// `/<device>/state`: the contacts of each grasp, the forces there, and the grasp in words.
+fn state(course: &Course, device: &str) -> Topic {
+    let all = course.plans.iter().flat_map(|plan| plan.grasps.iter().map(move |grasp| (plan.order, grasp)));
+    let message = |(order, grasp): (&FingersOrder, &Grasp)| {
+        let entities = vec![contacts(order, grasp, device), words(order, grasp, device)];
+        (grasp.t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities }))
+    };
+    Topic::new::<SceneUpdate>(format!("/{device}/state"), all.take(MAX_GRASPS).map(message).collect())
+}
+
+/// Where fingers touch the part, and with what force, in the part's frame so that both go with it.
+fn contacts(order: &FingersOrder, grasp: &Grasp, device: &str) -> SceneEntity {
+    let frame = part_frame(device, &order.part.name);
+    let mut entity = drawing::entity(format!("{device}/contacts"), &frame, grasp.t_ns);
+    let Some(section) = order.part.section(grasp.plane) else { return entity };
+    let Ok(curve) = Curve::of(&section.outline) else { return entity };
+    let tip_um = order.facts.tip_radius_um;
+    let forces_un = forces_un(order, grasp);
+    for (finger, contact) in grasp.contacts.iter().enumerate().filter(|(_, contact)| **contact > 0) {
+        let rolled_rad = f64::from(contact - 1) * section.step_rad;
+        let spot = curve.spot(curve.way_rolled_um(rolled_rad, tip_um));
+        let place = solid::in_space(grasp.plane, spot.point_um);
+        drawing::sphere(&mut entity, place, drawing::snapped(2.0 * tip_um * MARK_PART), color_of(finger));
+        if let Some(force_un) = forces_un.get(finger).copied().flatten() {
+            let scale = 2.0 * tip_um / (FORCE_PART * order.facts.max_force_un);
+            let [x, y, z] = turned_back(grasp, force_un).map(|part| drawing::snapped(part * scale));
+            drawing::arrow(&mut entity, place, Vector3 { x, y, z }, drawing::snapped(2.0 * tip_um * ARROW_PART), FORCE);
+        }
+    }
+    entity
+}
+
+/// The forces of the fingers on the part in the hand's frame, in micronewtons; none of a grasp that does not hold.
+fn forces_un(_order: &FingersOrder, _grasp: &Grasp) -> Vec<Option<[f64; 3]>> {
+    Vec::new()
+}
+
+/// A direction of the hand's frame in the part's.
+fn turned_back(grasp: &Grasp, direction: [f64; 3]) -> [f64; 3] {
+    let [w, x, y, z] = grasp.part.orientation;
+    let turn = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+    turn.inverse_transform_vector(&direction.into()).into()
+}
+
+fn words(order: &FingersOrder, grasp: &Grasp, device: &str) -> SceneEntity {
+    let mut entity = drawing::entity(format!("{device}/grasp"), device, grasp.t_ns);
+    let contacts: Vec<String> = grasp.contacts.iter().map(u32::to_string).collect();
+    let text = format!("grasp ({}) in {} at angle {}", contacts.join(", "), grasp.plane.name(), grasp.angle_index);
+    let [_, high_um] = super::reach_um(order);
+    drawing::text(&mut entity, [0.0, high_um, 0.0], text, color::TIP);
+    entity
+}
+
+fn part_strokes(part: &Part) -> Vec<SpaceStroke> {
+    let stroke = |(plane, outline): (Plane, Vec<[f64; 3]>)| {
+        let mut corners: Vec<Point3<f64>> = outline.into_iter().map(Point3::from).collect();
+        corners.extend(corners.first().copied());
+        SpaceStroke { corners, color: solid::color_of(plane) }
+    };
+    solid::outlines(part).into_iter().map(stroke).collect()
+}
+
+fn trail_strokes(plan: &PlanCourse) -> Vec<SpaceStroke> {
+    let stroke = |(finger, way): (usize, Vec<[f64; 3]>)| SpaceStroke {
+        corners: way.into_iter().map(Point3::from).collect(),
+        color: color_of(finger),
+    };
+    ways(plan).map(stroke).collect()
+}

@@ -1,0 +1,84 @@
+//! The part of a hand as it is drawn, in its own frame: its sections, and between them what is known of it.
+
+use crate::check::claims::fingers::{Part, Section};
+use crate::device::fingers::Plane;
+use crate::emit::mcap::drawing;
+use crate::emit::mcap::foxglove::{
+    self, Color, Point3, SceneEntity, SpherePrimitive, TriangleListPrimitive, Vector3, line_primitive,
+};
+use crate::geometry::outline::{Curve, Outline};
+use nalgebra::Point2;
+
+/// Corners of the polygon that stands for an outline.
+const CORNERS: u32 = 128;
+
+/// What the surface looks like: what lies behind it is seen.
+const SURFACE: Color = Color { r: 0.34, g: 0.71, b: 0.91, a: 0.35 };
+
+/// The colour of a section.
+pub fn color_of(plane: Plane) -> Color {
+    match plane {
+        Plane::Xy => drawing::color::START,
+        Plane::Xz => drawing::color::STOP,
+    }
+}
+
+/// A point of a section in the part's frame, on the grid of pictures.
+pub fn in_space(plane: Plane, [first, second]: [f64; 2]) -> [f64; 3] {
+    let axes = plane.axes();
+    [0, 1, 2].map(|axis| drawing::snapped(axes[0][axis] * first + axes[1][axis] * second) + 0.0)
+}
+
+/// An outline as a polygon, in section coordinates; none where it cannot be followed.
+fn corners(section: &Section) -> Vec<[f64; 2]> {
+    let Ok(curve) = Curve::of(&section.outline) else { return Vec::new() };
+    let part_um = curve.perimeter_um() / f64::from(CORNERS);
+    (0..CORNERS).map(|corner| curve.spot(f64::from(corner) * part_um).point_um).collect()
+}
+
+/// The outlines of a part in its frame, each with its plane.
+pub fn outlines(part: &Part) -> Vec<(Plane, Vec<[f64; 3]>)> {
+    let sections = Plane::ALL.into_iter().filter_map(|plane| Some((plane, part.section(plane)?)));
+    let outline = |(plane, section): (Plane, &Section)| {
+        (plane, corners(section).into_iter().map(|corner| in_space(plane, corner)).collect())
+    };
+    sections.map(outline).collect()
+}
+
+/// Adds a part: a solid where its sections are those of an ellipsoid, else the faces that they cut; and their outlines.
+pub fn draw(entity: &mut SceneEntity, part: &Part) {
+    match semi_axes_um(part) {
+        Some([x, y, z]) => entity.spheres.push(SpherePrimitive {
+            pose: foxglove::pose_at([0.0; 3]),
+            size: Some(Vector3 { x: 2.0 * x, y: 2.0 * y, z: 2.0 * z }),
+            color: Some(SURFACE),
+        }),
+        None => Plane::ALL.into_iter().for_each(|plane| face(entity, part, plane)),
+    }
+    for (plane, outline) in outlines(part) {
+        drawing::line(entity, outline, line_primitive::Type::LineLoop, color_of(plane));
+    }
+}
+
+/// Of an ellipsoid.
+fn semi_axes_um(part: &Part) -> Option<[f64; 3]> {
+    let Outline::Ellipse { semi_um: [x, y] } = part.xy.outline else { return None };
+    let Outline::Ellipse { semi_um: [other_x, z] } = part.xz.as_ref()?.outline else { return None };
+    (x == other_x).then_some([x, y, z])
+}
+
+/// Adds the inside of a section.
+fn face(entity: &mut SceneEntity, part: &Part, plane: Plane) {
+    let Some(section) = part.section(plane) else { return };
+    let corners: Vec<Point2<f64>> = corners(section).into_iter().map(|corner| drawing::snap(corner.into())).collect();
+    let point = |corner: &Point2<f64>| {
+        let [x, y, z] = in_space(plane, [corner.x, corner.y]);
+        Point3 { x, y, z }
+    };
+    entity.triangles.push(TriangleListPrimitive {
+        pose: foxglove::pose_at([0.0; 3]),
+        points: drawing::triangles(&corners).iter().flatten().map(point).collect(),
+        color: Some(Color { a: SURFACE.a, ..color_of(plane) }),
+        ..TriangleListPrimitive::default()
+    });
+}

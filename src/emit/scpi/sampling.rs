@@ -1,0 +1,99 @@
+//! How often outputs are sampled.
+//!
+//! Voltages have their edges on samples, so that they are exact. Positions are sampled often enough for their speed.
+
+use super::Profile;
+use crate::emit::Signals;
+use crate::emit::signal::half_ns;
+use crate::schedule::{Actuation, Unit};
+
+/// The most that a stage moves from one sample to the next, in micrometres, unless the instrument's memory is too small.
+pub const SAMPLE_UM: f64 = 0.05;
+
+/// The most parts that the common period of voltages is divided into for the sake of positions.
+const MAX_PARTS: u64 = 100_000;
+
+/// The samples of all channels, before they are scaled.
+pub struct Sampling {
+    pub period_ns: u64,
+    /// With the ones before and after the schedule; a sequence repeats some of them.
+    pub points: u64,
+}
+
+impl Sampling {
+    /// The sampling of a schedule.
+    pub fn new(signals: &Signals, profile: &Profile) -> Sampling {
+        let duration_ns = signals.schedule.duration_ns;
+        let common_ns = common_ns(signals);
+        let period_ns = match steady_ns(signals) {
+            None => gcd(duration_ns, common_ns).max(1),
+            Some(wanted_ns) => {
+                let least_ns = duration_ns.div_ceil(profile.most_points.saturating_sub(2).max(1)).max(1);
+                match common_ns {
+                    0 => wanted_ns.clamp(1, duration_ns.max(1)).max(least_ns),
+                    common_ns => part(common_ns, wanted_ns, least_ns),
+                }
+            }
+        };
+        Sampling { period_ns, points: (duration_ns.div_ceil(period_ns) + 2).max(profile.least_points) }
+    }
+
+    /// Where a stage is at each sample, in micrometres: at the first one where it is at the beginning, as at the second.
+    pub fn positions(&self, signals: &Signals, channel: usize) -> impl Iterator<Item = f64> {
+        let at = move |index: u64| (index.saturating_sub(1) * self.period_ns).min(signals.schedule.duration_ns);
+        (0..self.points).map(move |index| signals.value(channel, at(index)))
+    }
+
+    /// The most that a stage moves in a period, in micrometres; `None` without stages.
+    pub fn step_um(&self, signals: &Signals) -> Option<f64> {
+        let step_um = fastest_um_per_ns(signals)? * self.period_ns as f64;
+        // Rounded up, but for the rounding of the product.
+        Some((step_um * 1e4 - 1e-6).ceil() / 1e4)
+    }
+}
+
+/// The greatest time that all times of voltages are multiples of; 0 without voltages.
+fn common_ns(signals: &Signals) -> u64 {
+    let of_volts = || signals.in_unit(Unit::Volt).flat_map(|channel| signals.of(channel));
+    let times = of_volts().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);
+    let halves = of_volts().filter_map(|actuation| actuation.swing).map(half_ns);
+    times.chain(halves).fold(0, gcd)
+}
+
+fn gcd(mut a: u64, mut b: u64) -> u64 {
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+/// The greatest round period in which no stage moves by more than [`SAMPLE_UM`]; `None` without stages.
+fn steady_ns(signals: &Signals) -> Option<u64> {
+    let exact_ns = SAMPLE_UM / fastest_um_per_ns(signals)?;
+    let mut decade_ns = 1;
+    while 10.0 * decade_ns as f64 <= exact_ns && decade_ns < signals.schedule.duration_ns {
+        decade_ns *= 10;
+    }
+    let round_ns = [5, 2, 1].map(|digit| digit * decade_ns);
+    round_ns.into_iter().find(|period_ns| *period_ns as f64 <= exact_ns).or(Some(1))
+}
+
+/// The greatest speed of a stage; `None` without stages.
+fn fastest_um_per_ns(signals: &Signals) -> Option<f64> {
+    let speed = |actuation: &&Actuation| (actuation.to - actuation.from).abs() / actuation.duration_ns as f64;
+    let stages = signals.in_unit(Unit::Micrometre);
+    stages.map(|channel| signals.of(channel).iter().map(speed).fold(0.0, f64::max)).reduce(f64::max)
+}
+
+/// A whole part of a period: the greatest that is as short as wanted, or else the shortest found that is not below the least.
+fn part(whole_ns: u64, wanted_ns: u64, least_ns: u64) -> u64 {
+    let parts = (1..=whole_ns.min(MAX_PARTS)).filter(|parts| whole_ns.is_multiple_of(*parts));
+    let mut found_ns = whole_ns;
+    for part_ns in parts.map(|parts| whole_ns / parts).take_while(|part_ns| *part_ns >= least_ns) {
+        found_ns = part_ns;
+        if part_ns <= wanted_ns {
+            break;
+        }
+    }
+    found_ns
+}

@@ -1,0 +1,173 @@
+//! Positions of stages in every format.
+
+use super::{Edit, code, judged_of, text};
+use crate::diagnostic::Code;
+use crate::emit::{Format, Provenance, Signals, emit, fixture};
+use crate::schedule::{Actuation, Channel, Unit};
+use crate::verify::Verified;
+use serde_json::json;
+
+#[test]
+fn stages_stay_where_they_are_before_and_after_their_runs() {
+    let (hand, _) = fixture::hand();
+    let signals = Signals::new(hand.schedule());
+    let end_ns = hand.schedule().duration_ns;
+    assert_eq!([0, 6_999_999, 7_000_000].map(|t_ns| signals.value(0, t_ns)), [28.5; 3]);
+    assert_eq!(signals.value_before(0, 0), 28.5);
+    assert!((signals.value(0, 57_000_000) - 23.5).abs() < 1e-9, "half way in");
+    assert_eq!(signals.envelope(0, 57_000_000), [signals.value(0, 57_000_000); 2]);
+    let last = signals.of(2).last().unwrap().to;
+    assert_eq!([end_ns - 3_000_000, end_ns].map(|t_ns| signals.value(2, t_ns)), [last; 2]);
+    assert_eq!(last, 5.0);
+    assert_eq!(signals.value_before(2, end_ns), last);
+    assert_eq!(signals.first_leap(), None);
+}
+
+#[test]
+fn csv_has_a_row_for_each_bend_of_a_position() {
+    let text = text(Format::Csv, &fixture::hand());
+    let mut lines = text.lines();
+    assert!(lines.next().unwrap().starts_with("time [ns],hand.f1.x [um] @ stage1/x,hand.f1.y [um],"));
+    let rows: Vec<Vec<f64>> =
+        lines.map(|line| line.split(',').map(|number| number.parse().unwrap()).collect()).collect();
+    assert_eq!(rows[0][..3], [0.0, 28.5, 0.0]);
+    assert_eq!(rows[1][..3], [7e6, 28.5, 0.0]);
+    assert_eq!(rows[2][..3], [107e6, 18.5, 0.0]);
+}
+
+#[test]
+fn a_position_that_leaps_is_refused_where_lines_run_between_positions() {
+    let leap = fixture::changed(&fixture::hand().0, |schedule| schedule.actuations[0].from += 1.0);
+    assert!(emit(Format::Csv, &leap, &Provenance::default()).is_ok(), "it begins elsewhere");
+    let leap = fixture::changed(&leap, |schedule| schedule.actuations[0].to += 1.0);
+    for format in [Format::Csv, Format::Gcode] {
+        assert_eq!(code(format, &leap), Code::E0826);
+    }
+    for format in [Format::Mcap, Format::Json, Format::Vcd, Format::Pwl, Format::Scpi] {
+        assert!(emit(format, &leap, &Provenance::default()).is_ok());
+    }
+}
+
+#[test]
+fn vcd_counts_positions_to_the_nearest_hundredth_of_a_micrometre() {
+    let (hand, provenance) = fixture::hand();
+    let text = text(Format::Vcd, &(hand.clone(), provenance));
+    assert!(text.contains("$comment hand.f1.x [um] as the nearest multiple of 0.01 um wire: stage1/x $end\n"));
+    let signals = Signals::new(hand.schedule());
+    let (mut t_ns, mut count, mut changes, mut last_ns) = (0u64, 28.5, 0, 0);
+    let held = |count: f64, t_ns: u64| {
+        let off_um = (count - signals.value(0, t_ns)).abs();
+        assert!(off_um <= 0.005 + 1e-9, "{off_um} um off at {t_ns} ns");
+    };
+    for line in text.split("$enddefinitions $end\n").nth(1).unwrap().lines() {
+        if let Some(instant) = line.strip_prefix('#') {
+            t_ns = instant.parse().unwrap();
+            assert!(t_ns > last_ns || t_ns == 0);
+            (last_ns, changes) = (t_ns, changes + 1);
+            held(count, t_ns.saturating_sub(1));
+        } else if let Some(value) = line.strip_prefix('r').and_then(|line| line.strip_suffix(" a")) {
+            count = value.parse().unwrap();
+            held(count, t_ns);
+        }
+    }
+    assert!(changes > 1000 && t_ns == hand.schedule().duration_ns);
+}
+
+#[test]
+fn pwl_bends_without_a_rise_and_says_its_scale() {
+    let files = emit(Format::Pwl, &fixture::hand().0, &Provenance::default()).unwrap();
+    let text = String::from_utf8(files[0].bytes.clone()).unwrap();
+    let head = "* hand.f1.x [um], 1 V stands for 1 um, wire stage1/x\nVhand_f1_x hand_f1_x 0 PWL(\n";
+    assert!(text.contains(&format!("{head}+ 0 28.5\n+ 0.007 28.5\n+ 0.107 18.5\n+ 0.287 18.5\n")), "{text}");
+}
+
+#[test]
+fn scpi_waits_and_rests_where_the_stages_do() {
+    let files = emit(Format::Scpi, &fixture::hand().0, &Provenance::default()).unwrap();
+    let script = &files[0].bytes;
+    let notes = String::from_utf8(files[1].bytes.clone()).unwrap();
+    // 28.5 um in 20 ms at the most: 0.05 um take 35 us, rounded down to 20 us.
+    assert!(notes.contains("a stage moves by 0.0"), "{notes}");
+    assert!(notes.contains("3\tCH3\t5\thand.f1.z [um]\t-\n"), "{notes}");
+    let head = b":SOUR3:DATA:ARB:DAC CH3,#";
+    let at = script.windows(head.len()).position(|window| window == head).unwrap() + head.len();
+    let digits = usize::from(script[at] - b'0');
+    let length: usize = std::str::from_utf8(&script[at + 1..at + 1 + digits]).unwrap().parse().unwrap();
+    let block = &script[at + 1 + digits..][..length];
+    let codes: Vec<i16> = block.chunks(2).map(|pair| i16::from_be_bytes([pair[0], pair[1]])).collect();
+    assert_eq!((codes[0], codes.last()), (0, Some(&i16::MAX)), "z ends at 5 um, its full scale");
+    assert!(codes.windows(2).all(|pair| pair[0] <= pair[1]), "z only rises");
+}
+
+#[test]
+fn scpi_samples_stages_within_the_period_of_voltages() {
+    let (hand, _) = fixture::hand();
+    let both = |period_ns: u64| {
+        fixture::changed(&hand, |schedule| {
+            let name = "plate.e1_1".to_owned();
+            schedule.channels.push(Channel { name, device: "plate".into(), unit: Unit::Volt, wire: None });
+            let pulse = Actuation { channel: 9, from: 50.0, to: 50.0, ..schedule.actuations[0] };
+            schedule.actuations.push(Actuation { start_ns: period_ns, duration_ns: 3 * period_ns, ..pulse });
+        })
+    };
+    let period = |verified: &Verified| {
+        let notes = emit(Format::Scpi, verified, &Provenance::default()).unwrap().remove(1);
+        let notes = String::from_utf8(notes.bytes).unwrap();
+        let period = notes.split("Sample period ").nth(1).unwrap().split(' ').next().unwrap().parse::<u64>().unwrap();
+        period
+    };
+    let alone_ns = period(&hand);
+    assert_eq!(period(&both(3_000_000)), 3_000_000 / 3_000_000u64.div_ceil(alone_ns));
+    assert_eq!(code(Format::Scpi, &both(7)), Code::E0823);
+    assert_eq!(code(Format::Gcode, &both(7)), Code::E0827);
+}
+
+#[test]
+fn gcode_says_where_all_axes_are_at_their_common_instants() {
+    let (hand, provenance) = fixture::hand();
+    let files = emit(Format::Gcode, &hand, &provenance).unwrap();
+    assert_eq!(files.iter().map(|file| file.name.as_str()).collect::<Vec<_>>(), ["turn.hand.ngc"]);
+    let text = String::from_utf8(files[0].bytes.clone()).unwrap();
+    assert!(text.contains("; X is hand.f1.x, wire stage1/x\n") && text.contains("; C is hand.f3.z\n"), "{text}");
+    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with(';')).collect();
+    assert_eq!(lines[..4], ["G21", "G90", "G61", "G93"]);
+    assert!(lines[4].starts_with("G0 X0.028500 Y0.000000 Z0.000000 U-0.014250 V0.024682 "), "{}", lines[4]);
+    assert_eq!(lines[6..8], ["G4 P0.007000000", "G1 X0.018500 F600"]);
+    assert_eq!(lines[lines.len() - 3..], ["G1 Z0.005000 W0.005000 C0.005000 F1200", "G4 P0.053000000", "M2"]);
+}
+
+#[test]
+fn gcode_has_a_file_for_every_three_fingers_and_none_for_voltages() {
+    let (hand, _) = fixture::hand();
+    let many = fixture::changed(&hand, |schedule| {
+        for channel in 0..6 {
+            let name = format!("hand.f{}.{}", 4 + channel / 3, ["x", "y", "z"][channel % 3]);
+            schedule.channels.push(Channel { name, ..schedule.channels[1].clone() });
+        }
+    });
+    let names: Vec<String> =
+        emit(Format::Gcode, &many, &Provenance::default()).unwrap().into_iter().map(|file| file.name).collect();
+    assert_eq!(names, ["turn.hand.f1-f3.ngc", "turn.hand.f4-f5.ngc"]);
+    assert_eq!(code(Format::Gcode, &fixture::fetch().0), Code::E0827);
+    let error = emit(Format::Gcode, &fixture::fetch().0, &Provenance::default()).unwrap_err().diagnostic();
+    assert_eq!(error.title, "`bot.bl0.set` takes voltages, and `gcode` only says where stages are");
+    let none = fixture::changed(&hand, |schedule| (schedule.channels, schedule.actuations) = Default::default());
+    assert_eq!(code(Format::Gcode, &none), Code::E0827);
+}
+
+#[test]
+fn json_of_positions_keeps_to_its_schema() {
+    let hand = |change: Edit| judged_of(fixture::hand(), change);
+    assert_eq!(hand(|_| ()), (true, true));
+    let changes: &[(Edit, (bool, bool))] = &[
+        (|value| value["channels"][0]["unit"] = "mm".into(), (false, false)),
+        (|value| value["plans"][0]["states"][1]["plane"] = "yz".into(), (false, false)),
+        (|value| value["plans"][0]["states"][1]["grasp"][0] = (-1).into(), (false, false)),
+        (|value| value["plans"][0]["states"][1]["tips_um"][2] = json!([1.0, 2.0]), (false, false)),
+        (|value| value["plans"][0]["states"][1]["orientation"] = json!([1.0, 0.0, 0.0]), (false, false)),
+        (|value| value["plans"][0]["states"][1]["orientation"][0] = (-1.0).into(), (false, true)),
+    ];
+    for (index, (change, expected)) in changes.iter().enumerate() {
+        assert_eq!(hand(*change), *expected, "change {index}");
+    }
+}

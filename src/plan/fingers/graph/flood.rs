@@ -1,0 +1,365 @@
+//! Floods: from which nodes the goals are reached (or which the start reaches), by the least number of reconfigurations.
+//!
+//! Only pairs are kept: between two pairs lies one triple, which rolls. All angles of a chain are dealt with at once, as bits of a
+//! mask, and so a flood looks at each of the pairs' C(F,2)·c² chains once for each third contact. The layer of a triple is found
+//! from those of the pairs that it becomes, when it is asked for.
+
+use super::course::{Course, Sheet};
+use super::layout::{Chain, Spot, wrapped};
+use super::strands::{Mask, below, both, except, has, single, spread};
+use super::Entry;
+use rustc_hash::FxHashMap;
+
+/// Which way edges are followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// From the start.
+    Onward,
+    /// From the goals.
+    Back,
+}
+
+/// A part of a chain of pairs, newly reached.
+#[derive(Debug, Clone, Copy)]
+struct Piece<const N: usize> {
+    leg: usize,
+    chain: Chain,
+    mask: Mask<N>,
+}
+
+/// In `Field::first`: look the layers up in `Field::pieces`.
+const SEVERAL: u8 = u8::MAX;
+
+/// Layers from here on are counted as this one, which keeps every bound a bound.
+const LAST: u32 = SEVERAL as u32 - 1;
+
+/// What is reached of a leg's pairs.
+#[derive(Debug)]
+struct Field<const N: usize> {
+    /// The angles of each chain that are nodes and not reached.
+    open: Vec<Mask<N>>,
+    /// For each set, member and phase of it how many chains have angles in `open`.
+    left: Vec<u16>,
+    /// The layer of each chain's first piece.
+    first: Vec<u8>,
+    /// The layers of all pieces, of chains with several.
+    pieces: FxHashMap<usize, Vec<(Mask<N>, u8)>>,
+    /// All angles at which anything is reached.
+    angles: Mask<N>,
+    /// Whether triples go on to the neighbouring leg, against the direction of the edges if the flood runs back.
+    hands_on: bool,
+}
+
+/// A flood that goes on when asked.
+#[derive(Debug)]
+pub struct Flood<'a, const N: usize> {
+    course: &'a Course,
+    direction: Direction,
+    fields: Vec<Field<N>>,
+    /// The pieces of the layer to be looked at next, and of the two after it.
+    fronts: [Vec<Piece<N>>; 3],
+    /// The layer to be looked at next: all pairs up to the one after it are known.
+    layer: u32,
+    /// Whether the newest pieces touch the start of the route.
+    arrives: bool,
+}
+
+impl<'a, const N: usize> Flood<'a, N> {
+    /// A flood that knows its sources, and the pairs next to them.
+    pub fn from(course: &'a Course, direction: Direction, sources: &[Spot]) -> Self {
+        let fields = (0..course.sheets.len()).map(|leg| Field::of(course, leg, direction)).collect();
+        let fronts = [Vec::new(), Vec::new(), Vec::new()];
+        let mut flood = Flood { course, direction, fields, fronts, layer: 0, arrives: false };
+        let (pairs, triples): (Vec<&Spot>, Vec<&Spot>) =
+            sources.iter().partition(|spot| course.sets.is_pair(spot.chain.set));
+        for spot in pairs {
+            flood.meet(spot.leg, spot.chain, single(spot.angle), 0);
+        }
+        for spot in triples {
+            let rolls = course.sheets[spot.leg].rolls_three(spot.chain.phases);
+            flood.part(spot.leg, spot.chain, spread(single(spot.angle), rolls), 1);
+        }
+        flood
+    }
+
+    /// Whether nothing more can be reached.
+    pub fn ended(&self) -> bool {
+        self.fronts.iter().all(Vec::is_empty)
+    }
+
+    /// Whether a pair at the start of the route was reached.
+    pub fn arrives(&self) -> bool {
+        self.arrives
+    }
+
+    /// The angles of a leg at which anything is reached.
+    pub fn angles(&self, leg: usize) -> Mask<N> {
+        self.fields[leg].angles
+    }
+
+    /// No node that is not known has a layer below this.
+    pub fn floor(&self, spot: Spot) -> u32 {
+        let beyond = if self.course.sets.is_pair(spot.chain.set) { 2 } else { 3 };
+        (self.layer + beyond).min(LAST)
+    }
+
+    /// Looks at one layer more: from its pairs over triples to the pairs of the layer after the next.
+    pub fn deepen(&mut self) {
+        let pieces = std::mem::take(&mut self.fronts[0]);
+        for piece in &pieces {
+            self.widen(piece);
+        }
+        self.fronts.rotate_left(1);
+        self.layer += 1;
+    }
+
+    /// The layer of a node, if it is known. Triples are known of floods from the goals only.
+    #[inline]
+    pub fn layer_of(&self, spot: Spot) -> Option<u32> {
+        if self.course.sets.is_pair(spot.chain.set) {
+            let chain = self.course.pair_index(spot.leg, spot.chain);
+            self.fields[spot.leg].least(chain, single(spot.angle))
+        } else {
+            self.layer_of_three(spot)
+        }
+    }
+
+    fn layer_of_three(&self, mut spot: Spot) -> Option<u32> {
+        let course = self.course;
+        let mut least: Option<u32> = None;
+        loop {
+            let sheet = &course.sheets[spot.leg];
+            let segment: Mask<N> = spread(single(spot.angle), sheet.rolls_three(spot.chain.phases));
+            for place in 0..3 {
+                let ([p, q], third) = removed(spot.chain.phases, place);
+                let head = sheet.strands.head(p);
+                let leaving = sheet.strands.leave.window(sheet.strands.triple(head, [p, q, third]), head.bit);
+                let chain = Chain { set: course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
+                let layer = self.fields[spot.leg].least(course.pair_index(spot.leg, chain), both(leaving, segment));
+                least = least.into_iter().chain(layer.map(|layer| layer + 1)).min();
+            }
+            let border = Spot { angle: sheet.end, ..spot };
+            if !has(&segment, sheet.end) {
+                return least;
+            }
+            if course.is_goal(border) {
+                return Some(0);
+            }
+            match course.next(border) {
+                Some(next) => spot = next,
+                None => return least,
+            }
+        }
+    }
+
+    /// From a pair over all triples with a finger more.
+    fn widen(&mut self, piece: &Piece<N>) {
+        let course = self.course;
+        let (leg, [p, q, _]) = (piece.leg, piece.chain.phases);
+        let sheet = &course.sheets[leg];
+        let strands = &sheet.strands;
+        let bits = match self.direction {
+            Direction::Onward => &strands.place,
+            Direction::Back => &strands.leave,
+        };
+        let head = strands.head(p);
+        let row = strands.triple(head, [p, q, p]);
+        let layer = self.layer + 2;
+        // How far triples roll matters where it is asked how far the start reaches.
+        let wants_angles = self.direction == Direction::Onward && self.fields[leg].angles != below([u64::MAX; N], sheet.angles);
+        for (set, place) in course.sets.wider(piece.chain.set) {
+            let chain = |third: u16| Chain { set: *set, phases: inserted([p, q], third, *place) };
+            let goes_over = self.fields[leg].hands_on || wants_angles;
+            if !goes_over && !self.has_open(leg, chain(0), *place) {
+                continue;
+            }
+            let pairs = [0, 1, 2].map(|place| course.pair_steps(leg, chain, place));
+            for two in 0..sheet.contacts {
+                let third = wrapped(usize::from(p) + two, sheet.contacts);
+                let field = &self.fields[leg];
+                let open = pairs.iter().any(|(from, step)| field.open[from + third * step] != [0; N]);
+                if !open && !goes_over {
+                    continue;
+                }
+                let coming = both(bits.window(row + two, head.bit), piece.mask);
+                if coming != [0; N] {
+                    let rolls = sheet.rolling(strands.roll_triple.window(row + two, head.bit));
+                    self.part(leg, chain(third as u16), spread(coming, rolls), layer);
+                }
+            }
+        }
+    }
+
+    /// Whether any pair is open that a triple becomes, whatever the phase at a place.
+    fn has_open(&self, leg: usize, triple: Chain, place: usize) -> bool {
+        let (course, field) = (self.course, &self.fields[leg]);
+        let ([p, q], _) = removed(triple.phases, place);
+        let pair = Chain { set: course.sets.without(triple.set, place), phases: [p, q, 0] };
+        field.open[course.pair_index(leg, pair)] != [0; N]
+            || (0..3).filter(|without| *without != place).any(|without| {
+                let fixed = 3 - without - place;
+                let member = if fixed > without { fixed - 1 } else { fixed };
+                let set = usize::from(course.sets.without(triple.set, without));
+                let phase = usize::from(triple.phases[fixed]);
+                field.left[(set * 2 + member) * course.sheets[leg].contacts + phase] > 0
+            })
+    }
+
+    /// From a part of a triple's chain to all pairs with a finger less; over to the neighbouring leg where it touches the border.
+    fn part(&mut self, mut leg: usize, mut chain: Chain, mut mask: Mask<N>, layer: u32) {
+        let course = self.course;
+        loop {
+            let strands = &course.sheets[leg].strands;
+            let bits = match self.direction {
+                Direction::Onward => &strands.leave,
+                Direction::Back => &strands.place,
+            };
+            let angles = &mut self.fields[leg].angles;
+            *angles = std::array::from_fn(|at| angles[at] | mask[at]);
+            for place in 0..3 {
+                let ([p, q], third) = removed(chain.phases, place);
+                let head = strands.head(p);
+                let going = both(bits.window(strands.triple(head, [p, q, third]), head.bit), mask);
+                let pair = Chain { set: course.sets.without(chain.set, place), phases: [p, q, 0] };
+                self.meet(leg, pair, going, layer);
+            }
+            let beyond = if self.fields[leg].hands_on { self.beyond(leg, chain, mask) } else { None };
+            let Some(spot) = beyond else { return };
+            (leg, chain) = (spot.leg, spot.chain);
+            mask = spread(single(spot.angle), course.sheets[leg].rolls_three(chain.phases));
+        }
+    }
+
+    /// Takes angles of a pair's chain, and all to which they roll, into a layer, as far as they are new.
+    fn meet(&mut self, mut leg: usize, mut chain: Chain, mut nodes: Mask<N>, layer: u32) {
+        let course = self.course;
+        loop {
+            let index = course.pair_index(leg, chain);
+            let field = &mut self.fields[leg];
+            let fresh = both(nodes, field.open[index]);
+            if fresh == [0; N] {
+                return;
+            }
+            let [p, q, _] = chain.phases;
+            let mask = spread(fresh, course.sheets[leg].rolls_two([p, q]));
+            field.take(index, mask, course.sheets[leg].nodes_of_two([p, q]), layer);
+            if field.open[index] == [0; N] {
+                field.close(chain, course.sheets[leg].contacts);
+            }
+            self.fronts[(layer - self.layer) as usize].push(Piece { leg, chain, mask });
+            self.arrives |= leg == 0 && has(&mask, course.sheets[0].start);
+            let Some(spot) = self.beyond(leg, chain, mask) else { return };
+            (leg, chain, nodes) = (spot.leg, spot.chain, single(spot.angle));
+        }
+    }
+
+    /// Where a chain goes on in the neighbouring leg, if a part of it touches the border.
+    fn beyond(&self, leg: usize, chain: Chain, mask: Mask<N>) -> Option<Spot> {
+        let sheet = &self.course.sheets[leg];
+        let angle = match self.direction {
+            Direction::Onward => sheet.end,
+            Direction::Back => sheet.start,
+        };
+        if !has(&mask, angle) {
+            return None;
+        }
+        match self.direction {
+            Direction::Onward => self.course.next(Spot { leg, angle, chain }),
+            Direction::Back => self.course.previous(Spot { leg, angle, chain }),
+        }
+    }
+}
+
+impl<const N: usize> Field<N> {
+    fn of(course: &Course, leg: usize, direction: Direction) -> Self {
+        let sheet: &Sheet = &course.sheets[leg];
+        let border = match direction {
+            Direction::Onward => course.sheets.get(leg + 1),
+            Direction::Back => (leg > 0).then_some(sheet),
+        };
+        let count = course.sets.pairs() * sheet.contacts.pow(2);
+        let node = |index: usize| {
+            let phases = [index / sheet.contacts % sheet.contacts, index % sheet.contacts].map(|phase| phase as u16);
+            sheet.nodes_of_two(phases)
+        };
+        let open: Vec<Mask<N>> = (0..count).map(node).collect();
+        let mut left = vec![0; course.sets.pairs() * 2 * sheet.contacts];
+        for index in (0..count).filter(|index| open[*index] != [0; N]) {
+            let [first, second] = members(course.sets.chain(sheet.contacts, index), sheet.contacts);
+            left[first] += 1;
+            left[second] += 1;
+        }
+        Field {
+            open,
+            left,
+            first: vec![0; count],
+            pieces: FxHashMap::default(),
+            angles: [0; N],
+            hands_on: border.is_some_and(|sheet| sheet.entry == Entry::Same),
+        }
+    }
+
+    /// The least layer of some angles of a chain.
+    #[inline]
+    fn least(&self, index: usize, angles: Mask<N>) -> Option<u32> {
+        let reached = except(angles, self.open[index]);
+        if reached == [0; N] {
+            return None;
+        }
+        match self.first[index] {
+            SEVERAL => {
+                let touched = self.pieces[&index].iter().filter(|(mask, _)| both(*mask, reached) != [0; N]);
+                touched.map(|(_, layer)| u32::from(*layer)).min()
+            }
+            layer => Some(u32::from(layer)),
+        }
+    }
+
+    /// Counts a chain out that has become wholly known.
+    fn close(&mut self, chain: Chain, contacts: usize) {
+        for member in members(chain, contacts) {
+            self.left[member] -= 1;
+        }
+    }
+
+    /// Marks a part of a chain as reached.
+    fn take(&mut self, index: usize, mask: Mask<N>, nodes: Mask<N>, layer: u32) {
+        let before = except(nodes, self.open[index]);
+        self.open[index] = except(self.open[index], mask);
+        self.angles = std::array::from_fn(|at| self.angles[at] | mask[at]);
+        let layer = layer.min(LAST) as u8;
+        if before == [0; N] {
+            self.first[index] = layer;
+        } else if self.first[index] != layer {
+            let first = (before, self.first[index]);
+            self.pieces.entry(index).or_insert_with(|| vec![first]).push((mask, layer));
+            self.first[index] = SEVERAL;
+        }
+    }
+}
+
+/// Where a pair's two members and phases are counted.
+fn members(pair: Chain, contacts: usize) -> [usize; 2] {
+    let set = usize::from(pair.set) * 2;
+    [set * contacts + usize::from(pair.phases[0]), (set + 1) * contacts + usize::from(pair.phases[1])]
+}
+
+/// The phases of a triple: those of a pair, with a third at a place.
+#[inline]
+pub fn inserted([p, q]: [u16; 2], third: u16, place: usize) -> [u16; 3] {
+    match place {
+        0 => [third, p, q],
+        1 => [p, third, q],
+        _ => [p, q, third],
+    }
+}
+
+/// The phases of a pair, and the third that was at a place.
+#[inline]
+pub fn removed([a, b, c]: [u16; 3], place: usize) -> ([u16; 2], u16) {
+    match place {
+        0 => ([b, c], a),
+        1 => ([a, c], b),
+        _ => ([a, b], c),
+    }
+}

@@ -1,0 +1,90 @@
+//! One leg after the other, as the paper plans: each by itself, with the cheapest of the ends that the next one can begin with.
+//!
+//! Each leg's way is cheapest for itself. The whole need not be, and a route that has a way can be missed: an end that is cheap may
+//! be one from which the next leg has none.
+
+use super::layout::Sets;
+use super::route::{bound, cheapest};
+use super::{Answer, Blocked, Entry, Estimator, Grasp, Leg, Request, Start, Way};
+use crate::device::fingers::MAX_FINGERS;
+use crate::plan::search::{Budget, Meter};
+
+/// The first route that can be gone leg by leg: at each junction the F(F - 1) ways in which two fingers can hold are evaluated, and
+/// the first of the cheapest is taken.
+///
+/// The bound of the way is one for the joint problem. [`Answer::Impossible`] is no proof here: it tells where the route that came
+/// farthest got stuck.
+pub fn decompose(request: &Request, estimator: Estimator, budget: Budget) -> Answer {
+    let mut meter = Meter::new(budget);
+    let mut farthest: Option<Blocked> = None;
+    for route in 0..request.routes.len() {
+        match by_legs(request, route, estimator, &mut meter) {
+            Answer::Impossible(blocked) => {
+                if farthest.as_ref().is_none_or(|other| other.leg < blocked.leg) {
+                    farthest = Some(blocked);
+                }
+            }
+            Answer::Found(way) => return Answer::Found(Way { bound: bound(request).unwrap_or(0).min(way.cost), ..way }),
+            other @ (Answer::GaveUp(_) | Answer::TooLarge { .. }) => return other,
+        }
+    }
+    Answer::Impossible(farthest.unwrap_or(Blocked::NOWHERE))
+}
+
+fn by_legs(request: &Request, route: usize, estimator: Estimator, meter: &mut Meter) -> Answer {
+    let legs = &request.routes[route];
+    let mut way = Way { route, cost: 0, bound: 0, legs: Vec::new(), expanded: 0 };
+    let mut start = request.start;
+    for (at, leg) in legs.iter().enumerate() {
+        let ends = ends(request.fingers, leg, legs.get(at + 1));
+        let routes = ends.iter().map(|end| vec![Leg { end: *end, entry: Entry::Same, ..leg.clone() }]).collect();
+        let alone = Request { fingers: request.fingers, start, routes, costs: request.costs };
+        let part = match cheapest(&alone, estimator, meter) {
+            Answer::Found(part) => part,
+            Answer::Impossible(blocked) => return Answer::Impossible(Blocked { route, leg: at, ..blocked }),
+            other @ (Answer::GaveUp(_) | Answer::TooLarge { .. }) => return other,
+        };
+        way.cost += part.cost;
+        way.expanded += part.expanded;
+        let last = part.legs.last().and_then(|nodes| nodes.last()).map(|node| node.grasp);
+        way.legs.extend(part.legs);
+        let entry = legs.get(at + 1).map_or(Entry::Same, |next| next.entry);
+        match last.and_then(|grasp| carried(grasp, entry)) {
+            Some(grasp) => start = Start::At(grasp),
+            None => return Answer::Impossible(Blocked { route, leg: at, ..Blocked::NOWHERE }),
+        }
+    }
+    Answer::Found(way)
+}
+
+/// The grasps that a leg may end with; `None` for any.
+fn ends(fingers: usize, leg: &Leg, next: Option<&Leg>) -> Vec<Option<Grasp>> {
+    match (leg.end, next.map(|next| next.entry)) {
+        (Some(pin), _) => vec![Some(pin)],
+        (None, None | Some(Entry::Same)) => vec![None],
+        (None, Some(Entry::Across { old, .. })) => {
+            let sets = Sets::of(fingers);
+            let pairs = (0..sets.len() as u8).filter(|set| sets.is_pair(*set));
+            let held = |set: u8, contacts: [usize; 2]| grasp(sets.members(set), contacts);
+            pairs.flat_map(|set| [Some(held(set, old)), Some(held(set, [old[1], old[0]]))]).collect()
+        }
+    }
+}
+
+fn grasp(fingers: &[usize], contacts: [usize; 2]) -> Grasp {
+    let mut grasp = Grasp([0; MAX_FINGERS as usize]);
+    fingers.iter().zip(contacts).for_each(|(finger, contact)| grasp.0[*finger] = contact as u16 + 1);
+    grasp
+}
+
+/// The grasp with which the next leg begins; `None` where it cannot go on.
+fn carried(held: Grasp, entry: Entry) -> Option<Grasp> {
+    let Entry::Across { old, new } = entry else { return Some(held) };
+    let fingers: Vec<usize> = (0..held.0.len()).filter(|finger| held.contact(*finger).is_some()).collect();
+    let contacts: Vec<usize> = fingers.iter().filter_map(|finger| held.contact(*finger)).collect();
+    let to = |contact: usize| old.iter().position(|old| *old == contact).map(|at| new[at]);
+    match contacts[..] {
+        [i, j] if i != j => Some(grasp(&fingers, [to(i)?, to(j)?])),
+        _ => None,
+    }
+}

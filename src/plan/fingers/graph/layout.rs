@@ -1,0 +1,169 @@
+//! Names of nodes: sets of fingers, phases in place of contacts, and both packed into a number.
+//!
+//! A phase is (contact + angle) modulo the number of contacts, angles counted from the lowest of the leg. Rolling leaves the phases
+//! of all holding fingers as they are, so that nodes which differ in the angle only form a chain.
+
+/// The sets of two or three fingers, pairs first, each kind in lexicographic order.
+#[derive(Debug, Clone)]
+pub struct Sets {
+    pub fingers: usize,
+    members: Vec<Vec<usize>>,
+    /// For each pair the triples with a finger more, and the place of that finger.
+    wider: Vec<Vec<(u8, usize)>>,
+    /// For each triple the pairs without the finger at each place.
+    narrower: Vec<Vec<u8>>,
+    pairs: usize,
+}
+
+impl Sets {
+    /// The sets of so many fingers.
+    pub fn of(fingers: usize) -> Self {
+        let mut members: Vec<Vec<usize>> = Vec::new();
+        for a in 0..fingers {
+            members.extend((a + 1..fingers).map(|b| vec![a, b]));
+        }
+        let pairs = members.len();
+        for at in 0..pairs {
+            let pair = members[at].clone();
+            members.extend((pair[1] + 1..fingers).map(|c| vec![pair[0], pair[1], c]));
+        }
+        members[pairs..].sort();
+        let find = |fingers: &[usize]| members.iter().position(|set| set == fingers).map(|at| at as u8);
+        let without = |set: &[usize], place: usize| find(&[&set[..place], &set[place + 1..]].concat());
+        let narrower: Vec<Vec<u8>> = members.iter().map(|set| (0..set.len()).filter_map(|place| without(set, place)).collect()).collect();
+        let grown = |pair: usize| {
+            let triples = pairs..members.len();
+            let places = triples.flat_map(|triple| narrower[triple].iter().enumerate().map(move |(place, set)| (triple, place, *set)));
+            places.filter(|(_, _, set)| usize::from(*set) == pair).map(|(triple, place, _)| (triple as u8, place)).collect()
+        };
+        let wider = (0..pairs).map(grown).collect();
+        Sets { fingers, members, wider, narrower, pairs }
+    }
+
+    /// How many sets there are.
+    pub fn len(&self) -> usize {
+        self.members.len()
+    }
+
+    /// The fingers of a set, ascending.
+    pub fn members(&self, set: u8) -> &[usize] {
+        &self.members[usize::from(set)]
+    }
+
+    /// Whether a set has two fingers.
+    #[inline]
+    pub fn is_pair(&self, set: u8) -> bool {
+        usize::from(set) < self.pairs
+    }
+
+    /// How many of them are pairs.
+    pub fn pairs(&self) -> usize {
+        self.pairs
+    }
+
+    /// The set of these fingers.
+    pub fn find(&self, fingers: &[usize]) -> Option<u8> {
+        self.members.iter().position(|set| set == fingers).map(|at| at as u8)
+    }
+
+    /// The triples that a pair becomes with a finger more, and the place of that finger.
+    #[inline]
+    pub fn wider(&self, pair: u8) -> &[(u8, usize)] {
+        &self.wider[usize::from(pair)]
+    }
+
+    /// A triple without the finger at a place.
+    #[inline]
+    pub fn without(&self, triple: u8, place: usize) -> u8 {
+        self.narrower[usize::from(triple)][place]
+    }
+
+    /// How many chains a leg with so many contacts has.
+    pub fn chains(&self, contacts: usize) -> u64 {
+        let contacts = contacts as u64;
+        self.pairs as u64 * contacts.pow(2) + (self.len() - self.pairs) as u64 * contacts.pow(3)
+    }
+
+    /// The number of a chain, below [`Sets::chains`].
+    #[inline]
+    pub fn index(&self, contacts: usize, chain: Chain) -> usize {
+        let [a, b, c] = chain.phases.map(usize::from);
+        let set = usize::from(chain.set);
+        if set < self.pairs {
+            (set * contacts + a) * contacts + b
+        } else {
+            self.pairs * contacts * contacts + (((set - self.pairs) * contacts + a) * contacts + b) * contacts + c
+        }
+    }
+}
+
+impl Sets {
+    /// The chain of a number.
+    pub fn chain(&self, contacts: usize, index: usize) -> Chain {
+        let (pairs, digit) = (self.pairs * contacts * contacts, |power: u32, at: usize| at / contacts.pow(power) % contacts);
+        if index < pairs {
+            let set = (index / contacts.pow(2)) as u8;
+            return Chain { set, phases: [digit(1, index) as u16, digit(0, index) as u16, 0] };
+        }
+        let at = index - pairs;
+        let set = (self.pairs + at / contacts.pow(3)) as u8;
+        Chain { set, phases: [2, 1, 0].map(|power| digit(power, at) as u16) }
+    }
+}
+
+/// Grasps of one set of fingers that roll into each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Chain {
+    pub set: u8,
+    /// Of each member of the set; 0 for the third of a pair.
+    pub phases: [u16; 3],
+}
+
+/// A node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Spot {
+    pub leg: usize,
+    /// Counted from the lowest of the leg.
+    pub angle: usize,
+    pub chain: Chain,
+}
+
+/// Bits of a phase, and of an angle, in a packed spot.
+const DIGIT: u32 = 9;
+
+/// Contacts and angles of a leg stay within this.
+pub const MAX_DIGIT: usize = 1 << DIGIT;
+
+/// Legs of a route stay within this.
+pub const MAX_LEGS: usize = 1 << 16;
+
+impl Spot {
+    /// As one number, smaller for earlier legs.
+    #[inline]
+    pub fn pack(self) -> u64 {
+        let [a, b, c] = self.chain.phases.map(u64::from);
+        let chain = (((u64::from(self.chain.set) << DIGIT | a) << DIGIT) | b) << DIGIT | c;
+        ((self.leg as u64) << (6 + 3 * DIGIT) | chain) << DIGIT | self.angle as u64
+    }
+
+    /// The node of a number.
+    #[inline]
+    pub fn unpack(number: u64) -> Self {
+        let digit = |place: u32| (number >> (place * DIGIT)) as usize & (MAX_DIGIT - 1);
+        let phases = [digit(3) as u16, digit(2) as u16, digit(1) as u16];
+        let set = (number >> (4 * DIGIT)) as u8 & 63;
+        Spot { leg: (number >> (4 * DIGIT + 6)) as usize, angle: digit(0), chain: Chain { set, phases } }
+    }
+}
+
+/// A number from 0 below `2 * contacts` brought below `contacts`.
+#[inline]
+pub fn wrapped(number: usize, contacts: usize) -> usize {
+    if number >= contacts { number - contacts } else { number }
+}
+
+/// The difference of two phases, from 0.
+#[inline]
+pub fn ahead(of: u16, phase: u16, contacts: usize) -> usize {
+    wrapped(usize::from(phase) + contacts - usize::from(of), contacts)
+}

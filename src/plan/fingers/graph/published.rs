@@ -1,0 +1,93 @@
+//! The paper's estimate of reconfigurations to go (its Table 1), corrected and completed.
+//!
+//! Of each finger it is asked whether it holds now and at the goal: in neither (nu), in one of them (ar), in both and rolls from
+//! here to there (dp), in both and does not (ip). The count is 2·ip + ar, and 2 more where two fingers hold now, the same two at the
+//! goal, and one of them is ip. It is never too large: a finger that is ip has to leave and to come back, one that is ar to come or
+//! to leave; and of two fingers neither can leave before a third one comes, which must leave again. With three fingers this is the
+//! paper's table; the last case reads there "one is nu", which is the same with three fingers only. The paper compares contacts
+//! without taking them modulo their number, which makes some counts too large; here they are phases.
+//!
+//! One placement or removal changes a class by one step: ip to ar to dp or nu, so the sum by one; and what it does to the case of
+//! the same two fingers, the sum makes up for (checked on all classes in the tests). So the count is consistent. Where a leg ends in
+//! one of several grasps it is the least over them, each with what is to go from there.
+
+use super::course::Course;
+use super::layout::{Sets, Spot};
+use super::walk::{Estimate, NEVER};
+
+/// A grasp that a leg may end with.
+#[derive(Debug, Clone, Copy)]
+struct Goal {
+    set: u8,
+    /// In phases of the leg.
+    phases: [u16; 3],
+    /// Reconfigurations to go from there.
+    rest: u32,
+}
+
+/// The estimate for one route.
+#[derive(Debug)]
+pub struct Published<'a> {
+    course: &'a Course,
+    /// For each leg the grasps to aim at; `None` where any will do.
+    goals: Vec<Option<Vec<Goal>>>,
+}
+
+impl<'a> Published<'a> {
+    /// Reads off the goals of all legs, from the last to the first.
+    pub fn of(course: &'a Course) -> Self {
+        let mut published = Published { course, goals: vec![None; course.sheets.len()] };
+        for leg in (0..course.sheets.len()).rev() {
+            published.goals[leg] = published.aims(leg);
+        }
+        published
+    }
+
+    fn aims(&self, leg: usize) -> Option<Vec<Goal>> {
+        let course = self.course;
+        let sheet = &course.sheets[leg];
+        let goal = |spot: Spot| {
+            let rest = if course.is_goal(spot) { 0 } else { self.gaits(course.next(spot)?) };
+            Some(Goal { set: spot.chain.set, phases: spot.chain.phases, rest }).filter(|goal| goal.rest != NEVER)
+        };
+        if let Some(ends) = course.few_ends(leg) {
+            return Some(ends.into_iter().filter_map(goal).collect());
+        }
+        // The next leg is in the same plane. A phase of it as one of this leg: the contact at the border is the same.
+        let next = course.sheets.get(leg + 1)?;
+        let carried = |phase: u16| sheet.phase(sheet.end, next.contact(next.start, phase));
+        let goals = self.goals[leg + 1].as_ref()?.iter();
+        Some(goals.map(|goal| Goal { phases: goal.phases.map(carried), ..*goal }).collect())
+    }
+}
+
+impl Estimate for Published<'_> {
+    fn gaits(&self, spot: Spot) -> u32 {
+        let Some(goals) = &self.goals[spot.leg] else { return 0 };
+        let count = |goal: &Goal| {
+            reconfigurations(&self.course.sets, (spot.chain.set, spot.chain.phases), (goal.set, goal.phases)) + goal.rest
+        };
+        goals.iter().map(count).min().unwrap_or(NEVER)
+    }
+
+    fn is_settled(&self, _spot: Spot) -> bool {
+        true
+    }
+
+    fn deepen(&mut self) {}
+}
+
+/// The estimated placements and removals between two chains of a leg, each a set of fingers and their phases.
+pub fn reconfigurations(sets: &Sets, now: (u8, [u16; 3]), goal: (u8, [u16; 3])) -> u32 {
+    let (here, there) = (sets.members(now.0), sets.members(goal.0));
+    let (mut both, mut blocked) = (0, 0);
+    for (finger, phase) in here.iter().zip(now.1) {
+        if let Some(at) = there.iter().position(|other| other == finger) {
+            both += 1;
+            blocked += u32::from(goal.1[at] != phase);
+        }
+    }
+    let changing = (here.len() + there.len()) as u32 - 2 * both;
+    let needs_help = blocked > 0 && changing == 0 && here.len() == 2;
+    2 * blocked + changing + if needs_help { 2 } else { 0 }
+}

@@ -1,0 +1,240 @@
+//! Alternative routes as one search: the one with the least bound goes on, until it is at its goal.
+
+use super::course::{Course, courses};
+use super::flood::{Direction, Flood};
+use super::layout::Spot;
+use super::published::Published;
+use super::strands::has;
+use super::walk::{Estimate, NEVER, Progress, Walk};
+use super::{Answer, Blocked, Costs, Estimator, Leg, Node, Request, Start, Way};
+use crate::plan::search::Meter;
+
+/// The exact number of reconfigurations to go, as far as the flood has come; what it has not reached is farther.
+#[derive(Debug)]
+pub struct Layers<'a, const N: usize>(pub Flood<'a, N>);
+
+impl<const N: usize> Estimate for Layers<'_, N> {
+    #[inline]
+    fn gaits(&self, spot: Spot) -> u32 {
+        match self.0.layer_of(spot) {
+            Some(layer) => layer,
+            None if self.0.ended() => NEVER,
+            None => self.0.floor(spot),
+        }
+    }
+
+    #[inline]
+    fn is_settled(&self, spot: Spot) -> bool {
+        self.0.ended() || self.0.layer_of(spot).is_some()
+    }
+
+    fn deepen(&mut self) {
+        self.0.deepen();
+    }
+}
+
+/// See [`super::solve`].
+pub fn cheapest(request: &Request, estimator: Estimator, meter: &mut Meter) -> Answer {
+    let courses = match courses(request) {
+        Ok(courses) => courses,
+        Err(nodes) => return Answer::TooLarge { nodes },
+    };
+    let search = Search { request, courses: &courses, meter };
+    match angles(request) {
+        0..=64 => search.run::<1>(estimator),
+        65..=128 => search.run::<2>(estimator),
+        _ => search.run::<8>(estimator),
+    }
+}
+
+/// No way of any route costs less; `None` where there is none, or where a route is too large.
+pub fn bound(request: &Request) -> Option<u64> {
+    let courses = courses(request).ok()?;
+    let bound = |course: &Course| {
+        let gaits = match angles(request) {
+            0..=64 => gaits::<1>(course, request.start),
+            65..=128 => gaits::<2>(course, request.start),
+            _ => gaits::<8>(course, request.start),
+        };
+        let reconfiguring = u64::from(request.costs.gait) * u64::from(gaits);
+        (gaits != NEVER).then(|| least(course, request.costs) + reconfiguring)
+    };
+    courses.iter().filter_map(bound).min()
+}
+
+/// The least number of reconfigurations from the start to the end.
+fn gaits<const N: usize>(course: &Course, start: Start) -> u32 {
+    let layers = Layers(flooded::<N>(course, start));
+    starts(course, start).into_iter().map(|spot| layers.gaits(spot)).min().unwrap_or(NEVER)
+}
+
+/// The nodes with which a route may begin.
+fn starts(course: &Course, start: Start) -> Vec<Spot> {
+    let begin = course.sheets[0].start;
+    match start {
+        Start::Any => course.nodes(0, begin),
+        Start::At(grasp) => course.place(0, begin, &grasp).into_iter().collect(),
+    }
+}
+
+/// The most angles of a leg.
+fn angles(request: &Request) -> usize {
+    request.routes.iter().flatten().map(Leg::angles).max().unwrap_or(1)
+}
+
+/// A route that may still be the cheapest.
+struct Candidate<'a, E> {
+    route: usize,
+    /// No way of it costs less.
+    bound: u64,
+    /// `None` until its turn comes.
+    walk: Option<Walk<'a, E>>,
+}
+
+struct Search<'a> {
+    request: &'a Request,
+    courses: &'a [Course],
+    meter: &'a mut Meter,
+}
+
+impl<'a> Search<'a> {
+    fn run<const N: usize>(mut self, estimator: Estimator) -> Answer {
+        if let Some(route) = self.courses.iter().position(|course| course.sheets.is_empty()) {
+            return Answer::Found(Way { route, cost: 0, bound: 0, legs: Vec::new(), expanded: 0 });
+        }
+        let found = match estimator {
+            Estimator::Published => self.portfolio(Published::of),
+            Estimator::Layers => {
+                let start = self.request.start;
+                self.portfolio(|course| Layers::<N>(flooded(course, start)))
+            }
+        };
+        found.unwrap_or_else(|| Answer::Impossible(blocked::<N>(self.courses, self.request.start)))
+    }
+
+    /// Lets the route with the least bound, the first of several, go on up to the bound of the next one.
+    fn portfolio<E: Estimate>(&mut self, estimate: impl Fn(&'a Course) -> E) -> Option<Answer> {
+        let costs = reduced(self.request.costs);
+        let unit = u64::from(self.request.costs.roll.max(self.request.costs.gait) / costs.roll.max(costs.gait).max(1));
+        let mut open: Vec<Candidate<'a, E>> = (self.courses.iter().enumerate())
+            .map(|(route, course)| Candidate { route, bound: least(course, costs), walk: None })
+            .collect();
+        let before = self.meter.spent();
+        loop {
+            let at = (0..open.len()).min_by_key(|at| (open[*at].bound, open[*at].route))?;
+            let limit = (open.iter().enumerate())
+                .filter(|(other, _)| *other != at)
+                .map(|(_, other)| if other.route < open[at].route { other.bound - 1 } else { other.bound })
+                .min();
+            let candidate = &mut open[at];
+            let Some(walk) = &mut candidate.walk else {
+                match self.begun(candidate.route, costs, &estimate) {
+                    Some(walk) => candidate.walk = Some(walk),
+                    None => drop(open.remove(at)),
+                }
+                continue;
+            };
+            match walk.advance(limit.unwrap_or(u64::MAX), self.meter) {
+                Progress::Found(cost) => {
+                    let (route, cost, expanded) = (candidate.route, cost * unit, self.meter.spent() - before);
+                    let legs = legs(&self.courses[route], &walk.way());
+                    return Some(Answer::Found(Way { route, cost, bound: cost, legs, expanded }));
+                }
+                Progress::AtLeast(bound) => candidate.bound = bound,
+                Progress::Exhausted => drop(open.remove(at)),
+                Progress::Spent(bound) => return Some(Answer::GaveUp(self.meter.gave_up(bound * unit))),
+            }
+        }
+    }
+
+    /// A route's walk before its first step; `None` where its start does not hold.
+    fn begun<E: Estimate>(&self, route: usize, costs: Costs, estimate: impl Fn(&'a Course) -> E) -> Option<Walk<'a, E>> {
+        let course = &self.courses[route];
+        match self.request.start {
+            Start::Any => Some(Walk::anywhere(course, costs, estimate(course))),
+            Start::At(grasp) => {
+                let start = course.place(0, course.sheets[0].start, &grasp)?;
+                Some(Walk::at(course, costs, estimate(course), start))
+            }
+        }
+    }
+}
+
+/// The costs divided by what they have in common.
+fn reduced(costs: Costs) -> Costs {
+    let (mut a, mut b) = (costs.roll, costs.gait);
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    let unit = a.max(1);
+    Costs { roll: costs.roll / unit, gait: costs.gait / unit }
+}
+
+/// What two fingers cost that roll all the way.
+fn least(course: &Course, costs: Costs) -> u64 {
+    let steps = course.sheets.iter().map(|sheet| sheet.start.abs_diff(sheet.end) as u64);
+    2 * u64::from(costs.roll) * steps.sum::<u64>()
+}
+
+/// A flood from the goals that has come to the start, or to its end.
+pub fn flooded<const N: usize>(course: &Course, start: Start) -> Flood<'_, N> {
+    let leg = course.sheets.len() - 1;
+    let mut flood = Flood::from(course, Direction::Back, &course.ends(leg));
+    while !flood.ended() && !arrived(&flood, course, start) {
+        flood.deepen();
+    }
+    flood
+}
+
+/// Whether a flood from the goals has just come to the start.
+fn arrived<const N: usize>(flood: &Flood<N>, course: &Course, start: Start) -> bool {
+    match start {
+        Start::Any => flood.arrives(),
+        Start::At(grasp) => {
+            course.place(0, course.sheets[0].start, &grasp).is_some_and(|spot| flood.layer_of(spot).is_some())
+        }
+    }
+}
+
+/// The nodes of a way by legs.
+fn legs(course: &Course, way: &[Spot]) -> Vec<Vec<Node>> {
+    let mut legs: Vec<Vec<Node>> = vec![Vec::new(); course.sheets.len()];
+    for spot in way {
+        let angle = spot.angle as i32 - course.sheets[spot.leg].start as i32;
+        legs[spot.leg].push(Node { grasp: course.grasp(*spot), angle });
+    }
+    legs
+}
+
+/// The farthest that any route comes, when none comes to its end.
+fn blocked<const N: usize>(courses: &[Course], start: Start) -> Blocked {
+    let reports = courses.iter().enumerate().map(|(route, course)| stuck::<N>(route, course, start));
+    let mut farthest: Option<Blocked> = None;
+    for report in reports {
+        if farthest.as_ref().is_none_or(|other| other.leg < report.leg) {
+            farthest = Some(report);
+        }
+    }
+    farthest.unwrap_or(Blocked::NOWHERE)
+}
+
+/// Where a route that has no way comes to a stop.
+fn stuck<const N: usize>(route: usize, course: &Course, start: Start) -> Blocked {
+    let mut flood = Flood::<N>::from(course, Direction::Onward, &starts(course, start));
+    while !flood.ended() {
+        flood.deepen();
+    }
+    // The last leg that can begin is the one whose end is out of reach.
+    let is_begun = |leg: &usize| has(&flood.angles(*leg), course.sheets[*leg].start);
+    let leg = (0..course.sheets.len()).rev().find(is_begun).unwrap_or(0);
+    let sheet = &course.sheets[leg];
+    let reached = (0..sheet.angles).filter(|angle| has(&flood.angles(leg), *angle));
+    let farthest = reached.min_by_key(|angle| angle.abs_diff(sheet.end)).map(|angle| angle as i32 - sheet.start as i32);
+    let may_end = |spot: &Spot| course.is_goal(*spot) || course.next(*spot).is_some();
+    Blocked {
+        route,
+        leg,
+        farthest,
+        ends: course.ends(leg).iter().filter(|spot| may_end(spot)).count() as u64,
+    }
+}

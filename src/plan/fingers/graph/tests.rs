@@ -1,0 +1,6 @@
+//! Against a plain Dijkstra over an explicit graph, and the cases of the paper.
+
+mod cases;
+mod oracle;
+mod paper;
+mod random;

@@ -1,0 +1,188 @@
+//! The same problem without any cleverness: nodes as lists of contacts, all edges asked of the tables, Dijkstra.
+
+use crate::plan::fingers::graph::{Entry, Grasp, Leg, Node, Request, Start, Way};
+use crate::plan::fingers::tables::Tables;
+use rustc_hash::FxHashMap;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// A leg, an angle in steps, and the grasp.
+pub type At = (usize, i32, Grasp);
+
+fn held(grasp: &Grasp) -> Vec<(usize, usize)> {
+    (0..6).filter_map(|finger| grasp.contact(finger).map(|contact| (finger, contact))).collect()
+}
+
+fn with(grasp: &Grasp, finger: usize, number: u16) -> Grasp {
+    let mut other = *grasp;
+    other.0[finger] = number;
+    other
+}
+
+/// Whether a grasp is a node.
+pub fn holds(leg: &Leg, angle: i32, grasp: &Grasp) -> bool {
+    let layer = leg.tables.layer((angle - leg.lowest) as usize);
+    let tables: &Tables = &leg.tables;
+    let held = held(grasp);
+    if held.iter().any(|(_, contact)| *contact >= tables.contacts) {
+        return false;
+    }
+    match held[..] {
+        [(_, i), (_, j)] => layer.pair.has(tables.two(i, j)),
+        [(_, i), (_, j), (_, k)] => layer.triple.has(tables.three(i, j, k)),
+        _ => false,
+    }
+}
+
+fn rolled(leg: &Leg, grasp: &Grasp, by: i32) -> Grasp {
+    let count = leg.tables.contacts as i32;
+    let mut other = *grasp;
+    for (finger, contact) in held(grasp) {
+        other.0[finger] = (contact as i32 - by).rem_euclid(count) as u16 + 1;
+    }
+    other
+}
+
+/// Whether a grasp may roll from an angle to the next.
+fn rolls(leg: &Leg, angle: i32, grasp: &Grasp) -> bool {
+    let layer = leg.tables.layer((angle - leg.lowest) as usize);
+    match held(grasp)[..] {
+        [(_, i), (_, j)] => layer.roll_pair.has(leg.tables.two(i, j)),
+        [(_, i), (_, j), (_, k)] => layer.roll_triple.has(leg.tables.three(i, j, k)),
+        _ => false,
+    }
+}
+
+/// The nodes of the next leg that an end of a leg becomes: at most one.
+pub fn onward(route: &[Leg], (leg, angle, grasp): At) -> Option<At> {
+    let (here, next) = (&route[leg], route.get(leg + 1)?);
+    if angle != here.steps || here.end.is_some_and(|end| end != grasp) {
+        return None;
+    }
+    let carried = match next.entry {
+        Entry::Same => grasp,
+        Entry::Across { old, new } => {
+            let held = held(&grasp);
+            if held.len() != 2 || held[0].1 == held[1].1 {
+                return None;
+            }
+            let mut other = Grasp([0; 6]);
+            for (finger, contact) in held {
+                let at = old.iter().position(|old| *old == contact)?;
+                other.0[finger] = new[at] as u16 + 1;
+            }
+            other
+        }
+    };
+    holds(next, 0, &carried).then_some((leg + 1, 0, carried))
+}
+
+/// All edges from a node, with what they cost.
+pub fn edges(request: &Request, route: &[Leg], (at, angle, grasp): At) -> Vec<(u64, At)> {
+    let leg = &route[at];
+    let count = held(&grasp).len() as u64;
+    let (roll, gait) = (count * u64::from(request.costs.roll), u64::from(request.costs.gait));
+    let mut found: Vec<(u64, At)> = Vec::new();
+    let up = rolled(leg, &grasp, 1);
+    if angle < leg.highest && rolls(leg, angle, &grasp) && holds(leg, angle + 1, &up) {
+        found.push((roll, (at, angle + 1, up)));
+    }
+    let down = rolled(leg, &grasp, -1);
+    if angle > leg.lowest && holds(leg, angle - 1, &down) && rolls(leg, angle - 1, &down) {
+        found.push((roll, (at, angle - 1, down)));
+    }
+    let layer = leg.tables.layer((angle - leg.lowest) as usize);
+    match held(&grasp)[..] {
+        [(_, i), (_, j)] => {
+            for finger in (0..request.fingers).filter(|finger| grasp.0[*finger] == 0) {
+                for k in 0..leg.tables.contacts {
+                    let other = with(&grasp, finger, k as u16 + 1);
+                    if layer.place.has(leg.tables.three(i, j, k)) && holds(leg, angle, &other) {
+                        found.push((gait, (at, angle, other)));
+                    }
+                }
+            }
+        }
+        [_, _, _] => {
+            for (finger, k) in held(&grasp) {
+                let other = with(&grasp, finger, 0);
+                let [(_, i), (_, j)] = held(&other)[..] else { unreachable!("two stay") };
+                if layer.leave.has(leg.tables.three(i, j, k)) && holds(leg, angle, &other) {
+                    found.push((gait, (at, angle, other)));
+                }
+            }
+        }
+        _ => {}
+    }
+    found.extend(onward(route, (at, angle, grasp)).map(|next| (0, next)));
+    found
+}
+
+/// All grasps of a hand on a section, whether they hold or not.
+pub fn grasps(fingers: usize, contacts: usize) -> Vec<Grasp> {
+    let mut all = vec![Grasp([0; 6])];
+    for finger in 0..fingers {
+        let longer = all.iter().flat_map(|grasp| (0..=contacts).map(move |number| with(grasp, finger, number as u16)));
+        all = longer.filter(|grasp| grasp.holding() <= 3).collect();
+    }
+    all.retain(|grasp| grasp.holding() >= 2);
+    all
+}
+
+/// Where a route may begin.
+pub fn starts(request: &Request, route: &[Leg]) -> Vec<At> {
+    let all = match request.start {
+        Start::Any => grasps(request.fingers, route[0].tables.contacts),
+        Start::At(grasp) => vec![grasp],
+    };
+    all.into_iter().filter(|grasp| holds(&route[0], 0, grasp)).map(|grasp| (0, 0, grasp)).collect()
+}
+
+pub fn is_end(route: &[Leg], (leg, angle, grasp): At) -> bool {
+    leg + 1 == route.len() && angle == route[leg].steps && route[leg].end.is_none_or(|end| end == grasp)
+}
+
+/// The least cost of a route, and the farthest leg that is begun.
+pub fn dijkstra(request: &Request, route: &[Leg]) -> (Option<u64>, usize) {
+    let mut costs: FxHashMap<At, u64> = FxHashMap::default();
+    let mut open: BinaryHeap<Reverse<(u64, At)>> = BinaryHeap::new();
+    for start in starts(request, route) {
+        costs.insert(start, 0);
+        open.push(Reverse((0, start)));
+    }
+    let mut farthest = 0;
+    while let Some(Reverse((cost, at))) = open.pop() {
+        if costs[&at] < cost {
+            continue;
+        }
+        farthest = farthest.max(at.0);
+        if is_end(route, at) {
+            return (Some(cost), farthest);
+        }
+        for (edge, next) in edges(request, route, at) {
+            let known = costs.entry(next).or_insert(u64::MAX);
+            if cost + edge < *known {
+                *known = cost + edge;
+                open.push(Reverse((cost + edge, next)));
+            }
+        }
+    }
+    (None, farthest)
+}
+
+/// Follows a way edge by edge, and adds its cost up.
+pub fn judge(request: &Request, way: &Way) {
+    let route = &request.routes[way.route];
+    let nodes: Vec<At> = (way.legs.iter().enumerate())
+        .flat_map(|(leg, nodes)| nodes.iter().map(move |Node { grasp, angle }| (leg, *angle, *grasp)))
+        .collect();
+    assert!(starts(request, route).contains(&nodes[0]), "{:?} is no start", nodes[0]);
+    let mut cost = 0;
+    for pair in nodes.windows(2) {
+        let edge = edges(request, route, pair[0]).into_iter().find(|(_, next)| *next == pair[1]);
+        cost += edge.unwrap_or_else(|| panic!("no edge from {:?} to {:?}", pair[0], pair[1])).0;
+    }
+    assert!(is_end(route, *nodes.last().expect("a way has nodes")), "the way does not end where it should");
+    assert_eq!(cost, way.cost);
+    assert_eq!(way.bound, way.cost);
+}

@@ -1,0 +1,232 @@
+//! Random cases: both estimators, the oracle, and the consistency of both estimates.
+
+use super::oracle::{At, dijkstra, edges, holds, judge};
+use crate::plan::fingers::graph::course::courses;
+use crate::plan::fingers::graph::published::Published;
+use crate::plan::fingers::graph::route::{Layers, flooded};
+use crate::plan::fingers::graph::walk::{Estimate, NEVER};
+use crate::plan::fingers::graph::{Answer, Costs, Entry, Estimator, Grasp, Leg, Request, Start, solve};
+use crate::plan::fingers::tables::{Bits, Layer, Tables};
+use crate::plan::search::Budget;
+use std::sync::Arc;
+
+/// Numbers from a seed (SplitMix64).
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    pub fn below(&mut self, end: usize) -> usize {
+        (self.next() % end as u64) as usize
+    }
+
+    /// With a chance in a hundred.
+    pub fn chance(&mut self, percent: usize) -> bool {
+        self.below(100) < percent
+    }
+
+    fn pick<T: Copy>(&mut self, list: &[T]) -> T {
+        list[self.below(list.len())]
+    }
+}
+
+/// A layer from predicates of sets of contacts; the last of `place` and `leave` counts apart.
+pub fn layer(
+    contacts: usize,
+    mut pair: impl FnMut(usize, usize) -> [bool; 2],
+    mut triple: impl FnMut(usize, usize, usize) -> [bool; 2],
+    mut change: impl FnMut(usize, usize, usize) -> [bool; 2],
+) -> Layer {
+    let [mut pairs, mut roll_pair] = std::array::from_fn(|_| Bits::new(contacts.pow(2)));
+    let [mut triples, mut roll_triple, mut place, mut leave] = std::array::from_fn(|_| Bits::new(contacts.pow(3)));
+    let two = |i: usize, j: usize| i * contacts + j;
+    let three = |i: usize, j: usize, k: usize| (i * contacts + j) * contacts + k;
+    let put = |bits: &mut Bits, is_in: bool, all: &[usize]| all.iter().filter(|_| is_in).for_each(|at| bits.put(*at));
+    for i in 0..contacts {
+        for j in i + 1..contacts {
+            let [holds, rolls] = pair(i, j);
+            put(&mut pairs, holds, &[two(i, j), two(j, i)]);
+            put(&mut roll_pair, rolls, &[two(i, j), two(j, i)]);
+            for k in (0..contacts).filter(|k| *k != i && *k != j) {
+                let [comes, leaves] = change(i, j, k);
+                put(&mut place, comes, &[three(i, j, k), three(j, i, k)]);
+                put(&mut leave, leaves, &[three(i, j, k), three(j, i, k)]);
+            }
+            for k in j + 1..contacts {
+                let [holds, rolls] = triple(i, j, k);
+                let all = [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]].map(|[i, j, k]| three(i, j, k));
+                put(&mut triples, holds, &all);
+                put(&mut roll_triple, rolls, &all);
+            }
+        }
+    }
+    Layer { pair: pairs, triple: triples, roll_pair, roll_triple, place, leave }
+}
+
+/// All grasps with contacts this far apart, everything allowed.
+pub fn circle(contacts: usize, gap: usize) -> Tables {
+    let apart = |i: usize, j: usize| i.abs_diff(j).min(contacts - i.abs_diff(j)) >= gap;
+    let pair = |i, j| [apart(i, j); 2];
+    let triple = |i, j, k| [apart(i, j) && apart(j, k) && apart(i, k); 2];
+    let layer = layer(contacts, pair, triple, triple);
+    Tables { contacts, layers: vec![layer] }
+}
+
+fn noise(random: &mut Random, contacts: usize, layers: usize) -> Tables {
+    let density = random.pick(&[15, 30, 50, 70, 90]);
+    let change = random.pick(&[3, 10, 25, 50, 90]);
+    let rolls = random.pick(&[50, 80, 100]);
+    let gap = random.pick(&[1, 1, contacts / 10 + 1]);
+    let apart = |i: usize, j: usize| i.abs_diff(j).min(contacts - i.abs_diff(j)) >= gap;
+    let seed = random.next();
+    let layers = (0..layers as u64).map(|at| {
+        let cell = std::cell::RefCell::new(Random(seed ^ at));
+        let chance = |percent| cell.borrow_mut().chance(percent);
+        layer(
+            contacts,
+            |i, j| [apart(i, j) && chance(density), chance(rolls)],
+            |i, j, k| [apart(i, j) && apart(j, k) && apart(i, k) && chance(density), chance(rolls)],
+            |_, _, _| [chance(change), chance(change)],
+        )
+    });
+    Tables { contacts, layers: layers.collect() }
+}
+
+/// A case: fingers, contacts, legs, junctions, pins and all.
+fn case(seed: u64) -> Request {
+    let random = &mut Random(seed.wrapping_mul(0x1234_5677));
+    let fingers = if random.chance(75) || seed % 50 == 0 { 3 } else { 4 };
+    let most = if fingers == 3 { random.pick(&[6, 7, 9, 10, 12, 14, 20]) } else { random.pick(&[5, 8, 11]) };
+    let most = if seed % 50 == 0 { 40 } else { most };
+    let turn = random.pick(&[2, 4, 7, 12]);
+    let by_angle = random.chance(20);
+    let table = |random: &mut Random| {
+        let contacts = most - 2 * random.below(2);
+        let layers = if by_angle { turn + 1 } else { 1 };
+        Arc::new(if random.chance(20) && !by_angle { circle(contacts, contacts / 7 + 1) } else { noise(random, contacts, layers) })
+    };
+    let sections = [table(random), table(random)];
+    let routes = (0..random.pick(&[1, 1, 1, 2, 3])).map(|_| route(random, fingers, turn, &sections)).collect::<Vec<_>>();
+    let first = &routes[0][0];
+    let start = match random.chance(40) {
+        true => Start::Any,
+        false => Start::At(some(random, fingers, first, 0)),
+    };
+    let costs = random.pick(&[(20, 180), (1, 9), (7, 30), (3, 1), (2, 0)]);
+    Request { fingers, start, routes, costs: Costs { roll: costs.0, gait: costs.1 } }
+}
+
+/// Any grasp, mostly one that holds.
+fn some(random: &mut Random, fingers: usize, leg: &Leg, angle: i32) -> Grasp {
+    let tries: Vec<Grasp> = (0..50).map(|_| any(random, fingers, leg.tables.contacts)).collect();
+    let holding = tries.iter().copied().find(|grasp| holds(leg, angle, grasp));
+    if random.chance(95) { holding.unwrap_or(tries[0]) } else { tries[0] }
+}
+
+/// Two or three fingers somewhere.
+fn any(random: &mut Random, fingers: usize, contacts: usize) -> Grasp {
+    let count = 2 + random.below(2);
+    let mut grasp = Grasp([0; 6]);
+    while grasp.holding() < count {
+        grasp.0[random.below(fingers)] = random.below(contacts) as u16 + 1;
+    }
+    grasp
+}
+
+fn route(random: &mut Random, fingers: usize, turn: usize, sections: &[Arc<Tables>; 2]) -> Vec<Leg> {
+    let mut at = random.below(2);
+    let mut legs: Vec<Leg> = Vec::new();
+    for number in 0..random.pick(&[1, 1, 2, 3]) {
+        let before = at;
+        let crosses = number > 0 && random.chance(70);
+        if crosses {
+            at = 1 - at;
+        }
+        let half = |at: usize| [0, sections[at].contacts / 2];
+        let entry = if crosses { Entry::Across { old: half(before), new: half(at) } } else { Entry::Same };
+        let (lowest, highest) = if random.chance(50) { (0, turn as i32) } else { (-(turn as i32), 0) };
+        let steps = random.below(turn + 1) as i32 * if lowest < 0 { -1 } else { 1 };
+        let mut leg = Leg { tables: sections[at].clone(), steps, lowest, highest, entry, end: None };
+        if random.chance(30) {
+            leg.end = Some(some(random, fingers, &leg, steps));
+        }
+        legs.push(leg);
+    }
+    legs
+}
+
+fn agrees(seed: u64) -> Option<u64> {
+    let request = case(seed);
+    let oracle: Vec<(Option<u64>, usize)> = request.routes.iter().map(|route| dijkstra(&request, route)).collect();
+    let best = oracle.iter().enumerate().filter_map(|(at, (cost, _))| cost.map(|cost| (cost, at))).min();
+    for estimator in [Estimator::Published, Estimator::Layers] {
+        match solve(&request, estimator, Budget::DEFAULT) {
+            Answer::Found(way) => {
+                assert_eq!(Some((way.cost, way.route)), best, "case {seed}, {estimator:?}");
+                judge(&request, &way);
+            }
+            Answer::Impossible(blocked) => {
+                assert_eq!(best, None, "case {seed}, {estimator:?}");
+                let farthest = oracle.iter().map(|(_, leg)| *leg).max().expect("a case has routes");
+                let first = oracle.iter().position(|(_, leg)| *leg == farthest).expect("it is one of them");
+                assert_eq!((blocked.leg, blocked.route), (farthest, first), "case {seed}");
+            }
+            other => panic!("case {seed}, {estimator:?}: {other:?}"),
+        }
+    }
+    best.map(|(cost, _)| cost)
+}
+
+#[test]
+fn costs_are_those_of_a_plain_search() {
+    let found = (0..500).filter(|seed| agrees(*seed).is_some()).count();
+    assert!((200..450).contains(&found), "{found} of 500 cases have a way");
+}
+
+/// Neither estimate drops by more than an edge costs.
+#[test]
+fn estimates_are_consistent() {
+    let mut checked = 0;
+    for seed in 500..700 {
+        let request = case(seed);
+        let courses = courses(&request).expect("cases are small");
+        for (course, route) in courses.iter().zip(&request.routes) {
+            let random = &mut Random(seed);
+            let published = Published::of(course);
+            let mut layers = Layers::<1>(flooded(course, request.start));
+            (0..random.below(3)).for_each(|_| layers.deepen());
+            for _ in 0..100 {
+                let leg = random.below(route.len());
+                let angle = route[leg].lowest + random.below(route[leg].angles()) as i32;
+                let from: At = (leg, angle, some(random, request.fingers, &route[leg], angle));
+                checked += usize::from(holds(&route[leg], angle, &from.2));
+                for estimate in [&published as &dyn Estimate, &layers] {
+                    consistent(&request, route, course, estimate, from);
+                }
+            }
+        }
+    }
+    assert!(checked > 10_000, "{checked} nodes");
+}
+
+fn consistent(
+    request: &Request,
+    route: &[Leg],
+    course: &crate::plan::fingers::graph::course::Course,
+    estimate: &dyn Estimate,
+    from: At,
+) {
+    let spot = |(leg, angle, grasp): At| course.place(leg, (angle - route[leg].lowest) as usize, &grasp);
+    let Some(here) = spot(from) else { return };
+    for (_, to) in edges(request, route, from) {
+        let there = spot(to).expect("edges lead to nodes");
+        let is_gait = to.0 == from.0 && to.1 == from.1;
+        let (now, then) = (estimate.gaits(here), estimate.gaits(there));
+        assert!(then == NEVER || now <= then + u32::from(is_gait), "{from:?} {now}, {to:?} {then}");
+    }
+}

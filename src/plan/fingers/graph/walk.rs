@@ -1,0 +1,340 @@
+//! A* through one route, which stops at a cost and goes on when asked.
+//!
+//! The estimate of a node is h = 2·roll·(steps to go) + gait·(reconfigurations to go, by the estimator). It is never too large: at
+//! least two fingers roll in each step, steps to go change by one at most in each, and reconfigurations are counted apart. It is
+//! consistent when the estimator's count changes by at most one per reconfiguration, and not at all along other edges: both
+//! estimators promise that the count of an edge's first end is at most that of its second, plus 1 for a reconfiguration. So no node
+//! is expanded at more than its least cost.
+//!
+//! Nodes are expanded partially: what does not raise the estimated cost is looked at first, the rest when its own cost comes up.
+
+use super::Costs;
+use super::course::Course;
+use super::flood::{inserted, removed};
+use super::layout::{Chain, Spot, wrapped};
+use crate::plan::search::Meter;
+use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
+
+/// No way at all.
+pub const NEVER: u32 = u32::MAX;
+
+/// Counts reconfigurations to go.
+pub trait Estimate {
+    /// A bound from below for a node; [`NEVER`] where no goal can be reached. It may grow by [`Estimate::deepen`] only.
+    fn gaits(&self, spot: Spot) -> u32;
+
+    /// Whether the bound of a node will not grow any more.
+    fn is_settled(&self, spot: Spot) -> bool;
+
+    /// Works on, so that bounds that are not settled may grow.
+    fn deepen(&mut self);
+}
+
+/// How far a walk came.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// The goal, at this cost.
+    Found(u64),
+    /// No goal costs less than this.
+    AtLeast(u64),
+    /// There is no way.
+    Exhausted,
+    /// The budget ran out; no goal costs less than this.
+    Spent(u64),
+}
+
+/// A node that was met.
+#[derive(Debug, Clone, Copy)]
+struct Record {
+    spot: u64,
+    /// The least cost from the start so far.
+    cost: u64,
+    parent: u32,
+}
+
+/// Of a record without one.
+const NO_PARENT: u32 = u32::MAX;
+
+/// A record at a cost, and by how much its successors, as far as they are not met yet, raise the estimated cost.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    record: u32,
+    cost: u64,
+    raise: u64,
+}
+
+/// The starts that are still to be met, where any grasp will do.
+#[derive(Debug, Clone, Copy)]
+struct Starts {
+    /// The reconfigurations to go of those that come next.
+    gaits: u32,
+    /// The number of the first that was not looked at for this many.
+    from: usize,
+}
+
+/// The search through one route.
+#[derive(Debug)]
+pub struct Walk<'a, E> {
+    course: &'a Course,
+    costs: Costs,
+    pub estimate: E,
+    records: Vec<Record>,
+    known: FxHashMap<u64, u32>,
+    /// By estimated cost of the whole way, then by what is to go.
+    open: BTreeMap<(u64, u64), Vec<Entry>>,
+    starts: Option<Starts>,
+    /// The steps of all legs after each one.
+    behind: Vec<u64>,
+    goal: Option<u32>,
+}
+
+/// The record of an entry that stands for the starts.
+const STARTS: Entry = Entry { record: u32::MAX, cost: 0, raise: 0 };
+
+impl<'a, E: Estimate> Walk<'a, E> {
+    /// A walk from one node.
+    pub fn at(course: &'a Course, costs: Costs, estimate: E, start: Spot) -> Self {
+        let mut walk = Walk::new(course, costs, estimate);
+        walk.meet(start, 0, NO_PARENT);
+        walk
+    }
+
+    /// A walk from any node at the beginning.
+    pub fn anywhere(course: &'a Course, costs: Costs, estimate: E) -> Self {
+        let mut walk = Walk::new(course, costs, estimate);
+        walk.queue_starts(Starts { gaits: 0, from: 0 });
+        walk
+    }
+
+    fn new(course: &'a Course, costs: Costs, estimate: E) -> Self {
+        let steps = |leg: usize| course.sheets[leg].start.abs_diff(course.sheets[leg].end) as u64;
+        let behind = (0..course.sheets.len()).map(|leg| (leg + 1..course.sheets.len()).map(steps).sum()).collect();
+        let (known, open) = (FxHashMap::default(), BTreeMap::new());
+        Walk { course, costs, estimate, records: Vec::new(), known, open, starts: None, behind, goal: None }
+    }
+
+    /// Goes on while the estimated cost is at most a limit.
+    pub fn advance(&mut self, limit: u64, meter: &mut Meter) -> Progress {
+        loop {
+            let Some((key, entry)) = self.pop(limit) else {
+                return self.open.first_key_value().map_or(Progress::Exhausted, |((cost, _), _)| Progress::AtLeast(*cost));
+            };
+            if entry.record == STARTS.record {
+                self.begin();
+                continue;
+            }
+            let record = self.records[entry.record as usize];
+            if record.cost != entry.cost {
+                continue;
+            }
+            let spot = Spot::unpack(record.spot);
+            if entry.raise == 0 && !self.is_due(spot, key.1, entry) {
+                continue;
+            }
+            if entry.raise == 0 && self.course.is_goal(spot) {
+                self.goal = Some(entry.record);
+                return Progress::Found(entry.cost);
+            }
+            if meter.step().is_none() {
+                self.open.entry(key).or_default().push(entry);
+                return Progress::Spent(key.0);
+            }
+            self.expand(spot, entry, key);
+        }
+    }
+
+    fn pop(&mut self, limit: u64) -> Option<((u64, u64), Entry)> {
+        loop {
+            let mut first = self.open.first_entry().filter(|first| first.key().0 <= limit)?;
+            match first.get_mut().pop() {
+                Some(entry) => return Some((*first.key(), entry)),
+                None => drop(first.remove()),
+            }
+        }
+    }
+
+    /// Whether a node's estimate is still what it was queued with, and final; if not it is queued anew.
+    fn is_due(&mut self, spot: Spot, queued: u64, entry: Entry) -> bool {
+        let to_go = self.to_go(spot);
+        if to_go == Some(queued) && self.estimate.is_settled(spot) {
+            return true;
+        }
+        if to_go == Some(queued) {
+            self.estimate.deepen();
+        }
+        if let Some(to_go) = self.to_go(spot) {
+            self.open.entry((entry.cost + to_go, to_go)).or_default().push(entry);
+        }
+        false
+    }
+
+    /// h of a node; `None` where no goal can be reached.
+    #[inline]
+    fn to_go(&self, spot: Spot) -> Option<u64> {
+        let gaits = self.estimate.gaits(spot);
+        let steps = self.course.sheets[spot.leg].end.abs_diff(spot.angle) as u64 + self.behind[spot.leg];
+        let rolling = 2 * u64::from(self.costs.roll) * steps;
+        (gaits != NEVER).then(|| rolling + u64::from(self.costs.gait) * u64::from(gaits))
+    }
+
+    /// Takes a node into the queue, unless it is known at this cost or less.
+    fn meet(&mut self, spot: Spot, cost: u64, parent: u32) {
+        let Some(to_go) = self.to_go(spot) else { return };
+        let number = spot.pack();
+        let next = self.records.len() as u32;
+        let record = *self.known.entry(number).or_insert(next);
+        if record == next {
+            self.records.push(Record { spot: number, cost, parent });
+        } else if self.records[record as usize].cost <= cost {
+            return;
+        } else {
+            self.records[record as usize] = Record { spot: number, cost, parent };
+        }
+        self.open.entry((cost + to_go, to_go)).or_default().push(Entry { record, cost, raise: 0 });
+    }
+
+    /// Meets all neighbours that raise the estimated cost just so much, and queues the node anew for those that raise it more.
+    fn expand(&mut self, spot: Spot, entry: Entry, (estimated, to_go): (u64, u64)) {
+        let mut turn = Turn { entry, to_go, next: u64::MAX };
+        self.roll(spot, &mut turn);
+        if let Some(next) = self.course.next(spot) {
+            self.offer(next, 0, &mut turn);
+        }
+        if self.course.sets.is_pair(spot.chain.set) {
+            self.place(spot, &mut turn);
+        } else {
+            self.leave(spot, &mut turn);
+        }
+        if turn.next != u64::MAX {
+            let later = estimated + (turn.next - entry.raise);
+            self.open.entry((later, to_go)).or_default().push(Entry { raise: turn.next, ..entry });
+        }
+    }
+
+    #[inline]
+    fn offer(&mut self, spot: Spot, edge: u64, turn: &mut Turn) {
+        let Some(to_go) = self.to_go(spot) else { return };
+        let raise = (edge + to_go).saturating_sub(turn.to_go);
+        if raise == turn.entry.raise {
+            self.meet(spot, turn.entry.cost + edge, turn.entry.record);
+        } else if raise > turn.entry.raise {
+            turn.next = turn.next.min(raise);
+        }
+    }
+
+    fn roll(&mut self, spot: Spot, turn: &mut Turn) {
+        let sheet = &self.course.sheets[spot.leg];
+        let phases = spot.chain.phases;
+        let head = sheet.strands.head(phases[0]);
+        let (bits, strand, fingers) = if self.course.sets.is_pair(spot.chain.set) {
+            (&sheet.strands.roll_pair, sheet.strands.pair(head, [phases[0], phases[1]]), 2)
+        } else {
+            (&sheet.strands.roll_triple, sheet.strands.triple(head, phases), 3)
+        };
+        let edge = fingers * u64::from(self.costs.roll);
+        let up = spot.angle + 1 < sheet.angles && bits.has(strand, head.bit + spot.angle);
+        let down = spot.angle > 0 && bits.has(strand, head.bit + spot.angle - 1);
+        if up {
+            self.offer(Spot { angle: spot.angle + 1, ..spot }, edge, turn);
+        }
+        if down {
+            self.offer(Spot { angle: spot.angle - 1, ..spot }, edge, turn);
+        }
+    }
+
+    fn place(&mut self, spot: Spot, turn: &mut Turn) {
+        let course = self.course;
+        let sheet = &course.sheets[spot.leg];
+        let [p, q, _] = spot.chain.phases;
+        let head = sheet.strands.head(p);
+        let row = sheet.strands.triple(head, [p, q, p]);
+        for two in 0..sheet.contacts {
+            if !sheet.strands.place.has(row + two, head.bit + spot.angle) {
+                continue;
+            }
+            let third = wrapped(usize::from(p) + two, sheet.contacts) as u16;
+            for (set, place) in course.sets.wider(spot.chain.set) {
+                let chain = Chain { set: *set, phases: inserted([p, q], third, *place) };
+                self.offer(Spot { chain, ..spot }, u64::from(self.costs.gait), turn);
+            }
+        }
+    }
+
+    fn leave(&mut self, spot: Spot, turn: &mut Turn) {
+        let course = self.course;
+        let strands = &course.sheets[spot.leg].strands;
+        for place in 0..3 {
+            let ([p, q], third) = removed(spot.chain.phases, place);
+            let head = strands.head(p);
+            if strands.leave.has(strands.triple(head, [p, q, third]), head.bit + spot.angle) {
+                let chain = Chain { set: course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
+                self.offer(Spot { chain, ..spot }, u64::from(self.costs.gait), turn);
+            }
+        }
+    }
+
+    fn queue_starts(&mut self, starts: Starts) {
+        let rolling = 2 * u64::from(self.costs.roll) * (self.behind[0] + self.first_steps());
+        let estimated = rolling + u64::from(self.costs.gait) * u64::from(starts.gaits);
+        self.starts = Some(starts);
+        // Last among its equals: another start is met only when all nodes of this cost are done.
+        self.open.entry((estimated, u64::MAX)).or_default().push(STARTS);
+    }
+
+    fn first_steps(&self) -> u64 {
+        self.course.sheets[0].start.abs_diff(self.course.sheets[0].end) as u64
+    }
+
+    /// Meets the next start, and queues those after it.
+    fn begin(&mut self) {
+        let Some(starts) = self.starts.take() else { return };
+        let sheet = &self.course.sheets[0];
+        let chains = self.course.sets.chains(sheet.contacts) as usize;
+        for number in starts.from..chains {
+            let Some(spot) = self.start(number) else { continue };
+            while self.estimate.gaits(spot) == starts.gaits && !self.estimate.is_settled(spot) {
+                self.estimate.deepen();
+            }
+            if self.estimate.gaits(spot) == starts.gaits {
+                self.meet(spot, 0, NO_PARENT);
+                return self.queue_starts(Starts { from: number + 1, ..starts });
+            }
+        }
+        let later = (0..chains).filter_map(|number| self.start(number)).map(|spot| self.estimate.gaits(spot));
+        if let Some(gaits) = later.filter(|gaits| *gaits != NEVER && *gaits > starts.gaits).min() {
+            self.queue_starts(Starts { gaits, from: 0 });
+        }
+    }
+
+    /// The start of a number, where it is a node.
+    fn start(&self, number: usize) -> Option<Spot> {
+        let sheet = &self.course.sheets[0];
+        let chain = self.course.sets.chain(sheet.contacts, number);
+        let contacts = chain.phases.map(usize::from);
+        self.course.spot(0, sheet.start, chain.set, &contacts[..self.course.sets.members(chain.set).len()])
+    }
+
+    /// The nodes of the way that was found, from its start.
+    pub fn way(&self) -> Vec<Spot> {
+        let mut spots = Vec::new();
+        let mut at = self.goal;
+        while let Some(record) = at {
+            let record = self.records[record as usize];
+            spots.push(Spot::unpack(record.spot));
+            at = Some(record.parent).filter(|parent| *parent != NO_PARENT);
+        }
+        spots.reverse();
+        spots
+    }
+}
+
+/// An expansion that goes on.
+#[derive(Debug)]
+struct Turn {
+    entry: Entry,
+    /// h of the node.
+    to_go: u64,
+    /// The least raise above the entry's.
+    next: u64,
+}

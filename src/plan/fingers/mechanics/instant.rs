@@ -1,0 +1,104 @@
+//! Which grasps hold at one instant of rolling.
+
+use super::grip::{Demand, Grip};
+use super::pair::{Line, Reach};
+use super::rows::{Rows, numbers};
+use super::{Contact, Load, TOLERANCE};
+use crate::plan::fingers::tables::{Bits, Tables};
+
+/// The contacts at an instant, and what pairs of fingers on them do.
+pub(super) struct Instant<'a> {
+    grip: &'a Grip,
+    pub contacts: Vec<Contact>,
+    pub load: Load,
+    demand: Demand,
+    /// Tips on both have room, and both are usable.
+    pub clear: Rows,
+    /// Two fingers on them have room and hold.
+    pub pair: Rows,
+    /// They hold with any third finger that has room, which then need not do anything in the plane.
+    bear: Rows,
+    /// The forces of a finger of three on each contact; empty where every grasp holds that has room.
+    reaches: Vec<Reach>,
+}
+
+impl<'a> Instant<'a> {
+    /// Tips stay `apart_um` from each other, centre to centre.
+    pub fn of(grip: &'a Grip, contacts: Vec<Contact>, load: Load, apart_um: f64) -> Instant<'a> {
+        let clear = room(&contacts, apart_um);
+        let demand = grip.demand(&load);
+        if grip.holds_anyway(&load) {
+            let (pair, bear) = (clear.clone(), clear.clone());
+            return Instant { grip, contacts, load, demand, clear, pair, bear, reaches: Vec::new() };
+        }
+        let of_fingers = |count: usize| contacts.iter().map(|at| grip.reach(at, &load, count)).collect::<Vec<_>>();
+        let holding = |reaches: &[Reach]| {
+            let holds = |i: usize, j: usize| grip.two_hold([&reaches[i], &reaches[j]], &load, &demand);
+            Rows::symmetric(contacts.len(), |i, j| clear.has(i, j) && holds(i, j))
+        };
+        let reaches = of_fingers(3);
+        let pair = holding(&of_fingers(2));
+        let bear = match (grip.may_idle(&load), load.across_un == 0.0) {
+            (false, _) => Rows::new(contacts.len()),
+            (true, true) => pair.clone(),
+            (true, false) => holding(&reaches),
+        };
+        Instant { grip, contacts, load, demand, clear, pair, bear, reaches }
+    }
+
+    /// Puts into a row the contacts that have room beside two others that have.
+    pub fn beside(&self, i: usize, j: usize, row: &mut [u64]) {
+        for (k, word) in row.iter_mut().enumerate() {
+            *word = self.clear.row(i)[k] & self.clear.row(j)[k];
+        }
+    }
+
+    /// Takes out of a set of triples in which tips have room, in all orders, those that do not hold.
+    pub fn sift(&self, triples: &mut Bits, tables: &Tables) {
+        if self.reaches.is_empty() {
+            return;
+        }
+        let mut row = vec![0; self.clear.width()];
+        for (i, j) in pairs(&self.clear).filter(|&(i, j)| !self.bear.has(i, j)) {
+            triples.read_row(tables.three(i, j, 0), tables.contacts, &mut row);
+            for (k, word) in row.iter_mut().enumerate() {
+                *word &= !(self.bear.row(i)[k] | self.bear.row(j)[k]) & above(j, k);
+            }
+            if row.iter().all(|word| *word == 0) {
+                continue;
+            }
+            let line = self.line(i, j);
+            for k in numbers(&row).filter(|&k| !line.takes(&self.reaches[k], &self.demand)) {
+                for [a, b, c] in [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]] {
+                    triples.take(tables.three(a, b, c));
+                }
+            }
+        }
+    }
+
+    fn line(&self, i: usize, j: usize) -> Line {
+        self.grip.line([&self.reaches[i], &self.reaches[j]], &self.load)
+    }
+}
+
+/// The pairs of usable contacts on which tips stay so far apart, centre to centre.
+pub(super) fn room(contacts: &[Contact], apart_um: f64) -> Rows {
+    let least_um = apart_um * (1.0 - TOLERANCE);
+    let has_room = |a: &Contact, b: &Contact| a.usable && b.usable && a.tips_apart_um(b) >= least_um;
+    Rows::symmetric(contacts.len(), |i, j| has_room(&contacts[i], &contacts[j]))
+}
+
+/// The pairs of a symmetric set, the lower number first.
+pub(super) fn pairs(rows: &Rows) -> impl Iterator<Item = (usize, usize)> + '_ {
+    (0..rows.size()).flat_map(|i| numbers(rows.row(i)).filter(move |&j| j > i).map(move |j| (i, j)))
+}
+
+// The bits of word `word` that stand for numbers above `number`.
+fn above(number: usize, word: usize) -> u64 {
+    let from = number + 1;
+    match word.cmp(&(from / 64)) {
+        std::cmp::Ordering::Less => 0,
+        std::cmp::Ordering::Equal => u64::MAX << (from % 64),
+        std::cmp::Ordering::Greater => u64::MAX,
+    }
+}

@@ -1,0 +1,51 @@
+//! What acts on the object besides the fingers.
+
+use crate::device::fingers::Plane;
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// A force on the object, as a section sees it at some instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load {
+    /// Its part in the plane, in section coordinates, in micronewtons.
+    pub force_un: [f64; 2],
+    /// Its part across the plane, in micronewtons; the fingers that hold share it equally by friction.
+    pub across_un: f64,
+    /// Where it acts, in section coordinates.
+    pub at_um: [f64; 2],
+}
+
+impl Load {
+    /// Nothing acts.
+    pub const NONE: Load = Load { force_un: [0.0; 2], across_un: 0.0, at_um: [0.0; 2] };
+
+    /// A force given in the hand's frame, on a part that is turned so, in the section of a plane.
+    pub fn seen(plane: Plane, orientation: &UnitQuaternion<f64>, load_un: [f64; 3], centre_um: [f64; 3]) -> Load {
+        let force_un = orientation.inverse() * Vector3::from(load_un);
+        let along = |axis: [f64; 3], of: &Vector3<f64>| Vector3::from(axis).dot(of);
+        let [x, y] = plane.axes();
+        let centre_um = Vector3::from(centre_um);
+        Load {
+            force_un: [along(x, &force_un), along(y, &force_un)],
+            across_un: along(plane.normal(), &force_un).abs(),
+            at_um: [along(x, &centre_um), along(y, &centre_um)],
+        }
+    }
+
+    /// Whether nothing acts.
+    pub fn is_none(&self) -> bool {
+        self.size_un() == 0.0
+    }
+
+    /// Its size, in micronewtons.
+    pub fn size_un(&self) -> f64 {
+        let [x_un, y_un] = self.force_un;
+        (x_un * x_un + y_un * y_un + self.across_un * self.across_un).sqrt()
+    }
+
+    /// The same force after the part has turned in the section's plane: it turns the other way round as the part sees it.
+    pub fn after_turn(&self, angle_rad: f64) -> Load {
+        let (sin, cos) = angle_rad.sin_cos();
+        let [x, y] = self.force_un;
+        Load { force_un: [x * cos + y * sin, y * cos - x * sin], ..*self }
+    }
+}

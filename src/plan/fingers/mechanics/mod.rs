@@ -1,0 +1,30 @@
+//! The mechanics of one section: where tips touch, which grasps are in equilibrium, which fingers may come and go, and all of it
+//! tabulated for the search.
+//!
+//! Input: a section, what the hand is, and the load. Output: [`tables`], and the same answers one by one from [`Grip`].
+//! Promise: the answers are exact up to [`TOLERANCE`]; what is exactly balanced counts as holding. Bodies are rigid, friction is
+//! Coulomb's, and the object stays where it is while fingers roll, come and go.
+//!
+//! The model: each finger's force lies in a triangle of the plane, a friction cone whose apex adhesion moves outwards, cut off at
+//! the greatest normal force (equation 1 of the paper). A grasp holds if forces of these triangles add up to the wrench that is
+//! wanted. Two fingers leave one unknown, the force along the chord between them; eliminating it (Fourier and Motzkin) gives at
+//! most nine half-spaces of wrenches that they can bear. A third finger is tried by cutting its triangle with these.
+
+mod contact;
+mod grip;
+mod instant;
+mod load;
+mod pair;
+mod rows;
+mod tabulate;
+
+pub use contact::{Contact, Contacts};
+pub use grip::{Grip, RESERVE, Wrench};
+pub use load::Load;
+pub use tabulate::{Asked, MAX_TABLE_BITS, PARTS_OF_ROLLING, PARTS_OF_STEP, TooManyGrasps, tables};
+
+/// By how much a balance may be missed, relative to the forces in play: what is exactly balanced holds, whatever the rounding.
+pub const TOLERANCE: f64 = 1e-9;
+
+#[cfg(test)]
+mod tests;

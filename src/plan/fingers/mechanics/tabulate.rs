@@ -1,0 +1,203 @@
+//! The tables of a leg: one layer for all angles, or one for each where a load makes them differ.
+//!
+//! Method: pairs first. A grasp of three holds if two of its fingers do, which whole words of bits answer; only what is left is
+//! looked at one by one, each set of three once. Cost: with adhesion and without a load c² rows of c/64 words, and c³/6 looks at
+//! removals; otherwise up to c³/6 looks for each instant that is looked at.
+
+use super::grip::{Demand, Grip};
+use super::instant::{self, Instant, pairs};
+use super::rows::{Rows, retain, step};
+use super::{Contacts, Load};
+use crate::device::fingers::Facts;
+use crate::plan::fingers::tables::{Bits, Layer, Tables};
+
+/// The most bits of one set of three contacts, over all layers: 64 MiB, and four such sets in all.
+pub const MAX_TABLE_BITS: usize = 1 << 29;
+
+/// Into how many parts a rolling step is cut for holding: where they meet, a grasp has to hold with a reserve
+/// ([`super::RESERVE`]).
+///
+/// A grasp that holds at both ends of a part may lapse within it only where its balance goes from one set of bounds to another: of
+/// 214,000 grasps of three that roll without adhesion, at friction 0.2 and 0.5, on ellipses up to 20 to 6, a superellipse, a
+/// rectangle with sharp corners and a waisted part, 20 did, all by less than a twentieth of the friction.
+pub const PARTS_OF_STEP: usize = 4;
+
+/// Into how many parts a rolling step is cut for room between tips: more, as looking is cheap. Between two looks a distance falls
+/// short by at most the step's square times the reach over 2,000: some thousandths of a micrometre.
+pub const PARTS_OF_ROLLING: usize = 16;
+
+/// What tables are asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked<'a> {
+    pub facts: &'a Facts,
+    pub contacts: Contacts<'a>,
+    /// At angle 0 of the leg.
+    pub load: Load,
+    /// The lowest angle of the leg, in steps.
+    pub lowest: i64,
+    /// How many angles the leg has; at least 1.
+    pub angles: usize,
+}
+
+/// The tables would be too large.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TooManyGrasps {
+    pub contacts: usize,
+    pub layers: usize,
+}
+
+/// What the grasp graph of a leg is made of.
+///
+/// `reaches(i, j, k)` says whether a free finger can come to contact k, and leave it, while two others hold i and j; contacts count
+/// from 0, and it is asked with i < j only.
+///
+/// # Errors
+/// [`TooManyGrasps`] where contacts and layers ask for more than [`MAX_TABLE_BITS`].
+pub fn tables(asked: &Asked, reaches: &mut dyn FnMut(usize, usize, usize) -> bool) -> Result<Tables, TooManyGrasps> {
+    let contacts = asked.contacts.number();
+    let layers = if asked.load.is_none() { 1 } else { asked.angles };
+    let bits = contacts.checked_pow(3).and_then(|bits| bits.checked_mul(layers));
+    if bits.is_none_or(|bits| bits > MAX_TABLE_BITS) {
+        return Err(TooManyGrasps { contacts, layers });
+    }
+    let grip = Grip::of(asked.facts, asked.contacts.reach_um());
+    let mut tables = Tables { contacts, layers: Vec::with_capacity(layers) };
+    let mut open = None;
+    for layer in 0..layers {
+        let now = asked.instant(&grip, layer, 0);
+        let open = open.get_or_insert_with(|| ways(&now, layers, &tables, reaches));
+        let layer = standing(&grip, &now, open, &tables);
+        tables.layers.push(layer);
+    }
+    roll(asked, &grip, &mut tables);
+    Ok(tables)
+}
+
+impl Asked<'_> {
+    // Some parts of a step after the angle of a layer.
+    fn instant<'a>(&self, grip: &'a Grip, layer: usize, parts: usize) -> Instant<'a> {
+        let part_of_step = parts as f64 / PARTS_OF_STEP as f64;
+        let angle_rad = ((self.lowest + layer as i64) as f64 + part_of_step) * self.contacts.step_rad();
+        Instant::of(grip, self.contacts.after(part_of_step), self.load.after_turn(angle_rad), self.apart_um())
+    }
+
+    fn apart_um(&self) -> f64 {
+        2.0 * self.contacts.tip_radius_um() + self.facts.clearance_um
+    }
+
+    // Pairs that have room all along a step.
+    fn room(&self) -> Rows {
+        let mut room = Rows::symmetric(self.contacts.number(), |_, _| true);
+        for part in 1..PARTS_OF_ROLLING {
+            room.keep(&instant::room(&self.contacts.after(part as f64 / PARTS_OF_ROLLING as f64), self.apart_um()));
+        }
+        room
+    }
+}
+
+// Which contacts can be come to and left, as far as tips have room there; of one layer only what it may ask for.
+fn ways(now: &Instant, layers: usize, tables: &Tables, reaches: &mut dyn FnMut(usize, usize, usize) -> bool) -> Bits {
+    let mut open = Bits::new(tables.contacts.pow(3));
+    let mut row = vec![0; now.clear.width()];
+    for (i, j) in pairs(if layers == 1 { &now.pair } else { &now.clear }) {
+        now.beside(i, j, &mut row);
+        retain(&mut row, |k| reaches(i, j, k));
+        open.put_row(tables.three(i, j, 0), &row);
+    }
+    open
+}
+
+// All of a layer but rolling.
+fn standing(grip: &Grip, now: &Instant, open: &Bits, tables: &Tables) -> Layer {
+    let cube = || Bits::new(tables.contacts.pow(3));
+    let mut layer = Layer {
+        pair: flat(&now.pair),
+        triple: cube(),
+        roll_pair: Bits::new(tables.contacts.pow(2)),
+        roll_triple: cube(),
+        place: cube(),
+        leave: cube(),
+    };
+    let mut row = vec![0; now.clear.width()];
+    for (i, j) in pairs(&now.clear) {
+        now.beside(i, j, &mut row);
+        put_both(&mut layer.triple, tables, [i, j], &row);
+    }
+    now.sift(&mut layer.triple, tables);
+    come_and_go(grip, now, open, tables, &mut layer);
+    layer
+}
+
+fn come_and_go(grip: &Grip, now: &Instant, open: &Bits, tables: &Tables, layer: &mut Layer) {
+    let demands: Vec<Demand> = now.contacts.iter().map(|leaves| grip.removal(leaves, &now.load)).collect();
+    let reaches: Vec<_> = now.contacts.iter().map(|at| grip.reach(at, &now.load, 2)).collect();
+    let mut row = vec![0; now.clear.width()];
+    let mut holding = row.clone();
+    for (i, j) in pairs(&now.pair) {
+        open.read_row(tables.three(i, j, 0), tables.contacts, &mut row);
+        layer.triple.read_row(tables.three(i, j, 0), tables.contacts, &mut holding);
+        row.iter_mut().zip(&holding).for_each(|(word, holding)| *word &= holding);
+        put_both(&mut layer.place, tables, [i, j], &row);
+        let line = grip.line([&reaches[i], &reaches[j]], &now.load);
+        retain(&mut row, |k| match demands[k] {
+            Demand::Squeeze => true,
+            Demand::Exert(wrench) => line.bears(&wrench),
+        });
+        put_both(&mut layer.leave, tables, [i, j], &row);
+    }
+}
+
+// Which grasps hold all the way from each layer to the next; nothing rolls on from the last one of several.
+fn roll(asked: &Asked, grip: &Grip, tables: &mut Tables) {
+    let count = tables.layers.len();
+    let firm = grip.with_reserve();
+    let room = asked.room();
+    for at in 0..count {
+        let next = if count == 1 { 0 } else { at + 1 };
+        if next == count {
+            return;
+        }
+        let between: Vec<Instant> = (1..PARTS_OF_STEP).map(|parts| asked.instant(&firm, at, parts)).collect();
+        let mut pairs_on = rows(&tables.layers[at].pair, tables.contacts);
+        pairs_on.keep(&rows(&tables.layers[next].pair, tables.contacts).stepped());
+        pairs_on.keep(&room);
+        between.iter().for_each(|instant| pairs_on.keep(&instant.pair));
+        let triples_on = rolling_triples(tables, [at, next], &room, &between);
+        tables.layers[at].roll_pair = flat(&pairs_on);
+        tables.layers[at].roll_triple = triples_on;
+    }
+}
+
+fn rolling_triples(tables: &Tables, [at, next]: [usize; 2], room: &Rows, between: &[Instant]) -> Bits {
+    let size = tables.contacts;
+    let mut triples = Bits::new(size.pow(3));
+    let (mut row, mut then) = (vec![0; room.width()], vec![0; room.width()]);
+    let mut then_here = row.clone();
+    for (i, j) in pairs(room) {
+        tables.layers[at].triple.read_row(tables.three(i, j, 0), size, &mut row);
+        let [before_i, before_j] = [i, j].map(|contact| (contact + size - 1) % size);
+        tables.layers[next].triple.read_row(tables.three(before_i, before_j, 0), size, &mut then);
+        step(&then, size, &mut then_here);
+        for (k, word) in row.iter_mut().enumerate() {
+            *word &= then_here[k] & room.row(i)[k] & room.row(j)[k];
+        }
+        put_both(&mut triples, tables, [i, j], &row);
+    }
+    between.iter().for_each(|instant| instant.sift(&mut triples, tables));
+    triples
+}
+
+fn put_both(bits: &mut Bits, tables: &Tables, [i, j]: [usize; 2], row: &[u64]) {
+    bits.put_row(tables.three(i, j, 0), row);
+    bits.put_row(tables.three(j, i, 0), row);
+}
+
+fn flat(rows: &Rows) -> Bits {
+    let mut bits = Bits::new(rows.size().pow(2));
+    (0..rows.size()).for_each(|i| bits.put_row(i * rows.size(), rows.row(i)));
+    bits
+}
+
+fn rows(bits: &Bits, size: usize) -> Rows {
+    Rows::symmetric(size, |i, j| bits.has(i * size + j))
+}

@@ -1,0 +1,109 @@
+use super::*;
+use microlp::{ComparisonOp, OptimizationDirection, Problem, SolveOutcome, Variable};
+
+/// What is asked of a solver, and of the predicate.
+#[derive(Debug, Clone)]
+struct Case {
+    facts: Facts,
+    contacts: Vec<Contact>,
+    leaves: Option<Contact>,
+    load: Load,
+}
+
+const ARM_UM: f64 = 15.0;
+
+impl Case {
+    fn random(dice: &mut Dice) -> Case {
+        let adhesion = if dice.below(2) == 0 { Adhesion::Sticking } else { Adhesion::Absent };
+        let mut facts = hand(dice.within(0.05, 0.9), adhesion);
+        facts.max_force_un = [3.0, 10.0, 30.0][dice.below(3)];
+        facts.removal_safety = dice.within(0.5, 4.0);
+        let semi_um = [dice.within(5.0, 20.0), dice.within(5.0, 20.0)];
+        let tilt_rad = if dice.below(4) == 0 { 1.5 } else { 0.0 };
+        let mut contact = || any_contact(dice, semi_um, tilt_rad);
+        let mut contacts = vec![contact(), contact(), contact()];
+        let size_un = [0.0, 0.5, 2.0, 8.0][dice.below(4)];
+        let force_un = [dice.within(-size_un, size_un), dice.within(-size_un, size_un)];
+        let across_un = if dice.below(2) == 0 { 0.0 } else { dice.within(0.0, size_un) };
+        let load = Load { force_un, across_un, at_um: [dice.within(-3.0, 3.0), dice.within(-3.0, 3.0)] };
+        let kind = dice.below(3);
+        let leaves = if kind == 2 { contacts.pop() } else { None };
+        contacts.truncate(if kind == 0 { 2 } else { 3 });
+        Case { facts, contacts, leaves, load }
+    }
+
+    fn predicted(&self) -> bool {
+        let grip = Grip::of(&self.facts, ARM_UM);
+        match &self.leaves {
+            Some(leaves) => grip.resists([&self.contacts[0], &self.contacts[1]], leaves, &self.load),
+            None => grip.holds(&self.contacts, &self.load),
+        }
+    }
+
+    /// Friction and forces changed by a part.
+    fn solved(&self, change: f64) -> bool {
+        let friction = self.facts.friction * (1.0 + change);
+        let sticking_un = self.facts.sticking_un();
+        let most_un = self.facts.max_force_un * (1.0 + change);
+        let (pull_un, leaves) = match (&self.leaves, sticking_un > 0.0) {
+            (Some(leaves), true) => (self.facts.removal_safety * sticking_un, *leaves),
+            (Some(_), false) | (None, _) => (0.0, self.contacts[0]),
+        };
+        let must_squeeze = sticking_un == 0.0 && self.load.size_un() == 0.0;
+        let share_un = self.load.across_un / self.contacts.len() as f64;
+        let mut problem = Problem::new(OptimizationDirection::Maximize);
+        let mut rows: [Vec<(Variable, f64)>; 3] = Default::default();
+        for contact in &self.contacts {
+            let normal_un = problem.add_var(1.0, (-sticking_un, most_un));
+            let tangential_un = problem.add_var(0.0, (f64::NEG_INFINITY, f64::INFINITY));
+            for sign in [1.0, -1.0] {
+                let bound_un = friction * sticking_un - share_un;
+                problem.add_constraint([(tangential_un, sign), (normal_un, -friction)], ComparisonOp::Le, bound_un);
+            }
+            let [x, y] = contact.normal.map(|part| -part);
+            let [px, py] = contact.point_um.map(|part| part / ARM_UM);
+            for (variable, [fx, fy]) in [(normal_un, [x, y]), (tangential_un, [-y, x])] {
+                let parts = [fx, fy, px * fy - py * fx];
+                rows.iter_mut().zip(parts).for_each(|(row, part)| row.push((variable, part)));
+            }
+        }
+        let [nx, ny] = leaves.normal.map(|part| part * pull_un);
+        let [[px, py], [lx, ly]] =
+            [leaves.point_um, self.load.at_um].map(|point_um| point_um.map(|part| part / ARM_UM));
+        let [fx, fy] = self.load.force_un;
+        let outer_un = [nx + fx, ny + fy, px * ny - py * nx + lx * fy - ly * fx];
+        for (row, outer_un) in rows.iter().zip(outer_un) {
+            problem.add_constraint(row, ComparisonOp::Eq, -outer_un);
+        }
+        match problem.solve() {
+            Ok(SolveOutcome::Solution(solution)) => !must_squeeze || solution.objective() > 1e-3,
+            Ok(SolveOutcome::Interrupted(_)) | Err(_) => false,
+        }
+    }
+}
+
+/// On an ellipse, with its normal turned by up to a tilt: as on a concave outline.
+fn any_contact(dice: &mut Dice, [a, b]: [f64; 2], tilt_rad: f64) -> Contact {
+    let (sin, cos) = dice.within(0.0, TAU).sin_cos();
+    let normal_rad = (sin / b).atan2(cos / a) + dice.within(-tilt_rad, tilt_rad);
+    let (ny, nx) = normal_rad.sin_cos();
+    let point_um = [a * cos, b * sin];
+    let tip_um = [point_um[0] + 4.5 * nx, point_um[1] + 4.5 * ny];
+    Contact { point_um, normal: [nx, ny], tip_um, usable: true }
+}
+
+#[test]
+fn the_predicate_agrees_with_a_solver_on_random_grasps() {
+    let mut dice = Dice(5);
+    let (mut holding, mut marginal) = (0, 0);
+    for _ in 0..100_000 {
+        let case = Case::random(&mut dice);
+        let (predicted, solved) = (case.predicted(), case.solved(0.0));
+        holding += u32::from(solved);
+        if predicted != solved {
+            marginal += 1;
+            assert_ne!(case.solved(-1e-4), case.solved(1e-4), "{predicted} and not {solved}: {case:?}");
+        }
+    }
+    assert!((25_000..75_000).contains(&holding) && marginal < 20, "{holding} {marginal}");
+}

@@ -1,0 +1,125 @@
+//! A held stretch of a task as routes of the grasp graph: from a first grasp to the release, or to the task's end.
+//!
+//! Input: the steps of the stretch, and what the fingers hold when it begins. Output: its routes, one for each choice among the ways of
+//! its `orient` steps, cheapest estimate first. Promise: every route has at least one turn, each knows the step that it is of.
+
+use super::graph::Grasp;
+use crate::check::claims::fingers::{Action, FingersOrder, Turn};
+use crate::device::fingers::Plane;
+use std::ops::Range;
+
+/// The most routes that one stretch is searched over; those that turn most are left out beyond it.
+pub const MAX_ROUTES: usize = 256;
+
+/// A leg of a route.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Turning {
+    /// Index of the order's steps.
+    pub step: usize,
+    pub turn: Turn,
+    /// The grasp at its end, where the task says one.
+    pub pin: Option<Grasp>,
+}
+
+/// The turns of a stretch, one after the other.
+pub type Route = Vec<Turning>;
+
+/// What the fingers hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Holding {
+    pub grasp: Grasp,
+    pub plane: Plane,
+}
+
+/// The routes of a stretch.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Routes {
+    /// With the fewest steps of turning first; at most [`MAX_ROUTES`].
+    pub routes: Vec<Route>,
+    /// The grasp with which each begins; `None`: any.
+    pub start: Option<Grasp>,
+    /// How many steps the routes turn at least that were left out; `None` if none were.
+    pub left_out: Option<u64>,
+}
+
+/// The routes of the steps of an order in a range, from what is held when they begin.
+pub fn routes(order: &FingersOrder, steps: Range<usize>, held: Option<Holding>) -> Routes {
+    let (mut choices, left_out) = choices(order, steps.clone());
+    choices.sort_by_key(|choice| turned(choice));
+    let routes = choices.iter().map(|choice| route(order, steps.clone(), choice, held)).collect();
+    let start = held.map(|held| held.grasp).or_else(|| first_grasp(order, steps));
+    Routes { routes, start, left_out }
+}
+
+/// How many steps a choice of turns rolls at least.
+fn turned(turns: &[(usize, Turn)]) -> u64 {
+    turns.iter().map(|(_, turn)| u64::from(turn.steps.unsigned_abs())).sum()
+}
+
+/// The turns of the steps, one list for each combination of ways; and what the combinations turn that were left out.
+fn choices(order: &FingersOrder, steps: Range<usize>) -> (Vec<Vec<(usize, Turn)>>, Option<u64>) {
+    let mut choices: Vec<Vec<(usize, Turn)>> = vec![Vec::new()];
+    let mut left_out: Option<u64> = None;
+    for step in steps {
+        let ways: Vec<Vec<Turn>> = match &order.steps[step].action {
+            Action::Rotate { plane, steps, .. } => vec![vec![Turn { plane: *plane, steps: *steps }]],
+            Action::Orient { turns, .. } => turns.clone(),
+            Action::Grasp(_) | Action::Translate(_) | Action::Release | Action::Wait(_) => continue,
+        };
+        let with = |choice: &Vec<(usize, Turn)>, way: &Vec<Turn>| {
+            choice.iter().copied().chain(way.iter().map(|turn| (step, *turn))).collect::<Vec<_>>()
+        };
+        choices = choices.iter().flat_map(|choice| ways.iter().map(move |way| with(choice, way))).collect();
+        choices.sort_by_key(|choice| turned(choice));
+        for choice in choices.drain(choices.len().min(MAX_ROUTES)..) {
+            left_out = Some(left_out.map_or(turned(&choice), |least| least.min(turned(&choice))));
+        }
+    }
+    (choices, left_out)
+}
+
+/// The grasp that the stretch begins with, if its first word on grasps says one before anything turns.
+fn first_grasp(order: &FingersOrder, steps: Range<usize>) -> Option<Grasp> {
+    for step in steps {
+        match &order.steps[step].action {
+            Action::Grasp(Some(contacts)) => return Grasp::of(contacts),
+            Action::Rotate { .. } | Action::Orient { .. } => return None,
+            Action::Grasp(None) | Action::Translate(_) | Action::Release | Action::Wait(_) => (),
+        }
+    }
+    None
+}
+
+fn route(
+    order: &FingersOrder,
+    steps: Range<usize>,
+    turns: &[(usize, Turn)],
+    held: Option<Holding>,
+) -> Route {
+    let plane_at = |step: usize| {
+        let next = turns.iter().find(|(of, _)| *of >= step).or(turns.last());
+        next.map(|(_, turn)| turn.plane).or(held.map(|held| held.plane)).unwrap_or(Plane::Xy)
+    };
+    let mut route = Route::new();
+    let mut is_held = held.is_some();
+    let begins = steps.start;
+    for step in steps {
+        if let Action::Grasp(contacts) = &order.steps[step].action {
+            if let Some(pin) = contacts.as_ref().filter(|_| is_held).and_then(|contacts| Grasp::of(contacts)) {
+                route.push(Turning { step, turn: Turn { plane: plane_at(step), steps: 0 }, pin: Some(pin) });
+            }
+            is_held = true;
+        }
+        for (_, turn) in turns.iter().filter(|(of, _)| *of == step) {
+            route.push(Turning { step, turn: *turn, pin: None });
+            is_held = true;
+        }
+    }
+    let first = route.first().map_or((begins, plane_at(begins)), |first| (first.step, first.turn.plane));
+    let changes_plane = held.is_some_and(|held| held.plane != first.1);
+    if route.is_empty() || changes_plane {
+        let plane = held.map_or(first.1, |held| held.plane);
+        route.insert(0, Turning { step: first.0, turn: Turn { plane, steps: 0 }, pin: None });
+    }
+    route
+}

@@ -1,0 +1,344 @@
+//! The walk through a course, act after act.
+
+use super::rolling;
+use super::sphere::{self, Arc};
+use super::{Act, Course, Hand, MAX_MOVES, Side, WayError};
+use crate::device::fingers::{AXES, Plane};
+use crate::plan::fingers::{Hold, Motion, Move, Stance};
+use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector2, Vector3};
+
+/// A tip that has less to go than this, in micrometres, is there.
+const THERE_UM: f64 = 1e-9;
+
+/// How the fingers move in a course.
+pub fn motion(hand: &Hand, course: &Course) -> Result<Motion, WayError> {
+    let mut walk = Walk::new(hand, &course.start);
+    let mut steps = Vec::with_capacity(course.steps.len());
+    walk.check_range();
+    for (step, acts) in course.steps.iter().enumerate() {
+        walk.step = step;
+        for act in acts {
+            walk.act(act)?;
+        }
+        walk.count += walk.moves.len();
+        steps.push(std::mem::take(&mut walk.moves));
+    }
+    walk.beyond.map_or(Ok(Motion { start: course.start.clone(), steps }), Err)
+}
+
+/// Where everything is on the way.
+struct Walk<'a> {
+    hand: &'a Hand<'a>,
+    tips_um: Vec<Vector3<f64>>,
+    grasp: Vec<u32>,
+    plane: Plane,
+    angle_index: i64,
+    position_um: Vector3<f64>,
+    /// The orientation at `base_index` of the turn, so that steps do not add up their rounding.
+    base: UnitQuaternion<f64>,
+    base_index: i64,
+    /// Of the step that goes on.
+    moves: Vec<Move>,
+    /// Moves of the steps before.
+    count: usize,
+    step: usize,
+    /// The worst place beyond a stage's range, and how far beyond it is.
+    beyond: Option<WayError>,
+    worst_um: f64,
+}
+
+impl<'a> Walk<'a> {
+    fn new(hand: &'a Hand<'a>, start: &Stance) -> Self {
+        let [w, x, y, z] = start.hold.orientation;
+        Walk {
+            hand,
+            tips_um: start.tips_um.iter().map(|tip| Vector3::from(*tip)).collect(),
+            grasp: start.hold.grasp.clone(),
+            plane: start.hold.plane,
+            angle_index: start.hold.angle_index,
+            position_um: Vector3::from(start.hold.position_um),
+            base: UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
+            base_index: start.hold.angle_index,
+            moves: Vec::new(),
+            count: 0,
+            step: 0,
+            beyond: None,
+            worst_um: 0.0,
+        }
+    }
+
+    fn act(&mut self, act: &Act) -> Result<(), WayError> {
+        match act {
+            Act::Begin { plane, grasp } => self.begin(*plane, grasp),
+            Act::Turn(plane) => self.turn(*plane),
+            Act::Roll(steps) => (0..steps.unsigned_abs()).try_for_each(|_| self.roll(i64::from(steps.signum()))),
+            Act::Place { finger, contact } => {
+                self.come(*finger, *contact)?;
+                self.record();
+                Ok(())
+            }
+            Act::Leave { finger } => {
+                self.go(*finger)?;
+                self.record();
+                Ok(())
+            }
+            Act::Release { order } => self.release(order),
+            Act::Translate(by_um) => self.translate(Vector3::from(*by_um)),
+            Act::Wait(0) => Ok(()),
+            Act::Wait(duration_ns) => self.push(*duration_ns, self.tips_um.clone()),
+        }
+    }
+
+    fn begin(&mut self, plane: Plane, grasp: &[u32]) -> Result<(), WayError> {
+        let is_free = self.grasp.iter().all(|contact| *contact == 0);
+        if !is_free || grasp.len() != self.grasp.len() {
+            return Err(self.unfit());
+        }
+        self.turn(plane)?;
+        let side = self.side()?;
+        let comers: Vec<usize> = (0..grasp.len()).filter(|finger| grasp[*finger] != 0).collect();
+        let contacts: Vec<usize> = comers.iter().map(|finger| grasp[*finger] as usize - 1).collect();
+        if contacts.iter().any(|contact| *contact >= side.reach.contacts()) {
+            return Err(self.unfit());
+        }
+        let Some(order) = side.reach.order(&contacts) else {
+            let finger = comers.last().copied().unwrap_or(0);
+            return Err(self.blocked(finger, grasp[finger]));
+        };
+        order.iter().try_for_each(|index| self.come(comers[*index], grasp[comers[*index]]))?;
+        self.record();
+        Ok(())
+    }
+
+    /// The new turn's angles count from here.
+    fn turn(&mut self, plane: Plane) -> Result<(), WayError> {
+        self.base = self.orientation(0.0);
+        (self.base_index, self.angle_index) = (1, 1);
+        if plane != self.plane {
+            let old = self.side()?.section.opposite;
+            self.plane = plane;
+            let new = self.side()?.section.opposite;
+            for finger in 0..self.grasp.len() {
+                self.cross(finger, [old, new])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What the contact of a finger is called in the new plane, where it has to be in the same place.
+    fn cross(&mut self, finger: usize, [old, new]: [Option<u32>; 2]) -> Result<(), WayError> {
+        let contact = self.grasp[finger];
+        if contact > 1 {
+            self.grasp[finger] = new.filter(|_| old == Some(contact)).ok_or(self.unfit())?;
+        }
+        let near_um = self.hand.facts.tolerance_um / 2.0;
+        let is_there = contact == 0 || (self.touch(self.grasp[finger], 0.0)? - self.tips_um[finger]).norm() <= near_um;
+        if is_there { Ok(()) } else { Err(self.unfit()) }
+    }
+
+    /// A step of the turn, by chords of equal angles.
+    fn roll(&mut self, sense: i64) -> Result<(), WayError> {
+        let side = self.side()?;
+        let step_rad = side.section.step_rad;
+        let chords = rolling::chords(side.curve, self.hand.facts, step_rad).ok_or(self.too_fine())?;
+        for chord in 1..=chords {
+            let rolled_rad = sense as f64 * step_rad * f64::from(chord) / f64::from(chords);
+            let mut tips_um = self.tips_um.clone();
+            for (finger, tip) in tips_um.iter_mut().enumerate().filter(|(finger, _)| self.grasp[*finger] != 0) {
+                *tip = self.touch(self.grasp[finger], rolled_rad)?;
+            }
+            self.glide(tips_um, self.hand.facts.rolling_um_per_s)?;
+        }
+        let contacts = i64::from(side.section.contacts);
+        let next = |contact: u32| ((i64::from(contact) - 1 - sense).rem_euclid(contacts) + 1) as u32;
+        for contact in self.grasp.iter_mut().filter(|contact| **contact != 0) {
+            *contact = next(*contact);
+        }
+        self.angle_index += sense;
+        self.record();
+        Ok(())
+    }
+
+    /// A free finger comes to a contact: on its sphere to the way's end, then in, at last slowly.
+    fn come(&mut self, finger: usize, contact: u32) -> Result<(), WayError> {
+        if self.grasp.get(finger) != Some(&0) || contact == 0 {
+            return Err(self.unfit());
+        }
+        let [touch_um, bend_um, end_um] = self.way(finger, contact)?;
+        self.clear(finger, [bend_um, end_um])?;
+        let from = (self.tips_um[finger] - self.position_um).try_normalize(0.0).unwrap_or(Vector3::x());
+        let to = (end_um - self.position_um).normalize();
+        self.travel(finger, Arc::between(from, to))?;
+        self.shift(finger, end_um, self.hand.facts.speed_um_per_s)?;
+        self.shift(finger, bend_um, self.hand.facts.speed_um_per_s)?;
+        self.shift(finger, touch_um, self.hand.facts.approach_um_per_s)?;
+        self.grasp[finger] = contact;
+        Ok(())
+    }
+
+    /// A finger leaves its contact for its sphere.
+    fn go(&mut self, finger: usize) -> Result<(), WayError> {
+        let contact = self.grasp.get(finger).copied().filter(|contact| *contact != 0).ok_or(self.unfit())?;
+        self.grasp[finger] = 0;
+        let [_, bend_um, end_um] = self.way(finger, contact)?;
+        self.clear(finger, [bend_um, end_um])?;
+        self.shift(finger, bend_um, self.hand.facts.approach_um_per_s)?;
+        self.shift(finger, end_um, self.hand.facts.speed_um_per_s)
+    }
+
+    fn release(&mut self, order: &[usize]) -> Result<(), WayError> {
+        order.iter().try_for_each(|finger| self.go(*finger))?;
+        let is_free = self.grasp.iter().all(|contact| *contact == 0);
+        self.record();
+        if is_free { Ok(()) } else { Err(self.unfit()) }
+    }
+
+    fn translate(&mut self, by_um: Vector3<f64>) -> Result<(), WayError> {
+        self.position_um += by_um;
+        let tips_um: Vec<Vector3<f64>> = self.tips_um.iter().map(|tip| tip + by_um).collect();
+        self.push(duration_ns(by_um.norm(), self.hand.facts.rolling_um_per_s), tips_um)?;
+        self.record();
+        Ok(())
+    }
+
+    /// Free fingers whose spheres a segment crosses step aside where it would come too near.
+    fn clear(&mut self, finger: usize, segment: [Vector3<f64>; 2]) -> Result<(), WayError> {
+        let facts = self.hand.facts;
+        let apart_um = 2.0 * facts.tip_radius_um + facts.clearance_um;
+        let segment = segment.map(|point| point - self.position_um);
+        for other in (0..self.grasp.len()).filter(|other| *other != finger) {
+            if self.grasp[other] != 0 {
+                continue;
+            }
+            let place = self.tips_um[other] - self.position_um;
+            if let Some(arc) = sphere::aside(place, segment, apart_um) {
+                self.travel(other, arc)?;
+                self.shift(other, self.position_um + arc.at(arc.angle_rad) * place.norm(), facts.speed_um_per_s)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A free finger runs along a great circle of its sphere, but for its last chord.
+    fn travel(&mut self, finger: usize, arc: Arc) -> Result<(), WayError> {
+        let facts = self.hand.facts;
+        let radius_um = self.hand.sphere_um(finger);
+        let chords = arc.chords(radius_um, facts.tolerance_um).ok_or(self.too_fine())?;
+        for chord in 1..chords {
+            let angle_rad = arc.angle_rad * f64::from(chord) / f64::from(chords);
+            self.shift(finger, self.position_um + arc.at(angle_rad) * radius_um, facts.speed_um_per_s)?;
+        }
+        Ok(())
+    }
+
+    /// Touch, bend and end of the way of a finger to or from a contact, in the hand's frame, while the others hold as they do.
+    fn way(&self, finger: usize, contact: u32) -> Result<[Vector3<f64>; 3], WayError> {
+        let reach = self.side()?.reach;
+        let index = |contact: &u32| *contact as usize - 1;
+        let holding: Vec<usize> = self.grasp.iter().filter(|contact| **contact != 0).map(index).collect();
+        if index(&contact) >= reach.contacts() {
+            return Err(self.unfit());
+        }
+        let way = reach.way(index(&contact), &holding).ok_or(self.blocked(finger, contact))?;
+        let orientation = self.orientation(0.0);
+        let placed = |place: Vector2<f64>| self.placed(orientation, place);
+        Ok([placed(way.touch_um), placed(way.bend_um), placed(way.end_um(self.hand.sphere_um(finger)))])
+    }
+
+    /// The centre of a tip that touched at a contact, in the hand's frame, after the part has rolled on by an angle.
+    fn touch(&self, contact: u32, rolled_rad: f64) -> Result<Vector3<f64>, WayError> {
+        let side = self.side()?;
+        let at_rad = f64::from(contact - 1) * side.section.step_rad - rolled_rad;
+        let (tip, _) = rolling::tip(side.curve, self.hand.facts, at_rad);
+        Ok(self.placed(self.orientation(rolled_rad), tip))
+    }
+
+    fn placed(&self, orientation: UnitQuaternion<f64>, place: Vector2<f64>) -> Vector3<f64> {
+        let [first, second] = self.plane.axes().map(Vector3::from);
+        self.position_um + orientation * (first * place.x + second * place.y)
+    }
+
+    /// The part's orientation after it has turned on by an angle.
+    fn orientation(&self, further_rad: f64) -> UnitQuaternion<f64> {
+        let steps = (self.angle_index - self.base_index) as f64;
+        let step_rad = self.hand.side(self.plane).map_or(0.0, |side| side.section.step_rad);
+        let axis = Unit::new_unchecked(Vector3::from(self.plane.normal()));
+        self.base * UnitQuaternion::from_axis_angle(&axis, steps * step_rad + further_rad)
+    }
+
+    fn side(&self) -> Result<Side<'a>, WayError> {
+        self.hand.side(self.plane).ok_or(self.unfit())
+    }
+
+    /// One finger moves in a straight line.
+    fn shift(&mut self, finger: usize, to_um: Vector3<f64>, speed_um_per_s: f64) -> Result<(), WayError> {
+        let mut tips_um = self.tips_um.clone();
+        tips_um[finger] = to_um;
+        self.glide(tips_um, speed_um_per_s)
+    }
+
+    /// All tips move in straight lines, the fastest one at a speed.
+    fn glide(&mut self, tips_um: Vec<Vector3<f64>>, speed_um_per_s: f64) -> Result<(), WayError> {
+        let lengths = tips_um.iter().zip(&self.tips_um).map(|(to, from)| (to - from).norm());
+        let longest_um = lengths.fold(0.0, f64::max);
+        if longest_um <= THERE_UM { Ok(()) } else { self.push(duration_ns(longest_um, speed_um_per_s), tips_um) }
+    }
+
+    fn push(&mut self, duration_ns: u64, tips_um: Vec<Vector3<f64>>) -> Result<(), WayError> {
+        if self.count + self.moves.len() >= MAX_MOVES {
+            return Err(self.too_fine());
+        }
+        self.tips_um = tips_um;
+        self.check_range();
+        let tips_um = self.tips_um.iter().map(|tip| [tip.x, tip.y, tip.z]).collect();
+        self.moves.push(Move { duration_ns, tips_um, state: None });
+        Ok(())
+    }
+
+    /// The state at the end of the last move is one of the plan's.
+    fn record(&mut self) {
+        let orientation = self.orientation(0.0).normalize();
+        let orientation = if orientation.w < 0.0 { -orientation } else { orientation };
+        let state = Hold {
+            grasp: self.grasp.clone(),
+            plane: self.plane,
+            angle_index: self.angle_index,
+            position_um: [self.position_um.x, self.position_um.y, self.position_um.z],
+            orientation: [orientation.w, orientation.i, orientation.j, orientation.k],
+        };
+        if let Some(last) = self.moves.last_mut() {
+            last.state = Some(state);
+        }
+    }
+
+    fn check_range(&mut self) {
+        for (finger, tip) in self.tips_um.iter().enumerate() {
+            for axis in 0..AXES.len() {
+                let over_um = tip[axis].abs() - self.hand.facts.range_um[axis];
+                // What is not a number lies nowhere.
+                let beyond_um = if over_um.is_nan() { f64::INFINITY } else { over_um };
+                if beyond_um > self.worst_um {
+                    self.worst_um = beyond_um;
+                    self.beyond = Some(WayError::Range { step: self.step, finger, axis, beyond_um });
+                }
+            }
+        }
+    }
+
+    fn unfit(&self) -> WayError {
+        WayError::Unfit { step: self.step }
+    }
+
+    fn too_fine(&self) -> WayError {
+        WayError::TooFine { step: self.step }
+    }
+
+    fn blocked(&self, finger: usize, contact: u32) -> WayError {
+        WayError::Blocked { step: self.step, finger, contact }
+    }
+}
+
+/// How long a way takes, in whole nanoseconds and at least one.
+fn duration_ns(length_um: f64, speed_um_per_s: f64) -> u64 {
+    ((length_um / speed_um_per_s * 1e9).ceil() as u64).max(1)
+}

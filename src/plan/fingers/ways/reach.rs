@@ -1,0 +1,213 @@
+//! Which contacts of a section a tip can come to, and leave, while other tips hold.
+//!
+//! Input: a curve, the hand's facts, the number of contacts. Output: a [`Reach`], which answers for every contact and any tips that
+//! hold. Method: from its contact a tip goes straight out along the normal by [`Facts::slow_um`], and then straight on in the first
+//! clear direction of a fixed fan about the normal, until nothing of the part or of a tip that holds can be near. Each contact and each
+//! direction is tested once against the outline, and once against each tip; a question is then the conjunction of some masks.
+//!
+//! Promise: along a way the tip's centre keeps `tip_radius + clearance` from the outline, but for the slow stretch, on which it keeps
+//! the tip's radius, both less than a quarter of the tolerance; and two radii and the clearance from tips that hold, less than
+//! a part in 10⁹. Not promised: that a contact has no way where the fan has none. Cost grows with contacts² × directions.
+
+use super::rolling;
+use crate::device::fingers::Facts;
+use crate::geometry::outline::Curve;
+use nalgebra::Vector2;
+
+/// How many directions the fan has: an odd number, at most 16.
+const FAN: u32 = 11;
+
+/// Between neighbouring directions of the fan: 15 deg.
+const FAN_STEP_RAD: f64 = std::f64::consts::PI / 12.0;
+
+/// How much nearer than asked two tips may be, of their distance.
+const TIP_SLACK: f64 = 1e-9;
+
+/// Samples of an outline that are looked at together.
+const BLOCK: usize = 16;
+
+/// The fewest and the most samples of an outline.
+const SAMPLES: [f64; 2] = [256.0, 16_384.0];
+
+/// The ways to the contacts of one section, in its coordinates. Contacts are counted from 0.
+#[derive(Debug, Clone)]
+pub struct Reach {
+    exits: Vec<Exit>,
+    /// At k·c + i: the directions in which the way of contact k is clear of a tip on contact i, and of the outline; at k·c + k:
+    /// in which it is clear of the outline.
+    masks: Vec<u16>,
+}
+
+/// Where the ways of one contact begin.
+#[derive(Debug, Clone, Copy)]
+struct Exit {
+    touch_um: Vector2<f64>,
+    bend_um: Vector2<f64>,
+    normal_rad: f64,
+}
+
+/// The way of a tip's centre from its contact outwards, in the section's coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Way {
+    /// Where it touches.
+    pub touch_um: Vector2<f64>,
+    /// Where the slow stretch ends.
+    pub bend_um: Vector2<f64>,
+    /// Where it goes from there.
+    pub towards: Vector2<f64>,
+}
+
+impl Way {
+    /// Where it meets a circle about the part's origin that encloses it so far.
+    pub fn end_um(&self, radius_um: f64) -> Vector2<f64> {
+        self.bend_um + self.towards * ray_um(self.bend_um, self.towards, radius_um)
+    }
+}
+
+impl Reach {
+    /// Tests all ways.
+    pub fn new(curve: &Curve, facts: &Facts, contacts: u32) -> Reach {
+        let count = contacts as usize;
+        let exits: Vec<Exit> = (0..count).map(|contact| exit(curve, facts, contact, contacts)).collect();
+        let mut reach = Reach { masks: vec![0; count * count], exits };
+        // A tip that goes away from a convex outline keeps clear of it.
+        let rim = (curve.least_curvature_per_um() < 0.0).then(|| Rim::of(curve, facts));
+        let radius_um = facts.sphere_um(0, curve.reach_um());
+        for contact in 0..count {
+            reach.test(contact, rim.as_ref(), facts, radius_um);
+        }
+        reach
+    }
+
+    /// How many contacts there are.
+    pub fn contacts(&self) -> usize {
+        self.exits.len()
+    }
+
+    /// Whether a tip can come to the contact k, and leave it, while others hold at i and j; none where two of them are one.
+    #[inline]
+    pub fn reaches(&self, i: usize, j: usize, k: usize) -> bool {
+        let row = k * self.exits.len();
+        i != j && i != k && j != k && self.masks[row + i] & self.masks[row + j] != 0
+    }
+
+    /// The way of a contact that is clear of tips on others: the first one of the fan.
+    pub fn way(&self, contact: usize, holding: &[usize]) -> Option<Way> {
+        if holding.contains(&contact) {
+            return None;
+        }
+        let row = contact * self.exits.len();
+        let clear = holding.iter().fold(self.masks[row + contact], |mask, other| mask & self.masks[row + other]);
+        (clear != 0).then(|| self.exits[contact].way(clear.trailing_zeros()))
+    }
+
+    /// An order in which tips can come to contacts that are free at first, and in whose reverse they can leave: the first one, as indices
+    /// of the contacts. `None` for more than three contacts too.
+    pub fn order(&self, contacts: &[usize]) -> Option<Vec<usize>> {
+        const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        let is_clear = |order: &Vec<usize>| {
+            let at: Vec<usize> = order.iter().map(|index| contacts[*index]).collect();
+            (0..at.len()).all(|index| self.way(at[index], &at[..index]).is_some())
+        };
+        let orders = ORDERS.iter().map(|order| order.iter().copied().filter(|index| *index < contacts.len()).collect());
+        orders.filter(|_| contacts.len() <= 3).find(is_clear)
+    }
+
+    /// Fills the row of a contact.
+    fn test(&mut self, contact: usize, rim: Option<&Rim>, facts: &Facts, radius_um: f64) {
+        let exit = self.exits[contact];
+        let ways: Vec<(u16, Vector2<f64>)> = (0..FAN)
+            .map(|direction| (1 << direction, exit.way(direction).end_um(radius_um)))
+            .filter(|(_, end)| rim.is_none_or(|rim| rim.lets_pass(&exit, *end, facts)))
+            .collect();
+        let apart_um = (2.0 * facts.tip_radius_um + facts.clearance_um) * (1.0 - TIP_SLACK);
+        for other in 0..self.exits.len() {
+            let tip = self.exits[other].touch_um;
+            let is_clear = |[from, to]: [Vector2<f64>; 2]| square_to_segment(tip, from, to) >= apart_um * apart_um;
+            let mask = if other == contact {
+                ways.iter().fold(0, |mask, (bit, _)| mask | bit)
+            } else if is_clear([exit.touch_um, exit.bend_um]) {
+                ways.iter().filter(|(_, end)| is_clear([exit.bend_um, *end])).fold(0, |mask, (bit, _)| mask | bit)
+            } else {
+                0
+            };
+            self.masks[contact * self.exits.len() + other] = mask;
+        }
+    }
+}
+
+impl Exit {
+    /// The way in a direction of the fan: the normal, then to its sides in turn.
+    fn way(&self, direction: u32) -> Way {
+        let side = if direction % 2 == 1 { 1.0 } else { -1.0 };
+        let towards_rad = self.normal_rad + side * f64::from(direction.div_ceil(2)) * FAN_STEP_RAD;
+        let (sin, cos) = towards_rad.sin_cos();
+        Way { touch_um: self.touch_um, bend_um: self.bend_um, towards: Vector2::new(cos, sin) }
+    }
+}
+
+fn exit(curve: &Curve, facts: &Facts, contact: usize, contacts: u32) -> Exit {
+    let round_rad = curve.rolled_rad(curve.perimeter_um(), facts.tip_radius_um);
+    let (touch_um, normal_rad) = rolling::tip(curve, facts, contact as f64 * round_rad / f64::from(contacts));
+    let (sin, cos) = normal_rad.sin_cos();
+    Exit { touch_um, bend_um: touch_um + Vector2::new(cos, sin) * facts.slow_um(), normal_rad }
+}
+
+/// An outline as points so close together that the nearest one is hardly farther than the outline.
+struct Rim {
+    points_um: Vec<Vector2<f64>>,
+    /// A circle about each block of points.
+    blocks: Vec<(Vector2<f64>, f64)>,
+}
+
+impl Rim {
+    /// A sample that lies h/2 beside the nearest place is farther by about h²/8·(1/l2 + κ): h makes that an eighth of the tolerance.
+    fn of(curve: &Curve, facts: &Facts) -> Rim {
+        let perimeter_um = curve.perimeter_um();
+        let coarse = (0..256).map(|index| curve.spot(perimeter_um * f64::from(index) / 256.0).curvature_per_um.abs());
+        let bend_per_um = coarse.fold(1.0 / facts.tip_radius_um, f64::max) + 1.0 / facts.tip_radius_um;
+        let spacing_um = (facts.tolerance_um / bend_per_um).sqrt();
+        let count = (perimeter_um / spacing_um).ceil().clamp(SAMPLES[0], SAMPLES[1]);
+        let point = |index: u32| Vector2::from(curve.spot(perimeter_um * f64::from(index) / count).point_um);
+        let points_um: Vec<Vector2<f64>> = (0..count as u32).map(point).collect();
+        let blocks = points_um.chunks(BLOCK).map(circle).collect();
+        Rim { points_um, blocks }
+    }
+
+    /// Whether a tip keeps clear on the way to a contact from a place far away.
+    fn lets_pass(&self, exit: &Exit, end_um: Vector2<f64>, facts: &Facts) -> bool {
+        let slow_um = facts.tip_radius_um - facts.tolerance_um / 8.0;
+        self.keeps([exit.touch_um, exit.bend_um], slow_um)
+            && self.keeps([exit.bend_um, end_um], slow_um + facts.clearance_um)
+    }
+
+    /// Whether all points are at least so far from a segment.
+    fn keeps(&self, [from, to]: [Vector2<f64>; 2], apart_um: f64) -> bool {
+        let is_far = |point: &Vector2<f64>, apart_um: f64| square_to_segment(*point, from, to) >= apart_um * apart_um;
+        let mut blocks = self.points_um.chunks(BLOCK).zip(&self.blocks);
+        apart_um <= 0.0
+            || blocks.all(|(points, (middle, radius_um))| {
+                is_far(middle, apart_um + radius_um) || points.iter().all(|point| is_far(point, apart_um))
+            })
+    }
+}
+
+fn circle(points: &[Vector2<f64>]) -> (Vector2<f64>, f64) {
+    let middle = points[points.len() / 2];
+    (middle, points.iter().map(|point| (point - middle).norm()).fold(0.0, f64::max))
+}
+
+/// The square of the distance from a point to a segment.
+fn square_to_segment(point: Vector2<f64>, from: Vector2<f64>, to: Vector2<f64>) -> f64 {
+    let (along, off) = (to - from, point - from);
+    let length = along.norm_squared();
+    let part = if length > 0.0 { (off.dot(&along) / length).clamp(0.0, 1.0) } else { 0.0 };
+    (off - along * part).norm_squared()
+}
+
+/// How far along a ray from within a circle about the origin it leaves the circle; 0 from outside.
+fn ray_um(from: Vector2<f64>, towards: Vector2<f64>, radius_um: f64) -> f64 {
+    let half = from.dot(&towards);
+    let within = radius_um * radius_um - from.norm_squared();
+    if within <= 0.0 { 0.0 } else { (half * half + within).sqrt() - half }
+}

@@ -1,0 +1,203 @@
+//! Whole courses: states, places, speeds, and what cannot be carried out.
+
+use super::*;
+use nalgebra::Unit;
+
+fn states(motion: &Motion) -> Vec<&Hold> {
+    motion.steps.iter().flatten().filter_map(|stretch| stretch.state.as_ref()).collect()
+}
+
+fn acts_of_the_paper() -> Vec<Vec<Act>> {
+    let place = |finger, contact| Act::Place { finger, contact };
+    let leave = |finger| Act::Leave { finger };
+    vec![
+        vec![begin(Plane::Xy, &[5, 42, 0]), Act::Roll(4)],
+        vec![Act::Turn(Plane::Xz), place(2, 12), leave(0), place(0, 49), leave(1), Act::Roll(11)],
+        vec![Act::Turn(Plane::Xy), Act::Roll(5)],
+        vec![Act::Translate([3.0, 4.0, 0.0]), Act::Wait(1_000)],
+        vec![Act::Release { order: vec![0, 2] }],
+    ]
+}
+
+/// The ellipsoid by (80, 220, 100) deg.
+fn paper() -> (Bench, Motion) {
+    let bench = Bench::new(ellipse(), facts(3));
+    let course = Course { start: bench.hand().home([0.0; 3]), steps: acts_of_the_paper() };
+    let motion = bench.hand().motion(&course).expect("it can be carried out");
+    (bench, motion)
+}
+
+#[test]
+fn three_turns_make_one_orientation() {
+    let (bench, motion) = paper();
+    let states = states(&motion);
+    assert_eq!(states.len(), 1 + 4 + 4 + 11 + 5 + 1 + 1);
+    let last = states[states.len() - 1];
+    let about = |axis: Vector3<f64>, steps: f64| {
+        UnitQuaternion::from_axis_angle(&Unit::new_normalize(axis), steps * bench.section.step_rad)
+    };
+    let wanted = about(Vector3::z(), 4.0) * about(Vector3::y(), 11.0) * about(Vector3::z(), 5.0);
+    assert!(rotation(last.orientation).angle_to(&wanted) < 1e-12);
+    assert!(states.iter().all(|hold| hold.orientation[0] >= 0.0));
+    let norm = |hold: &Hold| hold.orientation.iter().map(|part| part * part).sum::<f64>();
+    assert!(states.iter().all(|hold| (norm(hold) - 1.0).abs() < 1e-14));
+    assert_eq!(last.position_um, [3.0, 4.0, 0.0]);
+    assert_eq!(last.grasp, [0, 0, 0]);
+}
+
+#[test]
+fn states_tell_grasp_and_angle() {
+    let (_, motion) = paper();
+    let seen: Vec<(Vec<u32>, i64, Plane)> =
+        states(&motion).iter().map(|hold| (hold.grasp.clone(), hold.angle_index, hold.plane)).collect();
+    assert_eq!(seen[0], (vec![5, 42, 0], 1, Plane::Xy));
+    assert_eq!(seen[4], (vec![1, 38, 0], 5, Plane::Xy));
+    assert_eq!(seen[5], (vec![1, 38, 12], 1, Plane::Xz));
+    assert_eq!(seen[8], (vec![49, 0, 12], 1, Plane::Xz));
+    assert_eq!(seen[19], (vec![38, 0, 1], 12, Plane::Xz));
+    assert_eq!(seen[20], (vec![37, 0, 74], 2, Plane::Xy));
+    assert_eq!(seen[24], (vec![33, 0, 70], 6, Plane::Xy));
+    assert_eq!(seen[26], (vec![0, 0, 0], 6, Plane::Xy));
+}
+
+#[test]
+fn turns_go_backwards_below_one() {
+    let bench = Bench::new(ellipse(), facts(3));
+    let motion = bench.hand().motion(&bench.course(vec![begin(Plane::Xz, &[73, 36, 0]), Act::Roll(-3)]));
+    let motion = motion.expect("it can be carried out");
+    let seen: Vec<(i64, u32)> = states(&motion).iter().map(|hold| (hold.angle_index, hold.grasp[0])).collect();
+    assert_eq!(seen, [(1, 73), (0, 74), (-1, 1), (-2, 2)]);
+    let turned = rotation(states(&motion)[3].orientation);
+    let about_y = Unit::new_normalize(Vector3::y());
+    assert!(turned.angle_to(&UnitQuaternion::from_axis_angle(&about_y, -3.0 * bench.section.step_rad)) < 1e-12);
+}
+
+/// At each state the tips that hold touch the outline at the contact of their number.
+#[test]
+fn tips_are_at_their_contacts() {
+    let (bench, motion) = paper();
+    for stretch in motion.steps.iter().flatten() {
+        let Some(hold) = &stretch.state else { continue };
+        for (finger, contact) in hold.grasp.iter().enumerate().filter(|(_, contact)| **contact != 0) {
+            let (place, off_um) = in_section(hold, stretch.tips_um[finger]);
+            let touch_um = bench.reach.way(*contact as usize - 1, &[]).expect("it is open").touch_um;
+            assert!((place - touch_um).norm() < 1e-5 && off_um.abs() < 1e-9, "finger {finger} at {contact}");
+        }
+    }
+}
+
+/// The fastest tip of each stretch moves at the speed of what it does, to the nanosecond.
+#[test]
+fn speeds_are_those_of_the_facts() {
+    let (bench, motion) = paper();
+    let facts = &bench.facts;
+    let mut tips = &motion.start.tips_um;
+    let mut seen = [0; 3];
+    for stretch in motion.steps.iter().flatten() {
+        let way = |finger: usize| (Vector3::from(stretch.tips_um[finger]) - Vector3::from(tips[finger])).norm();
+        let longest_um = (0..3).map(way).fold(0.0, f64::max);
+        let speeds = [facts.rolling_um_per_s, facts.approach_um_per_s, facts.speed_um_per_s];
+        let takes_ns = speeds.map(|speed_um_per_s| longest_um / speed_um_per_s * 1e9);
+        let index = takes_ns.iter().position(|ns| (0.0..1.01).contains(&(stretch.duration_ns as f64 - ns)));
+        assert!(index.is_some() || longest_um == 0.0 && stretch.duration_ns == 1_000, "{longest_um}");
+        seen[index.unwrap_or(0)] += 1;
+        tips = &stretch.tips_um;
+    }
+    assert!(seen.iter().all(|count| *count > 3), "{seen:?}");
+    let sum: u64 = motion.steps.iter().flatten().map(|stretch| stretch.duration_ns).sum();
+    assert_eq!(duration_ns(&motion), Some(sum));
+}
+
+#[test]
+fn courses_go_on_where_others_ended() {
+    let (bench, whole) = paper();
+    let hand = bench.hand();
+    let (mut start, mut steps) = (hand.home([0.0; 3]), Vec::new());
+    for acts in acts_of_the_paper() {
+        let part = hand.motion(&Course { start, steps: vec![acts] }).expect("it can be carried out");
+        start = end(&part);
+        steps.extend(part.steps);
+    }
+    let flat = |steps: &[Vec<Move>]| -> Vec<f64> {
+        steps.iter().flatten().flat_map(|stretch| stretch.tips_um.concat()).collect()
+    };
+    let (parts, whole_values) = (flat(&steps), flat(&whole.steps));
+    assert_eq!(parts.len(), whole_values.len());
+    assert!(parts.iter().zip(&whole_values).all(|(a, b)| (a - b).abs() < 1e-9));
+    assert_eq!(end(&whole).hold.grasp, [0, 0, 0]);
+}
+
+#[test]
+fn stages_stay_within_their_range() {
+    let (bench, motion) = paper();
+    let farthest = |axis: usize| {
+        let all = motion.steps.iter().flatten().flat_map(|stretch| &stretch.tips_um).chain(&motion.start.tips_um);
+        all.map(|tip| tip[axis].abs()).fold(0.0, f64::max)
+    };
+    let carried_out = |range_um: [f64; 3]| {
+        let bench = Bench::new(ellipse(), Facts { range_um, ..bench.facts.clone() });
+        let course = Course { start: bench.hand().home([0.0; 3]), steps: acts_of_the_paper() };
+        bench.hand().motion(&course)
+    };
+    let just: [f64; 3] = std::array::from_fn(farthest);
+    assert!(carried_out(just).is_ok());
+    for axis in 0..3 {
+        let mut less = just;
+        less[axis] -= 0.5;
+        let Err(WayError::Range { axis: named, beyond_um, .. }) = carried_out(less) else { panic!("axis {axis}") };
+        assert_eq!(named, axis);
+        assert!((beyond_um - 0.5).abs() < 1e-9, "{beyond_um}");
+    }
+}
+
+#[test]
+fn what_is_not_a_number_lies_nowhere() {
+    let bench = Bench::new(ellipse(), facts(3));
+    for by_um in [f64::NAN, f64::INFINITY, f64::MAX] {
+        let course = bench.course(vec![Act::Translate([0.0, by_um, 0.0])]);
+        let Err(WayError::Range { axis, .. }) = bench.hand().motion(&course) else { panic!("{by_um}") };
+        assert_eq!(axis, 1);
+    }
+}
+
+#[test]
+fn acts_that_do_not_fit_are_refused() {
+    let bench = Bench::new(ellipse(), facts(3));
+    let hold = || begin(Plane::Xy, &[1, 38, 0]);
+    let place = |finger, contact| Act::Place { finger, contact };
+    let refused: Vec<Vec<Act>> = vec![
+        vec![hold(), hold()],
+        vec![begin(Plane::Xy, &[1, 75, 0])],
+        vec![begin(Plane::Xy, &[1, 38])],
+        vec![hold(), place(0, 20)],
+        vec![hold(), place(3, 20)],
+        vec![hold(), place(2, 0)],
+        vec![hold(), place(2, 75)],
+        vec![hold(), Act::Leave { finger: 2 }],
+        vec![hold(), Act::Leave { finger: 9 }],
+        vec![hold(), Act::Release { order: vec![0] }],
+        vec![begin(Plane::Xy, &[2, 38, 0]), Act::Turn(Plane::Xz)],
+    ];
+    for acts in refused {
+        let course = bench.course(acts.clone());
+        assert_eq!(bench.hand().motion(&course), Err(WayError::Unfit { step: 0 }), "{acts:?}");
+    }
+    let course = bench.course(vec![hold(), place(2, 3)]);
+    assert_eq!(bench.hand().motion(&course), Err(WayError::Blocked { step: 0, finger: 2, contact: 3 }));
+    let flat = Hand { xz: None, ..bench.hand() };
+    let course = bench.course(vec![hold(), Act::Turn(Plane::Xz)]);
+    assert_eq!(flat.motion(&course), Err(WayError::Unfit { step: 0 }));
+}
+
+#[test]
+fn waits_and_empty_steps() {
+    let bench = Bench::new(ellipse(), facts(3));
+    let steps = vec![vec![], vec![Act::Wait(7)], vec![Act::Wait(0)], vec![Act::Translate([0.0; 3])]];
+    let start = bench.hand().home([0.0; 3]);
+    let motion = bench.hand().motion(&Course { start: start.clone(), steps }).expect("nothing moves");
+    let lasting: Vec<Vec<u64>> =
+        motion.steps.iter().map(|moves| moves.iter().map(|stretch| stretch.duration_ns).collect()).collect();
+    assert_eq!(lasting, [vec![], vec![7], vec![], vec![1]]);
+    assert_eq!(end(&motion).tips_um, start.tips_um);
+    assert!(motion.steps[3][0].state.is_some());
+}

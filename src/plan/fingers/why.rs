@@ -1,0 +1,264 @@
+//! Why a stretch of a task has no plan, in words: which turn, how far it comes, and what would open it.
+
+use super::graph::{Answer, Blocked};
+use super::job::answer;
+use super::mechanics::TooManyGrasps;
+use super::routes::{Holding, Routes, Turning, routes};
+use super::sections::Sections;
+use super::ways::WayError;
+use crate::check::claims::fingers::{Action, FingersOrder, Part, Planner, Section};
+use crate::device::fingers::{AXES, Adhesion, Facts, Plane};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::geometry::outline::OutlineError;
+use crate::plan::errors;
+use crate::quantity::digits;
+use nalgebra::UnitQuaternion;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The greatest friction that a help looks for.
+const MOST_FRICTION: f64 = 2.0;
+
+/// How finely a help tells a figure that would do.
+const GRAIN: f64 = 0.01;
+
+/// What a stretch begins with: what the fingers hold, how the part is turned, and its steps.
+pub type Begins = (Option<Holding>, UnitQuaternion<f64>, Range<usize>);
+
+/// The words for the messages about one step.
+pub struct Why<'a> {
+    pub order: &'a FingersOrder,
+    /// Index of the order's steps.
+    pub at: usize,
+}
+
+impl Why<'_> {
+    fn span(&self) -> crate::source::Span {
+        self.order.steps.get(self.at).map_or_else(Default::default, |step| step.span)
+    }
+
+    /// What is said of a stretch for which the search found no way.
+    pub fn stuck(&self, answer: &Answer, planned: &Routes, begins: Begins) -> Diagnostic {
+        match answer {
+            Answer::Impossible(blocked) => self.impossible(blocked, planned, begins),
+            Answer::GaveUp(gave_up) => {
+                let bound = gave_up.bound as f64 / f64::from(self.order.facts.steps_per_turn);
+                let (what, planner) = (self.what(), planner(self.order.planner));
+                let bound = format!("{} deg", digits(bound));
+                errors::gave_up(self.span(), "its end", &what, gave_up.budget.steps, &bound, planner)
+            }
+            Answer::TooLarge { nodes } => {
+                Diagnostic::new(Code::E0602, format!("{} has {nodes} grasps, more than can be searched", self.what()))
+                    .label(self.span(), "this turn")
+                    .help("take a larger `step`, fewer `fingers`, or several tasks")
+            }
+            Answer::Found(_) => unreachable!("a way that was found is no reason"),
+        }
+    }
+
+    /// What a step does, as the subject of a sentence.
+    fn what(&self) -> String {
+        match self.order.steps.get(self.at).map(|step| &step.action) {
+            Some(Action::Rotate { angle_rad, plane, .. }) => {
+                format!("the turn by {} deg about {}", digits(angle_rad.to_degrees()), axis(*plane))
+            }
+            Some(Action::Orient { .. }) => "the turn to this orientation".to_owned(),
+            Some(Action::Grasp(_)) => "the change of fingers".to_owned(),
+            Some(Action::Translate(_) | Action::Release | Action::Wait(_)) | None => "the grasp".to_owned(),
+        }
+    }
+
+    fn impossible(&self, blocked: &Blocked, planned: &Routes, begins: Begins) -> Diagnostic {
+        let route = &planned.routes[blocked.route];
+        let leg = route[blocked.leg];
+        let next = route.get(blocked.leg + 1).filter(|next| next.turn.plane != leg.turn.plane);
+        let title = match blocked.begins {
+            0 => format!("{} cannot begin: its first grasp does not hold", self.what()),
+            _ => format!("no sequence of stable grasps carries out {}", self.what()),
+        };
+        Diagnostic::new(Code::E0601, title)
+            .label(self.span(), self.told(blocked, leg, next))
+            .help_if(self.openings(begins))
+    }
+
+    /// How far the fingers come.
+    fn told(&self, blocked: &Blocked, leg: Turning, next: Option<&Turning>) -> String {
+        let step_deg = 360.0 / f64::from(self.order.facts.steps_per_turn);
+        let degrees = |steps: i32| digits((f64::from(steps) * step_deg * 1e6).round() / 1e6);
+        let [i, j] = [1, self.order.part.section(leg.turn.plane).and_then(|section| section.opposite).unwrap_or(1)];
+        let junction = next.map(|next| {
+            format!("between it and the turn about {} two fingers must hold contacts {i} and {j}", axis(next.turn.plane))
+        });
+        if blocked.begins == 0 {
+            return "what it must begin with lets go, or lets no finger come near enough".to_owned();
+        }
+        if blocked.ends == 0 {
+            let what = junction.unwrap_or_else(|| "at its end no grasp holds".to_owned());
+            return format!("{what}, and that lets go");
+        }
+        let reached = match blocked.farthest {
+            Some(angle) if angle != leg.turn.steps => {
+                format!("of {} deg it comes {} deg far", degrees(leg.turn.steps), degrees(angle))
+            }
+            Some(_) => format!("it comes round with {} grasps, none of which is one that it may end with", blocked.arrives),
+            None => "it does not begin".to_owned(),
+        };
+        junction.map_or(reached.clone(), |junction| format!("{reached}; {junction}"))
+    }
+
+    /// What would open the way: of each figure the value nearest to the device's.
+    fn openings(&self, begins: Begins) -> Option<String> {
+        let opens = |changed: &FingersOrder| is_open(changed, &begins);
+        let order = self.order;
+        let with = |change: &dyn Fn(&mut Facts)| changed(order, change);
+        let mut said = Vec::new();
+        if order.facts.adhesion == Adhesion::Absent && order.facts.pull_off_un > 0.0 {
+            let sticking = with(&|facts| facts.adhesion = Adhesion::Sticking);
+            said.extend(opens(&sticking).then(|| "`adhesion: true`".to_owned()));
+        }
+        let friction = |value: f64| with(&|facts| facts.friction = value);
+        let least = nearest([order.facts.friction, MOST_FRICTION], &|value| opens(&friction(value)));
+        said.extend(least.map(|value| format!("`friction: {}`", digits(value))));
+        if order.facts.adhesion == Adhesion::Sticking {
+            let safety = |value: f64| with(&|facts| facts.removal_safety = value);
+            let most = nearest([order.facts.removal_safety, 0.0], &|value| opens(&safety(value)));
+            said.extend(most.map(|value| format!("`removal_safety: {}`", digits(value))));
+        }
+        let step_deg = 180.0 / f64::from(order.facts.steps_per_turn);
+        let is_finer = begins.0.is_none() && halved(order).is_some_and(|halved| opens(&halved));
+        said.extend(is_finer.then(|| format!("`step: {} deg`", digits(step_deg))));
+        match said.as_slice() {
+            [] => Some(format!(
+                "neither friction up to {MOST_FRICTION}, nor a weaker `removal_safety`, nor half the step opens it: \
+                 turn it otherwise, or take another object or other tips"
+            )),
+            said => Some(format!("there is a plan with {}", said.join(", or with "))),
+        }
+    }
+
+    /// What is said of sections with too many contacts.
+    pub fn too_many(&self, too_many: &TooManyGrasps) -> Diagnostic {
+        let title = format!("{} contacts make more grasps than can be looked at", too_many.contacts);
+        let layers = match too_many.layers {
+            1 => "with this step".to_owned(),
+            layers => format!("with this step, and at {layers} angles each, as a load makes them differ"),
+        };
+        Diagnostic::new(Code::E0602, title).label(self.span(), layers).help("take a larger `step`, or larger tips")
+    }
+
+    /// What is said of a grasp that no finger may leave.
+    pub fn stuck_fingers(&self) -> Diagnostic {
+        Diagnostic::new(Code::E0601, "no finger can leave the part first")
+            .label(self.span(), "of the fingers that hold here")
+            .help("end with two fingers: put `grasp … at (…)` before it")
+    }
+
+    /// What is said of an outline that cannot be followed.
+    pub fn not_followed(&self, error: &OutlineError) -> Diagnostic {
+        let title = format!("the outline of `{}` cannot be followed: {error:?}", self.order.part.name);
+        Diagnostic::new(Code::E0602, title).label(self.order.part.span, "this part")
+    }
+
+    /// What is said of fingers that cannot go where a plan wants them.
+    pub fn no_way(&self, error: &WayError) -> Diagnostic {
+        let at = |step: usize| Why { order: self.order, at: step }.span();
+        match *error {
+            WayError::Range { step, finger, axis, beyond_um } => {
+                let range_um = self.order.facts.range_um[axis];
+                let title = format!(
+                    "finger {} would go {} um beyond its range of {} um along {}",
+                    finger + 1,
+                    digits((beyond_um * 1e3).round() / 1e3),
+                    digits(range_um),
+                    AXES[axis]
+                );
+                Diagnostic::new(Code::E0602, title)
+                    .label(at(step), "in this step")
+                    .help("place the part nearer to the middle of the hand, or give the stages a larger `range`")
+            }
+            WayError::Blocked { step, finger, contact } => {
+                let title = format!("finger {} has no clear way to or from contact {contact}", finger + 1);
+                Diagnostic::new(Code::E0602, title).label(at(step), "in this step").help("grasp it otherwise")
+            }
+            WayError::TooFine { step } => Diagnostic::new(Code::E0602, "the way has too many stretches")
+                .label(at(step), "in this step")
+                .help("give the device a larger `tolerance`"),
+            WayError::Unfit { step } => {
+                Diagnostic::new(Code::E0602, "the plan does not fit the grasp that it meets").label(at(step), "here")
+            }
+        }
+    }
+}
+
+fn axis(plane: Plane) -> &'static str {
+    match plane {
+        Plane::Xy => "z",
+        Plane::Xz => "y",
+    }
+}
+
+fn planner(planner: Planner) -> &'static str {
+    match planner {
+        Planner::JointAstar => "joint_astar",
+        Planner::PublishedAstar => "published_astar",
+        Planner::GreedyDecomposition => "greedy_decomposition",
+    }
+}
+
+/// Whether a stretch has a plan in an order with other figures.
+fn is_open(order: &FingersOrder, (held, orientation, steps): &Begins) -> bool {
+    let Ok(mut sections) = Sections::of(order) else { return false };
+    let planned = routes(order, steps.clone(), *held);
+    matches!(answer(order, &mut sections, &planned, *orientation), Ok(Answer::Found(_)))
+}
+
+fn changed(order: &FingersOrder, change: &dyn Fn(&mut Facts)) -> FingersOrder {
+    let mut facts = Facts::clone(&order.facts);
+    change(&mut facts);
+    // Whether there is a plan at all is what the default planner tells fastest.
+    FingersOrder { facts: Arc::new(facts), planner: Planner::JointAstar, ..order.clone() }
+}
+
+/// The figure nearest to the first one, in whole grains, that opens the way, if the last one does; a figure between them that opens
+/// it does so with all that are farther.
+fn nearest([from, to]: [f64; 2], opens: &dyn Fn(f64) -> bool) -> Option<f64> {
+    let grains = ((to - from).abs() / GRAIN).floor() as i64;
+    let value = |grain: i64| ((from + (to - from).signum() * grain as f64 * GRAIN) / GRAIN).round() * GRAIN;
+    if grains <= 0 || !opens(value(grains)) {
+        return None;
+    }
+    let (mut shut, mut open) = (0, grains);
+    while open - shut > 1 {
+        let middle = (shut + open) / 2;
+        if opens(value(middle)) { open = middle } else { shut = middle }
+    }
+    Some(value(open))
+}
+
+/// The order with half its step: twice the contacts, each turn of twice the steps. `None` where a grasp is named by its contacts.
+fn halved(order: &FingersOrder) -> Option<FingersOrder> {
+    let mut halved = changed(order, &|facts| facts.steps_per_turn *= 2);
+    halved.part = Arc::new(Part {
+        xy: finer(&order.part.xy),
+        xz: order.part.xz.as_ref().map(finer),
+        ..Part::clone(&order.part)
+    });
+    for step in &mut halved.steps {
+        match &mut step.action {
+            Action::Rotate { steps, .. } => *steps *= 2,
+            Action::Orient { turns, .. } => turns.iter_mut().flatten().for_each(|turn| turn.steps *= 2),
+            Action::Grasp(Some(_)) => return None,
+            Action::Grasp(None) | Action::Translate(_) | Action::Release | Action::Wait(_) => (),
+        }
+    }
+    (halved.facts.steps_per_turn <= crate::device::fingers::MAX_STEPS_PER_TURN).then_some(halved)
+}
+
+fn finer(section: &Section) -> Section {
+    Section {
+        contacts: section.contacts * 2,
+        opposite: section.opposite.map(|contact| 2 * contact - 1),
+        step_rad: section.step_rad / 2.0,
+        ..section.clone()
+    }
+}

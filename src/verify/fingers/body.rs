@@ -1,0 +1,136 @@
+//! The part between the tips: where it is, and how far its outlines lie from a tip.
+//!
+//! Only its two sections are known. A tip whose centre lies in the plane of one is as far from the part as from that outline;
+//! of any other the verifier only knows how far it is from a sphere round the part's origin that holds both.
+
+use super::Point;
+use crate::check::claims::fingers::{Part, Section};
+use crate::device::fingers::Plane;
+use crate::geometry::outline::{Curve, Nearest};
+use nalgebra::UnitQuaternion;
+use std::f64::consts::TAU;
+
+/// Where the part is: its origin in the hand's frame, and the turn that carries its axes there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Pose {
+    pub position_um: Point,
+    pub orientation: UnitQuaternion<f64>,
+}
+
+impl Pose {
+    /// The section's two axes and its normal, in the hand's frame.
+    pub fn axes(&self, plane: Plane) -> [Point; 3] {
+        let [first, second] = plane.axes();
+        [first, second, plane.normal()].map(|axis| self.orientation * Point::from(axis))
+    }
+
+    /// A place in the coordinates of a section, and how far it lies before its plane.
+    pub fn section_um(&self, plane: Plane, place_um: &Point) -> ([f64; 2], f64) {
+        let from_origin = place_um - self.position_um;
+        let [x, y, z] = self.axes(plane).map(|axis| axis.dot(&from_origin));
+        ([x, y], z)
+    }
+
+    /// The same part, turned about the normal of a plane after it was moved.
+    pub fn turned(&self, plane: Plane, turn_rad: f64) -> UnitQuaternion<f64> {
+        self.orientation * UnitQuaternion::from_scaled_axis(Point::from(plane.normal()) * turn_rad)
+    }
+}
+
+/// An outline with its contacts, made ready.
+#[derive(Debug)]
+pub(super) struct Surface {
+    pub curve: Curve,
+    contacts: u32,
+    step_rad: f64,
+    tip_radius_um: f64,
+}
+
+impl Surface {
+    /// Makes a section ready; `None` if its outline cannot be followed.
+    pub fn of(section: &Section, tip_radius_um: f64) -> Option<Self> {
+        let curve = Curve::of(&section.outline).ok()?;
+        Some(Surface { curve, contacts: section.contacts, step_rad: section.step_rad, tip_radius_um })
+    }
+
+    /// By how much the part turns from one contact to the next.
+    pub fn step_rad(&self) -> f64 {
+        self.step_rad
+    }
+
+    /// By how much the part turns while a tip rolls once round.
+    pub fn round_rad(&self) -> f64 {
+        TAU + self.curve.perimeter_um() / self.tip_radius_um
+    }
+
+    /// By how much the part turns while a tip rolls from contact 1 to a way along the outline.
+    pub fn rolled_rad(&self, way_um: f64) -> f64 {
+        self.curve.rolled_rad(way_um, self.tip_radius_um)
+    }
+
+    /// The way to a contact, counted from 1.
+    pub fn way_um(&self, contact: u32) -> f64 {
+        self.curve.way_rolled_um(f64::from(contact.saturating_sub(1)) * self.step_rad, self.tip_radius_um)
+    }
+
+    /// The number of the nearest contact, and how far a tip's centre has to roll to it.
+    pub fn contact(&self, way_um: f64) -> (u32, f64) {
+        let rolled_rad = self.rolled_rad(way_um);
+        let steps = (rolled_rad / self.step_rad).round();
+        let off_um = (rolled_rad - steps * self.step_rad).abs() * self.tip_radius_um;
+        // Below MAX_CONTACTS.
+        (steps.rem_euclid(f64::from(self.contacts)) as u32 % self.contacts + 1, off_um)
+    }
+}
+
+/// The part's outlines.
+#[derive(Debug)]
+pub(super) struct Body {
+    xy: Surface,
+    xz: Option<Surface>,
+    /// How far from its origin the part reaches.
+    pub reach_um: f64,
+}
+
+impl Body {
+    /// Makes a part ready; `None` if an outline cannot be followed.
+    pub fn of(part: &Part, tip_radius_um: f64) -> Option<Self> {
+        let xy = Surface::of(&part.xy, tip_radius_um)?;
+        let xz = match &part.xz {
+            Some(section) => Some(Surface::of(section, tip_radius_um)?),
+            None => None,
+        };
+        let reach_um = xz.as_ref().map_or(0.0, |xz| xz.curve.reach_um()).max(xy.curve.reach_um());
+        Some(Body { xy, xz, reach_um })
+    }
+
+    /// Its outline in a plane, if it has one there.
+    pub fn surface(&self, plane: Plane) -> Option<&Surface> {
+        match plane {
+            Plane::Xy => Some(&self.xy),
+            Plane::Xz => self.xz.as_ref(),
+        }
+    }
+
+    /// The planes in which it has outlines.
+    pub fn planes(&self) -> impl Iterator<Item = Plane> + '_ {
+        Plane::ALL.into_iter().filter(|plane| self.surface(*plane).is_some())
+    }
+
+    /// The place of an outline that is nearest to a tip whose centre lies in its plane.
+    pub fn nearest(&self, pose: &Pose, plane: Plane, tip_um: &Point, tolerance_um: f64) -> Option<Nearest> {
+        let (place_um, height_um) = pose.section_um(plane, tip_um);
+        let surface = self.surface(plane).filter(|_| height_um.abs() <= tolerance_um)?;
+        Some(surface.curve.nearest(place_um))
+    }
+
+    /// How far from the part a tip's centre is at least; not necessarily the most that is known where it is `enough_um`.
+    pub fn distance_um(&self, pose: &Pose, tip_um: &Point, tolerance_um: f64, enough_um: f64) -> f64 {
+        let sphere_um = (tip_um - pose.position_um).norm() - self.reach_um;
+        if sphere_um >= enough_um {
+            return sphere_um;
+        }
+        let outlines = self.planes().filter_map(|plane| self.nearest(pose, plane, tip_um, tolerance_um));
+        outlines.map(|nearest| nearest.distance_um).reduce(f64::min).unwrap_or(sphere_um)
+    }
+}

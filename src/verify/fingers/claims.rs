@@ -1,0 +1,107 @@
+//! What the replay takes for granted of claims on a hand.
+//!
+//! Input: an order. Output: nothing, or why no run can be held against it. Claims that the checker made always pass.
+
+use super::super::Unfit;
+use super::body::Surface;
+use crate::check::claims::fingers::{Action, FingersOrder, Section, Turn};
+use crate::device::fingers::{Facts, MAX_CONTACTS, MAX_FINGERS, MAX_HOLDING, MAX_STEPS_PER_TURN, MIN_FINGERS, Plane};
+
+/// The largest length, force, speed or other number of the facts, in their own units.
+const MAX_NUMBER: f64 = 1e9;
+
+/// The smallest number where one above zero is asked for.
+const MIN_NUMBER: f64 = 1e-9;
+
+/// How far a section's step may be from what its perimeter says, as a share.
+const STEP_TOLERANCE: f64 = 1e-6;
+
+/// How far the opposite contact may lie from the x axis, as a share of the way there.
+const AXIS_TOLERANCE: f64 = 1e-4;
+
+/// The fewest contacts that can be told apart.
+const MIN_CONTACTS: u32 = 3;
+
+/// Asks what every rule takes for granted.
+///
+/// # Errors
+/// When the claims are such that nothing can be held against them.
+pub(in super::super) fn check_claims(order: &FingersOrder) -> Result<(), Unfit> {
+    facts(&order.facts)?;
+    let part = &order.part;
+    let places = [part.centre_um, part.position_um, order.load_un];
+    demand(places.iter().flatten().all(|value| is_number(*value)), "hold a place or a load out of its range")?;
+    demand(is_number(order.precision_rad) && order.precision_rad >= 0.0, "hold no precision")?;
+    section(&part.xy, &order.facts)?;
+    part.xz.iter().try_for_each(|xz| section(xz, &order.facts))?;
+    order.steps.iter().try_for_each(|step| action(order, &step.action))
+}
+
+fn demand(holds: bool, why: &str) -> Result<(), Unfit> {
+    if holds { Ok(()) } else { Err(Unfit(format!("the claims of a hand {why}"))) }
+}
+
+fn is_number(value: f64) -> bool {
+    value.abs() <= MAX_NUMBER
+}
+
+fn facts(facts: &Facts) -> Result<(), Unfit> {
+    demand((MIN_FINGERS..=MAX_FINGERS).contains(&facts.fingers), "give it too few fingers, or too many")?;
+    demand((1..=MAX_STEPS_PER_TURN).contains(&facts.steps_per_turn), "hold no step of rotation")?;
+    let [x_um, y_um, z_um] = facts.range_um;
+    let above = [
+        [facts.tip_radius_um, facts.max_force_un, facts.friction, facts.retract_um, facts.tolerance_um],
+        [facts.speed_um_per_s, facts.approach_um_per_s, facts.rolling_um_per_s, x_um, y_um],
+    ];
+    let is_above = |value: f64| is_number(value) && value >= MIN_NUMBER;
+    demand(above.into_iter().flatten().chain([z_um]).all(is_above), "hold a field that is not above 0")?;
+    let others =
+        [facts.pull_off_un, facts.removal_safety, facts.gaiting_cost_deg, facts.clearance_um, facts.support_un];
+    demand(others.into_iter().all(|value| is_number(value) && value >= 0.0), "hold a field out of its range")
+}
+
+fn section(section: &Section, facts: &Facts) -> Result<(), Unfit> {
+    let contacts = section.contacts;
+    demand((MIN_CONTACTS..=MAX_CONTACTS).contains(&contacts), "hold too few contacts, or too many")?;
+    let step_rad = section.step_rad;
+    demand(is_number(step_rad) && step_rad >= MIN_NUMBER, "hold no step from one contact to the next")?;
+    let surface = Surface::of(section, facts.tip_radius_um);
+    let Some(surface) = surface else { return demand(false, "hold an outline that cannot be followed") };
+    let round_rad = surface.round_rad();
+    let off_rad = (f64::from(contacts) * step_rad - round_rad).abs();
+    demand(off_rad <= STEP_TOLERANCE * round_rad, "hold steps that do not go once round an outline")?;
+    let Some(opposite) = section.opposite else { return Ok(()) };
+    demand((1..=contacts).contains(&opposite), "hold an opposite contact that is none")?;
+    let [x_um, y_um] = surface.curve.spot(surface.way_um(opposite)).point_um;
+    demand(x_um < 0.0 && y_um.abs() <= AXIS_TOLERANCE * x_um.abs(), "hold an opposite contact off the x axis")
+}
+
+fn action(order: &FingersOrder, action: &Action) -> Result<(), Unfit> {
+    match action {
+        Action::Grasp(None) | Action::Release | Action::Wait(_) => Ok(()),
+        Action::Grasp(Some(contacts)) => grasp(order, contacts),
+        Action::Rotate { plane, angle_rad, .. } => {
+            has_plane(order, *plane)?;
+            demand(is_number(*angle_rad), "turn by what is no angle")
+        }
+        Action::Orient { goal, turns } => {
+            let norm = goal.iter().map(|value| value * value).sum::<f64>();
+            demand((norm - 1.0).abs() <= 1e-6, "orient to what is no orientation")?;
+            turns.iter().flatten().try_for_each(|Turn { plane, .. }| has_plane(order, *plane))
+        }
+        Action::Translate(by_um) => demand(by_um.iter().all(|value| is_number(*value)), "carry a part out of reach"),
+    }
+}
+
+fn has_plane(order: &FingersOrder, plane: Plane) -> Result<(), Unfit> {
+    demand(order.part.section(plane).is_some(), "turn in a plane in which the part has no outline")
+}
+
+fn grasp(order: &FingersOrder, contacts: &[u32]) -> Result<(), Unfit> {
+    demand(contacts.len() == order.facts.fingers as usize, "grasp with fingers that they do not have")?;
+    let holding = contacts.iter().filter(|contact| **contact > 0).count();
+    demand((2..=MAX_HOLDING).contains(&holding), "grasp with too few fingers, or too many")?;
+    let most =
+        [Some(&order.part.xy), order.part.xz.as_ref()].into_iter().flatten().map(|section| section.contacts).max();
+    demand(contacts.iter().all(|contact| Some(*contact) <= most), "grasp at a contact that is none")
+}

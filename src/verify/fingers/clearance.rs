@@ -1,0 +1,151 @@
+//! How near tips come to one another, and free tips to the part.
+//!
+//! Tips move on straight lines from one instant to another, so the least distance of two of them is known exactly. The way of a free
+//! tip past a resting part is followed in strides: a distance grows no faster than the tip moves, so a stride as long as what it
+//! has to spare is safe, and one that is shorter than half of the device's tolerance need not be.
+
+use super::Point;
+use super::body::{Body, Pose};
+use super::track::Stretch;
+use crate::device::fingers::Facts;
+
+/// The most strides along one stretch; a tip that needs more all but touches.
+const MAX_STRIDES: usize = 20_000;
+
+/// How much of its way a tip may slip through a clearance, as a share of the tolerance.
+const STRIDE: f64 = 0.5;
+
+/// The least distance of two tips along a stretch, and at which share of it.
+pub(super) fn least_um(stretch: &Stretch, one: usize, other: usize) -> (f64, f64) {
+    let from_um = stretch.from_um[one] - stretch.from_um[other];
+    let run_um = stretch.to_um[one] - stretch.to_um[other] - from_um;
+    let square = run_um.norm_squared();
+    let share = if square > 0.0 { (-from_um.dot(&run_um) / square).clamp(0.0, 1.0) } else { 0.0 };
+    ((from_um + run_um * share).norm(), share)
+}
+
+/// The two tips that come nearest of all in a stretch, of those that come too near; their distance, and at which share.
+pub(super) fn too_near(stretch: &Stretch, facts: &Facts) -> Option<([usize; 2], f64, f64)> {
+    let fingers = stretch.from_um.len();
+    let pairs = (0..fingers).flat_map(|one| (one + 1..fingers).map(move |other| [one, other]));
+    let moving = pairs.filter(|pair| !pair.iter().all(|finger| stretch.rests(*finger)));
+    let distances = moving.map(|pair| {
+        let (distance_um, share) = least_um(stretch, pair[0], pair[1]);
+        (pair, distance_um, share)
+    });
+    let due_um = apart_um(facts) - facts.tolerance_um;
+    distances.filter(|found| found.1 < due_um).min_by(|one, other| one.1.total_cmp(&other.1))
+}
+
+/// How far the centres of two tips stay apart.
+pub(super) fn apart_um(facts: &Facts) -> f64 {
+    2.0 * facts.tip_radius_um + facts.clearance_um
+}
+
+/// How far the centre of a free tip stays from the part.
+pub(super) fn clear_um(facts: &Facts) -> f64 {
+    facts.tip_radius_um + facts.clearance_um
+}
+
+/// A free finger between two contacts.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Flight {
+    /// Where its tip was when it left.
+    left_um: Option<Point>,
+    /// Where it has come near, to touch next, and since when.
+    pub near: Option<(u64, Vec<Point>)>,
+}
+
+/// Why a free tip must not be where it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Hit {
+    pub time_ns: u64,
+    pub distance_um: f64,
+    pub due_um: f64,
+}
+
+impl Flight {
+    /// A finger that leaves a contact.
+    pub fn from(left_um: Point) -> Self {
+        Flight { left_um: Some(left_um), near: None }
+    }
+
+    /// The part moves: where the tip came from means nothing any more.
+    pub fn forget(&mut self) {
+        self.left_um = None;
+    }
+
+    /// Goes along a stretch past a part at rest.
+    pub fn follow(
+        &mut self,
+        (stretch, finger): (&Stretch, usize),
+        (body, pose): (&Body, &Pose),
+        facts: &Facts,
+    ) -> Result<(), Hit> {
+        let length_um = (stretch.to_um[finger] - stretch.from_um[finger]).norm();
+        let (clear_um, tolerance_um) = (clear_um(facts), facts.tolerance_um);
+        let hard_um = facts.tip_radius_um - tolerance_um;
+        let mut way_um = 0.0;
+        for _ in 0..MAX_STRIDES {
+            let share = if length_um > 0.0 { (way_um / length_um).min(1.0) } else { 1.0 };
+            let tip_um = stretch.tip_um(finger, share);
+            let time_ns = stretch.instant_ns(share);
+            let enough_um = clear_um + length_um;
+            let distance_um = body.distance_um(pose, &tip_um, tolerance_um, enough_um);
+            let hit = |due_um| Hit { time_ns, distance_um, due_um };
+            if distance_um.is_nan() || distance_um < hard_um {
+                return Err(hit(hard_um));
+            }
+            let spare_um = match self.is_near(&tip_um, distance_um, facts) {
+                true => (distance_um - hard_um).min(retreat_um(facts) / 8.0),
+                false => distance_um - clear_um,
+            };
+            self.note(time_ns, tip_um, distance_um, facts).map_err(|()| hit(clear_um))?;
+            if share >= 1.0 {
+                return Ok(());
+            }
+            way_um += spare_um.max(STRIDE * tolerance_um);
+        }
+        let (time_ns, distance_um) = (stretch.start_ns, facts.tip_radius_um);
+        Err(Hit { time_ns, distance_um, due_um: clear_um })
+    }
+
+    fn is_near(&self, tip_um: &Point, distance_um: f64, facts: &Facts) -> bool {
+        let leaves = self.left_um.is_some_and(|left_um| (tip_um - left_um).norm() <= retreat_um(facts));
+        leaves || distance_um < clear_um(facts) - facts.tolerance_um
+    }
+
+    /// Remembers where the tip came near the part on its way to a contact.
+    fn note(&mut self, time_ns: u64, tip_um: Point, distance_um: f64, facts: &Facts) -> Result<(), ()> {
+        let is_clear = distance_um >= clear_um(facts) - facts.tolerance_um;
+        let leaves = self.left_um.is_some_and(|left_um| (tip_um - left_um).norm() <= retreat_um(facts));
+        match &mut self.near {
+            // It came near and goes off again.
+            Some(_) if is_clear => Err(()),
+            Some((_, places_um)) => {
+                places_um.push(tip_um);
+                if places_um.len() <= MAX_STRIDES { Ok(()) } else { Err(()) }
+            }
+            None if is_clear || leaves => Ok(()),
+            None => {
+                self.near = Some((time_ns, vec![tip_um]));
+                Ok(())
+            }
+        }
+    }
+
+    /// The tip touches: it may have come near within the last of its way only.
+    pub fn lands(&self, contact_um: &Point, facts: &Facts) -> Result<(), Hit> {
+        let Some((time_ns, places_um)) = &self.near else { return Ok(()) };
+        let is_far = |place_um: &Point| (place_um - contact_um).norm() > retreat_um(facts);
+        match places_um.iter().any(is_far) {
+            true => Err(Hit { time_ns: *time_ns, distance_um: facts.tip_radius_um, due_um: clear_um(facts) }),
+            false => Ok(()),
+        }
+    }
+}
+
+/// How far from its contact a tip may be nearer to the part than its clearance.
+fn retreat_um(facts: &Facts) -> f64 {
+    facts.retract_um.max(facts.clearance_um) + facts.tolerance_um
+}

@@ -1,0 +1,147 @@
+//! What each step of a hand asks for, held against what came of it.
+
+use super::super::rule::{Findings, Rule, ms};
+use super::Point;
+use super::body::Pose;
+use super::hand::Hand;
+use crate::check::claims::fingers::{Action, FingersOrder, Turn};
+use crate::device::fingers::Plane;
+use crate::quantity::digits;
+use nalgebra::{Quaternion, UnitQuaternion};
+
+/// Rounding of a place or a turn that is no breach.
+const ROUNDING: f64 = 1e-6;
+
+/// By how much, as a share of a step of rotation, a part may be turned where it should not.
+const STEADY: f64 = 1e-3;
+
+/// How a part stood when a step began, and what has turned it since, by plane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Since {
+    pub pose: Pose,
+    pub turns_rad: [f64; 2],
+}
+
+impl Since {
+    fn turn_rad(&self, plane: Plane) -> f64 {
+        self.turns_rad[plane as usize]
+    }
+}
+
+impl Hand<'_, '_> {
+    /// Holds a step that is over against what the task asks for.
+    pub(super) fn check_goal(&self, nth: usize, findings: &mut Findings) {
+        let fault = match &self.order.steps[nth].action {
+            Action::Grasp(contacts) => self.grasp_fault(nth, contacts.as_deref()).or_else(|| self.turn_fault(None)),
+            Action::Rotate { plane, angle_rad, .. } => self.turn_fault(Some((*plane, *angle_rad))),
+            Action::Orient { goal, .. } => self.orientation_fault(*goal),
+            Action::Translate(by_um) => self.place_fault(Point::from(*by_um)).or_else(|| self.turn_fault(None)),
+            Action::Release => self.release_fault(),
+            Action::Wait(duration_ns) => return self.check_wait(nth, *duration_ns, findings),
+        };
+        let by_um = match &self.order.steps[nth].action {
+            Action::Translate(_) => return self.tell(fault, nth, findings),
+            Action::Grasp(_) | Action::Rotate { .. } | Action::Orient { .. } | Action::Release | Action::Wait(_) => {
+                Point::zeros()
+            }
+        };
+        self.tell(fault.or_else(|| self.place_fault(by_um)), nth, findings);
+    }
+
+    fn tell(&self, fault: Option<String>, nth: usize, findings: &mut Findings) {
+        if let Some(title) = fault {
+            findings.push(self.violation(Rule::Goal, nth, self.end_ns(nth), title));
+        }
+    }
+
+    fn check_wait(&self, nth: usize, duration_ns: u64, findings: &mut Findings) {
+        let step = self.run.step(nth);
+        if step.duration_ns != duration_ns {
+            let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));
+            findings.push(self.violation(Rule::Wait, nth, step.start_ns, title));
+        }
+    }
+
+    fn grasp_fault(&self, nth: usize, contacts: Option<&[u32]>) -> Option<String> {
+        let holding = self.grip.holds.len();
+        if holding < 2 {
+            return Some(format!("a grasp ends with {holding} fingers on the part, 2 or 3 are needed"));
+        }
+        let contacts = contacts?;
+        let planes = planes_after(self.order, nth);
+        let found: Vec<Vec<u32>> = planes.into_iter().filter_map(|plane| self.contacts(plane)).collect();
+        if found.iter().any(|found| found == contacts) {
+            return None;
+        }
+        let listed = |contacts: &[u32]| contacts.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
+        let found = found.first().map_or("none of the plane".to_owned(), |found| format!("({})", listed(found)));
+        Some(format!("a grasp ends on the contacts {found}, ({}) are asked for", listed(contacts)))
+    }
+
+    /// The part has turned about one axis only, as far as it should.
+    fn turn_fault(&self, asked: Option<(Plane, f64)>) -> Option<String> {
+        for plane in self.body.planes() {
+            let turn_rad = self.since.turn_rad(plane);
+            let steady_rad = STEADY * self.order.facts.step_rad();
+            let (goal_rad, within_rad) = match asked {
+                Some((asked, goal_rad)) if asked == plane => (goal_rad, self.order.precision_rad + ROUNDING),
+                Some(_) | None => (0.0, steady_rad),
+            };
+            if (turn_rad - goal_rad).abs() > within_rad {
+                let [turn, goal, within] =
+                    [turn_rad, goal_rad, within_rad].map(|angle_rad| digits(angle_rad.to_degrees()));
+                let name = plane.name();
+                return Some(format!("the part turns by {turn} deg in {name}, {goal} deg within {within} deg is due"));
+            }
+        }
+        None
+    }
+
+    fn orientation_fault(&self, [w, x, y, z]: [f64; 4]) -> Option<String> {
+        let goal = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+        let off_rad = self.grip.pose().orientation.angle_to(&goal);
+        let within_rad = self.order.precision_rad;
+        let [off, within] = [off_rad, within_rad].map(|angle_rad| digits(angle_rad.to_degrees()));
+        (off_rad > within_rad + ROUNDING)
+            .then(|| format!("the part ends {off} deg from its orientation, {within} deg are allowed"))
+    }
+
+    /// The part's origin is where it should be.
+    fn place_fault(&self, by_um: Point) -> Option<String> {
+        let off_um = (self.grip.pose().position_um - self.since.pose.position_um - by_um).norm();
+        let within_um = self.order.facts.tolerance_um;
+        (off_um > within_um + ROUNDING).then(|| {
+            format!("the part ends {} um from where it is due, {} um are allowed", digits(off_um), digits(within_um))
+        })
+    }
+
+    fn release_fault(&self) -> Option<String> {
+        let holding = self.grip.holds.len();
+        (holding > 0).then(|| format!("{holding} fingers touch the part after a release"))
+    }
+}
+
+/// The planes in which the contacts of a grasp may be meant: that of the next turn, or of the last one where none follows.
+pub(super) fn planes_after(order: &FingersOrder, nth: usize) -> Vec<Plane> {
+    let first = |action: &Action| match action {
+        Action::Rotate { plane, .. } => vec![*plane],
+        Action::Orient { turns, .. } => ends(turns, |turns| turns.first()),
+        Action::Grasp(_) | Action::Translate(_) | Action::Release | Action::Wait(_) => Vec::new(),
+    };
+    let last = |action: &Action| match action {
+        Action::Rotate { plane, .. } => vec![*plane],
+        Action::Orient { turns, .. } => ends(turns, |turns| turns.last()),
+        Action::Grasp(_) | Action::Translate(_) | Action::Release | Action::Wait(_) => Vec::new(),
+    };
+    let (before, after) = order.steps.split_at(nth.min(order.steps.len()));
+    let next = after.iter().map(|step| first(&step.action)).find(|planes| !planes.is_empty());
+    let mut last = before.iter().rev().map(|step| last(&step.action)).filter(|planes| !planes.is_empty());
+    next.or_else(|| last.next()).unwrap_or_else(|| vec![Plane::Xy])
+}
+
+fn ends(turns: &[Vec<Turn>], end: fn(&[Turn]) -> Option<&Turn>) -> Vec<Plane> {
+    let mut planes: Vec<Plane> = turns.iter().filter_map(|turns| end(turns)).map(|turn| turn.plane).collect();
+    planes.sort_unstable();
+    planes.dedup();
+    planes
+}

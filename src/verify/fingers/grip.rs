@@ -1,0 +1,204 @@
+//! Which fingers hold the part, and where it is while they move.
+//!
+//! Tips translate and roll: the pose in the plane is the one in which all tips touch and none has slipped. Without slip the way along the
+//! outline and the world angle of its normal change together, w + l2 φ being constant, so the law holds at every instant
+//! and not only between neighbours. Two or three fingers give more equations than the pose has numbers: the pose is their least-squares
+//! solution by Gauss and Newton from the last one, and what is left over is how far the tips are from rolling and touching exactly.
+
+use super::Point;
+use super::body::{Body, Pose, Surface};
+use crate::device::fingers::Plane;
+use nalgebra::{Matrix3, Vector3};
+
+/// The most corrections of a pose.
+const MAX_CORRECTIONS: usize = 60;
+
+/// A correction that no longer matters.
+const SETTLED_UM: f64 = 1e-11;
+
+/// A tip that holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Hold {
+    pub finger: usize,
+    /// Where it touches.
+    pub way_um: f64,
+    /// What it has rolled and the part's turn, together: the same as long as it does not slip.
+    anchor_rad: f64,
+    /// How far before the section's plane it is.
+    height_um: f64,
+}
+
+/// Fingers that hold in a plane; also an empty one, which only says where the part is.
+#[derive(Debug, Clone)]
+pub(super) struct Grip {
+    pub plane: Plane,
+    /// From where turns and shifts count.
+    reference: Pose,
+    /// Along the axes of the plane, and the turn times the part's reach.
+    shift_um: Vector3<f64>,
+    /// Across the plane.
+    lift_um: f64,
+    reach_um: f64,
+    tip_radius_um: f64,
+    /// By finger.
+    pub holds: Vec<Hold>,
+}
+
+/// How far tips are from touching and rolling exactly.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Misfit {
+    /// The finger farthest from touching; how far, positive outside of the part.
+    pub gap_um: (usize, f64),
+    /// The finger that slips most, along the outline or across the plane.
+    pub slip_um: (usize, f64),
+}
+
+impl Misfit {
+    /// The larger one.
+    pub fn most_um(&self) -> f64 {
+        self.gap_um.1.abs().max(self.slip_um.1.abs())
+    }
+}
+
+impl Grip {
+    /// Nothing holds a part.
+    pub fn empty(plane: Plane, pose: Pose, body: &Body, tip_radius_um: f64) -> Self {
+        let (shift_um, lift_um) = (Vector3::zeros(), 0.0);
+        Grip { plane, reference: pose, shift_um, lift_um, reach_um: body.reach_um, tip_radius_um, holds: Vec::new() }
+    }
+
+    /// By how much the part has turned since turns began to count.
+    pub fn turn_rad(&self) -> f64 {
+        self.shift_um.z / self.reach_um
+    }
+
+    /// Where the part is.
+    pub fn pose(&self) -> Pose {
+        let [first, second, normal] = self.reference.axes(self.plane);
+        let shift_um = first * self.shift_um.x + second * self.shift_um.y + normal * self.lift_um;
+        Pose {
+            position_um: self.reference.position_um + shift_um,
+            orientation: self.reference.turned(self.plane, self.turn_rad()),
+        }
+    }
+
+    /// Whether a finger holds.
+    pub fn has(&self, finger: usize) -> bool {
+        self.holds.iter().any(|hold| hold.finger == finger)
+    }
+
+    /// A finger holds from now on, where it is.
+    pub fn add(&mut self, surface: &Surface, finger: usize, tip_um: &Point) {
+        let (place_um, height_um) = self.pose().section_um(self.plane, tip_um);
+        let way_um = surface.curve.nearest(place_um).way_um;
+        let anchor_rad = surface.rolled_rad(way_um) + self.turn_rad();
+        self.holds.push(Hold { finger, way_um, anchor_rad, height_um });
+        self.holds.sort_by_key(|hold| hold.finger);
+    }
+
+    /// A finger leaves.
+    pub fn remove(&mut self, finger: usize) {
+        self.holds.retain(|hold| hold.finger != finger);
+    }
+
+    /// The same fingers hold in a plane, from now on.
+    pub fn anew(&self, plane: Plane, body: &Body, tips_um: &[Point]) -> Option<Self> {
+        let mut grip = Grip::empty(plane, self.pose(), body, self.tip_radius_um);
+        let surface = body.surface(plane)?;
+        for hold in &self.holds {
+            grip.add(surface, hold.finger, &tips_um[hold.finger]);
+        }
+        Some(grip)
+    }
+
+    /// The tips are somewhere else now, not far away. `None` if no pose is found.
+    pub fn moved(&self, surface: &Surface, tips_um: &[Point]) -> Option<(Self, Misfit)> {
+        let mut grip = self.clone();
+        let places: Vec<([f64; 2], f64)> =
+            self.holds.iter().map(|hold| self.reference.section_um(self.plane, &tips_um[hold.finger])).collect();
+        let lifts = self.holds.iter().zip(&places).map(|(hold, (_, height_um))| height_um - hold.height_um);
+        grip.lift_um = lifts.sum::<f64>() / self.holds.len() as f64;
+        for _ in 0..MAX_CORRECTIONS {
+            let correction_um = grip.correction_um(surface, &places)?;
+            grip.shift_um += correction_um;
+            if correction_um.norm() < SETTLED_UM {
+                break;
+            }
+        }
+        let ways_um = grip.equations(surface, &places).into_iter().map(|equation| equation.way_um);
+        let ways_um: Vec<f64> = ways_um.collect();
+        grip.holds.iter_mut().zip(ways_um).for_each(|(hold, way_um)| hold.way_um = way_um);
+        let misfit = grip.misfit(surface, &places);
+        misfit.most_um().is_finite().then_some((grip, misfit))
+    }
+
+    fn correction_um(&self, surface: &Surface, places: &[([f64; 2], f64)]) -> Option<Vector3<f64>> {
+        let (mut square, mut right) = (Matrix3::zeros(), Vector3::zeros());
+        for equation in self.equations(surface, places) {
+            for (slope, off_um) in [(equation.gap, equation.gap_um), (equation.slip, equation.slip_um)] {
+                square += slope * slope.transpose();
+                right -= slope * off_um;
+            }
+        }
+        let correction_um = square.cholesky()?.solve(&right);
+        // A part does not leap.
+        let longest_um = self.reach_um.min(self.tip_radius_um);
+        let share = (longest_um / correction_um.norm()).min(1.0);
+        correction_um.iter().all(|value| value.is_finite()).then_some(correction_um * share)
+    }
+
+    fn equations(&self, surface: &Surface, places: &[([f64; 2], f64)]) -> Vec<Equation> {
+        let pairs = self.holds.iter().zip(places);
+        pairs.map(|(hold, (place_um, _))| self.equation(surface, hold, *place_um)).collect()
+    }
+
+    fn equation(&self, surface: &Surface, hold: &Hold, [x_um, y_um]: [f64; 2]) -> Equation {
+        let (sin, cos) = self.turn_rad().sin_cos();
+        let (x_um, y_um) = (x_um - self.shift_um.x, y_um - self.shift_um.y);
+        let tip_um = [cos * x_um + sin * y_um, cos * y_um - sin * x_um];
+        let nearest = surface.curve.nearest_from(tip_um, hold.way_um);
+        let rounds = ((hold.way_um - nearest.way_um) / surface.curve.perimeter_um()).round();
+        let way_um = nearest.way_um + rounds * surface.curve.perimeter_um();
+        let spot = surface.curve.spot(way_um);
+        let (normal_y, normal_x) = spot.normal_rad.sin_cos();
+        // How the tip's place in the part's own coordinates changes with the shift along each axis and the turn.
+        let slopes = [[-cos, sin], [-sin, -cos], [tip_um[1] / self.reach_um, -tip_um[0] / self.reach_um]];
+        let outward = Vector3::from(slopes.map(|[x, y]| normal_x * x + normal_y * y));
+        let along = Vector3::from(slopes.map(|[x, y]| normal_x * y - normal_y * x));
+        let (curvature, radius_um) = (spot.curvature_per_um, self.tip_radius_um);
+        let rolling = (1.0 + radius_um * curvature) / (1.0 + nearest.distance_um * curvature);
+        let turning = Vector3::new(0.0, 0.0, radius_um / self.reach_um);
+        Equation {
+            way_um,
+            gap: outward,
+            gap_um: nearest.distance_um - radius_um,
+            slip: along * rolling + turning,
+            slip_um: radius_um * (surface.rolled_rad(way_um) + self.turn_rad() - hold.anchor_rad),
+        }
+    }
+
+    fn misfit(&self, surface: &Surface, places: &[([f64; 2], f64)]) -> Misfit {
+        let first = self.holds.first().map_or(0, |hold| hold.finger);
+        let mut misfit = Misfit { gap_um: (first, 0.0), slip_um: (first, 0.0) };
+        let worse = |most: &mut (usize, f64), finger: usize, off_um: f64| {
+            if off_um.is_nan() || off_um.abs() > most.1.abs() {
+                *most = (finger, off_um);
+            }
+        };
+        for ((hold, (_, height_um)), equation) in self.holds.iter().zip(places).zip(self.equations(surface, places)) {
+            worse(&mut misfit.gap_um, hold.finger, equation.gap_um);
+            worse(&mut misfit.slip_um, hold.finger, equation.slip_um);
+            worse(&mut misfit.slip_um, hold.finger, height_um - hold.height_um - self.lift_um);
+        }
+        misfit
+    }
+}
+
+/// What one tip asks of the pose: a gap of zero, and no slip.
+struct Equation {
+    way_um: f64,
+    gap: Vector3<f64>,
+    gap_um: f64,
+    slip: Vector3<f64>,
+    slip_um: f64,
+}

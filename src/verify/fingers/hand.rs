@@ -1,0 +1,459 @@
+//! Which tips hold, come and leave, stretch by stretch.
+//!
+//! A tip that was free and whose centre ends a stretch one radius from an outline of the part at rest is placed at that instant. A tip
+//! that held and goes off while others stay is removed. Tips that hold and move carry the part along.
+
+use super::super::clock::Run;
+use super::super::rule::{Findings, Rule, Violation, ms};
+use super::super::{Halt, Unfit};
+use super::body::{Body, Pose, Surface};
+use super::clearance::{self, Flight, Hit};
+use super::goals::{Since, planes_after};
+use super::grip::Grip;
+use super::states::{Due, Spans, chosen};
+use super::statics::{Statics, Touch};
+use super::track::{Stretch, Tracks};
+use super::{Point, orientation_of};
+use crate::check::claims::fingers::{Action, FingersOrder};
+use crate::device::fingers::{MAX_HOLDING, Plane};
+use crate::quantity::digits;
+use crate::schedule::{State, TimedState};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// What holds the part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Held {
+    /// What it rests on, and maybe fingers that have come.
+    Supported,
+    ByFingers,
+}
+
+/// What has been said of the grip that goes on, so that it is said once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Told {
+    Nothing,
+    Weak,
+}
+
+/// A hand in the course of a run.
+pub(super) struct Hand<'r, 'a> {
+    pub(super) run: &'r Run<'a>,
+    pub(super) order: &'r FingersOrder,
+    pub(super) body: Body,
+    pub(super) grip: Grip,
+    pub(super) since: Since,
+    pub(super) tips_um: Vec<Point>,
+    pub(super) flights: Vec<Flight>,
+    held: Held,
+    told: Told,
+    /// The turn of the grip at which the turn that goes on began, and how many steps it has come since.
+    pub(super) leg_rad: f64,
+    pub(super) leg_steps: i64,
+    /// How many it had come when the step of the task began.
+    pub(super) begun_steps: i64,
+    /// When the last motion of the part in this step ended, or the step began.
+    pub(super) carried_ns: u64,
+    pub(super) spans: Spans,
+    pub(super) effort_rad: f64,
+    reconfigurations: u64,
+}
+
+impl<'r, 'a> Hand<'r, 'a> {
+    /// Where everything is at first: where the last run of the device left it, or where the scene has the part.
+    pub fn new(run: &'r Run<'a>, order: &'r FingersOrder, tracks: &Tracks, left: Option<&State>) -> Result<Self, Halt> {
+        let facts = &order.facts;
+        let body = Body::of(&order.part, facts.tip_radius_um);
+        let body = body.ok_or_else(|| Unfit("the claims hold an outline that cannot be followed".to_owned()))?;
+        let tips_um = tracks.start_um();
+        let start = Pose { position_um: Point::from(order.part.position_um), orientation: Default::default() };
+        let plane = planes_after(order, 0).first().copied().unwrap_or(Plane::Xy);
+        let mut grip = Grip::empty(plane, start, &body, facts.tip_radius_um);
+        let mut leg_steps = 0;
+        if let Some(State::Fingers { grasp, plane, position_um, orientation, angle_index, .. }) = left {
+            let orientation = orientation_of(orientation).unwrap_or_default();
+            let pose = Pose { position_um: Point::from(*position_um), orientation };
+            grip = Grip::empty(*plane, pose, &body, facts.tip_radius_um);
+            let holding = grasp.iter().enumerate().filter(|(finger, contact)| **contact > 0 && *finger < tips_um.len());
+            for (finger, _) in holding {
+                grip.add(surface_of(&body, *plane)?, finger, &tips_um[finger]);
+            }
+            leg_steps = angle_index.saturating_sub(1);
+        }
+        let held = if grip.holds.len() < 2 { Held::Supported } else { Held::ByFingers };
+        Ok(Hand {
+            run,
+            order,
+            since: Since { pose: grip.pose(), turns_rad: [0.0; 2] },
+            leg_rad: 0.0 - leg_steps as f64 * surface_of(&body, grip.plane)?.step_rad(),
+            body,
+            grip,
+            flights: vec![Flight::default(); tips_um.len()],
+            tips_um,
+            held,
+            told: Told::Nothing,
+            leg_steps,
+            begun_steps: leg_steps,
+            carried_ns: run.plan.start_ns,
+            spans: Spans::default(),
+            effort_rad: 0.0,
+            reconfigurations: 0,
+        })
+    }
+
+    pub(super) fn violation(&self, rule: Rule, nth: usize, time_ns: u64, title: String) -> Violation {
+        Violation::new(rule, time_ns, title).step(self.run.steps[nth]).label(self.order.steps[nth].span, "in this step")
+    }
+
+    /// When a step ends.
+    pub(super) fn end_ns(&self, nth: usize) -> u64 {
+        let step = self.run.step(nth);
+        step.start_ns + step.duration_ns
+    }
+
+    pub(super) fn is_release(&self, nth: usize) -> bool {
+        matches!(self.order.steps[nth].action, Action::Release)
+    }
+
+    pub(super) fn surface(&self) -> Result<&Surface, Halt> {
+        surface_of(&self.body, self.grip.plane)
+    }
+
+    /// The first state, and what is where it must not be at first.
+    pub fn begin(&mut self, findings: &mut Findings) {
+        let start_ns = self.run.plan.start_ns;
+        self.spans.begin(start_ns, Due::Always, self.views(None));
+        self.spans.end(start_ns);
+        if self.run.plan.duration_ns == 0 {
+            return;
+        }
+        let pose = self.grip.pose();
+        for finger in 0..self.tips_um.len() {
+            if let Some(hit) = self.strays(finger, &pose, start_ns, &self.tips_um) {
+                let title = self.pierce(finger, &hit);
+                findings
+                    .push(Violation::new(Rule::Pierce, start_ns, title).label(self.run.job.run_span, "in this run"));
+            }
+        }
+        let (from_um, to_um) = (self.tips_um.clone(), self.tips_um.clone());
+        let still = Stretch { start_ns, end_ns: start_ns, from_um, to_um };
+        let due_um = clearance::apart_um(&self.order.facts) - self.order.facts.tolerance_um;
+        for one in 0..self.tips_um.len() {
+            for other in one + 1..self.tips_um.len() {
+                let (apart_um, _) = clearance::least_um(&still, one, other);
+                if apart_um < due_um {
+                    findings.push(Violation::new(Rule::Apart, start_ns, self.apart([one, other], apart_um, start_ns)));
+                }
+            }
+        }
+    }
+
+    /// A step begins.
+    pub fn begin_step(&mut self, nth: usize) {
+        self.since = Since { pose: self.grip.pose(), turns_rad: [0.0; 2] };
+        self.carried_ns = self.run.step(nth).start_ns;
+        if matches!(self.order.steps[nth].action, Action::Rotate { .. } | Action::Orient { .. }) {
+            (self.leg_rad, self.leg_steps) = (self.grip.turn_rad(), 0);
+        }
+        self.begun_steps = self.leg_steps;
+    }
+
+    /// A step is over.
+    pub fn finish_step(&mut self, nth: usize, findings: &mut Findings) {
+        let end_ns = self.end_ns(nth);
+        if self.grip.holds.len() >= 2 && !self.is_release(nth) {
+            self.take_load(nth, end_ns, findings);
+        }
+        if matches!(self.order.steps[nth].action, Action::Translate(_)) {
+            self.spans.end(self.carried_ns);
+            self.spans.begin(self.carried_ns, Due::Always, self.views(Some(nth)));
+        }
+        for finger in 0..self.flights.len() {
+            if let Some((time_ns, _)) = self.flights[finger].near.take() {
+                let due_um = clearance::clear_um(&self.order.facts);
+                let hit = Hit { time_ns, distance_um: self.order.facts.tip_radius_um, due_um };
+                let title = self.pierce(finger, &hit);
+                findings.push(self.violation(Rule::Pierce, nth, time_ns, title));
+            }
+        }
+        self.check_goal(nth, findings);
+    }
+
+    /// Goes along one stretch.
+    pub fn follow(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
+        if let Some((pair, apart_um, share)) = clearance::too_near(stretch, &self.order.facts) {
+            let time_ns = stretch.instant_ns(share);
+            findings.push(self.violation(Rule::Apart, nth, time_ns, self.apart(pair, apart_um, time_ns)));
+        }
+        if matches!(self.order.steps[nth].action, Action::Wait(_)) {
+            self.check_still(nth, stretch)?;
+        }
+        for finger in self.leaving(nth, stretch) {
+            self.remove(nth, finger, stretch, findings)?;
+        }
+        self.tips_um.clone_from(&stretch.to_um);
+        match self.grip.holds.iter().all(|hold| stretch.rests(hold.finger)) {
+            true => self.rest(nth, stretch, findings),
+            false => self.carry(nth, stretch, findings),
+        }
+    }
+
+    fn check_still(&self, nth: usize, stretch: &Stretch) -> Result<(), Halt> {
+        let Some(finger) = (0..stretch.from_um.len()).find(|finger| !stretch.rests(*finger)) else { return Ok(()) };
+        let title = format!("finger {} moves in a wait, at {}", finger + 1, ms(stretch.start_ns));
+        Err(self.violation(Rule::Wait, nth, stretch.start_ns, title).into())
+    }
+
+    /// The fingers that leave: they go off while others stay.
+    fn leaving(&self, nth: usize, stretch: &Stretch) -> Vec<usize> {
+        let tolerance_um = self.order.facts.tolerance_um;
+        let (pose, plane) = (self.grip.pose(), self.grip.plane);
+        let goes_off = |finger: &usize| {
+            let nearest = self.body.nearest(&pose, plane, &stretch.to_um[*finger], tolerance_um);
+            nearest.is_none_or(|nearest| nearest.distance_um > self.order.facts.tip_radius_um + tolerance_um)
+        };
+        let holding = self.grip.holds.iter().map(|hold| hold.finger);
+        let moving: Vec<usize> = holding.filter(|finger| !stretch.rests(*finger)).collect();
+        let off: Vec<usize> = moving.iter().copied().filter(goes_off).collect();
+        let all_move = moving.len() == self.grip.holds.len() && moving.len() > 1;
+        if all_move && !self.is_release(nth) { Vec::new() } else { off }
+    }
+
+    /// The fingers alone hold the part from now on.
+    pub(super) fn take_load(&mut self, nth: usize, time_ns: u64, findings: &mut Findings) {
+        if self.held == Held::Supported {
+            self.held = Held::ByFingers;
+            self.spans.settle();
+            self.check_hold(nth, time_ns, findings);
+        }
+    }
+
+    pub(super) fn statics(&self) -> Statics<'r> {
+        Statics::of(self.order, self.grip.plane, &self.grip.pose(), self.body.reach_um)
+    }
+
+    pub(super) fn touches(&self) -> Vec<(usize, Touch)> {
+        let Some(surface) = self.body.surface(self.grip.plane) else { return Vec::new() };
+        let spots = self.grip.holds.iter().map(|hold| (hold.finger, surface.curve.spot(hold.way_um)));
+        spots.map(|(finger, spot)| (finger, Touch { point_um: spot.point_um, normal_rad: spot.normal_rad })).collect()
+    }
+
+    /// The fingers that hold are in equilibrium.
+    pub(super) fn check_hold(&mut self, nth: usize, time_ns: u64, findings: &mut Findings) {
+        let touches: Vec<Touch> = self.touches().into_iter().map(|(_, touch)| touch).collect();
+        if self.told == Told::Weak || self.statics().holds(&touches) {
+            return;
+        }
+        self.told = Told::Weak;
+        let title = format!("{} are not in equilibrium at {}", self.holding(), ms(time_ns));
+        findings.push(self.violation(Rule::Equilibrium, nth, time_ns, title));
+    }
+
+    fn remove(&mut self, nth: usize, finger: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
+        let time_ns = stretch.start_ns;
+        if !self.is_release(nth) && self.grip.holds.len() >= 2 {
+            self.take_load(nth, time_ns, findings);
+        }
+        self.spans.end(time_ns);
+        let leaving = self.touches().into_iter().find(|touch| touch.0 == finger);
+        self.check_contacts(nth, time_ns, findings);
+        self.grip.remove(finger);
+        self.flights[finger] = Flight::from(stretch.from_um[finger]);
+        self.told = Told::Nothing;
+        if self.is_release(nth) || self.held == Held::Supported {
+            return self.let_go(nth, stretch, findings);
+        }
+        if self.grip.holds.len() < 2 {
+            let title = format!("finger {} leaves the part to one finger at {}", finger + 1, ms(time_ns));
+            return Err(self.violation(Rule::Contact, nth, time_ns, title).into());
+        }
+        self.check_hold(nth, time_ns, findings);
+        if let Some((_, leaving)) = leaving.filter(|_| self.told == Told::Nothing) {
+            self.check_removal(nth, (finger, &leaving), time_ns, findings);
+        }
+        self.count_change();
+        self.spans.begin(stretch.end_ns, Due::Always, self.views(Some(nth)));
+        Ok(())
+    }
+
+    fn count_change(&mut self) {
+        self.reconfigurations += 1;
+        self.effort_rad += self.order.facts.gaiting_cost_deg.to_radians();
+    }
+
+    fn check_removal(&self, nth: usize, (finger, leaving): (usize, &Touch), time_ns: u64, findings: &mut Findings) {
+        let touches: Vec<Touch> = self.touches().into_iter().map(|(_, touch)| touch).collect();
+        if !self.statics().resists(&touches, leaving) {
+            let facts = &self.order.facts;
+            let (pull, safety) = (digits(facts.sticking_un()), digits(facts.removal_safety));
+            let title = format!(
+                "{} do not resist {safety} times {pull} uN as finger {} leaves at {}",
+                self.holding(),
+                finger + 1,
+                ms(time_ns)
+            );
+            findings.push(self.violation(Rule::Removal, nth, time_ns, title));
+        }
+    }
+
+    /// A finger leaves a part that rests on its support.
+    fn let_go(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
+        let facts = &self.order.facts;
+        let pull_un = facts.sticking_un() * facts.removal_safety;
+        let is_enough = pull_un <= facts.support_un * (1.0 + super::statics::TOLERANCE);
+        if !is_enough && self.told == Told::Nothing {
+            self.told = Told::Weak;
+            let (pull, support) = (digits(pull_un), digits(facts.support_un));
+            let title = format!("the last fingers pull with {pull} uN, the part is held with {support} uN");
+            findings.push(self.violation(Rule::Support, nth, stretch.start_ns, title));
+        }
+        self.held = Held::Supported;
+        let due = if self.grip.holds.is_empty() { Due::Always } else { Due::Perhaps };
+        self.spans.begin(stretch.end_ns, due, self.views(Some(nth)));
+        Ok(())
+    }
+
+    /// Free fingers move past a part at rest, and may touch it in the end.
+    fn rest(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
+        let (pose, order) = (self.grip.pose(), self.order);
+        for finger in 0..self.flights.len() {
+            if self.grip.has(finger) || stretch.rests(finger) {
+                continue;
+            }
+            let followed = self.flights[finger].follow((stretch, finger), (&self.body, &pose), &order.facts);
+            let touched = self.touched(nth, &stretch.to_um[finger], &stretch.to_um);
+            if let Err(hit) = followed {
+                self.flights[finger] = Flight::default();
+                findings.push(self.violation(Rule::Pierce, nth, hit.time_ns, self.pierce(finger, &hit)));
+            }
+            if let Some(plane) = touched {
+                self.place(nth, (finger, plane), stretch, findings)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The plane in which a tip touches the part together with those that hold.
+    fn touched(&self, nth: usize, tip_um: &Point, tips_um: &[Point]) -> Option<Plane> {
+        let wanted = if self.grip.holds.is_empty() { planes_after(self.order, nth) } else { Vec::new() };
+        let planes = wanted.into_iter().chain([self.grip.plane]).chain(self.body.planes());
+        let mut touched = planes.filter(|plane| self.touches_in(*plane, tip_um));
+        touched.find(|plane| self.holds_in(*plane, tips_um))
+    }
+
+    pub(super) fn touches_in(&self, plane: Plane, tip_um: &Point) -> bool {
+        let tolerance_um = self.order.facts.tolerance_um;
+        let nearest = self.body.nearest(&self.grip.pose(), plane, tip_um, tolerance_um);
+        nearest.is_some_and(|nearest| (nearest.distance_um - self.order.facts.tip_radius_um).abs() <= tolerance_um)
+    }
+
+    /// Whether all fingers that hold do so in a plane, too.
+    pub(super) fn holds_in(&self, plane: Plane, tips_um: &[Point]) -> bool {
+        plane == self.grip.plane || self.grip.holds.iter().all(|hold| self.touches_in(plane, &tips_um[hold.finger]))
+    }
+
+    fn place(
+        &mut self,
+        nth: usize,
+        (finger, plane): (usize, Plane),
+        stretch: &Stretch,
+        findings: &mut Findings,
+    ) -> Result<(), Halt> {
+        let time_ns = stretch.end_ns;
+        if self.grip.holds.len() == MAX_HOLDING {
+            let title =
+                format!("finger {} touches the part at {}, which {MAX_HOLDING} others hold", finger + 1, ms(time_ns));
+            return Err(self.violation(Rule::Contact, nth, time_ns, title).into());
+        }
+        self.spans.end(time_ns.saturating_sub(1));
+        if plane != self.grip.plane {
+            self.change_plane(plane, &stretch.to_um)?;
+        }
+        let tip_um = stretch.to_um[finger];
+        if let Err(hit) = self.flights[finger].lands(&tip_um, &self.order.facts) {
+            findings.push(self.violation(Rule::Pierce, nth, hit.time_ns, self.pierce(finger, &hit)));
+        }
+        self.flights[finger] = Flight::default();
+        let surface = surface_of(&self.body, plane)?;
+        self.grip.add(surface, finger, &tip_um);
+        self.check_contacts(nth, time_ns, findings);
+        self.told = Told::Nothing;
+        let due = match self.held {
+            Held::Supported => Due::Perhaps,
+            Held::ByFingers => {
+                self.check_hold(nth, time_ns, findings);
+                self.count_change();
+                Due::Always
+            }
+        };
+        self.spans.begin(time_ns, due, self.views(Some(nth)));
+        Ok(())
+    }
+
+    /// The same fingers hold in the other plane from now on, and a new turn begins.
+    pub(super) fn change_plane(&mut self, plane: Plane, tips_um: &[Point]) -> Result<(), Halt> {
+        let grip = self.grip.anew(plane, &self.body, tips_um);
+        self.grip = grip.ok_or_else(|| Unfit("the claims hold no outline in a plane of a turn".to_owned()))?;
+        (self.leg_rad, self.leg_steps, self.begun_steps) = (0.0, 0, 0);
+        Ok(())
+    }
+
+    /// Fingers come and leave where all that hold are on contacts that have numbers.
+    fn check_contacts(&self, nth: usize, time_ns: u64, findings: &mut Findings) {
+        let Some(surface) = self.body.surface(self.grip.plane) else { return };
+        for hold in &self.grip.holds {
+            let (contact, off_um) = surface.contact(hold.way_um);
+            if off_um > self.order.facts.tolerance_um {
+                let title = format!(
+                    "finger {} is {} um off contact {contact} as a finger comes or leaves at {}",
+                    hold.finger + 1,
+                    digits(off_um),
+                    ms(time_ns)
+                );
+                findings.push(self.violation(Rule::Contact, nth, time_ns, title));
+                return;
+            }
+        }
+    }
+
+    /// Whether a tip is nearer to a part than it may be: one that holds, elsewhere than where it does.
+    pub(super) fn strays(&self, finger: usize, pose: &Pose, time_ns: u64, tips_um: &[Point]) -> Option<Hit> {
+        let facts = &self.order.facts;
+        let tip_um = &tips_um[finger];
+        let (distance_um, due_um) = match self.grip.has(finger) {
+            true => {
+                let nearest = self.body.nearest(pose, self.grip.plane, tip_um, 3.0 * facts.tolerance_um)?;
+                (nearest.distance_um, facts.tip_radius_um)
+            }
+            false => {
+                let due_um = clearance::clear_um(facts);
+                (self.body.distance_um(pose, tip_um, facts.tolerance_um, due_um), due_um)
+            }
+        };
+        (distance_um < due_um - facts.tolerance_um).then_some(Hit { time_ns, distance_um, due_um })
+    }
+
+    /// The state at the end of the run, as the record tells it.
+    pub fn left(&self) -> State {
+        let recorded = self.run.plan.states.last().map(|timed| &timed.state);
+        chosen(self.views(self.order.steps.len().checked_sub(1)), recorded)
+    }
+
+    pub fn outcomes(&self) -> BTreeMap<&'static str, f64> {
+        BTreeMap::from([
+            ("effort", self.effort_rad),
+            ("reconfigurations", self.reconfigurations as f64),
+            ("time", self.run.plan.duration_ns as f64 / 1e9),
+        ])
+    }
+
+    /// The states that the record should hold.
+    pub fn into_states(self) -> Vec<Cow<'a, TimedState>> {
+        self.spans.states(self.run)
+    }
+}
+
+fn surface_of(body: &Body, plane: Plane) -> Result<&Surface, Halt> {
+    let surface = body.surface(plane);
+    surface.ok_or_else(|| Unfit("the claims hold no outline in a plane of a turn".to_owned()).into())
+}

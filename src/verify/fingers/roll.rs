@@ -1,0 +1,159 @@
+//! Tips that hold move: the part rolls between them, or is carried along.
+//!
+//! Which plane they roll in is told by how they move: where all that hold touch in both sections, it is the one that fits better.
+
+use super::super::Halt;
+use super::super::rule::{Findings, Rule, ms};
+use super::Point;
+use super::clearance::Flight;
+use super::grip::Misfit;
+use super::hand::Hand;
+use super::states::Due;
+use super::track::Stretch;
+use crate::check::claims::fingers::Action;
+use crate::device::fingers::Plane;
+use crate::quantity::digits;
+
+/// The longest way of a tip from one sample of a rolling motion to the next, as a share of its radius.
+const SAMPLE: f64 = 0.25;
+
+/// The most samples of one stretch.
+const MAX_SAMPLES: f64 = 2048.0;
+
+/// A misfit that tells nothing about the plane in which tips roll.
+const SAME_MISFIT_UM: f64 = 1e-9;
+
+/// How far from a whole number of steps a turn still counts as one, in steps.
+const GRID_STEPS: f64 = 1e-3;
+
+impl Hand<'_, '_> {
+    /// Tips that hold move, and the part with them.
+    pub(super) fn carry(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
+        let time_ns = stretch.start_ns;
+        if self.grip.holds.len() < 2 {
+            let finger = self.grip.holds.first().map_or(0, |hold| hold.finger);
+            let title = format!("finger {} alone moves along the part at {}", finger + 1, ms(time_ns));
+            return Err(self.violation(Rule::Slip, nth, time_ns, title).into());
+        }
+        self.take_load(nth, time_ns, findings);
+        self.spans.end(time_ns);
+        self.flights.iter_mut().for_each(Flight::forget);
+        let plane = self.rolling_plane(nth, stretch);
+        if plane != self.grip.plane {
+            self.change_plane(plane, &stretch.from_um)?;
+        }
+        let before_rad = self.grip.turn_rad();
+        let samples = self.samples(stretch);
+        for sample in 1..=samples {
+            self.sample(nth, stretch, sample as f64 / samples as f64, findings)?;
+        }
+        self.since.turns_rad[plane as usize] += self.grip.turn_rad() - before_rad;
+        self.carried_ns = stretch.end_ns;
+        self.count_steps(nth, stretch.end_ns)
+    }
+
+    /// How many samples a stretch takes: an even number, so that its middle is one.
+    fn samples(&self, stretch: &Stretch) -> u32 {
+        let way_um = |finger: usize| (stretch.to_um[finger] - stretch.from_um[finger]).norm();
+        let longest_um = self.grip.holds.iter().map(|hold| way_um(hold.finger)).fold(0.0, f64::max);
+        let half = (longest_um / (2.0 * SAMPLE * self.order.facts.tip_radius_um)).ceil();
+        2 * half.clamp(1.0, MAX_SAMPLES / 2.0) as u32
+    }
+
+    /// The plane in which tips roll: any in which they touch, if it fits their motion better than the one in which they did.
+    fn rolling_plane(&self, nth: usize, stretch: &Stretch) -> Plane {
+        let wanted = match &self.order.steps[nth].action {
+            Action::Rotate { plane, .. } => Some(*plane),
+            Action::Grasp(_) | Action::Orient { .. } | Action::Translate(_) | Action::Release | Action::Wait(_) => None,
+        };
+        let mut best = (self.grip.plane, f64::INFINITY);
+        for plane in [self.grip.plane].into_iter().chain(wanted).chain(self.body.planes()) {
+            if !self.holds_in(plane, &stretch.from_um) {
+                continue;
+            }
+            let misfit_um = self.fit_um(plane, stretch).unwrap_or(f64::INFINITY);
+            if misfit_um < best.1 - SAME_MISFIT_UM {
+                best = (plane, misfit_um);
+            }
+        }
+        best.0
+    }
+
+    /// How badly a stretch fits a rolling motion in a plane.
+    fn fit_um(&self, plane: Plane, stretch: &Stretch) -> Option<f64> {
+        let surface = self.body.surface(plane)?;
+        let mut grip = match plane == self.grip.plane {
+            true => self.grip.clone(),
+            false => self.grip.anew(plane, &self.body, &stretch.from_um)?,
+        };
+        if self.body.planes().count() < 2 {
+            return Some(0.0);
+        }
+        let samples = self.samples(stretch);
+        let mut misfit_um = 0.0;
+        for sample in 1..=samples {
+            let share = f64::from(sample) / f64::from(samples);
+            let (moved, misfit) = grip.moved(surface, &tips_at(stretch, share))?;
+            (grip, misfit_um) = (moved, misfit.most_um());
+        }
+        Some(misfit_um)
+    }
+
+    /// Where the part is at a share of a stretch, and whether all is well there.
+    fn sample(&mut self, nth: usize, stretch: &Stretch, share: f64, findings: &mut Findings) -> Result<(), Halt> {
+        let (tips_um, time_ns) = (tips_at(stretch, share), stretch.instant_ns(share));
+        let moved = self.grip.moved(self.surface()?, &tips_um);
+        let Some((grip, misfit)) = moved else {
+            let title = format!("{} move as no part between them can, at {}", self.holding(), ms(time_ns));
+            return Err(self.violation(Rule::Gap, nth, time_ns, title).into());
+        };
+        self.check_misfit(nth, time_ns, &misfit)?;
+        self.grip = grip;
+        self.check_hold(nth, time_ns, findings);
+        let pose = self.grip.pose();
+        for finger in 0..tips_um.len() {
+            if let Some(hit) = self.strays(finger, &pose, time_ns, &tips_um) {
+                return Err(self.violation(Rule::Pierce, nth, time_ns, self.pierce(finger, &hit)).into());
+            }
+        }
+        Ok(())
+    }
+
+    fn check_misfit(&self, nth: usize, time_ns: u64, misfit: &Misfit) -> Result<(), Halt> {
+        let tolerance_um = self.order.facts.tolerance_um;
+        if misfit.most_um() <= tolerance_um {
+            return Ok(());
+        }
+        let (allowed, when) = (digits(tolerance_um), ms(time_ns));
+        let ((gapped, gap_um), (slipped, slip_um)) = (misfit.gap_um, misfit.slip_um);
+        let violation = if gap_um.abs() >= slip_um.abs() {
+            let way = if gap_um > 0.0 { "off" } else { "into" };
+            let (finger, gap) = (gapped + 1, digits(gap_um.abs()));
+            let title = format!("finger {finger} moves {gap} um {way} the part at {when}, {allowed} um are allowed");
+            self.violation(Rule::Gap, nth, time_ns, title)
+        } else {
+            let (finger, slip) = (slipped + 1, digits(slip_um.abs()));
+            let title = format!("finger {finger} slips by {slip} um at {when}, {allowed} um are allowed");
+            self.violation(Rule::Slip, nth, time_ns, title)
+        };
+        Err(violation.into())
+    }
+
+    /// A turn reaches a whole number of steps.
+    fn count_steps(&mut self, nth: usize, time_ns: u64) -> Result<(), Halt> {
+        let steps = (self.grip.turn_rad() - self.leg_rad) / self.surface()?.step_rad();
+        let whole = steps.round();
+        if (steps - whole).abs() > GRID_STEPS || whole as i64 == self.leg_steps {
+            return Ok(());
+        }
+        let rolled = (whole as i64).abs_diff(self.leg_steps);
+        self.effort_rad += rolled as f64 * self.grip.holds.len() as f64 * self.order.facts.step_rad();
+        self.leg_steps = whole as i64;
+        self.spans.begin(time_ns, Due::Always, self.views(Some(nth)));
+        Ok(())
+    }
+}
+
+fn tips_at(stretch: &Stretch, share: f64) -> Vec<Point> {
+    (0..stretch.from_um.len()).map(|finger| stretch.tip_um(finger, share)).collect()
+}

@@ -1,0 +1,83 @@
+//! When a hand's states change, and which of them the record should hold.
+//!
+//! A state lasts from the end of one change to the beginning of the next. The record says when in between it was taken; what it holds
+//! must be what the replay gives. Where a grasp can be told in two ways (the angle of a turn that is over, the contacts that
+//! two sections share) each of them will do.
+
+use super::super::clock::Run;
+use super::super::record::agrees;
+use super::near;
+use crate::schedule::{State, TimedState};
+use std::borrow::Cow;
+
+/// Whether a state has to be recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Due {
+    Always,
+    /// As between the fingers of a first grasp.
+    Perhaps,
+}
+
+/// A state between two changes.
+#[derive(Debug)]
+pub(super) struct Span {
+    pub from_ns: u64,
+    /// The beginning of the next change.
+    pub until_ns: u64,
+    pub due: Due,
+    /// The ways in which it can be told, the plainest first; at least one.
+    pub views: Vec<State>,
+}
+
+/// All states of a run in order.
+#[derive(Debug, Default)]
+pub(super) struct Spans {
+    list: Vec<Span>,
+}
+
+impl Spans {
+    /// A change has ended.
+    pub fn begin(&mut self, from_ns: u64, due: Due, views: Vec<State>) {
+        self.list.push(Span { from_ns, until_ns: u64::MAX, due, views });
+    }
+
+    /// A change begins: the last state is over after an instant.
+    pub fn end(&mut self, until_ns: u64) {
+        if let Some(last) = self.list.last_mut() {
+            last.until_ns = last.until_ns.min(until_ns);
+        }
+    }
+
+    /// The last state has to be recorded.
+    pub fn settle(&mut self) {
+        if let Some(last) = self.list.last_mut() {
+            last.due = Due::Always;
+        }
+    }
+
+    /// The states that the record should hold, those of the record where it holds them.
+    pub fn states<'a>(self, run: &Run<'a>) -> Vec<Cow<'a, TimedState>> {
+        let mut recorded = run.plan.states.iter().peekable();
+        let mut states = Vec::with_capacity(self.list.len());
+        for span in self.list {
+            let within = |timed: &&TimedState| (span.from_ns..=span.until_ns).contains(&timed.t_ns);
+            let found = recorded.next_if(within);
+            if found.is_none() && span.due == Due::Perhaps {
+                continue;
+            }
+            let t_ns = found.map_or(span.from_ns, |timed| timed.t_ns);
+            let told = TimedState { t_ns, state: chosen(span.views, found.map(|timed| &timed.state)) };
+            states.push(match found {
+                Some(timed) if agrees(timed, &told) => Cow::Borrowed(timed),
+                Some(_) | None => Cow::Owned(told),
+            });
+        }
+        states
+    }
+}
+
+/// The view that says what the record says, or the plainest one.
+pub(super) fn chosen(mut views: Vec<State>, recorded: Option<&State>) -> State {
+    let at = recorded.and_then(|recorded| views.iter().position(|view| near(recorded, view)));
+    views.swap_remove(at.unwrap_or(0))
+}

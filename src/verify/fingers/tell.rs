@@ -1,0 +1,82 @@
+//! A hand's state, and what is wrong with it, as it is told.
+
+use super::super::rule::ms;
+use super::clearance::{self, Hit};
+use super::hand::Hand;
+use crate::check::claims::fingers::Action;
+use crate::device::fingers::Plane;
+use crate::quantity::digits;
+use crate::schedule::State;
+
+impl Hand<'_, '_> {
+    /// The fingers that hold, in words.
+    pub(super) fn holding(&self) -> String {
+        let contacts = self.contacts(self.grip.plane).unwrap_or_default();
+        let contacts: Vec<String> = contacts.iter().map(u32::to_string).collect();
+        format!("fingers on the contacts ({}) in {}", contacts.join(", "), self.grip.plane.name())
+    }
+
+    pub(super) fn pierce(&self, finger: usize, hit: &Hit) -> String {
+        let (distance, due) = (digits(hit.distance_um), digits(hit.due_um));
+        let (finger, when) = (finger + 1, ms(hit.time_ns));
+        format!("the tip of finger {finger} is {distance} um from the part at {when}, {due} um are due")
+    }
+
+    pub(super) fn apart(&self, pair: [usize; 2], apart_um: f64, time_ns: u64) -> String {
+        let due = digits(clearance::apart_um(&self.order.facts));
+        let [one, other] = pair.map(|finger| finger + 1);
+        let (apart, when) = (digits(apart_um), ms(time_ns));
+        format!("the tips of fingers {one} and {other} are {apart} um apart at {when}, {due} um are due")
+    }
+
+    /// The numbers of the contacts in a plane, if all fingers that hold touch there.
+    pub(super) fn contacts(&self, plane: Plane) -> Option<Vec<u32>> {
+        let surface = self.body.surface(plane)?;
+        if !self.holds_in(plane, &self.tips_um) {
+            return None;
+        }
+        let mut contacts = vec![0; self.flights.len()];
+        for hold in &self.grip.holds {
+            let way_um = match plane == self.grip.plane {
+                true => hold.way_um,
+                false => {
+                    let (place_um, _) = self.grip.pose().section_um(plane, &self.tips_um[hold.finger]);
+                    surface.curve.nearest(place_um).way_um
+                }
+            };
+            contacts[hold.finger] = surface.contact(way_um).0;
+        }
+        Some(contacts)
+    }
+
+    /// The state as it is now, in the ways in which it can be told.
+    pub(super) fn views(&self, nth: Option<usize>) -> Vec<State> {
+        let is_turning = nth
+            .is_some_and(|nth| matches!(self.order.steps[nth].action, Action::Rotate { .. } | Action::Orient { .. }));
+        let angle_index = self.leg_steps.saturating_add(1);
+        let mut told = vec![(self.grip.plane, angle_index)];
+        if !is_turning {
+            told.push((self.grip.plane, self.leg_steps.saturating_sub(self.begun_steps).saturating_add(1)));
+        }
+        for plane in self.body.planes().filter(|plane| *plane != self.grip.plane) {
+            let is_free = self.grip.holds.is_empty();
+            told.extend([(plane, 1)].into_iter().chain(is_free.then_some((plane, angle_index))));
+        }
+        told.into_iter().filter_map(|(plane, angle_index)| self.view(plane, angle_index)).collect()
+    }
+
+    fn view(&self, plane: Plane, angle_index: i64) -> Option<State> {
+        let pose = self.grip.pose();
+        let orientation = pose.orientation.into_inner();
+        let sign = if orientation.w < 0.0 { -1.0 } else { 1.0 };
+        let tip = |finger: usize| self.grip.has(finger).then(|| self.tips_um[finger].into());
+        Some(State::Fingers {
+            grasp: self.contacts(plane)?,
+            angle_index,
+            plane,
+            tips_um: (0..self.flights.len()).map(tip).collect(),
+            position_um: pose.position_um.into(),
+            orientation: [orientation.w, orientation.i, orientation.j, orientation.k].map(|value| value * sign),
+        })
+    }
+}

@@ -1,0 +1,378 @@
+//! Makes claims on a hand, and schedules of its tips by the law of rolling, with records of its own.
+
+use crate::check::claims::fingers::{Action, FingersOrder, Part, Planner, Section, Step};
+use crate::check::claims::{Claims, Job, Order, Timeline};
+use crate::device::Kind;
+use crate::device::fingers::{AXES, Adhesion, Facts, Plane, channel};
+use crate::geometry::outline::{Curve, Outline};
+use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, State, TimedState, Unit};
+use crate::source::Span;
+use crate::verify::tests::{bare, step_of};
+use nalgebra::{UnitQuaternion, Vector3};
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+pub type Point = Vector3<f64>;
+
+pub const MS: u64 = 1_000_000;
+
+/// Pieces of a rolling step.
+pub const CHORDS: u32 = 8;
+
+pub fn facts() -> Facts {
+    Facts {
+        fingers: 3,
+        tip_radius_um: 4.5,
+        adhesion: Adhesion::Sticking,
+        pull_off_un: 1.5,
+        max_force_un: 30.0,
+        friction: 0.3,
+        steps_per_turn: 18,
+        removal_safety: 1.0,
+        gaiting_cost_deg: 180.0,
+        clearance_um: 0.5,
+        retract_um: 5.0,
+        speed_um_per_s: 100.0,
+        approach_um_per_s: 10.0,
+        rolling_um_per_s: 5.0,
+        support_un: 10.0,
+        range_um: [100.0; 3],
+        tolerance_um: 0.05,
+    }
+}
+
+/// An ellipse of these semi-axes, with as many contacts as fit.
+pub fn section(semi_um: [f64; 2]) -> Section {
+    let outline = Outline::Ellipse { semi_um };
+    let round_rad = TAU + Curve::of(&outline).expect("an ellipse").perimeter_um() / 4.5;
+    let contacts = 2 * (round_rad / (TAU / 18.0) / 2.0).round() as u32;
+    Section { outline, contacts, opposite: Some(1 + contacts / 2), step_rad: round_rad / f64::from(contacts) }
+}
+
+pub fn order() -> FingersOrder {
+    FingersOrder {
+        facts: Arc::new(facts()),
+        part: Arc::new(Part {
+            name: "bead".into(),
+            xy: section([16.0, 11.845]),
+            xz: Some(section([16.0, 11.845])),
+            centre_um: [0.0; 3],
+            position_um: [1.0, -2.0, 3.0],
+            span: Span::default(),
+        }),
+        precision_rad: 0.01,
+        load_un: [0.0; 3],
+        planner: Planner::JointAstar,
+        expansions: 1000,
+        steps: Vec::new(),
+    }
+}
+
+pub fn in_turn(orders: Vec<FingersOrder>) -> Claims {
+    let timeline = Timeline::Sequence((0..orders.len()).map(Timeline::Run).collect());
+    let job = |(at, order)| Job {
+        task: format!("task{at}"),
+        device: "hand".into(),
+        requirements: Vec::new(),
+        order: Order::Fingers(order),
+        span: Span::default(),
+        run_span: Span::default(),
+    };
+    let jobs = orders.into_iter().enumerate().map(job).collect();
+    Claims { name: "day".into(), timeline, jobs, wires: BTreeMap::new(), span: Span::default() }
+}
+
+pub fn order_of(claims: &mut Claims, job: usize) -> &mut FingersOrder {
+    let Order::Fingers(order) = &mut claims.jobs[job].order else { panic!("an order of a hand") };
+    order
+}
+
+/// Straight lines of all tips, for so long, and the state at the end where it is recorded.
+#[derive(Debug, Clone)]
+pub struct Line {
+    pub duration_ns: u64,
+    pub tips_um: Vec<Point>,
+    pub state: Option<State>,
+}
+
+/// A hand while its day is written.
+#[derive(Debug, Clone)]
+pub struct Day {
+    pub order: FingersOrder,
+    pub start_um: Vec<Point>,
+    pub first: State,
+    pub lines: Vec<Vec<Line>>,
+    pub tips_um: Vec<Point>,
+    pub position_um: Point,
+    pub orientation: UnitQuaternion<f64>,
+    pub plane: Plane,
+    /// The contact of each finger, from 1; 0 for a free one.
+    pub grasp: Vec<u32>,
+    pub angle_index: i64,
+    pub effort_deg: f64,
+    pub reconfigurations: u32,
+}
+
+impl Day {
+    pub fn new(order: FingersOrder) -> Day {
+        let fingers = order.facts.fingers as usize;
+        let position_um = Point::from(order.part.position_um);
+        let home = |finger: usize| {
+            let (y, x) = (TAU * finger as f64 / fingers as f64).sin_cos();
+            position_um + Point::new(x, y, 0.0) * 31.0
+        };
+        let tips_um: Vec<Point> = (0..fingers).map(home).collect();
+        let mut day = Day {
+            order,
+            start_um: tips_um.clone(),
+            first: State::ElectrodeArray { parts: BTreeMap::new() },
+            lines: Vec::new(),
+            tips_um,
+            position_um,
+            orientation: UnitQuaternion::identity(),
+            plane: Plane::Xy,
+            grasp: vec![0; fingers],
+            angle_index: 1,
+            effort_deg: 0.0,
+            reconfigurations: 0,
+        };
+        day.first = day.state();
+        day
+    }
+
+    /// What follows another day of the same hand.
+    pub fn after(&self, order: FingersOrder) -> Day {
+        let (first, start_um) = (self.state(), self.tips_um.clone());
+        Day { order, first, start_um, lines: Vec::new(), effort_deg: 0.0, reconfigurations: 0, ..self.clone() }
+    }
+
+    fn section(&self) -> &Section {
+        self.order.part.section(self.plane).expect("an outline")
+    }
+
+    pub fn curve(&self) -> Curve {
+        Curve::of(&self.section().outline).expect("an outline")
+    }
+
+    fn axes(&self) -> [Point; 2] {
+        self.plane.axes().map(|axis| self.orientation * Point::from(axis))
+    }
+
+    pub fn state(&self) -> State {
+        let q = self.orientation.into_inner();
+        let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
+        let tip = |(tip, contact): (&Point, &u32)| (*contact > 0).then(|| [tip.x, tip.y, tip.z]);
+        State::Fingers {
+            grasp: self.grasp.clone(),
+            angle_index: self.angle_index,
+            plane: self.plane,
+            tips_um: self.tips_um.iter().zip(&self.grasp).map(tip).collect(),
+            position_um: self.position_um.into(),
+            orientation: [q.w, q.i, q.j, q.k].map(|value| value * sign),
+        }
+    }
+
+    /// Begins a step.
+    pub fn step(mut self, action: Action) -> Day {
+        self.order.steps.push(Step { action, span: Span::default() });
+        self.lines.push(Vec::new());
+        self
+    }
+
+    /// All tips go straight to where they are now.
+    pub fn line(&mut self, duration_ns: u64) {
+        let tips_um = self.tips_um.clone();
+        self.lines.last_mut().expect("a step").push(Line { duration_ns, tips_um, state: None });
+    }
+
+    /// The state is recorded.
+    pub fn record(mut self) -> Day {
+        let state = self.state();
+        self.lines.last_mut().and_then(|lines| lines.last_mut()).expect("a line").state = Some(state);
+        self
+    }
+
+    /// Where the tip on a contact is, and `out_um` farther off along the normal.
+    pub fn seat_um(&self, rolled_rad: f64, out_um: f64) -> Point {
+        let (curve, radius_um) = (self.curve(), self.order.facts.tip_radius_um);
+        let spot = curve.spot(curve.way_rolled_um(rolled_rad, radius_um));
+        let (y, x) = spot.normal_rad.sin_cos();
+        let off_um = radius_um + out_um;
+        let [first, second] = self.axes();
+        self.position_um + first * (spot.point_um[0] + x * off_um) + second * (spot.point_um[1] + y * off_um)
+    }
+
+    pub fn rolled_rad(&self, contact: u32) -> f64 {
+        f64::from(contact - 1) * self.section().step_rad
+    }
+
+    /// A free finger goes somewhere.
+    pub fn fly(mut self, finger: usize, to_um: Point) -> Day {
+        self.tips_um[finger] = to_um;
+        self.line(100 * MS);
+        self
+    }
+
+    /// A free finger comes to a contact: round the part high above it, down, in and slowly to touch.
+    pub fn come(mut self, finger: usize, contact: u32) -> Day {
+        let rolled_rad = self.rolled_rad(contact);
+        let across = self.orientation * Point::from(self.plane.normal()) * 35.0;
+        let above = self.tips_um[finger] + across;
+        let over = self.seat_um(rolled_rad, 30.0) + across;
+        self = self.fly(finger, above).fly(finger, over);
+        for out_um in [30.0, 5.0, 0.0] {
+            let to_um = self.seat_um(rolled_rad, out_um);
+            self = self.fly(finger, to_um);
+        }
+        self.grasp[finger] = contact;
+        self
+    }
+
+    /// A finger leaves along the normal.
+    pub fn go(mut self, finger: usize) -> Day {
+        let rolled_rad = self.rolled_rad(self.grasp[finger]);
+        self.grasp[finger] = 0;
+        for out_um in [5.0, 30.0] {
+            let to_um = self.seat_um(rolled_rad, out_um);
+            self = self.fly(finger, to_um);
+        }
+        self
+    }
+
+    /// What a finger that comes or goes counts.
+    pub fn counted(mut self) -> Day {
+        self.effort_deg += self.order.facts.gaiting_cost_deg;
+        self.reconfigurations += 1;
+        self
+    }
+
+    /// The part turns by a share of a step, in one line; positive turns leave contact 2 for 1.
+    pub fn turned(&mut self, start: &Day, share: f64) {
+        let turn_rad = share * self.section().step_rad;
+        let axis = Point::from(self.plane.normal());
+        self.orientation = start.orientation * UnitQuaternion::from_scaled_axis(axis * turn_rad);
+        for finger in 0..self.grasp.len() {
+            if start.grasp[finger] > 0 {
+                self.tips_um[finger] = self.seat_um(self.rolled_rad(start.grasp[finger]) - turn_rad, 0.0);
+            }
+        }
+        self.line(100 * MS);
+    }
+
+    /// The fingers roll by whole steps, each of them recorded.
+    pub fn roll(mut self, steps: i64) -> Day {
+        let count = self.section().contacts;
+        for _ in 0..steps.unsigned_abs() {
+            let (start, way) = (self.clone(), steps.signum());
+            for chord in 1..=CHORDS {
+                self.turned(&start, way as f64 * f64::from(chord) / f64::from(CHORDS));
+            }
+            for contact in self.grasp.iter_mut().filter(|contact| **contact > 0) {
+                *contact = (i64::from(*contact) - 1 - way).rem_euclid(i64::from(count)) as u32 + 1;
+            }
+            self.angle_index += way;
+            let holding = self.grasp.iter().filter(|contact| **contact > 0).count();
+            self.effort_deg += holding as f64 * 360.0 / f64::from(self.order.facts.steps_per_turn);
+            self = self.record();
+        }
+        self
+    }
+
+    /// Another turn begins, in a plane in which the fingers hold as well.
+    pub fn turn(mut self, plane: Plane) -> Day {
+        if plane != self.plane {
+            let opposite = [self.section().opposite, self.order.part.section(plane).and_then(|s| s.opposite)];
+            for contact in self.grasp.iter_mut().filter(|contact| Some(**contact) == opposite[0]) {
+                *contact = opposite[1].expect("a contact");
+            }
+        }
+        (self.plane, self.angle_index) = (plane, 1);
+        self
+    }
+
+    /// Everything moves.
+    pub fn carry(mut self, by: [f64; 3]) -> Day {
+        let by_um = Point::from(by);
+        self.tips_um.iter_mut().for_each(|tip_um| *tip_um += by_um);
+        self.position_um += by_um;
+        self.line(100 * MS);
+        self.record()
+    }
+
+    /// Nothing moves.
+    pub fn still(mut self, duration_ns: u64) -> Day {
+        self.line(duration_ns);
+        self
+    }
+
+    pub fn rotate(self, plane: Plane, steps: i64) -> Day {
+        let day = self.turn(plane);
+        let angle_rad = day.section().step_rad * steps as f64;
+        day.step(Action::Rotate { plane, steps: steps as i32, angle_rad })
+    }
+
+    pub fn both(&self) -> (Schedule, Claims) {
+        let claims = in_turn(vec![self.order.clone()]);
+        (schedule(&claims, std::slice::from_ref(self)), claims)
+    }
+}
+
+/// The schedule of these days, one after the other, with their records.
+pub fn schedule(claims: &Claims, days: &[Day]) -> Schedule {
+    let mut schedule = bare(claims);
+    let fingers = days[0].order.facts.fingers as usize;
+    for (finger, axis) in (0..fingers).flat_map(|finger| (0..AXES.len()).map(move |axis| (finger, axis))) {
+        let name = format!("hand.{}", channel(finger, axis));
+        schedule.channels.push(Channel { name, device: "hand".into(), unit: Unit::Micrometre, wire: None });
+    }
+    for (index, day) in days.iter().enumerate() {
+        run(&mut schedule, &claims.jobs[index], index, day);
+    }
+    schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+    schedule
+}
+
+fn run(schedule: &mut Schedule, job: &Job, index: usize, day: &Day) {
+    let start_ns = schedule.duration_ns;
+    let mut at_ns = start_ns;
+    let mut states = vec![TimedState { t_ns: start_ns, state: day.first.clone() }];
+    let mut tips_um = day.start_um.clone();
+    for lines in &day.lines {
+        let step_ns = at_ns;
+        for line in lines {
+            let step = schedule.steps.len() as u32;
+            let ends =
+                tips_um.iter().zip(&line.tips_um).flat_map(|(from, to)| (0..3).map(|axis| (from[axis], to[axis])));
+            for (channel, (from, to)) in ends.enumerate() {
+                let (channel, start_ns, duration_ns) = (channel as u32, at_ns, line.duration_ns);
+                schedule.actuations.push(Actuation { channel, start_ns, duration_ns, from, to, swing: None, step });
+            }
+            at_ns += line.duration_ns;
+            tips_um.clone_from(&line.tips_um);
+            states.extend(line.state.clone().map(|state| TimedState { t_ns: at_ns, state }));
+        }
+        schedule.steps.push(step_of(job, index, [step_ns, at_ns]));
+    }
+    let seconds = (at_ns - start_ns) as f64 / 1e9;
+    let (effort_deg, reconfigurations) = (day.effort_deg, f64::from(day.reconfigurations));
+    let outcomes = [("effort", effort_deg.to_radians()), ("reconfigurations", reconfigurations), ("time", seconds)];
+    schedule.plans.push(PlanRecord {
+        task: job.task.clone(),
+        device: job.device.clone(),
+        kind: Kind::Fingers,
+        planner: "joint_astar".into(),
+        objective: "effort".into(),
+        unit: "deg".into(),
+        cost: effort_deg,
+        bound: 0.0,
+        optimal: false,
+        outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).into(),
+        bounds: BTreeMap::new(),
+        start_ns,
+        duration_ns: at_ns - start_ns,
+        states,
+        remarks: Vec::new(),
+    });
+    schedule.duration_ns = at_ns;
+}

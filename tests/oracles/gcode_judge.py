@@ -1,0 +1,95 @@
+"""G-code of a hand, read by two readers: gcodeparser, whose lines are run here on a clock, and pygcode's machine."""
+
+import re
+
+import numpy
+from gcodeparser import parse_gcode_lines
+from pygcode import Line, Machine
+
+from verdict import demand
+
+# Numbers are whole nanometres.
+TOLERANCE_UM = 1e-3
+TOLERANCE_NS = 1.0
+
+
+def judge(path, schedule):
+    files = sorted(path.parent.glob(f"{path.stem}.*{path.suffix}"))
+    letters, moves = [], 0
+    for file in files:
+        text = file.read_text(encoding="ascii")
+        axes = dict(re.findall(r"^; ([A-Z]) is ([^\s,]+)", text, re.MULTILINE))
+        letters += axes.values()
+        times, places = played(text, axes, schedule.duration_ns)
+        by_pygcode(text, axes, places)
+        for letter, channel in axes.items():
+            compare(times, 1000 * places[letter], channel, schedule)
+        moves += len(times)
+    demand(sorted(letters) == sorted(schedule.channels), "some axis is in no file, or in two")
+    return f"{len(files)} files, {moves} places of {len(letters)} axes are the schedule for gcodeparser and pygcode"
+
+
+def played(text, axes, end_ns):
+    """Where each axis is, in millimetres, at the instants at which a line ends."""
+    head, lines = [], iter(parse_gcode_lines(text))
+    at, t_ns, times, places = {}, 0.0, [], {letter: [] for letter in axes}
+    for line in lines:
+        demand(line.command != ("G", 1), "it moves before it pauses")
+        head.append(line.command)
+        if line.command == ("G", 0):
+            at = {letter: line.params[letter] for letter in axes}
+        if line.command == ("M", 0):
+            break
+    demand({("G", 21), ("G", 90), ("G", 93), ("G", 61), ("G", 0)} <= set(head), f"it begins by {head}")
+    for line in lines:
+        tell(times, places, t_ns, at)
+        match line.command:
+            case ("G", 1):
+                feed = line.params.pop("F")
+                demand(line.params and set(line.params) <= set(axes), f"line {line.line_index + 1} moves other axes")
+                at |= line.params
+                t_ns += 60e9 / feed
+            case ("G", 4):
+                t_ns += line.params["P"] * 1e9
+            case ("M", 2):
+                demand(next(lines, None) is None, "it goes on after its end")
+                demand(abs(t_ns - end_ns) <= TOLERANCE_NS, f"it lasts {t_ns} ns, not {end_ns} ns")
+                return numpy.array(times), {letter: numpy.array(list_) for letter, list_ in places.items()}
+            case other:
+                demand(False, f"line {line.line_index + 1} is {other}")
+    demand(False, "it has no end")
+
+
+def tell(times, places, t_ns, at):
+    times.append(t_ns)
+    for letter, place in at.items():
+        places[letter].append(place)
+
+
+class Stages(Machine):
+    """With all axes that the dialect has."""
+
+    axes = set("XYZABCUVW")
+
+
+def by_pygcode(text, axes, places):
+    """The machine of pygcode is at the same places after each line that moves or waits."""
+    machine, found = Stages(), {letter: [] for letter in axes}
+    for line in text.splitlines():
+        machine.process_block(Line(line).block)
+        if line.startswith(("M0 ", "G1 ", "G4 ")):
+            for letter in axes:
+                found[letter].append(machine.pos.values[letter])
+    mode = str(machine.mode).split()
+    demand({"G21", "G90", "G93", "G61"} <= set(mode), f"pygcode ends in {mode}")
+    for letter in axes:
+        demand(numpy.array_equal(found[letter], places[letter]), f"pygcode has {letter} elsewhere")
+
+
+def compare(times, found_um, channel, schedule):
+    bends = schedule.instants()
+    asked = numpy.array(sorted({*bends, *(a + (b - a) // 2 for a, b in zip(bends, bends[1:]))}))
+    expected = numpy.array([schedule.value(channel, int(t_ns)) for t_ns in asked])
+    off = numpy.abs(numpy.interp(asked, times, found_um) - expected)
+    worst = off.argmax()
+    demand(off[worst] <= TOLERANCE_UM, f"{channel} is {off[worst]} um off at {asked[worst]} ns")
