@@ -192,7 +192,7 @@ pub fn solid_reaches_out(span: Span, name: &str, reach_um: f64, most_um: f64) ->
     );
     Diagnostic::new(Code::E0552, title)
         .label(span, "beyond its sections")
-        .help("round its corners, or use larger tips: they travel three of their radii outside its sections")
+        .help("round its corners, or use larger tips: they travel as far outside its sections as lets one pass another")
 }
 
 pub fn part_out_of_range(span: Span, name: &str, (axis, needed_um, range_um): (usize, f64, f64)) -> Diagnostic {

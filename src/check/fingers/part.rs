@@ -137,7 +137,9 @@ impl Reader<'_> {
     fn within_its_sections(&mut self, solid: &Solid, xy: &Section, xz: Option<&Section>, span: Span) -> Option<()> {
         let sections = std::iter::once(xy).chain(xz);
         let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
-        let most_um = reach_um.fold(0.0, f64::max) + 2.0 * self.facts.tip_radius_um + self.facts.clearance_um;
+        let facts = self.facts;
+        let sphere_um = facts.sphere_um(0, reach_um.fold(0.0, f64::max));
+        let most_um = sphere_um - facts.tip_radius_um - facts.clearance_um - facts.tolerance_um;
         if solid.reach_um <= most_um {
             return Some(());
         }
@@ -235,10 +237,9 @@ pub fn junction_fault(part: &Part, facts: &Facts) -> Option<String> {
 pub fn out_of_range(part: &Part, position_um: [f64; 3], facts: &Facts) -> Option<(usize, f64, f64)> {
     let sections = std::iter::once(&part.xy).chain(&part.xz);
     let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
-    let sphere_um = reach_um.fold(0.0, f64::max) + 3.0 * facts.tip_radius_um + 2.0 * facts.clearance_um;
-    // With more than three fingers each that is free has a sphere of its own.
-    let spheres = if facts.fingers > 3 { f64::from(facts.fingers - 1) } else { 0.0 };
-    let needed_um = sphere_um + spheres * (2.0 * facts.tip_radius_um + facts.clearance_um);
+    // The tip that is free farthest out, on its whole sphere.
+    let last = facts.fingers.saturating_sub(1) as usize;
+    let needed_um = facts.sphere_um(last, reach_um.fold(0.0, f64::max));
     (0..3).find_map(|axis| {
         let needed_um = position_um[axis].abs() + needed_um;
         (needed_um > facts.range_um[axis] * (1.0 + 1e-12)).then_some((axis, needed_um, facts.range_um[axis]))

@@ -273,12 +273,12 @@ fn tips_keep_apart() {
 
 #[test]
 fn stages_reach_round_the_part() {
-    // 16 um, three tips of 4.5 um and two clearances of 0.1 um.
-    steps("grasp bead, translate bead by (70.3 um, 0 um, 0 um)", &[]);
-    steps("grasp bead, translate bead by (70.31 um, 0 um, 0 um)", &["E0550"]);
-    steps("grasp bead, translate bead by (60 um, 0 um, 0 um), translate bead by (11 um, 0 um, 0 um)", &["E0550"]);
-    assert_codes(&program("fingers: 4", BEAD, "grasp bead, translate bead by (43 um, 0 um, 0 um)"), &[]);
-    assert_codes(&program("fingers: 4", BEAD, "grasp bead, translate bead by (43.1 um, 0 um, 0 um)"), &["E0550"]);
+    // 16 um, and 32.05 um to the sphere of the third finger; 9.15 um more to that of a fourth.
+    steps("grasp bead, translate bead by (51.94 um, 0 um, 0 um)", &[]);
+    steps("grasp bead, translate bead by (51.96 um, 0 um, 0 um)", &["E0550"]);
+    steps("grasp bead, translate bead by (41 um, 0 um, 0 um), translate bead by (11 um, 0 um, 0 um)", &["E0550"]);
+    assert_codes(&program("fingers: 4", BEAD, "grasp bead, translate bead by (42.79 um, 0 um, 0 um)"), &[]);
+    assert_codes(&program("fingers: 4", BEAD, "grasp bead, translate bead by (42.81 um, 0 um, 0 um)"), &["E0550"]);
 }
 
 #[test]
