@@ -15,7 +15,8 @@ fn angle(rad: f64) -> String {
 
 /// A length of at most five digits for a message.
 fn length(um: f64) -> String {
-    let um: f64 = format!("{um:.4e}").parse().unwrap_or(um);
+    // What rounding left of a difference is no length.
+    let um: f64 = if um.abs() < 1e-7 { 0.0 } else { format!("{um:.4e}").parse().unwrap_or(um) };
     Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
 }
 

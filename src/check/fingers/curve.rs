@@ -15,7 +15,7 @@ use std::rc::Rc;
 pub const SAMPLES: usize = 1024;
 
 /// The name of the angle.
-const ANGLE_NAME: &str = "t";
+pub const ANGLE_NAME: &str = "t";
 
 impl Checker<'_> {
     /// The lengths of a curve; `None` after an error.
