@@ -72,9 +72,9 @@ impl Why<'_> {
         let route = &planned.routes[blocked.route];
         let leg = route[blocked.leg];
         let next = route.get(blocked.leg + 1).filter(|next| next.turn.plane != leg.turn.plane);
-        let title = match blocked.begins {
-            0 => format!("{} cannot begin: its first grasp does not hold", self.what()),
-            _ => format!("no sequence of stable grasps carries out {}", self.what()),
+        let title = match blocked.farthest {
+            None => format!("{} cannot begin: its first grasp does not hold", self.what()),
+            Some(_) => format!("no sequence of stable grasps carries out {}", self.what()),
         };
         Diagnostic::new(Code::E0601, title)
             .label(self.span(), self.told(blocked, leg, next))
@@ -89,7 +89,7 @@ impl Why<'_> {
         let junction = next.map(|next| {
             format!("between it and the turn about {} two fingers must hold contacts {i} and {j}", axis(next.turn.plane))
         });
-        if blocked.begins == 0 {
+        if blocked.farthest.is_none() {
             return "what it must begin with lets go, or lets no finger come near enough".to_owned();
         }
         if blocked.ends == 0 {
@@ -100,8 +100,7 @@ impl Why<'_> {
             Some(angle) if angle != leg.turn.steps => {
                 format!("of {} deg it comes {} deg far", degrees(leg.turn.steps), degrees(angle))
             }
-            Some(_) => format!("it comes round with {} grasps, none of which is one that it may end with", blocked.arrives),
-            None => "it does not begin".to_owned(),
+            Some(_) | None => "it comes round, but with no grasp that it may end with".to_owned(),
         };
         junction.map_or(reached.clone(), |junction| format!("{reached}; {junction}"))
     }
