@@ -57,7 +57,15 @@ pub fn of(shape: &ShapeValue, span: Span) -> Told<Solid> {
         Form::Profile if shape.fields.contains_key("points") => field("points"),
         Form::Profile => field("x"),
         Form::Mesh => field("file"),
-        _ => field("axes"),
+        Form::Ellipsoid
+        | Form::Superellipsoid
+        | Form::Sections
+        | Form::Disc
+        | Form::Box
+        | Form::Polygon
+        | Form::Capsule
+        | Form::Cells
+        | Form::Layout => field("axes"),
     };
     for outline in std::iter::once(&solid.xy).chain(&solid.xz) {
         Curve::of(outline).map_err(|fault| Box::new(told(&fault, outline, size)))?;

@@ -25,8 +25,7 @@ pub fn run(file: &Path, arguments: &DevicesArguments) -> Exit {
     let checked = compile::check(&loaded.program(), &mut sources, &mut sink);
     terminal::report(&sink, &sources, arguments.report.format);
     let Some(checked) = checked else { return Exit::Errors };
-    let devices: Vec<String> =
-        checked.devices.iter().map(|(name, facts)| told(name, facts, &checked.claims)).collect();
+    let devices: Vec<String> = checked.devices.iter().map(|(name, facts)| told(name, facts, &checked.claims)).collect();
     terminal::answer(&if devices.is_empty() {
         format!("{} declares no device\n", loaded.name())
     } else {
