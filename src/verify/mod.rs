@@ -23,6 +23,7 @@ mod premise;
 mod record;
 mod rule;
 
+pub use fingers::forces as finger_forces;
 pub use rule::{MAX_VIOLATIONS, Rule, Violation};
 
 use crate::check::claims::{Claims, Order};
