@@ -28,7 +28,7 @@ const SIGHT: &[(&str, &[&str])] = &[
 ];
 
 /// The kinds of device; each has the same file name in every stage.
-const KINDS: [&str; 4] = ["dimibot", "electrode_array", "microrobots", "fingers"];
+const KINDS: [&str; 4] = ["dimibot", "electrode_array", "fingers", "microrobots"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

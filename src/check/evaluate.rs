@@ -1,5 +1,6 @@
 //! Expressions to values: every operator and function checked for the dimensions of its operands.
 
+use super::fingers::ANGLE_NAME;
 use super::scope::{DeclarationSort, Scope, nearest, path_text};
 use super::value::{ModuleWord, PoseValue, TableValue, Value, whole};
 use super::{Checker, errors, functions};
@@ -283,9 +284,13 @@ impl Checker<'_> {
 
     /// Evaluates fields whose owner is unknown, so that their own mistakes are still told.
     pub fn read_for_errors(&mut self, fields: &[Field], scope: &Scope) {
+        let mut scope = scope.clone();
         for field in fields {
             if !matches!(field.value.kind, ExprKind::Path(_)) {
-                self.evaluate(&field.value, scope);
+                // It may be meant as a curve, whose angle has a name.
+                let angle = Ident { text: ANGLE_NAME.to_owned(), span: field.value.span };
+                let unknown = Spanned::new(Value::Unknown, field.value.span);
+                scope.with(&angle, unknown, |scope| self.evaluate(&field.value, scope));
             }
         }
     }

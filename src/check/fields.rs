@@ -269,20 +269,10 @@ pub fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(
             }),
             _ => wrong("a list of cells and places", "[(3, 9), (12, 4)]"),
         },
-        Sort::Cell => {
-            if is_point(value, Dimension::NUMBER) {
-                Ok(())
-            } else {
-                wrong("a cell", "(20, 23)")
-            }
-        }
-        Sort::Size => {
-            if is_point(value, Dimension::LENGTH) {
-                Ok(())
-            } else {
-                wrong("a width and a height", "(4 um, 0.5 um)")
-            }
-        }
+        Sort::Cell if is_point(value, Dimension::NUMBER) => Ok(()),
+        Sort::Cell => wrong("a cell", "(20, 23)"),
+        Sort::Size if is_point(value, Dimension::LENGTH) => Ok(()),
+        Sort::Size => wrong("a width and a height", "(4 um, 0.5 um)"),
         Sort::Places => match value {
             Value::List(list) => list.iter().try_for_each(|element| match &element.value {
                 Value::Unknown => Ok(()),

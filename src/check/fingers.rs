@@ -10,5 +10,9 @@ mod steps;
 mod walk;
 
 pub use bench::Bench;
+pub use curve::ANGLE_NAME;
 pub use facts::facts;
 pub use walk::hands_agree;
+
+#[cfg(test)]
+mod tests;

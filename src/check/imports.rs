@@ -1,7 +1,7 @@
 //! The files of a program: its own, those it uses, those they use.
 
-use super::{errors, meshes};
 use super::scope::{Import, Module, Origin};
+use super::{errors, meshes};
 use crate::diagnostic::Sink;
 use crate::source::{FileId, Sources, Span};
 use crate::stdlib;

@@ -11,7 +11,7 @@ use crate::device::Kind;
 use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Entry, Expr, ExprKind, Item};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How many runs and waits one schedule may hold.
 pub const MAX_RUNS: usize = 10_000;
@@ -452,7 +452,7 @@ enum ParameterSort {
 /// The nouns that a parameter can stand for: what a device handles, not what is in its way.
 fn object_nouns() -> impl Iterator<Item = &'static str> {
     let nouns = Kind::ALL.iter().flat_map(|kind| kind.vocabulary().nouns).map(|noun| noun.name);
-    nouns.filter(|noun| *noun != "obstacle")
+    nouns.filter(|noun| *noun != "obstacle").collect::<BTreeSet<_>>().into_iter()
 }
 
 impl ParameterSort {

@@ -10,21 +10,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The functions of the language.
-pub const FUNCTIONS: &[&str] = &[
-    "abs",
-    "min",
-    "max",
-    "round",
-    "floor",
-    "sqrt",
-    "sin",
-    "cos",
-    "atan2",
-    "count",
-    "pose",
-    "euler",
-    "quaternion",
-];
+pub const FUNCTIONS: &[&str] =
+    &["abs", "min", "max", "round", "floor", "sqrt", "sin", "cos", "atan2", "count", "pose", "euler", "quaternion"];
 
 /// A file with what it declares and which files it uses.
 #[derive(Debug)]

@@ -18,12 +18,9 @@ pub const MAX_CORNERS: usize = 2_000;
 pub fn impossible(shape: &ShapeValue, span: Span) -> Option<Diagnostic> {
     match shape.form {
         Form::Disc | Form::Capsule | Form::Cells | Form::Layout => None,
-        Form::Ellipsoid
-        | Form::Superellipsoid
-        | Form::RoundedBox
-        | Form::Profile
-        | Form::Sections
-        | Form::Mesh => solid::of(shape, span).err().map(|wrong| *wrong),
+        Form::Ellipsoid | Form::Superellipsoid | Form::RoundedBox | Form::Profile | Form::Sections | Form::Mesh => {
+            solid::of(shape, span).err().map(|wrong| *wrong)
+        }
         Form::Box => {
             let at = field_span(shape, "size", span);
             let is_flat = size_um(shape).iter().any(|side| *side <= 0.0);

@@ -184,7 +184,9 @@ impl Checker<'_> {
                 is_whole = false;
                 continue;
             };
-            if let Some(earlier) = seen.insert(name, phrase.preposition.span).filter(|_| entry.count != Count::AnyNumber) {
+            if let Some(earlier) =
+                seen.insert(name, phrase.preposition.span).filter(|_| entry.count != Count::AnyNumber)
+            {
                 self.sink.push(errors::preposition_twice(&phrase.preposition, earlier, verb));
                 is_whole = false;
             }

@@ -1,6 +1,7 @@
 //! `tweeze devices`: the kinds, what one of them offers, the devices of a program, and tables that a lab might build.
 
 mod beds;
+mod hands;
 mod program;
 mod vocabulary;
 

@@ -208,3 +208,6 @@ fn take_back(done: Vec<Replaced>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -43,12 +43,9 @@ impl Form {
     /// Whether it is a shape of something that fingers turn.
     pub fn is_of_space(self) -> bool {
         match self {
-            Form::Ellipsoid
-            | Form::Superellipsoid
-            | Form::RoundedBox
-            | Form::Profile
-            | Form::Sections
-            | Form::Mesh => true,
+            Form::Ellipsoid | Form::Superellipsoid | Form::RoundedBox | Form::Profile | Form::Sections | Form::Mesh => {
+                true
+            }
             Form::Disc | Form::Box | Form::Polygon | Form::Capsule | Form::Cells | Form::Layout => false,
         }
     }
@@ -184,7 +181,12 @@ const ROUNDED_BOX: [Field; 3] = [
     MATERIAL,
 ];
 const PROFILE: [Field; 3] = [
-    optional("points", Sort::Places, "`x` and `y`", "four points or more of the outline, in order round it, not crossing"),
+    optional(
+        "points",
+        Sort::Places,
+        "`x` and `y`",
+        "four points or more of the outline, in order round it, not crossing",
+    ),
     optional("x", Sort::Curve, "`points`", "along x, as an expression of the angle `t`: `16 um * cos(t)`"),
     optional("y", Sort::Curve, "`points`", "along y, as an expression of the angle `t`: `12 um * sin(t)`"),
 ];

@@ -15,7 +15,8 @@ fn angle(rad: f64) -> String {
 
 /// A length of at most five digits for a message.
 fn length(um: f64) -> String {
-    let um: f64 = format!("{um:.4e}").parse().unwrap_or(um);
+    // What rounding left of a difference is no length.
+    let um: f64 = if um.abs() < 1e-7 { 0.0 } else { format!("{um:.4e}").parse().unwrap_or(um) };
     Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
 }
 
@@ -70,7 +71,8 @@ pub fn step_divides_no_turn(step: Quantity) -> Diagnostic {
 }
 
 pub fn step_out_of_limits(step: Quantity, steps: f64, [least, most]: [u32; 2]) -> Diagnostic {
-    let title = format!("a rotation step of {step} makes {} of a full turn, {least} to {most} are planned with", digits(steps));
+    let title =
+        format!("a rotation step of {step} makes {} of a full turn, {least} to {most} are planned with", digits(steps));
     Diagnostic::new(Code::E0425, title).help("write a step from 1 deg to 90 deg, as `20 deg`")
 }
 
@@ -155,13 +157,23 @@ impl Tipped<'_> {
 }
 
 pub fn too_many_contacts(span: Span, name: &str, plane: Plane, found: f64, most: u32) -> Diagnostic {
-    let title = format!("`{name}` has {} contacts in the plane {}, at most {most} are planned with", digits(found.round()), plane.name());
+    let title = format!(
+        "`{name}` has {} contacts in the plane {}, at most {most} are planned with",
+        digits(found.round()),
+        plane.name()
+    );
     Diagnostic::new(Code::E0541, title)
         .label(span, "too large for these tips and this step")
         .help("make `step` larger, or the tips: there are (360 deg + perimeter / tip radius) / step contacts")
 }
 
-pub fn tip_in_solid(span: Span, name: &str, (contact, plane): (u32, Plane), depth_um: f64, tolerance_um: f64) -> Diagnostic {
+pub fn tip_in_solid(
+    span: Span,
+    name: &str,
+    (contact, plane): (u32, Plane),
+    depth_um: f64,
+    tolerance_um: f64,
+) -> Diagnostic {
     let title = format!(
         "a tip at contact {contact} in the plane {} would stand {} deep in `{name}`, {} is allowed",
         plane.name(),
@@ -181,15 +193,17 @@ pub fn solid_reaches_out(span: Span, name: &str, reach_um: f64, most_um: f64) ->
     );
     Diagnostic::new(Code::E0552, title)
         .label(span, "beyond its sections")
-        .help("round its corners, or use larger tips: they travel three of their radii outside its sections")
+        .help("round its corners, or use larger tips: they travel as far outside its sections as lets one pass another")
 }
 
 pub fn part_out_of_range(span: Span, name: &str, (axis, needed_um, range_um): (usize, f64, f64)) -> Diagnostic {
     let axis = crate::device::fingers::AXES[axis];
-    let title = format!("tips round `{name}` go to {} along {axis}, the stages reach {}", length(needed_um), length(range_um));
-    Diagnostic::new(Code::E0550, title)
-        .label(span, "out of range")
-        .help(format!("stay nearer to the hand's origin, or give `range` at least {} there", length(rounded_up(needed_um))))
+    let title =
+        format!("tips round `{name}` go to {} along {axis}, the stages reach {}", length(needed_um), length(range_um));
+    Diagnostic::new(Code::E0550, title).label(span, "out of range").help(format!(
+        "stay nearer to the hand's origin, or give `range` at least {} there",
+        length(rounded_up(needed_um))
+    ))
 }
 
 pub fn two_parts(first: (&str, Span), second: (&str, Span)) -> Diagnostic {
@@ -226,7 +240,10 @@ pub fn no_whole_steps(span: Span, asked_rad: f64, step_rad: f64, precision_rad: 
     );
     Diagnostic::new(Code::E0543, title)
         .label(span, format!("no whole number of steps within {}", angle(precision_rad)))
-        .help(format!("write one of these angles, or `precision: {} deg` among the settings", digits(rounded_up(off_deg))))
+        .help(format!(
+            "write one of these angles, or `precision: {} deg` among the settings",
+            digits(rounded_up(off_deg))
+        ))
 }
 
 pub fn turn_too_far(span: Span, asked_rad: f64) -> Diagnostic {
@@ -246,9 +263,10 @@ pub enum Asked {
 pub fn orientation_missed(span: Span, asked: Asked, off_rad: f64, precision_rad: f64) -> Diagnostic {
     let (what, mend) = match asked {
         Asked::Orientation => ("orientation", "angles that are whole steps"),
-        Asked::TurnAboutX => {
-            ("turn about x", "a `step` that divides 90 deg and the angle: the part is turned by 90 deg about z, and back after the turn about y")
-        }
+        Asked::TurnAboutX => (
+            "turn about x",
+            "a `step` that divides 90 deg and the angle: the part is turned by 90 deg about z, and back after the turn about y",
+        ),
     };
     let title = format!(
         "whole steps come no nearer to this {what} than {}, the precision is {}",
@@ -293,14 +311,19 @@ pub fn bad_grasp(span: Span, what: String, help: String) -> Diagnostic {
 }
 
 pub fn tips_too_near(span: Span, (one, other): (u32, u32), distance_um: f64, least_um: f64) -> Diagnostic {
-    let title = format!("tips at the contacts {one} and {other} are {} apart, {} is needed", length(distance_um), length(least_um));
+    let title = format!(
+        "tips at the contacts {one} and {other} are {} apart, {} is needed",
+        length(distance_um),
+        length(least_um)
+    );
     Diagnostic::new(Code::E0547, title)
         .label(span, "too near to each other")
         .help("take contacts further apart: that is twice `tip_radius`, and `clearance`")
 }
 
 pub fn nothing_held(span: Span, what: &str, released: Option<Span>) -> Diagnostic {
-    let diagnostic = Diagnostic::new(Code::E0548, format!("`{what}` where no finger holds the part")).label(span, "not held");
+    let diagnostic =
+        Diagnostic::new(Code::E0548, format!("`{what}` where no finger holds the part")).label(span, "not held");
     match released {
         Some(released) => diagnostic.label(released, "released here"),
         None => diagnostic,

@@ -46,7 +46,8 @@ impl Checker<'_> {
 fn judged(scene: &Scene, device: &Device, facts: &Facts, sink: &mut Sink) -> Bench {
     if let Some(crowd) = scene.crowd(&[("part", MAX_PARTS)]) {
         sink.push(crowd);
-        let broken = scene.objects.iter().map(|object| (object.name.clone(), Lying { judged: None, span: object.span }));
+        let broken =
+            scene.objects.iter().map(|object| (object.name.clone(), Lying { judged: None, span: object.span }));
         return Bench { parts: Rc::new(broken.collect()) };
     }
     let mut parts = BTreeMap::new();

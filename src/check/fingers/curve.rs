@@ -15,14 +15,15 @@ use std::rc::Rc;
 pub const SAMPLES: usize = 1024;
 
 /// The name of the angle.
-const ANGLE_NAME: &str = "t";
+pub const ANGLE_NAME: &str = "t";
 
 impl Checker<'_> {
     /// The lengths of a curve; `None` after an error.
     pub fn accept_curve(&mut self, expr: &Expr, scope: &Scope, wanted: &Wanted) -> Option<Value> {
         // Names of other sorts stand in no expression.
         let own = self.modules[scope.module].names.get(ANGLE_NAME);
-        let value = own.filter(|declaration| declaration.sort == DeclarationSort::Let).map(|declaration| declaration.span);
+        let value =
+            own.filter(|declaration| declaration.sort == DeclarationSort::Let).map(|declaration| declaration.span);
         if let Some(earlier) = scope.local(ANGLE_NAME).map(|local| local.span).or(value) {
             self.sink.push(errors::angle_name_taken(expr.span, earlier));
             return None;

@@ -70,14 +70,8 @@ impl Reader<'_> {
         self.within_its_sections(&solid, &xy, xz.as_ref(), shape.span)?;
         self.clear_of_surface(&solid, &xy, Plane::Xy, shape.span)?;
         xz.as_ref().map_or(Some(()), |xz| self.clear_of_surface(&solid, xz, Plane::Xz, shape.span))?;
-        let part = Part {
-            name: object.name.clone(),
-            xy,
-            xz,
-            centre_um: solid.centre_um,
-            position_um,
-            span: object.span,
-        };
+        let part =
+            Part { name: object.name.clone(), xy, xz, centre_um: solid.centre_um, position_um, span: object.span };
         if let Some(wrong) = out_of_range(&part, position_um, self.facts) {
             let at = object.at.as_ref().map_or(object.span, |at| at.span);
             let told = errors::part_out_of_range(at, &part.name, wrong);
@@ -143,7 +137,9 @@ impl Reader<'_> {
     fn within_its_sections(&mut self, solid: &Solid, xy: &Section, xz: Option<&Section>, span: Span) -> Option<()> {
         let sections = std::iter::once(xy).chain(xz);
         let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
-        let most_um = reach_um.fold(0.0, f64::max) + 2.0 * self.facts.tip_radius_um + self.facts.clearance_um;
+        let facts = self.facts;
+        let sphere_um = facts.sphere_um(0, reach_um.fold(0.0, f64::max));
+        let most_um = sphere_um - facts.tip_radius_um - facts.clearance_um - facts.tolerance_um;
         if solid.reach_um <= most_um {
             return Some(());
         }
@@ -180,7 +176,9 @@ fn contacts(curve: &Curve, facts: &Facts) -> (f64, Option<u32>) {
 fn hollow(curve: &Curve) -> [f64; 2] {
     let ways = (0..LOOKS).map(|look| curve.perimeter_um() * look as f64 / LOOKS as f64);
     let spots = ways.map(|way| curve.spot(way));
-    spots.min_by(|one, other| one.curvature_per_um.total_cmp(&other.curvature_per_um)).map_or([0.0; 2], |spot| spot.point_um)
+    spots
+        .min_by(|one, other| one.curvature_per_um.total_cmp(&other.curvature_per_um))
+        .map_or([0.0; 2], |spot| spot.point_um)
 }
 
 /// Where the centre of a tip is that touches a contact, in the plane's coordinates, and the outward normal there.
@@ -239,10 +237,9 @@ pub fn junction_fault(part: &Part, facts: &Facts) -> Option<String> {
 pub fn out_of_range(part: &Part, position_um: [f64; 3], facts: &Facts) -> Option<(usize, f64, f64)> {
     let sections = std::iter::once(&part.xy).chain(&part.xz);
     let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
-    let sphere_um = reach_um.fold(0.0, f64::max) + 3.0 * facts.tip_radius_um + 2.0 * facts.clearance_um;
-    // With more than three fingers each that is free has a sphere of its own.
-    let spheres = if facts.fingers > 3 { f64::from(facts.fingers - 1) } else { 0.0 };
-    let needed_um = sphere_um + spheres * (2.0 * facts.tip_radius_um + facts.clearance_um);
+    // The tip that is free farthest out, on its whole sphere.
+    let last = facts.fingers.saturating_sub(1) as usize;
+    let needed_um = facts.sphere_um(last, reach_um.fold(0.0, f64::max));
     (0..3).find_map(|axis| {
         let needed_um = position_um[axis].abs() + needed_um;
         (needed_um > facts.range_um[axis] * (1.0 + 1e-12)).then_some((axis, needed_um, facts.range_um[axis]))

@@ -57,7 +57,15 @@ pub fn of(shape: &ShapeValue, span: Span) -> Told<Solid> {
         Form::Profile if shape.fields.contains_key("points") => field("points"),
         Form::Profile => field("x"),
         Form::Mesh => field("file"),
-        _ => field("axes"),
+        Form::Ellipsoid
+        | Form::Superellipsoid
+        | Form::Sections
+        | Form::Disc
+        | Form::Box
+        | Form::Polygon
+        | Form::Capsule
+        | Form::Cells
+        | Form::Layout => field("axes"),
     };
     for outline in std::iter::once(&solid.xy).chain(&solid.xz) {
         Curve::of(outline).map_err(|fault| Box::new(told(&fault, outline, size)))?;
@@ -99,7 +107,12 @@ fn superellipsoid(shape: &ShapeValue) -> Told<Solid> {
     if let Some(field) = given
         && !(EXPONENTS[0]..=EXPONENTS[1]).contains(&exponent)
     {
-        let what = format!("a superellipsoid of the exponent {}, from {} to {} are taken", digits(exponent), EXPONENTS[0], EXPONENTS[1]);
+        let what = format!(
+            "a superellipsoid of the exponent {}, from {} to {} are taken",
+            digits(exponent),
+            EXPONENTS[0],
+            EXPONENTS[1]
+        );
         let help = "2 makes an ellipsoid; for flatter flanks take a `rounded_box`";
         return Err(Box::new(errors::bad_shape(field.span, &what, "out of its range", help)));
     }
@@ -131,7 +144,7 @@ fn log_gamma(x: f64) -> f64 {
 }
 
 /// How far a superellipsoid reaches, by Lagrange's condition.
-fn super_reach(axes: [f64; 3], n: f64) -> f64 {
+pub(super) fn super_reach(axes: [f64; 3], n: f64) -> f64 {
     let greatest = axes.into_iter().fold(0.0, f64::max);
     if n - 2.0 < 1e-3 {
         return greatest;
@@ -259,7 +272,12 @@ fn profile(shape: &ShapeValue, plane: Plane, span: Span) -> Told<Outline> {
         }
         (None, _, _) => {
             let help = "write `profile { points: [(9 um, 0 um), (0 um, 5 um), …] }`, or `profile { x: 9 um * cos(t), y: 5 um * sin(t) }`";
-            return Err(Box::new(errors::bad_shape(span, "a profile lacks its outline", "no `points`, and not both `x` and `y`", help)));
+            return Err(Box::new(errors::bad_shape(
+                span,
+                "a profile lacks its outline",
+                "no `points`, and not both `x` and `y`",
+                help,
+            )));
         }
     };
     let mut points_um: Vec<[f64; 2]> = match plane {
@@ -293,14 +311,19 @@ fn too_many(count: usize, span: Span) -> Diagnostic {
 fn told(fault: &OutlineError, outline: &Outline, span: Span) -> Diagnostic {
     let point = |[x, y]: [f64; 2]| format!("({} um, {} um)", digits(x), digits(y));
     let place = |index: usize| match outline {
-        Outline::Spline { points_um } => points_um.get(index).map_or(String::new(), |at| format!(" near {}", point(*at))),
+        Outline::Spline { points_um } => {
+            points_um.get(index).map_or(String::new(), |at| format!(" near {}", point(*at)))
+        }
         Outline::Ellipse { .. } | Outline::Superellipse { .. } | Outline::RoundedRectangle { .. } => String::new(),
     };
     let in_order = "give the points in order round the outline";
     match fault {
-        OutlineError::Number => {
-            errors::bad_shape(span, "an outline too large or too small to follow", "1 nm to 1 m are taken", "check its units")
-        }
+        OutlineError::Number => errors::bad_shape(
+            span,
+            "an outline too large or too small to follow",
+            "1 nm to 1 m are taken",
+            "check its units",
+        ),
         OutlineError::TooFewPoints(count) => {
             let what = format!("an outline of {count} points, at least {MIN_POINTS} are needed");
             errors::bad_shape(span, &what, "too few points", "a smooth curve is laid through them: give some more")
@@ -320,11 +343,21 @@ fn told(fault: &OutlineError, outline: &Outline, span: Span) -> Diagnostic {
         }
         OutlineError::Rough { point_um } => {
             let what = format!("an outline with a corner near {}", point(*point_um));
-            errors::bad_shape(span, &what, "tips roll on smooth outlines", "round it: let neighbouring points turn by less")
+            errors::bad_shape(
+                span,
+                &what,
+                "tips roll on smooth outlines",
+                "round it: let neighbouring points turn by less",
+            )
         }
         OutlineError::OffOrigin => {
             let why = "the x axis must meet it on both sides of the origin";
-            errors::bad_shape(span, "an outline that does not lie round its origin", why, "move its points until the origin is inside")
+            errors::bad_shape(
+                span,
+                "an outline that does not lie round its origin",
+                why,
+                "move its points until the origin is inside",
+            )
         }
     }
 }

@@ -147,7 +147,9 @@ fn planes_of(step: &tasks::Step, part: &Part) -> Option<Vec<Plane>> {
     match (call.verb.name, phrase(call, "about").map(|about| &about.value)) {
         ("rotate", Some(Value::Text(axis))) if axis == "z" => Some(vec![Plane::Xy]),
         ("rotate", Some(Value::Text(axis))) if axis == "y" => Some(vec![Plane::Xz]),
-        ("rotate" | "orient", _) => Some(Plane::ALL.into_iter().filter(|plane| part.section(*plane).is_some()).collect()),
+        ("rotate" | "orient", _) => {
+            Some(Plane::ALL.into_iter().filter(|plane| part.section(*plane).is_some()).collect())
+        }
         _ => None,
     }
 }
@@ -225,7 +227,12 @@ impl Judge<'_> {
     fn release(&mut self, span: Span) -> Option<Action> {
         let needed_un = self.facts.removal_safety * self.facts.sticking_un();
         if self.facts.support_un < needed_un * (1.0 - 1e-12) {
-            self.sink.push(errors::sticks(span, needed_un, self.facts.support_un, (self.facts.pull_off_un, self.facts.removal_safety)));
+            self.sink.push(errors::sticks(
+                span,
+                needed_un,
+                self.facts.support_un,
+                (self.facts.pull_off_un, self.facts.removal_safety),
+            ));
             return None;
         }
         Some(Action::Release)
@@ -247,15 +254,22 @@ impl Judge<'_> {
         let numbers = numbers(&argument.value)?;
         if numbers.len() > fingers {
             let what = format!("a grasp of {} fingers, the hand has {fingers}", numbers.len());
-            return self.wrong(errors::bad_grasp(argument.span, what, "write a number for each finger, 0 for a free one".to_owned()), argument);
+            return self.wrong(
+                errors::bad_grasp(argument.span, what, "write a number for each finger, 0 for a free one".to_owned()),
+                argument,
+            );
         }
         let mut contacts = Vec::with_capacity(fingers);
         for number in numbers {
-            let most = planes.iter().filter_map(|plane| self.part.section(*plane)).map(|section| section.contacts).min()?;
+            let most =
+                planes.iter().filter_map(|plane| self.part.section(*plane)).map(|section| section.contacts).min()?;
             let whole = whole(number).and_then(|number| u32::try_from(number).ok()).filter(|number| *number <= most);
             let Some(contact) = whole else {
                 let plane = planes.first()?.name();
-                let what = format!("contact {number}, the contacts of `{}` in the plane {plane} are 1 to {most}", self.part.name);
+                let what = format!(
+                    "contact {number}, the contacts of `{}` in the plane {plane} are 1 to {most}",
+                    self.part.name
+                );
                 let help = "write such a number, or 0 for a finger that is free".to_owned();
                 return self.wrong(errors::bad_grasp(argument.span, what, help), argument);
             };

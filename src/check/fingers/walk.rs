@@ -157,7 +157,8 @@ impl Hand {
             return Err(Box::new(errors::orientation_missed(at, asked, best_rad, precision_rad)));
         }
         if let Some(why) = &self.junction_fault {
-            let planes = |turns: &[Turn]| turns.iter().map(|turn| turn.plane).chain(self.planes.iter().copied()).collect();
+            let planes =
+                |turns: &[Turn]| turns.iter().map(|turn| turn.plane).chain(self.planes.iter().copied()).collect();
             ways.retain(|way| BTreeSet::<Plane>::len(&planes(&way.turns)) <= 1);
             if ways.is_empty() {
                 return Err(Box::new(errors::no_junction(at, &self.part.name, why, self.part.span)));

@@ -1,7 +1,8 @@
 //! The devices of a program, with what follows from their figures.
 
-use super::beds;
+use super::{beds, hands};
 use crate::check::Options;
+use crate::check::claims::Claims;
 use crate::check::devices::Facts;
 use crate::cli::arguments::DevicesArguments;
 use crate::cli::loaded::Loaded;
@@ -24,7 +25,7 @@ pub fn run(file: &Path, arguments: &DevicesArguments) -> Exit {
     let checked = compile::check(&loaded.program(), &mut sources, &mut sink);
     terminal::report(&sink, &sources, arguments.report.format);
     let Some(checked) = checked else { return Exit::Errors };
-    let devices: Vec<String> = checked.devices.iter().map(|(name, facts)| told(name, facts)).collect();
+    let devices: Vec<String> = checked.devices.iter().map(|(name, facts)| told(name, facts, &checked.claims)).collect();
     terminal::answer(&if devices.is_empty() {
         format!("{} declares no device\n", loaded.name())
     } else {
@@ -32,7 +33,7 @@ pub fn run(file: &Path, arguments: &DevicesArguments) -> Exit {
     })
 }
 
-fn told(name: &str, facts: &Facts) -> String {
+fn told(name: &str, facts: &Facts, claims: &[Claims]) -> String {
     match facts {
         Facts::Dimibot(facts) => {
             let [left, right] = Side::BOTH.map(|side| facts.modules(side));
@@ -44,10 +45,7 @@ fn told(name: &str, facts: &Facts) -> String {
             format!("{name}: electrode_array, {columns} x {rows} electrodes {pitch} apart\n")
         }
         Facts::Microrobots(bed) => beds::told(name, bed),
-        Facts::Fingers(facts) => {
-            let (fingers, tip) = (facts.fingers, length(facts.tip_radius_um));
-            format!("{name}: fingers, {fingers} with tips of {tip} radius\n")
-        }
+        Facts::Fingers(facts) => hands::told(name, facts, claims),
     }
 }
 

@@ -18,10 +18,18 @@ impl fmt::Display for MeshError {
             }
             MeshError::ZeroArea { triangle } => write!(f, "has a triangle without area, number {}", triangle + 1),
             MeshError::Open { edges, at_um } => {
-                write!(f, "is not closed: {edges} edges have a triangle on one side only, one of them at {}", place(at_um))
+                write!(
+                    f,
+                    "is not closed: {edges} edges have a triangle on one side only, one of them at {}",
+                    place(at_um)
+                )
             }
             MeshError::Tangled { edges, at_um } => {
-                write!(f, "is no simple surface: {edges} edges do not have two triangles that face one way, one of them at {}", place(at_um))
+                write!(
+                    f,
+                    "is no simple surface: {edges} edges do not have two triangles that face one way, one of them at {}",
+                    place(at_um)
+                )
             }
             MeshError::NoVolume => f.write_str("encloses no volume"),
             MeshError::NoSection => f.write_str("does not meet it"),

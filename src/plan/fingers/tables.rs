@@ -51,7 +51,7 @@ impl Bits {
             let high = if shift == 0 { 0 } else { self.words.get(word + k + 1).map_or(0, |word| word << (64 - shift)) };
             *bits = low | high;
         }
-        if length % 64 > 0 {
+        if !length.is_multiple_of(64) {
             row[length / 64] &= (1 << (length % 64)) - 1;
         }
     }

@@ -111,9 +111,9 @@ impl<'a> Statics<'a> {
             let room = facts.friction * sticking - share;
             for sign in [1.0, -1.0] {
                 let cone = [(tangential, sign), (normal, -facts.friction), (depth, 1.0)];
-                problem.add_constraint(&cone, ComparisonOp::Le, room);
+                problem.add_constraint(cone, ComparisonOp::Le, room);
             }
-            problem.add_constraint(&[(normal, 1.0), (depth, 1.0)], ComparisonOp::Le, most);
+            problem.add_constraint([(normal, 1.0), (depth, 1.0)], ComparisonOp::Le, most);
             Bearing { normal, tangential }
         };
         touches.iter().map(bearing).collect()
