@@ -56,6 +56,11 @@ impl Bits {
         }
     }
 
+    /// Drops the numbers that another set of the same size does not have.
+    pub fn keep(&mut self, other: &Bits) {
+        self.words.iter_mut().zip(&other.words).for_each(|(word, other)| *word &= other);
+    }
+
     /// Its words, 64 numbers each, the lowest bit first.
     pub fn words(&self) -> &[u64] {
         &self.words

@@ -60,9 +60,12 @@ impl<'a> Statics<'a> {
         Statics { order, load_un: [x, y], across_un: z.abs(), centre_um: [first, second], reach_um }
     }
 
-    /// Whether contacts hold the part by themselves.
+    /// Whether contacts hold the part by themselves. Tips that only push must do so without the load too: a part that merely rests
+    /// on them is not held.
     pub fn holds(&self, touches: &[Touch]) -> bool {
-        self.margin(touches, None).is_some_and(|margin| margin >= -TOLERANCE)
+        let holds = |statics: &Statics| statics.margin(touches, None).is_some_and(|margin| margin >= -TOLERANCE);
+        let sticks = self.order.facts.sticking_un() > 0.0;
+        holds(self) && (sticks || holds(&Statics { load_un: [0.0; 2], across_un: 0.0, ..*self }))
     }
 
     /// Whether contacts hold the part while a finger is pulled off elsewhere.

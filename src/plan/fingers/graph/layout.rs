@@ -6,7 +6,6 @@
 /// The sets of two or three fingers, pairs first, each kind in lexicographic order.
 #[derive(Debug, Clone)]
 pub struct Sets {
-    pub fingers: usize,
     members: Vec<Vec<usize>>,
     /// For each pair the triples with a finger more, and the place of that finger.
     wider: Vec<Vec<(u8, usize)>>,
@@ -42,7 +41,7 @@ impl Sets {
                 .collect()
         };
         let wider = (0..pairs).map(grown).collect();
-        Sets { fingers, members, wider, narrower, pairs }
+        Sets { members, wider, narrower, pairs }
     }
 
     /// How many sets there are.
