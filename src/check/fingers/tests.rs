@@ -5,7 +5,7 @@ mod turns;
 use super::orientation;
 use super::solid;
 use crate::check::claims::fingers::{Action, FingersOrder, Planner, Turn};
-use crate::check::claims::{Claims, Order};
+use crate::check::claims::Claims;
 use crate::check::imports::{self, Library};
 use crate::check::{Checked, Options, check};
 use crate::device::fingers::{Adhesion, Plane};
@@ -77,11 +77,7 @@ fn steps(steps: &str, expected: &[&str]) {
 }
 
 fn orders(claims: &Claims) -> Vec<&FingersOrder> {
-    let of = |order| match order {
-        &Order::Fingers(ref order) => Some(order),
-        &(Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Microrobots(_)) => None,
-    };
-    claims.jobs.iter().filter_map(|job| of(&job.order)).collect()
+    claims.jobs.iter().filter_map(|job| job.order.fingers()).collect()
 }
 
 fn order(fields: &str, shape: &str, steps: &str) -> FingersOrder {

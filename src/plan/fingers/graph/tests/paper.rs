@@ -81,7 +81,7 @@ fn the_closed_form_is_the_relaxed_optimum() {
     for fingers in [3, 4, 5, 6] {
         let sets = Sets::of(fingers);
         for goal in 0..sets.len() as u8 {
-            for (state, least) in relaxed(&sets, goal) {
+            for (state, least) in relaxed(fingers, &sets, goal) {
                 let members: Vec<usize> = (0..fingers).filter(|finger| state[*finger] != 0).collect();
                 let mut phases = [0; 3];
                 phases.iter_mut().zip(&members).for_each(|(phase, finger)| *phase = u16::from(state[*finger]));
@@ -97,12 +97,12 @@ fn the_closed_form_is_the_relaxed_optimum() {
 }
 
 /// For each state (of each finger: free, as at the goal, elsewhere) the least number of operations to the goal.
-fn relaxed(sets: &Sets, goal: u8) -> HashMap<Vec<u8>, u32> {
-    let end: Vec<u8> = (0..sets.fingers).map(|finger| u8::from(sets.members(goal).contains(&finger))).collect();
+fn relaxed(fingers: usize, sets: &Sets, goal: u8) -> HashMap<Vec<u8>, u32> {
+    let end: Vec<u8> = (0..fingers).map(|finger| u8::from(sets.members(goal).contains(&finger))).collect();
     let mut known = HashMap::from([(end.clone(), 0)]);
     let mut open = VecDeque::from([end]);
     while let Some(state) = open.pop_front() {
-        for finger in 0..sets.fingers {
+        for finger in 0..fingers {
             for value in 0..3 {
                 let mut other = state.clone();
                 other[finger] = value;
