@@ -293,7 +293,7 @@ fn all_files_are_written_or_none() {
 fn voltages_are_no_gcode() {
     let bench = Bench::with(SMALL);
     let refused = bench.run(&["build", "a.twz", "-o", "out", "--emit", "json,gcode"]).code(ERRORS);
-    says(&err(&refused), &["E0827", "`bot.bl0.set` takes voltages"]);
+    says(&err(&refused), &["E0827", "takes voltages"]);
     assert!(bench.names("out").is_empty());
 }
 

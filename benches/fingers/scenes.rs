@@ -77,12 +77,35 @@ pub fn stuck(tables: &Tables, triple: [usize; 3]) -> Tables {
     other
 }
 
+/// The same tables, but no finger may come to make a triple, nor what it rolls to.
+pub fn lonely(tables: &Tables, triple: [usize; 3]) -> Tables {
+    let mut other = tables.clone();
+    for by in 0..tables.contacts {
+        let [i, j, k] = triple.map(|contact| (contact + by) % tables.contacts);
+        for [i, j, k] in [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]] {
+            other.layers[0].place.take(tables.three(i, j, k));
+        }
+    }
+    other
+}
+
 /// A turn with three fingers from one grasp to another.
 pub fn query(tables: &Arc<Tables>, start: [u32; 3], steps: i32, end: [u32; 3]) -> Request {
     let grasp = |list: [u32; 3]| Grasp::of(&list).expect("three fingers");
     let (lowest, highest) = (0, ANGLES - 1);
     let leg = Leg { tables: tables.clone(), steps, lowest, highest, entry: Entry::Same, end: Some(grasp(end)) };
     Request { fingers: 3, start: Start::At(grasp(start)), routes: vec![vec![leg]], costs: COSTS }
+}
+
+/// A turn that ends with any two fingers on contacts 1 and 38, where another one in the other plane begins.
+pub fn junction(tables: &Arc<Tables>, start: [u32; 3], steps: i32) -> Request {
+    let mut request = query(tables, start, steps, start);
+    let ends = [0, 37];
+    let mut next = request.routes[0][0].clone();
+    request.routes[0][0].end = None;
+    (next.steps, next.end, next.entry) = (0, None, Entry::Across { old: ends, new: ends });
+    request.routes[0].push(next);
+    request
 }
 
 /// Queries between grasps that hold, with two and with three fingers, at random angles.

@@ -36,16 +36,20 @@ enum Topic {
     Visits,
     Nearest,
     Guaranteed,
+    Contacts,
+    Remarked,
 }
 
 impl Topic {
-    const ALL: [Topic; 3] = [Topic::Visits, Topic::Nearest, Topic::Guaranteed];
+    const ALL: [Topic; 5] = [Topic::Visits, Topic::Nearest, Topic::Guaranteed, Topic::Contacts, Topic::Remarked];
 
     fn label(self) -> &'static str {
         match self {
             Topic::Visits => "Visits",
             Topic::Nearest => "Nearest",
             Topic::Guaranteed => "Assured",
+            Topic::Contacts => "Contacts",
+            Topic::Remarked => "Chosen",
         }
     }
 }
@@ -133,7 +137,7 @@ fn notes(run: &Told) -> Vec<Note> {
         Order::Dimibot(order) => dimibot::notes(run, order),
         Order::ElectrodeArray(_) => Vec::new(),
         Order::Microrobots(_) => microrobots::notes(run),
-        Order::Fingers(_) => fingers::notes(run),
+        Order::Fingers(order) => fingers::notes(run, order),
     }
 }
 

@@ -308,6 +308,30 @@ pub fn paces() -> (Verified, Provenance) {
     (paces, provenance)
 }
 
+/// The bed, and beside its voltage a stage that goes and comes at instants of its own.
+pub fn mixed() -> (Verified, Provenance) {
+    let (bed, provenance) = bed();
+    let mixed = changed(&bed, |schedule| {
+        schedule.name = "mixed".to_owned();
+        let channel = schedule.channels.len() as u32;
+        let (name, device) = ("hand.f1.x".to_owned(), "hand".to_owned());
+        schedule.channels.push(Channel { name, device, unit: Unit::Micrometre, wire: Some("stage1/x".to_owned()) });
+        let go = |start_ns, duration_ns, from, to| Actuation {
+            channel,
+            start_ns,
+            duration_ns,
+            from,
+            to,
+            swing: None,
+            step: 0,
+        };
+        let way = [go(1_000_001, 20_000_000, -3.0, 12.0), go(21_000_001, 5_000_000, 12.0, 12.0)];
+        schedule.actuations.extend(way.into_iter().chain([go(40_000_000, 20_333_333, 12.0, 5.5)]));
+        schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+    });
+    (mixed, provenance)
+}
+
 /// The ball between the fingers of [`hand`], and the tips of those.
 const BALL_UM: f64 = 14.0;
 const TIP_UM: f64 = 4.5;

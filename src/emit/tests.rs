@@ -51,7 +51,9 @@ fn the_same_schedule_gives_the_same_bytes() {
 
 #[test]
 fn json_comes_back_as_it_was() {
-    for make in [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::bed, fixture::paces, fixture::hand] {
+    for make in
+        [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::bed, fixture::paces, fixture::hand]
+    {
         let fixture = make();
         let bytes = one(Format::Json, &fixture);
         let back = json::read(&bytes).unwrap();
@@ -122,6 +124,7 @@ fn write_fixtures() {
         fixture::bed,
         fixture::paces,
         fixture::hand,
+        fixture::mixed,
     ] {
         formats(&make().0).for_each(|format| write(&folder, format, make()));
     }

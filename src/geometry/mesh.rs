@@ -7,8 +7,8 @@
 //! Volume and centre come from the divergence theorem. A section gives a vertex that lies on the plane to the side in front of it, as
 //! though the plane lay a little behind (symbolic perturbation); so each triangle is cut on two edges or on none.
 
-mod section;
 mod said;
+mod section;
 mod stl;
 mod surface;
 #[cfg(test)]

@@ -38,12 +38,8 @@ pub struct RunActuation {
 ///
 /// `None` after an error: the whole would last longer than [`MAX_DURATION_NS`].
 pub fn schedule(claims: &Claims, plans: &[Plan], sources: &Sources, sink: &mut Sink) -> Option<Schedule> {
-    let runs: Vec<Option<Run>> = claims
-        .jobs
-        .iter()
-        .zip(plans)
-        .map(|(job, plan)| run(&job.order, &plan.motion))
-        .collect();
+    let runs: Vec<Option<Run>> =
+        claims.jobs.iter().zip(plans).map(|(job, plan)| run(&job.order, &plan.motion)).collect();
     let Some(runs) = runs.into_iter().collect::<Option<Vec<Run>>>() else { return too_long(claims, sink) };
     let mut starts = vec![0; runs.len()];
     let Some(duration_ns) = place(&claims.timeline, 0, &runs, &mut starts) else { return too_long(claims, sink) };

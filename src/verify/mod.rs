@@ -3,8 +3,9 @@
 //! Input: a [`Schedule`] and the [`Claims`] of its program. Output: a [`Verdict`].
 //! Promise: only this stage can make a [`Verified`] value, and only such a value can be emitted. No predicate is shared with a
 //! planner: places come from the kinematic matrix, sweeps from distances between segments and shapes, moves of parts from
-//! the electrodes that are on. No input makes it panic. Cost for n actuations and m obstacles: n log n to sort, and for each
-//! move m/32 comparisons of boxes plus the exact distance of the few bodies near it; each step of a board also costs its parts.
+//! the electrodes that are on, turns of parts from where tips touch them. No input makes it panic. Cost for n actuations and m
+//! obstacles: n log n to sort, and for each move m/32 comparisons of boxes plus the exact distance of the few bodies near it; each
+//! step of a board also costs its parts, each sample of a rolling motion a linear program.
 //!
 //! Rules are checked in three rounds, each only if the one before found nothing, since a broken index or interval would
 //! make nonsense of the rest: `form` (the schedule by itself), `clock` (its runs and steps against the claims), and
@@ -22,6 +23,7 @@ mod premise;
 mod record;
 mod rule;
 
+pub use fingers::forces as finger_forces;
 pub use rule::{MAX_VIOLATIONS, Rule, Violation};
 
 use crate::check::claims::{Claims, Order};

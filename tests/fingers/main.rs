@@ -19,7 +19,8 @@ fn program(device: &str, steps: &str) -> String {
 }
 
 /// The paper's three turns.
-const THREE_TURNS: &str = "  rotate bead by 80 deg about z\n  rotate bead by 220 deg about y\n  rotate bead by 100 deg about z";
+const THREE_TURNS: &str =
+    "  rotate bead by 80 deg about z\n  rotate bead by 220 deg about y\n  rotate bead by 100 deg about z";
 
 /// The one plan of a program that must build.
 fn plan(text: &str) -> PlanRecord {

@@ -28,7 +28,7 @@ def verdict(folder, ending, stem="Pair"):
 
 @pytest.fixture
 def folder(tmp_path):
-    for stem in ("Pair", "bed", "turn"):
+    for stem in ("Pair", "bed", "turn", "mixed"):
         for file in FIXTURES.glob(f"{stem}.*"):
             shutil.copy(file, tmp_path)
     return tmp_path
@@ -40,7 +40,7 @@ def replace(path, old, new):
     path.write_bytes(data.replace(old, new, 1))
 
 
-@pytest.mark.parametrize("stem,ending", [*(("Pair", ending) for ending in run.JUDGES if ending != ".ngc"), *(("turn", ending) for ending in run.JUDGES)])
+@pytest.mark.parametrize("stem,ending", [*(("Pair", ending) for ending in run.JUDGES if ending != ".ngc"), *(("turn", ending) for ending in run.JUDGES), *(("mixed", ending) for ending in run.JUDGES if ending != ".ngc")])
 def test_a_good_file_is_right(folder, stem, ending):
     outcome, reason = verdict(folder, ending, stem)
     assert outcome in ("right", "SKIPPED"), reason

@@ -1,17 +1,28 @@
 //! What a build tells of a plan for a hand.
 
-use super::{Note, Told, proof, rounded};
+use super::{Note, Told, Topic, count, proof, rounded};
+use crate::check::claims::fingers::{FingersOrder, Section};
+use crate::device::fingers::Plane;
 use crate::schedule::PlanRecord;
 
 /// `2300 deg in 8 reconfigurations, optimal (bound 2300 deg)`.
 pub fn cost(plan: &PlanRecord) -> String {
     let figure = |degrees: f64| format!("{} deg", rounded(degrees));
     let reconfigurations = plan.outcomes.get("reconfigurations").copied().unwrap_or_default() as usize;
-    let noun = if reconfigurations == 1 { "reconfiguration" } else { "reconfigurations" };
-    format!("{} in {reconfigurations} {noun}, {}", figure(plan.cost), proof(plan, figure))
+    format!("{} in {}, {}", figure(plan.cost), count(reconfigurations, "reconfiguration"), proof(plan, figure))
 }
 
-/// What else is told of a run.
-pub fn notes(_run: &Told) -> Vec<Note> {
-    Vec::new()
+/// How a part was sampled, and what the planner has to say.
+pub fn notes(run: &Told, order: &FingersOrder) -> Vec<Note> {
+    let sections = Plane::ALL.into_iter().filter_map(|plane| Some(contacts(plane, order.part.section(plane)?)));
+    let contacts = format!("{}: {}", order.part.name, sections.collect::<Vec<_>>().join(", "));
+    let remarks =
+        run.plan.remarks.iter().map(|remark| (Topic::Remarked, format!("{}: {}", remark.subject, remark.text)));
+    std::iter::once((Topic::Contacts, contacts)).chain(remarks).collect()
+}
+
+/// `74 in xy (I 1, J 38)`.
+fn contacts(plane: Plane, section: &Section) -> String {
+    let ends = section.opposite.map_or_else(|| "I 1".to_owned(), |opposite| format!("I 1, J {opposite}"));
+    format!("{} in {} ({ends})", section.contacts, plane.name())
 }

@@ -15,9 +15,9 @@ mod difference;
 mod dimibot;
 mod drawing;
 mod electrode_array;
+mod fingers;
 mod foxglove;
 mod frames;
-mod fingers;
 mod microrobots;
 #[cfg(test)]
 mod tests;

@@ -37,9 +37,16 @@ fn found(edit: Edit, attach: impl Fn(&mut Attachment)) -> String {
 
 #[test]
 fn a_log_is_no_different_from_itself() {
-    for make in
-        [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::crowd, fixture::bed, fixture::paces, fixture::hand]
-    {
+    for make in [
+        fixture::fetch,
+        fixture::pair,
+        fixture::large,
+        fixture::idle,
+        fixture::crowd,
+        fixture::bed,
+        fixture::paces,
+        fixture::hand,
+    ] {
         let (verified, provenance) = make();
         let bytes = write(&verified, &provenance).unwrap();
         assert_eq!(difference(&bytes, &verified, &provenance), None);

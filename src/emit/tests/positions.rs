@@ -113,8 +113,7 @@ fn scpi_samples_stages_within_the_period_of_voltages() {
     let period = |verified: &Verified| {
         let notes = emit(Format::Scpi, verified, &Provenance::default()).unwrap().remove(1);
         let notes = String::from_utf8(notes.bytes).unwrap();
-        let period = notes.split("Sample period ").nth(1).unwrap().split(' ').next().unwrap().parse::<u64>().unwrap();
-        period
+        notes.split("Sample period ").nth(1).unwrap().split(' ').next().unwrap().parse::<u64>().unwrap()
     };
     let alone_ns = period(&hand);
     assert_eq!(period(&both(3_000_000)), 3_000_000 / 3_000_000u64.div_ceil(alone_ns));

@@ -42,12 +42,7 @@ pub fn plan(job: &Job, order: &FingersOrder, standing: &mut Standing, sink: &mut
 }
 
 /// A plan, and where everything is after it.
-fn planned(
-    job: &Job,
-    order: &FingersOrder,
-    stance: Option<Stance>,
-    sink: &mut Sink,
-) -> Option<(Option<Plan>, Stance)> {
+fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut Sink) -> Option<(Option<Plan>, Stance)> {
     let mut sections = match Sections::of(order) {
         Ok(sections) => sections,
         Err(error) => {

@@ -90,12 +90,7 @@ fn first_grasp(order: &FingersOrder, steps: Range<usize>) -> Option<Grasp> {
     None
 }
 
-fn route(
-    order: &FingersOrder,
-    steps: Range<usize>,
-    turns: &[(usize, Turn)],
-    held: Option<Holding>,
-) -> Route {
+fn route(order: &FingersOrder, steps: Range<usize>, turns: &[(usize, Turn)], held: Option<Holding>) -> Route {
     let plane_at = |step: usize| {
         let next = turns.iter().find(|(of, _)| *of >= step).or(turns.last());
         next.map(|(_, turn)| turn.plane).or(held.map(|held| held.plane)).unwrap_or(Plane::Xy)

@@ -116,7 +116,8 @@ impl<'a> Sections<'a> {
         let mut order = Vec::new();
         while !stay.is_empty() {
             let goes = (0..stay.len()).find(|index| {
-                let rest: Vec<usize> = stay.iter().map(|(_, contact)| *contact).filter(|c| *c != stay[*index].1).collect();
+                let rest: Vec<usize> =
+                    stay.iter().map(|(_, contact)| *contact).filter(|c| *c != stay[*index].1).collect();
                 let holds = match rest.as_slice() {
                     [i, j] => tables.layer(0).leave.has(tables.three(*i, *j, stay[*index].1)),
                     _ => true,

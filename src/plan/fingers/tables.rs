@@ -51,9 +51,14 @@ impl Bits {
             let high = if shift == 0 { 0 } else { self.words.get(word + k + 1).map_or(0, |word| word << (64 - shift)) };
             *bits = low | high;
         }
-        if length % 64 > 0 {
+        if !length.is_multiple_of(64) {
             row[length / 64] &= (1 << (length % 64)) - 1;
         }
+    }
+
+    /// Drops the numbers that another set of the same size does not have.
+    pub fn keep(&mut self, other: &Bits) {
+        self.words.iter_mut().zip(&other.words).for_each(|(word, other)| *word &= other);
     }
 
     /// Its words, 64 numbers each, the lowest bit first.

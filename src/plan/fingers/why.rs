@@ -87,7 +87,10 @@ impl Why<'_> {
         let degrees = |steps: i32| digits((f64::from(steps) * step_deg * 1e6).round() / 1e6);
         let [i, j] = [1, self.order.part.section(leg.turn.plane).and_then(|section| section.opposite).unwrap_or(1)];
         let junction = next.map(|next| {
-            format!("between it and the turn about {} two fingers must hold contacts {i} and {j}", axis(next.turn.plane))
+            format!(
+                "between it and the turn about {} two fingers must hold contacts {i} and {j}",
+                axis(next.turn.plane)
+            )
         });
         if blocked.farthest.is_none() {
             return "what it must begin with lets go, or lets no finger come near enough".to_owned();
@@ -237,11 +240,8 @@ fn nearest([from, to]: [f64; 2], opens: &dyn Fn(f64) -> bool) -> Option<f64> {
 /// The order with half its step: twice the contacts, each turn of twice the steps. `None` where a grasp is named by its contacts.
 fn halved(order: &FingersOrder) -> Option<FingersOrder> {
     let mut halved = changed(order, &|facts| facts.steps_per_turn *= 2);
-    halved.part = Arc::new(Part {
-        xy: finer(&order.part.xy),
-        xz: order.part.xz.as_ref().map(finer),
-        ..Part::clone(&order.part)
-    });
+    halved.part =
+        Arc::new(Part { xy: finer(&order.part.xy), xz: order.part.xz.as_ref().map(finer), ..Part::clone(&order.part) });
     for step in &mut halved.steps {
         match &mut step.action {
             Action::Rotate { steps, .. } => *steps *= 2,

@@ -47,11 +47,11 @@ pub(super) struct Hand<'r, 'a> {
     pub(super) flights: Vec<Flight>,
     held: Held,
     told: Told,
-    /// The turn of the grip at which the turn that goes on began, and how many steps it has come since.
+    /// The turn of the grip when the step of the task began, or the plane was changed, and how many steps it has come since.
     pub(super) leg_rad: f64,
     pub(super) leg_steps: i64,
-    /// How many it had come when the step of the task began.
-    pub(super) begun_steps: i64,
+    /// How many steps a turn had come before that, if it goes on.
+    pub(super) before_steps: i64,
     /// When the last motion of the part in this step ended, or the step began.
     pub(super) carried_ns: u64,
     pub(super) spans: Spans,
@@ -69,7 +69,7 @@ impl<'r, 'a> Hand<'r, 'a> {
         let start = Pose { position_um: Point::from(order.part.position_um), orientation: Default::default() };
         let plane = planes_after(order, 0).first().copied().unwrap_or(Plane::Xy);
         let mut grip = Grip::empty(plane, start, &body, facts.tip_radius_um);
-        let mut leg_steps = 0;
+        let mut before_steps = 0;
         if let Some(State::Fingers { grasp, plane, position_um, orientation, angle_index, .. }) = left {
             let orientation = orientation_of(orientation).unwrap_or_default();
             let pose = Pose { position_um: Point::from(*position_um), orientation };
@@ -78,22 +78,22 @@ impl<'r, 'a> Hand<'r, 'a> {
             for (finger, _) in holding {
                 grip.add(surface_of(&body, *plane)?, finger, &tips_um[finger]);
             }
-            leg_steps = angle_index.saturating_sub(1);
+            before_steps = angle_index.saturating_sub(1);
         }
         let held = if grip.holds.len() < 2 { Held::Supported } else { Held::ByFingers };
         Ok(Hand {
             run,
             order,
             since: Since { pose: grip.pose(), turns_rad: [0.0; 2] },
-            leg_rad: 0.0 - leg_steps as f64 * surface_of(&body, grip.plane)?.step_rad(),
+            leg_rad: 0.0,
             body,
             grip,
             flights: vec![Flight::default(); tips_um.len()],
             tips_um,
             held,
             told: Told::Nothing,
-            leg_steps,
-            begun_steps: leg_steps,
+            leg_steps: 0,
+            before_steps,
             carried_ns: run.plan.start_ns,
             spans: Spans::default(),
             effort_rad: 0.0,
@@ -122,7 +122,7 @@ impl<'r, 'a> Hand<'r, 'a> {
     /// The first state, and what is where it must not be at first.
     pub fn begin(&mut self, findings: &mut Findings) {
         let start_ns = self.run.plan.start_ns;
-        self.spans.begin(start_ns, Due::Always, self.views(None));
+        self.spans.begin(start_ns, Due::Always, self.views());
         self.spans.end(start_ns);
         if self.run.plan.duration_ns == 0 {
             return;
@@ -152,10 +152,8 @@ impl<'r, 'a> Hand<'r, 'a> {
     pub fn begin_step(&mut self, nth: usize) {
         self.since = Since { pose: self.grip.pose(), turns_rad: [0.0; 2] };
         self.carried_ns = self.run.step(nth).start_ns;
-        if matches!(self.order.steps[nth].action, Action::Rotate { .. } | Action::Orient { .. }) {
-            (self.leg_rad, self.leg_steps) = (self.grip.turn_rad(), 0);
-        }
-        self.begun_steps = self.leg_steps;
+        self.before_steps = self.before_steps.saturating_add(self.leg_steps);
+        (self.leg_rad, self.leg_steps) = (self.grip.turn_rad(), 0);
     }
 
     /// A step is over.
@@ -166,7 +164,7 @@ impl<'r, 'a> Hand<'r, 'a> {
         }
         if matches!(self.order.steps[nth].action, Action::Translate(_)) {
             self.spans.end(self.carried_ns);
-            self.spans.begin(self.carried_ns, Due::Always, self.views(Some(nth)));
+            self.spans.begin(self.carried_ns, Due::Always, self.views());
         }
         for finger in 0..self.flights.len() {
             if let Some((time_ns, _)) = self.flights[finger].near.take() {
@@ -272,7 +270,7 @@ impl<'r, 'a> Hand<'r, 'a> {
             self.check_removal(nth, (finger, &leaving), time_ns, findings);
         }
         self.count_change();
-        self.spans.begin(stretch.end_ns, Due::Always, self.views(Some(nth)));
+        self.spans.begin(stretch.end_ns, Due::Always, self.views());
         Ok(())
     }
 
@@ -309,7 +307,7 @@ impl<'r, 'a> Hand<'r, 'a> {
         }
         self.held = Held::Supported;
         let due = if self.grip.holds.is_empty() { Due::Always } else { Due::Perhaps };
-        self.spans.begin(stretch.end_ns, due, self.views(Some(nth)));
+        self.spans.begin(stretch.end_ns, due, self.views());
         Ok(())
     }
 
@@ -386,7 +384,7 @@ impl<'r, 'a> Hand<'r, 'a> {
                 Due::Always
             }
         };
-        self.spans.begin(time_ns, due, self.views(Some(nth)));
+        self.spans.begin(time_ns, due, self.views());
         Ok(())
     }
 
@@ -394,7 +392,7 @@ impl<'r, 'a> Hand<'r, 'a> {
     pub(super) fn change_plane(&mut self, plane: Plane, tips_um: &[Point]) -> Result<(), Halt> {
         let grip = self.grip.anew(plane, &self.body, tips_um);
         self.grip = grip.ok_or_else(|| Unfit("the claims hold no outline in a plane of a turn".to_owned()))?;
-        (self.leg_rad, self.leg_steps, self.begun_steps) = (0.0, 0, 0);
+        (self.leg_rad, self.leg_steps, self.before_steps) = (0.0, 0, 0);
         Ok(())
     }
 
@@ -436,7 +434,7 @@ impl<'r, 'a> Hand<'r, 'a> {
     /// The state at the end of the run, as the record tells it.
     pub fn left(&self) -> State {
         let recorded = self.run.plan.states.last().map(|timed| &timed.state);
-        chosen(self.views(self.order.steps.len().checked_sub(1)), recorded)
+        chosen(self.views(), recorded)
     }
 
     pub fn outcomes(&self) -> BTreeMap<&'static str, f64> {

@@ -49,7 +49,7 @@ impl Hand<'_, '_> {
         }
         self.since.turns_rad[plane as usize] += self.grip.turn_rad() - before_rad;
         self.carried_ns = stretch.end_ns;
-        self.count_steps(nth, stretch.end_ns)
+        self.count_steps(stretch.end_ns)
     }
 
     /// How many samples a stretch takes: an even number, so that its middle is one.
@@ -140,7 +140,7 @@ impl Hand<'_, '_> {
     }
 
     /// A turn reaches a whole number of steps.
-    fn count_steps(&mut self, nth: usize, time_ns: u64) -> Result<(), Halt> {
+    fn count_steps(&mut self, time_ns: u64) -> Result<(), Halt> {
         let steps = (self.grip.turn_rad() - self.leg_rad) / self.surface()?.step_rad();
         let whole = steps.round();
         if (steps - whole).abs() > GRID_STEPS || whole as i64 == self.leg_steps {
@@ -149,7 +149,7 @@ impl Hand<'_, '_> {
         let rolled = (whole as i64).abs_diff(self.leg_steps);
         self.effort_rad += rolled as f64 * self.grip.holds.len() as f64 * self.order.facts.step_rad();
         self.leg_steps = whole as i64;
-        self.spans.begin(time_ns, Due::Always, self.views(Some(nth)));
+        self.spans.begin(time_ns, Due::Always, self.views());
         Ok(())
     }
 }

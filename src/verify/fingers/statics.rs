@@ -60,9 +60,12 @@ impl<'a> Statics<'a> {
         Statics { order, load_un: [x, y], across_un: z.abs(), centre_um: [first, second], reach_um }
     }
 
-    /// Whether contacts hold the part by themselves.
+    /// Whether contacts hold the part by themselves. Tips that only push must do so without the load too: a part that merely rests
+    /// on them is not held.
     pub fn holds(&self, touches: &[Touch]) -> bool {
-        self.margin(touches, None).is_some_and(|margin| margin >= -TOLERANCE)
+        let holds = |statics: &Statics| statics.margin(touches, None).is_some_and(|margin| margin >= -TOLERANCE);
+        let sticks = self.order.facts.sticking_un() > 0.0;
+        holds(self) && (sticks || holds(&Statics { load_un: [0.0; 2], across_un: 0.0, ..*self }))
     }
 
     /// Whether contacts hold the part while a finger is pulled off elsewhere.
@@ -111,9 +114,9 @@ impl<'a> Statics<'a> {
             let room = facts.friction * sticking - share;
             for sign in [1.0, -1.0] {
                 let cone = [(tangential, sign), (normal, -facts.friction), (depth, 1.0)];
-                problem.add_constraint(&cone, ComparisonOp::Le, room);
+                problem.add_constraint(cone, ComparisonOp::Le, room);
             }
-            problem.add_constraint(&[(normal, 1.0), (depth, 1.0)], ComparisonOp::Le, most);
+            problem.add_constraint([(normal, 1.0), (depth, 1.0)], ComparisonOp::Le, most);
             Bearing { normal, tangential }
         };
         touches.iter().map(bearing).collect()
@@ -157,7 +160,7 @@ impl<'a> Statics<'a> {
     pub fn forces_un(&self, touches: &[Touch], sum_un: f64) -> Option<Vec<[f64; 2]>> {
         let unit_un = self.order.facts.max_force_un;
         let mut problem = Problem::new(OptimizationDirection::Maximize);
-        let depth = problem.add_var(1.0, (f64::NEG_INFINITY, 1.0));
+        let depth = problem.add_var(1.0, (-TOLERANCE, 1.0));
         let bearings = self.bearings(&mut problem, touches, depth, (unit_un, 1.0));
         self.balance(&mut problem, touches, &bearings, None, unit_un);
         let missed = problem.add_var(-SUM_WEIGHT, (0.0, f64::INFINITY));

@@ -3,7 +3,6 @@
 use super::super::rule::ms;
 use super::clearance::{self, Hit};
 use super::hand::Hand;
-use crate::check::claims::fingers::Action;
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
 use crate::schedule::State;
@@ -49,20 +48,15 @@ impl Hand<'_, '_> {
         Some(contacts)
     }
 
-    /// The state as it is now, in the ways in which it can be told.
-    pub(super) fn views(&self, nth: Option<usize>) -> Vec<State> {
-        let is_turning = nth
-            .is_some_and(|nth| matches!(self.order.steps[nth].action, Action::Rotate { .. } | Action::Orient { .. }));
+    /// The state as it is now, in the ways in which it can be told: a turn that is over may go on or a new one begin, and grasps on the
+    /// contacts that two sections share, or on none, hold in both.
+    pub(super) fn views(&self) -> Vec<State> {
         let angle_index = self.leg_steps.saturating_add(1);
-        let mut told = vec![(self.grip.plane, angle_index)];
-        if !is_turning {
-            told.push((self.grip.plane, self.leg_steps.saturating_sub(self.begun_steps).saturating_add(1)));
-        }
-        for plane in self.body.planes().filter(|plane| *plane != self.grip.plane) {
-            let is_free = self.grip.holds.is_empty();
-            told.extend([(plane, 1)].into_iter().chain(is_free.then_some((plane, angle_index))));
-        }
-        told.into_iter().filter_map(|(plane, angle_index)| self.view(plane, angle_index)).collect()
+        let going_on = angle_index.saturating_add(self.before_steps);
+        let others = self.body.planes().filter(|plane| *plane != self.grip.plane);
+        let told = others.flat_map(|plane| [(plane, 1), (plane, going_on)]);
+        let own = [(self.grip.plane, angle_index), (self.grip.plane, going_on)];
+        own.into_iter().chain(told).filter_map(|(plane, angle_index)| self.view(plane, angle_index)).collect()
     }
 
     fn view(&self, plane: Plane, angle_index: i64) -> Option<State> {

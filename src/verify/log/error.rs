@@ -59,7 +59,10 @@ impl LogError {
 impl VoltageFault {
     /// For the person at the terminal.
     pub fn diagnostic(&self) -> Diagnostic {
-        Diagnostic::new(Code::E0846, format!("the voltages or positions in the log are not those of its schedule: {self}"))
-            .help("the log was changed after it was written; build the program again")
+        Diagnostic::new(
+            Code::E0846,
+            format!("the voltages or positions in the log are not those of its schedule: {self}"),
+        )
+        .help("the log was changed after it was written; build the program again")
     }
 }

@@ -30,6 +30,8 @@ pub struct PlanCourse<'a> {
     pub start_ns: u64,
     /// In order of time.
     pub grasps: Vec<Grasp<'a>>,
+    /// After each grasp but the last, from when to when the fingers that hold then move.
+    pub motions: Vec<Option<[u64; 2]>>,
     /// In order of time; the first one is that of the first state.
     pub moments: Vec<Moment>,
 }
@@ -77,6 +79,8 @@ impl<'a> Course<'a> {
         let wanted = stretches.iter().flatten().map(|stretch| wanted(signals, &stages, *stretch)).sum::<f64>();
         let share = (MAX_MOMENTS as f64 / wanted.max(1.0)).min(1.0);
         for (plan, stretches) in plans.iter_mut().zip(&stretches) {
+            let pairs = plan.grasps.windows(2);
+            plan.motions = pairs.map(|pair| motion(signals, &stages, &pair[0], pair[1].t_ns)).collect();
             plan.moments = plan.moments(signals, &stages, stretches, share);
         }
         // Before the first task they stand where it begins.
@@ -134,7 +138,7 @@ impl<'a> PlanCourse<'a> {
                 part: PartPose { position_um: *position_um, orientation: *orientation },
             });
         }
-        Some(PlanCourse { order, start_ns: plan.start_ns, grasps, moments: Vec::new() })
+        Some(PlanCourse { order, start_ns: plan.start_ns, grasps, motions: Vec::new(), moments: Vec::new() })
     }
 
     /// From one instant to the next at which a tip may bend off or a state is told.
@@ -150,11 +154,9 @@ impl<'a> PlanCourse<'a> {
 
     /// The moments of a plan: the ends of all stretches, and a share of those that are wanted between them.
     fn moments(&self, signals: &Signals, stages: &Stages, stretches: &[[u64; 2]], share: f64) -> Vec<Moment> {
-        let motions: Vec<Option<[u64; 2]>> =
-            self.grasps.windows(2).map(|pair| self.motion(signals, stages, &pair[0], pair[1].t_ns)).collect();
         let moment = |t_ns: u64| Moment {
             t_ns,
-            part: self.part_at(&motions, t_ns),
+            part: self.part_at(t_ns),
             tips_um: stages.iter().map(|stage| tip_um(signals, stage, t_ns)).collect(),
         };
         let mut moments: Vec<Moment> = self.grasps.first().map(|first| moment(first.t_ns)).into_iter().collect();
@@ -168,25 +170,12 @@ impl<'a> PlanCourse<'a> {
         moments
     }
 
-    /// From when to when after a grasp, until an instant, the fingers that hold move.
-    fn motion(&self, signals: &Signals, stages: &Stages, grasp: &Grasp, end_ns: u64) -> Option<[u64; 2]> {
-        let holding = stages.iter().zip(grasp.contacts).filter(|(_, contact)| **contact > 0);
-        let channels = holding.flat_map(|(stage, _)| stage);
-        let ramps = channels.flat_map(|channel| {
-            let list = signals.of(*channel);
-            let first = list.partition_point(|actuation| actuation.start_ns < grasp.t_ns);
-            list[first..].iter().take_while(|ramp| ramp.end_ns() <= end_ns).filter(|ramp| ramp.from != ramp.to)
-        });
-        let ends = ramps.map(|ramp| [ramp.start_ns, ramp.end_ns()]);
-        ends.reduce(|[first, last], [start_ns, end_ns]| [first.min(start_ns), last.max(end_ns)])
-    }
-
-    /// Where the part is at an instant, from the motion that follows each grasp.
-    fn part_at(&self, motions: &[Option<[u64; 2]>], t_ns: u64) -> PartPose {
+    /// Where the part is at an instant.
+    fn part_at(&self, t_ns: u64) -> PartPose {
         let after = self.grasps.partition_point(|grasp| grasp.t_ns <= t_ns);
         let index = after.saturating_sub(1);
         let here = self.grasps[index].part;
-        let next = self.grasps.get(index + 1).zip(motions.get(index).copied().flatten());
+        let next = self.grasps.get(index + 1).zip(self.motions.get(index).copied().flatten());
         match next {
             Some((next, [start_ns, end_ns])) if t_ns > start_ns => {
                 let share = (t_ns.min(end_ns) - start_ns) as f64 / (end_ns - start_ns) as f64;
@@ -195,6 +184,19 @@ impl<'a> PlanCourse<'a> {
             Some(_) | None => here,
         }
     }
+}
+
+/// From when to when after a grasp, until an instant, the fingers that hold move.
+fn motion(signals: &Signals, stages: &Stages, grasp: &Grasp, end_ns: u64) -> Option<[u64; 2]> {
+    let holding = stages.iter().zip(grasp.contacts).filter(|(_, contact)| **contact > 0);
+    let channels = holding.flat_map(|(stage, _)| stage);
+    let ramps = channels.flat_map(|channel| {
+        let list = signals.of(*channel);
+        let first = list.partition_point(|actuation| actuation.start_ns < grasp.t_ns);
+        list[first..].iter().take_while(|ramp| ramp.end_ns() <= end_ns).filter(|ramp| ramp.from != ramp.to)
+    });
+    let ends = ramps.map(|ramp| [ramp.start_ns, ramp.end_ns()]);
+    ends.reduce(|[first, last], [start_ns, end_ns]| [first.min(start_ns), last.max(end_ns)])
 }
 
 /// A share of the way from a pose to another. Turns go along the chord, which for the few degrees of a step is as good as the arc

@@ -13,6 +13,7 @@ use crate::emit::mcap::cloud::{SpaceStroke, space_cloud};
 use crate::emit::mcap::drawing::{self, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, Vector3, line_primitive};
 use crate::geometry::outline::Curve;
+use crate::verify::finger_forces;
 use nalgebra::{Point3, Quaternion, UnitQuaternion};
 
 /// How much of what lies behind a tip is seen.
@@ -28,8 +29,8 @@ const FORCE_PART: f64 = 0.1;
 /// Distance of neighbouring points of the clouds, in micrometres.
 const POINTS_UM: f64 = 0.1;
 
-/// The most states whose grasps are shown.
-const MAX_GRASPS: usize = 50_000;
+/// The most states whose contacts are shown, since the forces of each take a linear program; of more only the words are told.
+const MAX_GRASPS: usize = 5_000;
 
 const FORCE: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
 const GOAL: Color = Color { r: 0.6, g: 0.6, b: 0.6, a: 1.0 };
@@ -41,7 +42,6 @@ fn color_of(finger: usize) -> Color {
 
 /// `/<device>/scene`, `/<device>/plan`, `/<device>/state` and the first two as points.
 pub fn topics(course: &Course, device: &str) -> Vec<Topic> {
-    let update = |entities: Vec<SceneEntity>| foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities });
     let scene = course.plans.first().map(|plan| (0, update(scenery(plan.order, course.fingers, device))));
     let scene_points = course.plans.first().map(|plan| {
         let part = &plan.order.part;
@@ -113,28 +113,52 @@ fn goal(plan: &PlanCourse, device: &str) -> SceneEntity {
     for (_, outline) in solid::outlines(&plan.order.part) {
         drawing::line(&mut entity, outline, line_primitive::Type::LineLoop, GOAL);
     }
-    entity.lines.iter_mut().for_each(|line| line.pose = pose.clone());
+    entity.lines.iter_mut().for_each(|line| line.pose = pose);
     entity
+}
+
+fn update(entities: Vec<SceneEntity>) -> Vec<u8> {
+    foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities })
+}
+
+/// The contacts taken away, where the fingers that hold in a grasp begin to leave all of them.
+fn letting_go(plan: &PlanCourse, index: usize, place: [f64; 3], device: &str) -> Option<(u64, Vec<u8>)> {
+    let next = plan.grasps.get(index + 1).filter(|next| next.contacts.iter().all(|contact| *contact == 0))?;
+    let [start_ns, _] = plan.motions.get(index).copied().flatten()?;
+    let frame = part_frame(device, &plan.order.part.name);
+    let contacts = drawing::entity(format!("{device}/contacts"), &frame, start_ns);
+    let mut words = words(next, place, device);
+    words.timestamp = foxglove::timestamp(start_ns);
+    Some((start_ns, update(vec![contacts, words])))
 }
 
 /// `/<device>/state`: the contacts of each grasp, the forces there, and the grasp in words.
 fn state(course: &Course, device: &str) -> Topic {
-    let all = course.plans.iter().flat_map(|plan| plan.grasps.iter().map(move |grasp| (plan.order, grasp)));
-    let message = |(order, grasp): (&FingersOrder, &Grasp)| {
-        let entities = vec![contacts(order, grasp, device), words(order, grasp, device)];
-        (grasp.t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities }))
-    };
-    Topic::new::<SceneUpdate>(format!("/{device}/state"), all.take(MAX_GRASPS).map(message).collect())
+    let mut messages: Vec<(u64, Vec<u8>)> = Vec::new();
+    for plan in &course.plans {
+        let [_, high_um] = super::reach_um(plan.order);
+        let curve = |plane| Curve::of(&plan.order.part.section(plane)?.outline).ok();
+        let curves = Plane::ALL.map(|plane| (plane, curve(plane)));
+        for (index, grasp) in plan.grasps.iter().enumerate() {
+            let curve = curves.iter().find(|(plane, _)| *plane == grasp.plane).and_then(|(_, curve)| curve.as_ref());
+            let contacts = contacts(plan.order, grasp, curve.filter(|_| messages.len() < MAX_GRASPS), device);
+            let place = [0.0, high_um, 0.0];
+            messages.push((grasp.t_ns, update(vec![contacts, words(grasp, place, device)])));
+            messages.extend(letting_go(plan, index, place, device));
+        }
+    }
+    Topic::new::<SceneUpdate>(format!("/{device}/state"), messages)
 }
 
 /// Where fingers touch the part, and with what force, in the part's frame so that both go with it.
-fn contacts(order: &FingersOrder, grasp: &Grasp, device: &str) -> SceneEntity {
+///
+/// Many forces balance a grasp; these are some that do, of a moderate size.
+fn contacts(order: &FingersOrder, grasp: &Grasp, curve: Option<&Curve>, device: &str) -> SceneEntity {
     let frame = part_frame(device, &order.part.name);
     let mut entity = drawing::entity(format!("{device}/contacts"), &frame, grasp.t_ns);
-    let Some(section) = order.part.section(grasp.plane) else { return entity };
-    let Ok(curve) = Curve::of(&section.outline) else { return entity };
+    let (Some(section), Some(curve)) = (order.part.section(grasp.plane), curve) else { return entity };
     let tip_um = order.facts.tip_radius_um;
-    let forces_un = forces_un(order, grasp);
+    let forces_un = finger_forces(order, grasp.state).unwrap_or_default();
     for (finger, contact) in grasp.contacts.iter().enumerate().filter(|(_, contact)| **contact > 0) {
         let rolled_rad = f64::from(contact - 1) * section.step_rad;
         let spot = curve.spot(curve.way_rolled_um(rolled_rad, tip_um));
@@ -149,11 +173,6 @@ fn contacts(order: &FingersOrder, grasp: &Grasp, device: &str) -> SceneEntity {
     entity
 }
 
-/// The forces of the fingers on the part in the hand's frame, in micronewtons; none of a grasp that does not hold.
-fn forces_un(_order: &FingersOrder, _grasp: &Grasp) -> Vec<Option<[f64; 3]>> {
-    Vec::new()
-}
-
 /// A direction of the hand's frame in the part's.
 fn turned_back(grasp: &Grasp, direction: [f64; 3]) -> [f64; 3] {
     let [w, x, y, z] = grasp.part.orientation;
@@ -161,12 +180,11 @@ fn turned_back(grasp: &Grasp, direction: [f64; 3]) -> [f64; 3] {
     turn.inverse_transform_vector(&direction.into()).into()
 }
 
-fn words(order: &FingersOrder, grasp: &Grasp, device: &str) -> SceneEntity {
+fn words(grasp: &Grasp, place: [f64; 3], device: &str) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/grasp"), device, grasp.t_ns);
     let contacts: Vec<String> = grasp.contacts.iter().map(u32::to_string).collect();
     let text = format!("grasp ({}) in {} at angle {}", contacts.join(", "), grasp.plane.name(), grasp.angle_index);
-    let [_, high_um] = super::reach_um(order);
-    drawing::text(&mut entity, [0.0, high_um, 0.0], text, color::TIP);
+    drawing::text(&mut entity, place, text, color::TIP);
     entity
 }
 

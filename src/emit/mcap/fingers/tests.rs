@@ -1,8 +1,8 @@
 use super::course::{Course, MAX_MOMENTS};
 use super::*;
 use crate::emit::fixture;
-use crate::schedule::State;
 use crate::emit::mcap::foxglove::SceneUpdate;
+use crate::schedule::State;
 use prost::Message as _;
 
 fn topic<'a>(topics: &'a [Topic], name: &str) -> &'a Topic {
@@ -23,7 +23,7 @@ fn the_part_is_where_the_states_say_and_turns_steadily_between_them() {
         .iter()
         .map(|(t_ns, data)| (*t_ns, PoseInFrame::decode(data.as_slice()).unwrap().pose.unwrap()))
         .collect();
-    let at = |t_ns: u64| said.iter().rfind(|(said_ns, _)| *said_ns <= t_ns).unwrap().1.clone();
+    let at = |t_ns: u64| said.iter().rfind(|(said_ns, _)| *said_ns <= t_ns).unwrap().1;
     for timed in &hand.schedule().plans[0].states {
         let State::Fingers { position_um, orientation, .. } = &timed.state else { panic!("a state of a hand") };
         let (pose, [w, _, _, z]) = (at(timed.t_ns), orientation);
@@ -95,8 +95,23 @@ fn grasps_are_shown_from_state_to_state() {
     assert_eq!(shown[1], (2, "grasp (1, 38, 0) in xy at angle 1".to_owned()));
     assert_eq!(shown[3], (3, "grasp (74, 37, 57) in xy at angle 2".to_owned()));
     // Contact 38 of the second state is J.
-    let place = scene(state, 1).entities[0].spheres[1].pose.clone().unwrap().position.unwrap();
+    let place = scene(state, 1).entities[0].spheres[1].pose.unwrap().position.unwrap();
     assert!((place.x + 14.0).abs() < 1e-5 && place.y.abs() < 1e-5, "{place:?}");
+    // Forces of those that hold, which balance: the ball weighs nothing.
+    let forces = |at: usize| scene(state, at).entities[0].arrows.clone();
+    assert_eq!((0..states.len()).map(|at| forces(at).len()).collect::<Vec<_>>(), [0, 2, 2, 3, 2, 2, 2]);
+    for at in 1..states.len() {
+        let mut sum = nalgebra::Vector3::zeros();
+        for arrow in forces(at) {
+            let pose = arrow.pose.unwrap();
+            let (turn, place) = (pose.orientation.unwrap(), pose.position.unwrap());
+            let turn = nalgebra::Quaternion::new(turn.w, turn.x, turn.y, turn.z);
+            let along = nalgebra::UnitQuaternion::new_normalize(turn) * nalgebra::Vector3::x();
+            assert!(along.dot(&nalgebra::Vector3::new(place.x, place.y, place.z)) < 0.0, "it pushes");
+            sum += along * (arrow.shaft_length + arrow.head_length);
+        }
+        assert!(sum.norm() < 1e-3, "state {at}: {sum}");
+    }
     let plan = scene(topic(&topics, "/hand/plan"), 0);
     assert_eq!(plan.entities[0].lines.len(), 3, "a trail for each finger");
 }
@@ -112,4 +127,21 @@ fn a_long_way_is_a_bounded_number_of_moments() {
     let course = Course::new(&far, &signals, "hand");
     let told = course.plans[0].moments.len();
     assert!(told <= MAX_MOMENTS + 100 && told > MAX_MOMENTS / 2, "{told} moments");
+}
+
+#[test]
+fn contacts_go_when_the_fingers_begin_to_leave() {
+    let gone = fixture::changed(&fixture::hand().0, |schedule| {
+        let last = schedule.plans[0].states.last_mut().unwrap();
+        let State::Fingers { grasp, tips_um, .. } = &mut last.state else { panic!("a state of a hand") };
+        (*grasp, *tips_um) = (vec![0; 3], vec![None; 3]);
+    });
+    let (topics, _) = topics(&gone, "hand");
+    let state = topic(&topics, "/hand/state");
+    let leave_ns = gone.schedule().steps[2].start_ns;
+    let going = state.messages.iter().rposition(|(t_ns, _)| *t_ns == leave_ns).unwrap();
+    assert_eq!(going, state.messages.len() - 2);
+    assert_eq!(scene(state, going - 1).entities[0].spheres.len(), 2);
+    assert_eq!(scene(state, going).entities[0].spheres.len(), 0);
+    assert_eq!(scene(state, going).entities[1].texts[0].text, "grasp (0, 0, 0) in xy at angle 3");
 }

@@ -1,7 +1,7 @@
 //! A route made ready: its legs with their strands, and how nodes of one leg go on in the next.
 
-use super::layout::{Chain, MAX_DIGIT, MAX_LEGS, Sets, Spot, wrapped};
 use super::flood::removed;
+use super::layout::{Chain, MAX_DIGIT, MAX_LEGS, Sets, Spot, wrapped};
 use super::strands::{Mask, Strands, below};
 use super::{Entry, Grasp, Leg, MAX_NODES, Request};
 use crate::device::fingers::MAX_FINGERS;

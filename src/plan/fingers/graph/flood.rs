@@ -4,10 +4,10 @@
 //! mask, and so a flood looks at each of the pairs' C(F,2)·c² chains once for each third contact. The layer of a triple is found
 //! from those of the pairs that it becomes, when it is asked for.
 
+use super::Entry;
 use super::course::{Course, Sheet};
 use super::layout::{Chain, Spot, wrapped};
 use super::strands::{Mask, below, both, except, has, single, spread};
-use super::Entry;
 use rustc_hash::FxHashMap;
 
 /// Which way edges are followed.
@@ -76,6 +76,9 @@ impl<'a, const N: usize> Flood<'a, N> {
             flood.meet(spot.leg, spot.chain, single(spot.angle), 0);
         }
         for spot in triples {
+            if direction == Direction::Back && !flood.fields[spot.leg].hands_on && !flood.is_news(spot) {
+                continue;
+            }
             let rolls = course.sheets[spot.leg].rolls_three(spot.chain.phases);
             flood.part(spot.leg, spot.chain, spread(single(spot.angle), rolls), 1);
         }
@@ -166,7 +169,8 @@ impl<'a, const N: usize> Flood<'a, N> {
         let row = strands.triple(head, [p, q, p]);
         let layer = self.layer + 2;
         // How far triples roll matters where it is asked how far the start reaches.
-        let wants_angles = self.direction == Direction::Onward && self.fields[leg].angles != below([u64::MAX; N], sheet.angles);
+        let wants_angles =
+            self.direction == Direction::Onward && self.fields[leg].angles != below([u64::MAX; N], sheet.angles);
         for (set, place) in course.sets.wider(piece.chain.set) {
             let chain = |third: u16| Chain { set: *set, phases: inserted([p, q], third, *place) };
             let goes_over = self.fields[leg].hands_on || wants_angles;
@@ -188,6 +192,15 @@ impl<'a, const N: usize> Flood<'a, N> {
                 }
             }
         }
+    }
+
+    /// Whether a pair is open that a triple becomes.
+    fn is_news(&self, spot: &Spot) -> bool {
+        (0..3).any(|place| {
+            let ([p, q], _) = removed(spot.chain.phases, place);
+            let pair = Chain { set: self.course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
+            self.fields[spot.leg].open[self.course.pair_index(spot.leg, pair)] != [0; N]
+        })
     }
 
     /// Whether any pair is open that a triple becomes, whatever the phase at a place.

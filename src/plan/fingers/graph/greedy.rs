@@ -3,14 +3,13 @@
 //! Each leg's way is cheapest for itself. The whole need not be, and a route that has a way can be missed: an end that is cheap may
 //! be one from which the next leg has none.
 
-use super::layout::Sets;
 use super::route::{bound, cheapest};
 use super::{Answer, Blocked, Entry, Estimator, Grasp, Leg, Request, Start, Way};
 use crate::device::fingers::MAX_FINGERS;
 use crate::plan::search::{Budget, Meter};
 
-/// The first route that can be gone leg by leg: at each junction the F(F - 1) ways in which two fingers can hold are evaluated, and
-/// the first of the cheapest is taken.
+/// The first route that can be gone leg by leg: at each junction a cheapest of the F(F - 1) ways in which two fingers can hold is
+/// taken.
 ///
 /// The bound of the way is one for the joint problem. [`Answer::Impossible`] is no proof here: it tells where the route that came
 /// farthest got stuck.
@@ -24,7 +23,9 @@ pub fn decompose(request: &Request, estimator: Estimator, budget: Budget) -> Ans
                     farthest = Some(blocked);
                 }
             }
-            Answer::Found(way) => return Answer::Found(Way { bound: bound(request).unwrap_or(0).min(way.cost), ..way }),
+            Answer::Found(way) => {
+                return Answer::Found(Way { bound: bound(request).unwrap_or(0).min(way.cost), ..way });
+            }
             other @ (Answer::GaveUp(_) | Answer::TooLarge { .. }) => return other,
         }
     }
@@ -36,18 +37,19 @@ fn by_legs(request: &Request, route: usize, estimator: Estimator, meter: &mut Me
     let mut way = Way { route, cost: 0, bound: 0, legs: Vec::new(), expanded: 0 };
     let mut start = request.start;
     for (at, leg) in legs.iter().enumerate() {
-        let ends = ends(request.fingers, leg, legs.get(at + 1));
-        let routes = ends.iter().map(|end| vec![Leg { end: *end, entry: Entry::Same, ..leg.clone() }]).collect();
+        let routes = vec![alone(leg, legs.get(at + 1))];
         let alone = Request { fingers: request.fingers, start, routes, costs: request.costs };
-        let part = match cheapest(&alone, estimator, meter) {
-            Answer::Found(part) => part,
+        let nodes = match cheapest(&alone, estimator, meter) {
+            Answer::Found(part) => {
+                way.cost += part.cost;
+                way.expanded += part.expanded;
+                part.legs.into_iter().next().unwrap_or_default()
+            }
             Answer::Impossible(blocked) => return Answer::Impossible(Blocked { route, leg: at, ..blocked }),
             other @ (Answer::GaveUp(_) | Answer::TooLarge { .. }) => return other,
         };
-        way.cost += part.cost;
-        way.expanded += part.expanded;
-        let last = part.legs.last().and_then(|nodes| nodes.last()).map(|node| node.grasp);
-        way.legs.extend(part.legs);
+        let last = nodes.last().map(|node| node.grasp);
+        way.legs.push(nodes);
         let entry = legs.get(at + 1).map_or(Entry::Same, |next| next.entry);
         match last.and_then(|grasp| carried(grasp, entry)) {
             Some(grasp) => start = Start::At(grasp),
@@ -57,18 +59,12 @@ fn by_legs(request: &Request, route: usize, estimator: Estimator, meter: &mut Me
     Answer::Found(way)
 }
 
-/// The grasps that a leg may end with; `None` for any.
-fn ends(fingers: usize, leg: &Leg, next: Option<&Leg>) -> Vec<Option<Grasp>> {
-    match (leg.end, next.map(|next| next.entry)) {
-        (Some(pin), _) => vec![Some(pin)],
-        (None, None | Some(Entry::Same)) => vec![None],
-        (None, Some(Entry::Across { old, .. })) => {
-            let sets = Sets::of(fingers);
-            let pairs = (0..sets.len() as u8).filter(|set| sets.is_pair(*set));
-            let held = |set: u8, contacts: [usize; 2]| grasp(sets.members(set), contacts);
-            pairs.flat_map(|set| [Some(held(set, old)), Some(held(set, [old[1], old[0]]))]).collect()
-        }
-    }
+/// A leg by itself. Where it has to end at a junction the next one follows without its turn: the search then takes the cheapest of
+/// all permutations of fingers.
+fn alone(leg: &Leg, next: Option<&Leg>) -> Vec<Leg> {
+    let crossed = next.filter(|next| next.entry != Entry::Same);
+    let standing = crossed.map(|next| Leg { steps: 0, end: None, ..next.clone() });
+    std::iter::once(Leg { entry: Entry::Same, ..leg.clone() }).chain(standing).collect()
 }
 
 fn grasp(fingers: &[usize], contacts: [usize; 2]) -> Grasp {

@@ -6,7 +6,6 @@
 /// The sets of two or three fingers, pairs first, each kind in lexicographic order.
 #[derive(Debug, Clone)]
 pub struct Sets {
-    pub fingers: usize,
     members: Vec<Vec<usize>>,
     /// For each pair the triples with a finger more, and the place of that finger.
     wider: Vec<Vec<(u8, usize)>>,
@@ -30,14 +29,19 @@ impl Sets {
         members[pairs..].sort();
         let find = |fingers: &[usize]| members.iter().position(|set| set == fingers).map(|at| at as u8);
         let without = |set: &[usize], place: usize| find(&[&set[..place], &set[place + 1..]].concat());
-        let narrower: Vec<Vec<u8>> = members.iter().map(|set| (0..set.len()).filter_map(|place| without(set, place)).collect()).collect();
+        let narrower: Vec<Vec<u8>> =
+            members.iter().map(|set| (0..set.len()).filter_map(|place| without(set, place)).collect()).collect();
         let grown = |pair: usize| {
             let triples = pairs..members.len();
-            let places = triples.flat_map(|triple| narrower[triple].iter().enumerate().map(move |(place, set)| (triple, place, *set)));
-            places.filter(|(_, _, set)| usize::from(*set) == pair).map(|(triple, place, _)| (triple as u8, place)).collect()
+            let places = triples
+                .flat_map(|triple| narrower[triple].iter().enumerate().map(move |(place, set)| (triple, place, *set)));
+            places
+                .filter(|(_, _, set)| usize::from(*set) == pair)
+                .map(|(triple, place, _)| (triple as u8, place))
+                .collect()
         };
         let wider = (0..pairs).map(grown).collect();
-        Sets { fingers, members, wider, narrower, pairs }
+        Sets { members, wider, narrower, pairs }
     }
 
     /// How many sets there are.
@@ -100,7 +104,8 @@ impl Sets {
 impl Sets {
     /// The chain of a number.
     pub fn chain(&self, contacts: usize, index: usize) -> Chain {
-        let (pairs, digit) = (self.pairs * contacts * contacts, |power: u32, at: usize| at / contacts.pow(power) % contacts);
+        let (pairs, digit) =
+            (self.pairs * contacts * contacts, |power: u32, at: usize| at / contacts.pow(power) % contacts);
         if index < pairs {
             let set = (index / contacts.pow(2)) as u8;
             return Chain { set, phases: [digit(1, index) as u16, digit(0, index) as u16, 0] };

@@ -8,7 +8,9 @@
 //! ([`Estimator::Layers`]). **Guaranteed:** a found way is cheapest, of equally cheap routes the first; an answer that there is none is
 //! a proof; the same request has the same answer everywhere. **Not:** which of equally cheap ways of a route is found (that with
 //! the smaller estimate is looked at first, then the one found last). **Cost:** a flood takes some nanoseconds for each of the
-//! C(F,3)·c³ chains that it meets, whatever the number of angles up to 64; the search, some for each contact of a pair it expands.
+//! C(F,2)·c² chains of pairs and each third contact, whatever the number of angles up to 64; the search, some tens for each contact
+//! of a pair that it expands. Where the way with the fewest reconfigurations has to roll much farther than the turn asks for, the
+//! estimate is far below the cost, and many nodes are expanded.
 
 mod course;
 mod flood;
@@ -30,7 +32,7 @@ use crate::plan::search::{Budget, GaveUp, Meter};
 use std::sync::Arc;
 
 /// The most nodes of one route: all grasps that could be, times all angles, of all its legs.
-pub const MAX_NODES: u64 = 1 << 31;
+pub const MAX_NODES: u64 = 1 << 34;
 
 /// The contact of each finger, from 1; 0 for a finger that is free, or that the device does not have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -182,7 +184,9 @@ pub enum Answer {
     /// The budget of expanded nodes ran out.
     GaveUp(GaveUp),
     /// A route has more nodes than [`MAX_NODES`].
-    TooLarge { nodes: u64 },
+    TooLarge {
+        nodes: u64,
+    },
 }
 
 /// The cheapest way of all routes.

@@ -65,7 +65,8 @@ impl Estimate for Published<'_> {
     fn gaits(&self, spot: Spot) -> u32 {
         let Some(goals) = &self.goals[spot.leg] else { return 0 };
         let count = |goal: &Goal| {
-            reconfigurations(&self.course.sets, (spot.chain.set, spot.chain.phases), (goal.set, goal.phases)) + goal.rest
+            reconfigurations(&self.course.sets, (spot.chain.set, spot.chain.phases), (goal.set, goal.phases))
+                + goal.rest
         };
         goals.iter().map(count).min().unwrap_or(NEVER)
     }

@@ -148,7 +148,12 @@ impl<'a> Search<'a> {
     }
 
     /// A route's walk before its first step; `None` where its start does not hold.
-    fn begun<E: Estimate>(&self, route: usize, costs: Costs, estimate: impl Fn(&'a Course) -> E) -> Option<Walk<'a, E>> {
+    fn begun<E: Estimate>(
+        &self,
+        route: usize,
+        costs: Costs,
+        estimate: impl Fn(&'a Course) -> E,
+    ) -> Option<Walk<'a, E>> {
         let course = &self.courses[route];
         match self.request.start {
             Start::Any => Some(Walk::anywhere(course, costs, estimate(course))),
@@ -231,10 +236,5 @@ fn stuck<const N: usize>(route: usize, course: &Course, start: Start) -> Blocked
     let reached = (0..sheet.angles).filter(|angle| has(&flood.angles(leg), *angle));
     let farthest = reached.min_by_key(|angle| angle.abs_diff(sheet.end)).map(|angle| angle as i32 - sheet.start as i32);
     let may_end = |spot: &Spot| course.is_goal(*spot) || course.next(*spot).is_some();
-    Blocked {
-        route,
-        leg,
-        farthest,
-        ends: course.ends(leg).iter().filter(|spot| may_end(spot)).count() as u64,
-    }
+    Blocked { route, leg, farthest, ends: course.ends(leg).iter().filter(|spot| may_end(spot)).count() as u64 }
 }

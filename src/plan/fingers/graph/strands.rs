@@ -19,8 +19,7 @@ pub struct Strand {
 
 impl Strand {
     fn new(count: usize, bits: usize) -> Self {
-        // One word more, so that a window never ends behind the last one.
-        let stride = bits.div_ceil(64) + 1;
+        let stride = bits.div_ceil(64);
         Strand { words: vec![0; count * stride], stride }
     }
 
@@ -144,7 +143,9 @@ impl Strands {
     }
 
     fn repeat(&mut self, period: usize, bits: usize) {
-        for strand in [&mut self.hold_pair, &mut self.roll_pair, &mut self.roll_triple, &mut self.place, &mut self.leave] {
+        for strand in
+            [&mut self.hold_pair, &mut self.roll_pair, &mut self.roll_triple, &mut self.place, &mut self.leave]
+        {
             strand.repeat(period, bits);
         }
     }
@@ -164,7 +165,8 @@ impl Strands {
             let range = two * width..(two + 1) * width;
             let here = &nodes[range.clone()];
             // The bits of the next angle: each one down, and the first of them behind the last.
-            let last = |at: usize| if at + 1 == width { (here[0] & 1) << ((contacts - 1) % 64) } else { here[at + 1] << 63 };
+            let last =
+                |at: usize| if at + 1 == width { (here[0] & 1) << ((contacts - 1) % 64) } else { here[at + 1] << 63 };
             let next = |at: usize| here[at] >> 1 | last(at);
             let strand = one * contacts + two;
             let of = |bits: &[u64], at: usize| bits[range.start + at] & here[at];

@@ -6,7 +6,8 @@
 //! estimators promise that the count of an edge's first end is at most that of its second, plus 1 for a reconfiguration. So no node
 //! is expanded at more than its least cost.
 //!
-//! Nodes are expanded partially: what does not raise the estimated cost is looked at first, the rest when its own cost comes up.
+//! Placements are expanded partially: those that do not raise the estimated cost are met at once, the rest when their own cost
+//! comes up.
 
 use super::Costs;
 use super::course::Course;
@@ -56,7 +57,7 @@ struct Record {
 /// Of a record without one.
 const NO_PARENT: u32 = u32::MAX;
 
-/// A record at a cost, and by how much its successors, as far as they are not met yet, raise the estimated cost.
+/// A record at a cost, and by how much the placements that are not met yet raise the estimated cost at least.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
     record: u32,
@@ -118,7 +119,10 @@ impl<'a, E: Estimate> Walk<'a, E> {
     pub fn advance(&mut self, limit: u64, meter: &mut Meter) -> Progress {
         loop {
             let Some((key, entry)) = self.pop(limit) else {
-                return self.open.first_key_value().map_or(Progress::Exhausted, |((cost, _), _)| Progress::AtLeast(*cost));
+                return self
+                    .open
+                    .first_key_value()
+                    .map_or(Progress::Exhausted, |((cost, _), _)| Progress::AtLeast(*cost));
             };
             if entry.record == STARTS.record {
                 self.begin();
@@ -194,18 +198,20 @@ impl<'a, E: Estimate> Walk<'a, E> {
         self.open.entry((cost + to_go, to_go)).or_default().push(Entry { record, cost, raise: 0 });
     }
 
-    /// Meets all neighbours that raise the estimated cost just so much, and queues the node anew for those that raise it more.
+    /// Meets the neighbours: of the many placements those that raise the estimated cost just so much, and queues the node anew for
+    /// those that raise it more.
     fn expand(&mut self, spot: Spot, entry: Entry, (estimated, to_go): (u64, u64)) {
+        if entry.raise == 0 {
+            self.roll(spot, entry);
+            if let Some(next) = self.course.next(spot) {
+                self.meet(next, entry.cost, entry.record);
+            }
+        }
+        if !self.course.sets.is_pair(spot.chain.set) {
+            return self.leave(spot, entry);
+        }
         let mut turn = Turn { entry, to_go, next: u64::MAX };
-        self.roll(spot, &mut turn);
-        if let Some(next) = self.course.next(spot) {
-            self.offer(next, 0, &mut turn);
-        }
-        if self.course.sets.is_pair(spot.chain.set) {
-            self.place(spot, &mut turn);
-        } else {
-            self.leave(spot, &mut turn);
-        }
+        self.place(spot, &mut turn);
         if turn.next != u64::MAX {
             let later = estimated + (turn.next - entry.raise);
             self.open.entry((later, to_go)).or_default().push(Entry { raise: turn.next, ..entry });
@@ -223,7 +229,7 @@ impl<'a, E: Estimate> Walk<'a, E> {
         }
     }
 
-    fn roll(&mut self, spot: Spot, turn: &mut Turn) {
+    fn roll(&mut self, spot: Spot, entry: Entry) {
         let sheet = &self.course.sheets[spot.leg];
         let phases = spot.chain.phases;
         let head = sheet.strands.head(phases[0]);
@@ -232,14 +238,14 @@ impl<'a, E: Estimate> Walk<'a, E> {
         } else {
             (&sheet.strands.roll_triple, sheet.strands.triple(head, phases), 3)
         };
-        let edge = fingers * u64::from(self.costs.roll);
+        let cost = entry.cost + fingers * u64::from(self.costs.roll);
         let up = spot.angle + 1 < sheet.angles && bits.has(strand, head.bit + spot.angle);
         let down = spot.angle > 0 && bits.has(strand, head.bit + spot.angle - 1);
         if up {
-            self.offer(Spot { angle: spot.angle + 1, ..spot }, edge, turn);
+            self.meet(Spot { angle: spot.angle + 1, ..spot }, cost, entry.record);
         }
         if down {
-            self.offer(Spot { angle: spot.angle - 1, ..spot }, edge, turn);
+            self.meet(Spot { angle: spot.angle - 1, ..spot }, cost, entry.record);
         }
     }
 
@@ -261,7 +267,7 @@ impl<'a, E: Estimate> Walk<'a, E> {
         }
     }
 
-    fn leave(&mut self, spot: Spot, turn: &mut Turn) {
+    fn leave(&mut self, spot: Spot, entry: Entry) {
         let course = self.course;
         let strands = &course.sheets[spot.leg].strands;
         for place in 0..3 {
@@ -269,7 +275,7 @@ impl<'a, E: Estimate> Walk<'a, E> {
             let head = strands.head(p);
             if strands.leave.has(strands.triple(head, [p, q, third]), head.bit + spot.angle) {
                 let chain = Chain { set: course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
-                self.offer(Spot { chain, ..spot }, u64::from(self.costs.gait), turn);
+                self.meet(Spot { chain, ..spot }, entry.cost + u64::from(self.costs.gait), entry.record);
             }
         }
     }
@@ -329,7 +335,7 @@ impl<'a, E: Estimate> Walk<'a, E> {
     }
 }
 
-/// An expansion that goes on.
+/// The placements of an expansion.
 #[derive(Debug)]
 struct Turn {
     entry: Entry,

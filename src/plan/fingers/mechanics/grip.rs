@@ -83,8 +83,12 @@ impl Grip {
 
     /// Whether two or three fingers hold under a load; no other number of fingers does.
     ///
-    /// Whether their tips have room is not asked here.
+    /// Tips that only push must also be able to hold without the load: a part that merely rests on them is not held. Whether their tips
+    /// have room is not asked here.
     pub fn holds(&self, contacts: &[Contact], load: &Load) -> bool {
+        if self.only_leans(load) && !self.holds(contacts, &Load::NONE) {
+            return false;
+        }
         let demand = self.demand(load);
         let reach = |contact: &Contact| self.reach(contact, load, contacts.len());
         match contacts {
@@ -130,6 +134,11 @@ impl Grip {
     /// Whether every grasp holds in which tips have room: the load is none, and forces near zero of every direction are to be had.
     pub(super) fn holds_anyway(&self, load: &Load) -> bool {
         load.is_none() && self.sticking_un > 0.0
+    }
+
+    /// Whether there are balances in which nothing but the load presses the part against the tips.
+    pub(super) fn only_leans(&self, load: &Load) -> bool {
+        !load.is_none() && self.sticking_un == 0.0
     }
 
     /// Whether a finger of three may exert no force in the plane.

@@ -70,7 +70,19 @@ pub fn tables(asked: &Asked, reaches: &mut dyn FnMut(usize, usize, usize) -> boo
         tables.layers.push(layer);
     }
     roll(asked, &grip, &mut tables);
+    if grip.only_leans(&asked.load) {
+        let unloaded = self::tables(&Asked { load: Load::NONE, ..*asked }, reaches)?;
+        tables.layers.iter_mut().for_each(|layer| keep(layer, &unloaded.layers[0]));
+    }
     Ok(tables)
+}
+
+// Drops the grasps that another layer does not have.
+fn keep(layer: &mut Layer, other: &Layer) {
+    layer.pair.keep(&other.pair);
+    layer.triple.keep(&other.triple);
+    layer.roll_pair.keep(&other.roll_pair);
+    layer.roll_triple.keep(&other.roll_triple);
 }
 
 impl Asked<'_> {

@@ -12,6 +12,9 @@ const THERE_UM: f64 = 1e-9;
 
 /// How the fingers move in a course.
 pub fn motion(hand: &Hand, course: &Course) -> Result<Motion, WayError> {
+    if !is_sound(hand, &course.start) {
+        return Err(WayError::Unfit { step: 0 });
+    }
     let mut walk = Walk::new(hand, &course.start);
     let mut steps = Vec::with_capacity(course.steps.len());
     walk.check_range();
@@ -24,6 +27,14 @@ pub fn motion(hand: &Hand, course: &Course) -> Result<Motion, WayError> {
         steps.push(std::mem::take(&mut walk.moves));
     }
     walk.beyond.map_or(Ok(Motion { start: course.start.clone(), steps }), Err)
+}
+
+/// Whether a stance has all fingers of the hand, and only contacts of its part.
+fn is_sound(hand: &Hand, start: &Stance) -> bool {
+    let fingers = hand.facts.fingers as usize;
+    let contacts = hand.side(start.hold.plane).map_or(0, |side| side.reach.contacts());
+    let are_there = start.hold.grasp.iter().all(|contact| *contact as usize <= contacts);
+    start.tips_um.len() == fingers && start.hold.grasp.len() == fingers && are_there
 }
 
 /// Where everything is on the way.
@@ -139,6 +150,9 @@ impl<'a> Walk<'a> {
     /// A step of the turn, by chords of equal angles.
     fn roll(&mut self, sense: i64) -> Result<(), WayError> {
         let side = self.side()?;
+        if self.grasp.iter().filter(|contact| **contact != 0).count() < 2 {
+            return Err(self.unfit());
+        }
         let step_rad = side.section.step_rad;
         let chords = rolling::chords(side.curve, self.hand.facts, step_rad).ok_or(self.too_fine())?;
         for chord in 1..=chords {

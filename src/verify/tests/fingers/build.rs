@@ -44,8 +44,12 @@ pub fn facts() -> Facts {
 
 /// An ellipse of these semi-axes, with as many contacts as fit.
 pub fn section(semi_um: [f64; 2]) -> Section {
-    let outline = Outline::Ellipse { semi_um };
-    let round_rad = TAU + Curve::of(&outline).expect("an ellipse").perimeter_um() / 4.5;
+    with_contacts(Outline::Ellipse { semi_um })
+}
+
+/// An outline with an even number of contacts, for tips of 4.5 um and steps of nearly 20 deg.
+pub fn with_contacts(outline: Outline) -> Section {
+    let round_rad = TAU + Curve::of(&outline).expect("an outline").perimeter_um() / 4.5;
     let contacts = 2 * (round_rad / (TAU / 18.0) / 2.0).round() as u32;
     Section { outline, contacts, opposite: Some(1 + contacts / 2), step_rad: round_rad / f64::from(contacts) }
 }
@@ -215,8 +219,13 @@ impl Day {
     }
 
     /// A free finger comes to a contact: round the part high above it, down, in and slowly to touch.
-    pub fn come(mut self, finger: usize, contact: u32) -> Day {
-        let rolled_rad = self.rolled_rad(contact);
+    pub fn come(self, finger: usize, contact: u32) -> Day {
+        self.come_off(finger, contact, 0.0)
+    }
+
+    /// As [`Day::come`], beside the contact by a way of the tip.
+    pub fn come_off(mut self, finger: usize, contact: u32, off_um: f64) -> Day {
+        let rolled_rad = self.rolled_rad(contact) + off_um / self.order.facts.tip_radius_um;
         let across = self.orientation * Point::from(self.plane.normal()) * 35.0;
         let above = self.tips_um[finger] + across;
         let over = self.seat_um(rolled_rad, 30.0) + across;
@@ -293,10 +302,12 @@ impl Day {
 
     /// Everything moves.
     pub fn carry(mut self, by: [f64; 3]) -> Day {
-        let by_um = Point::from(by);
-        self.tips_um.iter_mut().for_each(|tip_um| *tip_um += by_um);
-        self.position_um += by_um;
-        self.line(100 * MS);
+        let half_um = Point::from(by) / 2.0;
+        for _ in 0..2 {
+            self.tips_um.iter_mut().for_each(|tip_um| *tip_um += half_um);
+            self.position_um += half_um;
+            self.line(100 * MS);
+        }
         self.record()
     }
 

@@ -86,7 +86,11 @@ fn the_closed_form_is_the_relaxed_optimum() {
                 let mut phases = [0; 3];
                 phases.iter_mut().zip(&members).for_each(|(phase, finger)| *phase = u16::from(state[*finger]));
                 let now = (sets.find(&members).expect("two or three hold"), phases);
-                assert_eq!(reconfigurations(&sets, now, (goal, [1; 3])), least, "{fingers} fingers, {state:?} to {goal}");
+                assert_eq!(
+                    reconfigurations(&sets, now, (goal, [1; 3])),
+                    least,
+                    "{fingers} fingers, {state:?} to {goal}"
+                );
             }
         }
     }

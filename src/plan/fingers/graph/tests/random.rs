@@ -59,7 +59,8 @@ pub fn layer(
             }
             for k in j + 1..contacts {
                 let [holds, rolls] = triple(i, j, k);
-                let all = [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]].map(|[i, j, k]| three(i, j, k));
+                let all =
+                    [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]].map(|[i, j, k]| three(i, j, k));
                 put(&mut triples, holds, &all);
                 put(&mut roll_triple, rolls, &all);
             }
@@ -98,20 +99,25 @@ fn noise(random: &mut Random, contacts: usize, layers: usize) -> Tables {
 }
 
 /// A case: fingers, contacts, legs, junctions, pins and all.
-fn case(seed: u64) -> Request {
+pub fn case(seed: u64) -> Request {
     let random = &mut Random(seed.wrapping_mul(0x1234_5677));
-    let fingers = if random.chance(75) || seed % 50 == 0 { 3 } else { 4 };
+    let fingers = if random.chance(75) || seed.is_multiple_of(50) { 3 } else { 4 };
     let most = if fingers == 3 { random.pick(&[6, 7, 9, 10, 12, 14, 20]) } else { random.pick(&[5, 8, 11]) };
-    let most = if seed % 50 == 0 { 40 } else { most };
+    let most = if seed.is_multiple_of(50) { 40 } else { most };
     let turn = random.pick(&[2, 4, 7, 12]);
     let by_angle = random.chance(20);
     let table = |random: &mut Random| {
         let contacts = most - 2 * random.below(2);
         let layers = if by_angle { turn + 1 } else { 1 };
-        Arc::new(if random.chance(20) && !by_angle { circle(contacts, contacts / 7 + 1) } else { noise(random, contacts, layers) })
+        Arc::new(if random.chance(20) && !by_angle {
+            circle(contacts, contacts / 7 + 1)
+        } else {
+            noise(random, contacts, layers)
+        })
     };
     let sections = [table(random), table(random)];
-    let routes = (0..random.pick(&[1, 1, 1, 2, 3])).map(|_| route(random, fingers, turn, &sections)).collect::<Vec<_>>();
+    let routes =
+        (0..random.pick(&[1, 1, 1, 2, 3])).map(|_| route(random, fingers, turn, &sections)).collect::<Vec<_>>();
     let first = &routes[0][0];
     let start = match random.chance(40) {
         true => Start::Any,
@@ -168,6 +174,7 @@ fn agrees(seed: u64) -> Option<u64> {
         match solve(&request, estimator, Budget::DEFAULT) {
             Answer::Found(way) => {
                 assert_eq!(Some((way.cost, way.route)), best, "case {seed}, {estimator:?}");
+                assert_eq!(way.bound, way.cost);
                 judge(&request, &way);
             }
             Answer::Impossible(blocked) => {

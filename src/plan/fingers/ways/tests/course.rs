@@ -177,6 +177,8 @@ fn acts_that_do_not_fit_are_refused() {
         vec![hold(), Act::Leave { finger: 9 }],
         vec![hold(), Act::Release { order: vec![0] }],
         vec![begin(Plane::Xy, &[2, 38, 0]), Act::Turn(Plane::Xz)],
+        vec![Act::Roll(i32::MIN)],
+        vec![begin(Plane::Xy, &[0, 38, 0]), Act::Roll(1)],
     ];
     for acts in refused {
         let course = bench.course(acts.clone());
@@ -187,6 +189,18 @@ fn acts_that_do_not_fit_are_refused() {
     let flat = Hand { xz: None, ..bench.hand() };
     let course = bench.course(vec![hold(), Act::Turn(Plane::Xz)]);
     assert_eq!(flat.motion(&course), Err(WayError::Unfit { step: 0 }));
+}
+
+#[test]
+fn stances_of_another_hand_are_refused() {
+    let bench = Bench::new(ellipse(), facts(3));
+    let edits: [fn(&mut Stance); 3] =
+        [|start| start.tips_um.truncate(2), |start| start.hold.grasp.push(0), |start| start.hold.grasp[1] = 75];
+    for edit in edits {
+        let mut course = bench.course(vec![Act::Wait(1)]);
+        edit(&mut course.start);
+        assert_eq!(bench.hand().motion(&course), Err(WayError::Unfit { step: 0 }));
+    }
 }
 
 #[test]
