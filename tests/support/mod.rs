@@ -8,6 +8,7 @@ use tweeze::check::imports::Library;
 use tweeze::compile::{self, Outcome, Program};
 use tweeze::diagnostic::Sink;
 use tweeze::emit::{self, Format, OutputFile, Provenance};
+use tweeze::schedule::Unit;
 use tweeze::source::Sources;
 use tweeze::verify::Verified;
 
@@ -56,11 +57,12 @@ pub fn build(text: &str) -> Built {
 }
 
 impl Built {
-    /// Every file of every format.
+    /// Every file of every format that can hold it: G-code is of stages only.
     pub fn files(&self) -> Vec<OutputFile> {
         let mut files = Vec::new();
         for verified in &self.schedules {
-            for format in Format::ALL {
+            let are_stages = verified.schedule().channels.iter().all(|channel| channel.unit == Unit::Micrometre);
+            for format in Format::ALL.iter().filter(|format| are_stages || **format != Format::Gcode) {
                 let set = emit::emit(*format, verified, &self.provenance);
                 files.extend(set.unwrap_or_else(|error| panic!("{}: {error:?}", format.name())));
             }

@@ -333,9 +333,12 @@ fn told(fault: &OutlineError, outline: &Outline, span: Span) -> Diagnostic {
             let what = format!("an outline with a point given twice{}", place(*index));
             errors::bad_shape(span, &what, "two neighbours are one place", "leave one of the two out")
         }
-        OutlineError::NoArea => {
-            errors::bad_shape(span, "an outline without area", "its points lie on one line", "give it a thickness")
-        }
+        OutlineError::NoArea => errors::bad_shape(
+            span,
+            "an outline that encloses no area",
+            "its points lie on one line, or it crosses itself",
+            "give the points in order round it",
+        ),
         OutlineError::Crossing { ways_um } => {
             let ways = ways_um.map(|way| format!("{} um", digits(way))).join(" and ");
             let what = format!("an outline that crosses itself, {ways} along it");

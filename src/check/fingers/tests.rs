@@ -4,8 +4,8 @@ mod turns;
 
 use super::orientation;
 use super::solid;
-use crate::check::claims::fingers::{Action, FingersOrder, Planner, Turn};
 use crate::check::claims::Claims;
+use crate::check::claims::fingers::{Action, FingersOrder, Planner, Turn};
 use crate::check::imports::{self, Library};
 use crate::check::{Checked, Options, check};
 use crate::device::fingers::{Adhesion, Plane};

@@ -83,6 +83,9 @@ fn keep(layer: &mut Layer, other: &Layer) {
     layer.triple.keep(&other.triple);
     layer.roll_pair.keep(&other.roll_pair);
     layer.roll_triple.keep(&other.roll_triple);
+    // Where nothing acts fingers that only push come and go alike.
+    layer.place.keep(&other.place);
+    layer.leave.keep(&other.leave);
 }
 
 impl Asked<'_> {

@@ -48,6 +48,10 @@ impl Case {
 
     /// Friction and forces changed by a part.
     fn solved(&self, change: f64) -> bool {
+        let leans = self.leaves.is_none() && self.facts.sticking_un() == 0.0 && self.load.size_un() > 0.0;
+        if leans && !(Case { load: Load::NONE, ..self.clone() }).solved(change) {
+            return false;
+        }
         let friction = self.facts.friction * (1.0 + change);
         let sticking_un = self.facts.sticking_un();
         let most_un = self.facts.max_force_un * (1.0 + change);
