@@ -13,7 +13,7 @@
 //!
 //! A channel of positions is the voltage at the analogue input of a stage's driver, 1 V for each um, which a lab scales by what its
 //! driver takes. A generator has no straight lines, so they are sampled: at each sample the output is where the stage is to be, and
-//! from one to the next no stage moves by more than [`sampling::SAMPLE_UM`] unless the instrument's memory is too small for that; the
+//! from one to the next no stage moves by more than `sampling::SAMPLE_UM` unless the instrument's memory is too small for that; the
 //! description says by how much. It waits at the first position and rests at the last one.
 
 mod sampling;

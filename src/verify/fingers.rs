@@ -1,6 +1,6 @@
 //! Replays the run of a hand from the positions of its stages alone.
 //!
-//! Input: a [`Run`] whose steps and channels are sound. Output: its states and the outcomes. `track` puts the axes together, `body` tells
+//! Input: a run whose steps and channels are sound. Output: its states and the outcomes. `track` puts the axes together, `body` tells
 //! how far the part's outlines are, `grip` solves for the pose in which all tips that hold touch and roll, `hand` follows
 //! stretch by stretch which tips hold, come and leave, `statics` asks a solver of linear programs whether they hold the part,
 //! `clearance` looks at how near tips come, `goals` holds each step against the task and `states` the changes against the
