@@ -7,6 +7,8 @@
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
+#[cfg(test)]
+pub(crate) mod fixture;
 mod words;
 
 pub use words::VOCABULARY;

@@ -9,7 +9,7 @@ use crate::check::claims::{Claims, Job, Order, Timeline};
 use crate::device::Kind;
 use crate::device::dimibot::tests::femto_st;
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous, Switch};
-use crate::device::fingers::{Adhesion, Facts as Hand, Plane};
+use crate::device::fingers::{Facts as Hand, Plane, fixture};
 use crate::geometry::outline::Outline;
 use crate::geometry::shape::{Pose, Shape};
 use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, State, Step, Swing, TimedState, Unit};
@@ -403,15 +403,7 @@ pub fn hand() -> (Verified, Provenance) {
 
 fn hand_facts() -> Hand {
     Hand {
-        fingers: 3,
         tip_radius_um: TIP_UM,
-        adhesion: Adhesion::Sticking,
-        pull_off_un: 1.5,
-        max_force_un: 30.0,
-        friction: 0.3,
-        steps_per_turn: 18,
-        removal_safety: 1.0,
-        gaiting_cost_deg: 180.0,
         clearance_um: 0.5,
         retract_um: 2.0,
         speed_um_per_s: 1000.0,
@@ -419,7 +411,7 @@ fn hand_facts() -> Hand {
         rolling_um_per_s: 200.0,
         support_un: 3.0,
         range_um: [60.0; 3],
-        tolerance_um: 0.05,
+        ..fixture::hand()
     }
 }
 

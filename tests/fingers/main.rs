@@ -1,9 +1,12 @@
 //! Hands from a program's text to verified schedules: what the planner rolls, the judge has integrated from positions alone.
 
+#[path = "../support/random.rs"]
+mod random;
 #[path = "../support/mod.rs"]
 mod support;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use random::Random;
 use support::build;
 use tweeze::device::fingers::Plane;
 use tweeze::schedule::{PlanRecord, State};
@@ -143,4 +146,46 @@ fn four_fingers_and_a_load_are_planned_too() {
     let (_, orientation) = last(&plan);
     let goal = about(Vector3::z(), 60.0) * about(Vector3::y(), 40.0);
     assert!(orientation.angle_to(&goal).to_degrees() < 0.5);
+}
+
+/// A part, a hand and a task by chance.
+fn random_program(chance: &mut Random) -> String {
+    let size = |chance: &mut Random| chance.thousandths(8.0, 17.0);
+    let [a, b, c] = [size(chance), size(chance), size(chance)];
+    let shape = match chance.below(4) {
+        0 => format!("ellipsoid {{ axes: ({a} um, {b} um, {c} um) }}"),
+        1 => format!("superellipsoid {{ axes: ({a} um, {b} um, {c} um), exponent: 2.5 }}"),
+        2 => format!("rounded_box {{ size: ({} um, {} um, {} um), radius: 4 um }}", 2.0 * a, 2.0 * b, 2.0 * c),
+        _ => format!("profile {{ x: 14 um * cos(t) - {} um * cos(2 * t), y: 13 um * sin(t) }}", a / 3.0),
+    };
+    let axes = if shape.starts_with("profile") { ["z", "z"] } else { ["z", "y"] };
+    let mut steps = String::new();
+    for _ in 0..1 + chance.below(4) {
+        let degrees = 20 * (1 + chance.below(12));
+        let sign = if chance.below(2) == 0 { "" } else { "-" };
+        steps.push_str(&match chance.below(6) {
+            0 => "  grasp part1\n  translate part1 by (1 um, -2 um, 0.5 um)\n".to_owned(),
+            1 => format!("  rotate part1 by {degrees} deg about z\n  release\n"),
+            _ => format!("  rotate part1 by {sign}{degrees} deg about {}\n", axes[chance.below(2) as usize]),
+        });
+    }
+    let adhesion = chance.below(3) != 0;
+    let friction = chance.thousandths(0.2, 0.7);
+    format!(
+        "use std.fingers as f\ndevice hand : f.three_fingers {{ adhesion: {adhesion}, friction: {friction}, support: 20 uN }}\n\
+         scene cell {{ part part1 : {shape} }}\ntask turn on hand in cell {{\n  precision: 12 deg\n{steps}}}\n"
+    )
+}
+
+#[test]
+fn what_is_planned_for_random_parts_is_accepted_by_the_judge() {
+    let mut chance = Random(986);
+    let mut planned = 0;
+    for _ in 0..30 {
+        let text = random_program(&mut chance);
+        let built = build(&text);
+        assert!(!built.refused && built.codes.iter().all(|code| *code == "E0601"), "{:?}\n{text}", built.codes);
+        planned += built.schedules.len();
+    }
+    assert!(planned >= 20, "{planned} of 30");
 }

@@ -145,7 +145,7 @@ const PLANNERS: &[Planner] = &[
     Planner {
         name: "greedy_decomposition",
         options: &BUDGET,
-        doc: "the paper's way: each turn by itself, the cheapest one first, from where the last has ended",
+        doc: "the paper's way: each turn by itself in its cheapest way, from where the last has ended",
     },
 ];
 

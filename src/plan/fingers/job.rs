@@ -6,7 +6,7 @@
 use super::course::{follow, reconfigurations};
 use super::graph::{self, Answer, Costs, Estimator, Grasp, Request, Start};
 use super::routes::{Holding, Routes, routes};
-use super::sections::Sections;
+use super::sections::{Sections, Sifted};
 use super::ways::{self, Act, Course};
 use super::why::Why;
 use super::{Hold, Motion, Stance};
@@ -14,7 +14,7 @@ use crate::check::claims::Job;
 use crate::check::claims::fingers::{Action, FingersOrder, Planner};
 use crate::diagnostic::Sink;
 use crate::plan::requirements::{Kept, require};
-use crate::plan::search::Budget;
+use crate::plan::search::{Budget, GaveUp};
 use crate::plan::{Motion as AnyMotion, Optimality, Plan, Remark};
 use nalgebra::{Quaternion, UnitQuaternion};
 use std::collections::BTreeMap;
@@ -140,8 +140,7 @@ impl<'a> Tally<'a> {
     /// The cheapest way through the turns of a stretch.
     fn turn(&mut self, sections: &mut Sections, stretch: Range<usize>, sink: &mut Sink) -> Option<()> {
         let planned = routes(self.order, stretch.clone(), self.held);
-        let answer = answer(self.order, sections, &planned, self.orientation);
-        let way = match answer {
+        let way = match sound(self.order, sections, &planned, self.orientation) {
             Ok(Answer::Found(way)) => way,
             Ok(stuck) => {
                 let found = planned_leg(&planned, &stuck);
@@ -186,6 +185,29 @@ impl<'a> Tally<'a> {
         self.acts[step].push(Act::Release { order });
         Some(())
     }
+}
+
+/// How often a search is made anew after a closer look at the way that it found.
+const MAX_LOOKS: usize = 100;
+
+/// The answer of the planner, with a way whose grasps hold all the time.
+fn sound(
+    order: &FingersOrder,
+    sections: &mut Sections,
+    planned: &Routes,
+    orientation: UnitQuaternion<f64>,
+) -> Result<Answer, super::mechanics::TooManyGrasps> {
+    let mut bound = 0;
+    for _ in 0..MAX_LOOKS {
+        let answer = answer(order, sections, planned, orientation)?;
+        let Answer::Found(way) = &answer else { return Ok(answer) };
+        if sections.sift(&planned.routes[way.route], way, orientation) == Sifted::Sound {
+            return Ok(answer);
+        }
+        bound = way.bound;
+    }
+    let budget = Budget::of(order.expansions);
+    Ok(Answer::GaveUp(GaveUp { budget, spent: budget.steps, bound }))
 }
 
 /// What rolling by a step costs a finger: one degree is [`FingersOrder`]'s steps of a turn.

@@ -11,6 +11,9 @@ use std::ops::Range;
 /// The most routes that one stretch is searched over; those that turn most are left out beyond it.
 pub const MAX_ROUTES: usize = 256;
 
+/// As many where a load makes the tables of every leg differ, which then take most of the time.
+pub const MAX_LOADED_ROUTES: usize = 8;
+
 /// A leg of a route.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Turning {
@@ -34,7 +37,7 @@ pub struct Holding {
 /// The routes of a stretch.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Routes {
-    /// With the fewest steps of turning first; at most [`MAX_ROUTES`].
+    /// With the fewest steps of turning first; at most [`MAX_ROUTES`], or [`MAX_LOADED_ROUTES`].
     pub routes: Vec<Route>,
     /// The grasp with which each begins; `None`: any.
     pub start: Option<Grasp>,
@@ -60,6 +63,7 @@ fn turned(turns: &[(usize, Turn)]) -> u64 {
 fn choices(order: &FingersOrder, steps: Range<usize>) -> (Vec<Vec<(usize, Turn)>>, Option<u64>) {
     let mut choices: Vec<Vec<(usize, Turn)>> = vec![Vec::new()];
     let mut left_out: Option<u64> = None;
+    let most = if order.load_un == [0.0; 3] { MAX_ROUTES } else { MAX_LOADED_ROUTES };
     for step in steps {
         let ways: Vec<Vec<Turn>> = match &order.steps[step].action {
             Action::Rotate { plane, steps, .. } => vec![vec![Turn { plane: *plane, steps: *steps }]],
@@ -71,7 +75,7 @@ fn choices(order: &FingersOrder, steps: Range<usize>) -> (Vec<Vec<(usize, Turn)>
         };
         choices = choices.iter().flat_map(|choice| ways.iter().map(move |way| with(choice, way))).collect();
         choices.sort_by_key(|choice| turned(choice));
-        for choice in choices.drain(choices.len().min(MAX_ROUTES)..) {
+        for choice in choices.drain(choices.len().min(most)..) {
             left_out = Some(left_out.map_or(turned(&choice), |least| least.min(turned(&choice))));
         }
     }

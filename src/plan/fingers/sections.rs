@@ -1,7 +1,7 @@
 //! The sections of a part made ready for planning: their curves, the ways to their contacts, and the tables of their grasp graphs.
 
-use super::graph::{Entry, Leg};
-use super::mechanics::{self, Asked, Contacts, Load, TooManyGrasps};
+use super::graph::{Entry, Grasp, Leg, Node, Way};
+use super::mechanics::{self, Asked, Contact, Contacts, Grip, Load, TooManyGrasps};
 use super::routes::{Holding, Route, Turning};
 use super::tables::Tables;
 use super::ways::{Hand, Reach, Side};
@@ -11,6 +11,18 @@ use crate::geometry::outline::{Curve, OutlineError};
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+
+/// How many parts of a rolling step a way is looked at in before it is taken.
+const INSTANTS: u32 = 64;
+
+/// What a closer look at a way says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sifted {
+    /// Its grasps hold all the way.
+    Sound,
+    /// Some lapsed between two angles; the tables know it now.
+    Lapsed,
+}
 
 /// A part's sections, and what has been made of them so far.
 pub struct Sections<'a> {
@@ -104,6 +116,49 @@ impl<'a> Sections<'a> {
         orientation * UnitQuaternion::from_axis_angle(&axis, f64::from(turn.steps) * self.step_rad(turn.plane))
     }
 
+    /// Looks closer at every step that a way rolls, and takes those out of the tables in which its grasp lapses; whether there were any.
+    ///
+    /// The tables look at a few instants of each step, with something kept back; here it is [`INSTANTS`] of them. A way that passes
+    /// is cheapest still, since only edges that do not exist were taken out.
+    pub fn sift(&mut self, route: &Route, way: &Way, start: UnitQuaternion<f64>) -> Sifted {
+        let mut orientation = start;
+        let mut sifted = Sifted::Sound;
+        for (turning, nodes) in route.iter().zip(&way.legs) {
+            let plane = turning.turn.plane;
+            let load = Load::seen(plane, &orientation, self.order.load_un, self.order.part.centre_um);
+            let [lowest, _] = self.angles(turning.turn);
+            let lapsed: Vec<(i32, Grasp)> = self.rolls(nodes).filter(|roll| !self.lasts(plane, &load, *roll)).collect();
+            if let Some(tables) = self.known.get_mut(&key(plane, orientation, lowest, &load)) {
+                for (angle, grasp) in lapsed {
+                    forbid(Arc::make_mut(tables), (angle - lowest) as usize, &contacts_of(grasp));
+                    sifted = Sifted::Lapsed;
+                }
+            }
+            orientation = self.turned(orientation, turning.turn);
+        }
+        sifted
+    }
+
+    /// The steps that a leg rolls: the lower angle of each, and the grasp there.
+    fn rolls<'n>(&self, nodes: &'n [Node]) -> impl Iterator<Item = (i32, Grasp)> + use<'n> {
+        let steps = nodes.windows(2).filter(|pair| pair[0].angle != pair[1].angle);
+        steps.filter_map(|pair| pair.iter().min_by_key(|node| node.angle)).map(|node| (node.angle, node.grasp))
+    }
+
+    /// Whether a grasp holds all the way from an angle to the next.
+    fn lasts(&self, plane: Plane, load: &Load, (angle, grasp): (i32, Grasp)) -> bool {
+        let ready = self.ready(plane);
+        let contacts = Contacts::of(ready.section, &ready.curve, self.order.facts.tip_radius_um);
+        let grip = Grip::of(&self.order.facts, contacts.reach_um()).with_reserve();
+        let held = contacts_of(grasp);
+        (1..INSTANTS).all(|instant| {
+            let part_of_step = f64::from(instant) / f64::from(INSTANTS);
+            let touched: Vec<Contact> = held.iter().map(|contact| contacts.one(*contact, part_of_step)).collect();
+            let turned_rad = (f64::from(angle) + part_of_step) * ready.section.step_rad;
+            grip.holds(&touched, &load.after_turn(turned_rad))
+        })
+    }
+
     /// An order in which the fingers that hold, counted from 0, can leave until none is left; `None` if there is none, or if the
     /// section has too many contacts for its tables.
     ///
@@ -137,10 +192,7 @@ impl<'a> Sections<'a> {
         [lowest, highest]: [i32; 2],
     ) -> Result<Arc<Tables>, TooManyGrasps> {
         let load = Load::seen(plane, &orientation, self.order.load_un, self.order.part.centre_um);
-        let turned = orientation.coords.as_slice().iter().map(|number| number.to_bits());
-        let mut bits = [0; 4];
-        bits.iter_mut().zip(turned).for_each(|(bits, of)| *bits = of);
-        let key = (plane, (!load.is_none()).then_some((bits, lowest)));
+        let key = key(plane, orientation, lowest, &load);
         if let Some(known) = self.known.get(&key) {
             return Ok(Arc::clone(known));
         }
@@ -153,6 +205,33 @@ impl<'a> Sections<'a> {
         self.known.insert(key, Arc::clone(&tables));
         Ok(tables)
     }
+}
+
+/// The contacts that a grasp holds, from 0.
+fn contacts_of(grasp: Grasp) -> Vec<usize> {
+    (0..grasp.0.len()).filter_map(|finger| grasp.contact(finger)).collect()
+}
+
+/// Takes the step of a grasp from an angle on out of the tables, whichever fingers hold it.
+fn forbid(tables: &mut Tables, angle: usize, contacts: &[usize]) {
+    let bits: Vec<usize> = match *contacts {
+        [i, j] => vec![tables.two(i, j), tables.two(j, i)],
+        [i, j, k] => {
+            let orders = [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]];
+            orders.map(|[i, j, k]| tables.three(i, j, k)).to_vec()
+        }
+        _ => Vec::new(),
+    };
+    let at = if tables.layers.len() == 1 { 0 } else { angle };
+    let layer = &mut tables.layers[at];
+    let rolls = if contacts.len() == 2 { &mut layer.roll_pair } else { &mut layer.roll_triple };
+    bits.into_iter().for_each(|bit| rolls.take(bit));
+}
+
+/// What the tables of a leg are known by.
+fn key(plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32, load: &Load) -> Key {
+    let [x, y, z, w]: [f64; 4] = orientation.coords.into();
+    (plane, (!load.is_across()).then_some(([x, y, z, w].map(f64::to_bits), lowest)))
 }
 
 impl Ready<'_> {

@@ -69,6 +69,11 @@ impl Why<'_> {
     }
 
     fn impossible(&self, blocked: &Blocked, planned: &Routes, begins: Begins) -> Diagnostic {
+        if self.order.planner == Planner::GreedyDecomposition {
+            return Diagnostic::new(Code::E0602, format!("the greedy planner is stuck at {}", self.what()))
+                .label(self.span(), "neither planned nor disproved: the turns before it end where it has no way")
+                .help("leave `using` out: Tweeze's own planner finds a plan, or proves that there is none");
+        }
         let route = &planned.routes[blocked.route];
         let leg = route[blocked.leg];
         let next = route.get(blocked.leg + 1).filter(|next| next.turn.plane != leg.turn.plane);

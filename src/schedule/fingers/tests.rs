@@ -2,34 +2,13 @@
 
 use super::*;
 use crate::check::claims::fingers::{Action, Part, Planner, Section, Step};
-use crate::device::fingers::{Adhesion, Facts, Plane};
+use crate::device::fingers::Plane;
+use crate::device::fingers::fixture::hand;
 use crate::geometry::outline::Outline;
 use crate::plan::fingers::Stance;
 use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-fn facts() -> Facts {
-    Facts {
-        fingers: 3,
-        tip_radius_um: 4.5,
-        adhesion: Adhesion::Sticking,
-        pull_off_un: 1.5,
-        max_force_un: 30.0,
-        friction: 0.3,
-        steps_per_turn: 18,
-        removal_safety: 1.0,
-        gaiting_cost_deg: 180.0,
-        clearance_um: 1.0,
-        retract_um: 3.0,
-        speed_um_per_s: 100.0,
-        approach_um_per_s: 20.0,
-        rolling_um_per_s: 10.0,
-        support_un: 5.0,
-        range_um: [200.0; 3],
-        tolerance_um: 0.05,
-    }
-}
 
 /// An order of so many steps; what they say does not matter here.
 fn order(steps: usize) -> FingersOrder {
@@ -44,7 +23,7 @@ fn order(steps: usize) -> FingersOrder {
         span: Span::default(),
     };
     FingersOrder {
-        facts: Arc::new(facts()),
+        facts: Arc::new(hand()),
         part: Arc::new(part),
         precision_rad: 0.01,
         load_un: [0.0; 3],
@@ -97,7 +76,7 @@ fn every_axis_has_a_value_at_every_instant() {
     assert_eq!(run.duration_ns, 106);
     let channels = by_channel(&run);
     assert_eq!(channels.keys().copied().collect::<Vec<_>>(), {
-        let mut names = facts().channels();
+        let mut names = hand().channels();
         names.sort();
         names
     });
@@ -132,7 +111,7 @@ fn rests_are_one_stretch_in_each_step() {
 #[test]
 fn actuations_are_sorted_by_start_and_channel() {
     let run = run(&order(4), &motion()).expect("it is short");
-    let channels = facts().channels();
+    let channels = hand().channels();
     let key = |(name, a): &(String, RunActuation)| (a.start_ns, channels.iter().position(|other| other == name));
     assert!(run.actuations.is_sorted_by_key(key));
     assert!(run.actuations.iter().all(|(_, actuation)| actuation.swing.is_none()));

@@ -152,7 +152,10 @@ impl<'r, 'a> Hand<'r, 'a> {
     pub fn begin_step(&mut self, nth: usize) {
         self.since = Since { pose: self.grip.pose(), turns_rad: [0.0; 2] };
         self.carried_ns = self.run.step(nth).start_ns;
-        self.before_steps = self.before_steps.saturating_add(self.leg_steps);
+        // A step that does not turn goes on with the angle of the last one that did.
+        if self.leg_steps != 0 {
+            self.before_steps = self.leg_steps;
+        }
         (self.leg_rad, self.leg_steps) = (self.grip.turn_rad(), 0);
     }
 

@@ -61,13 +61,14 @@ fn by_legs(request: &Request, route: usize, estimator: Estimator, meter: &mut Me
 
 /// A leg by itself. Where it has to end at a junction the next one follows without its turn: the search then takes the cheapest of
 /// all permutations of fingers.
-fn alone(leg: &Leg, next: Option<&Leg>) -> Vec<Leg> {
+pub fn alone(leg: &Leg, next: Option<&Leg>) -> Vec<Leg> {
     let crossed = next.filter(|next| next.entry != Entry::Same);
     let standing = crossed.map(|next| Leg { steps: 0, end: None, ..next.clone() });
     std::iter::once(Leg { entry: Entry::Same, ..leg.clone() }).chain(standing).collect()
 }
 
-fn grasp(fingers: &[usize], contacts: [usize; 2]) -> Grasp {
+/// Two fingers on two contacts, from 0.
+pub fn grasp(fingers: &[usize], contacts: [usize; 2]) -> Grasp {
     let mut grasp = Grasp([0; MAX_FINGERS as usize]);
     fingers.iter().zip(contacts).for_each(|(finger, contact)| grasp.0[*finger] = contact as u16 + 1);
     grasp

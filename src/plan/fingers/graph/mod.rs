@@ -12,6 +12,7 @@
 //! of a pair that it expands. Where the way with the fewest reconfigurations has to roll much farther than the turn asks for, the
 //! estimate is far below the cost, and many nodes are expanded.
 
+mod apart;
 mod course;
 mod flood;
 mod greedy;

@@ -1,5 +1,6 @@
 //! Alternative routes as one search: the one with the least bound goes on, until it is at its goal.
 
+use super::apart;
 use super::course::{Course, courses};
 use super::flood::{Direction, Flood};
 use super::layout::Spot;
@@ -102,22 +103,38 @@ impl<'a> Search<'a> {
         if let Some(route) = self.courses.iter().position(|course| course.sheets.is_empty()) {
             return Answer::Found(Way { route, cost: 0, bound: 0, legs: Vec::new(), expanded: 0 });
         }
+        let bounds = match self.request.routes.len() {
+            0..=apart::FEW => None,
+            _ => apart::bounds(self.request, estimator, self.meter),
+        };
         let found = match estimator {
-            Estimator::Published => self.portfolio(Published::of),
+            Estimator::Published => self.portfolio(bounds.as_deref(), Published::of),
             Estimator::Layers => {
                 let start = self.request.start;
-                self.portfolio(|course| Layers::<N>(flooded(course, start)))
+                self.portfolio(bounds.as_deref(), |course| Layers::<N>(flooded(course, start)))
             }
         };
         found.unwrap_or_else(|| Answer::Impossible(blocked::<N>(self.courses, self.request.start)))
     }
 
     /// Lets the route with the least bound, the first of several, go on up to the bound of the next one.
-    fn portfolio<E: Estimate>(&mut self, estimate: impl Fn(&'a Course) -> E) -> Option<Answer> {
+    ///
+    /// `bounds` are those of the routes by their legs apart, where they are known.
+    fn portfolio<E: Estimate>(
+        &mut self,
+        bounds: Option<&[Option<u64>]>,
+        estimate: impl Fn(&'a Course) -> E,
+    ) -> Option<Answer> {
         let costs = reduced(self.request.costs);
         let unit = u64::from(self.request.costs.roll.max(self.request.costs.gait) / costs.roll.max(costs.gait).max(1));
         let mut open: Vec<Candidate<'a, E>> = (self.courses.iter().enumerate())
-            .map(|(route, course)| Candidate { route, bound: least(course, costs), walk: None })
+            .filter_map(|(route, course)| {
+                let bound = match bounds {
+                    Some(bounds) => bounds[route]? / unit,
+                    None => least(course, costs),
+                };
+                Some(Candidate { route, bound, walk: None })
+            })
             .collect();
         let before = self.meter.spent();
         loop {

@@ -67,6 +67,11 @@ impl<'a> Contacts<'a> {
         self.curve.reach_um()
     }
 
+    /// One of them, counted from 0, where the object has turned by a part of a step since it was touched.
+    pub fn one(&self, contact: usize, part_of_step: f64) -> Contact {
+        self.at((contact as f64 - part_of_step) * self.step_rad)
+    }
+
     /// All of them, where the object has turned by a part of a step since they were touched: 0 for the contacts themselves; at 1
     /// each is where the one before it was.
     pub fn after(&self, part_of_step: f64) -> Vec<Contact> {

@@ -3,6 +3,9 @@
 use crate::device::fingers::Plane;
 use nalgebra::{UnitQuaternion, Vector3};
 
+/// The part of a force in a plane that rounding alone makes of one across it.
+const ROUNDING: f64 = 1e-12;
+
 /// A force on the object, as a section sees it at some instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
@@ -24,11 +27,18 @@ impl Load {
         let along = |axis: [f64; 3], of: &Vector3<f64>| Vector3::from(axis).dot(of);
         let [x, y] = plane.axes();
         let centre_um = Vector3::from(centre_um);
+        let least_un = ROUNDING * force_un.norm();
+        let in_plane = |axis| Some(along(axis, &force_un)).filter(|part: &f64| part.abs() > least_un).unwrap_or(0.0);
         Load {
-            force_un: [along(x, &force_un), along(y, &force_un)],
+            force_un: [in_plane(x), in_plane(y)],
             across_un: along(plane.normal(), &force_un).abs(),
             at_um: [along(x, &centre_um), along(y, &centre_um)],
         }
+    }
+
+    /// Whether it looks the same however the part is turned in the plane: it acts across the plane only.
+    pub fn is_across(&self) -> bool {
+        self.force_un == [0.0; 2]
     }
 
     /// Whether nothing acts.

@@ -55,7 +55,7 @@ pub struct TooManyGrasps {
 /// [`TooManyGrasps`] where contacts and layers ask for more than [`MAX_TABLE_BITS`].
 pub fn tables(asked: &Asked, reaches: &mut dyn FnMut(usize, usize, usize) -> bool) -> Result<Tables, TooManyGrasps> {
     let contacts = asked.contacts.number();
-    let layers = if asked.load.is_none() { 1 } else { asked.angles };
+    let layers = if asked.load.is_across() { 1 } else { asked.angles };
     let bits = contacts.checked_pow(3).and_then(|bits| bits.checked_mul(layers));
     if bits.is_none_or(|bits| bits > MAX_TABLE_BITS) {
         return Err(TooManyGrasps { contacts, layers });

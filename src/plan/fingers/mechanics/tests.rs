@@ -1,6 +1,6 @@
 use super::*;
 use crate::check::claims::fingers::Section;
-use crate::device::fingers::{Adhesion, Facts};
+use crate::device::fingers::{Adhesion, Facts, fixture};
 use crate::geometry::outline::{Curve, Outline};
 use crate::plan::fingers::tables::{Bits, Tables};
 use std::f64::consts::TAU;
@@ -11,23 +11,15 @@ mod paper;
 /// The paper's hand, with κ as it imitates the paper.
 fn hand(friction: f64, adhesion: Adhesion) -> Facts {
     Facts {
-        fingers: 3,
-        tip_radius_um: 4.5,
         adhesion,
-        pull_off_un: 1.5,
-        max_force_un: 30.0,
         friction,
-        steps_per_turn: 18,
         removal_safety: 1.8,
-        gaiting_cost_deg: 180.0,
         clearance_um: 0.0,
         retract_um: 2.0,
-        speed_um_per_s: 100.0,
-        approach_um_per_s: 10.0,
-        rolling_um_per_s: 10.0,
         support_un: 10.0,
         range_um: [100.0; 3],
         tolerance_um: 0.1,
+        ..fixture::hand()
     }
 }
 
@@ -270,7 +262,7 @@ fn tables_have_a_size_that_is_not_passed() {
     let part = ellipse([120.0, 90.0], 512);
     let facts = hand(0.3, Adhesion::Sticking);
     let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
-    let load = Load { across_un: 0.1, ..Load::NONE };
+    let load = Load { force_un: [0.1, 0.0], ..Load::NONE };
     let asked = Asked { facts: &facts, contacts, load, lowest: 0, angles: 5 };
     let refused = tables(&asked, &mut |_, _, _| true);
     assert_eq!(refused.err(), Some(TooManyGrasps { contacts: 512, layers: 5 }));

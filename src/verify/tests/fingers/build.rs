@@ -3,7 +3,7 @@
 use crate::check::claims::fingers::{Action, FingersOrder, Part, Planner, Section, Step};
 use crate::check::claims::{Claims, Job, Order, Timeline};
 use crate::device::Kind;
-use crate::device::fingers::{AXES, Adhesion, Facts, Plane, channel};
+use crate::device::fingers::{AXES, Facts, Plane, channel, fixture};
 use crate::geometry::outline::{Curve, Outline};
 use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, State, TimedState, Unit};
 use crate::source::Span;
@@ -22,23 +22,13 @@ pub const CHORDS: u32 = 8;
 
 pub fn facts() -> Facts {
     Facts {
-        fingers: 3,
-        tip_radius_um: 4.5,
-        adhesion: Adhesion::Sticking,
-        pull_off_un: 1.5,
-        max_force_un: 30.0,
-        friction: 0.3,
-        steps_per_turn: 18,
-        removal_safety: 1.0,
-        gaiting_cost_deg: 180.0,
         clearance_um: 0.5,
         retract_um: 5.0,
-        speed_um_per_s: 100.0,
         approach_um_per_s: 10.0,
         rolling_um_per_s: 5.0,
         support_un: 10.0,
         range_um: [100.0; 3],
-        tolerance_um: 0.05,
+        ..fixture::hand()
     }
 }
 

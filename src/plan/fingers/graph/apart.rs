@@ -1,0 +1,90 @@
+//! What routes cost at least, by their legs apart: each leg from the best grasp that it can begin with to the best that it may end with.
+//!
+//! Fingers are alike, so that a leg which begins at a junction costs the same whichever two of them hold there. Legs that several
+//! routes have in common are searched once. The sum over the legs of a route is never too large.
+
+use super::greedy::{alone, grasp};
+use super::route::cheapest;
+use super::{Answer, Entry, Estimator, Leg, Request, Start};
+use crate::plan::search::Meter;
+use std::sync::Arc;
+
+/// Up to so many routes are searched without a look at their legs apart.
+pub const FEW: usize = 4;
+
+/// A leg that was searched by itself.
+struct Known<'a> {
+    leg: &'a Leg,
+    next: Option<&'a Leg>,
+    start: Start,
+    /// `None` where it has no way.
+    cost: Option<u64>,
+}
+
+/// A bound for each route in the unit of the request's costs; `None` for one that has no way. Without bounds where the budget runs
+/// out meanwhile.
+pub fn bounds(request: &Request, estimator: Estimator, meter: &mut Meter) -> Option<Vec<Option<u64>>> {
+    let mut known: Vec<Known> = Vec::new();
+    let mut bounds = Vec::with_capacity(request.routes.len());
+    for route in &request.routes {
+        let mut sum = Some(0);
+        for (at, leg) in route.iter().enumerate() {
+            let start = begins(request, route, at);
+            let next = route.get(at + 1).filter(|next| next.entry != Entry::Same);
+            let cost = match known.iter().find(|known| known.is(leg, next, start)) {
+                Some(known) => known.cost,
+                None => {
+                    let cost = apart(request, leg, next, start, estimator, meter)?;
+                    known.push(Known { leg, next, start, cost });
+                    cost
+                }
+            };
+            sum = sum.zip(cost).map(|(sum, cost)| sum + cost);
+        }
+        bounds.push(sum);
+    }
+    Some(bounds)
+}
+
+impl Known<'_> {
+    fn is(&self, leg: &Leg, next: Option<&Leg>, start: Start) -> bool {
+        let same = |one: &Leg, other: &Leg| {
+            Arc::ptr_eq(&one.tables, &other.tables)
+                && (one.steps, one.lowest, one.highest, one.end)
+                    == (other.steps, other.lowest, other.highest, other.end)
+        };
+        let follows = match (self.next, next) {
+            (Some(one), Some(other)) => one.entry == other.entry && Arc::ptr_eq(&one.tables, &other.tables),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        };
+        self.start == start && same(self.leg, leg) && follows
+    }
+}
+
+/// With what the leg of a route begins, as far as it matters to its cost.
+fn begins(request: &Request, route: &[Leg], at: usize) -> Start {
+    match (at, route[at].entry) {
+        (0, _) => request.start,
+        // A grasp at its end tells fingers apart.
+        (_, Entry::Across { new, .. }) if route[at].end.is_none() => Start::At(grasp(&[0, 1], new)),
+        (_, Entry::Across { .. } | Entry::Same) => Start::Any,
+    }
+}
+
+/// What a leg costs by itself; `None` where the budget runs out.
+fn apart(
+    request: &Request,
+    leg: &Leg,
+    next: Option<&Leg>,
+    start: Start,
+    estimator: Estimator,
+    meter: &mut Meter,
+) -> Option<Option<u64>> {
+    let routes = vec![alone(leg, next)];
+    match cheapest(&Request { fingers: request.fingers, start, routes, costs: request.costs }, estimator, meter) {
+        Answer::Found(way) => Some(Some(way.cost)),
+        Answer::Impossible(_) => Some(None),
+        Answer::GaveUp(_) | Answer::TooLarge { .. } => None,
+    }
+}
