@@ -117,7 +117,7 @@ pub fn case(seed: u64) -> Request {
     };
     let sections = [table(random), table(random)];
     let routes =
-        (0..random.pick(&[1, 1, 1, 2, 3])).map(|_| route(random, fingers, turn, &sections)).collect::<Vec<_>>();
+        (0..random.pick(&[1, 1, 2, 3, 6])).map(|_| route(random, fingers, turn, &sections)).collect::<Vec<_>>();
     let first = &routes[0][0];
     let start = match random.chance(40) {
         true => Start::Any,
