@@ -5,13 +5,15 @@
 
 use super::course::{follow, reconfigurations};
 use super::graph::{self, Answer, Costs, Estimator, Grasp, Request, Start};
+use super::mechanics::TooManyGrasps;
 use super::routes::{Holding, Routes, routes};
 use super::sections::{Sections, Sifted};
 use super::ways::{self, Act, Course};
 use super::why::Why;
 use super::{Hold, Motion, Stance};
 use crate::check::claims::Job;
-use crate::check::claims::fingers::{Action, FingersOrder, Planner};
+use crate::check::claims::fingers::{Action, FingersOrder, Planner, Turn};
+use crate::device::fingers::Plane;
 use crate::diagnostic::Sink;
 use crate::plan::requirements::{Kept, require};
 use crate::plan::search::{Budget, GaveUp};
@@ -143,8 +145,7 @@ impl<'a> Tally<'a> {
         let way = match sound(self.order, sections, &planned, self.orientation) {
             Ok(Answer::Found(way)) => way,
             Ok(stuck) => {
-                let found = planned_leg(&planned, &stuck);
-                let why = Why { order: self.order, at: found };
+                let why = Why { order: self.order, at: stuck_at(&planned, &stuck) };
                 sink.push(why.stuck(&stuck, &planned, (self.held, self.orientation, stretch)));
                 return None;
             }
@@ -196,7 +197,7 @@ fn sound(
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
-) -> Result<Answer, super::mechanics::TooManyGrasps> {
+) -> Result<Answer, TooManyGrasps> {
     let mut bound = 0;
     for _ in 0..MAX_LOOKS {
         let answer = answer(order, sections, planned, orientation)?;
@@ -210,10 +211,10 @@ fn sound(
     Ok(Answer::GaveUp(GaveUp { budget, spent: budget.steps, bound }))
 }
 
-/// What rolling by a step costs a finger: one degree is [`FingersOrder`]'s steps of a turn.
+/// What rolling by a step costs a finger, in the unit of [`costs`].
 const ROLL: u64 = 360;
 
-/// Costs in the steps'th part of a degree, so that they are whole.
+/// Costs as whole numbers: their unit is a degree divided by the steps of a turn.
 fn costs(order: &FingersOrder) -> Costs {
     let gait = order.facts.gaiting_cost_deg * f64::from(order.facts.steps_per_turn);
     Costs { roll: ROLL as u32, gait: gait.round() as u32 }
@@ -225,7 +226,7 @@ pub fn answer(
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
-) -> Result<Answer, super::mechanics::TooManyGrasps> {
+) -> Result<Answer, TooManyGrasps> {
     let legs: Result<Vec<_>, _> = planned.routes.iter().map(|route| sections.legs(route, orientation)).collect();
     let request = Request {
         fingers: order.facts.fingers as usize,
@@ -242,7 +243,7 @@ pub fn answer(
 }
 
 /// The step of the leg that an answer without a way ends at.
-fn planned_leg(planned: &Routes, answer: &Answer) -> usize {
+fn stuck_at(planned: &Routes, answer: &Answer) -> usize {
     let at = |route: usize, leg: usize| planned.routes.get(route).and_then(|route| route.get(leg));
     let leg = match answer {
         Answer::Impossible(blocked) => at(blocked.route, blocked.leg),
@@ -252,10 +253,10 @@ fn planned_leg(planned: &Routes, answer: &Answer) -> usize {
 }
 
 /// A turn in words: `80 deg about z`.
-fn said(order: &FingersOrder, turn: crate::check::claims::fingers::Turn) -> String {
+fn said(order: &FingersOrder, turn: Turn) -> String {
     let axis = match turn.plane {
-        crate::device::fingers::Plane::Xy => "z",
-        crate::device::fingers::Plane::Xz => "y",
+        Plane::Xy => "z",
+        Plane::Xz => "y",
     };
     let degrees = f64::from(turn.steps) * 360.0 / f64::from(order.facts.steps_per_turn);
     format!("{} deg about {axis}", crate::quantity::digits(degrees))
