@@ -12,7 +12,7 @@ use std::ops::Range;
 pub const MAX_ROUTES: usize = 256;
 
 /// As many where a load makes the tables of every leg differ, which then take most of the time.
-pub const MAX_LOADED_ROUTES: usize = 8;
+pub const MAX_LOADED_ROUTES: usize = 4;
 
 /// A leg of a route.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -77,6 +77,15 @@ impl Why<'_> {
         let route = &planned.routes[blocked.route];
         let leg = route[blocked.leg];
         let next = route.get(blocked.leg + 1).filter(|next| next.turn.plane != leg.turn.plane);
+        if planned.left_out.is_some() {
+            let title = format!(
+                "the search gave up: of the ways to do it the {} that turn least have no plan",
+                planned.routes.len()
+            );
+            return Diagnostic::new(Code::E0602, title)
+                .label(self.span(), "neither planned nor disproved")
+                .help("say the turns with `rotate`, or take a larger `step` or `precision`");
+        }
         let title = match blocked.farthest {
             None => format!("{} cannot begin: its first grasp does not hold", self.what()),
             Some(_) => format!("no sequence of stable grasps carries out {}", self.what()),
@@ -113,7 +122,8 @@ impl Why<'_> {
         junction.map_or(reached.clone(), |junction| format!("{reached}; {junction}"))
     }
 
-    /// What would open the way: of each figure the value nearest to the device's.
+    /// What would open the way: of each figure the value nearest to the device's. Under a load, where each trial takes long, only
+    /// adhesion is tried.
     fn openings(&self, begins: Begins) -> Option<String> {
         let opens = |changed: &FingersOrder| is_open(changed, &begins);
         let order = self.order;
@@ -122,6 +132,10 @@ impl Why<'_> {
         if order.facts.adhesion == Adhesion::Absent && order.facts.pull_off_un > 0.0 {
             let sticking = with(&|facts| facts.adhesion = Adhesion::Sticking);
             said.extend(opens(&sticking).then(|| "`adhesion: true`".to_owned()));
+        }
+        if order.load_un != [0.0; 3] {
+            let untried = "more friction, a weaker `removal_safety` or a finer `step` may open it: with a load that was not tried";
+            return Some(said.first().map_or(untried.to_owned(), |said| format!("there is a plan with {said}")));
         }
         let friction = |value: f64| with(&|facts| facts.friction = value);
         let least = nearest([order.facts.friction, MOST_FRICTION], &|value| opens(&friction(value)));
