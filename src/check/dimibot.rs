@@ -330,7 +330,7 @@ fn objective(name: Option<&str>) -> Objective {
 
 /// The method and budget of a task; `None` where a published method is asked for what it does not know.
 fn planner(parts: &Parts, asked: (Objective, Simultaneous), sink: &mut Sink) -> Option<Planner> {
-    let Some((planner, options)) = &parts.planner else {
+    let Some((planner, _)) = &parts.planner else {
         return Some(Planner { method: Method::StagedAstar, expansions: DEFAULT_EXPANSIONS });
     };
     let method = method(planner.value.name);
@@ -338,11 +338,7 @@ fn planner(parts: &Parts, asked: (Objective, Simultaneous), sink: &mut Sink) -> 
         sink.push(errors::planner_cannot(planner.span, planner.value.name, what, span));
         return None;
     }
-    let given = match options.get("expansions").map(|option| &option.value) {
-        Some(Value::Quantity(quantity)) => whole(*quantity).and_then(|number| u64::try_from(number).ok()),
-        _ => None,
-    };
-    Some(Planner { method, expansions: given.unwrap_or(DEFAULT_EXPANSIONS) })
+    Some(Planner { method, expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS) })
 }
 
 /// What a published method is asked for that it does not know, and where; Tweeze's own knows all.

@@ -8,7 +8,7 @@ use super::fields::{Accepted, Given, Owner};
 use super::lets::Argument;
 use super::scenes::Scene;
 use super::scope::{DeclarationSort, Place, Scope, nearest, path_text};
-use super::value::Value;
+use super::value::{Value, whole};
 use crate::device::{self, Together, Vocabulary};
 use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};
@@ -33,6 +33,17 @@ pub struct Parts {
     pub steps: Vec<Step>,
     /// Whether nothing had to be left out.
     pub is_whole: bool,
+}
+
+impl Parts {
+    /// What the task allows its planner's search to expand, where it says so.
+    pub fn expansions(&self) -> Option<u64> {
+        let (_, options) = self.planner.as_ref()?;
+        match &options.get("expansions")?.value {
+            Value::Quantity(quantity) => whole(*quantity).and_then(|number| u64::try_from(number).ok()),
+            _ => None,
+        }
+    }
 }
 
 /// A step in the vocabulary's words.

@@ -10,7 +10,7 @@ use crate::check::claims::electrode_array::{
 use crate::check::lets::Argument;
 use crate::check::scope::nearest;
 use crate::check::tasks::{self, Call, Parts, Site};
-use crate::check::value::{Value, whole};
+use crate::check::value::Value;
 use crate::check::{Checker, errors};
 use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Separation};
 use crate::diagnostic::{Code, Diagnostic, Sink};
@@ -66,7 +66,7 @@ fn planner(parts: &Parts, asked: (Objective, Bystanders), facts: &Facts, sink: &
         sink.push(errors::published_needs_published(span));
         return None;
     }
-    let Some((planner, options)) = &parts.planner else {
+    let Some((planner, _)) = &parts.planner else {
         return Some(Planner { method, expansions: DEFAULT_EXPANSIONS });
     };
     if method != Method::Portfolio
@@ -77,11 +77,7 @@ fn planner(parts: &Parts, asked: (Objective, Bystanders), facts: &Facts, sink: &
         sink.push(wrong.help_if((facts.separation == Separation::AsPublished).then_some(both)));
         return None;
     }
-    let given = match options.get("expansions").map(|option| &option.value) {
-        Some(Value::Quantity(quantity)) => whole(*quantity).and_then(|number| u64::try_from(number).ok()),
-        _ => None,
-    };
-    Some(Planner { method, expansions: given.unwrap_or(DEFAULT_EXPANSIONS) })
+    Some(Planner { method, expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS) })
 }
 
 fn method(name: &str) -> Method {

@@ -48,7 +48,7 @@ impl Checker<'_> {
             precision_rad,
             load_un,
             planner: planner(&parts),
-            expansions: expansions(&parts),
+            expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS),
             steps: steps.into_iter().collect::<Option<Vec<Step>>>()?,
         })
     }
@@ -60,15 +60,6 @@ fn planner(parts: &Parts) -> Planner {
         Some("greedy_decomposition") => Planner::GreedyDecomposition,
         Some(_) | None => Planner::JointAstar,
     }
-}
-
-fn expansions(parts: &Parts) -> u64 {
-    let options = parts.planner.as_ref().map(|(_, options)| options);
-    let given = match options.and_then(|options| options.get("expansions")).map(|option| &option.value) {
-        Some(Value::Quantity(quantity)) => whole(*quantity).and_then(|number| u64::try_from(number).ok()),
-        _ => None,
-    };
-    given.unwrap_or(DEFAULT_EXPANSIONS)
 }
 
 /// The force on the part with its weight; `None` where it is unknown.

@@ -39,22 +39,13 @@ impl Checker<'_> {
             states: Arc::clone(&bed.states),
             obstacles: Arc::clone(&ground.obstacles),
             robots: Arc::clone(&ground.robots),
-            expansions: expansions(&parts),
+            expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS),
             precision: precision?,
             assurance: assurance(&parts.settings),
             steps: steps?,
         };
         ground.is_whole.then_some(order)
     }
-}
-
-fn expansions(parts: &Parts) -> u64 {
-    let options = parts.planner.as_ref().map(|(_, options)| options);
-    let given = match options.and_then(|options| options.get("expansions")).map(|option| &option.value) {
-        Some(Value::Quantity(quantity)) => whole(*quantity).and_then(|number| u64::try_from(number).ok()),
-        _ => None,
-    };
-    given.unwrap_or(DEFAULT_EXPANSIONS)
 }
 
 fn assurance(settings: &Accepted) -> Assurance {
