@@ -18,7 +18,8 @@
 //!
 //! Beside them [`simulate`] carries plans out with imperfect devices, where a kind says its errors.
 //!
-//! They stand on a base that knows nothing of them: [`source`] (files and spans), [`quantity`] (units and dimensions),
+//! They stand on a base that knows nothing of them: [`source`] (files and spans), [`real`] (elementary functions that are the same on
+//! every platform), [`quantity`] (units and dimensions),
 //! [`geometry`], [`diagnostic`] (what is said to people), [`device`] (the vocabulary and facts of each kind) and [`stdlib`] (published
 //! devices, in the language itself). [`compile`] calls the stages in their order; [`cli`] is the only place that touches files, clock and
 //! terminal.
@@ -36,6 +37,9 @@
 //!
 //! `tests/tidy.rs` holds the rules that can be executed.
 
+// Tests compare with the platform's mathematics on purpose.
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
 pub mod check;
 pub mod cli;
 pub mod compile;
@@ -45,6 +49,7 @@ pub mod emit;
 pub mod geometry;
 pub mod plan;
 pub mod quantity;
+pub mod real;
 pub mod schedule;
 pub mod simulate;
 pub mod source;

@@ -3,6 +3,7 @@
 //! A [`Quantity`] is a number in SI base units with its [`Dimension`]. Decimal prefixes are applied to the digits before they
 //! become binary, so `35 um` is the double nearest to 35·10⁻⁶ and not a rounded product.
 
+use crate::real::Real;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -245,7 +246,7 @@ impl Unit {
         let exponent = exponent * sign;
         Some(Unit {
             ten: self.ten + other.ten * exponent,
-            factor: self.factor * other.factor.powi(exponent),
+            factor: self.factor * other.factor.whole_power(exponent),
             dimension: self.dimension.times(other.dimension.power(exponent)?)?,
         })
     }
@@ -266,7 +267,7 @@ impl Unit {
 
     /// How many base units one of this unit is.
     pub fn scale(self) -> f64 {
-        self.factor * 10f64.powi(self.ten)
+        self.factor * 10f64.whole_power(self.ten)
     }
 }
 
@@ -343,7 +344,7 @@ impl Quantity {
 /// `value` times ten to the power of `ten`, rounded once: multiplication for growing, division for shrinking, both by an
 /// exactly representable power.
 fn shift(value: f64, ten: i32) -> f64 {
-    if ten >= 0 { value * 10f64.powi(ten) } else { value / 10f64.powi(-ten) }
+    if ten >= 0 { value * 10f64.whole_power(ten) } else { value / 10f64.whole_power(-ten) }
 }
 
 /// Prints with at most six significant digits and the prefix that leaves one to three digits before the point.
@@ -383,7 +384,7 @@ pub fn digits(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    let exponent = value.abs().log10().floor();
+    let exponent = value.abs().common_logarithm().floor();
     if !(-5.0..15.0).contains(&exponent) {
         return format!("{value:e}");
     }

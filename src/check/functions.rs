@@ -5,6 +5,7 @@ use super::fingers::orientation;
 use super::value::{PoseValue, Value, whole};
 use crate::diagnostic::Diagnostic;
 use crate::quantity::{Dimension, Quantity};
+use crate::real::Real;
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::Operator;
 
@@ -97,13 +98,13 @@ fn power(span: Span, left: Operand, right: Operand) -> Outcome {
         return Err(Box::new(errors::unlike_operands("^", left, right)));
     };
     if base.dimension == Dimension::NUMBER && exponent.dimension == Dimension::NUMBER {
-        return Ok(Value::number(base.si.powf(exponent.si)));
+        return Ok(Value::number(base.si.power(exponent.si)));
     }
     let Some(whole) = whole(*exponent).and_then(|number| i32::try_from(number).ok()) else {
         return Err(Box::new(errors::bad_exponent(right.0, right.1)));
     };
     let dimension = base.dimension.power(whole).ok_or_else(|| Box::new(errors::exponent_too_large(span)))?;
-    Ok(Value::Quantity(Quantity { si: base.si.powi(whole), dimension }))
+    Ok(Value::Quantity(Quantity { si: base.si.whole_power(whole), dimension }))
 }
 
 fn comparison(operator: Operator, left: Operand, right: Operand) -> Outcome {
@@ -144,8 +145,8 @@ pub fn apply_function(name: &str, span: Span, arguments: &[Spanned<Value>]) -> O
         ("round", [a]) => on_number(name, a, f64::round),
         ("floor", [a]) => on_number(name, a, f64::floor),
         ("sqrt", [a]) => square_root(a),
-        ("sin", [a]) => on_angle(name, a, f64::sin),
-        ("cos", [a]) => on_angle(name, a, f64::cos),
+        ("sin", [a]) => on_angle(name, a, Real::sine),
+        ("cos", [a]) => on_angle(name, a, Real::cosine),
         ("atan2", [y, x]) => arc_tangent(y, x),
         ("count", [a]) => count(a),
         ("min" | "max", _) if !arguments.is_empty() => extreme(name, span, arguments),
@@ -183,7 +184,7 @@ fn square_root(a: &Spanned<Value>) -> Outcome {
 fn arc_tangent(y: &Spanned<Value>, x: &Spanned<Value>) -> Outcome {
     match (&y.value, &x.value) {
         (Value::Quantity(a), Value::Quantity(b)) if a.dimension == b.dimension => {
-            Ok(Value::Quantity(Quantity::new(a.si.atan2(b.si), Dimension::ANGLE)))
+            Ok(Value::Quantity(Quantity::new(a.si.arc_tangent_over(b.si), Dimension::ANGLE)))
         }
         _ => Err(Box::new(errors::unlike_operands("atan2", (y.span, &y.value), (x.span, &x.value)))),
     }

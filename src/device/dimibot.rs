@@ -9,6 +9,7 @@ use super::{
 };
 use crate::geometry::Axis;
 use crate::quantity::Dimension;
+use crate::real::Real;
 use nalgebra::{DMatrix, DVector, Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -158,7 +159,7 @@ impl Facts {
 
     /// Distance between neighbouring cells along the axis of a side: K·Δ·√2 / 2^(n-1) (equations 2 and 6 of the paper).
     pub fn pitch_um(&self, side: Side) -> f64 {
-        self.gain * self.stroke_um * std::f64::consts::SQRT_2 / 2f64.powi(self.modules(side) as i32 - 1)
+        self.gain * self.stroke_um * std::f64::consts::SQRT_2 / 2f64.whole_power(self.modules(side) as i32 - 1)
     }
 
     /// Cells along the axis of a side: 2^n.
@@ -225,7 +226,7 @@ impl Facts {
         let (left, right) = (self.left as usize, self.right as usize);
         let depth = |column: usize| if column < left { column } else { column - left };
         let matrix = DMatrix::from_fn(2, left + right, |row, column| {
-            let size = 0.5f64.powi(depth(column) as i32);
+            let size = 0.5f64.whole_power(depth(column) as i32);
             if row == 0 && column >= left { -size } else { size }
         });
         let bits = DVector::from_fn(left + right, |row, _| {

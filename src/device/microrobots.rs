@@ -6,6 +6,7 @@
 //! its headings and formulas put right (the standard library's file says how).
 
 use crate::geometry::Pose;
+use crate::real::Real;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -87,13 +88,13 @@ impl Robot {
     ///
     /// The exact step of the unicycle with the turning rate v/r (equation 4 of the paper, whose equation 5 contradicts it).
     pub fn moved(&self, pose: Pose, arm: Arm, way_um: f64) -> Pose {
-        let (sin, cos) = pose.heading_rad.sin_cos();
+        let (sin, cos) = pose.heading_rad.sine_cosine();
         match arm {
             Arm::Up => Pose { x_um: pose.x_um + way_um * cos, y_um: pose.y_um + way_um * sin, ..pose },
             Arm::Down => {
                 let curve = self.turning.sign() * self.turning_radius_um;
                 let heading_rad = pose.heading_rad + way_um / curve;
-                let (later_sin, later_cos) = heading_rad.sin_cos();
+                let (later_sin, later_cos) = heading_rad.sine_cosine();
                 Pose {
                     x_um: pose.x_um + curve * (later_sin - sin),
                     y_um: pose.y_um - curve * (later_cos - cos),
@@ -105,14 +106,14 @@ impl Robot {
 
     /// The middle of the circle that it turns on.
     pub fn orbit_centre_um(&self, pose: Pose) -> [f64; 2] {
-        let (sin, cos) = pose.heading_rad.sin_cos();
+        let (sin, cos) = pose.heading_rad.sine_cosine();
         let curve = self.turning.sign() * self.turning_radius_um;
         [pose.x_um - curve * sin, pose.y_um + curve * cos]
     }
 
     /// The radius of the disc that its body sweeps on its orbit: to the corner that lies farthest out.
     pub fn orbit_reach_um(&self) -> f64 {
-        (self.turning_radius_um + self.width_um / 2.0).hypot(self.length_um / 2.0)
+        (self.turning_radius_um + self.width_um / 2.0).hypotenuse(self.length_um / 2.0)
     }
 }
 

@@ -5,6 +5,7 @@
 //! the intervals of one body may overlap each other and are not sorted.
 
 use super::shape::{Core, Rounded};
+use crate::real::Real;
 use nalgebra::Point2;
 
 /// One of the two directions of the plane.
@@ -83,7 +84,7 @@ impl Core {
 impl Rectangle {
     fn distance_squared(&self, p: &Point2<f64>) -> f64 {
         let gap = |k: usize| (self.min_um[k] - p[k]).max(p[k] - self.max_um[k]).max(0.0);
-        gap(0).powi(2) + gap(1).powi(2)
+        gap(0).whole_power(2) + gap(1).whole_power(2)
     }
 
     // Two convex sets that do not meet are nearest at a corner of one of them, so corners and crossings decide.
@@ -150,7 +151,7 @@ fn disc_section([along, off]: [f64; 2], r: f64) -> Option<[f64; 2]> {
 // A capsule is convex, so its section is the hull of the sections of its end discs and of its two straight sides.
 fn capsule_section(a: [f64; 2], b: [f64; 2], r: f64) -> Option<[f64; 2]> {
     let (run, rise) = (b[0] - a[0], b[1] - a[1]);
-    let length = run.hypot(rise);
+    let length = run.hypotenuse(rise);
     let ends = [disc_section(a, r), disc_section(b, r)];
     let sides = [r, -r].map(|side| {
         let shift = match length > 0.0 {

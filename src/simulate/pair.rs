@@ -8,6 +8,7 @@ use crate::plan::microrobots::Stage;
 use crate::plan::microrobots::strategy::{
     Couple, Episode, Phase, Pursuit, SHARES, Solid, body, centres, poses_of, steered,
 };
+use crate::real::Real;
 use std::f64::consts::PI;
 
 /// Intervals of one gross motion.
@@ -244,10 +245,10 @@ impl Meeting<'_> {
         let nominal = middle([0, 1].map(|at| nose(facts[at], self.goals[at])));
         let axis_rad = self.goals[0].heading_rad + tilt_rad;
         let (dx_um, dy_um) = (noses[1][0] - noses[0][0], noses[1][1] - noses[0][1]);
-        let across_um = dy_um * axis_rad.cos() - dx_um * axis_rad.sin();
+        let across_um = dy_um * axis_rad.cosine() - dx_um * axis_rad.sine();
         let met = middle(noses);
         let incidence_rad = wrapped_rad(poses[0].heading_rad - poses[1].heading_rad - PI);
-        let along_um = (met[0] - nominal[0]).hypot(met[1] - nominal[1]);
+        let along_um = (met[0] - nominal[0]).hypotenuse(met[1] - nominal[1]);
         for robot in self.robots {
             trial.met.push(Met { robot, across_um, along_um, incidence_rad, heading_rad: tilt_rad });
         }
@@ -269,7 +270,7 @@ impl Meeting<'_> {
 
 /// The middle of a robot's front.
 fn nose(robot: &Robot, pose: Pose) -> [f64; 2] {
-    let (sin, cos) = pose.heading_rad.sin_cos();
+    let (sin, cos) = pose.heading_rad.sine_cosine();
     [pose.x_um + robot.length_um / 2.0 * cos, pose.y_um + robot.length_um / 2.0 * sin]
 }
 

@@ -4,6 +4,7 @@ use super::trial::{Failure, Manners, Met, Reason, Trial};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{Driver, Episode, Frame, Phase, Piece, Pursuit, edge_gap_um, steered};
+use crate::real::Real;
 use std::f64::consts::TAU;
 
 /// So often the end of the gross motion is tried.
@@ -133,7 +134,7 @@ impl Task {
         trial.met.push(Met {
             robot: self.robot,
             across_um: contact.across_um,
-            along_um: dx_um * self.goal.heading_rad.cos() + dy_um * self.goal.heading_rad.sin(),
+            along_um: dx_um * self.goal.heading_rad.cosine() + dy_um * self.goal.heading_rad.sine(),
             incidence_rad: contact.incidence_rad,
             heading_rad: crate::device::microrobots::wrapped_rad(flat.heading_rad - self.goal.heading_rad),
         });

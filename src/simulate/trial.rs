@@ -5,6 +5,7 @@ use crate::check::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Errors};
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{Body, Driver, Episode, Solid, bent, body};
+use crate::real::Real;
 use nalgebra::{Isometry2, Vector2};
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -183,8 +184,8 @@ impl<'a> Trial<'a> {
         let [share, direction, heading] = self.drifts[robot].noise;
         let off_um = self.errors.place_um * share;
         Pose {
-            x_um: pose.x_um + off_um * direction.cos(),
-            y_um: pose.y_um + off_um * direction.sin(),
+            x_um: pose.x_um + off_um * direction.cosine(),
+            y_um: pose.y_um + off_um * direction.sine(),
             heading_rad: pose.heading_rad + self.errors.heading_rad * heading,
         }
     }

@@ -22,6 +22,7 @@ use crate::check::claims::microrobots::{Action, Dock, MicrorobotsOrder, Stop};
 use crate::device::microrobots::{Arm, CHANNEL, Robot, Turning};
 use crate::geometry::Pose;
 use crate::quantity::digits;
+use crate::real::Real;
 use crate::schedule::{State, TimedState, Unit};
 use motion::{Place, Ride, turn_between};
 use std::borrow::Cow;
@@ -60,7 +61,7 @@ pub(super) fn minimized_as(outcome: &'static str) -> Option<&'static str> {
 
 /// Whether a recorded pose is the replayed one, but for rounding.
 pub(super) fn near(recorded: &[f64; 3], replayed: &[f64; 3]) -> bool {
-    let off_um = (recorded[0] - replayed[0]).hypot(recorded[1] - replayed[1]);
+    let off_um = (recorded[0] - replayed[0]).hypotenuse(recorded[1] - replayed[1]);
     off_um <= PLACE_TOLERANCE_UM && turn_between(recorded[2], replayed[2]).abs() <= HEADING_TOLERANCE_RAD
 }
 

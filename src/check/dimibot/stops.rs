@@ -4,6 +4,7 @@ use super::*;
 use crate::check::lets::Origin;
 use crate::check::tasks::Call;
 use crate::diagnostic::Code;
+use crate::real::Real;
 
 /// How many rings of cells round a covered goal are searched for a free one.
 const MAX_RINGS: u32 = 64;
@@ -141,7 +142,7 @@ impl<'a> Judge<'a> {
 
     fn off_um(&self, cell: Cell, place_um: [f64; 2]) -> f64 {
         let [x_um, y_um] = self.facts.place_um(cell);
-        (x_um - place_um[0]).hypot(y_um - place_um[1])
+        (x_um - place_um[0]).hypotenuse(y_um - place_um[1])
     }
 
     fn outside(&self, place_um: [f64; 2], span: Span) -> Diagnostic {
@@ -176,7 +177,7 @@ impl<'a> Judge<'a> {
         let close = |facts: &dimibot::Facts| {
             facts.nearest_cell(place_um).is_some_and(|cell| {
                 let [x_um, y_um] = facts.place_um(cell);
-                (x_um - place_um[0]).hypot(y_um - place_um[1]) <= precision_um
+                (x_um - place_um[0]).hypotenuse(y_um - place_um[1]) <= precision_um
             })
         };
         match self.fewest_modules(close) {

@@ -8,6 +8,7 @@ use crate::check::value::{ShapeValue, Value, whole};
 use crate::device::electrode_array::{Electrodes, Facts, Hold, Layout, Separation};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::quantity::Quantity;
+use crate::real::Real;
 
 /// The facts of a complete device; `None` where parts cannot even be placed.
 pub fn facts(device: &Device, sink: &mut Sink) -> Option<Facts> {
@@ -193,8 +194,8 @@ fn rounded(value: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
     if value <= 0.0 || !value.is_normal() {
         return value;
     }
-    let digits = 3 - value.log10().floor() as i32;
+    let digits = 3 - value.common_logarithm().floor() as i32;
     // The text of the digits is the nearest double to them; a product with a power of ten need not be.
-    let scaled = to_whole(value * 10f64.powi(digits));
+    let scaled = to_whole(value * 10f64.whole_power(digits));
     format!("{scaled}e{}", -digits).parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(value)
 }

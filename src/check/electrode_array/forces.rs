@@ -6,6 +6,7 @@
 use super::motion::Pull;
 use crate::check::fields::Accepted;
 use crate::check::value::{TableValue, Value};
+use crate::real::Real;
 use crate::source::Span;
 
 /// The figures of one electrode radius, in SI units.
@@ -128,7 +129,7 @@ impl Forces {
     }
 
     fn growth(&self, potential_v: f64) -> f64 {
-        self.permittivity / self.row.permittivity * (potential_v / self.row.potential_v).powi(2)
+        self.permittivity / self.row.permittivity * (potential_v / self.row.potential_v).whole_power(2)
     }
 
     /// Along the board, at a potential.

@@ -4,6 +4,8 @@
 //! here is the simplest odd one through its known points: nothing at 0, greatest at the peak distance, and the table's force at
 //! the table's distance. Solved by Runge-Kutta of fourth order with a fixed step, so that every machine finds the same.
 
+use crate::real::Real;
+
 /// Steps of the integration before it gives up: some hundred thousand oscillations.
 const MAX_INSTANTS: usize = 1_000_000;
 
@@ -36,7 +38,7 @@ impl Pull {
     /// The work that it does from there to the goal.
     fn work(&self, distance_m: f64) -> f64 {
         let u = distance_m / self.peak_at_m;
-        self.peak_n * self.peak_at_m * (u * u).ln_1p()
+        self.peak_n * self.peak_at_m * (u * u).natural_logarithm_of_one_plus()
     }
 }
 
@@ -79,7 +81,7 @@ impl Glide {
         let slow = self.rest_share.min(1.0) * fastest;
         let end = (self.rest_share * begin).min(slow / 2.0).min(begin);
         let scale_s = self.damping * self.pull.peak_at_m / (2.0 * self.pull.peak_n);
-        scale_s * ((begin / end).ln() + (begin * begin - end * end) / 2.0)
+        scale_s * ((begin / end).natural_logarithm() + (begin * begin - end * end) / 2.0)
     }
 
     fn swinging_s(&self, frequency: f64, rate: f64) -> Option<f64> {

@@ -9,6 +9,7 @@ use crate::device::Field;
 use crate::device::electrode_array::{Electrodes, Facts, VOCABULARY};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity};
+use crate::real::Real;
 
 /// What may be lost in the arithmetic of a limit.
 const SLACK: f64 = 1e-9;
@@ -143,14 +144,15 @@ fn glide(facts: &Facts, forces: &Forces, device: &Device, sink: &mut Sink) -> Op
     // Section 3.1.1 of the paper: as wide as the body, half an electrode radius thick.
     let thickness_m = facts.radius_um / 1e6 / 2.0;
     let width_m = 2.0 * facts.layout.half_width_pitches * pitch_m;
-    let mass_kg = si(device, "mass").or(si(device, "density").map(|density| density * width_m.powi(2) * thickness_m));
+    let mass_kg =
+        si(device, "mass").or(si(device, "density").map(|density| density * width_m.whole_power(2) * thickness_m));
     // Section 3.2: the viscosity times the square between the part's electrodes, over half an electrode radius.
     let square_m = match facts.layout.electrodes {
         Electrodes::Quad => 2.0 * pitch_m,
         Electrodes::Single => width_m,
     };
-    let damping =
-        si(device, "damping").or(si(device, "viscosity").map(|viscosity| viscosity * square_m.powi(2) / thickness_m));
+    let damping = si(device, "damping")
+        .or(si(device, "viscosity").map(|viscosity| viscosity * square_m.whole_power(2) / thickness_m));
     let (Some(mass_kg), Some(damping)) = (mass_kg, damping) else {
         let lacking = [("density", mass_kg), ("viscosity", damping)];
         let lacking = lacking.into_iter().filter(|(_, figure)| figure.is_none()).map(|(name, _)| name);

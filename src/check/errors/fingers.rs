@@ -4,6 +4,7 @@ use crate::check::value::Value;
 use crate::device::fingers::Plane;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, digits};
+use crate::real::Real;
 use crate::source::Span;
 
 /// An angle of at most six digits for a message.
@@ -36,7 +37,7 @@ fn rounded_up(value: f64) -> f64 {
     if value <= 0.0 {
         return 0.0;
     }
-    let scale = 10f64.powi(1 - value.log10().floor() as i32);
+    let scale = 10f64.whole_power(1 - value.common_logarithm().floor() as i32);
     (value * scale - 1e-9).ceil() / scale
 }
 
@@ -45,7 +46,7 @@ fn rounded_down(value: f64) -> f64 {
     if value <= 0.0 {
         return 0.0;
     }
-    let scale = 10f64.powi(1 - value.log10().floor() as i32);
+    let scale = 10f64.whole_power(1 - value.common_logarithm().floor() as i32);
     (value * scale + 1e-9).floor() / scale
 }
 

@@ -7,6 +7,7 @@ use crate::check::value::Value;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Pose;
 use crate::quantity::{Dimension, Quantity, digits};
+use crate::real::Real;
 use crate::source::Span;
 
 /// A voltage for a message.
@@ -33,7 +34,7 @@ fn three_digits(value: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
     if value <= 1e-6 {
         return 0.0;
     }
-    let scale = 10f64.powi(2 - value.log10().floor() as i32);
+    let scale = 10f64.whole_power(2 - value.common_logarithm().floor() as i32);
     // What was lost in arithmetic is no reason for another digit.
     let scaled = value * scale;
     let whole = if (scaled - scaled.round()).abs() < 1e-6 { scaled.round() } else { to_whole(scaled) };

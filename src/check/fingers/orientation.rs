@@ -4,6 +4,7 @@
 
 use crate::check::claims::fingers::{Part, Turn};
 use crate::device::fingers::Plane;
+use crate::real::Real;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -108,13 +109,17 @@ fn decompositions(goal: &Orientation, first: Plane) -> Vec<[f64; 3]> {
         }
     };
     let r = (swap * goal * swap.inverse()).to_rotation_matrix();
-    let sine = r[(0, 2)].hypot(r[(1, 2)]);
+    let sine = r[(0, 2)].hypotenuse(r[(1, 2)]);
     if sine < FLAT {
-        let (whole, half) = (r[(1, 0)].atan2(r[(0, 0)]), r[(1, 0)].atan2(-r[(0, 0)]));
+        let (whole, half) = (r[(1, 0)].arc_tangent_over(r[(0, 0)]), r[(1, 0)].arc_tangent_over(-r[(0, 0)]));
         // Upside down the last turn counts against the first.
         return if r[(2, 2)] > 0.0 { vec![[whole, 0.0, 0.0]] } else { vec![[-half, PI, 0.0], [0.0, PI, half]] };
     }
-    let (a, b, c) = (r[(1, 2)].atan2(r[(0, 2)]), sine.atan2(r[(2, 2)]), r[(2, 1)].atan2(-r[(2, 0)]));
+    let (a, b, c) = (
+        r[(1, 2)].arc_tangent_over(r[(0, 2)]),
+        sine.arc_tangent_over(r[(2, 2)]),
+        r[(2, 1)].arc_tangent_over(-r[(2, 0)]),
+    );
     vec![[a, b, c], [a + PI, -b, c + PI]]
 }
 

@@ -10,6 +10,7 @@ use crate::device::fingers::{Facts, MAX_CONTACTS, Plane, VOCABULARY};
 use crate::diagnostic::Sink;
 use crate::geometry::outline::{Curve, Outline};
 use crate::quantity::{Dimension, Quantity};
+use crate::real::Real;
 use crate::source::Span;
 use std::f64::consts::PI;
 
@@ -185,7 +186,7 @@ fn hollow(curve: &Curve) -> [f64; 2] {
 pub fn tip_um_at(section: &Section, curve: &Curve, contact: u32, tip_radius_um: f64) -> ([f64; 2], f64) {
     let rolled = f64::from(contact - 1) * section.step_rad;
     let spot = curve.spot(curve.way_rolled_um(rolled, tip_radius_um));
-    let (sine, cosine) = spot.normal_rad.sin_cos();
+    let (sine, cosine) = spot.normal_rad.sine_cosine();
     let [x, y] = spot.point_um;
     ([x + tip_radius_um * cosine, y + tip_radius_um * sine], spot.normal_rad)
 }
@@ -219,8 +220,8 @@ pub fn junction_fault(part: &Part, facts: &Facts) -> Option<String> {
     let most_um = JUNCTION_SHARE * facts.tolerance_um;
     [("positive", 0), ("negative", 1)].into_iter().find_map(|(side, index)| {
         let (one, other) = (tips[index].0, tips[index + 2].0);
-        let apart_um = one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-        let leaning = [tips[index].1, tips[index + 2].1].map(|rad| (rad.sin()).abs().asin().to_degrees());
+        let apart_um = one.iter().zip(other).map(|(a, b)| (a - b).whole_power(2)).sum::<f64>().sqrt();
+        let leaning = [tips[index].1, tips[index + 2].1].map(|rad| (rad.sine()).abs().arc_sine().to_degrees());
         (apart_um > most_um).then(|| {
             format!(
                 "where the {side} x axis leaves it, its outlines put a tip {} apart, {} is allowed (they lean by {:.2} deg and {:.2} deg)",

@@ -8,6 +8,7 @@ use crate::diagnostic::Diagnostic;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::outline::{Curve, EXPONENTS, MAX_POINTS, MIN_POINTS, MIN_UM, Outline, OutlineError};
 use crate::quantity::digits;
+use crate::real::Real;
 use crate::source::Span;
 use std::f64::consts::PI;
 use std::rc::Rc;
@@ -129,18 +130,19 @@ fn superellipsoid(shape: &ShapeValue) -> Told<Solid> {
 
 /// The share of its box that |x|^n + |y|^n + |z|^n = 1 fills: Γ(1 + 1/n)³ / Γ(1 + 3/n), which is Dirichlet's integral.
 fn super_share(n: f64) -> f64 {
-    (3.0 * log_gamma(1.0 + 1.0 / n) - log_gamma(1.0 + 3.0 / n)).exp()
+    (3.0 * log_gamma(1.0 + 1.0 / n) - log_gamma(1.0 + 3.0 / n)).exponential()
 }
 
 /// The logarithm of Γ for arguments from 1, by Stirling's series from 10 upwards.
 fn log_gamma(x: f64) -> f64 {
     let (mut x, mut below) = (x, 0.0);
     while x < 10.0 {
-        below += x.ln();
+        below += x.natural_logarithm();
         x += 1.0;
     }
-    let series = 1.0 / (12.0 * x) - 1.0 / (360.0 * x.powi(3)) + 1.0 / (1260.0 * x.powi(5)) - 1.0 / (1680.0 * x.powi(7));
-    (x - 0.5) * x.ln() - x + 0.5 * (2.0 * PI).ln() + series - below
+    let series = 1.0 / (12.0 * x) - 1.0 / (360.0 * x.whole_power(3)) + 1.0 / (1260.0 * x.whole_power(5))
+        - 1.0 / (1680.0 * x.whole_power(7));
+    (x - 0.5) * x.natural_logarithm() - x + 0.5 * (2.0 * PI).natural_logarithm() + series - below
 }
 
 /// How far a superellipsoid reaches, by Lagrange's condition.
@@ -150,7 +152,7 @@ pub(super) fn super_reach(axes: [f64; 3], n: f64) -> f64 {
         return greatest;
     }
     let power = 2.0 * n / (n - 2.0);
-    greatest * axes.iter().map(|axis| (axis / greatest).powf(power)).sum::<f64>().powf(1.0 / power)
+    greatest * axes.iter().map(|axis| (axis / greatest).power(power)).sum::<f64>().power(1.0 / power)
 }
 
 fn rounded_box(shape: &ShapeValue) -> Told<Solid> {
@@ -180,8 +182,8 @@ fn rounded_box(shape: &ShapeValue) -> Told<Solid> {
         volume_um3: Some(
             a * b * c
                 + 2.0 * radius * (a * b + b * c + c * a)
-                + PI * radius.powi(2) * (a + b + c)
-                + 4.0 / 3.0 * PI * radius.powi(3),
+                + PI * radius.whole_power(2) * (a + b + c)
+                + 4.0 / 3.0 * PI * radius.whole_power(3),
         ),
         centre_um: [0.0; 3],
         reach_um: inner.iter().map(|inner| inner * inner).sum::<f64>().sqrt() + radius,
@@ -209,7 +211,7 @@ fn mesh(shape: &ShapeValue, span: Span) -> Told<Solid> {
         Curve::of(&outline).map_err(|fault| told_of_polygon(&fault, &at))?;
         Ok::<Outline, Box<Diagnostic>>(outline)
     };
-    let reach_um = surface.corners().flatten().map(|[x, y, z]| x.hypot(y).hypot(z)).fold(0.0, f64::max);
+    let reach_um = surface.corners().flatten().map(|[x, y, z]| x.hypotenuse(y).hypotenuse(z)).fold(0.0, f64::max);
     Ok(Solid {
         xy: outline(Plane::Xy)?,
         xz: Some(outline(Plane::Xz)?),

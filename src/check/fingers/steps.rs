@@ -12,6 +12,7 @@ use crate::check::{Checker, errors};
 use crate::device::fingers::{Facts, MAX_HOLDING, Plane};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::outline::Curve;
+use crate::real::Real;
 use crate::source::Span;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -312,7 +313,7 @@ impl Judge<'_> {
         let least_um = 2.0 * tip_um + self.facts.clearance_um;
         tips.iter().enumerate().find_map(|(index, (contact, [x, y]))| {
             tips[..index].iter().find_map(|(other, [a, b])| {
-                let apart_um = (x - a).hypot(y - b);
+                let apart_um = (x - a).hypotenuse(y - b);
                 let is_near = apart_um < least_um * (1.0 - 1e-9);
                 is_near.then(|| errors::tips_too_near(span, (*other, *contact), apart_um, least_um))
             })

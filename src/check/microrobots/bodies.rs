@@ -3,6 +3,7 @@
 use crate::check::claims::microrobots::Obstacle;
 use crate::device::microrobots::Robot;
 use crate::geometry::{Core, Pose, Rounded, distance};
+use crate::real::Real;
 use nalgebra::{Point2, Vector2};
 
 /// What may be lost in the arithmetic of a distance, in micrometres.
@@ -26,7 +27,7 @@ impl Body {
         Body {
             corners: corners.map(|(x_um, y_um)| frame * Point2::new(x_um, y_um)),
             centre: Point2::new(pose.x_um, pose.y_um),
-            reach_um: half_um.hypot(side_um),
+            reach_um: half_um.hypotenuse(side_um),
         }
     }
 

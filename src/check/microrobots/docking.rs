@@ -8,6 +8,7 @@ use crate::check::errors;
 use crate::device::microrobots::{Docking, Robot, wrapped_rad};
 use crate::diagnostic::Diagnostic;
 use crate::geometry::Pose;
+use crate::real::Real;
 use crate::source::Span;
 use nalgebra::{Point2, Vector2};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -33,7 +34,7 @@ impl Docked<'_> {
     }
 
     fn heading(&self) -> Vector2<f64> {
-        let (sin, cos) = self.pose.heading_rad.sin_cos();
+        let (sin, cos) = self.pose.heading_rad.sine_cosine();
         Vector2::new(cos, sin)
     }
 

@@ -13,6 +13,7 @@ use crate::check::{Checker, errors, shapes};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::geometry::Pose;
 use crate::geometry::shape::MAX_EXTENT_UM;
+use crate::real::Real;
 use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -268,7 +269,7 @@ pub fn nearest_pose(pose: Pose, is_fine: impl Fn(Pose) -> bool) -> Option<Pose> 
     for _ in 0..rings {
         radius_um = f64::max(radius_um + 1.0, radius_um * 1.1).ceil();
         let on_ring = (0..places).map(|at| {
-            let (sin, cos) = (std::f64::consts::TAU * f64::from(at) / f64::from(places)).sin_cos();
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(at) / f64::from(places)).sine_cosine();
             Pose { x_um: (pose.x_um + radius_um * cos).round(), y_um: (pose.y_um + radius_um * sin).round(), ..pose }
         });
         if let Some(found) = on_ring.into_iter().find(|pose| is_fine(*pose)) {

@@ -4,6 +4,7 @@ use super::{Note, Told, Topic, count, proof, rounded};
 use crate::check::claims::dimibot::{Action, Asked, DimibotOrder, Stop};
 use crate::device::dimibot::{Cell, Side};
 use crate::quantity::{Dimension, Quantity, digits};
+use crate::real::Real;
 use crate::schedule::{PlanRecord, State, TimedState};
 use std::ops::RangeInclusive;
 
@@ -61,7 +62,7 @@ fn nearest(order: &DimibotOrder) -> Vec<String> {
     let line = |stop: &Stop| {
         let Asked::Place([x_um, y_um]) = stop.asked else { return None };
         let [cell_x_um, cell_y_um] = order.facts.place_um(stop.cell);
-        let off = length((cell_x_um - x_um).hypot(cell_y_um - y_um));
+        let off = length((cell_x_um - x_um).hypotenuse(cell_y_um - y_um));
         Some(format!("({}, {}) is cell {}, {off} off", length(x_um), length(y_um), stop.cell))
     };
     stops.filter_map(line).collect()

@@ -5,6 +5,7 @@
 use super::drawing;
 use super::foxglove::{self, Color, PackedElementField, PointCloud, packed_element_field::NumericType};
 use crate::geometry::shape::{Core, Rounded};
+use crate::real::Real;
 use nalgebra::{Point2, Point3};
 
 /// Distance of neighbouring points, in micrometres, unless there would be too many.
@@ -49,7 +50,7 @@ pub fn outlines(body: &Rounded, corners: usize) -> Vec<Vec<Point2<f64>>> {
 pub fn circle(centre: Point2<f64>, radius_um: f64, corners: usize) -> Vec<Point2<f64>> {
     let corner = |index: usize| {
         let angle = index as f64 * std::f64::consts::TAU / corners as f64;
-        drawing::snap(centre + nalgebra::Vector2::new(angle.cos(), angle.sin()) * radius_um)
+        drawing::snap(centre + nalgebra::Vector2::new(angle.cosine(), angle.sine()) * radius_um)
     };
     ring((0..corners).map(corner).collect())
 }

@@ -4,6 +4,7 @@
 
 use super::bench::Bench;
 use super::{Topic, WORLD, foxglove};
+use crate::real::Real;
 use foxglove::{FrameTransform, FrameTransforms, Pose, Quaternion, Vector3};
 use std::collections::BTreeMap;
 
@@ -26,7 +27,7 @@ impl Stand {
 
     /// Turned about z by an angle, counter-clockwise.
     pub fn turned(place: [f64; 3], heading_rad: f64) -> Stand {
-        let (sin, cos) = (heading_rad / 2.0).sin_cos();
+        let (sin, cos) = (heading_rad / 2.0).sine_cosine();
         Stand::oriented(place, [cos, 0.0, 0.0, sin])
     }
 

@@ -5,6 +5,7 @@
 
 use super::surface::edges;
 use super::{Mesh, cross, dot};
+use crate::real::Real;
 
 /// What a line encloses at least, as a share of the square of its length.
 const LEAST_AREA: f64 = 1e-12;
@@ -66,6 +67,6 @@ fn tidied(mut line: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
     if twice < 0.0 {
         line.reverse();
     }
-    let around: f64 = line.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum();
+    let around: f64 = line.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypotenuse(pair[1][1] - pair[0][1])).sum();
     (line.len() > 2 && twice.abs() > LEAST_AREA * around * around).then_some(line)
 }

@@ -4,6 +4,7 @@
 //! each edge belongs to two triangles that run along it in opposite directions.
 
 use super::{BLOCK, MAX_TRIANGLES, MAX_UM, Mesh, MeshError, cross, dot, minus};
+use crate::real::Real;
 
 /// The least volume, as a share of the cube round the mesh.
 const LEAST_VOLUME: f64 = 1e-9;
@@ -27,7 +28,7 @@ pub(super) fn joined(corners_um: &[[[f64; 3]; 3]]) -> Result<Mesh, MeshError> {
     let mut mesh = indexed(corners_um);
     closed(&mesh)?;
     let extent_um = mesh.bounds_um();
-    let cube_um3 = (0..3).map(|axis| extent_um[1][axis] - extent_um[0][axis]).fold(0.0, f64::max).powi(3);
+    let cube_um3 = (0..3).map(|axis| extent_um[1][axis] - extent_um[0][axis]).fold(0.0, f64::max).whole_power(3);
     let volume_um3 = mesh.volume_um3();
     if volume_um3.abs() <= LEAST_VOLUME * cube_um3 {
         return Err(MeshError::NoVolume);
@@ -109,7 +110,7 @@ pub(super) fn bounds(places_um: impl Iterator<Item = [f64; 3]>) -> [[f64; 3]; 2]
 
 /// The square of the distance of a point from a box.
 pub(super) fn box_square([low, high]: [[f64; 3]; 2], point: [f64; 3]) -> f64 {
-    let off = |axis: usize| (low[axis] - point[axis]).max(point[axis] - high[axis]).max(0.0).powi(2);
+    let off = |axis: usize| (low[axis] - point[axis]).max(point[axis] - high[axis]).max(0.0).whole_power(2);
     off(0) + off(1) + off(2)
 }
 
@@ -118,7 +119,7 @@ pub(super) fn square([a, b, c]: [[f64; 3]; 3], point: [f64; 3]) -> f64 {
     let normal = cross(minus(b, a), minus(c, a));
     let is_inside = |from: [f64; 3], to: [f64; 3]| dot(cross(minus(to, from), minus(point, from)), normal) >= 0.0;
     if is_inside(a, b) && is_inside(b, c) && is_inside(c, a) {
-        return dot(minus(point, a), normal).powi(2) / dot(normal, normal);
+        return dot(minus(point, a), normal).whole_power(2) / dot(normal, normal);
     }
     side_square(a, b, point).min(side_square(b, c, point)).min(side_square(c, a, point))
 }

@@ -5,6 +5,7 @@
 
 use super::follow::Course;
 use super::form::{cross, dot, minus};
+use crate::real::Real;
 
 /// Least and greatest coordinates.
 #[derive(Debug, Clone, Copy)]
@@ -29,7 +30,7 @@ impl Bounds {
     /// The square of the distance from a point.
     fn square(&self, point: [f64; 2]) -> f64 {
         let off = |axis: usize| (self.low[axis] - point[axis]).max(point[axis] - self.high[axis]).max(0.0);
-        off(0).powi(2) + off(1).powi(2)
+        off(0).whole_power(2) + off(1).whole_power(2)
     }
 }
 

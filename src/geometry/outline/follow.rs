@@ -6,6 +6,7 @@
 
 use super::OutlineError;
 use super::form::{Form, Jet, cross, dot, minus, norm};
+use crate::real::Real;
 
 /// How exactly one stretch tells its way.
 const WAY_UM: f64 = 1e-9;
@@ -96,7 +97,7 @@ fn length(form: &Form, piece: usize, from: f64, to: f64) -> f64 {
 
 /// By how much the direction turns from one to another.
 pub(super) fn turn(from: [f64; 2], to: [f64; 2]) -> f64 {
-    cross(from, to).atan2(dot(from, to))
+    cross(from, to).arc_tangent_over(dot(from, to))
 }
 
 /// The stretches of a curve and its nodes; there is one node more than there are stretches, and the last one lies on the first.
@@ -139,7 +140,7 @@ impl Course {
     fn add(&mut self, stretch: Stretch, ends: &[Jet; 2]) {
         if self.ways_um.is_empty() {
             let normal = ends[0].normal();
-            self.node(0.0, normal[1].atan2(normal[0]), &ends[0]);
+            self.node(0.0, normal[1].arc_tangent_over(normal[0]), &ends[0]);
         }
         let at = self.stretches.len();
         let turned = turn(self.tangents[at], ends[1].first);
@@ -198,8 +199,9 @@ fn measured(form: &Form, piece: usize, [from, to]: [f64; 2], ends: &[Jet; 2], de
     }
     let (dt, speeds) = (to - from, ends.map(|end| end.speed()));
     let haste = ends.map(|end| end.haste());
-    let by_way =
-        |end: usize| [end as f64, whole / (speeds[end] * dt), -haste[end] / speeds[end].powi(3) * whole * whole / dt];
+    let by_way = |end: usize| {
+        [end as f64, whole / (speeds[end] * dt), -haste[end] / speeds[end].whole_power(3) * whole * whole / dt]
+    };
     let by_t = |end: usize| [end as f64, speeds[end] * dt / whole, haste[end] * dt * dt / whole];
     let chord = minus(ends[1].point, ends[0].point);
     let off = |jet: &Jet| (cross(chord, minus(jet.point, ends[0].point)) / norm(chord)).abs();

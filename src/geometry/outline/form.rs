@@ -4,6 +4,7 @@
 //! smooth. Promise: pieces follow one another counter-clockwise and without gaps; no parameter makes it panic.
 
 use super::spline::Cubic;
+use crate::real::Real;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A point with its derivatives by the parameter.
@@ -25,7 +26,7 @@ impl Jet {
     }
 
     pub fn curvature(&self) -> f64 {
-        cross(self.first, self.second) / self.speed().powi(3)
+        cross(self.first, self.second) / self.speed().whole_power(3)
     }
 
     /// How fast the speed grows.
@@ -108,7 +109,7 @@ impl Form {
     pub fn at(&self, piece: usize, t: f64) -> Jet {
         match self {
             Form::Ellipse { semi: [a, b] } => {
-                let (s, c) = t.sin_cos();
+                let (s, c) = t.sine_cosine();
                 Jet { point: [a * c, b * s], first: [-a * s, b * c], second: [-a * c, -b * s] }
             }
             Form::Superellipse { semi, exponent } => superellipse(*semi, *exponent, t),
@@ -124,7 +125,7 @@ fn part(part: &Part, t: f64) -> Jet {
             Jet { point: [from[0] + t * along[0], from[1] + t * along[1]], first: *along, second: [0.0, 0.0] }
         }
         Part::Arc { centre, radius_um, from_rad } => {
-            let (s, c) = (from_rad + t / radius_um).sin_cos();
+            let (s, c) = (from_rad + t / radius_um).sine_cosine();
             let point = [centre[0] + radius_um * c, centre[1] + radius_um * s];
             Jet { point, first: [-s, c], second: [-c / radius_um, -s / radius_um] }
         }
@@ -133,12 +134,12 @@ fn part(part: &Part, t: f64) -> Jet {
 
 /// r(φ) = (|cos φ|^n + |sin φ|^n)^(-1/n), drawn out by the semi-axes; unlike the usual parameter it stays smooth on the axes.
 fn superellipse(semi: [f64; 2], n: f64, t: f64) -> Jet {
-    let (s, c) = t.sin_cos();
-    let [c_low, s_low] = [c.abs().powf(n - 2.0), s.abs().powf(n - 2.0)];
+    let (s, c) = t.sine_cosine();
+    let [c_low, s_low] = [c.abs().power(n - 2.0), s.abs().power(n - 2.0)];
     let sum = c_low * c * c + s_low * s * s;
     let sum_1 = n * s * c * (s_low - c_low);
     let sum_2 = n * (n - 1.0) * (c_low * s * s + s_low * c * c) - n * sum;
-    let r = sum.powf(-1.0 / n);
+    let r = sum.power(-1.0 / n);
     let share = sum_1 / sum;
     let r_1 = -r * share / n;
     let r_2 = r * ((1.0 / n + 1.0) / n * share * share - sum_2 / (n * sum));
@@ -161,5 +162,5 @@ pub(super) fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 }
 
 pub(super) fn norm(a: [f64; 2]) -> f64 {
-    a[0].hypot(a[1])
+    a[0].hypotenuse(a[1])
 }

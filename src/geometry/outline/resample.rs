@@ -6,6 +6,7 @@
 
 use super::form::{cross, dot, minus, norm};
 use super::{MAX_POINTS, MAX_UM, MIN_POINTS, Outline, OutlineError, spline_form};
+use crate::real::Real;
 use std::f64::consts::{PI, TAU};
 
 /// The most points of a polyline that is smoothed.
@@ -91,7 +92,7 @@ fn size(ring: &[[f64; 2]]) -> f64 {
         let of_axis = ring.iter().map(|point| point[axis]);
         of_axis.clone().fold(f64::NEG_INFINITY, f64::max) - of_axis.fold(f64::INFINITY, f64::min)
     };
-    extent(0).hypot(extent(1)) / 2.0
+    extent(0).hypotenuse(extent(1)) / 2.0
 }
 
 /// Measured from the first corner, lest a ring far from the origin loses digits.
@@ -121,7 +122,7 @@ impl Waves {
     /// Of samples that are averages over equal steps; what averaging took from a wave is given back.
     fn of(averages: &[[f64; 2]]) -> Waves {
         let count = averages.len();
-        let circle: Vec<(f64, f64)> = (0..count).map(|step| (TAU * step as f64 / count as f64).sin_cos()).collect();
+        let circle: Vec<(f64, f64)> = (0..count).map(|step| (TAU * step as f64 / count as f64).sine_cosine()).collect();
         let wave = |k: usize| {
             let mut factors = [[0.0; 2]; 2];
             for (step, average) in averages.iter().enumerate() {
@@ -132,7 +133,7 @@ impl Waves {
                 }
             }
             let angle = PI * k as f64 / count as f64;
-            let share = if k == 0 { 1.0 } else { 2.0 * angle / angle.sin() };
+            let share = if k == 0 { 1.0 } else { 2.0 * angle / angle.sine() };
             factors.map(|of_wave| of_wave.map(|factor| factor * share / count as f64))
         };
         Waves((0..count / 2).map(wave).collect())
@@ -140,12 +141,12 @@ impl Waves {
 
     /// Points at equal steps, with short waves damped.
     fn points(&self, count: usize, cutoff: usize) -> Vec<[f64; 2]> {
-        let circle: Vec<(f64, f64)> = (0..count).map(|step| (TAU * step as f64 / count as f64).sin_cos()).collect();
+        let circle: Vec<(f64, f64)> = (0..count).map(|step| (TAU * step as f64 / count as f64).sine_cosine()).collect();
         let point = |step: usize| {
             let mut point = [0.0; 2];
             for (k, [cosine, sine]) in self.0.iter().enumerate().take(count / 2) {
                 let (s, c) = circle[k * step % count];
-                let damping = 1.0 + (k as f64 / cutoff as f64).powi(ORDER);
+                let damping = 1.0 + (k as f64 / cutoff as f64).whole_power(ORDER);
                 (0..2).for_each(|axis| point[axis] += (cosine[axis] * c + sine[axis] * s) / damping);
             }
             point

@@ -2,6 +2,8 @@
 //!
 //! The left modules move along x, the right ones along y (frame R1 of the paper); module `i` moves 2^i pitches of its axis.
 
+use crate::real::Real;
+
 pub use crate::device::dimibot::{Cell, Flip, MAX_MODULES, MAX_REACH_UM, Side};
 
 /// The lattice of reachable places.
@@ -48,7 +50,7 @@ impl Lattice {
     /// See [`LatticeError`].
     pub fn of_strokes(modules: [u32; 2], gain: f64, stroke_um: f64) -> Result<Self, LatticeError> {
         let full = 2.0 * gain * stroke_um * std::f64::consts::SQRT_2;
-        Lattice::new(modules, modules.map(|n| full / 2_f64.powi(n.min(64) as i32)))
+        Lattice::new(modules, modules.map(|n| full / 2_f64.whole_power(n.min(64) as i32)))
     }
 
     /// Largest coordinate of that side's axis, 2^N − 1.

@@ -9,6 +9,7 @@ use super::lattice::{Cell, Flip, Lattice, Side, Weights, bits};
 use super::outcome::{Outcome, Path, Proof};
 use super::shortest::outside;
 use crate::plan::search::{Budget, Meter};
+use crate::real::Real;
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -41,7 +42,7 @@ fn straight_line(lattice: &Lattice, goal: Cell, weights: &Weights) -> impl Fn(Ce
         let run = f64::from(cell.x.abs_diff(goal.x)) * unit[0];
         let rise = f64::from(cell.y.abs_diff(goal.y)) * unit[1];
         // Less a hair, so that rounding up at an exact integer cannot make it inadmissible.
-        (run.hypot(rise) * cheapest * (1.0 - 1e-12)) as u64
+        (run.hypotenuse(rise) * cheapest * (1.0 - 1e-12)) as u64
     }
 }
 

@@ -24,6 +24,7 @@ use crate::check::claims::microrobots::{MicrorobotsOrder, Precision};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::search::{Budget, Meter};
+use crate::real::Real;
 use choice::Choice;
 
 /// How often what was met is put in the way of one stop.
@@ -233,12 +234,12 @@ impl Progress<'_> {
         // Without a turn the heading stays, and without a run the middle does.
         let Precision { place_um, heading_rad } = order.precision;
         let turn_rad = free::turn_rad(facts, from.heading_rad, goal.heading_rad);
-        let (sin, cos) = from.heading_rad.sin_cos();
+        let (sin, cos) = from.heading_rad.sine_cosine();
         let [dx, dy] = [goal.x_um - from.x_um, goal.y_um - from.y_um];
         let ahead = (dy * cos - dx * sin).abs() <= place_um && dx * cos + dy * sin >= -place_um;
         let straight = turn_rad.min(std::f64::consts::TAU - turn_rad) <= heading_rad && ahead;
         let [a, b] = [from, goal].map(|pose| facts.orbit_centre_um(pose));
-        let about = (a[0] - b[0]).hypot(a[1] - b[1]) <= place_um + facts.turning_radius_um * heading_rad;
+        let about = (a[0] - b[0]).hypotenuse(a[1] - b[1]) <= place_um + facts.turning_radius_um * heading_rad;
         match () {
             () if !straight && !has(Arm::Down) => Err(Reason::NeverTurns),
             () if !about && !has(Arm::Up) => Err(Reason::NeverRuns),

@@ -9,6 +9,7 @@
 use super::Leg;
 use crate::device::microrobots::{Arm, Fine, Robot};
 use crate::geometry::Pose;
+use crate::real::Real;
 
 /// How often a share is corrected for the lead of its own turns; each time gains about two digits.
 const CORRECTIONS: usize = 6;
@@ -54,7 +55,7 @@ pub enum Unreachable {
 
 /// The circle that leaves a pose along its heading and passes through a place: the paper's equation 1.
 pub fn bend(robot: &Robot, pose: Pose, [x_um, y_um]: [f64; 2]) -> Result<Bend, Unreachable> {
-    let (sin, cos) = pose.heading_rad.sin_cos();
+    let (sin, cos) = pose.heading_rad.sine_cosine();
     let (dx_um, dy_um) = (x_um - pose.x_um, y_um - pose.y_um);
     let ahead_um = dx_um * cos + dy_um * sin;
     let aside_um = robot.turning.sign() * (dy_um * cos - dx_um * sin);
@@ -66,7 +67,7 @@ pub fn bend(robot: &Robot, pose: Pose, [x_um, y_um]: [f64; 2]) -> Result<Bend, U
         return if ahead_um < 0.0 { Err(Unreachable::Behind { off_um: -ahead_um }) } else { Ok(straight) };
     }
     let turn_per_um = 2.0 * aside_um / (dx_um * dx_um + dy_um * dy_um);
-    Ok(Bend { turn_per_um, way_um: 2.0 * aside_um.atan2(ahead_um) / turn_per_um })
+    Ok(Bend { turn_per_um, way_um: 2.0 * aside_um.arc_tangent_over(ahead_um) / turn_per_um })
 }
 
 /// Shares of turning and of running straight that lead one robot through a place: all that its two primitives reach.

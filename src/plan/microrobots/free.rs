@@ -25,6 +25,7 @@
 use crate::check::claims::microrobots::Precision;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
+use crate::real::Real;
 use std::f64::consts::{PI, TAU};
 
 /// By how much a way may miss its goal to the side for the sake of a turn less.
@@ -131,11 +132,11 @@ struct Journey {
 impl Journey {
     fn new(robot: &Robot, from: Pose, to: Pose) -> Self {
         let ([ax, ay], [bx, by]) = (robot.orbit_centre_um(from), robot.orbit_centre_um(to));
-        let (sin, cos) = from.heading_rad.sin_cos();
+        let (sin, cos) = from.heading_rad.sine_cosine();
         let (dx, dy) = (bx - ax, by - ay);
         let along_um = [dx * cos + dy * sin, robot.turning.sign() * (dy * cos - dx * sin)];
-        let distance_um = along_um[0].hypot(along_um[1]);
-        let aim_rad = along_um[1].atan2(along_um[0]).rem_euclid(TAU);
+        let distance_um = along_um[0].hypotenuse(along_um[1]);
+        let aim_rad = along_um[1].arc_tangent_over(along_um[0]).rem_euclid(TAU);
         let turn_rad = turn_rad(robot, from.heading_rad, to.heading_rad);
         Journey { radius_um: robot.turning_radius_um, along_um, distance_um, aim_rad, turn_rad }
     }
@@ -155,7 +156,7 @@ impl Journey {
     }
 
     fn run_turn_run(&self) -> Option<Word> {
-        let (sin, cos) = self.turn_rad.sin_cos();
+        let (sin, cos) = self.turn_rad.sine_cosine();
         let last_um = self.along_um[1] / sin;
         let first_um = self.along_um[0] - last_um * cos;
         let holds = sin.abs() > SLACK_RAD && first_um >= 0.0 && last_um >= 0.0;
@@ -178,7 +179,7 @@ pub fn least_um(robot: &Robot, from: Pose, to: Pose, slack: Precision) -> f64 {
     if near_um == 0.0 {
         return direct_um;
     }
-    let spread_rad = (off_um / journey.distance_um).asin();
+    let spread_rad = (off_um / journey.distance_um).arc_sine();
     let ahead = journey.aim_rad - spread_rad <= turn_rad + off_rad || journey.aim_rad + spread_rad >= TAU;
     if ahead {
         return direct_um;
@@ -195,10 +196,10 @@ impl Journey {
     /// of the gap between the two headings, and the sum is the part of d along it / the cosine of half the gap.
     fn chord_um(&self, off_um: f64, off_rad: f64) -> f64 {
         let middle_rad = (self.turn_rad + TAU) / 2.0;
-        let (sin, cos) = middle_rad.sin_cos();
+        let (sin, cos) = middle_rad.sine_cosine();
         let part_um = self.along_um[0] * cos + self.along_um[1] * sin - off_um - self.distance_um * off_rad / 2.0;
         let gap_rad = (TAU - self.turn_rad - off_rad).max(0.0);
-        part_um / (gap_rad / 2.0).cos()
+        part_um / (gap_rad / 2.0).cosine()
     }
 }
 
@@ -207,11 +208,11 @@ pub fn fewest_segments(robot: &Robot, from: Pose, to: Pose, slack: Precision) ->
     let journey = Journey::new(robot, from, to);
     let off_um = slack.place_um + journey.radius_um * slack.heading_rad;
     let straight = journey.turn_rad <= slack.heading_rad || journey.turn_rad >= TAU - slack.heading_rad;
-    let (sin, cos) = journey.turn_rad.sin_cos();
+    let (sin, cos) = journey.turn_rad.sine_cosine();
     let [along_um, aside_um] = journey.along_um;
     let on_first = aside_um.abs() <= off_um;
     let on_last = (aside_um * cos - along_um * sin).abs() <= off_um + journey.distance_um * slack.heading_rad;
-    let there = (from.x_um - to.x_um).hypot(from.y_um - to.y_um) <= slack.place_um;
+    let there = (from.x_um - to.x_um).hypotenuse(from.y_um - to.y_um) <= slack.place_um;
     match () {
         () if straight && there => 0,
         () if journey.distance_um <= off_um || (straight && on_first) => 1,

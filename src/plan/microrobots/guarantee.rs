@@ -21,6 +21,7 @@ use super::strategy::{Driver, Episode, Frame, Solid, edge_gap_um, episodes, obst
 use super::{Motion, Stage};
 use crate::check::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
+use crate::real::Real;
 use room::{Surroundings, Way};
 
 /// What has to lie within what.
@@ -137,7 +138,7 @@ struct Displaced {
 impl Displaced {
     /// How far a point may be displaced that moves with the structure.
     fn of_um(&self, pose: Pose) -> f64 {
-        let arm_um = (pose.x_um - self.middle_um[0]).hypot(pose.y_um - self.middle_um[1]);
+        let arm_um = (pose.x_um - self.middle_um[0]).hypotenuse(pose.y_um - self.middle_um[1]);
         self.place_um + self.heading_rad * arm_um
     }
 }
@@ -161,7 +162,7 @@ impl Bed<'_> {
             let facts = order.robot(robot);
             if self.episode.docked[robot] {
                 let stray_um = self.structure.of_um(pose)
-                    + self.structure.heading_rad * facts.length_um.hypot(facts.width_um) / 2.0
+                    + self.structure.heading_rad * facts.length_um.hypotenuse(facts.width_um) / 2.0
                     + order.facts.docking.tolerance_um;
                 around.docked.push((Solid::standing(facts, pose), stray_um));
             } else if let Some(driver) = Driver::new(order, robot) {

@@ -43,6 +43,7 @@ pub use pursuit::{Phase, Pursuit};
 use crate::check::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Errors, Robot};
 use crate::geometry::Pose;
+use crate::real::Real;
 use std::f64::consts::TAU;
 
 /// Into so many intervals the fine motion is divided at least.
@@ -96,7 +97,7 @@ pub struct Cylinder {
 impl Cylinder {
     /// Whether it holds a pose, if it stands about another.
     pub fn holds(&self, about: Pose, pose: Pose) -> bool {
-        let off_um = (pose.x_um - about.x_um).hypot(pose.y_um - about.y_um);
+        let off_um = (pose.x_um - about.x_um).hypotenuse(pose.y_um - about.y_um);
         off_um <= self.radius_um && angle(pose.heading_rad - about.heading_rad).abs() <= self.heading_rad
     }
 }
@@ -146,13 +147,13 @@ impl<'a> Driver<'a> {
     /// The bound on the error of the direction of a target so far away, with what an interval adds.
     pub fn aim_error_rad(&self, distance_um: f64) -> f64 {
         let off_um = self.centre_error_um() + self.creep_um(self.interval_um.min(distance_um));
-        self.errors.heading_rad + (off_um / distance_um.max(off_um).max(SAME_UM)).asin()
+        self.errors.heading_rad + (off_um / distance_um.max(off_um).max(SAME_UM)).arc_sine()
     }
 
     /// How far it stays from the direction of a target, to the side from which corrections are cheap.
     pub fn lag_rad(&self, distance_um: f64) -> f64 {
         let chord = self.errors.turning_rad_per_um * (distance_um + self.centre_error_um()) / 2.0;
-        self.aim_error_rad(distance_um) + chord.min(1.0).asin()
+        self.aim_error_rad(distance_um) + chord.min(1.0).arc_sine()
     }
 
     /// A target is reached when it is measured within this.
@@ -181,7 +182,7 @@ impl<'a> Driver<'a> {
         let excess_um = 2.0 * self.miss_rad_per_um() * left_um * left_um / 4.0;
         let across_um = off_um + 2.0 * self.errors.heading_rad * left_um + drift * left_um * left_um + excess_um;
         let along_um = centre_um + self.errors.speed_ratio * left_um + 0.05 * across_um;
-        across_um.hypot(along_um).max(self.capture_um() + centre_um)
+        across_um.hypotenuse(along_um).max(self.capture_um() + centre_um)
     }
 
     /// Where the gross motion ends, truly: the paper's δ(t_2π) for this strategy, measured once more and believed.

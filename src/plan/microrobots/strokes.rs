@@ -16,6 +16,7 @@ use super::free::Segment;
 use crate::check::claims::microrobots::Precision;
 use crate::device::microrobots::{Arm, Robot, wrapped_rad};
 use crate::geometry::Pose;
+use crate::real::Real;
 use std::f64::consts::FRAC_PI_2;
 
 /// The share of the precision that one rounded heading may cost at the goal.
@@ -46,7 +47,7 @@ pub fn end(robot: &Robot, from: Pose, trains: &[Train]) -> Pose {
 
 /// Whether a pose is within the precision of another.
 pub fn is_within(pose: Pose, goal: Pose, precision: Precision) -> bool {
-    (pose.x_um - goal.x_um).hypot(pose.y_um - goal.y_um) <= precision.place_um
+    (pose.x_um - goal.x_um).hypotenuse(pose.y_um - goal.y_um) <= precision.place_um
         && wrapped_rad(pose.heading_rad - goal.heading_rad).abs() <= precision.heading_rad
 }
 
@@ -63,7 +64,7 @@ pub fn whole(robot: &Robot, from: Pose, goal: Pose, way: &[Segment], precision: 
         rounding.follow(&edges, rounding.middle_of(goal, turned), tolerances_um);
         rounding.turn_to(turned);
         let end = end(robot, from, &rounding.trains);
-        let missed_um = (end.x_um - goal.x_um).hypot(end.y_um - goal.y_um);
+        let missed_um = (end.x_um - goal.x_um).hypotenuse(end.y_um - goal.y_um);
         if is_within(end, goal, precision) && best.as_ref().is_none_or(|(least_um, _)| missed_um < *least_um) {
             best = Some((missed_um, rounding.trains));
         }
@@ -117,7 +118,7 @@ impl<'a> Rounding<'a> {
     }
 
     fn unit(&self, turned: f64) -> [f64; 2] {
-        let (sin, cos) = self.heading_rad(turned).sin_cos();
+        let (sin, cos) = self.heading_rad(turned).sine_cosine();
         [cos, sin]
     }
 
@@ -148,8 +149,8 @@ impl<'a> Rounding<'a> {
     fn run_to(&mut self, corner_um: [f64; 2], planned: f64, tolerance_um: f64) {
         let [dx, dy] = [0, 1].map(|axis| corner_um[axis] - self.middle_um[axis]);
         let stroke_rad = self.robot.step_um / self.robot.turning_radius_um;
-        let off_rad = wrapped_rad(self.robot.turning.sign() * (dy.atan2(dx) - self.heading_rad(planned)));
-        if off_rad.abs() > FRAC_PI_2 || dx.hypot(dy) < self.robot.step_um / 2.0 {
+        let off_rad = wrapped_rad(self.robot.turning.sign() * (dy.arc_tangent_over(dx) - self.heading_rad(planned)));
+        if off_rad.abs() > FRAC_PI_2 || dx.hypotenuse(dy) < self.robot.step_um / 2.0 {
             return;
         }
         let aim = (planned + off_rad / stroke_rad).min(self.most).max(self.turned);

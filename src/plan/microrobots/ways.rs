@@ -24,6 +24,7 @@ use super::world::{Fixtures, Obstruction, World};
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
 use crate::plan::search::Meter;
+use crate::real::Real;
 use corners::Corners;
 use graph::Graph;
 use rustc_hash::FxHashMap;
@@ -156,8 +157,8 @@ impl<'a> Task<'a> {
     fn leg_to(&self, from: Pose, middle_um: [f64; 2]) -> Option<[Segment; 2]> {
         let here_um = self.facts().orbit_centre_um(from);
         let [dx, dy] = [0, 1].map(|axis| middle_um[axis] - here_um[axis]);
-        let way_um = dx.hypot(dy);
-        let turn_rad = free::turn_rad(self.facts(), from.heading_rad, dy.atan2(dx));
+        let way_um = dx.hypotenuse(dy);
+        let turn_rad = free::turn_rad(self.facts(), from.heading_rad, dy.arc_tangent_over(dx));
         let turn = Segment { arm: Arm::Down, way_um: turn_rad * self.facts().turning_radius_um };
         (way_um > SHORTEST_UM).then_some([turn, Segment { arm: Arm::Up, way_um }])
     }

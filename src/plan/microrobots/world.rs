@@ -25,6 +25,7 @@ use super::{Docking, Leg};
 use crate::check::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::{Pose, Rounded};
+use crate::real::Real;
 use std::f64::consts::TAU;
 use tracks::Track;
 
@@ -187,7 +188,7 @@ impl Obstacle {
     fn new(body: Rounded) -> Self {
         let [min_um, max_um] = [body.bounds().min_um, body.bounds().max_um];
         let centre_um = [0, 1].map(|axis| (min_um[axis] + max_um[axis]) / 2.0);
-        let radius_um = (max_um[0] - min_um[0]).hypot(max_um[1] - min_um[1]) / 2.0;
+        let radius_um = (max_um[0] - min_um[0]).hypotenuse(max_um[1] - min_um[1]) / 2.0;
         Obstacle { body, bound: Disc { centre_um, radius_um } }
     }
 }
@@ -195,7 +196,7 @@ impl Obstacle {
 impl Body {
     fn new(robot: &Robot) -> Self {
         let half_um = [robot.length_um / 2.0, robot.width_um / 2.0];
-        let (corner_um, reach_um) = (half_um[0].hypot(half_um[1]), robot.orbit_reach_um());
+        let (corner_um, reach_um) = (half_um[0].hypotenuse(half_um[1]), robot.orbit_reach_um());
         Body { robot: robot.clone(), half_um, corner_um, reach_um }
     }
 

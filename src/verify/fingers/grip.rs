@@ -8,6 +8,7 @@
 use super::Point;
 use super::body::{Body, Pose, Surface};
 use crate::device::fingers::Plane;
+use crate::real::Real;
 use nalgebra::{Matrix3, Vector3};
 
 /// The most corrections of a pose.
@@ -153,14 +154,14 @@ impl Grip {
     }
 
     fn equation(&self, surface: &Surface, hold: &Hold, [x_um, y_um]: [f64; 2]) -> Equation {
-        let (sin, cos) = self.turn_rad().sin_cos();
+        let (sin, cos) = self.turn_rad().sine_cosine();
         let (x_um, y_um) = (x_um - self.shift_um.x, y_um - self.shift_um.y);
         let tip_um = [cos * x_um + sin * y_um, cos * y_um - sin * x_um];
         let nearest = surface.curve.nearest_from(tip_um, hold.way_um);
         let rounds = ((hold.way_um - nearest.way_um) / surface.curve.perimeter_um()).round();
         let way_um = nearest.way_um + rounds * surface.curve.perimeter_um();
         let spot = surface.curve.spot(way_um);
-        let (normal_y, normal_x) = spot.normal_rad.sin_cos();
+        let (normal_y, normal_x) = spot.normal_rad.sine_cosine();
         // How the tip's place in the part's own coordinates changes with the shift along each axis and the turn.
         let slopes = [[-cos, sin], [-sin, -cos], [tip_um[1] / self.reach_um, -tip_um[0] / self.reach_um]];
         let outward = Vector3::from(slopes.map(|[x, y]| normal_x * x + normal_y * y));

@@ -10,6 +10,7 @@ use super::Point;
 use super::body::Pose;
 use crate::check::claims::fingers::FingersOrder;
 use crate::device::fingers::Plane;
+use crate::real::Real;
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 
 /// How far outside of its cone a force may be, as a share of the forces that matter: those that load, pull or hold.
@@ -29,7 +30,7 @@ pub(super) struct Touch {
 impl Touch {
     /// The inward normal and the tangent.
     fn directions(&self) -> [[f64; 2]; 2] {
-        let (y, x) = self.normal_rad.sin_cos();
+        let (y, x) = self.normal_rad.sine_cosine();
         [[-x, -y], [-y, x]]
     }
 }
@@ -77,7 +78,7 @@ impl<'a> Statics<'a> {
     fn margin(&self, touches: &[Touch], leaving: Option<&Touch>) -> Option<f64> {
         let facts = &self.order.facts;
         let pull_un = facts.sticking_un() * facts.removal_safety;
-        let load_un = self.load_un[0].hypot(self.load_un[1]).max(self.across_un);
+        let load_un = self.load_un[0].hypotenuse(self.load_un[1]).max(self.across_un);
         let is_idle = facts.sticking_un() == 0.0 && load_un == 0.0;
         let unit_un = if is_idle { 1.0 } else { facts.sticking_un().max(pull_un).max(load_un) };
         let mut problem = Problem::new(OptimizationDirection::Maximize);

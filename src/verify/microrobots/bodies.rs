@@ -2,6 +2,7 @@
 //!
 //! Input: rectangles and points in micrometres. Output: distances in micrometres, exact but for rounding.
 
+use crate::real::Real;
 use nalgebra::{Point2, Vector2};
 
 /// The rectangle of a robot.
@@ -28,7 +29,7 @@ impl Body {
     /// How far a point lies from the body; 0 within it.
     pub fn point_gap_um(&self, point: Point2<f64>) -> f64 {
         let beyond = |axis: Vector2<f64>, half_um: f64| ((point - self.centre).dot(&axis).abs() - half_um).max(0.0);
-        beyond(self.along, self.half_um[0]).hypot(beyond(self.across(), self.half_um[1]))
+        beyond(self.along, self.half_um[0]).hypotenuse(beyond(self.across(), self.half_um[1]))
     }
 
     /// The distance of two bodies; where they overlap, the negative of the least shift that parts them.

@@ -5,6 +5,7 @@
 
 use super::bodies::Body;
 use crate::geometry::Pose;
+use crate::real::Real;
 use nalgebra::{Point2, Vector2};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -32,19 +33,19 @@ impl Place {
 
     /// After a way, on a curve or straight on.
     pub fn moved(self, curve_um: Option<f64>, way_um: f64) -> Place {
-        let (sin, cos) = self.theta_rad.sin_cos();
+        let (sin, cos) = self.theta_rad.sine_cosine();
         let Some(curve_um) = curve_um else {
             return Place { at: self.at + Vector2::new(sin, cos) * way_um, ..self };
         };
         let theta_rad = self.theta_rad + way_um / curve_um;
-        let (later_sin, later_cos) = theta_rad.sin_cos();
+        let (later_sin, later_cos) = theta_rad.sine_cosine();
         let at = self.at + Vector2::new(cos - later_cos, later_sin - sin) * curve_um;
         Place { at, theta_rad: theta_rad.rem_euclid(TAU) }
     }
 
     /// The middle of the circle of a turn.
     pub fn centre(self, curve_um: f64) -> Point2<f64> {
-        let (sin, cos) = self.theta_rad.sin_cos();
+        let (sin, cos) = self.theta_rad.sine_cosine();
         self.at + Vector2::new(cos, -sin) * curve_um
     }
 
@@ -77,18 +78,18 @@ impl Ride {
     /// The body at a share of the way.
     pub fn body(&self, share: f64) -> Body {
         let place = self.start.moved(self.curve_um, self.way_um * share);
-        let (sin, cos) = place.theta_rad.sin_cos();
+        let (sin, cos) = place.theta_rad.sine_cosine();
         Body { centre: place.at, along: Vector2::new(sin, cos), half_um: self.half_um }
     }
 
     /// Half of the body's diagonal.
     fn half_diagonal_um(&self) -> f64 {
-        self.half_um[0].hypot(self.half_um[1])
+        self.half_um[0].hypotenuse(self.half_um[1])
     }
 
     /// The radius of the disc about the middle of its circle that the body never leaves.
     pub fn reach_um(&self, curve_um: f64) -> f64 {
-        (curve_um.abs() + self.half_um[1]).hypot(self.half_um[0])
+        (curve_um.abs() + self.half_um[1]).hypotenuse(self.half_um[0])
     }
 
     /// No point of the body goes farther than this on the whole way.
@@ -101,7 +102,7 @@ impl Ride {
 
     /// The straight way of every point of the body; `None` if the body turns.
     pub fn shift(&self) -> Option<Vector2<f64>> {
-        let (sin, cos) = self.start.theta_rad.sin_cos();
+        let (sin, cos) = self.start.theta_rad.sine_cosine();
         (self.curve_um.is_none() || self.way_um == 0.0).then(|| Vector2::new(sin, cos) * self.way_um)
     }
 

@@ -5,6 +5,7 @@
 
 use crate::check::claims::fingers::Section;
 use crate::geometry::outline::{Curve, PRECISION_UM};
+use crate::real::Real;
 
 /// How much nearer than its radius a tip's centre may be to the outline, so that rounding makes no contact unusable.
 const TOUCH_UM: f64 = 10.0 * PRECISION_UM;
@@ -86,7 +87,7 @@ impl<'a> Contacts<'a> {
 
     fn at(&self, rolled_rad: f64) -> Contact {
         let spot = self.curve.spot(self.curve.way_rolled_um(rolled_rad, self.tip_radius_um));
-        let (sin, cos) = spot.normal_rad.sin_cos();
+        let (sin, cos) = spot.normal_rad.sine_cosine();
         let [x, y] = spot.point_um;
         let tip_um = [x + self.tip_radius_um * cos, y + self.tip_radius_um * sin];
         Contact { point_um: spot.point_um, normal: [cos, sin], tip_um, usable: true }

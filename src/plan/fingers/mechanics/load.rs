@@ -1,6 +1,7 @@
 //! What acts on the object besides the fingers.
 
 use crate::device::fingers::Plane;
+use crate::real::Real;
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// The part of a force in a plane that rounding alone makes of one across it.
@@ -54,7 +55,7 @@ impl Load {
 
     /// The same force after the part has turned in the section's plane: it turns the other way round as the part sees it.
     pub fn after_turn(&self, angle_rad: f64) -> Load {
-        let (sin, cos) = angle_rad.sin_cos();
+        let (sin, cos) = angle_rad.sine_cosine();
         let [x, y] = self.force_un;
         Load { force_un: [x * cos + y * sin, y * cos - x * sin], ..*self }
     }

@@ -2,6 +2,7 @@
 
 use super::grip::{Demand, Wrench};
 use super::{Contact, TOLERANCE};
+use crate::real::Real;
 
 /// The least slope of a half-space along the chord that bounds the force there: below, the side is taken as parallel to it.
 const PARALLEL: f64 = 1e-12;
@@ -42,7 +43,7 @@ impl Reach {
     pub fn of(contact: &Contact, friction: f64, apex_un: f64, most_un: f64) -> Reach {
         let inward = contact.normal.map(|part| -part);
         let along = [-inward[1], inward[0]];
-        let size = friction.hypot(1.0);
+        let size = friction.hypotenuse(1.0);
         let cone = |sign: f64| Side {
             normal: [0, 1].map(|k| (sign * along[k] - friction * inward[k]) / size),
             bound_un: friction * apex_un / size,
@@ -94,7 +95,7 @@ impl Half {
 
     /// The same half-space with a normal of length 1, moments counted as forces at `arm_um`.
     fn scaled(self, arm_um: f64) -> Half {
-        let size = (dot(self.force, self.force) + (self.moment_per_um * arm_um).powi(2)).sqrt();
+        let size = (dot(self.force, self.force) + (self.moment_per_um * arm_um).whole_power(2)).sqrt();
         self.plus(1.0 / size, &Half::NONE, 0.0)
     }
 

@@ -23,6 +23,7 @@ use super::{Hold, Motion, Stance};
 use crate::check::claims::fingers::Section;
 use crate::device::fingers::{Facts, Plane};
 use crate::geometry::outline::Curve;
+use crate::real::Real;
 use std::f64::consts::TAU;
 
 /// The most stretches of a motion.
@@ -111,7 +112,7 @@ impl<'a> Hand<'a> {
     pub fn home(&self, position_um: [f64; 3]) -> Stance {
         let fingers = self.facts.fingers as usize;
         let tip = |finger: usize| {
-            let (sin, cos) = (TAU * finger as f64 / fingers as f64).sin_cos();
+            let (sin, cos) = (TAU * finger as f64 / fingers as f64).sine_cosine();
             let [x, y, z] = position_um;
             [x + self.sphere_um(finger) * cos, y + self.sphere_um(finger) * sin, z]
         };

@@ -12,6 +12,7 @@
 use super::rolling;
 use crate::device::fingers::Facts;
 use crate::geometry::outline::Curve;
+use crate::real::Real;
 use nalgebra::Vector2;
 
 /// How many directions the fan has: an odd number, at most 16.
@@ -141,7 +142,7 @@ impl Exit {
     fn way(&self, direction: u32) -> Way {
         let side = if direction % 2 == 1 { 1.0 } else { -1.0 };
         let towards_rad = self.normal_rad + side * f64::from(direction.div_ceil(2)) * FAN_STEP_RAD;
-        let (sin, cos) = towards_rad.sin_cos();
+        let (sin, cos) = towards_rad.sine_cosine();
         Way { touch_um: self.touch_um, bend_um: self.bend_um, towards: Vector2::new(cos, sin) }
     }
 }
@@ -149,7 +150,7 @@ impl Exit {
 fn exit(curve: &Curve, facts: &Facts, contact: usize, contacts: u32) -> Exit {
     let round_rad = curve.rolled_rad(curve.perimeter_um(), facts.tip_radius_um);
     let (touch_um, normal_rad) = rolling::tip(curve, facts, contact as f64 * round_rad / f64::from(contacts));
-    let (sin, cos) = normal_rad.sin_cos();
+    let (sin, cos) = normal_rad.sine_cosine();
     Exit { touch_um, bend_um: touch_um + Vector2::new(cos, sin) * facts.slow_um(), normal_rad }
 }
 

@@ -6,6 +6,7 @@
 
 use crate::device::fingers::Facts;
 use crate::geometry::outline::Curve;
+use crate::real::Real;
 use nalgebra::Vector2;
 
 /// The most chords of a rolling step or of an arc.
@@ -14,7 +15,7 @@ pub const MAX_CHORDS: f64 = 4096.0;
 /// The centre of a tip that touches at a rolling coordinate, and the direction of the normal there, in the section's coordinates.
 pub fn tip(curve: &Curve, facts: &Facts, rolled_rad: f64) -> (Vector2<f64>, f64) {
     let spot = curve.spot(curve.way_rolled_um(rolled_rad, facts.tip_radius_um));
-    let (sin, cos) = spot.normal_rad.sin_cos();
+    let (sin, cos) = spot.normal_rad.sine_cosine();
     (Vector2::from(spot.point_um) + Vector2::new(cos, sin) * facts.tip_radius_um, spot.normal_rad)
 }
 

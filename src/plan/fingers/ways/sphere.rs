@@ -1,6 +1,7 @@
 //! Great circles, on which free tips travel about the part.
 
 use super::rolling::MAX_CHORDS;
+use crate::real::Real;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -25,19 +26,19 @@ impl Arc {
         let along = from.dot(&to);
         let across = to - from * along;
         let side = if across.norm() > SAME_RAD { across.normalize() } else { square_to(from) };
-        Arc { from, side, angle_rad: across.norm().atan2(along) }
+        Arc { from, side, angle_rad: across.norm().arc_tangent_over(along) }
     }
 
     /// The unit vector at an angle from its beginning.
     pub fn at(&self, angle_rad: f64) -> Vector3<f64> {
-        let (sin, cos) = angle_rad.sin_cos();
+        let (sin, cos) = angle_rad.sine_cosine();
         self.from * cos + self.side * sin
     }
 
     /// Into how many equal chords it is cut, so that none dips below a sphere by more than so much; `None` if that needs too many.
     pub fn chords(&self, radius_um: f64, dip_um: f64) -> Option<u32> {
         // acos would lose the half of its digits.
-        let chord_rad = 4.0 * (dip_um / (2.0 * radius_um)).min(1.0).sqrt().asin();
+        let chord_rad = 4.0 * (dip_um / (2.0 * radius_um)).min(1.0).sqrt().arc_sine();
         let count = (self.angle_rad / chord_rad.min(MAX_CHORD_RAD)).ceil().max(1.0);
         (count <= MAX_CHORDS).then_some(count as u32)
     }

@@ -9,6 +9,7 @@
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
 use crate::plan::microrobots::free::{Segment, length_um, turn_rad};
+use crate::real::Real;
 use std::f64::consts::TAU;
 
 /// First stretches that are tried, evenly over what the length allows.
@@ -36,8 +37,8 @@ pub struct Asked {
 pub fn turn_straight_turn(robot: &Robot, from: Pose, to: Pose) -> [Segment; 3] {
     let [from_centre, to_centre] = [from, to].map(|pose| robot.orbit_centre_um(pose));
     let (dx_um, dy_um) = (to_centre[0] - from_centre[0], to_centre[1] - from_centre[1]);
-    let straight_um = dx_um.hypot(dy_um);
-    let heading_rad = if straight_um > ROUNDING_UM { dy_um.atan2(dx_um) } else { from.heading_rad };
+    let straight_um = dx_um.hypotenuse(dy_um);
+    let heading_rad = if straight_um > ROUNDING_UM { dy_um.arc_tangent_over(dx_um) } else { from.heading_rad };
     let turn_um = |from_rad, to_rad| robot.turning_radius_um * turn_rad(robot, from_rad, to_rad);
     [
         Segment { arm: Arm::Down, way_um: turn_um(from.heading_rad, heading_rad) },
@@ -81,14 +82,14 @@ pub fn closings(robot: &Robot, asked: &Asked) -> Vec<Vec<Segment>> {
 fn closing(robot: &Robot, asked: &Asked, first_um: f64, circles: usize) -> Vec<Vec<Segment>> {
     let Asked { from, to, length_um, least_last_um } = *asked;
     let [from_centre, to_centre] = [from, to].map(|pose| robot.orbit_centre_um(pose));
-    let [(from_sin, from_cos), (sin, cos)] = [from, to].map(|pose| pose.heading_rad.sin_cos());
+    let [(from_sin, from_cos), (sin, cos)] = [from, to].map(|pose| pose.heading_rad.sine_cosine());
     let dx_um = to_centre[0] - from_centre[0] - first_um * from_cos;
     let dy_um = to_centre[1] - from_centre[1] - first_um * from_sin;
     let turned_rad = turn_rad(robot, from.heading_rad, to.heading_rad) + TAU * circles as f64;
     let radius_um = robot.turning_radius_um;
     let left_um = length_um - first_um - radius_um * turned_rad;
     let slack_um = 2.0 * (left_um - dx_um * cos - dy_um * sin);
-    if left_um < dx_um.hypot(dy_um) || slack_um < ROUNDING_UM {
+    if left_um < dx_um.hypotenuse(dy_um) || slack_um < ROUNDING_UM {
         return Vec::new();
     }
     let last_um = (left_um * left_um - dx_um * dx_um - dy_um * dy_um) / slack_um;
@@ -96,7 +97,7 @@ fn closing(robot: &Robot, asked: &Asked, first_um: f64, circles: usize) -> Vec<V
     if last_um < least_last_um || middle_um < 0.0 {
         return Vec::new();
     }
-    let heading_rad = (dy_um - last_um * sin).atan2(dx_um - last_um * cos);
+    let heading_rad = (dy_um - last_um * sin).arc_tangent_over(dx_um - last_um * cos);
     let turn_rad = turn_rad(robot, from.heading_rad, heading_rad);
     let way = |first_rad: f64| {
         vec![

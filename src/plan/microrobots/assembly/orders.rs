@@ -12,6 +12,7 @@ use crate::check::claims::microrobots::Dock;
 use crate::device::microrobots::Arm;
 use crate::geometry::{Core, Pose, distance};
 use crate::plan::microrobots::free;
+use crate::real::Real;
 use nalgebra::Point2;
 use std::f64::consts::TAU;
 
@@ -170,7 +171,7 @@ fn goal_in_orbit(bed: &Bed, docks: &[&Dock]) -> Result<(), Stuck> {
             let robot = bed.robot(dock.robot);
             let body = outline(bed, dock.robot, dock.goal.pose);
             let gap_um = distance::quadrilateral_core(body, &centre) - facts.orbit_reach_um();
-            let corner_um = robot.length_um.hypot(robot.width_um) / 2.0;
+            let corner_um = robot.length_um.hypotenuse(robot.width_um) / 2.0;
             let precision = bed.order.precision;
             let give_um = precision.place_um + corner_um * precision.heading_rad;
             if gap_um < bed.order.facts.orbit_clearance_um - give_um {
@@ -203,7 +204,7 @@ fn touch(bed: &Bed, one: (usize, Pose), other: (usize, Pose)) -> bool {
 /// The corners of a body, in order around it.
 fn outline(bed: &Bed, robot: usize, pose: Pose) -> [Point2<f64>; 4] {
     let facts = bed.robot(robot);
-    let (sin, cos) = pose.heading_rad.sin_cos();
+    let (sin, cos) = pose.heading_rad.sine_cosine();
     let (half_um, side_um) = (facts.length_um / 2.0, facts.width_um / 2.0);
     [(half_um, side_um), (-half_um, side_um), (-half_um, -side_um), (half_um, -side_um)]
         .map(|(x, y)| Point2::new(pose.x_um + x * cos - y * sin, pose.y_um + x * sin + y * cos))

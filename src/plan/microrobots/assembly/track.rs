@@ -8,6 +8,7 @@ use crate::check::claims::microrobots::Precision;
 use crate::device::microrobots::{Arm, Robot, wrapped_rad};
 use crate::geometry::Pose;
 use crate::plan::microrobots::free::Segment;
+use crate::real::Real;
 
 /// Changes of a piece that are tried, in strokes: the larger first.
 const CHANGES: [i64; 7] = [64, 27, 9, 5, 3, 2, 1];
@@ -50,7 +51,7 @@ fn end(robot: &Robot, from: Pose, pieces: &[(Arm, u64)]) -> Pose {
 
 /// How far a pose is from its goal, as a share of the precision: the larger one of place and heading.
 pub fn miss(precision: Precision, pose: Pose, goal: Pose) -> f64 {
-    let place_um = (pose.x_um - goal.x_um).hypot(pose.y_um - goal.y_um);
+    let place_um = (pose.x_um - goal.x_um).hypotenuse(pose.y_um - goal.y_um);
     let heading_rad = wrapped_rad(pose.heading_rad - goal.heading_rad).abs();
     (place_um / precision.place_um).max(heading_rad / precision.heading_rad)
 }
@@ -73,7 +74,7 @@ impl Aim {
 
 /// The second pose in the frame of the first.
 pub fn composed(frame: Pose, pose: Pose) -> Pose {
-    let (sin, cos) = frame.heading_rad.sin_cos();
+    let (sin, cos) = frame.heading_rad.sine_cosine();
     Pose {
         x_um: frame.x_um + pose.x_um * cos - pose.y_um * sin,
         y_um: frame.y_um + pose.x_um * sin + pose.y_um * cos,

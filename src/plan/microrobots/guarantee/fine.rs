@@ -7,6 +7,7 @@
 
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{Cylinder, Driver, Frame, steered};
+use crate::real::Real;
 
 /// The steepest heading that is reckoned with, against the normal of the edge.
 const STEEPEST_RAD: f64 = 1.3;
@@ -133,8 +134,8 @@ impl Bounds<'_> {
     fn moved_at_least(&self, way_um: f64) -> f64 {
         let bent_rad =
             (way_um / self.driver.robot.turning_radius_um).min(self.steepest_rad + self.incidence_rad).min(1.5);
-        let lean_um = self.driver.robot.width_um / 2.0 * self.incidence_rad.sin();
-        let least = way_um * (way_um * bent_rad.cos() + self.length_um() - 2.0 * lean_um) / 2.0;
+        let lean_um = self.driver.robot.width_um / 2.0 * self.incidence_rad.sine();
+        let least = way_um * (way_um * bent_rad.cosine() + self.length_um() - 2.0 * lean_um) / 2.0;
         least.max(1e-6)
     }
 
@@ -142,8 +143,8 @@ impl Bounds<'_> {
     fn measured_um(&self, way_um: f64) -> f64 {
         let errors = self.driver.errors;
         let lever_um = way_um + self.length_um() / 2.0;
-        let lean_um = self.driver.robot.width_um / 2.0 * self.incidence_rad.sin() * errors.heading_rad;
-        (errors.place_um + errors.heading_rad * lever_um) / self.incidence_rad.cos() + lean_um
+        let lean_um = self.driver.robot.width_um / 2.0 * self.incidence_rad.sine() * errors.heading_rad;
+        (errors.place_um + errors.heading_rad * lever_um) / self.incidence_rad.cosine() + lean_um
     }
 
     fn drift_per_um(&self) -> f64 {
@@ -153,7 +154,8 @@ impl Bounds<'_> {
     /// The shortest way to the contact at a measurement after which the share is still changed.
     fn shortest_um(&self) -> f64 {
         let errors = self.driver.errors;
-        let unsure_um = errors.place_um + errors.heading_rad * self.length_um().hypot(self.driver.robot.width_um) / 2.0;
+        let unsure_um =
+            errors.place_um + errors.heading_rad * self.length_um().hypotenuse(self.driver.robot.width_um) / 2.0;
         let over_um = self.driver.fine_interval_um * errors.speed_ratio;
         // A turn may bring the front ahead faster than the middle.
         (0.8 * (self.driver.kept_um - over_um - unsure_um)).max(0.05 * self.driver.kept_um)
@@ -168,7 +170,7 @@ impl Bounds<'_> {
         while after_um < self.way_um {
             let before_um = after_um + step_um;
             let error_per_um = self.measured_um(before_um) / self.moved_at_least(before_um) + self.drift_per_um();
-            let moved = (self.moved(before_um) - self.moved(after_um)) / self.incidence_rad.cos();
+            let moved = (self.moved(before_um) - self.moved(after_um)) / self.incidence_rad.cosine();
             let changed_per_um = error_per_um * moved / self.moved_at_least(after_um);
             per_um += changed_per_um;
             turned_rad += changed_per_um * after_um;
@@ -184,15 +186,15 @@ impl Bounds<'_> {
     fn across_um(&self) -> f64 {
         let errors = self.driver.errors;
         let robot = self.driver.robot;
-        let unsure_um = errors.place_um + errors.heading_rad * self.length_um().hypot(robot.width_um) / 2.0;
+        let unsure_um = errors.place_um + errors.heading_rad * self.length_um().hypotenuse(robot.width_um) / 2.0;
         let gap_um = self.driver.fine_interval_um + self.driver.kept_um + unsure_um;
         let steepest_rad = self.incidence_rad + 1.3 * gap_um / robot.turning_radius_um;
         // A turn takes back the corner that is ahead.
         let turning = robot.width_um / 2.0 / robot.turning_radius_um;
-        let way_um = gap_um / (steepest_rad.min(STEEPEST_RAD).cos() - turning).max(0.2);
+        let way_um = gap_um / (steepest_rad.min(STEEPEST_RAD).cosine() - turning).max(0.2);
         let cycle_um = self.driver.cycle_um;
         let ripple_um = (self.length_um() / 2.0 + cycle_um) * cycle_um / (8.0 * robot.turning_radius_um) + 0.01;
         let drift_um = self.drift_per_um() * self.moved(way_um);
-        self.measured_um(way_um) + (drift_um + ripple_um) / self.incidence_rad.cos()
+        self.measured_um(way_um) + (drift_um + ripple_um) / self.incidence_rad.cosine()
     }
 }

@@ -11,6 +11,7 @@ use crate::device::microrobots::{Arm, wrapped_rad};
 use crate::geometry::Pose;
 use crate::plan::microrobots::Stage;
 use crate::plan::microrobots::strategy::{Couple, Cylinder, Frame, SHARES, Solid, body, poses_of};
+use crate::real::Real;
 use std::f64::consts::{PI, TAU};
 
 /// Goals whose headings are so far from opposite are not head on.
@@ -49,7 +50,7 @@ pub fn containments(bed: &Bed, structure: &mut Displaced) -> Option<Vec<Containm
     let aside_um = pairing.aside_um(&cylinders, &lasts);
     *structure = Displaced {
         middle_um: [(goals[0].x_um + goals[1].x_um) / 2.0, (goals[0].y_um + goals[1].y_um) / 2.0],
-        place_um: (aside_um[0].max(aside_um[1])).hypot(missed_um / 2.0),
+        place_um: (aside_um[0].max(aside_um[1])).hypotenuse(missed_um / 2.0),
         heading_rad: (lasts[0].incidence_rad + lasts[1].incidence_rad) / 2.0,
     };
     Some(found)
@@ -143,7 +144,7 @@ impl<'a> Pairing<'a, '_> {
         let aside_um = self.aside_um(cylinders, lasts);
         let between_rad = lasts[0].incidence_rad + lasts[1].incidence_rad;
         // The axes are compared at the fronts, which lie as far apart as a corner leans.
-        let lean_um = self.couple.drivers[0].robot.width_um * between_rad.min(1.0).sin();
+        let lean_um = self.couple.drivers[0].robot.width_um * between_rad.min(1.0).sine();
         [
             self.held(0, Check::Axes, aside_um[0] + aside_um[1] + lean_um, docking.self_aligning_um),
             self.held(0, Check::Directions, between_rad, docking.self_aligning_rad),
@@ -180,7 +181,7 @@ impl<'a> Pairing<'a, '_> {
         let [first, second] = [0, 1].map(|at| &self.couple.drivers[at]);
         let run_um = self.run_um(&ways[1]);
         let cylinder = self.cylinders(&ways[1], missed_um)[0];
-        let reach_um = first.robot.length_um.hypot(first.robot.width_um) / 2.0;
+        let reach_um = first.robot.length_um.hypotenuse(first.robot.width_um) / 2.0;
         let stray_um = cylinder.radius_um + reach_um * cylinder.heading_rad + LOOK_UM;
         let second_um = ways[1].stray_um() + missed_um + LOOK_UM;
         let (mut tightest, mut nearest): (Option<(String, f64, f64)>, _) = (None, f64::INFINITY);

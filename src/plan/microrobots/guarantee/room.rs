@@ -7,6 +7,7 @@ use super::Bed;
 use super::fine::Last;
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{Body, Driver, Frame, Solid, bent, body, steered, turn};
+use crate::real::Real;
 use std::f64::consts::{E, TAU};
 
 /// Between two looks at a body.
@@ -115,13 +116,13 @@ impl<'a> Way<'a> {
         for (index, next_um) in via_um.iter().copied().chain([last_um]).enumerate() {
             let moved_um = if index == count { shift_um } else { 0.0 };
             let (dx_um, dy_um) = (next_um[0] - centre_um[0], next_um[1] - centre_um[1]);
-            let run_um = dx_um.hypot(dy_um);
+            let run_um = dx_um.hypotenuse(dy_um);
             if run_um <= driver.left_alone_um() + moved_um {
                 off_um += run_um + moved_um;
                 centre_um = next_um;
                 continue;
             }
-            let direction_rad = dy_um.atan2(dx_um);
+            let direction_rad = dy_um.arc_tangent_over(dx_um);
             let stray = Stray::new(driver, run_um, off_um + moved_um);
             let slack_rad = [unsure_rad, stray.heading_rad + driver.lag_rad(run_um)];
             self.turn(centre_um, [heading_rad, direction_rad], slack_rad, off_um, is_orbiting && index == 0);
@@ -153,7 +154,7 @@ impl<'a> Way<'a> {
     }
 
     fn on_circle(&self, [x_um, y_um]: [f64; 2], heading_rad: f64) -> Pose {
-        let (sin, cos) = heading_rad.sin_cos();
+        let (sin, cos) = heading_rad.sine_cosine();
         let arm_um = self.driver.side() * self.driver.robot.turning_radius_um;
         Pose { x_um: x_um + arm_um * sin, y_um: y_um - arm_um * cos, heading_rad }
     }
@@ -164,7 +165,7 @@ impl<'a> Way<'a> {
         self.nominal.push(Part { from, turn_per_um: 0.0, way_um: run_um, stray_um: 0.0 });
         // A centre on its line with a heading that is off puts the body farther along, and hardly aside.
         let (tilt_rad, reach_um) =
-            (stray.heading_rad, self.driver.robot.length_um.hypot(self.driver.robot.width_um) / 2.0);
+            (stray.heading_rad, self.driver.robot.length_um.hypotenuse(self.driver.robot.width_um) / 2.0);
         let (longer_um, aside_um) = (radius_um * tilt_rad, radius_um * tilt_rad * tilt_rad / 2.0);
         let from = bent(from, 0.0, -longer_um);
         let stray_um = stray.place_um + aside_um + reach_um * tilt_rad;
@@ -192,7 +193,7 @@ impl<'a> Way<'a> {
     }
 
     fn half_look_um(&self, turn_per_um: f64) -> f64 {
-        let reach_um = self.driver.robot.length_um.hypot(self.driver.robot.width_um) / 2.0;
+        let reach_um = self.driver.robot.length_um.hypotenuse(self.driver.robot.width_um) / 2.0;
         LOOK_UM / 2.0 * (1.0 + reach_um * turn_per_um.abs())
     }
 }
@@ -215,7 +216,7 @@ impl Stray {
         let first_rad = 2.0 * driver.miss_rad_per_um() * interval_um;
         let bulge_um = drift * run_um * run_um / 8.0 + steady_rad * run_um / E;
         let place_um = off_um + 2.0 * centre_um + 1.1 * bulge_um + first_rad * interval_um;
-        let logs = 1.0 + (run_um / interval_um.max(1.0)).max(1.0).ln();
+        let logs = 1.0 + (run_um / interval_um.max(1.0)).max(1.0).natural_logarithm();
         let heading_rad = drift * run_um / 2.0
             + steady_rad * logs
             + first_rad
@@ -241,7 +242,7 @@ impl Stretch<'_> {
         let turn_per_um = self.driver.side() * share / robot.turning_radius_um;
         let seen = self.frame.seen(self.approach);
         let way_um = self.frame.met(seen, share / robot.turning_radius_um).map_or(0.0, |contact| contact.way_um);
-        let reach_um = robot.length_um.hypot(robot.width_um) / 2.0;
+        let reach_um = robot.length_um.hypotenuse(robot.width_um) / 2.0;
         let at_goal = self.frame.goal;
         let is_met = |solid: &Solid| solid.is_ahead(robot, at_goal);
         let looks = (way_um / LOOK_UM).ceil().max(1.0);

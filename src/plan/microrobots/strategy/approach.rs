@@ -3,6 +3,7 @@
 use super::{Driver, angle};
 use crate::device::microrobots::Robot;
 use crate::geometry::Pose;
+use crate::real::Real;
 
 /// How often a curvature is halved between two; far below what a cycle can set.
 const HALVINGS: usize = 40;
@@ -47,7 +48,7 @@ impl Frame {
 
     /// A pose of the world as seen from the goal.
     pub fn seen(&self, pose: Pose) -> Pose {
-        let (sin, cos) = self.goal.heading_rad.sin_cos();
+        let (sin, cos) = self.goal.heading_rad.sine_cosine();
         let (dx_um, dy_um) = (pose.x_um - self.goal.x_um, pose.y_um - self.goal.y_um);
         Pose {
             x_um: dx_um * cos + dy_um * sin,
@@ -58,13 +59,13 @@ impl Frame {
 
     /// How far a pose is from touching the edge; negative when it is past it.
     pub fn gap_um(&self, seen: Pose) -> f64 {
-        let (sin, cos) = seen.heading_rad.sin_cos();
+        let (sin, cos) = seen.heading_rad.sine_cosine();
         self.edge_um - seen.x_um - self.length_um / 2.0 * cos - self.width_um / 2.0 * sin.abs()
     }
 
     /// What becomes of a pose that touches the edge.
     pub fn contact(&self, seen: Pose, way_um: f64) -> Contact {
-        let (sin, cos) = seen.heading_rad.sin_cos();
+        let (sin, cos) = seen.heading_rad.sine_cosine();
         let lean_um = self.width_um / 2.0 * (1.0 - cos) * sin.signum();
         let across_um = seen.y_um + self.length_um / 2.0 * sin + lean_um;
         Contact { across_um, incidence_rad: seen.heading_rad, way_um }
@@ -75,7 +76,7 @@ impl Frame {
         let mut way_um = self.gap_um(seen).max(0.0);
         for _ in 0..NEWTON_STEPS {
             let there = bent(seen, turn_per_um, way_um);
-            let (sin, cos) = there.heading_rad.sin_cos();
+            let (sin, cos) = there.heading_rad.sine_cosine();
             let lever_um = self.length_um / 2.0 * sin - self.width_um / 2.0 * cos * sin.signum();
             let speed = cos - turn_per_um * lever_um;
             if speed <= 0.1 {
@@ -92,7 +93,7 @@ impl Frame {
 
     /// A pose of the goal's frame in the world.
     pub fn placed(&self, seen: Pose) -> Pose {
-        let (sin, cos) = self.goal.heading_rad.sin_cos();
+        let (sin, cos) = self.goal.heading_rad.sine_cosine();
         let y_um = self.side * seen.y_um;
         Pose {
             x_um: self.goal.x_um + seen.x_um * cos - y_um * sin,
@@ -106,8 +107,8 @@ impl Frame {
 pub fn bent(pose: Pose, turn_per_um: f64, way_um: f64) -> Pose {
     // The chord of an arc, in the direction of its middle: exact, and right for the straight line too.
     let half_rad = turn_per_um * way_um / 2.0;
-    let chord_um = if half_rad.abs() < 1e-6 { way_um } else { way_um * half_rad.sin() / half_rad };
-    let (sin, cos) = (pose.heading_rad + half_rad).sin_cos();
+    let chord_um = if half_rad.abs() < 1e-6 { way_um } else { way_um * half_rad.sine() / half_rad };
+    let (sin, cos) = (pose.heading_rad + half_rad).sine_cosine();
     Pose {
         x_um: pose.x_um + chord_um * cos,
         y_um: pose.y_um + chord_um * sin,

@@ -4,6 +4,7 @@ use crate::check::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::Robot;
 use crate::geometry::distance::quadrilateral_core;
 use crate::geometry::{Core, Pose};
+use crate::real::Real;
 use nalgebra::Point2;
 
 /// What overlaps a front by less than this lies before it.
@@ -14,7 +15,7 @@ pub type Body = [Point2<f64>; 4];
 
 /// The body of a robot, less so much on every side.
 pub fn body(robot: &Robot, pose: Pose, less_um: f64) -> Body {
-    let (sin, cos) = pose.heading_rad.sin_cos();
+    let (sin, cos) = pose.heading_rad.sine_cosine();
     let (a, b) = ((robot.length_um / 2.0 - less_um).max(0.0), (robot.width_um / 2.0 - less_um).max(0.0));
     [(-a, -b), (a, -b), (a, b), (-a, b)]
         .map(|(x, y)| Point2::new(pose.x_um + x * cos - y * sin, pose.y_um + x * sin + y * cos))
@@ -59,7 +60,7 @@ impl Solid {
 
     /// Whether all of it lies before the front of a robot at its goal, but for a tolerance in touching.
     pub fn is_ahead(&self, robot: &Robot, goal: Pose) -> bool {
-        let (sin, cos) = goal.heading_rad.sin_cos();
+        let (sin, cos) = goal.heading_rad.sine_cosine();
         let ahead_um = |point: &Point2<f64>| (point.x - goal.x_um) * cos + (point.y - goal.y_um) * sin;
         let nearest_um = self.points().iter().map(ahead_um).fold(f64::INFINITY, f64::min) - self.radius_um;
         nearest_um >= robot.length_um / 2.0 - TOUCHING_UM
@@ -97,7 +98,7 @@ pub fn obstacles(order: &MicrorobotsOrder) -> Vec<Solid> {
 /// How far before or behind a robot's front the nearest of some bodies lies that it faces at its goal; `None` if none does within
 /// the tolerance.
 pub fn edge_gap_um(robot: &Robot, goal: Pose, bodies: &[(&Robot, Pose)], tolerance_um: f64) -> Option<f64> {
-    let (sin, cos) = goal.heading_rad.sin_cos();
+    let (sin, cos) = goal.heading_rad.sine_cosine();
     let at_goal = body(robot, goal, 0.0);
     let ahead_um = |corner: &Point2<f64>| (corner.x - goal.x_um) * cos + (corner.y - goal.y_um) * sin;
     let gap_um = |&(other, pose): &(&Robot, Pose)| {

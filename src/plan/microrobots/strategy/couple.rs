@@ -3,6 +3,7 @@
 use super::{Driver, Frame, Phase, Pursuit, steered};
 use crate::check::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
+use crate::real::Real;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// The share of turning of the first robot and of the second, from and to: so each can be chosen for itself.
@@ -59,7 +60,7 @@ impl<'a> Couple<'a> {
 
     /// Where the first robot's own driving is to end; farther back by what it has slid.
     pub fn intermediate(&self) -> Pose {
-        let (sin, cos) = self.approach[0].heading_rad.sin_cos();
+        let (sin, cos) = self.approach[0].heading_rad.sine_cosine();
         let at = self.intermediate;
         let off_um = self.slid_um + self.back_um;
         Pose { x_um: at.x_um - off_um * cos, y_um: at.y_um - off_um * sin, ..at }
@@ -93,7 +94,7 @@ impl<'a> Couple<'a> {
 
     /// How far the first robot has to run along its line from a pose.
     pub fn run_um(&self, from: Pose) -> f64 {
-        let (sin, cos) = self.approach[0].heading_rad.sin_cos();
+        let (sin, cos) = self.approach[0].heading_rad.sine_cosine();
         (self.approach[0].x_um - from.x_um) * cos + (self.approach[0].y_um - from.y_um) * sin
     }
 
@@ -134,7 +135,7 @@ impl<'a> Couple<'a> {
         let circles_um = [driver, &self.drivers[1]].map(|driver| TAU * driver.robot.turning_radius_um);
         let run_um = (-late_um - circles_um[0]).rem_euclid(circles_um[1] / self.ratio) / 2.0;
         let [x_um, y_um] = driver.robot.orbit_centre_um(self.intermediate());
-        let (sin, cos) = (self.approach[0].heading_rad + driver.side() * FRAC_PI_2).sin_cos();
+        let (sin, cos) = (self.approach[0].heading_rad + driver.side() * FRAC_PI_2).sine_cosine();
         vec![[x_um + run_um * cos, y_um + run_um * sin]]
     }
 

@@ -5,6 +5,7 @@ use crate::check::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, wrapped_rad};
 use crate::geometry::Pose;
 use crate::plan::microrobots::{Docking, Leg, Motion, Stage, StepMotion};
+use crate::real::Real;
 
 /// A stage and its surroundings.
 #[derive(Debug, Clone)]
@@ -103,7 +104,7 @@ fn nearest(order: &MicrorobotsOrder, robot: usize, way: &[Pose], target: Pose) -
     let radius_um = order.robot(robot).turning_radius_um;
     let off_um = |pose: &Pose| {
         let turned_um = radius_um * wrapped_rad(pose.heading_rad - target.heading_rad).abs();
-        (pose.x_um - target.x_um).hypot(pose.y_um - target.y_um) + turned_um
+        (pose.x_um - target.x_um).hypotenuse(pose.y_um - target.y_um) + turned_um
     };
     let count = way.len();
     (0..count).min_by(|a, b| off_um(&way[*a]).total_cmp(&off_um(&way[*b]))).unwrap_or(0)
@@ -114,7 +115,7 @@ pub fn centres(order: &MicrorobotsOrder, robot: usize, way: &[Pose], legs: &[Leg
     let facts = order.robot(robot);
     let first_um = facts.orbit_centre_um(way[begins]);
     let last_um = facts.orbit_centre_um(way[legs.len()]);
-    let is_other = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) > SAME_UM;
+    let is_other = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypotenuse(a[1] - b[1]) > SAME_UM;
     let mut found: Vec<[f64; 2]> = Vec::new();
     for (leg, pose) in legs.iter().zip(way).skip(begins) {
         let centre_um = facts.orbit_centre_um(*pose);

@@ -3,6 +3,7 @@
 use super::{Driver, Piece, angle, turn};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
+use crate::real::Real;
 use std::f64::consts::TAU;
 
 /// What the next measurement is for.
@@ -43,7 +44,7 @@ impl Pursuit {
         let ahead_rad = driver.side() * angle(self.approach.heading_rad - measured.heading_rad);
         let [x_um, y_um] = driver.robot.orbit_centre_um(measured);
         let [last_x_um, last_y_um] = self.last_um();
-        let is_near = (last_x_um - x_um).hypot(last_y_um - y_um) <= driver.left_alone_um();
+        let is_near = (last_x_um - x_um).hypotenuse(last_y_um - y_um) <= driver.left_alone_um();
         self.phase = if is_near && ahead_rad > 0.0 { Phase::Turning } else { Phase::Facing };
         self.next = if self.phase == Phase::Turning { self.centres_um.len() } else { self.centres_um.len() - 1 };
     }
@@ -93,10 +94,10 @@ impl Pursuit {
         let [x_um, y_um] = driver.robot.orbit_centre_um(measured);
         let [to_x_um, to_y_um] = self.centres_um[self.next];
         let (dx_um, dy_um) = (to_x_um - x_um, to_y_um - y_um);
-        let ahead_rad = turn(driver.side() * (dy_um.atan2(dx_um) - measured.heading_rad));
+        let ahead_rad = turn(driver.side() * (dy_um.arc_tangent_over(dx_um) - measured.heading_rad));
         // A rounding behind is not a circle ahead.
         let ahead_rad = if ahead_rad > TAU - 1e-9 { 0.0 } else { ahead_rad };
-        Target { distance_um: dx_um.hypot(dy_um), ahead_rad }
+        Target { distance_um: dx_um.hypotenuse(dy_um), ahead_rad }
     }
 
     fn towards(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<Piece> {
@@ -109,7 +110,7 @@ impl Pursuit {
         if turn_um > most_um {
             return vec![turning];
         }
-        let run_um = (target.distance_um * (target.ahead_rad - turn_rad).cos()).max(0.0);
+        let run_um = (target.distance_um * (target.ahead_rad - turn_rad).cosine()).max(0.0);
         let left_um = most_um - turn_um;
         self.phase = if run_um <= left_um + driver.guard_um() { Phase::Finishing } else { Phase::Running };
         if run_um <= left_um {
@@ -134,7 +135,7 @@ impl Pursuit {
 
     fn finish(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<Piece> {
         let target = self.target(driver, measured);
-        let run_um = (target.distance_um * target.ahead_rad.cos()).max(0.0);
+        let run_um = (target.distance_um * target.ahead_rad.cosine()).max(0.0);
         if run_um <= most_um {
             self.pass();
         }
@@ -156,9 +157,9 @@ impl Pursuit {
     pub fn least_um(&self, driver: &Driver, pose: Pose) -> f64 {
         let [x_um, y_um] = driver.robot.orbit_centre_um(pose);
         let Some([to_x_um, to_y_um]) = self.centres_um.get(self.next) else { return self.left_um(driver, pose) };
-        let lag_rad = driver.lag_rad((to_x_um - x_um).hypot(to_y_um - y_um));
-        let heading_rad = (to_y_um - y_um).atan2(to_x_um - x_um) - driver.side() * (lag_rad + 1e-6);
-        let (sin, cos) = heading_rad.sin_cos();
+        let lag_rad = driver.lag_rad((to_x_um - x_um).hypotenuse(to_y_um - y_um));
+        let heading_rad = (to_y_um - y_um).arc_tangent_over(to_x_um - x_um) - driver.side() * (lag_rad + 1e-6);
+        let (sin, cos) = heading_rad.sine_cosine();
         let arm_um = driver.side() * driver.robot.turning_radius_um;
         self.left_um(driver, Pose { x_um: x_um + arm_um * sin, y_um: y_um - arm_um * cos, heading_rad })
     }
@@ -175,9 +176,9 @@ impl Pursuit {
         };
         for [to_x_um, to_y_um] in self.centres_um.iter().skip(self.next) {
             let (dx_um, dy_um) = (to_x_um - x_um, to_y_um - y_um);
-            let distance_um = dx_um.hypot(dy_um);
+            let distance_um = dx_um.hypotenuse(dy_um);
             if distance_um > driver.left_alone_um() {
-                let direction_rad = dy_um.atan2(dx_um);
+                let direction_rad = dy_um.arc_tangent_over(dx_um);
                 let lag_rad = driver.lag_rad(distance_um);
                 let turned_rad = match self.phase {
                     // What lies within the lag costs a circle.

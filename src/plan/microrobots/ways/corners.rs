@@ -9,6 +9,7 @@ use super::Task;
 use crate::geometry::{Core, Rounded};
 use crate::plan::microrobots::free;
 use crate::plan::microrobots::world::{Disc, MARGIN_UM, Rectangle};
+use crate::real::Real;
 use std::f64::consts::TAU;
 
 /// Directions around a point.
@@ -53,7 +54,7 @@ impl Corners {
     pub(super) fn first(&mut self, task: &Task, count: usize) -> &[[f64; 2]] {
         while self.kept.len() < count {
             let Some(corner) = self.ranked.next() else { break };
-            let far = |other: &[f64; 2]| (other[0] - corner[0]).hypot(other[1] - corner[1]) > SAME_UM;
+            let far = |other: &[f64; 2]| (other[0] - corner[0]).hypotenuse(other[1] - corner[1]) > SAME_UM;
             if self.kept.iter().all(far) && is_usable(task, corner) {
                 self.kept.push(corner);
             }
@@ -103,7 +104,7 @@ fn points(task: &Task) -> Vec<Point> {
 
 fn of_obstacle(body: &Rounded, keep_um: f64, points: &mut Vec<Point>) {
     let keep_um = keep_um + body.radius_um;
-    let side = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]).atan2(b[0] - a[0]);
+    let side = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]).arc_tangent_over(b[0] - a[0]);
     match &body.core {
         Core::Point(point) => {
             of_disc(
@@ -125,7 +126,7 @@ fn of_obstacle(body: &Rounded, keep_um: f64, points: &mut Vec<Point>) {
 }
 
 fn of_rectangle(body: &Rectangle, keep_um: f64, points: &mut Vec<Point>) {
-    let heading_rad = body.axis[1].atan2(body.axis[0]);
+    let heading_rad = body.axis[1].arc_tangent_over(body.axis[0]);
     points.extend(body.corners().map(|at_um| Point { at_um, keep_um, heading_rad }));
 }
 
@@ -134,7 +135,7 @@ fn of_disc(disc: &Disc, keep_um: f64, points: &mut Vec<Point>) {
     points.push(Point { at_um: disc.centre_um, keep_um: keep_um + disc.radius_um, heading_rad: 0.0 });
     points.extend((0..POINTS_OF_DISC).filter(|_| disc.radius_um > 1.0).map(|index| {
         let heading_rad = TAU * index as f64 / POINTS_OF_DISC as f64;
-        let (sin, cos) = heading_rad.sin_cos();
+        let (sin, cos) = heading_rad.sine_cosine();
         Point { at_um: [x + disc.radius_um * cos, y + disc.radius_um * sin], keep_um, heading_rad }
     }));
 }
@@ -148,7 +149,7 @@ fn around_point(task: &Task, point: &Point, found: &mut Vec<[f64; 2]>) {
     let (outer_um, beside_um) = (body.reach_um + keep_um, radius_um + half_width_um + keep_um);
     let beyond_um = half_length_um + keep_um;
     for direction in 0..DIRECTIONS {
-        let (sin, cos) = (point.heading_rad + TAU * direction as f64 / DIRECTIONS as f64).sin_cos();
+        let (sin, cos) = (point.heading_rad + TAU * direction as f64 / DIRECTIONS as f64).sine_cosine();
         let at = |along_um: f64, left_um: f64| {
             [point.at_um[0] + along_um * cos - left_um * sin, point.at_um[1] + along_um * sin + left_um * cos]
         };
@@ -170,7 +171,7 @@ fn along_headings(task: &Task, found: &mut Vec<[f64; 2]>) {
     let far_um = 2.0 * free::distance_um(task.facts(), task.from, task.to);
     for (pose, sign) in [(task.from, 1.0), (task.to, -1.0)] {
         let [x, y] = task.facts().orbit_centre_um(pose);
-        let (sin, cos) = pose.heading_rad.sin_cos();
+        let (sin, cos) = pose.heading_rad.sine_cosine();
         let mut way_um = task.facts().turning_radius_um / 4.0;
         while way_um < far_um {
             found.push([x + sign * way_um * cos, y + sign * way_um * sin]);
@@ -180,7 +181,7 @@ fn along_headings(task: &Task, found: &mut Vec<[f64; 2]>) {
     // Where the straight–turn–straight way has its corner.
     found.extend(free::words(task.facts(), task.from, task.to).map(|word| {
         let [x, y] = task.facts().orbit_centre_um(task.from);
-        let (sin, cos) = (task.from.heading_rad + task.facts().turning.sign() * word.turns_rad[0]).sin_cos();
+        let (sin, cos) = (task.from.heading_rad + task.facts().turning.sign() * word.turns_rad[0]).sine_cosine();
         [x + word.runs_um[0] * cos, y + word.runs_um[0] * sin]
     }));
 }

@@ -5,6 +5,7 @@
 use super::{SHORTEST_UM, Task};
 use crate::device::microrobots::Arm;
 use crate::plan::microrobots::free::Segment;
+use crate::real::Real;
 
 /// Edges between corners, and from them to the goal.
 pub(super) struct Graph {
@@ -58,7 +59,7 @@ impl Graph {
 }
 
 fn apart_um(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (b[0] - a[0]).hypot(b[1] - a[1])
+    (b[0] - a[0]).hypotenuse(b[1] - a[1])
 }
 
 /// The length of the last run, if it is free.
@@ -72,6 +73,6 @@ fn is_free(task: &Task, a: [f64; 2], b: [f64; 2]) -> bool {
     if way_um <= SHORTEST_UM {
         return false;
     }
-    let from = task.pose_about(a, (b[1] - a[1]).atan2(b[0] - a[0]));
+    let from = task.pose_about(a, (b[1] - a[1]).arc_tangent_over(b[0] - a[0]));
     task.world.obstruction(task.robot, from, Segment { arm: Arm::Up, way_um }, task.fixtures).is_none()
 }

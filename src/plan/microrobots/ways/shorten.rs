@@ -3,6 +3,7 @@
 use super::{SHORTEST_UM, Task};
 use crate::device::microrobots::Arm;
 use crate::plan::microrobots::free::{self, Segment, joined};
+use crate::real::Real;
 
 /// The first and the last step by which a corner is moved.
 const STEPS_UM: [f64; 2] = [200.0, 0.5];
@@ -41,7 +42,7 @@ fn corners(task: &Task, way: &[Segment]) -> Vec<[f64; 2]> {
         }
     }
     let goal_um = task.facts().orbit_centre_um(task.to);
-    corners.retain(|corner| (corner[0] - goal_um[0]).hypot(corner[1] - goal_um[1]) > SHORTEST_UM);
+    corners.retain(|corner| (corner[0] - goal_um[0]).hypotenuse(corner[1] - goal_um[1]) > SHORTEST_UM);
     corners
 }
 

@@ -2,6 +2,7 @@
 
 use crate::geometry::distance::quadrilateral_core;
 use crate::geometry::{Pose, Rounded};
+use crate::real::Real;
 use nalgebra::Point2;
 
 /// A rectangle in any direction.
@@ -17,7 +18,7 @@ pub struct Rectangle {
 impl Rectangle {
     /// The rectangle of a body at a pose.
     pub fn new(pose: Pose, half_um: [f64; 2]) -> Self {
-        let (sin, cos) = pose.heading_rad.sin_cos();
+        let (sin, cos) = pose.heading_rad.sine_cosine();
         Rectangle { centre_um: [pose.x_um, pose.y_um], axis: [cos, sin], half_um }
     }
 
@@ -51,7 +52,7 @@ impl Rectangle {
     /// Distance of a point, 0 inside.
     pub fn to_point_um(&self, point_um: [f64; 2]) -> f64 {
         let [along_um, left_um] = self.local(point_um);
-        (along_um.abs() - self.half_um[0]).max(0.0).hypot((left_um.abs() - self.half_um[1]).max(0.0))
+        (along_um.abs() - self.half_um[0]).max(0.0).hypotenuse((left_um.abs() - self.half_um[1]).max(0.0))
     }
 
     /// Distance of a body, 0 where they meet; negative if it has a radius and its core is nearer.

@@ -6,6 +6,7 @@ use crate::device::microrobots::Arm;
 use crate::geometry::distance::{point_segment, segment_core};
 use crate::geometry::{Pose, Rounded};
 use crate::plan::microrobots::free::Segment;
+use crate::real::Real;
 use nalgebra::Point2;
 use std::f64::consts::TAU;
 
@@ -26,7 +27,7 @@ impl Disc {
     /// Distance of another disc; negative where they overlap.
     pub fn to_disc_um(&self, other: &Disc) -> f64 {
         let [dx, dy] = [0, 1].map(|axis| self.centre_um[axis] - other.centre_um[axis]);
-        dx.hypot(dy) - self.radius_um - other.radius_um
+        dx.hypotenuse(dy) - self.radius_um - other.radius_um
     }
 }
 
@@ -137,7 +138,7 @@ pub(super) fn meets_disc(track: &Track, disc: &Disc, keep_um: f64) -> Option<f64
 fn meets_rectangle(track: &Track, body: &Rectangle, keep_um: f64) -> Option<f64> {
     let (segment, radius_um) = track.bound();
     let [x, y] = body.centre_um;
-    let corner_um = body.half_um[0].hypot(body.half_um[1]);
+    let corner_um = body.half_um[0].hypotenuse(body.half_um[1]);
     if point_segment(Point2::new(x, y), segment) - radius_um - corner_um >= keep_um + MARGIN_UM {
         return None;
     }

@@ -4,6 +4,7 @@ use super::{Body, MARGIN_UM, MAX_SAMPLES, Rectangle};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::geometry::distance::{Segment, segment_segment};
+use crate::real::Real;
 use nalgebra::Point2;
 
 /// How a robot moves.
@@ -42,7 +43,7 @@ impl Track {
             Some(Arm::Up) => (Kind::Runs, robot.step_um),
             Some(Arm::Down) => (Kind::Turns, robot.step_um * body.reach_um / robot.turning_radius_um),
         };
-        let (sin, cos) = pose.heading_rad.sin_cos();
+        let (sin, cos) = pose.heading_rad.sine_cosine();
         Track {
             kind,
             pose,
@@ -67,7 +68,7 @@ impl Track {
                 ([self.pose.x_um + way_um * self.axis[0], self.pose.y_um + way_um * self.axis[1]], self.axis)
             }
             Kind::Turns => {
-                let (sin, cos) = (self.pose.heading_rad + self.step_um * strokes / self.curve_um).sin_cos();
+                let (sin, cos) = (self.pose.heading_rad + self.step_um * strokes / self.curve_um).sine_cosine();
                 ([self.centre_um[0] + self.curve_um * sin, self.centre_um[1] - self.curve_um * cos], [cos, sin])
             }
         };
@@ -77,7 +78,7 @@ impl Track {
     /// Where it is at an instant.
     pub(super) fn pose_at(&self, strokes: f64) -> Pose {
         let Rectangle { centre_um: [x_um, y_um], axis: [cos, sin], .. } = self.at(strokes);
-        Pose { x_um, y_um, heading_rad: sin.atan2(cos) }
+        Pose { x_um, y_um, heading_rad: sin.arc_tangent_over(cos) }
     }
 
     /// A segment and a radius about it that hold the body all the time.
