@@ -9,6 +9,7 @@ pub mod fingers;
 pub mod microrobots;
 
 use crate::device::Kind;
+use crate::geometry::shape::Pose;
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -24,9 +25,40 @@ pub struct Claims {
     pub jobs: Vec<Job>,
     /// The physical output of each wired channel, by the channel's full name (`bot.bl0.set`).
     pub wires: BTreeMap<String, String>,
+    /// The scenes in which two or more of the program's robots have a place: these never touch one another.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shared: Vec<SharedScene>,
+    /// Devices that run together in one scene and are not held against one another, since one of them has no place there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_held: Vec<[String; 2]>,
     /// Where the program or task is declared.
     #[serde(skip)]
     pub span: Span,
+}
+
+impl Claims {
+    /// Whether a device has a place beside another one's, so that it may have to wait for it.
+    pub fn is_shared(&self, device: &str) -> bool {
+        self.shared.iter().any(|scene| scene.frames.contains_key(device))
+    }
+
+    /// Where a device stands in pictures and beside others: the same in every scene of a program that places it.
+    pub fn frame(&self, device: &str) -> Option<Pose> {
+        let shared = self.shared.iter().find_map(|scene| scene.frames.get(device));
+        let own = || {
+            let orders = self.jobs.iter().filter(|job| job.device == device).filter_map(|job| job.order.dimibot());
+            orders.filter_map(|order| order.frame).next()
+        };
+        shared.copied().or_else(own)
+    }
+}
+
+/// A scene with the robots of a program that have a place in it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SharedScene {
+    pub scene: String,
+    /// Where the frame of each robot stands, by its device.
+    pub frames: BTreeMap<String, Pose>,
 }
 
 /// Jobs on one clock.

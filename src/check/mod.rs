@@ -12,6 +12,7 @@ mod errors;
 pub mod evaluate;
 mod fields;
 pub mod fingers;
+mod frames;
 mod functions;
 pub mod imports;
 pub mod lets;

@@ -35,18 +35,21 @@ type Note = (Topic, String);
 enum Topic {
     Visits,
     Nearest,
+    Waits,
     Guaranteed,
     Contacts,
     Remarked,
 }
 
 impl Topic {
-    const ALL: [Topic; 5] = [Topic::Visits, Topic::Nearest, Topic::Guaranteed, Topic::Contacts, Topic::Remarked];
+    const ALL: [Topic; 6] =
+        [Topic::Visits, Topic::Nearest, Topic::Waits, Topic::Guaranteed, Topic::Contacts, Topic::Remarked];
 
     fn label(self) -> &'static str {
         match self {
             Topic::Visits => "Visits",
             Topic::Nearest => "Nearest",
+            Topic::Waits => "Waits",
             Topic::Guaranteed => "Assured",
             Topic::Contacts => "Contacts",
             Topic::Remarked => "Chosen",
@@ -109,6 +112,10 @@ fn planned(verified: &Verified, width: usize, text: &mut String) {
         for line in lines.into_iter().take(MAX_PLAN_LINES) {
             text.push_str(&terminal::line(topic.label(), "", width, line));
         }
+    }
+    for [one, other] in &verified.claims().not_held {
+        let line = format!("`{one}` and `{other}` are not: no scene says where both stand");
+        text.push_str(&terminal::line("Apart", "", width, &line));
     }
 }
 

@@ -130,3 +130,17 @@ pub fn requirement_missed(requirement: &Requirement, reached: &str, limit: &str,
     let title = format!("{} of {reached}, {relation} {limit} is required", requirement.outcome);
     Diagnostic::new(Code::E0603, title).label(requirement.span, format!("the plan reaches {reached}")).help_if(help)
 }
+
+/// Of two robots of one scene for which no plans were found that keep them apart.
+pub fn not_apart([device, with]: [&str; 2], (run, why): (Span, &str), other: Option<Span>) -> Diagnostic {
+    let title = format!("no plans were found that keep `{device}` and `{with}` apart");
+    let diagnostic = Diagnostic::new(Code::E0610, title).label(run, why);
+    let diagnostic = match other {
+        Some(other) => diagnostic.label_elsewhere(other, run, format!("a run of `{with}`")),
+        None => diagnostic,
+    };
+    diagnostic.help(
+        "this is no proof that there are none: let one run follow the other instead of `together`, or end the runs at places farther \
+         apart",
+    )
+}

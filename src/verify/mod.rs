@@ -147,13 +147,18 @@ fn judge(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, Unfit> 
     }
     let mut standing = Standing::new();
     let mut lost = BTreeSet::new();
-    for index in clock::timeline(schedule, claims, &mut findings) {
+    let order = clock::timeline(schedule, claims, &mut findings);
+    dimibot::tips_apart(&runs, &order, claims, &mut findings);
+    for index in order {
         let run = &runs[index];
         if lost.contains(run.job.device.as_str()) {
             continue;
         }
         let replay = match &run.job.order {
-            Order::Dimibot(order) => dimibot::replay(run, order, &mut standing, &mut findings).map_err(Halt::from),
+            Order::Dimibot(order) => {
+                let patience = patience(claims, &run.job.device);
+                dimibot::replay(run, (order, patience), &mut standing, &mut findings).map_err(Halt::from)
+            }
             Order::ElectrodeArray(order) => electrode_array::replay(run, order, &mut standing, &mut findings),
             Order::Microrobots(order) => microrobots::replay(run, order, &mut standing, &mut findings),
             Order::Fingers(order) => fingers::replay(run, order, &mut standing, &mut findings),
@@ -168,6 +173,14 @@ fn judge(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, Unfit> 
         }
     }
     Ok(findings.sorted())
+}
+
+/// Whether a device may wait for others in its scene.
+fn patience(claims: &Claims, device: &str) -> dimibot::Patience {
+    match claims.is_shared(device) {
+        true => dimibot::Patience::ForOthers,
+        false => dimibot::Patience::None,
+    }
 }
 
 #[cfg(test)]

@@ -114,6 +114,8 @@ pub enum Rule {
     Pierce,
     /// Tips keep clear of one another.
     Apart,
+    /// The tips of robots that share a scene never touch.
+    Encounter,
 }
 
 impl Rule {
@@ -174,6 +176,7 @@ impl Rule {
             Rule::Support => Code::E0758,
             Rule::Pierce => Code::E0759,
             Rule::Apart => Code::E0760,
+            Rule::Encounter => Code::E0770,
         }
     }
 }

@@ -29,6 +29,8 @@ pub struct Motion {
     pub start: Cell,
     /// One for each step of the order.
     pub steps: Vec<StepMotion>,
+    /// How long it waits before each pulse, in nanoseconds, to let others pass; empty if it never does.
+    pub delays: Vec<u64>,
 }
 
 /// What a robot does in one step.
@@ -73,7 +75,11 @@ impl Scene {
         let facts = &order.facts;
         let lattice = Lattice::new([facts.left, facts.right], Side::BOTH.map(|side| facts.pitch_um(side))).ok()?;
         let growth_um = facts.growth_um();
-        let obstacles: Vec<Obstacle> = order.obstacles.iter().map(|obstacle| body(&obstacle.body, growth_um)).collect();
+        let obstacles: Vec<Obstacle> = order
+            .obstacles
+            .iter()
+            .map(|obstacle| body(&obstacle.body.seen_from(order.frame.as_ref()), growth_um))
+            .collect();
         let field = Field::new(lattice, &obstacles).ok()?;
         Some(Scene { field, obstacles })
     }
@@ -92,6 +98,13 @@ pub struct Standing {
     /// Where each robot stands, by its device.
     cells: BTreeMap<String, Cell>,
     fields: Fields,
+}
+
+impl Standing {
+    /// One robot that stands in a cell.
+    pub fn at(device: &str, cell: Cell) -> Standing {
+        Standing { cells: BTreeMap::from([(device.to_owned(), cell)]), fields: Fields::default() }
+    }
 }
 
 /// A plan for a job; without one an error was pushed.
@@ -121,7 +134,7 @@ fn planned(
     let steps: Vec<Option<StepMotion>> = order.steps.iter().map(|step| search.step(step)).collect();
     let (at, tally) = (search.at, search.tally);
     let Some(steps) = steps.into_iter().collect::<Option<Vec<StepMotion>>>() else { return (None, at) };
-    let motion = Motion { start, steps };
+    let motion = Motion { start, steps, delays: Vec::new() };
     let plan = finished(order, motion, tally);
     let mut best = |outcome: &str| best(job, order, outcome, stands, fields);
     let kept = require(job, &plan, &mut best, sink);

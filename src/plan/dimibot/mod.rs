@@ -3,6 +3,7 @@
 //! Input: a [`Field`] (lattice and obstacles), cells, [`Weights`] and a budget. Output: an [`Outcome`]. Promise: a plan never touches an
 //! obstacle grown by its growth and [`SAFETY_MARGIN_UM`]; `Impossible` is a proof; costs are optimal where `cost == bound`.
 
+mod apart;
 mod bands;
 mod blocks;
 mod field;
@@ -19,6 +20,7 @@ mod shortest;
 mod tour;
 mod why;
 
+pub use apart::apart;
 pub use field::{Field, FieldError, Obstacle, SAFETY_MARGIN_UM};
 pub use job::{Motion, Standing, StepMotion, plan};
 pub use lattice::{Cell, Flip, Lattice, LatticeError, MAX_MODULES, Side, Weights};
