@@ -102,10 +102,11 @@ pub struct Texts {
 fn verdict(job: &Job, index: usize, plan: &Plan, known: &Known) -> Verdict {
     let requirement = &job.requirements[index];
     let candidates = [Some(plan), known.other.as_ref()];
-    let best = candidates.into_iter().flatten().filter(|plan| keeps_the_others(job, index, plan)).min_by(|one, other| {
-        let value = |plan: &Plan| plan.outcomes.get(&requirement.outcome).copied().unwrap_or(f64::INFINITY);
-        value(one).total_cmp(&value(other))
-    });
+    let best =
+        candidates.into_iter().flatten().filter(|plan| keeps_the_others(job, index, plan)).min_by(|one, other| {
+            let value = |plan: &Plan| plan.outcomes.get(&requirement.outcome).copied().unwrap_or(f64::INFINITY);
+            value(one).total_cmp(&value(other))
+        });
     let best = best.and_then(|plan| Some((plan.objective, *plan.outcomes.get(&requirement.outcome)?)));
     let least = known.least.filter(|least| keeps(requirement, *least) == Kept::No);
     match (least, best) {
