@@ -1,17 +1,14 @@
 //! A program's file, read and with what the command line adds, ready for the compiler.
 
 use super::arguments::Report;
-use super::disk;
-use super::library::Disk;
+use super::disk::{self, Disk};
 use super::{Exit, terminal};
 use crate::check::Options;
 use crate::compile::Program;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A program as a command was given it.
 pub struct Loaded {
-    path: PathBuf,
-    /// As outputs carry it.
     name: String,
     text: String,
     pub options: Options,
@@ -24,7 +21,7 @@ impl Loaded {
     /// The exit status where it cannot be read.
     pub fn read(file: &Path, options: Options, report: &Report) -> Result<Loaded, Exit> {
         match disk::read_program(file) {
-            Ok(text) => Ok(Loaded { path: file.to_owned(), name: Disk::round(file).program_name(), text, options }),
+            Ok(text) => Ok(Loaded { name: file.to_string_lossy().into_owned(), text, options }),
             Err(diagnostic) => {
                 terminal::report_one(*diagnostic, report.format);
                 Err(Exit::Files)
@@ -32,18 +29,13 @@ impl Loaded {
         }
     }
 
-    /// The name that messages show: the path as it was typed.
-    pub fn shown(&self) -> String {
-        self.path.to_string_lossy().into_owned()
-    }
-
-    /// The files round it.
-    pub fn disk(&self) -> Disk<'_> {
-        Disk::round(&self.path)
+    /// The name that messages show.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// What the compiler takes.
-    pub fn program<'a>(&'a self, disk: &'a Disk<'a>) -> Program<'a> {
-        Program { name: &self.name, text: &self.text, library: disk, options: &self.options }
+    pub fn program(&self) -> Program<'_> {
+        Program { name: &self.name, text: &self.text, library: &Disk, options: &self.options }
     }
 }

@@ -7,7 +7,6 @@ mod devices;
 mod disk;
 mod errors;
 mod explain;
-mod library;
 mod loaded;
 mod report;
 mod simulate;
