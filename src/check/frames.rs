@@ -135,7 +135,9 @@ impl Checker<'_> {
         let mut known: BTreeMap<(Place, Place), Arc<Vec<Obstacle>>> = BTreeMap::new();
         for (site, job) in sites.iter().zip(jobs) {
             let (Some(place), Order::Dimibot(order)) = (site.scene, &mut job.order) else { continue };
-            let Some(scene) = scenes.get(&place).filter(|scene| scene.frames.contains_key(&site.device)) else { continue };
+            let Some(scene) = scenes.get(&place).filter(|scene| scene.frames.contains_key(&site.device)) else {
+                continue;
+            };
             let obstacles = known.entry((place, site.device)).or_insert_with(|| {
                 let idle = scene.frames.values().filter(|frame| !running.contains(&frame.device));
                 let idle: Vec<Obstacle> = idle.filter_map(|frame| self.idle_robot(frame)).collect();

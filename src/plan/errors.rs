@@ -184,16 +184,28 @@ fn not_proven(relation: Relation) -> String {
     .to_owned()
 }
 
+/// What may keep two robots apart for which no plans were found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Apart {
+    /// They are sent to places where they touch.
+    OtherEnds,
+    OtherTimes,
+}
+
 /// Of two robots of one scene for which no plans were found that keep them apart.
-pub fn not_apart([device, with]: [&str; 2], (run, why): (Span, &str), other: Option<Span>) -> Diagnostic {
+pub fn not_apart([device, with]: [&str; 2], (run, why): (Span, &str), other: Option<Span>, mend: Apart) -> Diagnostic {
     let title = format!("no plans were found that keep `{device}` and `{with}` apart");
     let diagnostic = Diagnostic::new(Code::E0610, title).label(run, why);
     let diagnostic = match other {
         Some(other) => diagnostic.label_elsewhere(other, run, format!("a run of `{with}`")),
         None => diagnostic,
     };
-    diagnostic.help(
-        "this is no proof that there are none: let one run follow the other instead of `together`, or end the runs at places farther \
-         apart",
-    )
+    diagnostic.help(match mend {
+        Apart::OtherEnds => format!("end the run of `{device}` elsewhere, or let `{with}` move on before"),
+        Apart::OtherTimes => {
+            "this is no proof that there are none; it may help to let one run follow the other instead of \
+                              `together`, or to go by way of other places with `via`"
+                .to_owned()
+        }
+    })
 }

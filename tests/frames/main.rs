@@ -109,7 +109,9 @@ fn random_program(random: &mut Random) -> String {
     }
     let (x, y) = (random.thousandths(-4.0, 16.0), random.thousandths(-4.0, 16.0));
     let heading = random.below(360);
-    text += &format!("scene bench {{\n  frame left at pose(1 um, -2 um, 15 deg)\n  frame right at pose({x} um, {y} um, {heading} deg)\n");
+    text += &format!(
+        "scene bench {{\n  frame left at pose(1 um, -2 um, 15 deg)\n  frame right at pose({x} um, {y} um, {heading} deg)\n"
+    );
     if random.below(3) == 0 {
         let (x, y) = (random.thousandths(0.0, 12.0), random.thousandths(0.0, 12.0));
         text += &format!("  obstacle bead : disc {{ radius: 0.4 um }} at ({x} um, {y} um)\n");
@@ -139,8 +141,10 @@ fn random_program(random: &mut Random) -> String {
         _ => "together { run left0, run right0 }, run left1",
     };
     match body {
-        "program_left, " => text += "program lefts { run left0, run left1 }\nprogram rights { wait 7 ms, run right0, run right1 }\n\
-                                     program day { together { run lefts, run rights } }\n",
+        "program_left, " => {
+            text += "program lefts { run left0, run left1 }\nprogram rights { wait 7 ms, run right0, run right1 }\n\
+                                     program day { together { run lefts, run rights } }\n"
+        }
         body => text += &format!("program day {{ {body} }}\n"),
     }
     text
@@ -150,7 +154,8 @@ fn random_program(random: &mut Random) -> String {
 fn moved(claims: &Claims, x_um: f64, y_um: f64, turn_rad: f64) -> Claims {
     let mut claims = claims.clone();
     let shift = |frame: &mut tweeze::geometry::shape::Pose| {
-        (frame.x_um, frame.y_um, frame.heading_rad) = (frame.x_um + x_um, frame.y_um + y_um, frame.heading_rad + turn_rad);
+        (frame.x_um, frame.y_um, frame.heading_rad) =
+            (frame.x_um + x_um, frame.y_um + y_um, frame.heading_rad + turn_rad);
     };
     for scene in &mut claims.shared {
         scene.frames.get_mut("right").into_iter().for_each(shift);
@@ -193,6 +198,65 @@ fn accepted_programs_never_touch_and_touching_ones_are_refused() {
             near += usize::from(gap_um > 0.0);
         }
     }
-    println!("{accepted} accepted, {waited} with waits in time, {apart} not planned apart; {broken} broken, {near} sound");
+    println!(
+        "{accepted} accepted, {waited} with waits in time, {apart} not planned apart; {broken} broken, {near} sound"
+    );
     assert!(accepted > 10 && waited > 0 && broken > 10 && near > 10, "{accepted} {waited} {broken} {near}");
+}
+
+/// The same work told in the robot's own coordinates and in those of a scene in which it stands elsewhere.
+fn told_twice(random: &mut Random) -> [String; 2] {
+    let stand = [random.thousandths(-20.0, 20.0), random.thousandths(-20.0, 20.0)];
+    let heading = random.below(360);
+    let turned = |[x, y]: [f64; 2]| {
+        let (sin, cos) = f64::from(heading).to_radians().sin_cos();
+        [stand[0] + x * cos - y * sin, stand[1] + x * sin + y * cos]
+    };
+    let mut scenes =
+        [String::new(), format!("  frame left at pose({} um, {} um, {heading} deg)\n", stand[0], stand[1])];
+    for at in 0..4 {
+        let place = [random.thousandths(0.0, 13.0), random.thousandths(0.0, 13.0)];
+        let (size, turn) = (random.thousandths(0.2, 3.0), random.below(90));
+        let shape =
+            ["disc { radius: 0.7 um }".to_owned(), format!("box {{ size: ({size} um, 0.6 um) }}")][at % 2].clone();
+        for (scene, [x, y], turn) in [(0, place, turn), (1, turned(place), turn + heading)] {
+            scenes[scene] += &format!("  obstacle o{at} : {shape} at pose({x:.12} um, {y:.12} um, {turn} deg)\n");
+        }
+    }
+    let goal = [random.thousandths(0.0, 13.0), random.thousandths(0.0, 13.0)];
+    [goal, turned(goal)]
+        .into_iter()
+        .zip(scenes)
+        .map(|([x, y], scene)| {
+            format!(
+                "{BOTS}scene bench {{\n{scene}}}\ntask go on left in bench {{ move to ({x:.12} um, {y:.12} um) }}\n"
+            )
+        })
+        .collect::<Vec<_>>()
+        .try_into()
+        .expect("two")
+}
+
+#[test]
+fn work_costs_the_same_wherever_the_robot_stands() {
+    let (mut planned, mut refused) = (0, 0);
+    for case in 0..cases(40) {
+        let [own, placed] = told_twice(&mut Random(0x0001_F4A3 + case)).map(|text| (build(&text), text));
+        let codes = |built: &Built| built.codes.iter().filter(|code| **code != "W0201").copied().collect::<Vec<_>>();
+        assert_eq!(codes(&own.0), codes(&placed.0), "{}\n{}", own.1, placed.1);
+        let (Some(own), Some(there)) = (own.0.schedules.first(), placed.0.schedules.first()) else {
+            refused += 1;
+            continue;
+        };
+        let (own, there) = (own.schedule(), there.schedule());
+        assert_eq!(
+            (own.plans[0].cost, &own.plans[0].states),
+            (there.plans[0].cost, &there.plans[0].states),
+            "{}",
+            placed.1
+        );
+        planned += 1;
+    }
+    println!("{planned} planned, {refused} refused, alike");
+    assert!(planned > 5 && refused > 2, "{planned} {refused}");
 }

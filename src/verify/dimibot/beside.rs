@@ -127,7 +127,8 @@ fn first_touch<'a>(one: &'a Trace, other: &'a Trace) -> Option<(&'a Stretch, &'a
             from += 1;
         }
         for beside in other.stretches[from..].iter().take_while(|beside| beside.start_ns <= stretch.end_ns) {
-            let near = Extent::of(&stretch.corners).grown(needed_um + BOX_MARGIN_UM).meets(&Extent::of(&beside.corners));
+            let near =
+                Extent::of(&stretch.corners).grown(needed_um + BOX_MARGIN_UM).meets(&Extent::of(&beside.corners));
             if !near || beside.end_ns < stretch.start_ns {
                 continue;
             }

@@ -60,7 +60,15 @@ pub fn job(task: &str, device: &str, order: DimibotOrder) -> Job {
 }
 
 pub fn claims(jobs: Vec<Job>, timeline: Timeline) -> Claims {
-    Claims { name: "day".into(), timeline, jobs, wires: BTreeMap::new(), shared: Vec::new(), not_held: Vec::new(), span: Span::default() }
+    Claims {
+        name: "day".into(),
+        timeline,
+        jobs,
+        wires: BTreeMap::new(),
+        shared: Vec::new(),
+        not_held: Vec::new(),
+        span: Span::default(),
+    }
 }
 
 /// The claims of a single task.

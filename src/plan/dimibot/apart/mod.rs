@@ -69,11 +69,18 @@ fn report(claims: &Claims, failure: &Failure) -> crate::diagnostic::Diagnostic {
     let at_ms = digits(failure.at_ns as f64 / 1e6);
     let why = match failure.reason {
         Reason::Met => format!("at {at_ms} ms it meets `{with}`"),
-        Reason::Missed => format!("at {at_ms} ms it meets `{with}`, and with waits or ways round a requirement is missed"),
+        Reason::EndTogether => format!("at {at_ms} ms it meets `{with}`, and it ends where `{with}` stands by then"),
+        Reason::Missed => {
+            format!("at {at_ms} ms it meets `{with}`, and with waits or ways round a requirement is missed")
+        }
         Reason::NoWay => format!("from where `{device}` stands by then no way was found"),
         Reason::Spent => format!("at {at_ms} ms it meets `{with}`; the search ended after {COMPARISONS} comparisons"),
     };
-    errors::not_apart([device, with], (job.run_span, &why), other)
+    let help = match failure.reason {
+        Reason::EndTogether => errors::Apart::OtherEnds,
+        Reason::Met | Reason::Missed | Reason::NoWay | Reason::Spent => errors::Apart::OtherTimes,
+    };
+    errors::not_apart([device, with], (job.run_span, &why), other, help)
 }
 
 /// A plan with delays before its pulses, on a way of its own or that of the best plan alone.

@@ -125,7 +125,8 @@ impl Way {
                 for beside in beside {
                     spend(allowed)?;
                     let at_ns = stretch.start_ns.max(beside.start_ns);
-                    if stretch.area.is_near(&beside.area, other.gap_um) && first.is_none_or(|first| at_ns < first.at_ns) {
+                    if stretch.area.is_near(&beside.area, other.gap_um) && first.is_none_or(|first| at_ns < first.at_ns)
+                    {
                         first = Some(Meeting { at_ns, with });
                     }
                 }
@@ -165,7 +166,9 @@ impl Way {
                 if pulse_ns > arrival.until_ns || end_ns > *to {
                     continue;
                 }
-                let Some([_, until_ns]) = here.iter().find(|[from, to]| (*from..=*to).contains(&end_ns)) else { continue };
+                let Some([_, until_ns]) = here.iter().find(|[from, to]| (*from..=*to).contains(&end_ns)) else {
+                    continue;
+                };
                 let ready_ns = pulse_ns.saturating_add(self.slot_ns);
                 let arrival = Arrival { ready_ns, until_ns: *until_ns, before, pulse_ns };
                 match next.iter_mut().find(|known| known.until_ns == *until_ns) {

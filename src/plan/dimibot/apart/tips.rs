@@ -58,9 +58,8 @@ impl Robot {
 impl Area {
     /// Whether two areas have points no farther apart than `gap_um`.
     pub fn is_near(&self, other: &Area, gap_um: f64) -> bool {
-        let boxes_meet = (0..2).all(|axis| {
-            self.low[axis] - gap_um <= other.high[axis] && other.low[axis] - gap_um <= self.high[axis]
-        });
+        let boxes_meet = (0..2)
+            .all(|axis| self.low[axis] - gap_um <= other.high[axis] && other.low[axis] - gap_um <= self.high[axis]);
         boxes_meet && self.distance_um(other) <= gap_um
     }
 

@@ -1,15 +1,15 @@
 //! One way to plan the robots of a program apart: who goes first, and who makes way.
 
+use super::delayed;
 use super::timing::{Act, Other, Stretch, Stuck, Way};
 use super::tips::Robot;
-use super::delayed;
 use crate::check::claims::dimibot::{Body, DimibotOrder, Obstacle};
 use crate::check::claims::{Claims, Job, Order, Timeline};
 use crate::device::dimibot::Cell;
 use crate::diagnostic::Sink;
+use crate::plan::Plan;
 use crate::plan::dimibot::{Motion, SAFETY_MARGIN_UM, Standing, StepMotion, plan};
 use crate::plan::requirements::{Kept, keeps};
-use crate::plan::Plan;
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -41,6 +41,8 @@ pub struct Policy {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reason {
     Met,
+    /// The two end where their tips touch.
+    EndTogether,
     /// A requirement is not kept.
     Missed,
     NoWay,
@@ -123,9 +125,7 @@ fn orders(branches: usize) -> Vec<Vec<usize>> {
 
 /// The most branches with robots of a shared scene in one `together`.
 fn most_branches(timeline: &Timeline, claims: &Claims, robots: &BTreeMap<&str, Robot>) -> usize {
-    let deeper = |parts: &[Timeline]| {
-        parts.iter().map(|part| most_branches(part, claims, robots)).max().unwrap_or(0)
-    };
+    let deeper = |parts: &[Timeline]| parts.iter().map(|part| most_branches(part, claims, robots)).max().unwrap_or(0);
     match timeline {
         Timeline::Run(_) | Timeline::Wait(_) => 1,
         Timeline::Sequence(parts) => deeper(parts).max(1),
@@ -168,7 +168,6 @@ pub fn attempt(
 }
 
 impl<'a> Try<'a> {
-
     fn part(&mut self, part: &Timeline, start_ns: u64) -> Result<u64, Failure> {
         match part {
             Timeline::Wait(duration_ns) => Ok(start_ns.saturating_add(*duration_ns)),
@@ -237,7 +236,9 @@ impl<'a> Try<'a> {
         for round in Round::ALL {
             let plan = match round {
                 Round::Nothing => Some(alone.clone()),
-                Round::WhereTheyStay | Round::WhereTheyCome => self.round(index, (robot, order), alone, round, start_ns),
+                Round::WhereTheyStay | Round::WhereTheyCome => {
+                    self.round(index, (robot, order), alone, round, start_ns)
+                }
             };
             let Some(plan) = plan else { continue };
             let Some(motion) = plan.motion.dimibot() else { continue };
@@ -294,9 +295,21 @@ impl<'a> Try<'a> {
         drop(others);
         *self.allowed = allowed;
         delays.map_err(|stuck| match stuck {
-            Stuck::Met(meeting) => self.failure(Reason::Met, index, Some(names[meeting.with]), meeting.at_ns),
+            Stuck::Met(meeting) => {
+                let with = names[meeting.with];
+                let reason = if self.end_together(own, way, with) { Reason::EndTogether } else { Reason::Met };
+                self.failure(reason, index, Some(with), meeting.at_ns)
+            }
             Stuck::Spent => self.failure(Reason::Spent, index, None, way.start_ns),
         })
+    }
+
+    /// Whether a way ends where another robot, planned before, stands at last.
+    fn end_together(&self, own: &str, way: &Way, with: &str) -> bool {
+        let last = |stretches: &[Stretch]| stretches.last().map(|stretch| stretch.area);
+        let (end, beside) = (last(&way.stretches(&[]).0), last(self.other(own, with).stretches));
+        let is_planned = self.traces[with].job.is_some();
+        is_planned && end.zip(beside).is_some_and(|(end, beside)| end.is_near(&beside, self.gap_um(own, with)))
     }
 
     /// The other robots with a place in one of a robot's scenes.
@@ -309,8 +322,7 @@ impl<'a> Try<'a> {
     /// Another robot as one has to see it: without its last standing place if it is to make way.
     fn other(&self, own: &str, name: &str) -> Other<'_> {
         let stretches = self.traces[name].stretches.as_slice();
-        let makes_way =
-            self.policy.manners == Manners::MakeWay && self.later.iter().any(|later| later.contains(name));
+        let makes_way = self.policy.manners == Manners::MakeWay && self.later.iter().any(|later| later.contains(name));
         let stretches = match makes_way {
             true => &stretches[..stretches.len().saturating_sub(1)],
             false => stretches,
@@ -420,7 +432,9 @@ fn replanned(job: &Job, order: &DimibotOrder, cell: Cell) -> Option<Plan> {
 
 fn keeps_all(job: &Job, plan: &Plan) -> bool {
     let reached = |name: &str| plan.outcomes.get(name).copied();
-    job.requirements.iter().all(|asked| reached(&asked.outcome).is_none_or(|reached| keeps(asked, reached) == Kept::Yes))
+    job.requirements
+        .iter()
+        .all(|asked| reached(&asked.outcome).is_none_or(|reached| keeps(asked, reached) == Kept::Yes))
 }
 
 /// What a plan costs with its delays, where time is what is minimised.
