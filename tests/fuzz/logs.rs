@@ -16,10 +16,11 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Takes a log apart.
-    pub fn of(log: &[u8]) -> Option<Parts> {
+    /// Takes a log apart. The few logs that are altered stay for as long as the worker does.
+    pub fn of(log: Vec<u8>) -> Option<Parts> {
+        let log: &'static [u8] = Box::leak(log.into_boxed_slice());
         let stream = mcap::MessageStream::new(log).ok()?;
-        let messages = stream.filter_map(Result::ok).map(mcap::Message::into_owned).collect();
+        let messages = stream.filter_map(Result::ok).collect();
         let (mut attachments, mut metadata) = (Vec::new(), Vec::new());
         for record in mcap::read::LinearReader::new(log).ok()? {
             match record.ok()? {

@@ -96,7 +96,7 @@ fn stock() -> &'static Stock {
 /// The logs of the complete programs, taken apart.
 fn good_logs() -> &'static [Parts] {
     static LOGS: OnceLock<Vec<Parts>> = OnceLock::new();
-    LOGS.get_or_init(|| stock().complete.iter().filter_map(|text| Parts::of(&judge::log_of(text)?)).collect())
+    LOGS.get_or_init(|| stock().complete.iter().filter_map(|text| Parts::of(judge::log_of(text)?)).collect())
 }
 
 /// How many cases there are in the sweep.
