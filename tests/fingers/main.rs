@@ -1,5 +1,6 @@
 //! Hands from a program's text to verified schedules: what the planner rolls, the judge has integrated from positions alone.
 
+mod mechanics;
 #[path = "../support/random.rs"]
 mod random;
 #[path = "../support/mod.rs"]

@@ -8,14 +8,18 @@ use super::part;
 use crate::check::claims::fingers::{Action, FingersOrder, Part, Turn};
 use crate::check::claims::{Job, Order};
 use crate::check::errors;
-use crate::device::fingers::Plane;
+use crate::device::fingers::{MAX_GRASPS, Plane};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::Span;
+use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Orientations nearer to each other than this are one.
 const SAME_RAD: f64 = 1e-9;
+
+/// The share of a load in a plane that is more than rounding.
+const LEAST_SHARE: f64 = 1e-9;
 
 /// The most orientations that a part may have after a step.
 const MAX_REACHED: usize = 256;
@@ -100,7 +104,10 @@ impl Hand {
         match action {
             Action::Wait(_) => {}
             Action::Grasp(_) => self.hold = Hold::Held,
-            Action::Rotate { plane, steps, .. } => self.rotate(Turn { plane: *plane, steps: *steps }, at)?,
+            Action::Rotate { plane, steps, .. } => {
+                self.looks_at_few(*plane, at, order)?;
+                self.rotate(Turn { plane: *plane, steps: *steps }, at)?;
+            }
             Action::Orient { goal, turns } => {
                 let given = orientation::read(*goal);
                 let (asked, absolute) = if turns.is_empty() {
@@ -121,6 +128,22 @@ impl Hand {
             }
         }
         Ok(())
+    }
+
+    /// Whether the grasps of a turn are few enough to be looked at: under a load in the plane they differ from angle to angle.
+    fn looks_at_few(&self, plane: Plane, at: Span, order: &FingersOrder) -> Told {
+        let Some(section) = self.part.section(plane) else { return Ok(()) };
+        let load_un = Vector3::from(order.load_un);
+        let axis = Vector3::from(plane.normal());
+        let in_plane_un = |from: &Orientation| axis.cross(&(from.inverse() * load_un)).norm();
+        if !self.reached.iter().all(|from| in_plane_un(from) > LEAST_SHARE * load_un.norm()) {
+            return Ok(());
+        }
+        let (contacts, angles) = (section.contacts as usize, order.facts.steps_per_turn as usize + 1);
+        if contacts.pow(3) * angles <= MAX_GRASPS {
+            return Ok(());
+        }
+        Err(Box::new(errors::too_many_grasps(at, &self.part.name, [contacts, angles], order.facts.steps_per_turn)))
     }
 
     fn rotate(&mut self, turn: Turn, at: Span) -> Told {

@@ -9,7 +9,7 @@ use super::mechanics::TooManyGrasps;
 use super::routes::{Holding, Routes, routes};
 use super::sections::{Sections, Sifted};
 use super::ways::{self, Act, Course};
-use super::why::Why;
+use super::why::{Why, kept_back};
 use super::{Hold, Motion, Stance};
 use crate::check::claims::Job;
 use crate::check::claims::fingers::{Action, FingersOrder, Planner, Turn};
@@ -66,6 +66,10 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
         }
     };
     let end = ways::end(&motion);
+    if let Some(share) = kept_back(order).filter(|_| tally.sums.cost > 0) {
+        let text = format!("{share} % of friction and forces while it rolls (`rolling_reserve`)");
+        tally.sums.remarks.push(Remark { subject: "kept back".to_owned(), text });
+    }
     let plan = tally.sums.plan(order, motion);
     let kept = require(job, &plan, &mut |_| None, sink);
     Some(((kept == Kept::Yes).then_some(plan), end))
@@ -188,27 +192,36 @@ impl<'a> Tally<'a> {
     }
 }
 
-/// How often a search is made anew after a closer look at the way that it found.
-const MAX_LOOKS: usize = 100;
-
 /// The answer of the planner, with a way whose grasps hold all the time.
-fn sound(
+///
+/// A way with a grasp that lapses between two angles is searched again without that step, as often as it takes: every search has
+/// fewer steps left. All of them together keep to the budget.
+///
+/// # Errors
+/// Where a section has too many contacts for its tables.
+pub fn sound(
     order: &FingersOrder,
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
 ) -> Result<Answer, TooManyGrasps> {
-    let mut bound = 0;
-    for _ in 0..MAX_LOOKS {
-        let answer = answer(order, sections, planned, orientation)?;
-        let Answer::Found(way) = &answer else { return Ok(answer) };
-        if sections.sift(&planned.routes[way.route], way, orientation) == Sifted::Sound {
-            return Ok(answer);
+    let (mut left, mut bound) = (order.expansions, 0);
+    loop {
+        match answer(order, sections, planned, orientation, Budget::of(left))? {
+            Answer::Found(way) => {
+                if sections.sift(&planned.routes[way.route], &way, orientation) == Sifted::Sound {
+                    return Ok(Answer::Found(way));
+                }
+                left = left.saturating_sub(way.expanded);
+                bound = way.bound;
+            }
+            Answer::GaveUp(gave_up) => {
+                let (budget, bound) = (Budget::of(order.expansions), bound.max(gave_up.bound));
+                return Ok(Answer::GaveUp(GaveUp { budget, spent: budget.steps, bound }));
+            }
+            other @ (Answer::Impossible(_) | Answer::TooLarge { .. }) => return Ok(other),
         }
-        bound = way.bound;
     }
-    let budget = Budget::of(order.expansions);
-    Ok(Answer::GaveUp(GaveUp { budget, spent: budget.steps, bound }))
 }
 
 /// What rolling by a step costs a finger, in the unit of [`costs`].
@@ -221,11 +234,12 @@ fn costs(order: &FingersOrder) -> Costs {
 }
 
 /// The answer of the planner that the task asks for.
-pub fn answer(
+fn answer(
     order: &FingersOrder,
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
+    budget: Budget,
 ) -> Result<Answer, TooManyGrasps> {
     let legs: Result<Vec<_>, _> = planned.routes.iter().map(|route| sections.legs(route, orientation)).collect();
     let request = Request {
@@ -234,7 +248,6 @@ pub fn answer(
         routes: legs?,
         costs: costs(order),
     };
-    let budget = Budget::of(order.expansions);
     Ok(match order.planner {
         Planner::JointAstar => graph::solve(&request, Estimator::Layers, budget),
         Planner::PublishedAstar => graph::solve(&request, Estimator::Published, budget),
