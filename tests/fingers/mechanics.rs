@@ -91,3 +91,19 @@ fn what_cannot_be_planned_with_is_refused_by_the_check() {
     let coarser = found("fingers-many-grasps").replace("step: 5 deg", "step: 8 deg");
     assert!(!said(&coarser).iter().any(|said| said.contains("E0541")));
 }
+
+#[test]
+fn a_torque_that_no_contact_bears_is_named() {
+    let text = found("fingers-load-across");
+    let said = said(&text);
+    assert!(said.len() == 1 && said[0].contains("E0601"), "{said:?}");
+    assert!(said[0].contains("contacts 1 and 9") && said[0].contains("uN um"), "{said:?}");
+    // The same load in the plane was refused before, a small one is borne, and three fingers bear the whole.
+    assert_eq!(build(&text.replace("(0 uN, 0 uN, -0.8 uN)", "(0 uN, -0.8 uN, 0 uN)")).codes, ["E0601"]);
+    assert_eq!(cost(&text.replace("-0.8 uN", "-1 nN"))[0], 40.0);
+    assert_eq!(cost(&text.replace("(1, 9, 0)", "(1, 26, 50)"))[0], 60.0);
+    // Tips without torsion bear it only through the line.
+    let hard = with(&text, "torsion: 0 um");
+    assert_eq!(build(&hard.replace("-0.8 uN", "-1 nN")).codes, ["E0601"]);
+    assert_eq!(cost(&hard.replace("(1, 9, 0)", "(1, 26, 50)"))[0], 60.0);
+}

@@ -2,7 +2,7 @@
 
 use super::graph::{Answer, Blocked};
 use super::job::sound;
-use super::mechanics::TooManyGrasps;
+use super::mechanics::{Contacts, Grip, Load, TooManyGrasps};
 use super::routes::{Holding, Routes, Turning, routes};
 use super::sections::Sections;
 use super::ways::WayError;
@@ -10,7 +10,7 @@ use crate::check::claims::fingers::{Action, FingersOrder, Part, Planner, Section
 use crate::device::MAX_EXPANSIONS;
 use crate::device::fingers::{AXES, Adhesion, Facts, MAX_GRASPS, Plane};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::outline::OutlineError;
+use crate::geometry::outline::{Curve, OutlineError};
 use crate::plan::search::GaveUp;
 use crate::quantity::digits;
 use nalgebra::UnitQuaternion;
@@ -100,6 +100,12 @@ impl Why<'_> {
                 .label(self.span(), "neither planned nor disproved")
                 .help("say the turns with `rotate`, or take a larger `step` or `precision`");
         }
+        let torque = blocked.farthest.is_none().then(|| self.torque_left(planned, &begins)).flatten();
+        if let Some(torque) = torque {
+            return Diagnostic::new(Code::E0601, format!("{} cannot begin: its first grasp does not hold", self.what()))
+                .label(self.span(), torque)
+                .help("hold it on both sides of its centre of mass, or by three fingers, or give the device a larger `torsion`");
+        }
         let title = match blocked.farthest {
             None => format!("{} cannot begin: its first grasp does not hold", self.what()),
             Some(_) => format!("no sequence of stable grasps carries out {}", self.what()),
@@ -107,6 +113,26 @@ impl Why<'_> {
         Diagnostic::new(Code::E0601, title)
             .label(self.span(), format!("{}{}", self.told(blocked, leg, next), self.kept_back()))
             .help_if(self.openings(begins))
+    }
+
+    /// The torque of the load about the line through the two contacts that a stretch must begin with, where tips do not bear it.
+    fn torque_left(&self, planned: &Routes, (_, orientation, _): &Begins) -> Option<String> {
+        let (order, grasp) = (self.order, planned.start?);
+        let plane = planned.routes.first()?.first()?.turn.plane;
+        let section = order.part.section(plane)?;
+        let curve = Curve::of(&section.outline).ok()?;
+        let contacts = Contacts::of(section, &curve, order.facts.tip_radius_um);
+        let load = Load::seen(plane, orientation, order.load_un, order.part.centre_um);
+        let held: Vec<usize> = (0..grasp.0.len()).filter_map(|finger| grasp.contact(finger)).collect();
+        let [i, j] = held[..] else { return None };
+        let [a, b] = [i, j].map(|contact| contacts.one(contact, 0.0));
+        let grip = Grip::of(&order.facts, contacts.reach_um());
+        let [asked, borne] = grip.torque_left_un_um([&a, &b], &load)?.map(|torque| digits(rounded(torque)));
+        Some(format!(
+            "about the line through contacts {} and {} the load has a torque of {asked} uN um, of which tips bear {borne} uN um at most",
+            i + 1,
+            j + 1
+        ))
     }
 
     /// What the proof rests on besides the figures of the device: the reserve, where it counts.
@@ -241,6 +267,11 @@ pub fn kept_back(order: &FingersOrder) -> Option<String> {
     let facts = &order.facts;
     let counts = facts.rolling_reserve > 0.0 && (facts.sticking_un() == 0.0 || order.load_un != [0.0; 3]);
     counts.then(|| digits(facts.rolling_reserve * 100.0))
+}
+
+/// Three digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
 }
 
 fn axis(plane: Plane) -> &'static str {
