@@ -26,12 +26,12 @@ const MAX_REACHED: usize = 256;
 
 /// What stands for an orientation in the hand's frame until the runs are walked.
 pub fn absolute(goal: [f64; 4]) -> Action {
-    Action::Orient { goal, turns: Vec::new() }
+    Action::Orient { goal, turns: Vec::new(), left_out_steps: None }
 }
 
 /// What stands for an orientation relative to where the part is until the runs are walked: with one way that does nothing.
 pub fn relative(goal: Orientation) -> Action {
-    Action::Orient { goal: orientation::written(&goal), turns: vec![Vec::new()] }
+    Action::Orient { goal: orientation::written(&goal), turns: vec![Vec::new()], left_out_steps: None }
 }
 
 /// What a schedule asks of each hand and its part, run after run.
@@ -108,7 +108,7 @@ impl Hand {
                 self.looks_at_few(*plane, at, order)?;
                 self.rotate(Turn { plane: *plane, steps: *steps }, at)?;
             }
-            Action::Orient { goal, turns } => {
+            Action::Orient { goal, turns, left_out_steps } => {
                 let given = orientation::read(*goal);
                 let (asked, absolute) = if turns.is_empty() {
                     (errors::Asked::Orientation, given)
@@ -116,7 +116,7 @@ impl Hand {
                     (errors::Asked::TurnAboutX, self.reached[0] * given)
                 };
                 *goal = orientation::written(&absolute);
-                *turns = self.orient((asked, &absolute), at, order.precision_rad)?;
+                (*turns, *left_out_steps) = self.orient((asked, &absolute), at, order.precision_rad)?;
             }
             Action::Translate(by_um) => self.translate(*by_um, at, order)?,
             Action::Release => {
@@ -159,13 +159,14 @@ impl Hand {
         Ok(())
     }
 
-    /// The ways to an orientation that reach it from wherever the part may be.
+    /// The ways to an orientation that reach it from wherever the part may be, and how many steps those turn at least that are too many
+    /// to be searched.
     fn orient(
         &mut self,
         (asked, goal): (errors::Asked, &Orientation),
         at: Span,
         precision_rad: f64,
-    ) -> Result<Vec<Vec<Turn>>, Box<Diagnostic>> {
+    ) -> Result<(Vec<Vec<Turn>>, Option<u32>), Box<Diagnostic>> {
         let mut ways = orientation::ways(&(self.reached[0].inverse() * goal), &self.part);
         if ways.is_empty() {
             return Err(Box::new(errors::flat_part(at, &self.part.name, "not to this orientation", self.part.span)));
@@ -187,9 +188,12 @@ impl Hand {
                 return Err(Box::new(errors::no_junction(at, &self.part.name, why, self.part.span)));
             }
         }
-        ways.truncate(MAX_WAYS.min((MAX_REACHED / self.reached.len()).max(1)));
+        let most = MAX_WAYS.min((MAX_REACHED / self.reached.len()).max(1));
+        let steps = |way: &orientation::Way| way.turns.iter().map(|turn| turn.steps.unsigned_abs()).sum::<u32>();
+        let left_out_steps = ways.iter().skip(most).map(steps).min();
+        ways.truncate(most);
         self.take(&ways);
-        Ok(ways.into_iter().map(|way| way.turns).collect())
+        Ok((ways.into_iter().map(|way| way.turns).collect(), left_out_steps))
     }
 
     /// Any of some ways has been taken.

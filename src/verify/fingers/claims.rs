@@ -92,7 +92,7 @@ fn action(order: &FingersOrder, action: &Action) -> Result<(), Unfit> {
             has_plane(order, *plane)?;
             demand(is_number(*angle_rad), "turn by what is no angle")
         }
-        Action::Orient { goal, turns } => {
+        Action::Orient { goal, turns, .. } => {
             let norm = goal.iter().map(|value| value * value).sum::<f64>();
             demand((norm - 1.0).abs() <= 1e-6, "orient to what is no orientation")?;
             turns.iter().flatten().try_for_each(|Turn { plane, .. }| has_plane(order, *plane))
