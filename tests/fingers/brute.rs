@@ -314,8 +314,19 @@ impl<'a> Brute<'a> {
 
     /// The least effort, in degrees; `None` where no sequence of grasps carries the task out.
     pub fn least_deg(&mut self) -> Option<f64> {
-        let roll = 360.0 / f64::from(self.case.steps_per_turn);
         let unit = |deg: f64| (deg * 1000.0).round() as u64;
+        let roll = unit(360.0 / f64::from(self.case.steps_per_turn));
+        let gait = unit(self.case.gaiting_cost_deg);
+        Some(self.least(roll, gait)? as f64 / 1000.0)
+    }
+
+    /// The fewest reconfigurations.
+    pub fn fewest(&mut self) -> Option<u64> {
+        self.least(0, 1)
+    }
+
+    /// The least sum of costs of rolling by a step, for each finger, and of a finger that comes or leaves.
+    fn least(&mut self, roll: u64, gait: u64) -> Option<u64> {
         let mut open: BinaryHeap<Reverse<(u64, Node)>> = BinaryHeap::new();
         let mut best: HashMap<Node, u64> = HashMap::new();
         for held in self.first() {
@@ -329,7 +340,7 @@ impl<'a> Brute<'a> {
             let (_, turn) = self.turns[usize::from(node.leg)];
             if i32::from(node.angle) == turn {
                 if usize::from(node.leg) + 1 == self.turns.len() {
-                    return Some(cost as f64 / 1000.0);
+                    return Some(cost);
                 }
                 for held in self.handed_over(node) {
                     open.push(Reverse((cost, Node { leg: node.leg + 1, angle: 0, held })));
@@ -343,18 +354,18 @@ impl<'a> Brute<'a> {
                 let held = self.turned(node.leg, node.held, count - 1);
                 let next = Node { angle: node.angle + 1, held, ..node };
                 if self.holds(node.leg, next.angle, held, 0) {
-                    open.push(Reverse((cost + unit(roll) * holding as u64, next)));
+                    open.push(Reverse((cost + roll * holding as u64, next)));
                 }
             }
             let before = self.turned(node.leg, node.held, 1);
             if i32::from(node.angle) > low && self.lasts(node.leg, node.angle - 1, before) {
                 let next = Node { angle: node.angle - 1, held: before, ..node };
                 if self.holds(node.leg, next.angle, before, 0) {
-                    open.push(Reverse((cost + unit(roll) * holding as u64, next)));
+                    open.push(Reverse((cost + roll * holding as u64, next)));
                 }
             }
             for next in self.gaited(node, holding) {
-                open.push(Reverse((cost + unit(self.case.gaiting_cost_deg), next)));
+                open.push(Reverse((cost + gait, next)));
             }
         }
         None

@@ -72,8 +72,11 @@ fn a_search_that_ends_says_what_ended() {
 
 #[test]
 fn a_proof_says_what_is_kept_back() {
-    let text = found("fingers-gives-up-near-friction").replace("friction: 0.192", "friction: 0.02");
-    let said = said(&text);
+    let text = "use std.fingers as f\ndevice hand : f.three_fingers { adhesion: false }\n\
+                scene cell { part bead : ellipsoid { axes: (16 um, 11.845 um, 11.845 um) } }\n\
+                task flip on hand in cell {\n  rotate bead by 80 deg about z\n  rotate bead by 220 deg about y\n  \
+                rotate bead by 100 deg about z\n}\n";
+    let said = said(text);
     assert!(said[0].contains("E0601") && said[0].contains("2 % of friction"), "{said:?}");
 }
 
@@ -100,10 +103,54 @@ fn a_torque_that_no_contact_bears_is_named() {
     assert!(said[0].contains("contacts 1 and 9") && said[0].contains("uN um"), "{said:?}");
     // The same load in the plane was refused before, a small one is borne, and three fingers bear the whole.
     assert_eq!(build(&text.replace("(0 uN, 0 uN, -0.8 uN)", "(0 uN, -0.8 uN, 0 uN)")).codes, ["E0601"]);
-    assert_eq!(cost(&text.replace("-0.8 uN", "-1 nN"))[0], 40.0);
+    assert_eq!(cost(&text.replace("-0.8 uN", "-0.1 nN"))[0], 40.0);
     assert_eq!(cost(&text.replace("(1, 9, 0)", "(1, 26, 50)"))[0], 60.0);
     // Tips without torsion bear it only through the line.
     let hard = with(&text, "torsion: 0 um");
     assert_eq!(build(&hard.replace("-0.8 uN", "-1 nN")).codes, ["E0601"]);
     assert_eq!(cost(&hard.replace("(1, 9, 0)", "(1, 26, 50)"))[0], 60.0);
+}
+
+#[test]
+fn a_limit_of_reconfigurations_is_searched_for() {
+    let text = found("fingers-optimal-but-reserve");
+    let limited =
+        |limit: &str| text.replacen("  rotate", &format!("  require reconfigurations <= {limit}\n  rotate"), 1);
+    // One is the fewest, and said to be.
+    let said = said(&limited("0"));
+    assert!(said.len() == 1 && said[0].contains("E0603") && said[0].contains("1"), "{said:?}");
+    assert_eq!(cost(&limited("1")), [1960.0; 2]);
+    let effort = super::mechanics::said(&text.replacen("  rotate", "  require effort <= 1900 deg\n  rotate", 1));
+    assert!(effort.len() == 1 && effort[0].contains("E0603") && effort[0].contains("1960 deg"), "{effort:?}");
+}
+
+/// A cube as text, its half width in micrometres.
+fn cube(half: f64) -> String {
+    let mut text = "solid cube\n".to_owned();
+    for (axis, sign) in [0, 1, 2].into_iter().flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
+        let corner = |u: f64, v: f64| {
+            let mut place = [0.0; 3];
+            (place[axis], place[(axis + 1) % 3], place[(axis + 2) % 3]) = (sign * half, u * half, sign * v * half);
+            place
+        };
+        let [a, b, c, d] = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+        for triangle in [[a, b, c], [a, c, d]] {
+            text.push_str("facet normal 0 0 0\nouter loop\n");
+            triangle.iter().for_each(|[x, y, z]| text.push_str(&format!("vertex {x} {y} {z}\n")));
+            text.push_str("endloop\nendfacet\n");
+        }
+    }
+    text + "endsolid cube\n"
+}
+
+#[test]
+fn an_upright_cube_of_a_mesh_is_taken() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("cube.stl"), cube(10.0)).expect("a file");
+    let text = "use std.fingers as f\ndevice hand : f.three_fingers {}\n\
+                scene cell { part block : mesh { file: \"cube.stl\", unit: 1 um } }\n\
+                task t on hand in cell {\n  precision: 3 deg\n  rotate block by 80 deg about z\n  rotate block by 80 deg about y\n}\n";
+    let built = super::support::build_in(folder.path(), text);
+    assert_eq!(built.codes, Vec::<&str>::new());
+    assert!(built.schedules[0].schedule().plans[0].optimal);
 }

@@ -242,7 +242,8 @@ fn rectangle(polygon: &[[f64; 2]]) -> Option<Outline> {
         return None;
     }
     let has_corner = |signs: [f64; 2]| {
-        let is_there = |point: &[f64; 2]| (0..2).all(|axis| (point[axis] - signs[axis] * half_um[axis]).abs() <= slack_um);
+        let is_there =
+            |point: &[f64; 2]| (0..2).all(|axis| (point[axis] - signs[axis] * half_um[axis]).abs() <= slack_um);
         polygon.iter().any(is_there)
     };
     let next = polygon.iter().cycle().skip(1);

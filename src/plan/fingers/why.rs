@@ -1,7 +1,7 @@
 //! Why a stretch of a task has no plan, in words: which turn, how far it comes, and what would open it.
 
 use super::graph::{Answer, Blocked};
-use super::job::sound;
+use super::job::{First, sound};
 use super::mechanics::{Contacts, Grip, Load, TooManyGrasps};
 use super::routes::{Holding, Routes, Turning, routes};
 use super::sections::Sections;
@@ -219,8 +219,8 @@ impl Why<'_> {
 
     /// What is said of a grasp that no finger may leave.
     pub fn stuck_fingers(&self) -> Diagnostic {
-        Diagnostic::new(Code::E0601, "no finger can leave the part first")
-            .label(self.span(), "of the fingers that hold here")
+        Diagnostic::new(Code::E0602, "no finger can leave the grasp that was found first")
+            .label(self.span(), "of the fingers that hold here; other grasps were not tried")
             .help("end with two fingers: put `grasp … at (…)` before it")
     }
 
@@ -293,7 +293,7 @@ fn planner(planner: Planner) -> &'static str {
 fn is_open(order: &FingersOrder, (held, orientation, steps): &Begins) -> bool {
     let Ok(mut sections) = Sections::of(order) else { return false };
     let planned = routes(order, steps.clone(), *held);
-    matches!(sound(order, &mut sections, &planned, *orientation), Ok(Answer::Found(_)))
+    matches!(sound(order, &mut sections, &planned, *orientation, First::Effort), Ok(Answer::Found(_)))
 }
 
 fn changed(order: &FingersOrder, change: &dyn Fn(&mut Facts)) -> FingersOrder {
