@@ -162,10 +162,7 @@ fn shown_forces_balance() {
         order.load_un = load_un;
         let day = held(order.clone(), &contacts);
         let forces = forces(&order, &day.state()).expect("a grasp that holds");
-        let sum = forces
-            .iter()
-            .flatten()
-            .fold(Point::from([load_un[0], load_un[1], 0.0]), |sum, force| sum + Point::from(*force));
+        let sum = forces.iter().flatten().fold(Point::from(load_un), |sum, force| sum + Point::from(*force));
         assert!(sum.norm() < 1e-5, "{sum}");
         let mut pressed_un = 0.0;
         for (finger, force) in forces.iter().enumerate() {
