@@ -112,4 +112,29 @@ fn three_robots_come_together() {
     };
     assert_eq!(docked, &["D2", "D3", "D4"]);
     assert!(plan.bound > 0.0 && plan.bound <= plan.cost);
+    let mut turned = 0;
+    for timed in &plan.states {
+        let State::Microrobots { arms, docked, .. } = &timed.state else { panic!("a state of a bed") };
+        let row = |name: &String| name[1..].parse::<usize>().expect("a number") - 1;
+        assert!(docked.iter().all(|name| arms[row(name)] == 0), "{docked:?} with {arms:?}");
+        turned += usize::from(!docked.is_empty() && arms[1] == 1);
+    }
+    assert!(turned > 2, "D2 turns {turned} times");
+}
+
+/// A raw state that would lower the arm of a docked robot is refused at its step.
+#[test]
+fn no_state_is_applied_that_lowers_the_arm_of_a_docked_robot() {
+    let applied = |state: usize| {
+        let text = format!(
+            "{FLEET}scene field {{\n  robot D2 at pose(-9 mm, 0 mm, 90 deg)\n  robot D3 at pose(3 mm, 0.2 mm, 0 deg)\n  \
+             robot D4 at pose(1.5 mm, 3 mm, 180 deg)\n}}\n\
+             task build on fleet in field {{\n  assemble {{\n    D4 to pose(1.6 mm, 1.20 mm, 90 deg)\n    \
+             D3 to pose(1.6 mm, 1.46 mm, 270 deg)\n  }}\n  apply state {state} for 1 s\n}}\n"
+        );
+        build(&text).codes
+    };
+    assert_eq!(applied(2), Vec::<&str>::new());
+    assert_eq!(applied(3), ["E0606"]);
+    assert_eq!(applied(4), ["E0606"]);
 }

@@ -41,6 +41,13 @@ pub struct Drive<'a> {
     pub stops: &'a [Pose],
 }
 
+impl Drive<'_> {
+    /// The control states that keep the arms of docked robots up.
+    fn states(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.world.state_count()).filter(|state| self.world.spares(*state, &self.bed.docked))
+    }
+}
+
 /// A drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Driven {
@@ -91,9 +98,9 @@ pub enum Thing {
 pub enum Reason {
     /// A proof: the robot sticks in a structure.
     Docked,
-    /// A proof: it has to turn, and no control state lowers its arm.
+    /// A proof: it has to turn, and no control state lowers its arm and keeps those of docked robots up.
     NeverTurns,
-    /// A proof: it has to run straight, and no control state raises its arm.
+    /// A proof: it has to run straight, and no control state raises its arm and keeps those of docked robots up.
     NeverRuns,
     /// A proof: where it stands it is too near to this to move.
     Start(Thing),
@@ -229,7 +236,7 @@ impl Progress<'_> {
     /// Whether control states have the arm where every way needs it.
     fn can_steer(&self, from: Pose, goal: Pose) -> Result<(), Reason> {
         let Drive { order, world, robot, .. } = *self.request;
-        let has = |arm: Arm| (0..world.state_count()).any(|state| world.arm(state, robot) == arm);
+        let has = |arm: Arm| self.request.states().any(|state| world.arm(state, robot) == arm);
         let facts = &world.body(robot).robot;
         // Without a turn the heading stays, and without a run the middle does.
         let Precision { place_um, heading_rad } = order.precision;

@@ -11,6 +11,7 @@ use super::world::{Bed, World};
 use super::{Docking, Leg, Motion, Stage, StepMotion};
 use crate::check::claims::Job;
 use crate::check::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Step, Stop};
+use crate::device::microrobots::Arm;
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
 use crate::plan::requirements::{Kept, require};
@@ -101,7 +102,7 @@ fn assure(order: &MicrorobotsOrder, motion: &Motion, remarks: &mut Vec<Remark>, 
         if let Some(violated) = assured.violated().filter(|_| order.assurance == Assurance::Demanded) {
             all_hold = false;
             let step = &order.steps[assured.step];
-            sink.push(Why { order, step }.not_guaranteed(&subject, violated));
+            sink.push(Why { order, step, docked: &motion.start.docked }.not_guaranteed(&subject, violated));
         }
         remarks.push(Remark { subject, text });
     }
@@ -137,11 +138,16 @@ impl<'a> Planner<'a> {
     }
 
     fn why(&self) -> Why<'a> {
-        Why { order: self.order, step: self.step }
+        Why { order: self.order, step: self.step, docked: &self.bed.docked }
     }
 
     fn applied(&self, state: usize, duration_ns: u64, sink: &mut Sink) -> Option<Done> {
         let leg = Leg { state, strokes: duration_ns.div_ceil(self.order.facts.period_ns) };
+        let lowers = |robot: &usize| self.bed.docked[*robot] && self.world.arm(state, *robot) == Arm::Down;
+        if let Some(robot) = (0..self.world.count()).find(lowers) {
+            sink.push(self.why().lowers_docked(state, robot));
+            return None;
+        }
         if let Some(hit) = self.bed.first_hit(self.world, &[leg], &[]) {
             sink.push(self.why().applied_into(&hit));
             return None;

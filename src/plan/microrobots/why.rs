@@ -13,6 +13,8 @@ use crate::source::Span;
 pub struct Why<'a> {
     pub order: &'a MicrorobotsOrder,
     pub step: &'a Step,
+    /// Which robots of the order have docked before the step.
+    pub docked: &'a [bool],
 }
 
 impl Why<'_> {
@@ -23,6 +25,14 @@ impl Why<'_> {
         let diagnostic =
             Diagnostic::new(Code::E0606, title).label(self.step.span, "this carries all robots that have not docked");
         self.labelled(diagnostic, hit.meeting).help("apply it for a shorter time, or another state")
+    }
+
+    /// What is said of a raw state that lowers the arm of a docked robot.
+    pub fn lowers_docked(&self, state: usize, robot: usize) -> Diagnostic {
+        let name = self.name(robot);
+        Diagnostic::new(Code::E0606, format!("control state {state} lowers the arm of {name}, which has docked"))
+            .label(self.step.span, "an arm that is down would turn the structure")
+            .help("apply a state in which the arms of all docked robots are up; `tweeze devices FILE` shows the control states")
     }
 
     /// What is said of an assembly after a step in which robots turned, so that they are on their orbits from its beginning.
@@ -50,16 +60,18 @@ impl Why<'_> {
             Reason::Docked => Diagnostic::new(code, format!("{name} has docked and moves no more"))
                 .label(self.step.span, "it is part of a structure")
                 .help("drive it before it docks"),
-            Reason::NeverTurns => {
-                Diagnostic::new(code, format!("no control state lowers the arm of {name}, so it only runs straight"))
-                    .label(goal, "it would have to turn")
-                    .help("`tweeze devices FILE` shows the control states")
-            }
-            Reason::NeverRuns => {
-                Diagnostic::new(code, format!("no control state raises the arm of {name}, so it only turns"))
-                    .label(goal, "it would have to run straight")
-                    .help("`tweeze devices FILE` shows the control states")
-            }
+            Reason::NeverTurns => Diagnostic::new(
+                code,
+                format!("no control state lowers the arm of {name}{}, so it only runs straight", self.beside_docked()),
+            )
+            .label(goal, "it would have to turn")
+            .help("`tweeze devices FILE` shows the control states"),
+            Reason::NeverRuns => Diagnostic::new(
+                code,
+                format!("no control state raises the arm of {name}{}, so it only turns", self.beside_docked()),
+            )
+            .label(goal, "it would have to run straight")
+            .help("`tweeze devices FILE` shows the control states"),
             Reason::Start(thing) => {
                 let title = format!("{name} stands too near to {} to move: {clearance} are kept", self.thing(thing));
                 let diagnostic = Diagnostic::new(code, title).label(start, "it starts here");
@@ -91,6 +103,11 @@ impl Why<'_> {
                     .help("make room for the robots that run along or turn, or drive them out of the way first")
             }
         }
+    }
+
+    /// What else is asked of a control state, if anything has docked.
+    fn beside_docked(&self) -> &'static str {
+        if self.docked.contains(&true) { " and keeps those of docked robots up" } else { "" }
     }
 
     fn thing(&self, thing: Thing) -> String {
@@ -160,8 +177,22 @@ impl Why<'_> {
                     .label(span(*robot), "this goal")
                     .help("ask for less `precision`, or give the bed a smaller `step_size`")
             }
+            Stuck::Loose { robot, gap_um } => self.loose(code, *robot, *gap_um, span(*robot)),
             Stuck::GaveUp => self.gave_up(),
         }
+    }
+
+    fn loose(&self, code: Code, robot: usize, gap_um: f64, goal: Span) -> Diagnostic {
+        let um = |um: f64| Quantity::new(um / 1e6, Dimension::LENGTH).to_string();
+        let tolerance = um(self.order.facts.docking.tolerance_um);
+        let title = format!(
+            "{} ends {} from what it docks with, the docking tolerance is {tolerance}",
+            self.name(robot),
+            um((gap_um * 1e5).round() / 1e5)
+        );
+        Diagnostic::new(code, title)
+            .label(goal, "as near to this goal as whole strokes brought it")
+            .help("allow more `docking_tolerance`, or give the bed a smaller `step_size`")
     }
 
     fn gave_up(&self) -> Diagnostic {

@@ -14,6 +14,7 @@ mod closing;
 mod ground;
 mod orders;
 mod pair;
+mod recognition;
 mod roundabout;
 mod single;
 mod track;
@@ -67,6 +68,8 @@ pub enum Stuck {
     NoOrbit { robot: usize, blocker: Blocker },
     /// Whole strokes do not bring the robot to its goal within precision.
     Coarse { robot: usize },
+    /// The robot ends within the precision of its goal, but so far from what it docks with: more than the docking tolerance.
+    Loose { robot: usize, gap_um: f64 },
     /// The budget is spent.
     GaveUp,
 }
@@ -100,6 +103,7 @@ impl Stuck {
             | Stuck::NoWay { .. }
             | Stuck::NoOrbit { .. }
             | Stuck::Coarse { .. }
+            | Stuck::Loose { .. }
             | Stuck::GaveUp => Certainty::Open,
         }
     }
@@ -121,7 +125,7 @@ pub fn assemble(
     }
     let mut search = Search {
         orders,
-        ground: Ground::new(&bed),
+        ground: Ground::new(&bed, docks),
         meter: Meter::new(budget),
         best: None,
         stuck: None,
@@ -156,7 +160,7 @@ const ROUNDING_STROKES: f64 = 1e-3;
 /// The search for an order.
 struct Search<'a> {
     orders: Orders<'a>,
-    ground: Ground,
+    ground: Ground<'a>,
     meter: Meter,
     /// The fastest assembly so far, and how long it lasts.
     best: Option<(u64, Bed<'a>)>,

@@ -1,9 +1,9 @@
 //! What may be docked next, by the control states and by what holds still.
 //!
 //! Input: the goals, and a bed. Output: the next moves that the control states, the touching of goals and the discs of robots that
-//! wait allow; whether such moves can go on to the end; and if none can, why. Promise: a disproof holds for all assemblies in which
-//! robots that are neither docked nor steered orbit where they are. What is docked takes no option from those that come
-//! later, so moves can be tried in any order to see whether they lead to the end.
+//! wait allow; whether such moves can go on to the end; and if none can, why. That is no proof that there is no assembly: it holds
+//! for those in which robots that are neither docked nor steered orbit where they are. What is docked keeps its arm up, which takes
+//! control states from those that come later, so orders are searched through to see whether one leads to the end.
 
 use super::Stuck;
 use super::bed::Bed;
@@ -14,7 +14,11 @@ use crate::geometry::{Core, Pose, distance};
 use crate::plan::microrobots::free;
 use crate::real::Real;
 use nalgebra::Point2;
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
+
+/// Sets of docked robots from which no order leads to the end, at most; with more of them one is taken to exist.
+const MAX_DEAD_ENDS: usize = 64;
 
 /// What is done next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,12 +90,33 @@ impl<'a> Orders<'a> {
     pub fn leads_on(&self, bed: &Bed, step: &Move) -> bool {
         let mut bed = bed.clone();
         self.carry_out(&mut bed, step);
-        self.exhaust(&mut bed);
-        self.open(&bed).next().is_none()
+        self.reaches_end(&bed, &mut BTreeSet::new())
+    }
+
+    /// Whether some order of moves docks all robots that are still open. As deep as there are of them.
+    fn reaches_end(&self, bed: &Bed, dead_ends: &mut BTreeSet<Vec<bool>>) -> bool {
+        if self.open(bed).next().is_none() || dead_ends.len() >= MAX_DEAD_ENDS {
+            return true;
+        }
+        if dead_ends.contains(&bed.docked) {
+            return false;
+        }
+        for step in self.moves(bed) {
+            let mut next = bed.clone();
+            self.carry_out(&mut next, &step);
+            if self.reaches_end(&next, dead_ends) {
+                return true;
+            }
+        }
+        dead_ends.insert(bed.docked.clone());
+        false
     }
 
     /// Why no order of moves reaches all goals, if none does: of the order that gets farthest.
     pub fn disproof(&self, bed: &Bed) -> Option<Stuck> {
+        if self.reaches_end(bed, &mut BTreeSet::new()) {
+            return None;
+        }
         let mut ends = vec![bed.clone()];
         for step in self.moves(bed) {
             let mut end = bed.clone();
@@ -114,6 +139,7 @@ impl<'a> Orders<'a> {
             | Stuck::NoWay { .. }
             | Stuck::NoOrbit { .. }
             | Stuck::Coarse { .. }
+            | Stuck::Loose { .. }
             | Stuck::GaveUp => 3,
         })
     }
@@ -197,8 +223,13 @@ fn touches_structure(bed: &Bed, dock: &Dock) -> bool {
 
 /// Whether two bodies are near enough to be docked.
 fn touch(bed: &Bed, one: (usize, Pose), other: (usize, Pose)) -> bool {
+    gap_um(bed, one, other) <= bed.order.facts.docking.tolerance_um
+}
+
+/// How far two bodies lie apart; no more than 0 where they overlap.
+pub fn gap_um(bed: &Bed, one: (usize, Pose), other: (usize, Pose)) -> f64 {
     let core = Core::Polygon(outline(bed, other.0, other.1).to_vec());
-    distance::quadrilateral_core(outline(bed, one.0, one.1), &core) <= bed.order.facts.docking.tolerance_um
+    distance::quadrilateral_core(outline(bed, one.0, one.1), &core)
 }
 
 /// The corners of a body, in order around it.

@@ -107,6 +107,17 @@ fn docked_robots_are_driven_around() {
     assert_eq!(drive_in(&order, &[1], 1, &[Pose::at(1_000.0, 500.0)]).unwrap_err().reason, Reason::Docked);
 }
 
+/// Of the second robot the arm is down whenever the first one's is not the only one.
+#[test]
+fn the_arms_of_docked_robots_stay_up() {
+    let order = three([Pose::at(0.0, 0.0), pose(3_000.0, 0.0, 90.0), far(2)], Vec::new());
+    let goal = pose(900.0, -900.0, 180.0);
+    let plan = drive_in(&order, &[1], 0, &[goal]).unwrap();
+    assert!(plan.legs.iter().all(|leg| leg.state < 2), "{plan:?}");
+    let order = three([pose(3_000.0, 0.0, 90.0), Pose::at(0.0, 0.0), far(2)], Vec::new());
+    assert_eq!(drive_in(&order, &[0], 1, &[goal]).unwrap_err().reason, Reason::NeverTurns);
+}
+
 #[test]
 fn what_others_hit_is_told() {
     // The third robot runs straight whenever the first one does, into a wall before it.
