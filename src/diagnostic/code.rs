@@ -160,7 +160,6 @@ ledger! {
     E0535 "an assembly without two robots"
     E0536 "robots that do not touch where they are to dock"
     E0537 "robots that do not stick where they meet"
-    E0538 "an orbit that something stands in"
     E0539 "a robot that has docked"
     E0540 "a tip too large for a hollow of the part"
     E0541 "more contacts than are planned with"

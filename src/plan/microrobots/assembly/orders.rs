@@ -8,7 +8,7 @@
 use super::Stuck;
 use super::bed::Bed;
 use super::pair::{Roles, roles};
-use crate::check::claims::microrobots::Dock;
+use crate::check::claims::microrobots::{Dock, Precision};
 use crate::device::microrobots::Arm;
 use crate::geometry::{Core, Pose, distance};
 use crate::plan::microrobots::free;
@@ -113,7 +113,7 @@ impl<'a> Orders<'a> {
     }
 
     /// Why no order of moves reaches all goals, if none does: of the order that gets farthest.
-    pub fn disproof(&self, bed: &Bed) -> Option<Stuck> {
+    pub fn dead_end(&self, bed: &Bed) -> Option<Stuck> {
         if self.reaches_end(bed, &mut BTreeSet::new()) {
             return None;
         }
@@ -212,7 +212,8 @@ fn goal_in_orbit(bed: &Bed, docks: &[&Dock]) -> Result<(), Stuck> {
 /// keep clear of the disc.
 fn orbits_meanwhile(bed: &Bed, orbiting: usize, dock: &Dock) -> bool {
     let (facts, robot) = (bed.robot(orbiting), bed.robot(dock.robot));
-    let least_um = free::least_um(robot, bed.poses[dock.robot], dock.goal.pose, bed.order.precision);
+    let exact = Precision { place_um: 0.0, heading_rad: 0.0 };
+    let least_um = free::least_um(robot, (bed.poses[dock.robot], exact), (dock.goal.pose, bed.order.precision));
     least_um / robot.step_um * facts.step_um >= TAU * facts.turning_radius_um
 }
 

@@ -170,7 +170,6 @@ fn check(order: &MicrorobotsOrder, starts: &[Pose], docked: &[bool], docks: &[Do
     assert_eq!(World::new(order).first_hit(starts, docked, &found.legs, &found.docks), None);
     assert!(found.legs.windows(2).all(|pair| pair[0].state != pair[1].state));
     assert!(found.legs.iter().all(|leg| leg.strokes >= 1));
-    assert!(found.least_ns <= found.duration_ns);
 }
 
 /// Robots in a row, far enough apart to orbit.
@@ -284,15 +283,15 @@ fn a_structure_grows() {
 fn what_has_docked_keeps_its_arm_up() {
     let mut starts = in_a_row(3);
     let docks = structure(3, pose(1000.0, 1800.0, 70.0));
-    docks[1..].iter().for_each(|dock| starts[dock.robot] = dock.goal.pose);
-    let docked = [true, true, false];
+    [&docks[0], &docks[2]].into_iter().for_each(|dock| starts[dock.robot] = dock.goal.pose);
+    let docked = [true, false, true];
     let alone = |states: Vec<ControlState>| {
         let order = order(&starts, states, Vec::new());
-        let found = assemble(&order, &starts, &docked, &docks[..1], Budget::of(100_000))?;
-        check(&order, &starts, &docked, &docks[..1], &found);
+        let found = assemble(&order, &starts, &docked, &docks[1..2], Budget::of(100_000))?;
+        check(&order, &starts, &docked, &docks[1..2], &found);
         Ok(found)
     };
-    assert_eq!(alone(string_states(3)), Err(Stuck::Unsteerable { robots: vec![2], orbiting: None }));
+    assert_eq!(alone(string_states(3)), Err(Stuck::Unsteerable { robots: vec![1], orbiting: None }));
     assert!(alone(all_states(3)).is_ok());
 }
 
@@ -305,7 +304,6 @@ fn a_string_table_leaves_one_order() {
     let starts = in_a_row(3);
     let found = assemble(&order, &starts, &[false; 3], &swapped[..2], Budget::of(100_000));
     assert_eq!(found, Err(Stuck::Unsteerable { robots: vec![2, 0], orbiting: Some(1) }));
-    assert_eq!(found.unwrap_err().certainty(), Certainty::Proven);
 }
 
 #[test]
@@ -373,7 +371,6 @@ fn a_walled_goal_is_told() {
     let order = order(&in_a_row(2), string_states(2), (0..4).map(wall).collect());
     let found = assembled(&order, &structure(2, pose(1000.0, 2000.0, 0.0)));
     let Err(Stuck::NoWay { robot: 0, blocker: Blocker::Obstacle(_) }) = found else { panic!("{found:?}") };
-    assert_eq!(found.unwrap_err().certainty(), Certainty::Open);
 }
 
 #[test]

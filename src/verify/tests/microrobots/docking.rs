@@ -136,14 +136,14 @@ fn robots_dock_together_or_with_what_is_docked() {
 #[test]
 fn orbits_keep_clear_of_what_is_docked() {
     let reach = f64::hypot(130.0, 120.0);
-    let by = |x: f64| {
+    let by = |gap_um: f64| {
         // After 600 strokes straight on, the first robot goes round below the two that have docked.
-        let robots = [(0, 600.0, -100.0 - reach - 30.0 - x, 180.0), (1, 0.0, 0.0, 0.0), (2, 842.0, 0.0, 180.0)];
+        let robots = [(0, 600.0, -100.0 - reach - 30.0 - gap_um, 180.0), (1, 0.0, 0.0, 0.0), (2, 842.0, 0.0, 180.0)];
         let day = Day::new(order(&robots)).assemble(&[1, 2], &[docking(0, 600, &[1, 2])]).apply(1, 1300);
         judged(&day)
     };
-    assert_eq!(by(2000.0), []);
-    assert_eq!(by(0.0), []);
+    assert_eq!(by(20.001), []);
+    assert_eq!(by(19.999), [Rule::Orbit]);
 }
 
 /// Whose arm is down in the leg in which it docks is not docked yet; afterwards states that lower the arms of others may come.
