@@ -92,6 +92,8 @@ pub enum Rule {
     Orbit,
     /// Robots of an assembly end docked.
     Dock,
+    /// The arms of docked robots are up while strokes are driven.
+    Twist,
     /// A swing has whole periods of two levels, on a channel that may swing.
     Swing,
     /// An axis of a hand has one value at every instant of a run, and never jumps.
@@ -165,6 +167,7 @@ impl Rule {
             Rule::Meet => Code::E0747,
             Rule::Orbit => Code::E0748,
             Rule::Dock => Code::E0749,
+            Rule::Twist => Code::E0761,
             Rule::Swing => Code::E0750,
             Rule::Axis => Code::E0751,
             Rule::Range => Code::E0752,
