@@ -67,7 +67,7 @@ fn write(arguments: &BuildArguments, compiled: &Compiled, provenance: &Provenanc
         terminal::report_one(*diagnostic, arguments.report.format);
         return Exit::Files;
     }
-    terminal::answer(&report::build(&arguments.file, compiled, &written))
+    terminal::answer(&report::build(&arguments.file, compiled, &arguments.settings.set, &written))
 }
 
 /// Where a file stands, as the user would write it.
