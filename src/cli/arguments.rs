@@ -16,7 +16,7 @@ pub struct Invocation {
 
 const EXIT_STATUS: &str = "\
 Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3 verification refused a schedule; 4 a file \
-could not be read or written.
+could not be read or written; 5 tweeze itself failed, which is a bug.
 
 Begin with `tweeze build FILE.twz`; `tweeze devices` lists what can be programmed.";
 
@@ -82,6 +82,9 @@ pub struct BuildArguments {
     /// Where to write; made if it is not there
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub output: PathBuf,
+    /// Replace files that were built from other programs
+    #[arg(long)]
+    pub force: bool,
     #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]

@@ -30,6 +30,29 @@ pub fn unwritable(path: &Path, error: &io::Error) -> Diagnostic {
         .help("nothing was written; choose another folder with `-o DIR`")
 }
 
+pub fn of_another_program(file: &Path, program: &str) -> Diagnostic {
+    let title = format!("`{}` was built from another program, `{program}`", file.display());
+    Diagnostic::new(Code::E0806, title).help("choose another folder with `-o DIR`, or replace it with `--force`")
+}
+
+pub fn written_twice(name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0807, format!("two files of this build have the name `{name}`, apart from capitals"))
+        .help("some disks take both for one file: give one of the tasks another name, or build it alone with `--task`")
+}
+
+pub fn bad_manifest(path: &Path, why: &str) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0801,
+        format!("`{}` does not say which programs built the files there: {why}", path.display()),
+    )
+    .help("delete it; the next build writes a new one")
+}
+
+pub fn unverifiable(file: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0850, format!("`{file}` would be a log that `tweeze verify` refuses, for the reason above"))
+        .help("nothing was written; this is a fault of tweeze and not of the program: report it as a bug with the program")
+}
+
 /// The system's reason without its number.
 fn reason(error: &io::Error) -> String {
     let text = error.to_string();

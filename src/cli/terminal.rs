@@ -69,6 +69,12 @@ fn to_stderr(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
+/// Says that Tweeze itself failed.
+pub fn fault(what: &str) -> Exit {
+    to_stderr(&format!("tweeze: {what}; the program is not to blame, so report it as a bug with the program\n"));
+    Exit::Fault
+}
+
 /// Writes an answer to standard output; a reader that has gone away, as `head` does, is no error.
 pub fn answer(text: &str) -> Exit {
     match io::stdout().lock().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {

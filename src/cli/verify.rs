@@ -16,9 +16,9 @@ use crate::verify::{self, Verdict, Verified};
 use std::path::Path;
 
 /// A refusal on its way to the terminal: what was found, and the answer.
-struct Refusal {
-    sources: Sources,
-    sink: Sink,
+pub struct Refusal {
+    pub sources: Sources,
+    pub sink: Sink,
     exit: Exit,
 }
 
@@ -56,7 +56,7 @@ fn not_ours(log: &Log) -> Box<Refusal> {
 }
 
 /// Judges a log by itself: it is whole, its program claims what it says, its schedule keeps the claims, and it shows its schedule.
-fn judge_bytes(path: &Path, bytes: &[u8]) -> Result<(Log, Claims), Box<Refusal>> {
+pub fn judge_bytes(path: &Path, bytes: &[u8]) -> Result<(Log, Claims), Box<Refusal>> {
     let log = log::read(bytes).map_err(|error| Refusal::one(error.diagnostic(), Exit::Files))?;
     // Another version may derive something else from the same program: that is no sign of an edit.
     let of_its_version = |refusal| if log.version == env!("CARGO_PKG_VERSION") { refusal } else { not_ours(&log) };

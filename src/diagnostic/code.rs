@@ -70,6 +70,7 @@ ledger! {
     E0126 "no value in the braces of a string"
     E0127 "a place with too many coordinates"
     E0128 "a line of a table that is no row"
+    E0129 "a name that is too long"
     E0201 "no such name"
     E0202 "a name declared twice"
     E0203 "a name that the language keeps"
@@ -95,6 +96,8 @@ ledger! {
     E0310 "a point of unlike coordinates"
     E0311 "not one of the words that belong here"
     E0312 "a table that does not have its columns"
+    E0313 "more text than is made"
+    E0314 "more work than is done"
     E0401 "fields that are missing"
     E0402 "a field given twice"
     E0403 "a field out of its range"
@@ -249,6 +252,8 @@ ledger! {
     E0802 "a file that is too large"
     E0803 "a file that is not UTF-8"
     E0804 "a file that cannot be written"
+    E0806 "a file that was built from another program"
+    E0807 "two files of one name"
     E0820 "a value of the schedule is not a finite number"
     E0821 "a format that only holds voltages meets one that changes steadily"
     E0822 "a file would be larger than its readers take"
@@ -266,6 +271,7 @@ ledger! {
     E0846 "the voltages or positions in a log are not those of its schedule"
     E0847 "a log shows something else than its schedule"
     E0848 "a log of another version of Tweeze"
+    E0850 "a log that would not be accepted"
 }
 
 impl Code {

@@ -171,7 +171,7 @@ impl<'t> Scan<'t> {
             '(' | '[' | '{' => self.opening(first as u8),
             ')' | ']' | '}' => self.closing(first as u8),
             ';' => lexical::semicolon(self),
-            _ if lexical::is_word(first) => self.at = lexical::end_of_word(self.text, self.at),
+            _ if lexical::is_word(first) => lexical::word(self),
             _ => lexical::sign(self, first),
         }
         self.last = self.text.as_bytes()[self.at - 1];

@@ -9,6 +9,7 @@ pub const DONE: i32 = 0;
 pub const ERRORS: i32 = 1;
 pub const USAGE: i32 = 2;
 pub const REFUSED: i32 = 3;
+pub const FILES: i32 = 4;
 
 /// A program of the folder of found faults.
 pub fn found(name: &str) -> String {
@@ -55,6 +56,21 @@ impl Bench {
 
     pub fn run(&self, arguments: &[&str]) -> Ended {
         self.ended(Command::new(env!("CARGO_BIN_EXE_tweeze")), arguments)
+    }
+
+    /// As [`Bench::run`], in so much memory, where a shell can say so.
+    pub fn run_in_mib(&self, mib: u64, arguments: &[&str]) -> Ended {
+        let limited = format!("ulimit -v {}; exec '{}' \"$@\"", mib * 1024, env!("CARGO_BIN_EXE_tweeze"));
+        let all: Vec<&str> = ["-c", &limited, "sh"].into_iter().chain(arguments.iter().copied()).collect();
+        self.ended(Command::new("sh"), &all)
+    }
+
+    /// The names in the folder, hidden ones too.
+    pub fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.folder.path()).expect("a folder").flatten();
+        let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
     }
 
     fn ended(&self, mut command: Command, arguments: &[&str]) -> Ended {

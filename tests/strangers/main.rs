@@ -3,5 +3,6 @@
 //! `tests/found/` holds the programs that once did; each says in its first line what it is.
 
 mod bench;
+mod files;
 mod logs;
 mod texts;
