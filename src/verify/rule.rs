@@ -118,6 +118,8 @@ pub enum Rule {
     Apart,
     /// The tips of robots that share a scene never touch.
     Encounter,
+    /// The words and the place of a step are those of the program's file.
+    SourceMap,
 }
 
 impl Rule {
@@ -180,6 +182,7 @@ impl Rule {
             Rule::Pierce => Code::E0759,
             Rule::Apart => Code::E0760,
             Rule::Encounter => Code::E0770,
+            Rule::SourceMap => Code::E0771,
         }
     }
 }

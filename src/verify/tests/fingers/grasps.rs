@@ -92,6 +92,18 @@ fn tips_that_only_push_stand_opposite_each_other() {
     assert_eq!(pushed(0.3, &[1, 10, 19]), [Rule::Equilibrium]);
 }
 
+/// Two tips below a part bear it as a table would; they hold it only if they also hold it without its weight.
+#[test]
+fn a_part_that_rests_on_tips_is_not_held() {
+    let rests = |load_un: [f64; 3], contacts: &[u32]| {
+        let mut order = round(|facts| (facts.adhesion, facts.friction) = (Adhesion::Absent, 0.3));
+        order.load_un = load_un;
+        broken(&held(order, contacts))
+    };
+    assert_eq!(rests([5.0, 5.0, 0.0], &[1, 19, 0]), [Rule::Equilibrium]);
+    assert_eq!(rests([5.0, 5.0, 0.0], &[1, 37, 0]), []);
+}
+
 /// Two tips press with all their force, and friction bears a load along the tangents, in the plane or across.
 #[test]
 fn loads_are_borne_by_friction() {
