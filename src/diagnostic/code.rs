@@ -243,6 +243,7 @@ ledger! {
     E0758 "a part is not held as the last fingers leave"
     E0759 "a tip comes too near the part"
     E0760 "two tips come too near each other"
+    E0761 "a tip moves too fast"
     E0801 "a file that cannot be read"
     E0802 "a file that is too large"
     E0803 "a file that is not UTF-8"

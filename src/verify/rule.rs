@@ -114,6 +114,8 @@ pub enum Rule {
     Pierce,
     /// Tips keep clear of one another.
     Apart,
+    /// No tip of a hand moves faster than the device allows there.
+    Speed,
 }
 
 impl Rule {
@@ -174,6 +176,7 @@ impl Rule {
             Rule::Support => Code::E0758,
             Rule::Pierce => Code::E0759,
             Rule::Apart => Code::E0760,
+            Rule::Speed => Code::E0761,
         }
     }
 }

@@ -10,6 +10,7 @@ mod build;
 mod garbage;
 mod grasps;
 mod motion;
+mod pace;
 
 /// Two fingers take the bead and roll it, the third one takes the place of the second, and it is carried and released.
 fn day() -> Day {

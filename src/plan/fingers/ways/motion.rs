@@ -210,7 +210,10 @@ impl<'a> Walk<'a> {
     fn translate(&mut self, by_um: Vector3<f64>) -> Result<(), WayError> {
         self.position_um += by_um;
         let tips_um: Vec<Vector3<f64>> = self.tips_um.iter().map(|tip| tip + by_um).collect();
-        self.push(duration_ns(by_um.norm(), self.hand.facts.rolling_um_per_s), tips_um)?;
+        // Free tips come along.
+        let (facts, any_free) = (self.hand.facts, self.grasp.contains(&0));
+        let free_um_per_s = if any_free { facts.speed_um_per_s } else { f64::INFINITY };
+        self.push(duration_ns(by_um.norm(), facts.rolling_um_per_s.min(free_um_per_s)), tips_um)?;
         self.record();
         Ok(())
     }
