@@ -106,8 +106,17 @@ fn planned(verified: &Verified, width: usize, text: &mut String) {
                 lines.push(line);
             }
         }
-        for line in lines.into_iter().take(MAX_PLAN_LINES) {
+        for line in lines.iter().take(MAX_PLAN_LINES) {
             text.push_str(&terminal::line(topic.label(), "", width, line));
+        }
+        if lines.len() > MAX_PLAN_LINES {
+            let more = count(lines.len() - MAX_PLAN_LINES, "line");
+            text.push_str(&terminal::line(
+                "",
+                "",
+                width,
+                &format!("and {more} more, all of them in the JSON schedule"),
+            ));
         }
     }
 }
@@ -139,6 +148,12 @@ fn notes(run: &Told) -> Vec<Note> {
         Order::Microrobots(_) => microrobots::notes(run),
         Order::Fingers(order) => fingers::notes(run, order),
     }
+}
+
+/// What steps reach, where that is not what they ask for.
+fn reached<'a>(run: &'a Told) -> impl Iterator<Item = Note> + 'a {
+    let all = run.steps.iter().flat_map(|step| &step.reached);
+    all.filter(|reached| reached.is_off()).map(|reached| (Topic::Nearest, reached.to_string()))
 }
 
 /// `optimal (bound 29.88 um)`.

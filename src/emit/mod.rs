@@ -17,7 +17,7 @@ pub mod vcd;
 
 pub use error::EmitError;
 
-use crate::schedule::{Schedule, json};
+use crate::schedule::{Reached, Schedule, json};
 use crate::verify::Verified;
 use signal::Signals;
 

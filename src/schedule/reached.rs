@@ -11,6 +11,7 @@ use crate::check::claims::fingers::{self, FingersOrder};
 use crate::check::claims::microrobots::{self, MicrorobotsOrder};
 use crate::device::fingers::Plane;
 use crate::geometry::Pose;
+use crate::quantity::digits;
 use crate::real::Real;
 use nalgebra::{Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
@@ -57,6 +58,16 @@ impl Reached {
         }
     }
 
+    /// Whether what is reached differs from what was asked for by more than rounding.
+    pub fn is_off(&self) -> bool {
+        const ROUNDING: f64 = 5e-5;
+        match self {
+            Reached::Turn { off_deg, .. } | Reached::Orientation { off_deg, .. } => off_deg.abs() > ROUNDING,
+            Reached::Place { off_um, .. } => *off_um > ROUNDING,
+            Reached::Pose { off_um, off_deg, .. } => off_um.max(off_deg.abs()) > ROUNDING,
+        }
+    }
+
     /// Whether two say the same of the same thing, but for a difference of each number.
     pub fn is_near(&self, other: &Reached, within: f64) -> bool {
         let named = |reached: &Reached| match reached {
@@ -67,6 +78,31 @@ impl Reached {
         };
         let (own, others) = (self.floats(), other.floats());
         named(self) == named(other) && own.iter().zip(&others).all(|(one, other)| (one - other).abs() <= within)
+    }
+}
+
+impl std::fmt::Display for Reached {
+    /// `90 deg about z reaches 99.99 deg, 9.99 deg off`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let rounded = |value: f64| digits((value * 1e4).round() / 1e4);
+        let place = |um: &[f64; 2]| format!("({} um, {} um)", rounded(um[0]), rounded(um[1]));
+        match self {
+            Reached::Turn { axis, asked_deg, reached_deg, off_deg } => {
+                let [asked, reached, off] = [*asked_deg, *reached_deg, off_deg.abs()].map(rounded);
+                write!(f, "{asked} deg about {axis} reaches {reached} deg, {off} deg off")
+            }
+            Reached::Orientation { off_deg, .. } => {
+                write!(f, "an orientation is reached to {} deg", rounded(*off_deg))
+            }
+            Reached::Place { asked_um, reached_um, off_um } => {
+                write!(f, "{} reaches {}, {} um off", place(asked_um), place(reached_um), rounded(*off_um))
+            }
+            Reached::Pose { robot, asked_um, reached_um, off_um, asked_deg, reached_deg, off_deg } => {
+                let [asked, reached, off] = [*asked_deg, *reached_deg, off_deg.abs()].map(rounded);
+                let [from, to, off_um] = [place(asked_um), place(reached_um), rounded(*off_um)];
+                write!(f, "{robot} at {from}, {asked} deg reaches {to}, {reached} deg, {off_um} um and {off} deg off")
+            }
+        }
     }
 }
 
@@ -150,4 +186,3 @@ fn turns(order: &FingersOrder, nth: usize, end: &State) -> Vec<Reached> {
         | None => Vec::new(),
     }
 }
-

@@ -6,7 +6,7 @@
 use super::rule::{Findings, Rule, Violation, ms};
 use super::{dimibot, electrode_array, fingers, microrobots};
 use crate::check::claims::{Claims, Order};
-use crate::schedule::{Actuation, Schedule, Swing, Unit};
+use crate::schedule::{Actuation, Reached, Schedule, Swing, Unit};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {

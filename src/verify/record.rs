@@ -128,7 +128,7 @@ fn outcomes(run: &Run, replay: &Replay, findings: &mut Findings) {
 /// How far a number of what a step reaches may be from the replay's: micrometres, degrees, or a quaternion's.
 const REACHED_TOLERANCE: f64 = 5e-3;
 
-/// What each step is said to reach is what it reaches in the replay.
+/// What a step is said to reach, if anything is, is what it reaches in the replay.
 fn nearness(run: &Run, replay: &Replay, findings: &mut Findings) {
     for nth in 0..run.steps.len() {
         let step = run.step(nth);
@@ -136,11 +136,18 @@ fn nearness(run: &Run, replay: &Replay, findings: &mut Findings) {
         let end = replay.states.iter().rev().find(|timed| timed.t_ns <= end_ns);
         let due = end.map_or_else(Vec::new, |end| reached(&run.job.order, nth, &end.state));
         let agree = |(recorded, due): (&Reached, &Reached)| recorded.is_near(due, REACHED_TOLERANCE);
+        if step.reached.is_empty() {
+            continue;
+        }
         if step.reached.len() == due.len() && step.reached.iter().zip(&due).all(agree) {
             continue;
         }
-        let title =
-            format!("step {} of `{}` is said to reach {:?}, the replay gives {due:?}", nth + 1, run.job.task, step.reached);
+        let title = format!(
+            "step {} of `{}` is said to reach {:?}, the replay gives {due:?}",
+            nth + 1,
+            run.job.task,
+            step.reached
+        );
         findings.push(figure(run, title).step(run.steps[nth]));
     }
 }

@@ -1,6 +1,6 @@
 //! What a build tells of a plan for microrobots.
 
-use super::{Note, Told, Topic, count, proof, rounded};
+use super::{Note, Told, Topic, count, proof, reached, rounded};
 use crate::schedule::PlanRecord;
 
 /// `12.3 s in 9 switches, optimal (bound 12.3 s)`.
@@ -12,5 +12,7 @@ pub fn cost(plan: &PlanRecord) -> String {
 
 /// Whether each goal of an assembly is guaranteed under the device's error bounds.
 pub fn notes(run: &Told) -> Vec<Note> {
-    run.plan.remarks.iter().map(|remark| (Topic::Guaranteed, format!("{}: {}", remark.subject, remark.text))).collect()
+    let remarks = run.plan.remarks.iter();
+    let assured = remarks.map(|remark| (Topic::Guaranteed, format!("{}: {}", remark.subject, remark.text)));
+    assured.chain(reached(run)).collect()
 }
