@@ -14,6 +14,7 @@ use crate::compile::Compiled;
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::schedule::{PlanRecord, Schedule, Step};
 use crate::verify::Verified;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Runs of one schedule that the report shows; the rest is counted. Of each sort of note it shows as many.
@@ -38,10 +39,20 @@ enum Topic {
     Guaranteed,
     Contacts,
     Remarked,
+    Absent,
+    Idle,
 }
 
 impl Topic {
-    const ALL: [Topic; 5] = [Topic::Visits, Topic::Nearest, Topic::Guaranteed, Topic::Contacts, Topic::Remarked];
+    const ALL: [Topic; 7] = [
+        Topic::Visits,
+        Topic::Nearest,
+        Topic::Guaranteed,
+        Topic::Contacts,
+        Topic::Remarked,
+        Topic::Absent,
+        Topic::Idle,
+    ];
 
     fn label(self) -> &'static str {
         match self {
@@ -50,6 +61,8 @@ impl Topic {
             Topic::Guaranteed => "Assured",
             Topic::Contacts => "Contacts",
             Topic::Remarked => "Chosen",
+            Topic::Absent => "Absent",
+            Topic::Idle => "Idle",
         }
     }
 }
@@ -98,7 +111,7 @@ fn planned(verified: &Verified, width: usize, text: &mut String) {
     if more > 0 {
         text.push_str(&terminal::line("", "", width, &format!("and {} more", count(more, "run"))));
     }
-    let notes: Vec<Note> = runs.iter().flat_map(notes).collect();
+    let notes: Vec<Note> = runs.iter().flat_map(notes).chain(idle(verified)).collect();
     for topic in Topic::ALL {
         let mut lines: Vec<&str> = Vec::new();
         for (_, line) in notes.iter().filter(|(other, _)| *other == topic) {
@@ -131,6 +144,16 @@ fn runs(verified: &Verified) -> Vec<Told<'_>> {
     runs
 }
 
+/// The runs in which nothing is switched and nothing moves.
+fn idle(verified: &Verified) -> Vec<Note> {
+    let schedule = verified.schedule();
+    let busy: BTreeSet<u32> =
+        schedule.actuations.iter().map(|actuation| schedule.steps[actuation.step as usize].plan).collect();
+    let is_idle = |(index, _): &(u32, &PlanRecord)| !busy.contains(index);
+    let line = |(_, plan): (u32, &PlanRecord)| (Topic::Idle, format!("{}: 0 actuations, nothing is done", plan.task));
+    (0..).zip(&schedule.plans).filter(is_idle).map(line).collect()
+}
+
 /// What a run costs and how good that is.
 fn cost(run: &Told) -> String {
     match &run.job.order {
@@ -145,7 +168,7 @@ fn notes(run: &Told) -> Vec<Note> {
     match &run.job.order {
         Order::Dimibot(order) => dimibot::notes(run, order),
         Order::ElectrodeArray(_) => Vec::new(),
-        Order::Microrobots(_) => microrobots::notes(run),
+        Order::Microrobots(order) => microrobots::notes(run, order),
         Order::Fingers(order) => fingers::notes(run, order),
     }
 }

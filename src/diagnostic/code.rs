@@ -119,6 +119,7 @@ ledger! {
     E0422 "a control state that no voltages set"
     E0423 "a figure of docking or fine motion that cannot be"
     E0425 "a rotation step that does not divide a full turn"
+    W0301 "a loop that repeats nothing"
     W0401 "a lattice finer than the robot repeats"
     W0402 "separations that are not safe"
     W0403 "a control state that only just holds"

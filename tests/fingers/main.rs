@@ -2,6 +2,7 @@
 
 #[path = "../support/random.rs"]
 mod random;
+mod rolled;
 #[path = "../support/mod.rs"]
 mod support;
 
