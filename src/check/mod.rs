@@ -322,6 +322,10 @@ impl<'a> Checker<'a> {
             return;
         }
         let elements = self.elements(&each.over, scope);
+        // Inside of another loop, or with parameters, no turn may be just what is meant.
+        if elements.is_empty() && scope.local_names().next().is_none() {
+            self.sink.push(errors::repeats_nothing(each.over.span));
+        }
         for (number, element) in elements.into_iter().enumerate() {
             self.repetitions += 1;
             if self.repetitions > MAX_REPETITIONS {

@@ -238,6 +238,7 @@ pub fn crowd() -> (Verified, Provenance) {
             column: 1,
             start_ns: 0,
             duration_ns: 1000,
+            reached: Vec::new(),
             span: Span::default(),
         }];
         let pulse = |channel, start_ns, from, to| Actuation {
@@ -561,6 +562,7 @@ impl Gesture {
             column: 1,
             start_ns: self.t_ns,
             duration_ns: 0,
+            reached: Vec::new(),
             span: Span::default(),
         });
     }

@@ -120,6 +120,8 @@ pub enum Rule {
     Encounter,
     /// The words and the place of a step are those of the program's file.
     SourceMap,
+    /// No tip of a hand moves faster than the device allows there.
+    Speed,
 }
 
 impl Rule {
@@ -183,6 +185,7 @@ impl Rule {
             Rule::Apart => Code::E0760,
             Rule::Encounter => Code::E0770,
             Rule::SourceMap => Code::E0771,
+            Rule::Speed => Code::E0762,
         }
     }
 }

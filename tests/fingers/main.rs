@@ -5,6 +5,7 @@ mod mechanics;
 mod oracle;
 #[path = "../support/random.rs"]
 mod random;
+mod rolled;
 #[path = "../support/mod.rs"]
 mod support;
 

@@ -251,7 +251,15 @@ pub fn no_part(span: Span) -> Diagnostic {
 }
 
 /// An angle between two whole numbers of steps.
-pub fn no_whole_steps(span: Span, asked_rad: f64, step_rad: f64, precision_rad: f64) -> Diagnostic {
+///
+/// `step_deg` is a step of the device with which all turns of the task are whole steps, if one is known.
+pub fn no_whole_steps(
+    span: Span,
+    asked_rad: f64,
+    step_rad: f64,
+    precision_rad: f64,
+    step_deg: Option<f64>,
+) -> Diagnostic {
     let below = (asked_rad / step_rad).floor();
     let [low, high] = [below * step_rad, (below + 1.0) * step_rad];
     let off_deg = (asked_rad - low).min(high - asked_rad).to_degrees();
@@ -264,10 +272,25 @@ pub fn no_whole_steps(span: Span, asked_rad: f64, step_rad: f64, precision_rad: 
     );
     Diagnostic::new(Code::E0543, title)
         .label(span, format!("no whole number of steps within {}", angle(precision_rad)))
-        .help(format!(
-            "write one of these angles, or `precision: {} deg` among the settings",
-            digits(rounded_up(off_deg))
-        ))
+        .help(match step_deg {
+            Some(step_deg) => format!(
+                "write `step: {}` in the device, which makes this task's turns whole steps; or one of these angles",
+                step_text(step_deg)
+            ),
+            None => format!(
+                "write one of these angles, or `precision: {} deg` among the settings, which ends that far off",
+                digits(rounded_up(off_deg))
+            ),
+        })
+}
+
+/// A step of a device as it can be written: one that is no whole number of degrees as a share of a turn.
+fn step_text(step_deg: f64) -> String {
+    if (step_deg - step_deg.round()).abs() < 1e-9 {
+        format!("{} deg", digits(step_deg.round()))
+    } else {
+        format!("360 deg / {}", digits((360.0 / step_deg).round()))
+    }
 }
 
 pub fn turn_too_far(span: Span, asked_rad: f64) -> Diagnostic {
@@ -283,8 +306,14 @@ pub enum Asked {
     TurnAboutX,
 }
 
-/// An orientation that whole steps miss.
-pub fn orientation_missed(span: Span, asked: Asked, off_rad: f64, precision_rad: f64) -> Diagnostic {
+/// An orientation that whole steps miss; `step_deg` is a step of the device that would reach it, if one is known.
+pub fn orientation_missed(
+    span: Span,
+    asked: Asked,
+    off_rad: f64,
+    precision_rad: f64,
+    step_deg: Option<f64>,
+) -> Diagnostic {
     let (what, mend) = match asked {
         Asked::Orientation => ("orientation", "angles that are whole steps"),
         Asked::TurnAboutX => (
@@ -298,9 +327,12 @@ pub fn orientation_missed(span: Span, asked: Asked, off_rad: f64, precision_rad:
         angle(precision_rad)
     );
     let precision = digits(rounded_up(off_rad.to_degrees()));
-    Diagnostic::new(Code::E0545, title)
-        .label(span, "not reached")
-        .help(format!("write `precision: {precision} deg` among the settings, or {mend}"))
+    Diagnostic::new(Code::E0545, title).label(span, "not reached").help(match step_deg {
+        Some(step_deg) => format!("write `step: {}` in the device, which reaches it", step_text(step_deg)),
+        None => {
+            format!("take {mend}; or write `precision: {precision} deg` among the settings, which ends that far off")
+        }
+    })
 }
 
 pub fn other_part(run: Span, device: &str, first: &str, now: &str) -> Diagnostic {

@@ -238,6 +238,12 @@ pub fn too_many_repetitions(span: Span, limit: usize) -> Diagnostic {
         .help("a scene this large is better made of larger shapes, as `cells { from: …, to: … }`")
 }
 
+pub fn repeats_nothing(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::W0301, "a `for` that repeats nothing")
+        .label(span, "holds no element")
+        .help("a range runs up to its end, without it: `0..4` is 0, 1, 2, 3; leave the loop out if nothing is meant")
+}
+
 pub fn not_to_repeat(span: Span, found: &Value) -> Diagnostic {
     Diagnostic::new(Code::E0304, format!("`for` runs over a range or a list, this is {}", found.describe_fully()))
         .label(span, found.describe())

@@ -3,6 +3,7 @@
 use super::bench::Bench;
 use super::orientation;
 use super::part;
+use super::step;
 use crate::check::claims::fingers::{Action, FingersOrder, Part, Planner, Section, Step};
 use crate::check::lets::Argument;
 use crate::check::scope::nearest;
@@ -38,7 +39,8 @@ impl Checker<'_> {
         let (part, weight_un) = lying?;
         let precision_rad = precision_rad(&parts, self.sink)?;
         let load_un = load_un(&parts, weight_un)?;
-        let mut judge = Judge { facts, part: &part, precision_rad, sink: self.sink };
+        let turns = turns(&parts.steps);
+        let mut judge = Judge { facts, part: &part, precision_rad, turns, sink: self.sink };
         let planes = grasp_planes(&parts.steps, &part);
         let steps: Vec<Option<Step>> =
             parts.steps.iter().zip(&planes).map(|(step, planes)| judge.step(step, planes)).collect();
@@ -165,7 +167,24 @@ struct Judge<'a> {
     facts: &'a Facts,
     part: &'a Part,
     precision_rad: f64,
+    /// All turns of the task about z and y, in radians.
+    turns: Vec<(Plane, f64)>,
     sink: &'a mut Sink,
+}
+
+/// The turns that steps ask for by an angle about z or y.
+fn turns(steps: &[tasks::Step]) -> Vec<(Plane, f64)> {
+    let turn = |step: &tasks::Step| {
+        let tasks::Action::Verb(call) = &step.action else { return None };
+        let (by, about) = (phrase(call, "by")?, phrase(call, "about")?);
+        let (Value::Quantity(angle), Value::Text(axis)) = (&by.value, &about.value) else { return None };
+        match axis.as_str() {
+            "z" => Some((Plane::Xy, angle.si)),
+            "y" => Some((Plane::Xz, angle.si)),
+            _ => None,
+        }
+    };
+    steps.iter().filter_map(turn).collect()
 }
 
 impl Judge<'_> {
@@ -208,7 +227,8 @@ impl Judge<'_> {
         let most = i32::try_from(self.facts.steps_per_turn).ok()?;
         let steps = ((asked_rad / section.step_rad).round() as i32).clamp(-most, most);
         if (f64::from(steps) * section.step_rad - asked_rad).abs() > self.precision_rad * (1.0 + 1e-9) {
-            let wrong = errors::no_whole_steps(by.span, asked_rad, section.step_rad, self.precision_rad);
+            let mend = step::mending(self.part, self.facts, &step::Wanted::Turns(&self.turns), self.precision_rad);
+            let wrong = errors::no_whole_steps(by.span, asked_rad, section.step_rad, self.precision_rad, mend);
             return self.wrong(wrong, by);
         }
         Some(Action::Rotate { plane, steps, angle_rad: asked_rad })

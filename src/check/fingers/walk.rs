@@ -5,6 +5,7 @@
 
 use super::orientation::{self, MAX_WAYS, Orientation};
 use super::part;
+use super::step;
 use crate::check::claims::fingers::{Action, FingersOrder, Part, Turn};
 use crate::check::claims::{Job, Order};
 use crate::check::errors;
@@ -116,7 +117,7 @@ impl Hand {
                     (errors::Asked::TurnAboutX, self.reached[0] * given)
                 };
                 *goal = orientation::written(&absolute);
-                (*turns, *left_out_steps) = self.orient((asked, &absolute), at, order.precision_rad)?;
+                (*turns, *left_out_steps) = self.orient((asked, &absolute), at, order)?;
             }
             Action::Translate(by_um) => self.translate(*by_um, at, order)?,
             Action::Release => {
@@ -165,8 +166,9 @@ impl Hand {
         &mut self,
         (asked, goal): (errors::Asked, &Orientation),
         at: Span,
-        precision_rad: f64,
+        order: &FingersOrder,
     ) -> Result<(Vec<Vec<Turn>>, Option<u32>), Box<Diagnostic>> {
+        let precision_rad = order.precision_rad;
         let mut ways = orientation::ways(&(self.reached[0].inverse() * goal), &self.part);
         if ways.is_empty() {
             return Err(Box::new(errors::flat_part(at, &self.part.name, "not to this orientation", self.part.span)));
@@ -178,7 +180,8 @@ impl Hand {
         let best_rad = ways.iter().map(|way| way.off_rad).fold(f64::INFINITY, f64::min);
         ways.retain(|way| way.off_rad <= precision_rad);
         if ways.is_empty() {
-            return Err(Box::new(errors::orientation_missed(at, asked, best_rad, precision_rad)));
+            let step_deg = self.mending((asked, goal), order);
+            return Err(Box::new(errors::orientation_missed(at, asked, best_rad, precision_rad, step_deg)));
         }
         if let Some(why) = &self.junction_fault {
             let planes =
@@ -194,6 +197,24 @@ impl Hand {
         ways.truncate(most);
         self.take(&ways);
         Ok((ways.into_iter().map(|way| way.turns).collect(), left_out_steps))
+    }
+
+    /// A step of the device that reaches an orientation, where it is known how the part would be turned before: not at all, or as it is.
+    fn mending(&self, (asked, goal): (errors::Asked, &Orientation), order: &FingersOrder) -> Option<f64> {
+        let [reached] = self.reached.as_slice() else { return None };
+        let is_known = asked == errors::Asked::TurnAboutX || reached.angle() < SAME_RAD;
+        let turns: Vec<(Plane, f64)> = order
+            .steps
+            .iter()
+            .filter_map(|step| match step.action {
+                Action::Rotate { plane, angle_rad, .. } => Some((plane, angle_rad)),
+                Action::Orient { .. } | Action::Grasp(_) | Action::Translate(_) | Action::Release | Action::Wait(_) => {
+                    None
+                }
+            })
+            .collect();
+        let wanted = step::Wanted::Orientation(&(reached.inverse() * goal), &turns);
+        is_known.then(|| step::mending(&self.part, &order.facts, &wanted, order.precision_rad)).flatten()
     }
 
     /// Any of some ways has been taken.

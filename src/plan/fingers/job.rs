@@ -233,7 +233,7 @@ impl<'a> Tally<'a> {
         let is_free = |step: usize| matches!(self.order.steps[step].action, Action::Orient { .. });
         self.may_differ |= planned.routes.len() > 1;
         if route.iter().any(|turning| is_free(turning.step)) {
-            let said: Vec<String> = route.iter().map(|turning| said(self.order, turning.turn)).collect();
+            let said: Vec<String> = route.iter().map(|turning| said(sections, turning.turn)).collect();
             self.sums.remarks.push(Remark { subject: "turns".to_owned(), text: said.join(", ") });
         }
         for turning in route {
@@ -352,14 +352,14 @@ fn stuck_at(planned: &Routes, answer: &Answer) -> usize {
     leg.map_or(0, |turning| turning.step)
 }
 
-/// A turn in words: `80 deg about z`.
-fn said(order: &FingersOrder, turn: Turn) -> String {
+/// A turn in words, by the angle that its whole steps come to: `79.99 deg about z`.
+fn said(sections: &Sections, turn: Turn) -> String {
     let axis = match turn.plane {
         Plane::Xy => "z",
         Plane::Xz => "y",
     };
-    let degrees = f64::from(turn.steps) * 360.0 / f64::from(order.facts.steps_per_turn);
-    format!("{} deg about {axis}", crate::quantity::digits(degrees))
+    let degrees = (f64::from(turn.steps) * sections.step_rad(turn.plane)).to_degrees();
+    format!("{} deg about {axis}", crate::quantity::digits((degrees * 1e4).round() / 1e4))
 }
 
 impl Sums {

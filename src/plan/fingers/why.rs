@@ -251,6 +251,19 @@ impl Why<'_> {
                 let title = format!("finger {} has no clear way to or from contact {contact}", finger + 1);
                 Diagnostic::new(Code::E0602, title).label(at(step), "in this step").help("grasp it otherwise")
             }
+            WayError::Adrift { step, finger, contact, off_um } => {
+                let allowed_um = self.order.facts.tolerance_um;
+                let title = format!(
+                    "finger {} comes to be {} um off contact {contact}, more than the tolerance of {} um leaves",
+                    finger + 1,
+                    digits((off_um * 1e4).round() / 1e4),
+                    digits(allowed_um)
+                );
+                Diagnostic::new(Code::E0602, title).label(at(step), "as it goes on in another plane").help(
+                    "the outlines in both planes do not quite meet on the x axis, and each change of plane adds to it: `release` the \
+                     part before this step, or give the device a larger `tolerance`",
+                )
+            }
             WayError::TooFine { step } => Diagnostic::new(Code::E0602, "the way has too many stretches")
                 .label(at(step), "in this step")
                 .help("give the device a larger `tolerance`"),

@@ -18,8 +18,11 @@ const MIN_NUMBER: f64 = 1e-9;
 /// How far a section's step may be from what its perimeter says, as a share.
 const STEP_TOLERANCE: f64 = 1e-6;
 
-/// How far the opposite contact may lie from the x axis, as a share of the way there.
-const AXIS_TOLERANCE: f64 = 1e-4;
+/// How far a tip may have to roll from the opposite contact to the x axis, as a share of the tolerance: the checker allows a quarter, by the nominal step.
+const AXIS_TOLERANCE: f64 = 0.5;
+
+/// What rounding alone may make of it.
+const AXIS_ROUNDING_UM: f64 = 1e-6;
 
 /// The fewest contacts that can be told apart.
 const MIN_CONTACTS: u32 = 3;
@@ -80,8 +83,10 @@ fn section(section: &Section, facts: &Facts) -> Result<(), Unfit> {
     demand(off_rad <= STEP_TOLERANCE * round_rad, "hold steps that do not go once round an outline")?;
     let Some(opposite) = section.opposite else { return Ok(()) };
     demand((1..=contacts).contains(&opposite), "hold an opposite contact that is none")?;
-    let [x_um, y_um] = surface.curve.spot(surface.way_um(opposite)).point_um;
-    demand(x_um < 0.0 && y_um.abs() <= AXIS_TOLERANCE * x_um.abs(), "hold an opposite contact off the x axis")
+    let exact_rad = surface.rolled_rad(surface.curve.opposite_um());
+    let off_um = (f64::from(opposite - 1) * step_rad - exact_rad).abs() * facts.tip_radius_um;
+    let most_um = AXIS_TOLERANCE * facts.tolerance_um + AXIS_ROUNDING_UM;
+    demand(off_um <= most_um, "hold an opposite contact off the x axis")
 }
 
 fn action(order: &FingersOrder, action: &Action) -> Result<(), Unfit> {
