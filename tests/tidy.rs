@@ -182,8 +182,23 @@ const SHARED: &[(&str, &str)] = &[
 
 /// Names that say nothing of whose they are.
 const COMMON: &[&str] = &[
-    "at", "axes", "axis", "bounds", "digit", "digits", "fault", "find", "holds", "name", "new", "of", "round", "section", "text",
-    "touches", "vocabulary",
+    "at",
+    "axes",
+    "axis",
+    "bounds",
+    "digit",
+    "digits",
+    "fault",
+    "find",
+    "holds",
+    "name",
+    "new",
+    "of",
+    "round",
+    "section",
+    "text",
+    "touches",
+    "vocabulary",
 ];
 
 /// All code of a room, tests left out.
@@ -204,11 +219,13 @@ fn what_planners_and_verifier_share_is_listed() {
     let names = ["geometry", "device"].map(room_code).join("\n");
     let declared = names.lines().filter_map(|line| line.trim_start().strip_prefix("pub fn "));
     let word = |rest: &str| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
-    let both: BTreeSet<String> =
-        declared.map(word).filter(|name| calls(&plan, name) && calls(&verify, name)).collect();
+    let both: BTreeSet<String> = declared.map(word).filter(|name| calls(&plan, name) && calls(&verify, name)).collect();
     let listed: BTreeSet<String> = SHARED.iter().map(|(name, _)| (*name).to_owned()).collect();
     let unlisted: Vec<_> = both.iter().filter(|n| !listed.contains(*n) && !COMMON.contains(&n.as_str())).collect();
-    assert!(unlisted.is_empty(), "planners and verifier share {unlisted:?}: say in `SHARED` what else would show a fault");
+    assert!(
+        unlisted.is_empty(),
+        "planners and verifier share {unlisted:?}: say in `SHARED` what else would show a fault"
+    );
     let gone: Vec<_> = listed.difference(&both).collect();
     assert!(gone.is_empty(), "{gone:?} are shared no more");
     assert!(calls("a.b(c)", "b") && !calls("ab(c)", "b"));

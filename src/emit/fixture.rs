@@ -193,6 +193,7 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[Cell], start_ns: u64)
             column: 3,
             start_ns: begin_ns,
             duration_ns: t_ns - begin_ns,
+            reached: Vec::new(),
             span: Span::default(),
         });
     }
