@@ -10,7 +10,7 @@ use crate::verify::{self, Verdict, Verified};
 
 /// A program as it is handed to the compiler.
 pub struct Program<'a> {
-    /// The name that messages and outputs show, and from which used files are looked up.
+    /// The name that outputs carry, without a folder; used files are looked up from it, and the library says what messages call it.
     pub name: &'a str,
     pub text: &'a str,
     pub library: &'a dyn Library,
@@ -54,7 +54,7 @@ pub fn compile(program: &Program, sources: &mut Sources, sink: &mut Sink, progre
     }
     let mut schedules = Vec::with_capacity(drafts.len());
     for (schedule, claims) in drafts {
-        match verify::verify_program(schedule, claims, sources) {
+        match verify::verify(schedule, claims) {
             Verdict::Accepted(verified) => schedules.push(verified),
             Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
             Verdict::Inconclusive { why } => sink.push(verify::inconclusive(&why)),

@@ -69,16 +69,6 @@ impl Job {
         }
     }
 
-    /// Where each of its steps is written, in their order.
-    pub fn step_spans(&self) -> Vec<Span> {
-        match &self.order {
-            Order::Dimibot(order) => order.steps.iter().map(|step| step.span).collect(),
-            Order::ElectrodeArray(order) => order.steps.iter().map(|step| step.span).collect(),
-            Order::Microrobots(order) => order.steps.iter().map(|step| step.span).collect(),
-            Order::Fingers(order) => order.steps.iter().map(|step| step.span).collect(),
-        }
-    }
-
     /// The kind of the job's device.
     pub fn kind(&self) -> Kind {
         match &self.order {

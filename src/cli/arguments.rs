@@ -31,8 +31,7 @@ pub enum Command {
     )]
     Build(BuildArguments),
     /// Replay a written log against the device models, trusting nothing of the planner
-    #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz\n  \
-                      tweeze verify fetch.mcap --against fetch.twz --set pitch=80um")]
+    #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz")]
     Verify(VerifyArguments),
     /// Show what a diagnostic means, with an example and the mend
     #[command(after_help = "Example: tweeze explain E0503")]
@@ -101,9 +100,6 @@ pub struct VerifyArguments {
     /// Hold the log against this program, and not only against the one that it carries
     #[arg(long, value_name = "FILE.twz")]
     pub against: Option<PathBuf>,
-    /// Take the program of `--against` with this value; without it the program's own values count, whatever the log says
-    #[arg(long = "set", value_name = "NAME=VALUE", requires = "against")]
-    pub set: Vec<String>,
     #[command(flatten)]
     pub report: Report,
 }

@@ -41,7 +41,7 @@ fn reason(error: &io::Error) -> String {
 
 pub fn parts_disagree(log: &Path, what: &str) -> Diagnostic {
     Diagnostic::new(Code::E0741, format!("{what} of `{}` is not that of the program in it", log.display()))
-        .help("the log was edited after it was written, or written by another version: build the program again")
+        .help("the log was edited after it was written: build the program again")
 }
 
 pub fn other_program(log: &Path, program: &Path) -> Diagnostic {
@@ -50,46 +50,7 @@ pub fn other_program(log: &Path, program: &Path) -> Diagnostic {
     Diagnostic::new(Code::E0742, title).help("build the trusted program again and use that log")
 }
 
-/// What is to be said where a log was built with other settings than the trusted program is taken with; nothing if they are the same.
-pub fn other_settings(log: &Path, program: &Path, of_log: &[String], given: &[String]) -> Option<Diagnostic> {
-    let lacking = |of: &[String], list: &[String]| -> Vec<String> {
-        of.iter()
-            .filter(|setting| !list.contains(setting))
-            .map(|setting| format!("--set {}", quoted(setting)))
-            .collect()
-    };
-    let (silent, added) = (lacking(of_log, given), lacking(given, of_log));
-    let (title, help) = match (silent.is_empty(), added.is_empty()) {
-        (true, true) => return None,
-        (false, _) => (
-            format!(
-                "`{}` was built with `{}`, which changes what `{}` claims",
-                log.display(),
-                silent.join(" "),
-                program.display()
-            ),
-            format!("if you trust it, repeat it: `--against {} {}`", program.display(), silent.join(" ")),
-        ),
-        (true, false) => (
-            format!(
-                "`{}` was built without `{}`, which changes what `{}` claims",
-                log.display(),
-                added.join(" "),
-                program.display()
-            ),
-            "leave it out, or build the program again with it".to_owned(),
-        ),
-    };
-    Some(Diagnostic::new(Code::E0770, title).help(help))
-}
-
-/// A word as a shell takes it for what it is: a log may hold any setting, and its text is offered for copying.
-fn quoted(word: &str) -> String {
-    let is_safe = |c: char| c.is_ascii_alphanumeric() || "=._+-".contains(c);
-    if word.chars().all(is_safe) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
-}
-
 pub fn program_in_log_has_errors(log: &Path) -> Diagnostic {
     Diagnostic::new(Code::E0743, format!("the program in `{}` has errors", log.display()))
-        .help("the log was edited after it was written, or written by another version: build the program again")
+        .help("the log was edited after it was written: build the program again")
 }

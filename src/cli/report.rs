@@ -55,13 +55,12 @@ impl Topic {
 }
 
 /// The report of a whole build, each of its schedules written to some paths.
-pub fn build(file: &Path, compiled: &Compiled, settings_in_force: &[String], written: &[Vec<String>]) -> String {
+pub fn build(file: &Path, compiled: &Compiled, written: &[Vec<String>]) -> String {
     let file = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let paths = written.iter().flatten().cloned();
     let subjects = compiled.schedules.iter().flat_map(subjects).chain(paths).chain([file.clone()]);
-    let width = width(subjects.chain(settings_in_force.iter().map(|setting| format!("--set {setting}"))));
+    let width = subjects.map(|subject| subject.chars().count()).max().unwrap_or(0);
     let mut text = terminal::line("Checked", &file, width, &tally(compiled.tally));
-    text.push_str(&settings(settings_in_force, width));
     for verified in &compiled.schedules {
         planned(verified, width, &mut text);
     }
@@ -78,18 +77,6 @@ pub fn build(file: &Path, compiled: &Compiled, settings_in_force: &[String], wri
         }
     }
     text
-}
-
-/// The columns that the names of a report take.
-pub fn width(names: impl Iterator<Item = String>) -> usize {
-    names.map(|name| terminal::name(&name).chars().count()).max().unwrap_or(0)
-}
-
-/// A line for each setting in force: with it the program is another one than its text alone.
-pub fn settings(settings: &[String], width: usize) -> String {
-    let line =
-        |setting: &String| terminal::line("With", &format!("--set {setting}"), width, "instead of its own value");
-    settings.iter().map(line).collect()
 }
 
 /// The names that the lines of a schedule begin with: its runs, where they are not all of it, with its own name before.

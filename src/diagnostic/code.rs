@@ -243,8 +243,6 @@ ledger! {
     E0759 "a tip comes too near the part"
     E0760 "two tips come too near each other"
     E0761 "the arm of a docked robot is down"
-    E0770 "a log built with settings that were not repeated"
-    E0771 "a step is not where or what the schedule says"
     E0801 "a file that cannot be read"
     E0802 "a file that is too large"
     E0803 "a file that is not UTF-8"
@@ -265,6 +263,7 @@ ledger! {
     E0845 "a part of a log cannot be read"
     E0846 "the voltages or positions in a log are not those of its schedule"
     E0847 "a log shows something else than its schedule"
+    E0848 "a log of another version of Tweeze"
 }
 
 impl Code {

@@ -1,7 +1,6 @@
 //! Turns diagnostics into text: the only place that knows miette.
 
 use super::excerpt::{CONTEXT_LINES, Excerpt};
-use super::plain::{plain, plain_lines};
 use super::{Diagnostic, Label, Severity};
 use crate::source::{FileId, Sources};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, ThemeCharacters, ThemeStyles};
@@ -39,7 +38,7 @@ pub fn human(diagnostic: &Diagnostic, sources: &Sources, look: Look) -> String {
     let mut text = String::new();
     let report = report(diagnostic, sources);
     if handler(look).render_report(&mut text, &report).is_err() {
-        text = format!("{} {}\n", diagnostic.code, plain(&diagnostic.title));
+        text = format!("{} {}\n", diagnostic.code, diagnostic.title);
     }
     text
 }
@@ -79,7 +78,7 @@ pub fn json_line(diagnostic: &Diagnostic, sources: &Sources) -> String {
 fn json_label(label: &Label, sources: &Sources) -> serde_json::Value {
     let file = sources.file(label.span.file);
     let (start, end) = (file.position(label.span.start), file.position(label.span.end));
-    json!({ "file": file.name, "start": start, "end": end, "text": label.text })
+    json!({ "file": file.shown, "start": start, "end": end, "text": label.text })
 }
 
 /// A diagnostic as miette sees it: the labels of one file, further files as related reports.
@@ -114,8 +113,8 @@ fn report(diagnostic: &Diagnostic, sources: &Sources) -> Report {
     });
     Report {
         head: Some((diagnostic.code.name().to_owned(), diagnostic.code.severity())),
-        title: plain(&diagnostic.title).into_owned(),
-        help: diagnostic.help.as_deref().map(plain_lines),
+        title: diagnostic.title.clone(),
+        help: diagnostic.help.clone(),
         related: related.collect(),
         source,
         labels: labels.unwrap_or_default(),

@@ -8,7 +8,6 @@
 
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
-use crate::diagnostic::plain::commands;
 use crate::schedule::{Channel, Unit};
 
 /// About how many bytes a voltage takes, with its comma.
@@ -74,5 +73,5 @@ fn header(channel: &Channel) -> String {
 
 /// The text without line ends and control characters, which readers of lines would trip over.
 pub(super) fn one_line(text: &str) -> String {
-    text.chars().map(|c| if commands(c) { ' ' } else { c }).collect()
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }

@@ -123,17 +123,6 @@ impl<'t> Scan<'t> {
         self.line_limit
     }
 
-    /// Goes on behind some code that may end lines further down.
-    pub fn go_to(&mut self, at: usize) {
-        self.at = at;
-        if at > self.line_limit {
-            self.line_start = self.text[..at].rfind('\n').map_or(0, |end| end + 1);
-            self.line_limit = end_of_line(self.text, at);
-            let line = &self.text[self.line_start..self.line_limit];
-            self.indent = line.len() - line.trim_start_matches([' ', '\t']).len();
-        }
-    }
-
     fn byte_order_mark(&mut self) {
         if self.text.starts_with('\u{feff}') {
             self.replace(0, 3, "");

@@ -22,7 +22,6 @@ mod microrobots;
 mod premise;
 mod record;
 mod rule;
-mod source_map;
 
 pub use fingers::forces as finger_forces;
 pub use rule::{MAX_VIOLATIONS, Rule, Violation};
@@ -30,7 +29,6 @@ pub use rule::{MAX_VIOLATIONS, Rule, Violation};
 use crate::check::claims::{Claims, Order};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::schedule::{Schedule, State, TimedState};
-use crate::source::Sources;
 use rule::Findings;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -70,41 +68,10 @@ pub enum Verdict {
     Inconclusive { why: String },
 }
 
-/// Holds a schedule against its program: the claims, which were derived from the files of `sources`, and the files themselves for
-/// what the schedule says of its steps.
+/// Holds a schedule against the claims of its program.
 ///
 /// Claims that the checker made are always fit to be judged; [`Verdict::Inconclusive`] comes only of claims from elsewhere.
-pub fn verify_program(schedule: Schedule, claims: &Claims, sources: &Sources) -> Verdict {
-    match judge(&schedule, claims).map(|found| with_source_map(found, &schedule, claims, sources)) {
-        Err(Unfit(why)) => Verdict::Inconclusive { why },
-        Ok(violations) if violations.is_empty() => {
-            Verdict::Accepted(Verified { held: Box::new((schedule, claims.clone())) })
-        }
-        Ok(violations) => Verdict::Rejected(violations),
-    }
-}
-
-/// The source map is judged last: the other rules must have paired steps with those of the claims.
-fn with_source_map(found: Vec<Violation>, schedule: &Schedule, claims: &Claims, sources: &Sources) -> Vec<Violation> {
-    if !found.is_empty() {
-        return found;
-    }
-    let mut findings = Findings::default();
-    source_map::check(schedule, claims, sources, &mut findings);
-    findings.sorted()
-}
-
-/// What of a schedule breaks the claims of another program than its own; the words of its steps are not that program's.
-///
-/// # Errors
-/// Why nothing can be held against the claims.
-pub fn violations(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, String> {
-    judge(schedule, claims).map_err(|Unfit(why)| why)
-}
-
-/// As [`verify_program`] but for the source map, for schedules that the tests make by hand.
-#[cfg(test)]
-fn verify(schedule: Schedule, claims: &Claims) -> Verdict {
+pub fn verify(schedule: Schedule, claims: &Claims) -> Verdict {
     match judge(&schedule, claims) {
         Err(Unfit(why)) => Verdict::Inconclusive { why },
         Ok(violations) if violations.is_empty() => {

@@ -116,8 +116,6 @@ pub enum Rule {
     Pierce,
     /// Tips keep clear of one another.
     Apart,
-    /// The words and the place of a step are those of the program's file.
-    SourceMap,
 }
 
 impl Rule {
@@ -179,7 +177,6 @@ impl Rule {
             Rule::Support => Code::E0758,
             Rule::Pierce => Code::E0759,
             Rule::Apart => Code::E0760,
-            Rule::SourceMap => Code::E0771,
         }
     }
 }

@@ -8,11 +8,11 @@ use super::published::{self, Check, Heuristic, Outcome, Reading, Ties, Zero};
 use super::stage::{self, Blocker, Ground, Stage};
 use super::{portfolio, why};
 use crate::check::claims::electrode_array::{Action, ElectrodeArrayOrder, Method, Move, Objective, Step};
-use crate::check::claims::{Job, Relation};
+use crate::check::claims::{Job, Relation, Requirement};
 use crate::device::electrode_array::{Cell, Separation};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
-use crate::plan::requirements::{Kept, require};
+use crate::plan::requirements::{Kept, Known, require};
 use crate::plan::search::Budget;
 use crate::plan::{Motion as AnyMotion, Optimality, Plan};
 use crate::source::Span;
@@ -81,9 +81,28 @@ fn planned(
     let (costs, bounds, end) = (tasks.costs, tasks.bounds, tasks.cells);
     let Some(steps) = steps.into_iter().collect::<Option<Vec<StepMotion>>>() else { return (None, end) };
     let plan = finished(order, Motion { start: start.clone(), steps }, costs, bounds);
-    let mut best = |outcome: &str| best(job, order, outcome, start.clone());
-    let kept = require(job, &plan, &mut best, sink);
+    let mut known = |requirement: &Requirement| Known {
+        none_keeps_all: false,
+        least: least(order, &plan, bounds, &requirement.outcome),
+        other: best(job, order, &requirement.outcome, start.clone()),
+    };
+    let kept = require(job, &plan, &mut known, sink);
     (Some(plan).filter(|_| kept == Kept::Yes), end)
+}
+
+/// What no plan goes below, whatever its objective, in SI units.
+fn least(order: &ElectrodeArrayOrder, plan: &Plan, bounds: Costs, outcome: &str) -> Option<f64> {
+    match outcome {
+        "steps" => Some(bounds.makespan as f64),
+        "sum_of_costs" => Some(bounds.sum_of_costs as f64),
+        "time" => {
+            // The waits are the same in every plan.
+            let [steps, time_s] = ["steps", "time"].map(|name| plan.outcomes.get(name).copied());
+            let step_s = order.facts.step_ns as f64 / 1e9;
+            Some(time_s? - (steps? - bounds.makespan as f64) * step_s)
+        }
+        _ => None,
+    }
 }
 
 /// The plan that minimises an outcome instead.

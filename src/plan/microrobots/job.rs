@@ -16,7 +16,7 @@ use crate::check::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrde
 use crate::device::microrobots::Arm;
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
-use crate::plan::requirements::{Kept, require};
+use crate::plan::requirements::{Kept, Known, require};
 use crate::plan::search::Budget;
 use crate::plan::{Motion as AnyMotion, Optimality, Plan, Remark};
 use std::collections::BTreeMap;
@@ -92,7 +92,7 @@ fn planned(
     let are_guaranteed = assure(order, &motion, &mut tally.remarks, sink);
     let plan = tally.plan(motion);
     let crew = Crew { poses: bed.poses, docked: bed.docked };
-    let kept = require(job, &plan, &mut |_| None, sink);
+    let kept = require(job, &plan, &mut |_| Known::default(), sink);
     Some(((kept == Kept::Yes && are_guaranteed).then_some(plan), crew))
 }
 
