@@ -55,6 +55,12 @@ pub fn hand_figure(name: &str, device: &str, found: &str, limit: &str) -> Diagno
         .help("check its unit")
 }
 
+pub fn precision_of_all_angles(span: Span, found: Quantity) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("`precision` of {found}, it must be 180 deg or less"))
+        .label(span, "allows every angle")
+        .help("write the angle by which a turn may miss its goal, as `0.5 deg`")
+}
+
 pub fn gaiting_cost_not_whole(found: Quantity, most_deg: f64) -> Diagnostic {
     let nearest = found.si.to_degrees().round().clamp(1.0, most_deg);
     Diagnostic::new(Code::E0403, format!("`gaiting_cost` of {found}, it is a whole number of degrees, 1 to {most_deg}"))

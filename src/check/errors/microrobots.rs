@@ -73,10 +73,14 @@ pub fn stroke_out_of_clock(frequency: Quantity) -> Diagnostic {
     Diagnostic::new(Code::E0404, title).help("make `drive_frequency` 500 MHz or less, and 10 uHz or more")
 }
 
-pub fn beyond_extent(name: &str, found: Quantity, most_um: f64) -> Diagnostic {
-    let (limit, unit) = (length(most_um), if name == "speed" { " in one stroke" } else { "" });
-    Diagnostic::new(Code::E0403, format!("`{name}` of {found}, at most {limit}{unit} is planned with"))
-        .help("check its unit")
+pub fn beyond_extent(name: &str, found: Quantity, least_um: f64, most_um: f64) -> Diagnostic {
+    let (least, most, unit) = (length(least_um), length(most_um), if name == "speed" { " in one stroke" } else { "" });
+    let limit = if least_um > 0.0 { format!("{least} to {most}{unit}") } else { format!("at most {most}{unit}") };
+    Diagnostic::new(Code::E0403, format!("`{name}` of {found}, {limit} is planned with")).help("check its unit")
+}
+
+pub fn beyond_figure(name: &str, found: Quantity, most: Quantity) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("`{name}` of {found}, at most {most} is planned with")).help("check its unit")
 }
 
 pub fn some_error_bounds(missing: &[&str]) -> Diagnostic {
@@ -315,6 +319,13 @@ pub fn obstacle_without_place(span: Span, found: &Value) -> Diagnostic {
     )
     .label(span, found.describe())
     .help("write `at (900 um, 2.5 mm)`, or `at pose(900 um, 2.5 mm, 30 deg)` for a turned shape")
+}
+
+pub fn way_too_long(span: Span, robot: &str, way_um: f64, most_um: f64) -> Diagnostic {
+    let (way, most) = (length(way_um), length(most_um));
+    Diagnostic::new(Code::E0501, format!("`{robot}` is driven over {way} in one step, at most {most} is planned with"))
+        .label(span, "for so long")
+        .help("check the unit of this time, and those of the robots' speeds")
 }
 
 pub fn pose_too_far(span: Span, most_um: f64) -> Diagnostic {

@@ -14,7 +14,7 @@ use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::outline::Curve;
 use crate::real::Real;
 use crate::source::Span;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// Grasps that a search may expand where the task does not say.
@@ -34,6 +34,11 @@ impl Checker<'_> {
         let lying = the_part(&bench, &parts, scene, site, self.sink)?;
         let (part, weight_un) = lying?;
         let precision_rad = match parts.settings.get("precision").map(|setting| &setting.value) {
+            Some(Value::Quantity(angle)) if angle.si > PI => {
+                let span = parts.settings.get("precision").map_or(Span::default(), |setting| setting.span);
+                self.sink.push(errors::precision_of_all_angles(span, *angle));
+                return None;
+            }
             Some(Value::Quantity(angle)) => angle.si,
             Some(_) => return None,
             None => DEFAULT_PRECISION_RAD,

@@ -116,8 +116,16 @@ impl Judge<'_> {
         let state = self.state(call.object.as_ref()?);
         let (_, duration) = call.phrases.first()?;
         let Value::Quantity(time) = duration.value else { return None };
-        let duration_ns = crate::check::clock_ns(time, duration.span, "`apply`", self.sink);
-        Some(Action::Apply { state: state?, duration_ns: duration_ns? })
+        let duration_ns = crate::check::clock_ns(time, duration.span, "`apply`", self.sink)?;
+        let strokes = duration_ns as f64 / self.bed.facts.period_ns as f64;
+        let farthest = self.ground.robots.iter().map(|robot| &self.bed.facts.robots[robot.row]);
+        let farthest = farthest.max_by(|one, other| one.step_um.total_cmp(&other.step_um));
+        if let Some(robot) = farthest.filter(|robot| robot.step_um * strokes > MAX_EXTENT_UM) {
+            let way_um = robot.step_um * strokes;
+            self.sink.push(errors::way_too_long(duration.span, &robot.name, way_um, MAX_EXTENT_UM));
+            return None;
+        }
+        Some(Action::Apply { state: state?, duration_ns })
     }
 
     /// A control state by its number or by its arms.
