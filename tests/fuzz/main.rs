@@ -6,7 +6,7 @@
 //! one's own that is not verified.
 //!
 //! `cargo test --test fuzz -- [--seed N] [--seconds N | --cases N] [--jobs N] [--only parse|check|build|sweep|verify]`; what is found is
-//! written to `target/fuzz`. `-- --show N` prints a case, `-- --file PATH` runs one program.
+//! written to `tmp/fuzz` of the target folder. `-- --show N` prints a case, `-- --file PATH` runs one program.
 
 mod generate;
 mod judge;

@@ -114,7 +114,7 @@ struct Found {
     faults: BTreeMap<String, (u64, u64, String)>,
 }
 
-/// Writes a case to `target/fuzz`.
+/// Writes a case to `tmp/fuzz` of the target folder.
 pub fn keep(run: &Run, case: u64, text: &str) {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("fuzz");
     let name = format!("{}-{}-{case}.twz", run.seed, Attack::of(run, case).name());
