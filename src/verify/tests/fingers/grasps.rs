@@ -125,6 +125,22 @@ fn loads_are_borne_by_friction() {
     assert_eq!(loaded([0.0, most + 1e-3, 0.0], Adhesion::Absent), [Rule::Equilibrium]);
 }
 
+/// A load beside the line between two tips turns the part about it: they bear that by torsion, a third one by its lever.
+#[test]
+fn torques_balance_in_space() {
+    let beside = |torsion_um: f64, contacts: &[u32]| {
+        let mut order = round(|facts| facts.torsion_um = torsion_um);
+        order.load_un = [0.0, 0.0, -1.0];
+        Arc::make_mut(&mut order.part).centre_um = [0.0, 3.0, 0.0];
+        broken(&held(order, contacts))
+    };
+    // 3 uN um, and 2 x 31.5 uN x torsion.
+    assert_eq!(beside(0.0, &[1, 37, 0]), [Rule::Equilibrium]);
+    assert_eq!(beside(0.045, &[1, 37, 0]), [Rule::Equilibrium]);
+    assert_eq!(beside(0.048, &[1, 37, 0]), []);
+    assert_eq!(beside(0.0, &[1, 37, 19]), []);
+}
+
 /// The load turns in the part's frame as the part turns: what holds at first need not hold on.
 #[test]
 fn equilibrium_is_asked_while_tips_roll() {
