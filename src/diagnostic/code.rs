@@ -179,6 +179,7 @@ ledger! {
     W0501 "an obstacle outside the workspace"
     W0502 "a task that is never run"
     W0503 "nothing to build"
+    W0504 "a setting that changes nothing"
     E0601 "no plan exists"
     E0602 "the search gave up"
     E0603 "a condition that the plan does not keep"
