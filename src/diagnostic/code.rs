@@ -186,6 +186,7 @@ ledger! {
     W0501 "an obstacle outside the workspace"
     W0502 "a task that is never run"
     W0503 "nothing to build"
+    W0504 "a setting that changes nothing"
     W0510 "devices that run together and are not held against each other"
     E0601 "no plan exists"
     E0602 "the search gave up"

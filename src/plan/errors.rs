@@ -45,9 +45,9 @@ fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
         (Removal::OpensAndIsSmallest, 1) => Some(format!("without {names} there is a way")),
         (Removal::OpensAndIsSmallest, _) => Some(format!("without {names} there is a way; no fewer will do")),
         (Removal::Opens, _) => Some(format!("without {names} there is a way; this is the smallest set that was found")),
-        (Removal::Unknown, _) => {
-            Some(format!("{names} hold the way shut; whether others do as well was not found out"))
-        }
+        (Removal::Unknown, _) => Some(format!(
+            "{names} hold the way shut; the search for the smallest set in the way ended before it knew more"
+        )),
     }
 }
 

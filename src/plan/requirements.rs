@@ -29,6 +29,8 @@ pub struct Known {
     pub least: Option<f64>,
     /// Another plan of the same job, such as one for another objective. It is named only where it keeps all the other limits.
     pub other: Option<Plan>,
+    /// What may find a plan where none was found and nothing is proven.
+    pub advice: Option<String>,
 }
 
 /// What the report of a missed limit says besides the limit itself; values are of the outcome, in SI units.
@@ -81,11 +83,14 @@ pub fn require(job: &Job, plan: &Plan, known: &mut dyn FnMut(&Requirement) -> Kn
         let known = if is_upper(requirement) { known(requirement) } else { Known::default() };
         let verdict = verdict(job, index, plan, &known);
         let dimension = dimension(job, requirement);
-        sink.push(errors::requirement_missed(requirement, verdict, job.requirements.len(), &|value| Texts {
+        let texts = |value: Option<f64>| Texts {
             reached: show(reached, dimension),
             limit: limit_text(requirement.limit, reached, dimension),
             value: value.map(|value| enough(value, dimension)),
-        }));
+        };
+        let missed = errors::requirement_missed(requirement, verdict, job.requirements.len(), &texts);
+        let advice = known.advice.filter(|_| verdict == Verdict::NotFound);
+        sink.push(missed.help_if(advice));
     }
     all_kept
 }

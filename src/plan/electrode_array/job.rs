@@ -85,6 +85,7 @@ fn planned(
         none_keeps_all: false,
         least: least(order, &plan, bounds, &requirement.outcome),
         other: best(job, order, &requirement.outcome, start.clone()),
+        advice: None,
     };
     let kept = require(job, &plan, &mut known, sink);
     (Some(plan).filter(|_| kept == Kept::Yes), end)
