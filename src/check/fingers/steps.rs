@@ -15,7 +15,7 @@ use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::outline::Curve;
 use crate::real::Real;
 use crate::source::Span;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Grasps that a search may expand where the task does not say.

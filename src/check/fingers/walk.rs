@@ -83,6 +83,9 @@ struct Hand {
 
 type Told = Result<(), Box<Diagnostic>>;
 
+/// The ways to an orientation, and the fewest steps of those that were left out, if any were.
+type Ways = (Vec<Vec<Turn>>, Option<u32>);
+
 impl Hand {
     fn of(order: &FingersOrder) -> Hand {
         Hand {
@@ -167,7 +170,7 @@ impl Hand {
         (asked, goal): (errors::Asked, &Orientation),
         at: Span,
         order: &FingersOrder,
-    ) -> Result<(Vec<Vec<Turn>>, Option<u32>), Box<Diagnostic>> {
+    ) -> Result<Ways, Box<Diagnostic>> {
         let precision_rad = order.precision_rad;
         let mut ways = orientation::ways(&(self.reached[0].inverse() * goal), &self.part);
         if ways.is_empty() {

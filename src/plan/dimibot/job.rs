@@ -333,7 +333,7 @@ impl<'a> Search<'a> {
                 Action::Move(_) | Action::Visit(_) => StepMotion::Pulses(pulses),
             });
         }
-        finished(self.order, Motion { start: self.start, steps }, route.tally, bound)
+        finished(self.order, Motion { start: self.start, steps, delays: Vec::new() }, route.tally, bound)
     }
 
     fn fail(&self, failure: &Failure, sink: &mut Sink) {
