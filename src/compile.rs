@@ -10,7 +10,7 @@ use crate::verify::{self, Verdict, Verified};
 
 /// A program as it is handed to the compiler.
 pub struct Program<'a> {
-    /// The name that messages and outputs show, and from which used files are looked up.
+    /// The name that outputs carry, without a folder; used files are looked up from it, and the library says what messages call it.
     pub name: &'a str,
     pub text: &'a str,
     pub library: &'a dyn Library,

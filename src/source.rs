@@ -63,20 +63,34 @@ pub struct Position {
     pub column: u32,
 }
 
+/// Where a file comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Origin {
+    User,
+    /// The standard library: taken as it is, never warned of.
+    Library,
+    /// The value of a `--set`.
+    Setting,
+}
+
 /// One file of a program.
 #[derive(Debug, Clone)]
 pub struct SourceFile {
-    /// The name that messages and outputs show: as the user wrote it, or `std.dimibot`.
+    /// The name that outputs carry: seen from the program's folder (`bench.twz`, `../lab/bench.twz`), with `/` on every system, so
+    /// that it does not hang on where the program lies; `std.dimibot` for the standard library.
     pub name: String,
+    /// The name that messages show: the path as it was typed, or as it follows from that.
+    pub shown: String,
+    pub origin: Origin,
     pub text: Arc<str>,
     line_starts: Vec<u32>,
 }
 
 impl SourceFile {
-    fn new(name: String, text: Arc<str>) -> Self {
+    fn new(name: String, shown: String, origin: Origin, text: Arc<str>) -> Self {
         let starts = text.bytes().enumerate().filter(|&(_, byte)| byte == b'\n').map(|(at, _)| at as u32 + 1);
         let line_starts = std::iter::once(0).chain(starts).collect();
-        SourceFile { name, text, line_starts }
+        SourceFile { name, shown, origin, text, line_starts }
     }
 
     /// The line and column of a byte offset; an offset past the end counts as the end.
@@ -99,6 +113,26 @@ impl SourceFile {
     }
 }
 
+/// The name of the file that `path` names in the file named `from`, both with `/`: without `.` and `folder/..`, so that one file has
+/// one name. A path from the root of the disk stays one; it stands in the program's text, and so is the same wherever that lies.
+pub fn beside(from: &str, path: &str) -> String {
+    let is_absolute = path.starts_with('/') || std::path::Path::new(path).is_absolute();
+    let folder = from.rfind('/').map_or("", |end| &from[..=end]);
+    let whole = if is_absolute { path.to_owned() } else { format!("{folder}{path}") };
+    let root = if whole.starts_with('/') { "/" } else { "" };
+    let mut parts: Vec<&str> = Vec::new();
+    for part in whole.split('/') {
+        match part {
+            "" | "." => {}
+            ".." if parts.last().is_some_and(|last| *last != "..") => drop(parts.pop()),
+            // The root's parent is the root.
+            ".." if !root.is_empty() => {}
+            part => parts.push(part),
+        }
+    }
+    format!("{root}{}", parts.join("/"))
+}
+
 /// All files of one compilation, in the order in which they were met; the first is the program's own.
 #[derive(Debug, Clone, Default)]
 pub struct Sources {
@@ -106,9 +140,15 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Adds a file and returns its id.
+    /// Adds a file of the user that messages and outputs call by one name, and returns its id.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> FileId {
-        self.files.push(SourceFile::new(name.into(), text.into()));
+        let name = name.into();
+        self.add_as(name.clone(), name, Origin::User, text)
+    }
+
+    /// Adds a file with the name for outputs, the name for messages, and who wrote it; returns its id.
+    pub fn add_as(&mut self, name: String, shown: String, origin: Origin, text: impl Into<Arc<str>>) -> FileId {
+        self.files.push(SourceFile::new(name, shown, origin, text.into()));
         FileId(self.files.len() as u32 - 1)
     }
 
@@ -159,6 +199,22 @@ mod tests {
         let text = sources.file(file).text.clone();
         let offset = text.find("35").expect("the number is there");
         assert_eq!(sources.position(Span::new(file, offset, offset + 2)), Position { line: 2, column: 9 });
+    }
+
+    #[test]
+    fn names_are_seen_from_the_programs_folder() {
+        for (from, path, name) in [
+            ("a.twz", "b.twz", "b.twz"),
+            ("a.twz", "./lab//b.twz", "lab/b.twz"),
+            ("lab/b.twz", "../a.twz", "a.twz"),
+            ("lab/b.twz", "../../c.twz", "../c.twz"),
+            ("../c.twz", "../d.twz", "../../d.twz"),
+            ("../lab/c.twz", "d.twz", "../lab/d.twz"),
+            ("lab/b.twz", "/opt/e.twz", "/opt/e.twz"),
+            ("/opt/e.twz", "../../f.twz", "/f.twz"),
+        ] {
+            assert_eq!(beside(from, path), name, "{path} in {from}");
+        }
     }
 
     #[test]

@@ -9,8 +9,8 @@ mod physics;
 mod places;
 mod tray;
 
-pub use board::facts;
 use crate::device::electrode_array::Facts;
+pub use board::facts;
 pub use places::{Origins, places_agree};
 pub use tray::Judged;
 

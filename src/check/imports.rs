@@ -1,9 +1,9 @@
 //! The files of a program: its own, those it uses, those they use.
 
-use super::scope::{Import, Module, Origin};
+use super::scope::{Import, Module};
 use super::{errors, meshes};
 use crate::diagnostic::Sink;
-use crate::source::{FileId, Sources, Span};
+use crate::source::{FileId, Origin, Sources, Span};
 use crate::stdlib;
 use crate::syntax::{self, tree};
 use std::collections::BTreeMap;
@@ -28,6 +28,11 @@ pub trait Library {
     fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), String> {
         self.read(from, path)
     }
+
+    /// What messages call the file of a name.
+    fn shown(&self, name: &str) -> String {
+        name.to_owned()
+    }
 }
 
 /// Reads a program's own file and every file that it uses, each once. The first module is the program's own.
@@ -44,10 +49,10 @@ struct Loader<'a> {
     sink: &'a mut Sink,
     /// A module is `None` while the files that it uses are being read.
     modules: Vec<Option<Module>>,
-    known: BTreeMap<String, usize>,
+    known: BTreeMap<(Origin, String), usize>,
     /// The files of triangles, by name.
     texts: BTreeMap<String, Arc<str>>,
-    /// The files that are being read, the outermost first, with the `use` that asked for each.
+    /// The files that are being read by their names, the outermost first, with the `use` that asked for each.
     open: Vec<(String, Span)>,
 }
 
@@ -55,9 +60,9 @@ impl Loader<'_> {
     fn file(&mut self, (name, asked): (&str, Span), text: &str, origin: Origin) -> usize {
         let index = self.modules.len();
         self.modules.push(None);
-        self.known.insert(name.to_owned(), index);
+        self.known.insert((origin, name.to_owned()), index);
         self.open.push((name.to_owned(), asked));
-        let file = self.sources.add(name, text);
+        let file = self.sources.add_as(name.to_owned(), self.shown(name, origin), origin, text);
         let tree = syntax::parse(file, text, self.sink);
         let imports = self.imports(&tree);
         let meshes = self.meshes(&tree, name);
@@ -66,6 +71,14 @@ impl Loader<'_> {
         module.meshes = meshes;
         self.modules[index] = Some(module);
         index
+    }
+
+    /// What messages call a file.
+    fn shown(&self, name: &str, origin: Origin) -> String {
+        match origin {
+            Origin::User => self.library.shown(name),
+            Origin::Library | Origin::Setting => name.to_owned(),
+        }
     }
 
     /// The files of triangles that the shapes of a file name; they become sources like any other, so that logs carry them.
@@ -82,7 +95,8 @@ impl Loader<'_> {
                     let known = self.texts.entry(name);
                     let known = known.or_insert_with_key(|name| {
                         let text: Arc<str> = text.into();
-                        self.sources.add(name.clone(), Arc::clone(&text));
+                        let shown = self.library.shown(name);
+                        self.sources.add_as(name.clone(), shown, Origin::User, Arc::clone(&text));
                         text
                     });
                     meshes.insert(path, Arc::clone(known));
@@ -166,7 +180,7 @@ impl Loader<'_> {
         match self.library.read(&from, path) {
             Ok((name, text)) => self.module(&name, &text, Origin::User, span),
             Err(why) => {
-                let chain: Vec<String> = self.open.iter().map(|(name, _)| name.clone()).collect();
+                let chain: Vec<String> = self.open.iter().map(|(name, _)| self.library.shown(name)).collect();
                 self.sink.push(errors::missing_file(span, &format!("`{path}`"), &why, &chain));
                 None
             }
@@ -174,14 +188,18 @@ impl Loader<'_> {
     }
 
     fn module(&mut self, name: &str, text: &str, origin: Origin, span: Span) -> Option<usize> {
-        if let Some(start) = self.open.iter().position(|(open, _)| open == name) {
-            let uses: Vec<(Span, &str)> =
-                self.open[start + 1..].iter().map(|(name, at)| (*at, name.as_str())).collect();
-            self.sink.push(errors::import_cycle((span, name), &uses));
+        let known = self.known.get(&(origin, name.to_owned())).copied();
+        let is_open = |index: &usize| self.modules[*index].is_none();
+        if known.as_ref().is_some_and(is_open) {
+            let start = self.open.iter().position(|(open, _)| open == name).unwrap_or_default();
+            let shown = |(name, at): &(String, Span)| (*at, self.library.shown(name));
+            let uses: Vec<(Span, String)> = self.open[start + 1..].iter().map(shown).collect();
+            let uses: Vec<(Span, &str)> = uses.iter().map(|(at, name)| (*at, name.as_str())).collect();
+            self.sink.push(errors::import_cycle((span, &self.library.shown(name)), &uses));
             return None;
         }
-        if let Some(&index) = self.known.get(name) {
-            return Some(index);
+        if known.is_some() {
+            return known;
         }
         if self.modules.len() >= MAX_FILES {
             self.sink.push(errors::too_many_files(span, MAX_FILES));

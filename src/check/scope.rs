@@ -4,7 +4,7 @@ use super::errors;
 use super::value::Value;
 use crate::device::{Kind, shape::Form};
 use crate::diagnostic::Sink;
-use crate::source::{FileId, Span, Spanned};
+use crate::source::{FileId, Origin, Span, Spanned};
 use crate::syntax::tree::{self, Ident, Item, Tree};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,14 +23,6 @@ pub struct Module {
     /// The texts of the files of triangles that its shapes name, by the names written there.
     pub meshes: BTreeMap<String, Arc<str>>,
     origin: Origin,
-}
-
-/// Who wrote a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Origin {
-    User,
-    /// The standard library: taken as it is, never warned of.
-    Library,
 }
 
 /// A used file.

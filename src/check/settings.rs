@@ -5,7 +5,7 @@ use super::scope::{DeclarationSort, Place, Scope, nearest};
 use super::value::Value;
 use super::{Checker, errors};
 use crate::diagnostic::Sink;
-use crate::source::Sources;
+use crate::source::{Origin, Sources};
 use crate::syntax::{self, tree};
 use std::collections::BTreeMap;
 
@@ -26,7 +26,8 @@ fn parse_one(sources: &mut Sources, setting: &str, sink: &mut Sink) -> Option<Se
         return None;
     };
     let name = name.trim();
-    let file = sources.add(format!("--set {name}"), value.trim());
+    let shown = format!("--set {name}");
+    let file = sources.add_as(shown.clone(), shown, Origin::Setting, value.trim());
     let value = syntax::parse_value(file, value.trim(), sink)?;
     Some(Setting { name: name.to_owned(), value })
 }

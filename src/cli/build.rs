@@ -9,7 +9,7 @@ use crate::check::Options;
 use crate::compile::{self, Compiled, Outcome};
 use crate::diagnostic::Sink;
 use crate::emit::{self, Format, OutputFile, Provenance};
-use crate::source::Sources;
+use crate::source::{Origin, Sources};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -23,9 +23,10 @@ pub fn run(arguments: &BuildArguments) -> Exit {
     };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let waiting = Waiting::begin();
-    let outcome = compile::compile(&loaded.program(), &mut sources, &mut sink, &mut |index, count, task| {
-        waiting.at(index, count, task)
-    });
+    let outcome =
+        compile::compile(&loaded.program(&loaded.disk()), &mut sources, &mut sink, &mut |index, count, task| {
+            waiting.at(index, count, task)
+        });
     drop(waiting);
     terminal::report(&sink, &sources, format);
     match outcome {
@@ -37,8 +38,7 @@ pub fn run(arguments: &BuildArguments) -> Exit {
 
 /// The user's files of a program; the standard library comes with the compiler, and settings are no files.
 pub fn provenance(sources: &Sources, options: &Options) -> Provenance {
-    let is_own = |name: &str| !name.starts_with("std.") && !name.starts_with("--set ");
-    let own = sources.files().filter(|(_, file)| is_own(&file.name));
+    let own = sources.files().filter(|(_, file)| file.origin == Origin::User);
     let files = own.map(|(_, file)| (file.name.clone(), file.text.to_string())).collect();
     Provenance { files, settings: options.settings.clone() }
 }

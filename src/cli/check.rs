@@ -22,11 +22,11 @@ fn one(file: &Path, arguments: &CheckArguments) -> Exit {
         Err(exit) => return exit,
     };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let checked = compile::check(&loaded.program(), &mut sources, &mut sink);
+    let checked = compile::check(&loaded.program(&loaded.disk()), &mut sources, &mut sink);
     terminal::report(&sink, &sources, arguments.report.format);
     match checked {
         Some(checked) => {
-            let line = terminal::line("Checked", loaded.name(), 0, &super::report::tally(checked.tally));
+            let line = terminal::line("Checked", &loaded.shown(), 0, &super::report::tally(checked.tally));
             terminal::answer(&line)
         }
         None => Exit::Errors,

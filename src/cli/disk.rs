@@ -1,10 +1,8 @@
 //! Files: reading programs and logs, writing whole sets or nothing.
 
 use super::errors;
-use crate::check::imports::Library;
 use crate::diagnostic::Diagnostic;
 use crate::emit::OutputFile;
-use crate::geometry::mesh::Mesh;
 use crate::source::MAX_FILE_BYTES;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -43,70 +41,6 @@ pub fn read_bytes(path: &Path, limit: usize) -> Result<Vec<u8>, Box<Diagnostic>>
         return Err(Box::new(errors::too_large(path, limit)));
     }
     Ok(bytes)
-}
-
-/// The files beside a program.
-pub struct Disk;
-
-impl Library for Disk {
-    fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
-        let name = beside(from, path);
-        let text = read_program(Path::new(&name)).map_err(|diagnostic| diagnostic.title)?;
-        Ok((name, text))
-    }
-
-    fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), String> {
-        let name = beside(from, path);
-        let bytes = read_bytes(Path::new(&name), MAX_FILE_BYTES).map_err(|diagnostic| diagnostic.title)?;
-        let is_text = bytes.trim_ascii_start().starts_with(b"solid");
-        let text = match String::from_utf8(bytes) {
-            Ok(text) if is_text => text,
-            Ok(text) => mesh_text(text.as_bytes())?,
-            Err(error) => mesh_text(error.as_bytes())?,
-        };
-        if text.len() > MAX_FILE_BYTES {
-            return Err(format!("it is larger than {} MiB as text", MAX_FILE_BYTES >> 20));
-        }
-        Ok((name, text))
-    }
-}
-
-/// The text of a binary file of triangles.
-fn mesh_text(bytes: &[u8]) -> Result<String, String> {
-    Mesh::read(bytes).map(|mesh| mesh.to_text()).map_err(|fault| format!("it {fault}"))
-}
-
-/// The files that a log carries.
-pub struct Embedded<'a>(pub &'a [(String, String)]);
-
-impl Library for Embedded<'_> {
-    fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
-        let name = beside(from, path);
-        let text = self.0.iter().find(|file| file.0 == name).map(|file| file.1.clone());
-        text.map(|text| (name, text)).ok_or_else(|| "the log does not carry it".to_owned())
-    }
-}
-
-/// The name of the file that `path` names in the file `from`.
-fn beside(from: &str, path: &str) -> String {
-    let folder = Path::new(from).parent().unwrap_or(Path::new(""));
-    plain(&folder.join(path))
-}
-
-/// A path without `.` and without `folder/..`, so that one file has one name.
-fn plain(path: &Path) -> String {
-    use std::path::Component;
-    let mut parts = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir if parts.file_name().is_some() => {
-                parts.pop();
-            }
-            other => parts.push(other),
-        }
-    }
-    parts.to_string_lossy().into_owned()
 }
 
 /// Writes a set of files into a folder: all of them, or none.
@@ -208,6 +142,3 @@ fn take_back(done: Vec<Replaced>) {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

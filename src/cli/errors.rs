@@ -41,7 +41,7 @@ fn reason(error: &io::Error) -> String {
 
 pub fn parts_disagree(log: &Path, what: &str) -> Diagnostic {
     Diagnostic::new(Code::E0741, format!("{what} of `{}` is not that of the program in it", log.display()))
-        .help("the log was edited after it was written, or written by another version: build the program again")
+        .help("the log was edited after it was written: build the program again")
 }
 
 pub fn other_program(log: &Path, program: &Path) -> Diagnostic {
@@ -52,5 +52,5 @@ pub fn other_program(log: &Path, program: &Path) -> Diagnostic {
 
 pub fn program_in_log_has_errors(log: &Path) -> Diagnostic {
     Diagnostic::new(Code::E0743, format!("the program in `{}` has errors", log.display()))
-        .help("the log was edited after it was written, or written by another version: build the program again")
+        .help("the log was edited after it was written: build the program again")
 }

@@ -1,14 +1,17 @@
 //! A program's file, read and with what the command line adds, ready for the compiler.
 
 use super::arguments::Report;
-use super::disk::{self, Disk};
+use super::disk;
+use super::library::Disk;
 use super::{Exit, terminal};
 use crate::check::Options;
 use crate::compile::Program;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A program as a command was given it.
 pub struct Loaded {
+    path: PathBuf,
+    /// As outputs carry it.
     name: String,
     text: String,
     pub options: Options,
@@ -21,7 +24,7 @@ impl Loaded {
     /// The exit status where it cannot be read.
     pub fn read(file: &Path, options: Options, report: &Report) -> Result<Loaded, Exit> {
         match disk::read_program(file) {
-            Ok(text) => Ok(Loaded { name: file.to_string_lossy().into_owned(), text, options }),
+            Ok(text) => Ok(Loaded { path: file.to_owned(), name: Disk::round(file).program_name(), text, options }),
             Err(diagnostic) => {
                 terminal::report_one(*diagnostic, report.format);
                 Err(Exit::Files)
@@ -29,13 +32,18 @@ impl Loaded {
         }
     }
 
-    /// The name that messages show.
-    pub fn name(&self) -> &str {
-        &self.name
+    /// The name that messages show: the path as it was typed.
+    pub fn shown(&self) -> String {
+        self.path.to_string_lossy().into_owned()
+    }
+
+    /// The files round it.
+    pub fn disk(&self) -> Disk<'_> {
+        Disk::round(&self.path)
     }
 
     /// What the compiler takes.
-    pub fn program(&self) -> Program<'_> {
-        Program { name: &self.name, text: &self.text, library: &Disk, options: &self.options }
+    pub fn program<'a>(&'a self, disk: &'a Disk<'a>) -> Program<'a> {
+        Program { name: &self.name, text: &self.text, library: disk, options: &self.options }
     }
 }

@@ -7,6 +7,7 @@ mod devices;
 mod disk;
 mod errors;
 mod explain;
+mod library;
 mod loaded;
 mod report;
 mod simulate;

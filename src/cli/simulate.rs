@@ -21,12 +21,12 @@ pub fn run(arguments: &SimulateArguments) -> Exit {
         Err(exit) => return exit,
     };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let told = told(&loaded.program(), arguments, &mut sources, &mut sink);
+    let told = told(&loaded.program(&loaded.disk()), arguments, &mut sources, &mut sink);
     terminal::report(&sink, &sources, arguments.report.format);
     match told {
         None => Exit::Errors,
         Some(told) if told.is_empty() => {
-            eprintln!("{} has no assembly whose device says all its errors: nothing to simulate", loaded.name());
+            eprintln!("{} has no assembly whose device says all its errors: nothing to simulate", loaded.shown());
             Exit::Usage
         }
         Some(told) => terminal::answer(&told.join("\n")),

@@ -263,6 +263,7 @@ ledger! {
     E0845 "a part of a log cannot be read"
     E0846 "the voltages or positions in a log are not those of its schedule"
     E0847 "a log shows something else than its schedule"
+    E0848 "a log of another version of Tweeze"
 }
 
 impl Code {

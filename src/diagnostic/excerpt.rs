@@ -57,7 +57,7 @@ impl Excerpt {
     pub fn of(file: &SourceFile, labels: &[&Label]) -> (Excerpt, Vec<LabeledSpan>) {
         let mut marks = apart(labels.iter().enumerate().map(|(index, label)| mark(file, label, index)).collect());
         let mut excerpt = Excerpt {
-            name: file.name.clone(),
+            name: file.shown.clone(),
             text: String::new(),
             lines: Vec::new(),
             columns: Vec::with_capacity(marks.len()),

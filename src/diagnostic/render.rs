@@ -78,7 +78,7 @@ pub fn json_line(diagnostic: &Diagnostic, sources: &Sources) -> String {
 fn json_label(label: &Label, sources: &Sources) -> serde_json::Value {
     let file = sources.file(label.span.file);
     let (start, end) = (file.position(label.span.start), file.position(label.span.end));
-    json!({ "file": file.name, "start": start, "end": end, "text": label.text })
+    json!({ "file": file.shown, "start": start, "end": end, "text": label.text })
 }
 
 /// A diagnostic as miette sees it: the labels of one file, further files as related reports.

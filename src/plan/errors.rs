@@ -1,5 +1,6 @@
 //! What planning says: E06xx.
 
+use super::requirements::{Texts, Verdict};
 use crate::check::claims::{Relation, Requirement};
 use crate::device::MAX_EXPANSIONS;
 use crate::diagnostic::{Code, Diagnostic};
@@ -63,7 +64,7 @@ pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, plann
 pub fn greedy_gave_up(asked: Span, part: &str, at: &str, steps: usize, how: &str) -> Diagnostic {
     Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps} steps"))
         .label(asked, "neither planned nor disproved")
-        .help("leave `using` out: Tweeze's own planner finds a plan, or proves that there is none")
+        .help("leave `using` out: Tweeze's own planner searches all plans as far as its budget goes")
 }
 
 /// Of parts that cannot come to their goals because of one another.
@@ -119,14 +120,66 @@ pub fn start_covered(begins: Span, task: &str, at: &str, obstacles: &[(&str, Spa
     labelled.help("say where it begins with `start at`, or give the device another `home`")
 }
 
-pub fn requirement_missed(requirement: &Requirement, reached: &str, limit: &str, help: Option<String>) -> Diagnostic {
-    let relation = match requirement.relation {
-        Relation::Less => "less than",
-        Relation::AtMost => "at most",
-        Relation::Equal => "exactly",
-        Relation::AtLeast => "at least",
-        Relation::More => "more than",
+/// Of a limit that the plan misses. `all` is the number of limits of the task; `texts` writes the figures, with a value of the verdict
+/// rounded up.
+pub fn requirement_missed(
+    requirement: &Requirement,
+    verdict: Verdict,
+    all: usize,
+    texts: &dyn Fn(Option<f64>) -> Texts,
+) -> Diagnostic {
+    let name = &requirement.outcome;
+    let value = match verdict {
+        Verdict::Least(value) | Verdict::AtLeast(value, _) | Verdict::Elsewhere(_, value) => Some(value),
+        Verdict::Conflict | Verdict::NotFound => None,
     };
-    let title = format!("{} of {reached}, {relation} {limit} is required", requirement.outcome);
-    Diagnostic::new(Code::E0603, title).label(requirement.span, format!("the plan reaches {reached}")).help_if(help)
+    let Texts { reached, limit, value } = texts(value);
+    let value = value.unwrap_or_default();
+    let (within, raise) = match requirement.relation {
+        Relation::Less => ("below", "above"),
+        Relation::AtMost => ("within", "to"),
+        Relation::Equal => ("at exactly", "to"),
+        Relation::AtLeast => ("at or above", "to"),
+        Relation::More => ("above", "to"),
+    };
+    let others = if all > 1 { " and the other limits" } else { "" };
+    let (title, label, help) = match verdict {
+        Verdict::Least(_) => (
+            format!("no plan keeps `{name}` {within} {limit}{others}"),
+            format!("proven: the least is {value}"),
+            Some(format!("raise the limit {raise} {value}")),
+        ),
+        Verdict::AtLeast(_, best) => (
+            format!("no plan keeps `{name}` {within} {limit}{others}"),
+            format!("proven: no plan has less than {value}"),
+            best.and_then(|best| texts(Some(best)).value)
+                .map(|best| format!("the plan found would keep a limit of {best}")),
+        ),
+        Verdict::Conflict => (
+            format!("no plan keeps `{name}` {within} {limit} and the other limits"),
+            format!("proven; the best plan without limits has {reached}"),
+            None,
+        ),
+        Verdict::NotFound => (
+            format!("no plan was found that keeps `{name}` {within} {limit}{others}"),
+            format!("the plan found has {reached}"),
+            Some(not_proven(requirement.relation)),
+        ),
+        Verdict::Elsewhere(objective, _) => (
+            format!("no plan was found that keeps `{name}` {within} {limit}{others}"),
+            format!("the plan found has {reached}"),
+            Some(format!("`minimize {objective}` finds a plan with {value}")),
+        ),
+    };
+    Diagnostic::new(Code::E0603, title).label(requirement.span, label).help_if(help)
+}
+
+fn not_proven(relation: Relation) -> String {
+    match relation {
+        Relation::Less | Relation::AtMost => "whether there is one is not known",
+        Relation::Equal | Relation::AtLeast | Relation::More => {
+            "plans are searched for limits from above; this one was only held against the plan that was found"
+        }
+    }
+    .to_owned()
 }

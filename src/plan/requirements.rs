@@ -1,18 +1,49 @@
-//! The conditions of a task held against the outcome of its plan.
+//! The limits of a task held against the outcome of its plan.
+//!
+//! Input: a job, its plan, and what the planner of its kind knows of each limit that the plan misses. Output: whether all limits are
+//! kept; each missed one is reported. Promise: "no plan" is only said where the kind has a proof, and a help names only a plan or a
+//! limit that would do.
 
-use super::{Optimality, Plan, errors};
+use super::{Plan, errors};
 use crate::check::claims::{Job, Relation, Requirement};
 use crate::diagnostic::Sink;
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::{Dimension, Quantity, Unit};
 
 /// How far a sum of floats may stray from a limit that it meets exactly, relative to the limit.
-const REQUIREMENT_TOLERANCE: f64 = 1e-9;
+pub const REQUIREMENT_TOLERANCE: f64 = 1e-9;
 
 /// Whether an outcome meets its requirement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kept {
     Yes,
     No,
+}
+
+/// What a kind knows of an upper limit that its plan misses. The default knows nothing: the report then says that no plan was found.
+#[derive(Debug, Default)]
+pub struct Known {
+    /// Proven: no plan keeps all limits of the job at once.
+    pub none_keeps_all: bool,
+    /// Proven: no plan that keeps the other limits has less than this of the outcome, in SI units. A bound that holds whatever the
+    /// other limits are does as well.
+    pub least: Option<f64>,
+    /// Another plan of the same job, such as one for another objective. It is named only where it keeps all the other limits.
+    pub other: Option<Plan>,
+}
+
+/// What the report of a missed limit says besides the limit itself; values are of the outcome, in SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Verdict {
+    /// Proven: this is the least value of all plans that keep the other limits, and some plan has it.
+    Least(f64),
+    /// Proven: no plan that keeps the other limits has less. What the best plan found has, if it keeps them.
+    AtLeast(f64, Option<f64>),
+    /// Proven, without a value of its own: the limits exclude one another.
+    Conflict,
+    /// No plan was found, and nothing is proven.
+    NotFound,
+    /// No plan was found for this objective, but `minimize` with the other one finds a plan that keeps all limits.
+    Elsewhere(&'static str, f64),
 }
 
 /// Holds an outcome against a requirement.
@@ -28,41 +59,121 @@ pub fn keeps(requirement: &Requirement, reached: f64) -> Kept {
     if holds { Kept::Yes } else { Kept::No }
 }
 
+/// Whether a requirement limits its outcome from above and from nowhere else.
+pub fn is_upper(requirement: &Requirement) -> bool {
+    match requirement.relation {
+        Relation::Less | Relation::AtMost => true,
+        Relation::Equal | Relation::AtLeast | Relation::More => false,
+    }
+}
+
 /// Whether a plan meets all requirements of its job; those that it misses are reported.
 ///
-/// `best` answers with a plan that minimises an outcome instead, if the kind knows how; it is asked for each missed limit from
-/// above, so that the message can say which limit would do.
-pub fn require(job: &Job, plan: &Plan, best: &mut dyn FnMut(&str) -> Option<Plan>, sink: &mut Sink) -> Kept {
+/// `known` is asked for each missed limit from above.
+pub fn require(job: &Job, plan: &Plan, known: &mut dyn FnMut(&Requirement) -> Known, sink: &mut Sink) -> Kept {
     let mut all_kept = Kept::Yes;
-    for requirement in &job.requirements {
+    for (index, requirement) in job.requirements.iter().enumerate() {
         let Some(&reached) = plan.outcomes.get(&requirement.outcome) else { continue };
         if keeps(requirement, reached) == Kept::Yes {
             continue;
         }
         all_kept = Kept::No;
-        let wants_less = matches!(requirement.relation, Relation::Less | Relation::AtMost);
-        let best = if wants_less { best(&requirement.outcome) } else { None };
-        let help = best.and_then(|best| best_instead(job, requirement, &best));
-        let (reached, limit) = (shown(job, requirement, reached), shown(job, requirement, requirement.limit));
-        sink.push(errors::requirement_missed(requirement, &reached, &limit, help));
+        let known = if is_upper(requirement) { known(requirement) } else { Known::default() };
+        let verdict = verdict(job, index, plan, &known);
+        let dimension = dimension(job, requirement);
+        sink.push(errors::requirement_missed(requirement, verdict, job.requirements.len(), &|value| Texts {
+            reached: show(reached, dimension),
+            limit: limit_text(requirement.limit, reached, dimension),
+            value: value.map(|value| enough(value, dimension)),
+        }));
     }
     all_kept
 }
 
-fn shown(job: &Job, requirement: &Requirement, value: f64) -> String {
-    let outcomes = job.kind().vocabulary().outcomes;
-    let known = outcomes.iter().find(|known| known.name == requirement.outcome);
-    Quantity::new(value, known.map_or(Dimension::NUMBER, |known| known.dimension)).to_string()
+/// The figures of a report.
+pub struct Texts {
+    pub reached: String,
+    pub limit: String,
+    /// Rounded up, so that a limit of this much would do.
+    pub value: Option<String>,
 }
 
-/// What the plan reaches that minimises the missed figure itself.
-fn best_instead(job: &Job, requirement: &Requirement, best: &Plan) -> Option<String> {
-    let name = &requirement.outcome;
-    let reached = *best.outcomes.get(name)?;
-    let text = shown(job, requirement, reached);
-    Some(match (keeps(requirement, reached), best.proof) {
-        (Kept::Yes, _) => format!("`minimize {}` finds a plan of {text}", best.objective),
-        (Kept::No, Optimality::Proven) => format!("no plan does better: raise the limit to {text}"),
-        (Kept::No, Optimality::Open) => format!("the best plan found for `minimize {}` has {text}", best.objective),
-    })
+/// What can be said of a missed limit without saying too much.
+fn verdict(job: &Job, index: usize, plan: &Plan, known: &Known) -> Verdict {
+    let requirement = &job.requirements[index];
+    let candidates = [Some(plan), known.other.as_ref()];
+    let best =
+        candidates.into_iter().flatten().filter(|plan| keeps_the_others(job, index, plan)).min_by(|one, other| {
+            let value = |plan: &Plan| plan.outcomes.get(&requirement.outcome).copied().unwrap_or(f64::INFINITY);
+            value(one).total_cmp(&value(other))
+        });
+    let best = best.and_then(|plan| Some((plan.objective, *plan.outcomes.get(&requirement.outcome)?)));
+    let least = known.least.filter(|least| keeps(requirement, *least) == Kept::No);
+    match (least, best) {
+        (_, Some((objective, value))) if keeps(requirement, value) == Kept::Yes && objective != plan.objective => {
+            Verdict::Elsewhere(objective, value)
+        }
+        (Some(least), Some((_, value))) if value <= least * (1.0 + REQUIREMENT_TOLERANCE) => Verdict::Least(value),
+        (Some(least), best) => Verdict::AtLeast(least, best.map(|(_, value)| value)),
+        (None, _) if known.none_keeps_all => Verdict::Conflict,
+        (None, _) => Verdict::NotFound,
+    }
+}
+
+/// Whether a plan keeps all requirements of a job but one.
+fn keeps_the_others(job: &Job, but: usize, plan: &Plan) -> bool {
+    let mut others = job.requirements.iter().enumerate().filter(|(index, _)| *index != but);
+    others.all(|(_, other)| plan.outcomes.get(&other.outcome).is_none_or(|value| keeps(other, *value) == Kept::Yes))
+}
+
+fn dimension(job: &Job, requirement: &Requirement) -> Dimension {
+    let outcomes = job.kind().vocabulary().outcomes;
+    let known = outcomes.iter().find(|known| known.name == requirement.outcome);
+    known.map_or(Dimension::NUMBER, |known| known.dimension)
+}
+
+fn show(value: f64, dimension: Dimension) -> String {
+    Quantity::new(value, dimension).to_string()
+}
+
+/// A limit, with all its digits where fewer would look like the value that misses it.
+fn limit_text(limit: f64, reached: f64, dimension: Dimension) -> String {
+    let text = show(limit, dimension);
+    if text != show(reached, dimension) || limit == reached {
+        return text;
+    }
+    match dimension.example_unit().as_str() {
+        "" => limit.to_string(),
+        unit => format!("{} {unit}", Quantity::new(limit, dimension).in_unit(unit)),
+    }
+}
+
+/// A value in few digits, rounded up so that a limit of what is written would be kept by it.
+pub fn enough(value: f64, dimension: Dimension) -> String {
+    let is_enough = |text: &String| read_back(text).is_some_and(|read| value <= read * (1.0 + REQUIREMENT_TOLERANCE));
+    let raised = [0.0, 1e-6, 2e-6, 5e-6, 1e-5].map(|part| show(value + value.abs() * part, dimension));
+    raised.iter().find(|text| is_enough(text)).cloned().unwrap_or_else(|| show(value, dimension))
+}
+
+/// The SI value of a quantity as it is printed.
+fn read_back(text: &str) -> Option<f64> {
+    let (number, unit) = text.split_once(' ').unwrap_or((text, ""));
+    let unit = if unit.is_empty() { Unit::ONE } else { Unit::parse(unit).ok()? };
+    unit.of(number).map(|quantity| quantity.si)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_that_is_advised_is_kept() {
+        for value in [26.46885e-6, 26.468849e-6, 45e-3, 1.0, 99.99999e-6, 0.999_999_51, 3.0e-12 / 7.0] {
+            for dimension in [Dimension::LENGTH, Dimension::TIME, Dimension::NUMBER] {
+                let text = enough(value, dimension);
+                let read = read_back(&text).unwrap();
+                assert!(value <= read * (1.0 + REQUIREMENT_TOLERANCE) && read <= value * 1.000_02, "{value} {text}");
+            }
+        }
+    }
 }

@@ -11,9 +11,10 @@ mod error;
 mod records;
 mod series;
 
-pub use error::LogError;
+pub use error::{LogError, other_version};
 pub use series::{Bound, Column, Series, VoltageFault};
 
+use crate::check::claims::Claims;
 use crate::schedule::{Schedule, Unit, json};
 use crate::source::MAX_FILE_BYTES;
 use records::{Attachment, Contents};
@@ -44,6 +45,13 @@ pub const CLAIMS: &str = "claims.json";
 
 /// What the names of attached source files begin with.
 pub const SOURCE_PREFIX: &str = "source/";
+
+/// The version of what a log holds; it goes up when a log of the version before would be misjudged, because its records, its claims,
+/// or what follows from a program are others now. Logs that do not say it are of version 1.
+pub const SCHEMA: u64 = 2;
+
+/// The word in `format` of the attached claims.
+pub const CLAIMS_FORMAT: &str = "tweeze-claims";
 
 /// Name of the metadata record that says where the log comes from.
 pub const METADATA: &str = "tweeze";
@@ -103,10 +111,11 @@ pub fn read(bytes: &[u8]) -> Result<Log, LogError> {
 /// See [`LogError`]; messages before the fault were visited.
 pub fn read_with<'v>(bytes: &[u8], visit: &'v mut (dyn FnMut(&str, u64, &[u8]) + 'v)) -> Result<Log, LogError> {
     let contents = records::read(bytes, visit)?;
+    of_this_schema(&contents)?;
     let schedule = attached(&contents, SCHEDULE, MAX_SCHEDULE_BYTES)?;
     let schedule = json::read(schedule).map_err(|error| LogError::content(SCHEDULE, error.to_string()))?;
     let claims = attached(&contents, CLAIMS, MAX_CLAIMS_BYTES)?;
-    let claims_json = serde_json::from_slice(claims).map_err(|error| LogError::content(CLAIMS, error.to_string()))?;
+    let claims_json = read_claims(claims).map_err(|what| LogError::content(CLAIMS, what))?;
     let version = provenance(&contents, "version")?.to_owned();
     let settings = serde_json::from_str(provenance(&contents, "settings")?)
         .map_err(|error| LogError::content(format!("metadata `{METADATA}`, entry `settings`"), error.to_string()))?;
@@ -117,6 +126,43 @@ pub fn read_with<'v>(bytes: &[u8], visit: &'v mut (dyn FnMut(&str, u64, &[u8]) +
     }
     let files = files(&contents)?;
     Ok(Log { schedule, claims_json, files, settings, version, voltages: contents.voltages })
+}
+
+/// Refuses a log of another schema, before anything in it is taken for what it is not.
+fn of_this_schema(contents: &Contents) -> Result<(), LogError> {
+    let Some(metadata) = &contents.metadata else { return Ok(()) };
+    let entry = |key: &str| metadata.get(key).cloned();
+    let schema = entry("schema").unwrap_or_else(|| "1".to_owned());
+    match schema == SCHEMA.to_string() {
+        true => Ok(()),
+        false => Err(LogError::OtherSchema { schema, version: entry("version") }),
+    }
+}
+
+/// The claims without what says their form.
+fn read_claims(bytes: &[u8]) -> Result<serde_json::Value, String> {
+    let mut value: serde_json::Value = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+    let mut entry = |key: &str| value.as_object_mut().and_then(|claims| claims.remove(key));
+    let form = (entry("format"), entry("version"));
+    match form == (Some(CLAIMS_FORMAT.into()), Some(SCHEMA.into())) {
+        true => Ok(value),
+        false => Err(format!("is not of the format `{CLAIMS_FORMAT}`, version {SCHEMA}")),
+    }
+}
+
+/// The claims as a log carries them.
+///
+/// # Errors
+/// That of the serializer, which claims give no cause for: their keys are strings.
+pub fn write_claims(claims: &Claims) -> Result<Vec<u8>, serde_json::Error> {
+    #[derive(serde::Serialize)]
+    struct Document<'a> {
+        format: &'static str,
+        version: u64,
+        #[serde(flatten)]
+        claims: &'a Claims,
+    }
+    serde_json::to_vec(&Document { format: CLAIMS_FORMAT, version: SCHEMA, claims })
 }
 
 /// The data of the one attachment of a name.

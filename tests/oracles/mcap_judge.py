@@ -208,5 +208,5 @@ def provenance(attachments, metadata, schedule):
     text = attachments.get(f"source/{source['file']}")
     demand(text is not None, "the program's source is not attached")
     demand(hashlib.sha256(text).hexdigest() == source["sha256"], "the attached source is another")
-    demand(metadata["tweeze"].keys() >= {"version", "program", "settings", "scale"}, "the metadata lack an entry")
+    demand(metadata["tweeze"].keys() >= {"version", "schema", "program", "settings", "scale"}, "the metadata lack an entry")
     demand(metadata["tweeze"]["program"] == schedule.document["name"], "the metadata name another program")

@@ -9,7 +9,7 @@ use tweeze::compile::{self, Outcome, Program};
 use tweeze::diagnostic::Sink;
 use tweeze::emit::{self, Format, OutputFile, Provenance};
 use tweeze::schedule::Unit;
-use tweeze::source::Sources;
+use tweeze::source::{Origin, Sources};
 use tweeze::verify::Verified;
 
 /// What became of a program.
@@ -46,7 +46,7 @@ pub fn build_in(folder: &Path, text: &str) -> Built {
         Outcome::Refused => (Vec::new(), true),
     };
     let codes = sink.sorted().into_iter().map(|diagnostic| diagnostic.code.name()).collect();
-    let own = sources.files().filter(|(_, file)| !file.name.starts_with("std."));
+    let own = sources.files().filter(|(_, file)| file.origin == Origin::User);
     let files = own.map(|(_, file)| (file.name.clone(), file.text.to_string())).collect();
     Built { schedules, codes, refused, provenance: Provenance { files, settings: Vec::new() } }
 }

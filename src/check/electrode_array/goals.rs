@@ -1,7 +1,7 @@
 //! The steps of a task: which parts go where, as far as that can be judged without knowing where the parts stand by then.
 
-use super::default_expansions;
 use super::cover::{Spread, nearest_cell};
+use super::default_expansions;
 use super::places::Origins;
 use super::tray::{Blocked, Judged, on_board, on_obstacle, whole_cell};
 use crate::check::claims::electrode_array::{

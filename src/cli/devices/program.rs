@@ -22,12 +22,12 @@ pub fn run(file: &Path, arguments: &DevicesArguments) -> Exit {
         Err(exit) => return exit,
     };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let checked = compile::check(&loaded.program(), &mut sources, &mut sink);
+    let checked = compile::check(&loaded.program(&loaded.disk()), &mut sources, &mut sink);
     terminal::report(&sink, &sources, arguments.report.format);
     let Some(checked) = checked else { return Exit::Errors };
     let devices: Vec<String> = checked.devices.iter().map(|(name, facts)| told(name, facts, &checked.claims)).collect();
     terminal::answer(&if devices.is_empty() {
-        format!("{} declares no device\n", loaded.name())
+        format!("{} declares no device\n", loaded.shown())
     } else {
         devices.join("\n")
     })

@@ -15,9 +15,6 @@ pub fn difference(log_bytes: &[u8], verified: &Verified, provenance: &Provenance
             let mut search = Search::new(super::topics(verified, &Signals::new(verified.schedule())));
             let read = log::read_with(log_bytes, &mut |topic, t_ns, data| search.compare(topic, t_ns, data));
             Some(match read {
-                Ok(log) if log.version != env!("CARGO_PKG_VERSION") => {
-                    format!("it was written by tweeze {}, this is {LIBRARY}", log.version)
-                }
                 Ok(log) => search.found().unwrap_or_else(|| part(&log, verified, provenance)),
                 Err(error) => error.diagnostic().title,
             })
@@ -29,7 +26,7 @@ pub fn difference(log_bytes: &[u8], verified: &Verified, provenance: &Provenance
 /// For the person at the terminal.
 pub fn difference_diagnostic(difference: &str) -> Diagnostic {
     Diagnostic::new(Code::E0847, format!("the log shows something else than its schedule: {difference}"))
-        .help("the log was changed, or written by another version of Tweeze; build the program again")
+        .help("the log was changed after it was written: build the program again")
 }
 
 /// The messages that should come, and what was found wrong so far.

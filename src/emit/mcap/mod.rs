@@ -5,7 +5,7 @@
 //! `/<device>/scene` and `/<device>/plan` (what stands there, ways and stops, in three dimensions), and both as `…/points` for
 //! viewers that show no scenes. For all: `/tf` and `/log` (each step at its start, with its source line). Attachments:
 //! `schedule.json`, `claims.json`, every source file as `source/<name>`. The metadata record `tweeze` says which version wrote the
-//! log and from what. The clock begins at 0.
+//! log, in which schema, and from what. The clock begins at 0.
 //!
 //! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one micrometre.
 
@@ -157,7 +157,7 @@ fn attachments<'a>(verified: &Verified, provenance: &'a Provenance) -> Vec<Attac
         data,
     };
     let schedule = json::write(verified.schedule());
-    let claims = serde_json::to_vec(verified.claims()).expect("claims have string keys only");
+    let claims = log::write_claims(verified.claims()).expect("claims have string keys only");
     let own = [
         attach(SCHEDULE.to_owned(), "application/json", Cow::Owned(schedule)),
         attach(CLAIMS.to_owned(), "application/json", Cow::Owned(claims)),
@@ -173,6 +173,7 @@ fn metadata(verified: &Verified, provenance: &Provenance) -> records::Metadata {
     let settings = serde_json::to_string(&provenance.settings).expect("strings are JSON");
     let entries = [
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("schema", log::SCHEMA.to_string()),
         ("program", verified.schedule().name.clone()),
         ("settings", settings),
         ("scale", SCALE.to_owned()),

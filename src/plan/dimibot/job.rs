@@ -8,12 +8,12 @@ use super::{
     Weights, published, pulses, shortest, tour, why,
 };
 use crate::check::claims::dimibot::{Action, Body, DimibotOrder, Method, Objective, Step, Stop};
-use crate::check::claims::{self, Job};
+use crate::check::claims::{self, Job, Requirement};
 use crate::check::start_disagrees;
 use crate::device::dimibot::{Facts, Flip, Simultaneous};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
-use crate::plan::requirements::{Kept, require};
+use crate::plan::requirements::{Kept, Known, require};
 use crate::plan::search::{Budget, GaveUp};
 use crate::plan::{Motion as AnyMotion, Optimality, Plan};
 use crate::source::Span;
@@ -123,8 +123,13 @@ fn planned(
     let Some(steps) = steps.into_iter().collect::<Option<Vec<StepMotion>>>() else { return (None, at) };
     let motion = Motion { start, steps };
     let plan = finished(order, motion, tally);
-    let mut best = |outcome: &str| best(job, order, outcome, stands, fields);
-    let kept = require(job, &plan, &mut best, sink);
+    let mut known = |requirement: &Requirement| {
+        let other = best(job, order, &requirement.outcome, stands, fields);
+        let proven = other.as_ref().filter(|best| best.proof == Optimality::Proven);
+        let least = proven.and_then(|best| best.outcomes.get(&requirement.outcome).copied());
+        Known { none_keeps_all: false, least, other }
+    };
+    let kept = require(job, &plan, &mut known, sink);
     (Some(plan).filter(|_| kept == Kept::Yes), at)
 }
 

@@ -39,8 +39,8 @@ use tree::End;
 /// Joint spaces with at most this many states are searched as a whole.
 const SMALL: u64 = 1 << 20;
 
-/// A search of a small joint space is given this part of what is left of the budget.
-const JOINT_SHARE: u64 = 2;
+/// A search of a small joint space leaves this part of what is left of the budget to the others.
+const JOINT_SHARE: u64 = 4;
 
 /// All pairs that may block are given this part of what is left of the budget, and each of them that part of what is left of it.
 const PAIRS_SHARE: u64 = 2;
@@ -72,6 +72,24 @@ pub fn prove(
         Ok(field) => Prover::new(&field, objective, best, limit, meter).run(),
         Err(Closed::Stop { agent, stop }) => Answer::Impossible(Why::Closed { agent, stop }),
         Err(Closed::TooLarge) => unsearched(best, manhattan_bounds(instance)),
+    }
+}
+
+/// Looks only at a small joint space: the answer as of [`prove`], and whether it is decided.
+pub fn small(
+    instance: &Instance,
+    objective: Objective,
+    incumbent: &Paths,
+    limit: Option<u64>,
+    meter: &mut Meter,
+) -> Option<(Answer, bool)> {
+    let limit = limit.map(|limit| limit.min(u64::from(ALWAYS - 1)) as u32);
+    let field = Field::new(instance).ok()?;
+    let mut prover = Prover::new(&field, objective, Some(incumbent.clone()), limit, meter);
+    match prover.by_small_joint_space() {
+        Some(Done::Impossible(why)) => Some((Answer::Impossible(why), true)),
+        Some(Done::Proven) => Some((unsearched(prover.best, prover.bounds), true)),
+        None => Some((unsearched(prover.best, prover.bounds), false)),
     }
 }
 
@@ -201,19 +219,27 @@ impl<'a, 'm> Prover<'a, 'm> {
                 joint::Outcome::NotWithin | joint::Outcome::GaveUp { .. } => {}
             }
         }
-        let decided = self.makespan_of_small_joint_space();
-        if decided.is_some() {
-            return decided;
-        }
         match self.objective {
-            Objective::Makespan if self.is_met() => {
-                let limit = Some(self.bounds.makespan as u32);
-                if let joint::Outcome::Found(paths) = self.jointly(Aim::SumOfCosts { limit }) {
-                    self.offer(paths);
+            Objective::Makespan => {
+                let decided = self.makespan_of_small_joint_space();
+                if decided.is_some() {
+                    return decided;
+                }
+                if self.is_met() {
+                    let limit = Some(self.bounds.makespan as u32);
+                    if let joint::Outcome::Found(paths) = self.jointly(Aim::SumOfCosts { limit }) {
+                        self.offer(paths);
+                    }
                 }
             }
-            Objective::Makespan => {}
-            Objective::SumOfCosts => self.sum_of_small_joint_space(),
+            Objective::SumOfCosts => {
+                self.sum_of_small_joint_space();
+                let decided = self.makespan_of_small_joint_space();
+                if decided.is_some() {
+                    return decided;
+                }
+                self.fewest_steps_of_least_sum();
+            }
         }
         self.is_met().then_some(Done::Proven)
     }
@@ -235,16 +261,28 @@ impl<'a, 'm> Prover<'a, 'm> {
         exceeds.then_some(Done::Impossible(Why::TooFewSteps { least: self.bounds.makespan }))
     }
 
-    /// The least sum of costs within the limit, and then the fewest steps that it can have.
+    /// The least sum of costs within the limit.
     fn sum_of_small_joint_space(&mut self) {
-        match self.jointly(Aim::SumOfCosts { limit: self.limit }) {
+        // Without the instants in it the space is much smaller, and often the least sum keeps the limit.
+        self.sum_within(None);
+        if self.limit.is_some() && !self.is_met() {
+            self.sum_within(self.limit);
+        }
+    }
+
+    fn sum_within(&mut self, limit: Option<u32>) {
+        match self.jointly(Aim::SumOfCosts { limit }) {
             joint::Outcome::Found(paths) => {
-                self.bounds.sum_of_costs = Costs::of(&paths).sum_of_costs;
+                self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(Costs::of(&paths).sum_of_costs);
                 self.offer(paths);
             }
             joint::Outcome::GaveUp { bound } => self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(bound),
             joint::Outcome::Impossible | joint::Outcome::NotWithin => {}
         }
+    }
+
+    /// The fewest steps that the least sum of costs can have.
+    fn fewest_steps_of_least_sum(&mut self) {
         let Some(least) = self.best.as_ref().filter(|_| self.is_met()).map(Costs::of) else { return };
         for steps in self.bounds.makespan..least.makespan {
             match self.jointly(Aim::SumOfCosts { limit: Some(steps as u32) }) {
@@ -261,7 +299,7 @@ impl<'a, 'm> Prover<'a, 'm> {
     /// A search for everyone on a share of the budget.
     fn jointly(&mut self, aim: Aim) -> joint::Outcome {
         let group = self.everyone();
-        let steps = self.meter.left().steps / JOINT_SHARE;
+        let steps = self.meter.left().steps - self.meter.left().steps / JOINT_SHARE;
         self.spend(steps, |field, meter| joint::search(field, &group, aim, meter))
     }
 

@@ -11,12 +11,13 @@ use super::limits;
 use super::published::{self, Check, Heuristic, Outcome, Reading, Ties, Zero};
 use super::stage::{self, Blocker, Ground, Stage};
 use super::{portfolio, why};
-use crate::check::claims::electrode_array::{Action, ElectrodeArrayOrder, Method, Move, Objective, Step};
 use crate::check::claims::Job;
+use crate::check::claims::electrode_array::{Action, ElectrodeArrayOrder, Method, Move, Objective, Step};
+use crate::device::MAX_EXPANSIONS;
 use crate::device::electrode_array::{Cell, Separation};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
-use crate::plan::requirements::{Kept, require};
+use crate::plan::requirements::{Kept, Known, require};
 use crate::plan::search::Budget;
 use crate::plan::{Motion as AnyMotion, Optimality, Plan};
 use crate::source::Span;
@@ -98,7 +99,7 @@ fn planned(
         return (within_limits(job, order, &ground, (motion, known), sink), end);
     }
     let plan = finished(order, motion, total(known.iter().map(|(_, bounds)| *bounds)), None);
-    let kept = require(job, &plan, &mut |_| None, sink);
+    let kept = require(job, &plan, &mut |_| Known::default(), sink);
     (Some(plan).filter(|_| kept == Kept::Yes), end)
 }
 
@@ -263,7 +264,8 @@ impl Tasks<'_> {
             Answer::GaveUp { bounds } => {
                 let steps = format!("{} steps", bounds.makespan);
                 let (what, to) = ("the search for a plan", goals(stage));
-                self.sink.push(errors::gave_up(step.span, &to, what, budget.steps, &steps, "portfolio"));
+                let told = errors::gave_up(step.span, &to, what, budget.steps, &steps, "portfolio");
+                self.sink.push(told.help(more_may_do(budget.steps)));
                 None
             }
         }
@@ -363,6 +365,17 @@ impl Tasks<'_> {
     }
 }
 
+/// What may mend a search that gave up; how long it would take is not known.
+fn more_may_do(budget: u64) -> String {
+    let most = u64::from(MAX_EXPANSIONS);
+    if budget >= most {
+        return "no budget is known to do, and no more can be allowed: send the parts in several steps of the task"
+            .to_owned();
+    }
+    let more = budget.saturating_mul(8).min(most);
+    format!("no budget is known to do; a larger one may: `using portfolio {{ expansions: {more} }}`")
+}
+
 /// The goals of a stage in words: the first few.
 fn goals(stage: &Stage) -> String {
     const MAX_NAMED: usize = 3;
@@ -392,9 +405,7 @@ fn method_name(method: Method) -> &'static str {
 fn finished(order: &ElectrodeArrayOrder, motion: Motion, bounds: Costs, bound: Option<u64>) -> Plan {
     let outcomes = outcomes(order, &motion);
     let (name, least, other) = match order.objective {
-        Objective::Makespan => {
-            ("makespan", bounds.makespan, ("sum_of_costs".to_owned(), bounds.sum_of_costs as f64))
-        }
+        Objective::Makespan => ("makespan", bounds.makespan, ("sum_of_costs".to_owned(), bounds.sum_of_costs as f64)),
         Objective::SumOfCosts => ("sum_of_costs", bounds.sum_of_costs, ("steps".to_owned(), bounds.makespan as f64)),
     };
     let cost = outcomes[if order.objective == Objective::Makespan { "steps" } else { "sum_of_costs" }];

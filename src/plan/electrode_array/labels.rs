@@ -220,9 +220,7 @@ impl Search<'_> {
         let agent = head.len();
         let own = [from[agent], to];
         head.iter().enumerate().all(|(other, other_to)| {
-            let near = |at: Word, other_at: Word| {
-                self.field.too_near(agent, self.cell(at), other, self.cell(other_at))
-            };
+            let near = |at: Word, other_at: Word| self.field.too_near(agent, self.cell(at), other, self.cell(other_at));
             !near(own[1], *other_to) && !near(own[1], from[other]) && !near(own[0], *other_to)
         })
     }

@@ -22,7 +22,7 @@ pub const UNLIMITED: u64 = u64::MAX;
 const LABELS_SHARE: u64 = 4;
 
 /// The part of what is left for each of the other searches.
-const SEARCH_SHARE: u64 = 3;
+const SEARCH_SHARE: u64 = 2;
 
 /// So many choices of plans of the first steps are kept.
 const MOST_CHOICES: usize = 4096;
@@ -118,6 +118,11 @@ impl Search<'_> {
     /// Looks for the fewest steps; whether nothing else is of interest.
     fn fewest_steps(&mut self) -> bool {
         let [steps, sum, _] = self.asked.limits.most;
+        let known = self.front.choices[0].1;
+        if known[0] <= self.front.bounds[0].min(steps) && known[1] > sum {
+            // They are known, and at no more the sum of costs is to be less.
+            return false;
+        }
         match self.solve(Objective::Makespan, steps) {
             Answer::Found { paths, bounds } => {
                 self.front.bounds[0] = self.front.bounds[0].max(bounds.makespan);

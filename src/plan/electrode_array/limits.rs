@@ -5,9 +5,9 @@ use super::labels::{Figures, Limits};
 use super::limited::{self, Front, UNLIMITED, exceeds};
 use crate::check::claims::electrode_array::{Action, ElectrodeArrayOrder};
 use crate::check::claims::{Relation, Requirement};
-use crate::diagnostic::{Code, Diagnostic};
 use crate::device::Kind;
-use crate::plan::requirements::{Kept, keeps};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::plan::requirements::{Kept, enough, keeps};
 use crate::quantity::{Dimension, Quantity};
 
 /// Nothing is counted further.
@@ -115,9 +115,9 @@ pub fn broken(
     };
     let title = if is_proven { format!("no plan keeps {all}") } else { format!("no plan was found that keeps {all}") };
     let mut diagnostic = Diagnostic::new(Code::E0603, title);
-    let bounds = fronts.iter().fold([0; 3], |sum: Figures, front| {
-        [0, 1, 2].map(|figure: usize| sum[figure] + front.bounds[figure])
-    });
+    let bounds = fronts
+        .iter()
+        .fold([0; 3], |sum: Figures, front| [0, 1, 2].map(|figure: usize| sum[figure] + front.bounds[figure]));
     for requirement in requirements {
         diagnostic = diagnostic.label(requirement.span, label(order, requirement, bounds));
     }
@@ -125,7 +125,9 @@ pub fn broken(
 }
 
 fn label(order: &ElectrodeArrayOrder, requirement: &Requirement, bounds: Figures) -> String {
-    let bound = figure(&requirement.outcome).map(|figure| bounds[figure]).filter(|bound| *bound > allowed(order, requirement).1);
+    let bound = figure(&requirement.outcome)
+        .map(|figure| bounds[figure])
+        .filter(|bound| *bound > allowed(order, requirement).1);
     match bound {
         Some(bound) => format!("no plan has less than {}", shown(order, requirement, bound)),
         None => "this limit".to_owned(),
@@ -138,9 +140,11 @@ fn help(order: &ElectrodeArrayOrder, requirements: &[Requirement], wider: &[Fron
         let rest = requirements.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
         let figure = figure(&requirement.outcome)?;
         let enough = limited::least_known(wider, of(order, rest), figure)?;
+        let limit = if requirement.relation == Relation::Less { enough + 1 } else { enough };
         (enough > allowed(order, requirement).1).then(|| {
-            let name = if requirements.len() == 1 { "the limit".to_owned() } else { format!("`{}`", requirement.outcome) };
-            format!("{name} to {}", shown(order, requirement, enough))
+            let name =
+                if requirements.len() == 1 { "the limit".to_owned() } else { format!("`{}`", requirement.outcome) };
+            format!("{name} to {}", shown(order, requirement, limit))
         })
     });
     let raises: Vec<String> = raises.collect();
@@ -157,14 +161,14 @@ fn text(requirement: &Requirement) -> String {
         Relation::AtLeast => ">=",
         Relation::More => ">",
     };
-    format!("{} {sign} {}", requirement.outcome, in_units(&requirement.outcome, requirement.limit))
+    format!("{} {sign} {}", requirement.outcome, Quantity::new(requirement.limit, dimension(&requirement.outcome)))
 }
 
 fn shown(order: &ElectrodeArrayOrder, requirement: &Requirement, figure: u64) -> String {
-    in_units(&requirement.outcome, value(order, &requirement.outcome, figure))
+    enough(value(order, &requirement.outcome, figure), dimension(&requirement.outcome))
 }
 
-fn in_units(outcome: &str, value: f64) -> String {
+fn dimension(outcome: &str) -> Dimension {
     let known = Kind::ElectrodeArray.vocabulary().outcomes.iter().find(|known| known.name == outcome);
-    Quantity::new(value, known.map_or(Dimension::NUMBER, |known| known.dimension)).to_string()
+    known.map_or(Dimension::NUMBER, |known| known.dimension)
 }

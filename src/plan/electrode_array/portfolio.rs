@@ -5,6 +5,7 @@
 //! - By turns, each longer than the one before, [`fast::first`] looks for a plan, then [`lacam::first`] and, one part moving at a
 //!   time, [`joint`]; then [`exact::prove`] for a reason why there is none (small joint spaces, parts that block each other)
 //!   until one of them has found something.
+//! - A small joint space is searched as a whole.
 //! - Until the objective meets its bound or their share of the budget is spent: [`fast::improve`] in rounds and, where a round leaves
 //!   the makespan as it was, [`fast::first`] within one step less. Where the bound is not met, the same again from the same first plan
 //!   for the other objective, and from there back: what serves one may serve the other.
@@ -154,7 +155,17 @@ impl Search<'_> {
     }
 
     /// The best plan that the budget allows from a first one on.
-    fn better(mut self, first: Paths) -> Answer {
+    fn better(mut self, mut first: Paths) -> Answer {
+        if !self.is_met(&first) {
+            let (instance, objective, limit) = (self.instance, self.objective, self.limit);
+            let share = self.meter.left().steps - self.meter.left().steps / IMPROVE_SHARE;
+            let looked = self.spend(share, |meter| exact::small(instance, objective, &first, limit, meter));
+            match looked {
+                Some((answer, true)) => return answer,
+                Some((Answer::Found { paths, bounds }, false)) => (first, self.bounds) = (paths, bounds),
+                Some((Answer::Impossible(_) | Answer::GaveUp { .. }, false)) | None => {}
+            }
+        }
         let all = self.meter.left().steps;
         let share = if self.instance.agents.len() > CROWD { all - all / IMPROVE_SHARE } else { all / IMPROVE_SHARE };
         let mut best = self.bettered(first.clone(), share);

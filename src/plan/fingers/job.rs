@@ -15,7 +15,7 @@ use crate::check::claims::Job;
 use crate::check::claims::fingers::{Action, FingersOrder, Planner, Turn};
 use crate::device::fingers::Plane;
 use crate::diagnostic::Sink;
-use crate::plan::requirements::{Kept, require};
+use crate::plan::requirements::{Kept, Known, require};
 use crate::plan::search::{Budget, GaveUp};
 use crate::plan::{Motion as AnyMotion, Optimality, Plan, Remark};
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -67,7 +67,7 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
     };
     let end = ways::end(&motion);
     let plan = tally.sums.plan(order, motion);
-    let kept = require(job, &plan, &mut |_| None, sink);
+    let kept = require(job, &plan, &mut |_| Known::default(), sink);
     Some(((kept == Kept::Yes).then_some(plan), end))
 }
 

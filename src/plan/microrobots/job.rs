@@ -13,7 +13,7 @@ use crate::check::claims::Job;
 use crate::check::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Step, Stop};
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
-use crate::plan::requirements::{Kept, require};
+use crate::plan::requirements::{Kept, Known, require};
 use crate::plan::search::Budget;
 use crate::plan::{Motion as AnyMotion, Optimality, Plan, Remark};
 use std::collections::BTreeMap;
@@ -81,7 +81,7 @@ fn planned(job: &Job, order: &MicrorobotsOrder, start: Crew, sink: &mut Sink) ->
     let are_guaranteed = assure(order, &motion, &mut tally.remarks, sink);
     let plan = tally.plan(motion);
     let crew = Crew { poses: bed.poses, docked: bed.docked };
-    let kept = require(job, &plan, &mut |_| None, sink);
+    let kept = require(job, &plan, &mut |_| Known::default(), sink);
     Some(((kept == Kept::Yes && are_guaranteed).then_some(plan), crew))
 }
 

@@ -1,6 +1,6 @@
 //! What is wrong with a log.
 
-use super::VoltageFault;
+use super::{SCHEMA, VoltageFault};
 use crate::diagnostic::{Code, Diagnostic};
 
 /// Why a file is not a log that can be judged.
@@ -16,6 +16,8 @@ pub enum LogError {
     TooLarge { offset: u64, what: String, bytes: u64, limit: u64 },
     /// A part that every log of Tweeze has is not there.
     Missing { what: String },
+    /// The log is of another schema, written by the version of Tweeze that is named.
+    OtherSchema { schema: String, version: Option<String> },
     /// A part is whole but does not hold what it should.
     Content { place: String, what: String },
 }
@@ -49,11 +51,33 @@ impl LogError {
             .help("no log of Tweeze is as large; build the program again"),
             LogError::Missing { what } => Diagnostic::new(Code::E0844, format!("the log has no {what}"))
                 .help("`tweeze verify` reads the `.mcap` file that `tweeze build` writes, not logs of other programs"),
+            LogError::OtherSchema { schema, version } => other_version(version.as_deref(), Some(schema)),
             LogError::Content { place, what } => {
                 Diagnostic::new(Code::E0845, format!("{place} of the log cannot be read: {what}")).help(AGAIN)
             }
         }
     }
+}
+
+/// For the person at the terminal: a log of another version, and of another schema if that is named, is not judged.
+///
+/// Whatever the log says of itself is printed without control characters and cut to a line.
+pub fn other_version(version: Option<&str>, schema: Option<&str>) -> Diagnostic {
+    let clean = |text: &str| text.chars().filter(|c| !c.is_control()).take(40).collect::<String>();
+    let writer =
+        version.map_or_else(|| "a tweeze that does not name itself".to_owned(), |v| format!("tweeze {}", clean(v)));
+    let own = env!("CARGO_PKG_VERSION");
+    let title = match schema {
+        Some(schema) => {
+            let schema = clean(schema);
+            format!(
+                "the log was written by {writer} in schema {schema}, this is tweeze {own}, which judges schema {SCHEMA}"
+            )
+        }
+        None => format!("the log was written by {writer}, and does not follow from its program by this tweeze {own}"),
+    };
+    Diagnostic::new(Code::E0848, title)
+        .help(format!("verify it with {writer}, or build its program again with this one: the log carries the source"))
 }
 
 impl VoltageFault {

@@ -21,22 +21,24 @@ fn binary() -> Vec<u8> {
 #[test]
 fn a_binary_file_is_read_as_text_that_a_log_gives_back() {
     let folder = tempfile::tempdir().expect("a folder can be made");
-    let program = folder.path().join("main.twz").to_string_lossy().into_owned();
+    let program = folder.path().join("main.twz");
     std::fs::write(folder.path().join("bead.stl"), binary()).expect("it can be written");
-    let (name, text) = Disk.read_mesh(&program, "bead.stl").expect("it can be read");
+    let (name, text) = Disk::round(&program).read_mesh("main.twz", "bead.stl").expect("it can be read");
+    assert_eq!(name, "bead.stl");
     assert!(text.starts_with("solid"));
     let mesh = Mesh::read(&binary()).expect("it is a mesh");
     assert_eq!(Mesh::read(text.as_bytes()).expect("so is its text"), mesh);
     let files = [(name.clone(), text.clone())];
-    assert_eq!(Embedded(&files).read_mesh(&program, "bead.stl"), Ok((name, text)));
+    assert_eq!(Embedded(&files).read_mesh("main.twz", "bead.stl"), Ok((name, text)));
 }
 
 #[test]
 fn what_is_no_mesh_says_so() {
     let folder = tempfile::tempdir().expect("a folder can be made");
-    let program = folder.path().join("main.twz").to_string_lossy().into_owned();
+    let program = folder.path().join("main.twz");
+    let disk = Disk::round(&program);
     std::fs::write(folder.path().join("bead.stl"), [0xff; 200]).expect("it can be written");
-    let why = Disk.read_mesh(&program, "bead.stl").expect_err("it is none");
+    let why = disk.read_mesh("main.twz", "bead.stl").expect_err("it is none");
     assert!(why.contains("STL"), "{why}");
-    assert!(Disk.read_mesh(&program, "none.stl").is_err());
+    assert!(disk.read_mesh("main.twz", "none.stl").is_err());
 }

@@ -1,0 +1,80 @@
+//! Where used files come from: the disk, or a log.
+//!
+//! Files are known by names that are seen from the program's folder, so that outputs do not hang on where a program lies or how its
+//! path was typed; messages show that path.
+
+use super::disk;
+use crate::check::imports::Library;
+use crate::geometry::mesh::Mesh;
+use crate::source::{MAX_FILE_BYTES, beside};
+use std::path::{Path, PathBuf};
+
+/// The files round a program on the disk.
+pub struct Disk<'a> {
+    program: &'a Path,
+}
+
+impl<'a> Disk<'a> {
+    /// The files round the program of a path, as it was typed.
+    pub fn round(program: &'a Path) -> Self {
+        Disk { program }
+    }
+
+    /// The name of the program itself: its file name.
+    pub fn program_name(&self) -> String {
+        self.program.file_name().unwrap_or(self.program.as_os_str()).to_string_lossy().into_owned()
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        match name == self.program_name() {
+            true => self.program.to_owned(),
+            false => self.program.parent().unwrap_or(Path::new("")).join(name),
+        }
+    }
+}
+
+impl Library for Disk<'_> {
+    fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
+        let name = beside(from, path);
+        let text = disk::read_program(&self.path(&name)).map_err(|diagnostic| diagnostic.title)?;
+        Ok((name, text))
+    }
+
+    fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), String> {
+        let name = beside(from, path);
+        let bytes = disk::read_bytes(&self.path(&name), MAX_FILE_BYTES).map_err(|diagnostic| diagnostic.title)?;
+        let is_text = bytes.trim_ascii_start().starts_with(b"solid");
+        let text = match String::from_utf8(bytes) {
+            Ok(text) if is_text => text,
+            Ok(text) => mesh_text(text.as_bytes())?,
+            Err(error) => mesh_text(error.as_bytes())?,
+        };
+        if text.len() > MAX_FILE_BYTES {
+            return Err(format!("it is larger than {} MiB as text", MAX_FILE_BYTES >> 20));
+        }
+        Ok((name, text))
+    }
+
+    fn shown(&self, name: &str) -> String {
+        self.path(name).to_string_lossy().into_owned()
+    }
+}
+
+/// The text of a binary file of triangles.
+fn mesh_text(bytes: &[u8]) -> Result<String, String> {
+    Mesh::read(bytes).map(|mesh| mesh.to_text()).map_err(|fault| format!("it {fault}"))
+}
+
+/// The files that a log carries.
+pub struct Embedded<'a>(pub &'a [(String, String)]);
+
+impl Library for Embedded<'_> {
+    fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
+        let name = beside(from, path);
+        let text = self.0.iter().find(|file| file.0 == name).map(|file| file.1.clone());
+        text.map(|text| (name, text)).ok_or_else(|| "the log does not carry it".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,35 @@
+//! The built program, run in folders of the tests' own.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The root of the project.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The built program, to be run in a folder.
+pub fn tweeze(folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tweeze"));
+    command.current_dir(folder).env_remove("LD_PRELOAD");
+    command
+}
+
+/// Runs a command that must end well.
+#[track_caller]
+pub fn done(command: &mut Command) -> Output {
+    let output = command.output().expect("the program starts");
+    assert!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
+    output
+}
+
+/// Every file of a folder by its name.
+pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = std::fs::read_dir(folder).expect("the folder is there").flatten();
+    let read = |path: PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        (name, std::fs::read(&path).expect("it can be read"))
+    };
+    entries.map(|entry| read(entry.path())).collect()
+}

@@ -1,0 +1,8 @@
+//! The same program gives the same bytes: wherever it lies, however its path is typed, whatever mathematics the platform links; and
+//! logs of other versions are told apart from edited ones.
+
+mod bench;
+mod mathematics;
+mod outputs;
+mod paths;
+mod versions;
