@@ -9,7 +9,7 @@ fn text(name: &str) -> String {
 
 fn planned(text: &str) -> tweeze::plan::Plan {
     match answered(text) {
-        Answered::Plan(plan) => plan,
+        Answered::Plan(plan) => *plan,
         other => panic!("{other:?}"),
     }
 }

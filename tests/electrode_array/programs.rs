@@ -12,7 +12,7 @@ use tweeze::verify::{self, Verdict};
 /// What became of the only task of a program.
 #[derive(Debug)]
 pub enum Answered {
-    Plan(Plan),
+    Plan(Box<Plan>),
     /// The planner's errors, each with its code and help.
     Errors(Vec<String>),
     /// The program itself has errors.
@@ -40,7 +40,7 @@ pub fn answered(text: &str) -> Answered {
             let schedule = schedule::schedule(claims, &plans, &sources, &mut sink).expect("a schedule");
             let verdict = verify::verify(schedule, claims);
             assert!(matches!(verdict, Verdict::Accepted(_)), "{verdict:?}\n{text}");
-            Answered::Plan(plans.remove(0))
+            Answered::Plan(Box::new(plans.remove(0)))
         }
         None => Answered::Errors(
             sink.sorted()

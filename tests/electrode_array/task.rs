@@ -44,10 +44,10 @@ fn apart(one: (i32, i32), other: (i32, i32)) -> i32 {
 impl Task {
     fn random(chance: &mut Random) -> Option<Task> {
         let size = [(4, 4), (5, 3), (3, 3), (6, 2), (5, 4)][chance.below(5) as usize];
-        let mut cell =
+        let cell =
             |chance: &mut Random| (1 + chance.below(size.0 as u32) as i32, 1 + chance.below(size.1 as u32) as i32);
         let obstacles: Vec<(i32, i32)> = (0..chance.below(4)).map(|_| cell(chance)).collect();
-        let mut far = |chance: &mut Random, taken: &[(i32, i32)]| {
+        let far = |chance: &mut Random, taken: &[(i32, i32)]| {
             (0..40)
                 .map(|_| cell(chance))
                 .find(|cell| !obstacles.contains(cell) && taken.iter().all(|other| apart(*cell, *other) >= 2))
