@@ -20,12 +20,13 @@ pub fn tip(curve: &Curve, facts: &Facts, rolled_rad: f64) -> (Vector2<f64>, f64)
 }
 
 /// How far a chord may be from the arc, as a share of how far the part reaches: what the tips' deviation turns the part by, about.
-const CHORD_RAD: f64 = 5e-4;
+const CHORD_RAD: f64 = 1e-4;
 
 /// Into how many equal chords a rolling step is cut, so that no tip is farther than half the tolerance from where it should be at
-/// any instant, nor so far that the part is turned by more than 0.03 deg in between; `None` if that needs too many.
+/// any instant, nor so far that the part is turned by more than about 0.006 deg in between; `None` if that needs too many.
 ///
-/// Over half a turn of an outline of 28 um by 26 um the turns of all chords, each taken without slip for itself, add up to less than 0.004 deg.
+/// Tips that go by chords are a little inside of the arcs, so that what they turn the part by, taken at each instant without slip,
+/// drifts from what they turn it by over whole steps. It is this drift that the second limit keeps below 0.01 deg for each full turn.
 ///
 /// The second derivative of the centre by the angle is R(θ)(n/(κ + 1/l2) − p), and a chord over an angle h is off by at most an
 /// eighth of h² times its norm.
