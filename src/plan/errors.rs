@@ -133,8 +133,8 @@ pub fn requirement_missed(
         Verdict::Least(value) | Verdict::AtLeast(value, _) | Verdict::Elsewhere(_, value) => Some(value),
         Verdict::Conflict | Verdict::NotFound => None,
     };
-    let Texts { reached, limit, value } = texts(value);
-    let value = value.unwrap_or_default();
+    let Texts { reached, limit, value, floor } = texts(value);
+    let [value, floor] = [value, floor].map(Option::unwrap_or_default);
     let (within, raise) = match requirement.relation {
         Relation::Less => ("below", "above"),
         Relation::AtMost => ("within", "to"),
@@ -151,7 +151,7 @@ pub fn requirement_missed(
         ),
         Verdict::AtLeast(_, best) => (
             format!("no plan keeps `{name}` {within} {limit}{others}"),
-            format!("proven: no plan has less than {value}"),
+            format!("proven: no plan has less than {floor}"),
             best.and_then(|best| texts(Some(best)).value)
                 .map(|best| format!("the plan found would keep a limit of {best}")),
         ),
