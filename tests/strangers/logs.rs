@@ -134,8 +134,7 @@ fn what_is_built_can_be_verified_however_deep_it_is_nested() {
 
 /// Programs that run one another beside a wait.
 fn groups(deep: usize) -> String {
-    let mut text =
-        "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n".to_owned();
+    let mut text = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n".to_owned();
     for level in 0..deep {
         let inner = if level + 1 == deep { "go".to_owned() } else { format!("p{}", level + 1) };
         let block = format!("  wait 1 ms\n  together {{\n    run {inner}\n    wait 1 ms\n  }}\n");

@@ -2,7 +2,9 @@
 
 use super::error::LogError;
 use super::series::{self, Decoder, Series};
-use super::{MAX_DATA_BYTES, MAX_DEFINITION_BYTES, MAX_DEVICES, MAX_MAP_BYTES, MAX_MESSAGE_BYTES, MAX_MESSAGES, METADATA};
+use super::{
+    MAX_DATA_BYTES, MAX_DEFINITION_BYTES, MAX_DEVICES, MAX_MAP_BYTES, MAX_MESSAGE_BYTES, MAX_MESSAGES, METADATA,
+};
 use mcap::records::op;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
