@@ -158,26 +158,30 @@ fn rooms_see_only_what_they_may() {
     }
 }
 
-/// What planners and the verifier both call of the base, and what else would show a fault in it. A name that other types have too is in
-/// [`COMMON`].
+/// What planners and the verifier both call of the base by these names, and what else would show a fault in it: where it is only a
+/// unit test, a fault that the test misses deceives both. A name that other types have too, as in [`COMMON`], cannot be told here.
 const SHARED: &[(&str, &str)] = &[
-    ("segment_core", "its unit tests, against distances of very many points; only microrobots plan with it"),
-    ("quadrilateral_core", "as `segment_core`"),
-    ("grown", "its unit tests; the oracle of `tests/properties` has shapes of its own"),
-    ("growth_um", "the oracle of `tests/properties` adds tip radius and repeatability itself"),
-    ("nearest", "its unit tests, against very many points of the outline"),
-    ("normal", "its unit tests, against differences of points"),
-    ("way_um", "its unit tests, against sums of chords"),
-    ("sticking_un", "a figure of the device or 0"),
-    ("step_rad", "a full turn divided by the device's step"),
-    ("pair", "a table of figures"),
-    ("apart", "its unit tests; the judges of arrays in `tests/oracles` count cells themselves"),
-    ("reach", "its unit tests; the judges of arrays in `tests/oracles` count cells themselves"),
-    ("reaches", "as `reach`"),
-    ("moved", "its unit tests; the verifier integrates poses from the voltage"),
-    ("after", "a bit of a word"),
-    ("modules", "a count"),
-    ("cells", "a count"),
+    ("segment_core", "unit tests, against distances of sampled points"),
+    ("quadrilateral_core", "unit tests, against distances of sampled points"),
+    ("grown", "unit tests, and the oracle of `tests/properties`, which has shapes of its own"),
+    ("growth_um", "the oracle of `tests/properties`, which adds tip radius and repeatability itself"),
+    ("nearest", "unit tests, against brute force over the outline"),
+    ("normal", "unit tests, against differences of points"),
+    ("spot", "unit tests, against differences of points and the outlines' formulas"),
+    ("way_um", "unit tests, against sums of chords"),
+    ("perimeter_um", "unit tests, against sums of chords"),
+    ("distance_um", "unit tests of outlines and meshes"),
+    ("reach_um", "nothing else; it only scales"),
+    ("rolled_rad", "unit tests, against its inverse"),
+    ("way_rolled_um", "unit tests, against its inverse"),
+    ("corners", "nothing else; a list"),
+    ("sticking_un", "nothing else; a figure of the device, or 0"),
+    ("step_rad", "nothing else; a full turn divided by a figure of the device"),
+    ("reach", "nothing else; the board without its rim"),
+    ("reaches", "nothing else; the board without its rim"),
+    ("moved", "the tests of microrobots, which integrate from the voltage"),
+    ("modules", "nothing else; a figure of the device"),
+    ("cells", "nothing else; a power of two"),
 ];
 
 /// Names that say nothing of whose they are.
