@@ -64,7 +64,7 @@ pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, plann
 pub fn greedy_gave_up(asked: Span, part: &str, at: &str, steps: usize, how: &str) -> Diagnostic {
     Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps} steps"))
         .label(asked, "neither planned nor disproved")
-        .help("leave `using` out: Tweeze's own planner finds a plan, or proves that there is none")
+        .help("leave `using` out: Tweeze's own planner searches all plans as far as its budget goes")
 }
 
 /// Of parts that cannot come to their goals because of one another.

@@ -157,7 +157,7 @@ fn limit_text(limit: f64, reached: f64, dimension: Dimension) -> String {
 }
 
 /// A value in few digits, rounded up so that a limit of what is written would be kept by it.
-fn enough(value: f64, dimension: Dimension) -> String {
+pub fn enough(value: f64, dimension: Dimension) -> String {
     let is_enough = |text: &String| read_back(text).is_some_and(|read| value <= read * (1.0 + REQUIREMENT_TOLERANCE));
     let raised = [0.0, 1e-6, 2e-6, 5e-6, 1e-5].map(|part| show(value + value.abs() * part, dimension));
     raised.iter().find(|text| is_enough(text)).cloned().unwrap_or_else(|| show(value, dimension))
