@@ -144,6 +144,20 @@ fn advice_holds(scene: &Scene, front: &[Figures], limits: &[Limit], told: &Diagn
     true
 }
 
+/// A scene with all its best plans; every second one, if it can be, with plans of which none is the best in everything.
+fn drawn(random: &mut Random, round: usize, has_pulses: bool) -> (Scene, Vec<Figures>) {
+    let mut draw = || {
+        let scene = Scene::random(random, has_pulses);
+        let front = brute::front(&scene.lattice, scene.start, &scene.parts, has_pulses);
+        (scene, front)
+    };
+    let first = draw();
+    if round.is_multiple_of(2) {
+        return first;
+    }
+    (0..200).map(|_| draw()).find(|(_, front)| front.len() > 1).unwrap_or(first)
+}
+
 const PUBLISHED: [&str; 4] = ["dijkstra", "bidirectional_dijkstra", "astar", "hypercube_astar"];
 
 #[test]
@@ -151,8 +165,7 @@ fn plans_and_limits_agree_with_brute_force() {
     let mut random = Random(41);
     let mut seen = Seen::default();
     for round in 0..cases(40) {
-        let scene = Scene::random(&mut random, false);
-        let front = brute::front(&scene.lattice, scene.start, &scene.parts, false);
+        let (scene, front) = drawn(&mut random, round, false);
         for (objective, name) in OUTCOMES.iter().enumerate() {
             let settings = format!("  minimize {name}\n");
             judge(&scene, &front, objective, &[], &scene.text(&settings, &[]), true, &mut seen);
@@ -168,7 +181,7 @@ fn plans_and_limits_agree_with_brute_force() {
             }
         }
     }
-    assert!(seen.plans > 150 && seen.limited > 10 && seen.impossible > 40 && seen.advised > 30, "{seen:?}");
+    assert!(seen.plans > 150 && seen.limited > 5 && seen.impossible > 40 && seen.advised > 30, "{seen:?}");
     println!("{seen:?}");
 }
 
@@ -176,9 +189,8 @@ fn plans_and_limits_agree_with_brute_force() {
 fn plans_with_several_modules_in_a_pulse_agree_with_brute_force() {
     let mut random = Random(42);
     let mut seen = Seen::default();
-    for _ in 0..cases(25) {
-        let scene = Scene::random(&mut random, true);
-        let front = brute::front(&scene.lattice, scene.start, &scene.parts, true);
+    for round in 0..cases(25) {
+        let (scene, front) = drawn(&mut random, round, true);
         let settings = "  minimize time\n  simultaneous: safe\n";
         judge(&scene, &front, 2, &[], &scene.text(settings, &[]), true, &mut seen);
         for _ in 0..4 {
@@ -186,6 +198,6 @@ fn plans_with_several_modules_in_a_pulse_agree_with_brute_force() {
             judge(&scene, &front, 2, &limits, &scene.text(settings, &limits), true, &mut seen);
         }
     }
-    assert!(seen.plans > 40 && seen.limited > 3 && seen.impossible > 10, "{seen:?}");
+    assert!(seen.plans > 40 && seen.limited > 1 && seen.impossible > 10, "{seen:?}");
     println!("{seen:?}");
 }

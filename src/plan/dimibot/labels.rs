@@ -4,7 +4,7 @@
 //! constant-time dominance checks (BOA*, Hernández and others 2023): labels leave the queue in order of (distance, switches), each
 //! with its lower bound to the goal, so that a label is dominated if an earlier one of its cell has no more switches. The bounds
 //! are the sums over the modules that differ, which are consistent. Guaranteed: complete unless the budget ran out. One step of
-//! the budget is a quarter of a label, since labels are kept.
+//! the budget is one switch looked at; one that leads to a label takes four more, since labels are kept.
 
 use super::field::Field;
 use super::lattice::{Cell, Flip, Side, Weights, bits};
@@ -13,7 +13,7 @@ use super::tally::{Tally, add_to_front};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 
-/// Steps that one label takes from the budget.
+/// Steps that one label takes from the budget besides that of the switch.
 const LABEL_STEPS: u64 = 4;
 /// Bits of a queue's key that hold the switches. A path has no more switches than labels, of which there are fewer than 2^24.
 const SWITCH_BITS: u32 = 24;
@@ -99,9 +99,10 @@ impl Search {
             let legal = reader.legal(label.cell.pair()).unwrap_or([0, 0]);
             for side in Side::BOTH {
                 for bit in bits(legal[side.index()]) {
-                    if meter.left().steps < LABEL_STEPS || self.labels.len() >= MAX_LABELS {
+                    if meter.left().steps <= LABEL_STEPS || self.labels.len() >= MAX_LABELS {
                         return false;
                     }
+                    meter.charge(1);
                     let by = Flip::of_bit(side, bit);
                     let (distance, switches) = (label.distance + self.weights[0].of(by), label.switches + 1);
                     if self.push(Label { cell: label.cell.after(by), distance, switches, parent: index, by }) {
