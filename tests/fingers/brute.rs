@@ -168,11 +168,6 @@ impl<'a> Brute<'a> {
         Brute { case, sections, turns, slack, known: HashMap::new(), rolled: HashMap::new() }
     }
 
-    /// How many contacts there are in both planes.
-    pub fn contacts(&self) -> [usize; 2] {
-        [self.sections[0].contacts, self.sections[1].contacts]
-    }
-
     fn section(&self, leg: u8) -> &Section {
         &self.sections[usize::from(!self.turns[usize::from(leg)].0)]
     }
