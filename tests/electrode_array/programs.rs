@@ -38,7 +38,7 @@ pub fn answered(text: &str) -> Answered {
     match plans {
         Some(mut plans) => {
             let schedule = schedule::schedule(claims, &plans, &sources, &mut sink).expect("a schedule");
-            let verdict = verify::verify(schedule, claims);
+            let verdict = verify::verify_program(schedule, claims, &sources);
             assert!(matches!(verdict, Verdict::Accepted(_)), "{verdict:?}\n{text}");
             Answered::Plan(Box::new(plans.remove(0)))
         }
