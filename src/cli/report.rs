@@ -36,6 +36,7 @@ type Note = (Topic, String);
 enum Topic {
     Visits,
     Nearest,
+    Waits,
     Guaranteed,
     Contacts,
     Remarked,
@@ -44,9 +45,10 @@ enum Topic {
 }
 
 impl Topic {
-    const ALL: [Topic; 7] = [
+    const ALL: [Topic; 8] = [
         Topic::Visits,
         Topic::Nearest,
+        Topic::Waits,
         Topic::Guaranteed,
         Topic::Contacts,
         Topic::Remarked,
@@ -58,6 +60,7 @@ impl Topic {
         match self {
             Topic::Visits => "Visits",
             Topic::Nearest => "Nearest",
+            Topic::Waits => "Waits",
             Topic::Guaranteed => "Assured",
             Topic::Contacts => "Contacts",
             Topic::Remarked => "Chosen",
@@ -68,12 +71,13 @@ impl Topic {
 }
 
 /// The report of a whole build, each of its schedules written to some paths.
-pub fn build(file: &Path, compiled: &Compiled, written: &[Vec<String>]) -> String {
+pub fn build(file: &Path, compiled: &Compiled, settings_in_force: &[String], written: &[Vec<String>]) -> String {
     let file = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let paths = written.iter().flatten().cloned();
     let subjects = compiled.schedules.iter().flat_map(subjects).chain(paths).chain([file.clone()]);
-    let width = subjects.map(|subject| subject.chars().count()).max().unwrap_or(0);
+    let width = width(subjects.chain(settings_in_force.iter().map(|setting| format!("--set {setting}"))));
     let mut text = terminal::line("Checked", &file, width, &tally(compiled.tally));
+    text.push_str(&settings(settings_in_force, width));
     for verified in &compiled.schedules {
         planned(verified, width, &mut text);
     }
@@ -90,6 +94,18 @@ pub fn build(file: &Path, compiled: &Compiled, written: &[Vec<String>]) -> Strin
         }
     }
     text
+}
+
+/// The columns that the names of a report take.
+pub fn width(names: impl Iterator<Item = String>) -> usize {
+    names.map(|name| terminal::name(&name).chars().count()).max().unwrap_or(0)
+}
+
+/// A line for each setting in force: with it the program is another one than its text alone.
+pub fn settings(settings: &[String], width: usize) -> String {
+    let line =
+        |setting: &String| terminal::line("With", &format!("--set {setting}"), width, "instead of its own value");
+    settings.iter().map(line).collect()
 }
 
 /// The names that the lines of a schedule begin with: its runs, where they are not all of it, with its own name before.
@@ -131,6 +147,10 @@ fn planned(verified: &Verified, width: usize, text: &mut String) {
                 &format!("and {more} more, all of them in the JSON schedule"),
             ));
         }
+    }
+    for [one, other] in &verified.claims().not_held {
+        let line = format!("`{one}` and `{other}` are not: no scene says where both stand");
+        text.push_str(&terminal::line("Apart", "", width, &line));
     }
 }
 

@@ -151,10 +151,10 @@ pub fn forces(order: &FingersOrder, state: &State) -> Option<Vec<Option<[f64; 3]
     let sum_un = SHOWN_FORCE * order.facts.max_force_un * touches.len() as f64;
     let statics = Statics::of(order, told.plane, &pose, body.reach_um);
     let mut forces_un = statics.forces_un(&touches, sum_un)?.into_iter();
-    let [first, second, _] = pose.axes(told.plane);
+    let [first, second, normal] = pose.axes(told.plane);
     let force = |contact: &u32| {
-        let [x_un, y_un] = if *contact > 0 { forces_un.next()? } else { return None };
-        Some((first * x_un + second * y_un).into())
+        let [x_un, y_un, across_un] = if *contact > 0 { forces_un.next()? } else { return None };
+        Some((first * x_un + second * y_un + normal * across_un).into())
     };
     Some(told.grasp.iter().map(force).collect())
 }

@@ -1,5 +1,6 @@
 //! The sceptic: every rule is broken by hand in a way that it alone catches, and nearly broken in a way that passes.
 
+mod beside;
 mod build;
 mod dimibot;
 mod electrode_array;

@@ -1,7 +1,7 @@
 //! Hands: E0425, E0540 and on.
 
 use crate::check::value::Value;
-use crate::device::fingers::Plane;
+use crate::device::fingers::{MAX_GRASPS, Plane};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::real::Real;
@@ -53,6 +53,12 @@ fn rounded_down(value: f64) -> f64 {
 pub fn hand_figure(name: &str, device: &str, found: &str, limit: &str) -> Diagnostic {
     Diagnostic::new(Code::E0403, format!("`{name}` of device `{device}` is {found}, it must be {limit}"))
         .help("check its unit")
+}
+
+pub fn precision_too_large(span: Span, found: Quantity, most_rad: f64) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("`precision` is {found}, it must be at most {}", angle(most_rad)))
+        .label(span, "nearly any turn would do")
+        .help("write how far from its goal a turn may end, as `precision: 0.5 deg`, or check the unit")
 }
 
 pub fn gaiting_cost_not_whole(found: Quantity, most_deg: f64) -> Diagnostic {
@@ -166,6 +172,23 @@ pub fn too_many_contacts(span: Span, name: &str, plane: Plane, found: f64, most:
     Diagnostic::new(Code::E0541, title)
         .label(span, "too large for these tips and this step")
         .help("make `step` larger, or the tips: there are (360 deg + perimeter / tip radius) / step contacts")
+}
+
+/// A load makes grasps differ from angle to angle, so that there are more of them than are looked at.
+pub fn too_many_grasps(span: Span, name: &str, [contacts, angles]: [usize; 2], steps: u32) -> Diagnostic {
+    let grasps = contacts.pow(3) * angles;
+    let title = format!(
+        "{contacts} contacts of `{name}` at {angles} angles make {grasps} grasps of three, at most {MAX_GRASPS} are looked at"
+    );
+    // Contacts and angles both grow with the steps of a turn.
+    let per_step = contacts as f64 / f64::from(steps);
+    let fits =
+        |steps: &u32| (per_step * f64::from(*steps) + 1.0).whole_power(3) * f64::from(steps + 1) <= MAX_GRASPS as f64;
+    let most = (1..steps).rev().filter(|steps| 360 % steps == 0).find(fits);
+    let step = most.map_or_else(|| "a larger `step`".to_owned(), |steps| format!("`step: {} deg`", 360 / steps));
+    Diagnostic::new(Code::E0541, title)
+        .label(span, "under a load in the plane of this turn, grasps differ from angle to angle")
+        .help(format!("take {step}, or leave the load and the part's `material` out"))
 }
 
 pub fn tip_in_solid(

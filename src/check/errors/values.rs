@@ -338,3 +338,15 @@ pub fn incomplete_table(span: Span, wanted: &Wanted, missing: &[&device::Field])
     };
     Diagnostic::new(Code::E0312, format!("the table of {} {title}", wanted.name)).label(span, "this table").help(help)
 }
+
+pub fn too_much_work(span: Span, limit: u64) -> Diagnostic {
+    Diagnostic::new(Code::E0314, format!("the program asks for more than {limit} steps of working out"))
+        .label(span, "here the limit is passed")
+        .help("repeat less, and give a value that is used again and again a name with `let`")
+}
+
+pub fn too_much_text(span: Span, limit: u64) -> Diagnostic {
+    Diagnostic::new(Code::E0313, format!("the program makes more than {} MiB of strings", limit >> 20))
+        .label(span, "here the limit is passed")
+        .help("build strings of fewer parts")
+}

@@ -24,6 +24,9 @@ pub const DEFAULT_EXPANSIONS: u64 = 200_000_000;
 /// How far from its goal a turn may end where the task does not say.
 const DEFAULT_PRECISION_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
+/// The largest `precision`: a turn that ends farther off is no such turn.
+const MAX_PRECISION_RAD: f64 = 90.0 * std::f64::consts::PI / 180.0;
+
 /// How much more than 360 deg one step may turn by rounding, in radians.
 const FULL_TURN_SLACK: f64 = 1e-9;
 
@@ -34,11 +37,7 @@ impl Checker<'_> {
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
         let lying = the_part(&bench, &parts, scene, site, self.sink)?;
         let (part, weight_un) = lying?;
-        let precision_rad = match parts.settings.get("precision").map(|setting| &setting.value) {
-            Some(Value::Quantity(angle)) => angle.si,
-            Some(_) => return None,
-            None => DEFAULT_PRECISION_RAD,
-        };
+        let precision_rad = precision_rad(&parts, self.sink)?;
         let load_un = load_un(&parts, weight_un)?;
         let turns = turns(&parts.steps);
         let mut judge = Judge { facts, part: &part, precision_rad, turns, sink: self.sink };
@@ -55,6 +54,17 @@ impl Checker<'_> {
             steps: steps.into_iter().collect::<Option<Vec<Step>>>()?,
         })
     }
+}
+
+/// How far from its goal a turn may end; `None` after an error.
+fn precision_rad(parts: &Parts, sink: &mut Sink) -> Option<f64> {
+    let Some(setting) = parts.settings.get("precision") else { return Some(DEFAULT_PRECISION_RAD) };
+    let Value::Quantity(angle) = setting.value else { return None };
+    if angle.si > MAX_PRECISION_RAD * (1.0 + 1e-12) {
+        sink.push(errors::precision_too_large(setting.span, angle, MAX_PRECISION_RAD));
+        return None;
+    }
+    Some(angle.si)
 }
 
 fn planner(parts: &Parts) -> Planner {

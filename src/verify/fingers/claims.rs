@@ -5,7 +5,9 @@
 use super::super::Unfit;
 use super::body::Surface;
 use crate::check::claims::fingers::{Action, FingersOrder, Section, Turn};
-use crate::device::fingers::{Facts, MAX_CONTACTS, MAX_FINGERS, MAX_HOLDING, MAX_STEPS_PER_TURN, MIN_FINGERS, Plane};
+use crate::device::fingers::{
+    Facts, MAX_CONTACTS, MAX_FINGERS, MAX_HOLDING, MAX_RESERVE, MAX_STEPS_PER_TURN, MIN_FINGERS, Plane,
+};
 
 /// The largest length, force, speed or other number of the facts, in their own units.
 const MAX_NUMBER: f64 = 1e9;
@@ -58,9 +60,15 @@ fn facts(facts: &Facts) -> Result<(), Unfit> {
     ];
     let is_above = |value: f64| is_number(value) && value >= MIN_NUMBER;
     demand(above.into_iter().flatten().chain([z_um]).all(is_above), "hold a field that is not above 0")?;
-    let others =
-        [facts.pull_off_un, facts.removal_safety, facts.gaiting_cost_deg, facts.clearance_um, facts.support_un];
-    demand(others.into_iter().all(|value| is_number(value) && value >= 0.0), "hold a field out of its range")
+    let others = [
+        [facts.pull_off_un, facts.removal_safety, facts.gaiting_cost_deg],
+        [facts.clearance_um, facts.support_un, facts.torsion_um],
+    ];
+    demand(
+        others.into_iter().flatten().all(|value| is_number(value) && value >= 0.0),
+        "hold a field out of its range",
+    )?;
+    demand((0.0..=MAX_RESERVE).contains(&facts.rolling_reserve), "hold a reserve out of its range")
 }
 
 fn section(section: &Section, facts: &Facts) -> Result<(), Unfit> {
@@ -89,7 +97,7 @@ fn action(order: &FingersOrder, action: &Action) -> Result<(), Unfit> {
             has_plane(order, *plane)?;
             demand(is_number(*angle_rad), "turn by what is no angle")
         }
-        Action::Orient { goal, turns } => {
+        Action::Orient { goal, turns, .. } => {
             let norm = goal.iter().map(|value| value * value).sum::<f64>();
             demand((norm - 1.0).abs() <= 1e-6, "orient to what is no orientation")?;
             turns.iter().flatten().try_for_each(|Turn { plane, .. }| has_plane(order, *plane))

@@ -52,7 +52,8 @@ fn each_speed_is_a_limit() {
     let carried = fastest_um_per_s(&day, |step, _| step == 2);
     assert!((carried - 38.0_f64.sqrt() / 2.0 / 0.1).abs() < 1e-9, "{carried} um/s");
     let coming = 5.0 / 0.1;
-    let cases: [(f64, fn(&mut Facts, f64)); 3] = [
+    type Set = fn(&mut Facts, f64);
+    let cases: [(f64, Set); 3] = [
         (free, |facts, um_per_s| facts.speed_um_per_s = um_per_s),
         (carried, |facts, um_per_s| facts.rolling_um_per_s = um_per_s),
         (coming, |facts, um_per_s| facts.approach_um_per_s = um_per_s),
