@@ -123,7 +123,8 @@ fn courses_go_on_where_others_ended() {
     };
     let (parts, whole_values) = (flat(&steps), flat(&whole.steps));
     assert_eq!(parts.len(), whole_values.len());
-    assert!(parts.iter().zip(&whole_values).all(|(a, b)| (a - b).abs() < 1e-9));
+    // Each part measures anew where its tips hold.
+    assert!(parts.iter().zip(&whole_values).all(|(a, b)| (a - b).abs() < 1e-6));
     assert_eq!(end(&whole).hold.grasp, [0, 0, 0]);
 }
 

@@ -55,14 +55,15 @@ fn contacts_come_round() {
     }
 }
 
-/// On chords all tips stay within half the tolerance of where they should be, and touch.
+/// On chords all tips stay within half the tolerance of where they should be, and so near that the part is not turned, and touch.
 #[test]
 fn chords_stay_near_the_curve() {
     for bench in benches(3) {
-        let (curve, half_um) = (&bench.curve, bench.facts.tolerance_um / 2.0);
+        let curve = &bench.curve;
+        let half_um = (bench.facts.tolerance_um / 2.0).min(1e-4 * curve.reach_um());
         let step_rad = bench.section.step_rad;
         let count = chords(curve, &bench.facts, step_rad).expect("few are enough");
-        assert!(count < 20, "{count}");
+        assert!(count < 60, "{count}");
         let mut worst_um: f64 = 0.0;
         for chord in 0..bench.section.contacts * count {
             let rolled = |part: f64| -step_rad * (f64::from(chord) + part) / f64::from(count);
