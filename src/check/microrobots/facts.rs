@@ -246,14 +246,13 @@ fn fine_motion_has_room(facts: &Facts, device: &Device, sink: &mut Sink) {
 
 /// A stroke carries a robot by far more than what places are rounded to, else no way can be counted in strokes.
 fn strokes_are_countable(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) {
-    for (row, robot) in facts.robots.iter().enumerate().filter(|(_, robot)| robot.step_um < MIN_STEP_UM) {
-        let (name, labels) = match table.quantity(row, "speed") {
-            Some(_) => ("speed", vec![(table.place(row, "speed"), "too slow to be planned with".to_owned())]),
-            None => ("step_size", at(device, "step_size", "too short to be planned with")),
-        };
-        sink.push(told(device, errors::stroke_too_short(name, &robot.name, robot.step_um, MIN_STEP_UM), &labels));
-        return;
-    }
+    let Some(row) = facts.robots.iter().position(|robot| robot.step_um < MIN_STEP_UM) else { return };
+    let robot = &facts.robots[row];
+    let (name, labels) = match table.quantity(row, "speed") {
+        Some(_) => ("speed", vec![(table.place(row, "speed"), "too slow to be planned with".to_owned())]),
+        None => ("step_size", at(device, "step_size", "too short to be planned with")),
+    };
+    sink.push(told(device, errors::stroke_too_short(name, &robot.name, robot.step_um, MIN_STEP_UM), &labels));
 }
 
 /// The label of a field, and of the place where its value was given, if a name stands in it.
