@@ -116,6 +116,12 @@ pub enum Rule {
     Pierce,
     /// Tips keep clear of one another.
     Apart,
+    /// The tips of robots that share a scene never touch.
+    Encounter,
+    /// The words and the place of a step are those of the program's file.
+    SourceMap,
+    /// No tip of a hand moves faster than the device allows there.
+    Speed,
 }
 
 impl Rule {
@@ -177,6 +183,9 @@ impl Rule {
             Rule::Support => Code::E0758,
             Rule::Pierce => Code::E0759,
             Rule::Apart => Code::E0760,
+            Rule::Encounter => Code::E0770,
+            Rule::SourceMap => Code::E0771,
+            Rule::Speed => Code::E0762,
         }
     }
 }

@@ -89,10 +89,14 @@ pub fn stroke_out_of_clock(frequency: Quantity) -> Diagnostic {
     Diagnostic::new(Code::E0404, title).help("make `drive_frequency` 500 MHz or less, and 10 uHz or more")
 }
 
-pub fn beyond_extent(name: &str, found: Quantity, most_um: f64) -> Diagnostic {
-    let (limit, unit) = (length(most_um), if name == "speed" { " in one stroke" } else { "" });
-    Diagnostic::new(Code::E0403, format!("`{name}` of {found}, at most {limit}{unit} is planned with"))
-        .help("check its unit")
+pub fn beyond_extent(name: &str, found: Quantity, least_um: f64, most_um: f64) -> Diagnostic {
+    let (least, most, unit) = (length(least_um), length(most_um), if name == "speed" { " in one stroke" } else { "" });
+    let limit = if least_um > 0.0 { format!("{least} to {most}{unit}") } else { format!("at most {most}{unit}") };
+    Diagnostic::new(Code::E0403, format!("`{name}` of {found}, {limit} is planned with")).help("check its unit")
+}
+
+pub fn beyond_figure(name: &str, found: Quantity, most: Quantity) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("`{name}` of {found}, at most {most} is planned with")).help("check its unit")
 }
 
 pub fn some_error_bounds(missing: &[&str]) -> Diagnostic {
