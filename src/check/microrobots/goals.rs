@@ -21,6 +21,9 @@ use std::sync::Arc;
 /// How far from its goal a robot may end where the task does not say.
 const DEFAULT_PRECISION: Precision = Precision { place_um: 0.5, heading_rad: 0.5 * std::f64::consts::PI / 180.0 };
 
+/// How far one `apply` carries a robot at most: on longer ways rounding takes more than the verifier grants.
+const MAX_APPLIED_UM: f64 = 1e8;
+
 /// Where the pose of a goal was given, if a name stands for it; `None` if several names stand for it in several runs.
 pub type Origins = BTreeMap<Span, Option<Origin>>;
 
@@ -128,7 +131,7 @@ impl Judge<'_> {
         let robots = self.ground.robots.iter().map(|placed| &facts.robots[placed.row]);
         let fastest = robots.max_by(|one, other| one.step_um.total_cmp(&other.step_um))?;
         let way_um = duration_ns.div_ceil(facts.period_ns) as f64 * fastest.step_um;
-        (way_um > MAX_EXTENT_UM).then(|| errors::applied_too_far(span, &fastest.name, way_um, MAX_EXTENT_UM))
+        (way_um > MAX_APPLIED_UM).then(|| errors::applied_too_far(span, &fastest.name, way_um, MAX_APPLIED_UM))
     }
 
     /// A control state by its number or by its arms.
