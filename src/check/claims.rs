@@ -9,6 +9,7 @@ pub mod fingers;
 pub mod microrobots;
 
 use crate::device::Kind;
+use crate::geometry::shape::Pose;
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -24,9 +25,40 @@ pub struct Claims {
     pub jobs: Vec<Job>,
     /// The physical output of each wired channel, by the channel's full name (`bot.bl0.set`).
     pub wires: BTreeMap<String, String>,
+    /// The scenes in which two or more of the program's robots have a place: these never touch one another.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shared: Vec<SharedScene>,
+    /// Devices that run together in one scene and are not held against one another, since one of them has no place there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_held: Vec<[String; 2]>,
     /// Where the program or task is declared.
     #[serde(skip)]
     pub span: Span,
+}
+
+impl Claims {
+    /// Whether a device has a place beside another one's, so that it may have to wait for it.
+    pub fn is_shared(&self, device: &str) -> bool {
+        self.shared.iter().any(|scene| scene.frames.contains_key(device))
+    }
+
+    /// Where a device stands in pictures and beside others: the same in every scene of a program that places it.
+    pub fn frame(&self, device: &str) -> Option<Pose> {
+        let shared = self.shared.iter().find_map(|scene| scene.frames.get(device));
+        let own = || {
+            let orders = self.jobs.iter().filter(|job| job.device == device).filter_map(|job| job.order.dimibot());
+            orders.filter_map(|order| order.frame).next()
+        };
+        shared.copied().or_else(own)
+    }
+}
+
+/// A scene with the robots of a program that have a place in it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SharedScene {
+    pub scene: String,
+    /// Where the frame of each robot stands, by its device.
+    pub frames: BTreeMap<String, Pose>,
 }
 
 /// Jobs on one clock.
@@ -41,6 +73,53 @@ pub enum Timeline {
     /// All from the same instant; what follows begins when the longest has ended.
     Together(Vec<Timeline>),
 }
+
+impl Timeline {
+    /// The same without parts that hold but one, sequences within sequences, and groups within groups.
+    #[must_use]
+    pub fn flat(self) -> Timeline {
+        match self {
+            Timeline::Sequence(parts) => Timeline::Sequence(spliced(parts, |part| match part {
+                Timeline::Sequence(parts) => Ok(parts),
+                Timeline::Run(_) | Timeline::Wait(_) | Timeline::Together(_) => Err(part),
+            })),
+            Timeline::Together(parts) => Timeline::Together(spliced(parts, |part| match part {
+                Timeline::Together(parts) => Ok(parts),
+                Timeline::Run(_) | Timeline::Wait(_) | Timeline::Sequence(_) => Err(part),
+            })),
+            Timeline::Run(_) | Timeline::Wait(_) => self,
+        }
+    }
+
+    /// How deep it is nested: 1 for a run or a wait.
+    pub fn depth(&self) -> usize {
+        match self {
+            Timeline::Run(_) | Timeline::Wait(_) => 1,
+            Timeline::Sequence(parts) | Timeline::Together(parts) => {
+                1 + parts.iter().map(Timeline::depth).max().unwrap_or(0)
+            }
+        }
+    }
+}
+
+/// Flat parts, those that `open` takes apart replaced by what they hold.
+fn spliced(parts: Vec<Timeline>, open: fn(Timeline) -> Result<Vec<Timeline>, Timeline>) -> Vec<Timeline> {
+    let mut flat = Vec::with_capacity(parts.len());
+    for part in parts {
+        let part = match part.flat() {
+            Timeline::Sequence(mut only) | Timeline::Together(mut only) if only.len() == 1 => only.swap_remove(0),
+            other => other,
+        };
+        match open(part) {
+            Ok(parts) => flat.extend(parts),
+            Err(part) => flat.push(part),
+        }
+    }
+    flat
+}
+
+/// The deepest that a timeline is nested. A log holds it as JSON, two levels for each of these, and readers of JSON take 128.
+pub const MAX_TIMELINE_DEPTH: usize = 60;
 
 /// One run of a task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -66,6 +145,16 @@ impl Job {
             Order::ElectrodeArray(order) => order.steps.len(),
             Order::Microrobots(order) => order.steps.len(),
             Order::Fingers(order) => order.steps.len(),
+        }
+    }
+
+    /// Where each of its steps is written, in their order.
+    pub fn step_spans(&self) -> Vec<Span> {
+        match &self.order {
+            Order::Dimibot(order) => order.steps.iter().map(|step| step.span).collect(),
+            Order::ElectrodeArray(order) => order.steps.iter().map(|step| step.span).collect(),
+            Order::Microrobots(order) => order.steps.iter().map(|step| step.span).collect(),
+            Order::Fingers(order) => order.steps.iter().map(|step| step.span).collect(),
         }
     }
 

@@ -4,6 +4,7 @@ use super::claims::Job;
 use super::claims::dimibot::{Action, Asked, Body, DimibotOrder, Method, Objective, Obstacle, Planner, Step, Stop};
 use super::devices::Device;
 use super::fields::Accepted;
+use super::frames::Frame;
 use super::lets::Argument;
 use super::scenes::{Object, Scene};
 use super::scope::Place;
@@ -126,14 +127,20 @@ impl Checker<'_> {
         facts: &dimibot::Facts,
     ) -> Judged {
         let Some((place, scene)) = scene else {
-            return Judged { cover: Cover::of(Vec::new(), facts), is_whole: true };
+            return Judged { cover: Cover::of(Vec::new(), facts, None), is_whole: true };
         };
         if let Some(known) = self.covers.get(&(*place, device.0)) {
             return known.clone();
         }
         let before = self.sink.errors();
-        let obstacles = scene.objects.iter().filter_map(|object| obstacle(object, facts, device.1, self.sink));
-        let cover = Cover::of(obstacles.collect(), facts);
+        let frame = scene.frames.get(&device.0).cloned();
+        let others = match frame {
+            Some(_) => self.placed_beside(scene, device.0),
+            None => Vec::new(),
+        };
+        let robot = Robot { facts, name: device.1, frame: frame.as_ref(), others: &others };
+        let obstacles = scene.objects.iter().filter_map(|object| obstacle(object, &robot, self.sink));
+        let cover = Cover::of(obstacles.collect(), facts, frame.map(|frame| frame.pose));
         let judged = Judged { cover, is_whole: self.sink.errors() == before };
         self.covers.insert((*place, device.0), judged.clone());
         judged
@@ -148,7 +155,29 @@ pub struct Judged {
     pub is_whole: bool,
 }
 
-fn obstacle(object: &Object, facts: &dimibot::Facts, device: &str, sink: &mut Sink) -> Option<Obstacle> {
+/// The robot that a scene is judged with.
+struct Robot<'a> {
+    facts: &'a dimibot::Facts,
+    name: &'a str,
+    frame: Option<&'a Frame>,
+    /// The other robots that the scene places.
+    others: &'a [(Rc<dimibot::Facts>, Pose)],
+}
+
+impl Robot<'_> {
+    fn pose(&self) -> Option<&Pose> {
+        self.frame.map(|frame| &frame.pose)
+    }
+
+    /// Whether a body can touch neither the tip nor that of any other robot of the scene.
+    fn is_out_of_all_reach(&self, body: &Body) -> bool {
+        let is_outside_of = |(facts, pose): &(Rc<dimibot::Facts>, Pose)| is_outside(&body.seen_from(Some(pose)), facts);
+        self.others.iter().all(is_outside_of)
+    }
+}
+
+fn obstacle(object: &Object, robot: &Robot, sink: &mut Sink) -> Option<Obstacle> {
+    let facts = robot.facts;
     let nouns: Vec<&str> = dimibot::VOCABULARY.nouns.iter().map(|noun| noun.name).collect();
     if !nouns.contains(&object.noun.as_str()) {
         sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, "dimibot", &nouns));
@@ -159,17 +188,30 @@ fn obstacle(object: &Object, facts: &dimibot::Facts, device: &str, sink: &mut Si
         sink.push(errors::shape_of_other_kind(shape.span, shape.value.form.name(), &object.noun, "dimibot", &known));
         return None;
     }
+    if let Some(frame) = robot.frame.filter(|_| stands_on_cells(object)) {
+        let at = object.at.as_ref().map_or(object.span, |at| at.span);
+        sink.push(errors::cell_beside_frame(at, &object.name, robot.name, frame.span));
+        return None;
+    }
     let body = match &object.shape {
         Some(shape) if shape.value.form == Form::Cells => block(object, &shape.value.fields, facts, sink)?,
-        Some(shape) => solid(object, shapes::in_plane(&shape.value)?, facts, sink)?,
-        None => point(object, facts, sink)?,
+        Some(shape) => solid(object, shapes::in_plane(&shape.value)?, robot, sink)?,
+        None => point(object, robot, sink)?,
     };
     let obstacle = Obstacle { name: object.name.clone(), body, span: object.span };
-    if is_outside(&obstacle.body, facts) {
-        sink.push(errors::obstacle_outside(object.span, &object.name, device));
+    if is_outside(&obstacle.body.seen_from(robot.pose()), facts) {
+        if robot.is_out_of_all_reach(&obstacle.body) {
+            sink.push(errors::obstacle_outside(object.span, &object.name, robot.name));
+        }
         return None;
     }
     Some(obstacle)
+}
+
+/// Whether an object's place is told in cells.
+fn stands_on_cells(object: &Object) -> bool {
+    let is_block = object.shape.as_ref().is_some_and(|shape| shape.value.form == Form::Cells);
+    is_block || object.at.as_ref().is_some_and(|at| whole_cell(&at.value).is_some())
 }
 
 /// The whole numbers of a cell, which may lie outside the lattice.
@@ -180,11 +222,11 @@ fn whole_cell(value: &Value) -> Option<[i64; 2]> {
     }
 }
 
-fn point(object: &Object, facts: &dimibot::Facts, sink: &mut Sink) -> Option<Body> {
+fn point(object: &Object, robot: &Robot, sink: &mut Sink) -> Option<Body> {
     match &object.at {
         Some(at) => match whole_cell(&at.value) {
-            Some([x, y]) => Some(clipped([x, y], [x, y], facts)),
-            None => solid(object, Shape::Point, facts, sink),
+            Some([x, y]) => Some(clipped([x, y], [x, y], robot.facts)),
+            None => solid(object, Shape::Point, robot, sink),
         },
         None => Some(Body::Solid { shape: Shape::Point, pose: Pose::at(0.0, 0.0) }),
     }
@@ -223,7 +265,8 @@ fn clipped(low: [i64; 2], high: [i64; 2], facts: &dimibot::Facts) -> Body {
     Body::Cells { from: clip(low), to: clip(high) }
 }
 
-fn solid(object: &Object, shape: Shape, facts: &dimibot::Facts, sink: &mut Sink) -> Option<Body> {
+fn solid(object: &Object, shape: Shape, robot: &Robot, sink: &mut Sink) -> Option<Body> {
+    let facts = robot.facts;
     let pose = match &object.at {
         None => Pose::at(0.0, 0.0),
         Some(at) => match (shapes::pose_of(&at.value), whole_cell(&at.value)) {
@@ -237,7 +280,8 @@ fn solid(object: &Object, shape: Shape, facts: &dimibot::Facts, sink: &mut Sink)
             }
         },
     };
-    if !shapes::within_extent(&shape, &pose) {
+    let own = robot.pose().map_or(pose, |frame| pose.seen_from(frame));
+    if !shapes::within_extent(&shape, &pose) || !shapes::within_extent(&shape, &own) {
         sink.push(errors::shape_too_large(object.span, &length(MAX_EXTENT_UM)));
         return None;
     }
@@ -288,12 +332,14 @@ fn order(facts: &dimibot::Facts, cover: &Cover, parts: Parts, device: &str, sink
     let objective = objective(parts.objective);
     let simultaneous = simultaneous(&parts.settings).unwrap_or(facts.simultaneous);
     let planner = planner(&parts, (objective, simultaneous), sink);
+    warn_of_simultaneous(&parts.settings, objective, sink);
     let mut judge = stops::Judge::new(facts, cover, device, precision.flatten(), sink);
     let start = parts.start.as_ref().map(|start| judge.start(start));
     let steps: Vec<Option<Step>> = parts.steps.into_iter().map(|step| judge.step(step)).collect();
     let steps: Option<Vec<Step>> = steps.into_iter().collect();
     Some(DimibotOrder {
         facts: facts.clone(),
+        frame: cover.frame,
         obstacles: Arc::clone(&cover.obstacles),
         objective,
         planner: planner?,
@@ -325,6 +371,14 @@ fn objective(name: Option<&str>) -> Objective {
         Some("time") => Objective::Time,
         Some("energy") => Objective::Energy,
         _ => Objective::Distance,
+    }
+}
+
+/// Only time is saved by switching several modules at once.
+fn warn_of_simultaneous(settings: &Accepted, objective: Objective, sink: &mut Sink) {
+    let is_safe = simultaneous(settings) == Some(Simultaneous::Safe);
+    if let Some(field) = settings.get("simultaneous").filter(|_| is_safe && objective != Objective::Time) {
+        sink.push(errors::simultaneous_in_vain(field.span, objective.name()));
     }
 }
 

@@ -1,7 +1,8 @@
 //! Programs: runs of tasks on one clock, and what may not happen at once.
 
-use super::claims::{Claims, Job, Timeline};
+use super::claims::{Claims, Job, MAX_TIMELINE_DEPTH, Timeline};
 use super::errors::{self, Wanted};
+use super::frames::{Neighbours, Site};
 use super::lets::Argument;
 use super::scope::{Declaration, DeclarationSort, Place, Scope, nearest};
 use super::tasks::Run;
@@ -30,8 +31,8 @@ pub type Wires = BTreeMap<Place, BTreeMap<String, String>>;
 struct Draft {
     /// As many as `runs`, if the draft is whole.
     jobs: Vec<Job>,
-    /// The device of each run of a task, and where it is run.
-    runs: Vec<(Place, Span)>,
+    /// Each run of a task.
+    runs: Vec<Site>,
     /// The programs that are being read, the outermost first.
     open: Vec<Place>,
     /// Runs and waits so far.
@@ -157,6 +158,11 @@ impl<'a> Checker<'a> {
         let mut draft = Draft::default();
         let timeline = self.run(root, Vec::new(), declaration.span, &mut draft);
         self.one_thing_at_a_time(&timeline, &draft);
+        let timeline = timeline.flat();
+        if timeline.depth() > MAX_TIMELINE_DEPTH {
+            self.sink.push(errors::too_deep(declaration.span, "groups of runs", MAX_TIMELINE_DEPTH));
+            return None;
+        }
         self.names_apart(&draft);
         if draft.state != State::Whole {
             return None;
@@ -169,9 +175,14 @@ impl<'a> Checker<'a> {
         if self.sink.errors() > errors {
             return None;
         }
-        let used = draft.runs.iter().filter_map(|(device, _)| wires.get(device)).flatten();
+        let Neighbours { shared, not_held } = self.neighbours(&timeline, &draft.runs, &mut draft.jobs);
+        if self.sink.errors() > errors {
+            return None;
+        }
+        let used = draft.runs.iter().filter_map(|run| wires.get(&run.device)).flatten();
         let wires = used.map(|(channel, output)| (channel.clone(), output.clone())).collect();
-        Some(Claims { name: name.to_owned(), timeline, jobs: draft.jobs, wires, span: declaration.span })
+        let (name, jobs) = (name.to_owned(), draft.jobs);
+        Some(Claims { name, timeline, jobs, wires, shared, not_held, span: declaration.span })
     }
 
     /// Runs a task or a program with its arguments; `span` is where it is run.
@@ -193,7 +204,8 @@ impl<'a> Checker<'a> {
             draft.become_at_least(State::Broken);
             return Timeline::Sequence(Vec::new());
         };
-        draft.runs.push((device, run.span));
+        let scene = item.scene.as_ref().and_then(|path| self.find(path, &self.top(run.task)));
+        draft.runs.push(Site { device, scene: scene.map(|(scene, _)| scene), span: run.span });
         let timeline = Timeline::Run(draft.runs.len() - 1);
         let Some(job) = job else {
             draft.become_at_least(State::Broken);
@@ -406,7 +418,7 @@ impl<'a> Checker<'a> {
     /// A device in two runs at a time is an error at both places.
     fn one_thing_at_a_time(&mut self, timeline: &Timeline, draft: &Draft) -> BTreeMap<Place, Span> {
         match timeline {
-            Timeline::Run(job) => BTreeMap::from([draft.runs[*job]]),
+            Timeline::Run(job) => BTreeMap::from([(draft.runs[*job].device, draft.runs[*job].span)]),
             Timeline::Wait(_) => BTreeMap::new(),
             Timeline::Sequence(parts) => parts.iter().flat_map(|part| self.one_thing_at_a_time(part, draft)).collect(),
             Timeline::Together(parts) => {
@@ -427,11 +439,11 @@ impl<'a> Checker<'a> {
     /// Channels carry the device's name alone, so two devices of one name cannot share a schedule.
     fn names_apart(&mut self, draft: &Draft) {
         let mut seen: BTreeMap<&str, (Place, Span)> = BTreeMap::new();
-        for (device, span) in &draft.runs {
-            let (name, _) = self.named(*device);
-            let (first, earlier) = *seen.entry(name).or_insert((*device, *span));
-            if first != *device {
-                self.sink.push(errors::devices_of_one_name(name, earlier, *span));
+        for Site { device, span, .. } in draft.runs.iter().copied() {
+            let (name, _) = self.named(device);
+            let (first, earlier) = *seen.entry(name).or_insert((device, span));
+            if first != device {
+                self.sink.push(errors::devices_of_one_name(name, earlier, span));
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Scenes: their objects, unrolled and inherited. What an object means is for the kind of a task's device to say.
 
+use super::frames::{self, Frame};
 use super::lets::Origin;
 use super::lineage::Base;
 use super::scope::{DeclarationSort, Place, Scope, keeper, nearest};
@@ -33,6 +34,8 @@ pub struct Object {
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
     pub objects: Vec<Rc<Object>>,
+    /// Where devices stand, by device.
+    pub frames: BTreeMap<Place, Frame>,
     /// How many scenes it stands on.
     depth: usize,
 }
@@ -53,6 +56,7 @@ struct Collected {
     objects: Vec<Rc<Object>>,
     /// Index and origin of each name.
     index: BTreeMap<String, (usize, Layer)>,
+    frames: BTreeMap<Place, (Frame, Layer)>,
     is_whole: bool,
 }
 
@@ -102,12 +106,13 @@ impl Checker<'_> {
         if let Some(path) = item.base.as_ref().filter(|_| is_too_deep) {
             self.sink.push(errors::too_deep(path.span, "scenes", MAX_BASES));
         }
-        let mut collected = Collected::on(base.as_ref().map_or(&[], |base| base.objects.as_slice()));
+        let mut collected = base.as_deref().map(Collected::on).unwrap_or_default();
         let mut scope = self.top(place);
         self.scene_entries(&item.entries, &mut scope, &mut collected);
         self.variables_apart(&item.entries, &collected);
         let is_whole = base.is_some() && collected.is_whole && !is_too_deep;
-        is_whole.then_some(Scene { objects: collected.objects, depth })
+        let frames = collected.frames.into_iter().map(|(device, (frame, _))| (device, frame)).collect();
+        is_whole.then_some(Scene { objects: collected.objects, frames, depth })
     }
 
     /// An object stands in all of its scene, so no loop variable of the scene may have its name.
@@ -127,6 +132,10 @@ impl Checker<'_> {
     fn scene_entries(&mut self, entries: &'_ [SceneEntry], scope: &mut Scope, collected: &mut Collected) {
         for entry in entries {
             match entry {
+                SceneEntry::Object(object) if object.noun.text == frames::NOUN => match self.frame(object, scope) {
+                    Some(frame) => self.collect_frame(frame, collected),
+                    None => collected.is_whole = false,
+                },
                 SceneEntry::Object(object) => match self.object(object, scope) {
                     Some(object) => self.collect(Rc::new(object), collected),
                     None => collected.is_whole = false,
@@ -163,6 +172,20 @@ impl Checker<'_> {
         }
     }
 
+    fn collect_frame(&mut self, frame: Frame, collected: &mut Collected) {
+        let earlier = collected.frames.get(&frame.device).filter(|(_, layer)| *layer == Layer::Own);
+        if let Some((earlier, _)) = earlier {
+            let name = self.named(frame.device).0;
+            let diagnostic = match earlier.span == frame.span {
+                true => errors::repeated_object(name, frame.span),
+                false => errors::declared_twice(name, frame.span, earlier.span),
+            };
+            self.sink.push(diagnostic);
+            return;
+        }
+        collected.frames.insert(frame.device, (frame, Layer::Own));
+    }
+
     fn object(&mut self, object: &tree::Object, scope: &Scope) -> Option<Object> {
         let is_known = self.known_noun(&object.noun);
         let name = self.object_name(&object.name, scope);
@@ -191,8 +214,8 @@ impl Checker<'_> {
     }
 
     fn known_noun(&mut self, noun: &tree::Ident) -> bool {
-        let known: Vec<&str> =
-            Kind::ALL.iter().flat_map(|kind| kind.vocabulary().nouns).map(|noun| noun.name).collect();
+        let nouns = Kind::ALL.iter().flat_map(|kind| kind.vocabulary().nouns).map(|noun| noun.name);
+        let known: Vec<&str> = nouns.chain([frames::NOUN]).collect();
         let is_known = known.contains(&noun.text.as_str());
         if !is_known {
             self.sink.push(errors::unknown_noun(
@@ -221,9 +244,16 @@ impl Checker<'_> {
 }
 
 impl Collected {
-    fn on(base: &[Rc<Object>]) -> Collected {
-        let index =
-            base.iter().enumerate().map(|(index, object)| (object.name.clone(), (index, Layer::Base))).collect();
-        Collected { objects: base.to_vec(), index, is_whole: true }
+    fn on(base: &Scene) -> Collected {
+        let objects = base.objects.iter().enumerate();
+        let index = objects.map(|(index, object)| (object.name.clone(), (index, Layer::Base))).collect();
+        let frames = base.frames.iter().map(|(device, frame)| (*device, (frame.clone(), Layer::Base))).collect();
+        Collected { objects: base.objects.clone(), index, frames, is_whole: true }
+    }
+}
+
+impl Default for Collected {
+    fn default() -> Collected {
+        Collected::on(&Scene::default())
     }
 }

@@ -80,6 +80,8 @@ fn build(name: &str, runs: &[(Robot, Vec<Cell>, u64)]) -> (Verified, Provenance)
         timeline: Timeline::Together((0..runs.len()).map(Timeline::Run).collect()),
         jobs: Vec::new(),
         wires: BTreeMap::new(),
+        shared: Vec::new(),
+        not_held: Vec::new(),
         span: Span::default(),
     };
     for (robot, way, start_ns) in runs {
@@ -115,6 +117,7 @@ fn job(robot: &Robot, way: &[Cell]) -> Job {
     let step = |cell: &Cell| Claim { action: Action::Move(vec![stop(cell)]), span: Span::default() };
     let order = DimibotOrder {
         facts: robot.facts.clone(),
+        frame: None,
         obstacles: std::sync::Arc::new(obstacles()),
         objective: Objective::Distance,
         planner: Planner { method: Method::StagedAstar, expansions: 1000 },
@@ -190,6 +193,7 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[Cell], start_ns: u64)
             column: 3,
             start_ns: begin_ns,
             duration_ns: t_ns - begin_ns,
+            reached: Vec::new(),
             span: Span::default(),
         });
     }
@@ -235,6 +239,7 @@ pub fn crowd() -> (Verified, Provenance) {
             column: 1,
             start_ns: 0,
             duration_ns: 1000,
+            reached: Vec::new(),
             span: Span::default(),
         }];
         let pulse = |channel, start_ns, from, to| Actuation {
@@ -558,6 +563,7 @@ impl Gesture {
             column: 1,
             start_ns: self.t_ns,
             duration_ns: 0,
+            reached: Vec::new(),
             span: Span::default(),
         });
     }

@@ -61,6 +61,12 @@ impl Pose {
     pub fn isometry(&self) -> Isometry2<f64> {
         Isometry2::new(Vector2::new(self.x_um, self.y_um), self.heading_rad)
     }
+
+    /// The same pose in the coordinates of a frame that stands at `frame` in the world.
+    pub fn seen_from(&self, frame: &Pose) -> Pose {
+        let place = frame.isometry().inverse_transform_point(&Point2::new(self.x_um, self.y_um));
+        Pose { x_um: place.x, y_um: place.y, heading_rad: self.heading_rad - frame.heading_rad }
+    }
 }
 
 /// What is rounded in a [`Rounded`] body.

@@ -113,5 +113,5 @@ pub fn plan(claims: &Claims, sink: &mut Sink, progress: Progress) -> Option<Vec<
             Order::Fingers(order) => fingers::plan(job, order, &mut hands, sink),
         });
     }
-    plans.into_iter().collect()
+    dimibot::apart(claims, plans.into_iter().collect::<Option<Vec<Plan>>>()?, sink)
 }

@@ -14,6 +14,7 @@ pub fn run(order: &DimibotOrder, motion: &Motion) -> Option<Run> {
     let facts = &order.facts;
     let mut run = Run { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() };
     let mut cell = motion.start;
+    let mut delays = motion.delays.iter();
     run.states.push(TimedState { t_ns: 0, state: state(facts, cell) });
     for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
         let start_ns = run.duration_ns;
@@ -21,6 +22,7 @@ pub fn run(order: &DimibotOrder, motion: &Motion) -> Option<Run> {
             StepMotion::Wait(duration_ns) => run.duration_ns = run.duration_ns.checked_add(*duration_ns)?,
             StepMotion::Pulses(pulses) => {
                 for pulse in pulses {
+                    run.duration_ns = run.duration_ns.checked_add(delays.next().copied().unwrap_or(0))?;
                     cell = fire(&mut run, facts, cell, *pulse, index)?;
                 }
             }

@@ -32,7 +32,8 @@ impl Extent {
         Extent { low: axis(f64::min, self.low, other.low), high: axis(f64::max, self.high, other.high) }
     }
 
-    fn meets(&self, other: &Extent) -> bool {
+    /// Whether the two have a point in common.
+    pub fn meets(&self, other: &Extent) -> bool {
         (0..2).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
     }
 

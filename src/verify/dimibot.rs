@@ -4,6 +4,7 @@
 //! one function per rule. A pulse is what begins at one instant on the device; it takes the pulse duration of the facts and then
 //! the rest, in which nothing is switched. A step of moves is pulse after pulse without idle time; its end is that of its last rest.
 
+mod beside;
 mod scene;
 
 use super::clock::Run;
@@ -16,7 +17,17 @@ use scene::{Scene, Touch, place};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-pub(super) use scene::check_claims;
+pub(super) use beside::tips_apart;
+pub(super) use scene::{check_claims, is_frame};
+
+/// Whether a robot may let time pass between its pulses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Patience {
+    /// It is alone in its scene, and every pulse follows at once.
+    None,
+    /// It may have to let another robot pass.
+    ForOthers,
+}
 
 /// What a channel acts on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -129,7 +140,7 @@ struct Task<'a> {
 /// When a body of the claims cannot be placed.
 pub(super) fn replay<'a>(
     run: &Run<'a>,
-    order: &DimibotOrder,
+    (order, patience): (&DimibotOrder, Patience),
     standing: &mut Standing<'a>,
     findings: &mut Findings,
 ) -> Result<Replay<'a>, Unfit> {
@@ -138,7 +149,9 @@ pub(super) fn replay<'a>(
     let task = Task { run, order, start, pulses: pulses(run, order, start) };
     shapes(&task, findings);
     rests(&task, findings);
-    idle(&task, findings);
+    if patience == Patience::None {
+        idle(&task, findings);
+    }
     waits(&task, findings);
     opposed(&task, findings);
     switches(&task, findings);
@@ -311,7 +324,8 @@ fn rests(task: &Task, findings: &mut Findings) {
     }
 }
 
-/// A step of moves is pulse after pulse, from its beginning to its end.
+/// A step of moves is pulse after pulse, from its beginning to its end. Not asked of robots that may have to wait for another:
+/// their idle time counts as time of the plan.
 fn idle(task: &Task, findings: &mut Findings) {
     for (nth, claimed) in task.order.steps.iter().enumerate() {
         match claimed.action {

@@ -3,10 +3,11 @@
 //! Input: claims. Output: nothing, or why not. Claims that the checker made always pass; those of a hostile log may not,
 //! and the rules rely on what is asked here.
 
+use super::dimibot::is_frame;
 use super::{Unfit, dimibot, electrode_array, fingers, microrobots};
 use crate::check::claims::electrode_array::ElectrodeArrayOrder;
 use crate::check::claims::microrobots::MicrorobotsOrder;
-use crate::check::claims::{Claims, Job, Order, Timeline};
+use crate::check::claims::{Claims, Job, Order, SharedScene, Timeline};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How deep a timeline may nest.
@@ -19,6 +20,7 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
     if let Some(job) = runs.iter().position(|runs| *runs != 1) {
         return Err(Unfit(format!("the claims run job {job} {} times in their timeline, not once", runs[job])));
     }
+    claims.shared.iter().try_for_each(|scene| shared(scene, claims))?;
     let mut devices = BTreeMap::new();
     for job in &claims.jobs {
         requirements(job)?;
@@ -34,6 +36,25 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
         }
         if !same_parts(first, job) {
             return Err(Unfit(format!("the claims hold two sets of parts on the device `{}`", job.device)));
+        }
+    }
+    Ok(())
+}
+
+/// A shared scene places robots of the program, each where all its orders have it.
+fn shared(scene: &SharedScene, claims: &Claims) -> Result<(), Unfit> {
+    for (device, frame) in &scene.frames {
+        let unfit = |why: &str| Err(Unfit(format!("the claims' scene `{}` places `{device}` {why}", scene.scene)));
+        let jobs = || claims.jobs.iter().filter(|job| job.device == *device);
+        if !is_frame(frame) {
+            return unfit("nowhere");
+        }
+        if jobs().next().is_none() || jobs().any(|job| job.order.dimibot().is_none()) {
+            return unfit("as a robot, which the program does not run");
+        }
+        let places = jobs().filter_map(|job| job.order.dimibot()?.frame);
+        if places.chain(claims.frame(device)).any(|other| other != *frame) {
+            return unfit("at two places");
         }
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! The sceptic: every rule is broken by hand in a way that it alone catches, and nearly broken in a way that passes.
 
+mod beside;
 mod build;
 mod dimibot;
 mod electrode_array;
@@ -83,6 +84,7 @@ fn step_of(job: &Job, plan: usize, [start_ns, end_ns]: [u64; 2]) -> Step {
         column: 1,
         start_ns,
         duration_ns: end_ns - start_ns,
+        reached: Vec::new(),
         span: Span::default(),
     }
 }

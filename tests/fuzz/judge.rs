@@ -146,7 +146,7 @@ pub fn verify(bytes: &[u8]) -> Result<(), String> {
     if serde_json::to_value(&claims).ok().as_ref() != Some(&log.claims_json) {
         return Err("other claims".to_owned());
     }
-    let verified = match verify::verify(log.schedule.clone(), &claims) {
+    let verified = match verify::verify_program(log.schedule.clone(), &claims, &sources) {
         Verdict::Accepted(verified) => verified,
         Verdict::Rejected(violations) => {
             return Err(violations.into_iter().next().map_or_else(String::new, |first| first.title));

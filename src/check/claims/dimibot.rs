@@ -3,14 +3,19 @@
 use crate::device::dimibot;
 use crate::geometry::shape::{Pose, Shape};
 use crate::source::{Span, Spanned};
+use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A task of a DiMiBot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DimibotOrder {
     pub facts: dimibot::Facts,
-    /// Shared by all tasks of one device in one scene.
+    /// Where the robot's frame R1 stands in its scene; without it the scene is in the robot's own coordinates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<Pose>,
+    /// In the scene's coordinates. Shared by all tasks of one device in one scene.
     pub obstacles: Arc<Vec<Obstacle>>,
     pub objective: Objective,
     pub planner: Planner,
@@ -20,6 +25,29 @@ pub struct DimibotOrder {
     /// `start at`, where the task says it; else the robot stands where its last task left it, or at home.
     pub start: Option<Spanned<dimibot::Cell>>,
     pub steps: Vec<Step>,
+}
+
+impl DimibotOrder {
+    /// The scene's coordinates of a place in the robot's own frame.
+    pub fn in_scene_um(&self, own_um: [f64; 2]) -> [f64; 2] {
+        in_scene_um(own_um, self.frame.as_ref())
+    }
+}
+
+/// The scene's coordinates of a place in the frame of a robot that stands there.
+pub fn in_scene_um(own_um: [f64; 2], frame: Option<&Pose>) -> [f64; 2] {
+    match frame {
+        Some(frame) => (frame.isometry() * Point2::from(own_um)).coords.into(),
+        None => own_um,
+    }
+}
+
+/// The coordinates of a place of the scene in the frame of a robot that stands there.
+pub fn in_robot_um(scene_um: [f64; 2], frame: Option<&Pose>) -> [f64; 2] {
+    match frame {
+        Some(frame) => frame.isometry().inverse_transform_point(&Point2::from(scene_um)).coords.into(),
+        None => scene_um,
+    }
 }
 
 /// What is minimised.
@@ -106,6 +134,18 @@ pub enum Body {
     Solid { shape: Shape, pose: Pose },
 }
 
+impl Body {
+    /// The body of a scene in the coordinates of a robot that stands there. Cells are the robot's own in any case.
+    pub fn seen_from(&self, frame: Option<&Pose>) -> Cow<'_, Body> {
+        match (self, frame) {
+            (Body::Solid { shape, pose }, Some(frame)) => {
+                Cow::Owned(Body::Solid { shape: shape.clone(), pose: pose.seen_from(frame) })
+            }
+            (Body::Solid { .. }, None) | (Body::Cells { .. }, Some(_) | None) => Cow::Borrowed(self),
+        }
+    }
+}
+
 /// One step of a DiMiBot's task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Step {
@@ -141,6 +181,6 @@ pub struct Stop {
 #[serde(rename_all = "snake_case")]
 pub enum Asked {
     Cell,
-    /// A place, from word 0 along the axes of R1.
+    /// A place in the scene's coordinates; without a frame these are the robot's own, from word 0 along the axes of R1.
     Place([f64; 2]),
 }

@@ -6,12 +6,17 @@
 use super::{Obstacle, bounds_um, clearance_um};
 use crate::check::claims::dimibot::Body;
 use crate::device::dimibot::{Cell, Facts, MAX_MODULES};
+use crate::geometry::shape::Pose;
 use rustc_hash::FxHashMap;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The obstacles of a scene as one device meets them, ready to be asked.
 #[derive(Debug, Clone)]
 pub struct Cover {
+    /// Where the robot stands in the scene, if the scene says it.
+    pub frame: Option<Pose>,
+    /// In the scene's coordinates.
     pub obstacles: Arc<Vec<Obstacle>>,
     /// Indices of the obstacles whose box touches a square, ascending; squares of level l are 2^l cells wide.
     squares: Arc<FxHashMap<(u32, u32, u32), Vec<u32>>>,
@@ -19,10 +24,10 @@ pub struct Cover {
 
 impl Cover {
     /// Enters the obstacles, which must be those of this device.
-    pub fn of(obstacles: Vec<Obstacle>, facts: &Facts) -> Cover {
+    pub fn of(obstacles: Vec<Obstacle>, facts: &Facts, frame: Option<Pose>) -> Cover {
         let mut squares: FxHashMap<(u32, u32, u32), Vec<u32>> = FxHashMap::default();
         for (index, obstacle) in obstacles.iter().enumerate() {
-            let Some([low, high]) = box_of(&obstacle.body, facts) else { continue };
+            let Some([low, high]) = box_of(&obstacle.body.seen_from(frame.as_ref()), facts) else { continue };
             let widest = (high.x - low.x).max(high.y - low.y) + 1;
             let level = widest.next_power_of_two().trailing_zeros();
             for x in low.x >> level..=high.x >> level {
@@ -31,17 +36,21 @@ impl Cover {
                 }
             }
         }
-        Cover { obstacles: Arc::new(obstacles), squares: Arc::new(squares) }
+        Cover { frame, obstacles: Arc::new(obstacles), squares: Arc::new(squares) }
     }
 
     /// The first obstacle, in the order of the scene, that covers a cell.
     pub fn covering(&self, cell: Cell, facts: &Facts) -> Option<usize> {
         let squares =
             (0..=MAX_MODULES).filter_map(|level| self.squares.get(&(level, cell.x >> level, cell.y >> level)));
-        let first = |square: &Vec<u32>| {
-            square.iter().map(|index| *index as usize).find(|index| covers(&self.obstacles[*index].body, cell, facts))
-        };
+        let is_under = |index: &usize| covers(&self.body(*index), cell, facts);
+        let first = |square: &Vec<u32>| square.iter().map(|index| *index as usize).find(is_under);
         squares.filter_map(first).min()
+    }
+
+    /// An obstacle's body in the robot's own coordinates.
+    pub fn body(&self, index: usize) -> Cow<'_, Body> {
+        self.obstacles[index].body.seen_from(self.frame.as_ref())
     }
 }
 

@@ -1,6 +1,7 @@
 //! Goals and starts: within the workspace, on the lattice, clear of obstacles.
 
 use super::*;
+use crate::check::claims::dimibot::{in_robot_um, in_scene_um};
 use crate::check::lets::Origin;
 use crate::check::tasks::Call;
 use crate::diagnostic::Code;
@@ -122,7 +123,8 @@ impl<'a> Judge<'a> {
         None
     }
 
-    fn nearest(&mut self, place_um: [f64; 2], target: &Argument) -> Option<Cell> {
+    fn nearest(&mut self, asked_um: [f64; 2], target: &Argument) -> Option<Cell> {
+        let place_um = in_robot_um(asked_um, self.cover.frame.as_ref());
         let cell = self.facts.nearest_cell(place_um).filter(|_| within_workspace(self.facts, place_um));
         let wrong = match (cell, self.precision_um) {
             (None, _) => Some(self.outside(place_um, target.span)),
@@ -146,22 +148,34 @@ impl<'a> Judge<'a> {
     }
 
     fn outside(&self, place_um: [f64; 2], span: Span) -> Diagnostic {
-        let extent = format!("(0 um, 0 um) to {}", place(self.facts.place_um(last_cell(self.facts))));
+        let mut extent = format!("(0 um, 0 um) to {}", place(self.facts.place_um(last_cell(self.facts))));
         let cell = self.facts.clamped_cell(place_um);
         let nearest = self.place_of(cell);
         let help = format!("the nearest reachable place is {nearest}{}", self.modules_to_reach(place_um));
-        errors::outside_workspace(span, &format!("place {}", place(place_um)), &extent, help)
+        if self.cover.frame.is_some() {
+            extent.push_str(&format!(" in the frame of `{}`, where it is {}", self.device, place(place_um)));
+        }
+        let asked_um = in_scene_um(place_um, self.cover.frame.as_ref());
+        errors::outside_workspace(span, &format!("place {}", place(asked_um)), &extent, help)
+    }
+
+    /// A cell's place in the scene.
+    fn scene_um(&self, cell: Cell) -> [f64; 2] {
+        in_scene_um(self.facts.place_um(cell), self.cover.frame.as_ref())
     }
 
     /// A cell's place for a message.
     fn place_of(&self, cell: Cell) -> String {
-        format!("{}, cell {cell}", place(self.facts.place_um(cell)))
+        format!("{}, cell {cell}", place(self.scene_um(cell)))
     }
 
     /// How many modules would bring a place into the workspace, if any number does.
     fn modules_to_reach(&self, place_um: [f64; 2]) -> String {
         if place_um[0] < 0.0 || place_um[1] < 0.0 {
-            return "; places count from word 0, so none is negative".to_owned();
+            return match self.cover.frame {
+                Some(_) => "; a robot reaches only what lies along its own axes from its frame".to_owned(),
+                None => "; places count from word 0, so none is negative".to_owned(),
+            };
         }
         match self.fewest_modules(|facts| within_workspace(facts, place_um)) {
             Some(modules) => format!("; {modules} modules a side would reach it"),
@@ -229,7 +243,7 @@ impl<'a> Judge<'a> {
             Asked::Place(place_um) => format!("place {}, cell {},", place(place_um), stop.cell),
         };
         let growth = length(self.facts.growth_um());
-        let why = match &obstacle.body {
+        let why = match &*self.cover.body(index) {
             Body::Cells { .. } => "this cell is covered".to_owned(),
             Body::Solid { shape, pose } => match clearance_um(shape, pose, stop.cell, self.facts) {
                 inside if inside <= 0.0 => format!("{} inside its rim", length(-inside)),
@@ -237,7 +251,7 @@ impl<'a> Judge<'a> {
             },
         };
         let free = self.nearest_free(stop.cell).map(|cell| {
-            let place = place(self.facts.place_um(cell));
+            let place = place(self.scene_um(cell));
             format!("the nearest free cell is {cell}, at {place}")
         });
         errors::on_obstacle((code, stop.span), &what, (&obstacle.name, obstacle.span), &why, free)
@@ -292,6 +306,6 @@ fn element(target: &Spanned<Value>, list: Span) -> Argument {
 
 /// The cell of a state that no scene is known for: a device's home.
 pub fn state(value: &Argument, facts: &dimibot::Facts, device: &str, sink: &mut Sink) -> Option<Cell> {
-    let nothing = Cover::of(Vec::new(), facts);
+    let nothing = Cover::of(Vec::new(), facts, None);
     Judge::new(facts, &nothing, device, None, sink).start(value).map(|cell| cell.value)
 }

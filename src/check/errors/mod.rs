@@ -3,6 +3,7 @@
 mod devices;
 mod electrode_array;
 mod fingers;
+mod frames;
 mod microrobots;
 mod names;
 mod tasks;
@@ -11,6 +12,7 @@ mod values;
 pub use devices::*;
 pub use electrode_array::*;
 pub use fingers::*;
+pub use frames::*;
 pub use microrobots::*;
 pub use names::*;
 pub use tasks::*;

@@ -3,7 +3,7 @@
 use crate::check::devices::Device;
 use crate::check::errors;
 use crate::check::value::Value;
-use crate::device::fingers::{Adhesion, Facts, MAX_STEPS_PER_TURN};
+use crate::device::fingers::{Adhesion, Facts, MAX_RESERVE, MAX_STEPS_PER_TURN};
 use crate::diagnostic::Sink;
 use crate::quantity::Quantity;
 use std::f64::consts::TAU;
@@ -28,6 +28,9 @@ const SPEEDS_UM_PER_S: [f64; 2] = [1e-3, 1e9];
 
 /// The least friction coefficient and removal safety but none, and the largest.
 const RATIOS: [f64; 2] = [1e-6, 100.0];
+
+/// What is kept back while tips roll where the device does not say.
+const DEFAULT_RESERVE: f64 = 0.02;
 
 /// The facts of a hand; `None` after an error.
 pub fn facts(device: &Device, sink: &mut Sink) -> Option<Facts> {
@@ -56,6 +59,8 @@ pub fn facts(device: &Device, sink: &mut Sink) -> Option<Facts> {
         support_un: figures.force_un("support").unwrap_or(0.0),
         range_um: figures.range_um()?,
         tolerance_um: figures.length_um("tolerance")?,
+        torsion_um: if figures.quantity("torsion").is_some() { figures.length_um("torsion")? } else { 0.0 },
+        rolling_reserve: figures.reserve("rolling_reserve"),
     };
     (sink.errors() == errors).then_some(facts)
 }
@@ -149,6 +154,12 @@ impl Figures<'_> {
         let fits = found.si == 0.0 || (RATIOS[0]..=RATIOS[1]).contains(&found.si);
         self.unless(fits, name, &found.to_string(), "from 0.000001 to 100");
         Some(found.si)
+    }
+
+    fn reserve(&mut self, name: &str) -> f64 {
+        let Some(found) = self.quantity(name) else { return DEFAULT_RESERVE };
+        self.unless(found.si <= MAX_RESERVE, name, &found.to_string(), "from 0 to 90 %");
+        found.si
     }
 
     fn speed_um_per_s(&mut self, name: &str) -> Option<f64> {

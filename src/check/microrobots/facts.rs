@@ -17,6 +17,12 @@ use std::sync::Arc;
 /// The fields that bound what robots and measurements depart from their figures.
 const ERROR_FIELDS: [&str; 5] = ["speed_error", "turning_error", "place_error", "heading_error", "replan_interval"];
 
+/// The most cycles of a fine motion.
+const MAX_CYCLES: f64 = 2_000.0;
+
+/// The shortest stroke.
+const MIN_STEP_UM: f64 = 1e-6;
+
 /// The facts of a device and the control states of its bed; `None` after an error.
 pub fn bed(device: &Device, sink: &mut Sink) -> Option<Bed> {
     if device.fields.values().any(|field| field.value.is_unknown()) {
@@ -32,6 +38,7 @@ pub fn bed(device: &Device, sink: &mut Sink) -> Option<Bed> {
     figures_have_sense(device, sink);
     meets_forwards(&facts, device, sink);
     fine_motion_has_room(&facts, device, sink);
+    strokes_are_countable(&facts, &table, device, sink);
     levels_in_order(&facts, device, sink)?;
     let states = validity::states(&facts, &table, device, sink)?;
     (sink.errors() == errors).then(|| Bed { facts: Arc::new(facts), states: Arc::new(states) })
@@ -250,7 +257,28 @@ fn fine_motion_has_room(facts: &Facts, device: &Device, sink: &mut Sink) {
         let mut labels = at(device, "fine_cycle", "longer than the whole fine motion");
         labels.extend(at(device, "fine_length", "the fine motion"));
         sink.push(told(device, errors::cycle_beyond_fine_motion(&found[0], &found[1]), &labels));
+        return;
     }
+    // A cycle has at least one stroke for each of its three primitives.
+    let step_um = facts.robots.iter().map(|robot| robot.step_um).fold(0.0, f64::max);
+    let cycles = facts.fine.length_um / facts.fine.cycle_um.max(3.0 * step_um);
+    if cycles > MAX_CYCLES {
+        let found = quantity(device, "fine_length").map_or(String::new(), |length| length.to_string());
+        let mut labels = at(device, "fine_length", "the fine motion");
+        labels.extend(at(device, "fine_cycle", "one cycle of it"));
+        sink.push(told(device, errors::too_many_cycles(&found, cycles, MAX_CYCLES), &labels));
+    }
+}
+
+/// A stroke carries a robot by far more than what places are rounded to, else no way can be counted in strokes.
+fn strokes_are_countable(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) {
+    let slow = facts.robots.iter().enumerate().find(|(_, robot)| robot.step_um < MIN_STEP_UM);
+    let Some((row, robot)) = slow else { return };
+    let (name, labels) = match table.quantity(row, "speed") {
+        Some(_) => ("speed", vec![(table.place(row, "speed"), "too slow to be planned with".to_owned())]),
+        None => ("step_size", at(device, "step_size", "too short to be planned with")),
+    };
+    sink.push(told(device, errors::stroke_too_short(name, &robot.name, robot.step_um, MIN_STEP_UM), &labels));
 }
 
 /// The label of a field, and of the place where its value was given, if a name stands in it.

@@ -35,7 +35,19 @@ pub fn notes(run: &Told, order: &DimibotOrder) -> Vec<Note> {
         Action::Move(_) | Action::Wait(_) => None,
     });
     let visits = visits.map(|line| (Topic::Visits, line));
-    visits.chain(nearest(order).into_iter().map(|line| (Topic::Nearest, line))).collect()
+    let nearest = nearest(order).into_iter().map(|line| (Topic::Nearest, line));
+    visits.chain(nearest).chain(waits(run, order).map(|line| (Topic::Waits, line))).collect()
+}
+
+/// How long a robot waits for others: what is neither pulse nor rest nor a wait of the task.
+fn waits(run: &Told, order: &DimibotOrder) -> Option<String> {
+    let moving = run.steps.iter().zip(&order.steps).filter(|(_, claim)| !matches!(claim.action, Action::Wait(_)));
+    let lasts_ns: u64 = moving.map(|(step, _)| step.duration_ns).sum();
+    // Every state but the first follows a pulse.
+    let pulses = run.plan.states.len().saturating_sub(1) as u64;
+    let idle_ns = lasts_ns.saturating_sub(pulses * (order.facts.pulse_duration_ns + order.facts.rest_ns));
+    let idle = Quantity::new(idle_ns as f64 / 1e9, Dimension::TIME);
+    (idle_ns > 0).then(|| format!("`{}` waits {idle} to let others pass", run.plan.device))
 }
 
 /// The stops in the order in which states of a stretch of time first stand at them.
@@ -61,7 +73,7 @@ fn nearest(order: &DimibotOrder) -> Vec<String> {
     });
     let line = |stop: &Stop| {
         let Asked::Place([x_um, y_um]) = stop.asked else { return None };
-        let [cell_x_um, cell_y_um] = order.facts.place_um(stop.cell);
+        let [cell_x_um, cell_y_um] = order.in_scene_um(order.facts.place_um(stop.cell));
         let off = length((cell_x_um - x_um).hypotenuse(cell_y_um - y_um));
         Some(format!("({}, {}) is cell {}, {off} off", length(x_um), length(y_um), stop.cell))
     };

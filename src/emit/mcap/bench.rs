@@ -1,7 +1,9 @@
-//! The devices of a log, side by side, with their jobs in order of time.
+//! The devices of a log, where their scene places them or side by side, with their jobs in order of time.
 
+use super::frames::Stand;
 use super::{dimibot, electrode_array, fingers, microrobots};
-use crate::check::claims::{Job, Order};
+use crate::check::claims::dimibot::in_scene_um;
+use crate::check::claims::{Claims, Job, Order};
 use crate::schedule::PlanRecord;
 use crate::verify::Verified;
 
@@ -11,32 +13,52 @@ const GAP: f64 = 5.0;
 /// Where a device stands in pictures.
 pub struct Bench<'a> {
     pub device: &'a str,
-    /// Its place along x in the frame `world`.
-    pub offset: f64,
+    /// Where it is in the frame `world`.
+    pub stand: Stand,
     /// Its first job.
     pub job: &'a Job,
 }
 
 impl<'a> Bench<'a> {
-    /// The devices in the order of their first jobs, side by side.
+    /// The devices in the order of their first jobs: those that a scene places are there, the others side by side.
     pub fn all(verified: &'a Verified) -> Vec<Bench<'a>> {
+        let claims = verified.claims();
         let mut benches: Vec<Bench> = Vec::new();
-        let mut left = 0.0;
-        for job in &verified.claims().jobs {
-            if !benches.iter().any(|bench| bench.device == job.device) {
-                let [low, high] = reach(job);
-                benches.push(Bench { device: &job.device, offset: left - low, job });
-                left += high - low + GAP;
+        let mut left = right_of_placed(claims);
+        for job in &claims.jobs {
+            if benches.iter().any(|bench| bench.device == job.device) {
+                continue;
             }
+            let stand = match claims.frame(&job.device) {
+                Some(frame) => Stand::turned([frame.x_um, frame.y_um, 0.0], frame.heading_rad),
+                None => {
+                    let [low, high] = reach(job);
+                    let offset = left - low;
+                    left += high - low + GAP;
+                    Stand::at([offset, 0.0, 0.0])
+                }
+            };
+            benches.push(Bench { device: &job.device, stand, job });
         }
         benches
     }
 }
 
+/// Where along x the devices begin that no scene places.
+fn right_of_placed(claims: &Claims) -> f64 {
+    let ends = claims.jobs.iter().filter_map(|job| {
+        let (frame, order) = (claims.frame(&job.device)?, job.order.dimibot()?);
+        let [x, y] = dimibot::extent_um(&order.facts);
+        let corners = [[0.0, 0.0], [x, 0.0], [0.0, y], [x, y]];
+        Some(corners.map(|corner| in_scene_um(corner, Some(&frame))[0]).into_iter().fold(f64::NEG_INFINITY, f64::max))
+    });
+    ends.reduce(f64::max).map_or(0.0, |end| end.max(0.0) + GAP)
+}
+
 /// From where to where the picture of a job's device reaches along x, in its own frame.
 fn reach(job: &Job) -> [f64; 2] {
     match &job.order {
-        Order::Dimibot(order) => [0.0, dimibot::width_um(&order.facts)],
+        Order::Dimibot(order) => [0.0, dimibot::extent_um(&order.facts)[0]],
         Order::ElectrodeArray(order) => [0.0, electrode_array::width(&order.facts)],
         Order::Microrobots(order) => microrobots::reach_um(order),
         Order::Fingers(order) => fingers::reach_um(order),

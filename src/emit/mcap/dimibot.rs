@@ -9,9 +9,9 @@ use super::{Signals, Topic};
 use crate::device::dimibot::Facts;
 use crate::verify::Verified;
 
-/// How far its picture reaches along x.
-pub fn width_um(facts: &Facts) -> f64 {
-    scene::extent_um(facts)[0]
+/// How far its picture reaches along x and y.
+pub fn extent_um(facts: &Facts) -> [f64; 2] {
+    scene::extent_um(facts)
 }
 
 /// All topics of a device but its voltages, and what moves.

@@ -1,6 +1,6 @@
 //! The frames that devices and what they move stand in, over time.
 //!
-//! Devices have no common frame in a program; pictures put them side by side along x.
+//! Devices that a scene places are where it says; pictures put the others side by side along x.
 
 use super::bench::Bench;
 use super::{Topic, WORLD, foxglove};
@@ -79,9 +79,8 @@ pub fn topic(benches: &[Bench], movers: &[Mover]) -> Topic {
         for (index, place) in moved {
             places[index] = place;
         }
-        let standing = benches.iter().map(|bench| {
-            transform(t_ns, WORLD.to_owned(), bench.device.to_owned(), Stand::at([bench.offset, 0.0, 0.0]))
-        });
+        let standing =
+            benches.iter().map(|bench| transform(t_ns, WORLD.to_owned(), bench.device.to_owned(), bench.stand));
         let moving = movers
             .iter()
             .zip(&places)

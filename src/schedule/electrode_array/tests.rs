@@ -83,6 +83,8 @@ pub(crate) fn carried(facts: &Facts, steps: &[Vec<Vec<(u32, u32)>>]) -> (Claims,
         timeline: Timeline::Run(0),
         jobs: vec![job],
         wires: Default::default(),
+        shared: Vec::new(),
+        not_held: Vec::new(),
         span: Span::default(),
     };
     let mut sources = Sources::default();

@@ -100,6 +100,8 @@ pub(crate) fn carried(steps: Vec<StepMotion>) -> (Claims, Schedule) {
         timeline: Timeline::Run(0),
         jobs: vec![job],
         wires: [("m.bed".to_owned(), "Dev2/ao0".to_owned())].into(),
+        shared: Vec::new(),
+        not_held: Vec::new(),
         span: Span::default(),
     };
     let mut sources = Sources::default();

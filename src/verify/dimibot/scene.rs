@@ -9,8 +9,9 @@ use super::super::boxes::{Boxes, Extent};
 use crate::check::claims::dimibot::{Action, Asked, Body, DimibotOrder, Stop};
 use crate::device::dimibot::{Cell, Facts, MAX_MODULES};
 use crate::geometry::distance::{quadrilateral_core, segment_core};
-use crate::geometry::shape::{Core, MAX_EXTENT_UM, Rounded};
+use crate::geometry::shape::{Core, MAX_EXTENT_UM, Pose, Rounded};
 use crate::quantity::digits;
+use crate::real::Real;
 use nalgebra::{Point2, Vector2};
 
 /// How much wider than it is a body counts when boxes are compared, so that rounding hides none.
@@ -35,6 +36,9 @@ pub(in super::super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> 
     {
         return unfit("hold a field out of its range");
     }
+    if order.frame.is_some_and(|frame| !is_frame(&frame)) {
+        return unfit("place it nowhere");
+    }
     if facts.pulse_duration_ns == 0 || facts.pulse_duration_ns.checked_add(facts.rest_ns).is_none() {
         return unfit("hold a pulse without length or a rest without end");
     }
@@ -54,9 +58,45 @@ pub(super) fn place(facts: &Facts, cell: Cell) -> Point2<f64> {
     Point2::from(Facts::workspace_frame() * facts.displacement_um(cell))
 }
 
+/// Whether numbers can be the place of a frame.
+pub(in super::super) fn is_frame(frame: &Pose) -> bool {
+    [frame.x_um, frame.y_um, frame.heading_rad].iter().all(|value| value.abs() <= MAX_EXTENT_UM)
+}
+
+/// Where a robot's frame stands in its scene, as a turn and a shift; without a frame both are none.
+#[derive(Clone, Copy)]
+pub(super) struct Stand {
+    /// Sine and cosine of the heading, and the place.
+    turn: Option<([f64; 2], [f64; 2])>,
+}
+
+impl Stand {
+    pub fn of(frame: Option<&Pose>) -> Stand {
+        Stand { turn: frame.map(|frame| (frame.heading_rad.sine_cosine().into(), [frame.x_um, frame.y_um])) }
+    }
+
+    /// The scene's coordinates of a place in the robot's frame.
+    pub fn in_scene(&self, own: Point2<f64>) -> Point2<f64> {
+        let Some(([sin, cos], [x, y])) = self.turn else { return own };
+        Point2::new(cos * own.x - sin * own.y + x, sin * own.x + cos * own.y + y)
+    }
+
+    /// A direction of the scene along the axes of the robot.
+    fn along_own_axes(&self, way: Vector2<f64>) -> Vector2<f64> {
+        let Some(([sin, cos], _)) = self.turn else { return way };
+        Vector2::new(cos * way.x + sin * way.y, cos * way.y - sin * way.x)
+    }
+}
+
+/// The corners of the rectangle between two cells, `low` the lower one in both axes, in order round it and in the scene.
+pub(super) fn corners(facts: &Facts, stand: &Stand, [low, high]: [Cell; 2]) -> [Point2<f64>; 4] {
+    [low, Cell { x: high.x, ..low }, high, Cell { y: high.y, ..low }].map(|cell| stand.in_scene(place(facts, cell)))
+}
+
 /// The obstacles of an order, ready to be asked.
 pub(super) struct Scene<'a> {
     facts: &'a Facts,
+    stand: Stand,
     solids: Vec<(usize, Rounded)>,
     solid_boxes: Boxes,
     blocks: Vec<(usize, [Cell; 2])>,
@@ -110,7 +150,8 @@ impl<'a> Scene<'a> {
         }
         let solid_boxes = Boxes::new(solids.iter().map(|(_, body)| extent(body)));
         let block_boxes = Boxes::new(blocks.iter().map(|(_, corners)| Extent::of(&corners.map(lattice_point))));
-        Ok(Scene { facts: &order.facts, solids, solid_boxes, blocks, block_boxes })
+        let stand = Stand::of(order.frame.as_ref());
+        Ok(Scene { facts: &order.facts, stand, solids, solid_boxes, blocks, block_boxes })
     }
 
     /// What the tip touches in the rectangle between two cells, `low` the lower one in both axes; a rectangle without width
@@ -125,7 +166,7 @@ impl<'a> Scene<'a> {
     }
 
     fn touched_solids(&self, low: Cell, high: Cell) -> Vec<(usize, Option<f64>)> {
-        let corners = [low, Cell { x: high.x, ..low }, high, Cell { y: high.y, ..low }].map(|c| place(self.facts, c));
+        let corners = corners(self.facts, &self.stand, [low, high]);
         let distance = |core: &Core| match low.x == high.x || low.y == high.y {
             true => segment_core([corners[0], corners[2]], core),
             false => quadrilateral_core(corners, core),
@@ -172,9 +213,12 @@ pub(super) fn misplaced(order: &DimibotOrder, stop: &Stop) -> Option<String> {
         (place(facts, Cell { x: 1, y: 0 }) - origin).norm(),
         (place(facts, Cell { x: 0, y: 1 }) - origin).norm(),
     );
-    let off_um = Point2::new(x_um, y_um) - place(facts, cell);
-    let half = |axis: usize| pitch_um[axis] / 2.0 + TOLERANCE * (1.0 + facts.gain * facts.stroke_um);
-    let near = (0..2).all(|axis| off_um[axis].abs() <= half(axis));
+    let stand = Stand::of(order.frame.as_ref());
+    let off_um = Point2::new(x_um, y_um) - stand.in_scene(place(facts, cell));
+    let far_um = order.frame.map_or(0.0, |frame| frame.x_um.abs() + frame.y_um.abs());
+    let half = |axis: usize| pitch_um[axis] / 2.0 + TOLERANCE * (1.0 + facts.gain * facts.stroke_um + far_um);
+    let own_um = stand.along_own_axes(off_um);
+    let near = (0..2).all(|axis| own_um[axis].abs() <= half(axis));
     let (x, y, off) = (digits(x_um), digits(y_um), digits(off_um.norm()));
     if !near {
         return Some(format!("cell {cell} stands for ({x}, {y}) um, {off} um off, but is not the nearest to it"));

@@ -37,6 +37,7 @@ pub fn go(cells: &[(u32, u32)]) -> Action {
 pub fn order(facts: Facts, actions: Vec<Action>) -> DimibotOrder {
     DimibotOrder {
         facts,
+        frame: None,
         obstacles: Default::default(),
         objective: Objective::Distance,
         planner: Planner { method: Method::StagedAstar, expansions: 1000 },
@@ -59,7 +60,15 @@ pub fn job(task: &str, device: &str, order: DimibotOrder) -> Job {
 }
 
 pub fn claims(jobs: Vec<Job>, timeline: Timeline) -> Claims {
-    Claims { name: "day".into(), timeline, jobs, wires: BTreeMap::new(), span: Span::default() }
+    Claims {
+        name: "day".into(),
+        timeline,
+        jobs,
+        wires: BTreeMap::new(),
+        shared: Vec::new(),
+        not_held: Vec::new(),
+        span: Span::default(),
+    }
 }
 
 /// The claims of a single task.

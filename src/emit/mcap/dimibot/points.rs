@@ -47,7 +47,7 @@ fn scenery(order: &DimibotOrder) -> Vec<Stroke> {
     let mut strokes = vec![Stroke { corners: rectangle([0.0, 0.0], [x, y]), color: color::LATTICE }];
     let corners = if order.obstacles.len() > MANY_OBSTACLES { COARSE_CORNERS } else { CIRCLE_CORNERS };
     for obstacle in scene::drawn(order) {
-        let lines = match &obstacle.body {
+        let lines = match &*obstacle.body.seen_from(order.frame.as_ref()) {
             Body::Cells { from, to } => {
                 let (low, high) = scene::tiles_um(facts, *from, *to);
                 vec![rectangle(low, high)]

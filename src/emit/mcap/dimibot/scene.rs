@@ -115,14 +115,14 @@ fn scenery(order: &DimibotOrder, device: &str, t_ns: u64) -> Vec<SceneEntity> {
     if order.obstacles.len() > MAX_LABELS {
         let mut all = new("obstacles");
         for obstacle in drawn(order) {
-            draw_obstacle(&mut all, &order.facts, obstacle);
+            draw_obstacle(&mut all, order, obstacle);
         }
         entities.push(all);
         return entities;
     }
     for obstacle in order.obstacles.iter() {
         let mut entity = new(&format!("obstacle/{}", obstacle.name));
-        let place = draw_obstacle(&mut entity, &order.facts, obstacle);
+        let place = draw_obstacle(&mut entity, order, obstacle);
         drawing::text(&mut entity, place, obstacle.name.clone(), color::OBSTACLE);
         entities.push(entity);
     }
@@ -189,10 +189,11 @@ fn mark_stops(mut entity: SceneEntity, order: &DimibotOrder) -> SceneEntity {
 }
 
 /// Draws an obstacle and returns where its label goes.
-fn draw_obstacle(entity: &mut SceneEntity, facts: &Facts, obstacle: &Obstacle) -> [f64; 3] {
+fn draw_obstacle(entity: &mut SceneEntity, order: &DimibotOrder, obstacle: &Obstacle) -> [f64; 3] {
+    let facts = &order.facts;
     let true_slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT_UM, color: color::OBSTACLE };
     let grown_slab = Slab { bottom_um: 0.0, height_um: GROWN_HEIGHT_UM, color: color::GROWN };
-    match &obstacle.body {
+    match &*obstacle.body.seen_from(order.frame.as_ref()) {
         Body::Cells { from, to } => {
             let (low, high) = tiles_um(facts, *from, *to);
             drawing::cuboid(entity, low, high, true_slab);

@@ -95,7 +95,15 @@ pub fn alone(order: ElectrodeArrayOrder) -> Claims {
 pub fn in_turn(orders: Vec<ElectrodeArrayOrder>) -> Claims {
     let timeline = Timeline::Sequence((0..orders.len()).map(Timeline::Run).collect());
     let jobs = orders.into_iter().enumerate().map(|(at, order)| job(&format!("task{at}"), "board", order)).collect();
-    Claims { name: "day".into(), timeline, jobs, wires: BTreeMap::new(), span: Span::default() }
+    Claims {
+        name: "day".into(),
+        timeline,
+        jobs,
+        wires: BTreeMap::new(),
+        shared: Vec::new(),
+        not_held: Vec::new(),
+        span: Span::default(),
+    }
 }
 
 pub fn order_of(claims: &mut Claims, job: usize) -> &mut ElectrodeArrayOrder {

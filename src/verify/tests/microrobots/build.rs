@@ -110,7 +110,15 @@ pub fn in_turn(orders: Vec<MicrorobotsOrder>) -> Claims {
         run_span: Span::default(),
     };
     let jobs = orders.into_iter().enumerate().map(job).collect();
-    Claims { name: "day".into(), timeline, jobs, wires: BTreeMap::new(), span: Span::default() }
+    Claims {
+        name: "day".into(),
+        timeline,
+        jobs,
+        wires: BTreeMap::new(),
+        shared: Vec::new(),
+        not_held: Vec::new(),
+        span: Span::default(),
+    }
 }
 
 pub fn order_of(claims: &mut Claims, job: usize) -> &mut MicrorobotsOrder {

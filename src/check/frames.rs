@@ -1,0 +1,216 @@
+//! Frames: where devices stand in a scene, and which robots of a program are held against one another.
+//!
+//! `frame left at pose(…)` in a scene puts the frame of the device `left` there. Promise: a device has one place in all scenes of a
+//! program, so that any two with a place in the same scene know where they are to each other.
+
+use super::claims::dimibot::{Body, Obstacle, in_scene_um};
+use super::claims::{Job, Order, SharedScene, Timeline};
+use super::devices::Facts;
+use super::scenes::Scene;
+use super::scope::{DeclarationSort, Place, Scope};
+use super::{Checker, errors, shapes};
+use crate::device::{Kind, dimibot};
+use crate::geometry::shape::{Pose, Shape};
+use crate::source::Span;
+use crate::syntax::tree::{self, Ident, IndexedName, Path};
+use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// The noun of a scene that places a device. It is the language's own and no kind's.
+pub const NOUN: &str = "frame";
+
+/// Where a device stands in a scene.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    pub device: Place,
+    pub pose: Pose,
+    /// The name of the device where it is placed.
+    pub span: Span,
+}
+
+/// One run of a task in a program: on what, where, and where it is written.
+#[derive(Debug, Clone, Copy)]
+pub struct Site {
+    pub device: Place,
+    pub scene: Option<Place>,
+    pub span: Span,
+}
+
+/// What a program's robots are to one another.
+#[derive(Default)]
+pub struct Neighbours {
+    pub shared: Vec<SharedScene>,
+    pub not_held: Vec<[String; 2]>,
+}
+
+impl Checker<'_> {
+    /// A frame of a scene; `None` after an error.
+    pub fn frame(&mut self, object: &tree::Object, scope: &Scope) -> Option<Frame> {
+        if let Some(shape) = &object.shape {
+            self.sink.push(errors::frame_with_shape(shape.span));
+            return None;
+        }
+        let name = &object.name;
+        let text = self.joined(&name.name.text, &name.indices, scope)?;
+        let segment = IndexedName { name: Ident { text, span: name.span }, indices: Vec::new(), span: name.span };
+        let path = Path { segments: vec![segment], span: name.span };
+        let device = self.resolve(&path, scope, DeclarationSort::Device)?;
+        let kind = self.device(device)?.kind;
+        if kind != Kind::Dimibot {
+            self.sink.push(errors::frame_of_other_kind(name.span, self.named(device).0, kind.name()));
+            return None;
+        }
+        let pose = self.pose_of_frame(object, scope)?;
+        Some(Frame { device, pose, span: name.span })
+    }
+
+    fn pose_of_frame(&mut self, object: &tree::Object, scope: &Scope) -> Option<Pose> {
+        let Some(at) = &object.at else { return Some(Pose::at(0.0, 0.0)) };
+        let value = self.evaluate(at, scope);
+        if value.is_unknown() {
+            return None;
+        }
+        let Some(pose) = shapes::pose_of(&value) else {
+            self.sink.push(errors::wrong_place(at.span, &value, "a place or a pose for a frame"));
+            return None;
+        };
+        let is_near = [pose.x_um, pose.y_um, pose.heading_rad].iter().all(|value| value.abs() <= dimibot::MAX_REACH_UM);
+        if !is_near {
+            self.sink.push(errors::frame_too_far(at.span, "100 mm"));
+        }
+        is_near.then_some(pose)
+    }
+
+    /// The other placed robots of a scene, with their facts; those with errors in them are left out.
+    pub fn placed_beside(&mut self, scene: &Scene, device: Place) -> Vec<(Rc<dimibot::Facts>, Pose)> {
+        let others = scene.frames.values().filter(|frame| frame.device != device);
+        let facts = others.map(|frame| (self.facts(frame.device), frame.pose));
+        facts.filter_map(|(facts, pose)| Some((dimibot_facts(facts?)?, pose))).collect()
+    }
+
+    /// What the robots of a program are to one another; those that never run stand at home, in the way of the others.
+    pub fn neighbours(&mut self, timeline: &Timeline, sites: &[Site], jobs: &mut [Job]) -> Neighbours {
+        let scenes: BTreeMap<Place, Rc<Scene>> = {
+            let places: BTreeSet<Place> = sites.iter().filter_map(|site| site.scene).collect();
+            places.into_iter().filter_map(|place| Some((place, self.scene(place)?))).collect()
+        };
+        let running: BTreeSet<Place> = sites.iter().map(|site| site.device).collect();
+        self.one_place_each(&scenes, &running);
+        let shared = self.shared(&scenes, &running);
+        self.put_idle_robots(&scenes, &running, sites, jobs);
+        let not_held = self.not_held(timeline, sites, &shared);
+        Neighbours { shared, not_held }
+    }
+
+    /// A device stands at one place in all scenes of a program.
+    fn one_place_each(&mut self, scenes: &BTreeMap<Place, Rc<Scene>>, running: &BTreeSet<Place>) {
+        let mut placed: BTreeMap<Place, &Frame> = BTreeMap::new();
+        for frame in scenes.values().flat_map(|scene| scene.frames.values()) {
+            let first = *placed.entry(frame.device).or_insert(frame);
+            if first.pose != frame.pose && running.contains(&frame.device) {
+                let name = self.named(frame.device).0;
+                self.sink.push(errors::device_at_two_places(name, frame.span, first.span));
+            }
+        }
+    }
+
+    fn shared(&self, scenes: &BTreeMap<Place, Rc<Scene>>, running: &BTreeSet<Place>) -> Vec<SharedScene> {
+        let frames = |scene: &Scene| {
+            let placed = scene.frames.values().filter(|frame| running.contains(&frame.device));
+            placed.map(|frame| (self.named(frame.device).0.to_owned(), frame.pose)).collect::<BTreeMap<_, _>>()
+        };
+        let all = scenes.iter().map(|(place, scene)| (self.named(*place).0.to_owned(), frames(scene)));
+        let several = all.filter(|(_, frames)| frames.len() > 1);
+        several.map(|(scene, frames)| SharedScene { scene, frames }).collect()
+    }
+
+    fn put_idle_robots(
+        &mut self,
+        scenes: &BTreeMap<Place, Rc<Scene>>,
+        running: &BTreeSet<Place>,
+        sites: &[Site],
+        jobs: &mut [Job],
+    ) {
+        let mut known: BTreeMap<(Place, Place), Arc<Vec<Obstacle>>> = BTreeMap::new();
+        for (site, job) in sites.iter().zip(jobs) {
+            let (Some(place), Order::Dimibot(order)) = (site.scene, &mut job.order) else { continue };
+            let Some(scene) = scenes.get(&place).filter(|scene| scene.frames.contains_key(&site.device)) else {
+                continue;
+            };
+            let obstacles = known.entry((place, site.device)).or_insert_with(|| {
+                let idle = scene.frames.values().filter(|frame| !running.contains(&frame.device));
+                let idle: Vec<Obstacle> = idle.filter_map(|frame| self.idle_robot(frame)).collect();
+                match idle.is_empty() {
+                    true => Arc::clone(&order.obstacles),
+                    false => Arc::new(order.obstacles.iter().cloned().chain(idle).collect()),
+                }
+            });
+            order.obstacles = Arc::clone(obstacles);
+        }
+    }
+
+    /// The tip of a robot that stands at home.
+    fn idle_robot(&mut self, frame: &Frame) -> Option<Obstacle> {
+        let facts = dimibot_facts(self.facts(frame.device)?)?;
+        let [x_um, y_um] = in_scene_um(facts.place_um(facts.home), Some(&frame.pose));
+        let shape = Shape::Disc { radius_um: facts.growth_um() };
+        let body = Body::Solid { shape, pose: Pose::at(x_um, y_um) };
+        Some(Obstacle { name: self.named(frame.device).0.to_owned(), body, span: frame.span })
+    }
+
+    /// Devices that run together in one scene without a place for each, which is warned of.
+    fn not_held(&mut self, timeline: &Timeline, sites: &[Site], shared: &[SharedScene]) -> Vec<[String; 2]> {
+        let mut pairs: BTreeMap<[Place; 2], [Span; 2]> = BTreeMap::new();
+        concurrent(timeline, sites, &mut |one, other| {
+            let (one, other) = (sites[one], sites[other]);
+            if one.scene.is_some() && one.scene == other.scene {
+                let pair = [one.device.min(other.device), one.device.max(other.device)];
+                pairs.entry(pair).or_insert([one.span, other.span]);
+            }
+        });
+        let mut not_held = Vec::new();
+        for (pair, spans) in pairs {
+            let names = pair.map(|device| self.named(device).0);
+            if shared.iter().any(|scene| names.iter().all(|name| scene.frames.contains_key(*name))) {
+                continue;
+            }
+            self.sink.push(errors::not_held(names, spans));
+            not_held.push(names.map(str::to_owned));
+        }
+        not_held
+    }
+}
+
+fn dimibot_facts(facts: Facts) -> Option<Rc<dimibot::Facts>> {
+    match facts {
+        Facts::Dimibot(facts) => Some(facts),
+        Facts::ElectrodeArray(_) | Facts::Microrobots(_) | Facts::Fingers(_) => None,
+    }
+}
+
+/// A run of each device in each scene.
+type Firsts = BTreeMap<(Place, Option<Place>), usize>;
+
+/// Calls `each` with runs in two branches of one `together`: one for each device and scene. Returns those of the whole part.
+fn concurrent(timeline: &Timeline, sites: &[Site], each: &mut impl FnMut(usize, usize)) -> Firsts {
+    match timeline {
+        Timeline::Run(job) => Firsts::from([((sites[*job].device, sites[*job].scene), *job)]),
+        Timeline::Wait(_) => Firsts::new(),
+        Timeline::Sequence(parts) => {
+            let all = parts.iter().rev().map(|part| concurrent(part, sites, each));
+            all.flatten().collect()
+        }
+        Timeline::Together(parts) => {
+            let mut before = Firsts::new();
+            for part in parts {
+                let jobs = concurrent(part, sites, each);
+                for one in before.values() {
+                    jobs.values().for_each(|other| each(*one, *other));
+                }
+                before.extend(jobs);
+            }
+            before
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Robots that share a scene, planned apart: pulses wait for one another, or go round where another stands.
+//!
+//! Problem: plans that were made for each robot alone, on one clock, without two tips ever touching. Method: prioritised planning
+//! (Erdmann and Lozano-Pérez, *On multiple moving objects*, Algorithmica 2, 1987): run after run is timed among those before
+//! it, along its own best way with waits; if that cannot be, on a way round the places where others stay, or round all places
+//! they come to. The branches of a `together` are tried in several orders, and so is whether a robot that has not been
+//! planned yet will make way. Guaranteed: plans that keep every gap. Not guaranteed: to find such plans where there are some, nor the
+//! best of them; a plan stays `optimal` only if its cost is still that of the robot alone.
+
+mod timing;
+mod tips;
+mod tries;
+
+use crate::check::claims::{Claims, Job};
+use crate::diagnostic::Sink;
+use crate::plan::{Optimality, Plan, errors};
+use crate::quantity::digits;
+use std::collections::BTreeMap;
+use tips::Robot;
+use tries::{Failure, Found, Reason, attempt, tries};
+
+/// Comparisons of two areas that all tries may take together.
+const COMPARISONS: u64 = 400_000_000;
+
+/// Sees to it that robots that share a scene never touch; `None` if no such plans were found, which was reported.
+pub fn apart(claims: &Claims, plans: Vec<Plan>, sink: &mut Sink) -> Option<Vec<Plan>> {
+    if claims.shared.is_empty() {
+        return Some(plans);
+    }
+    let robots = robots(claims);
+    let mut allowed = COMPARISONS;
+    let (mut best, mut first_failure): (Option<Found>, Option<Failure>) = (None, None);
+    for policy in tries(claims, &robots) {
+        match attempt((claims, &robots), &plans, policy, &mut allowed) {
+            Ok(found) if found.is_untouched() => return Some(found.plans),
+            Ok(found) if best.as_ref().is_none_or(|best| found.rank < best.rank) => best = Some(found),
+            Ok(_) => {}
+            Err(failure) if failure.reason == Reason::Spent => {
+                first_failure.get_or_insert(failure);
+                break;
+            }
+            Err(failure) => {
+                first_failure.get_or_insert(failure);
+            }
+        }
+    }
+    match (best, first_failure) {
+        (Some(best), _) => return Some(best.plans),
+        (None, Some(failure)) => sink.push(report(claims, &failure)),
+        (None, None) => {}
+    }
+    None
+}
+
+/// The robots that share a scene with another, by device.
+fn robots(claims: &Claims) -> BTreeMap<&str, Robot> {
+    let placed = claims.shared.iter().flat_map(|scene| &scene.frames);
+    let robot = |(device, frame): (&'_ String, &_)| {
+        let job = claims.jobs.iter().find(|job| job.device == *device)?;
+        Some((job.device.as_str(), Robot { facts: job.order.dimibot()?.facts.clone(), frame: *frame }))
+    };
+    placed.filter_map(robot).collect()
+}
+
+fn report(claims: &Claims, failure: &Failure) -> crate::diagnostic::Diagnostic {
+    let job: &Job = &claims.jobs[failure.job];
+    let (device, with) = (&job.device, &failure.with);
+    let other = failure.with_job.map(|other| claims.jobs[other].run_span);
+    let at_ms = digits(failure.at_ns as f64 / 1e6);
+    let why = match failure.reason {
+        Reason::Met => format!("at {at_ms} ms it meets `{with}`"),
+        Reason::EndTogether => format!("at {at_ms} ms it meets `{with}`, and it ends where `{with}` stands by then"),
+        Reason::Missed => {
+            format!("at {at_ms} ms it meets `{with}`, and with waits or ways round a requirement is missed")
+        }
+        Reason::NoWay => format!("from where `{device}` stands by then no way was found"),
+        Reason::Spent => format!("at {at_ms} ms it meets `{with}`; the search ended after {COMPARISONS} comparisons"),
+    };
+    let help = match failure.reason {
+        Reason::EndTogether => errors::Apart::OtherEnds,
+        Reason::Met | Reason::Missed | Reason::NoWay | Reason::Spent => errors::Apart::OtherTimes,
+    };
+    errors::not_apart([device, with], (job.run_span, &why), other, help)
+}
+
+/// A plan with delays before its pulses, on a way of its own or that of the best plan alone.
+fn delayed(alone: &Plan, mut plan: Plan, delays: Vec<u64>) -> Plan {
+    let idle_ns: u64 = delays.iter().sum();
+    if let Some(time_s) = plan.outcomes.get_mut("time") {
+        let ns = (*time_s * 1e9).round() + idle_ns as f64;
+        *time_s = ns / 1e9;
+    }
+    if plan.objective == "time" {
+        plan.cost += idle_ns as f64 / 1e6;
+    }
+    plan.bound = alone.bound;
+    plan.bounds = alone.bounds.clone();
+    plan.proof = match alone.proof {
+        Optimality::Proven if plan.cost <= alone.cost => Optimality::Proven,
+        Optimality::Proven | Optimality::Open => Optimality::Open,
+    };
+    if let crate::plan::Motion::Dimibot(motion) = &mut plan.motion {
+        motion.delays = if idle_ns > 0 { delays } else { Vec::new() };
+    }
+    plan
+}

@@ -1,0 +1,237 @@
+//! When a robot switches, on a way that is given, so that its tip meets no other.
+//!
+//! Problem: pulses in a fixed order, each as early as it can be while other tips are where they are. Method: safe intervals (Phillips
+//! and Likhachev, SIPP: safe interval path planning, ICRA 2011) along the one way: for each place the stretches of time in which
+//! nobody comes near, and for each of them the earliest arrival. Guaranteed: if there are instants at which this way can be
+//! gone, the earliest end is found. Cost: comparisons of each place of the way with each stretch of the others.
+
+use super::tips::Area;
+
+/// Where a tip is from one instant to another, both included.
+#[derive(Debug, Clone, Copy)]
+pub struct Stretch {
+    pub start_ns: u64,
+    pub end_ns: u64,
+    pub area: Area,
+}
+
+/// What another robot does, in order of time, and how far it has to be away.
+#[derive(Debug, Clone, Copy)]
+pub struct Other<'a> {
+    pub stretches: &'a [Stretch],
+    pub gap_um: f64,
+}
+
+/// One thing that a robot does on its way.
+#[derive(Debug, Clone, Copy)]
+pub enum Act {
+    /// Within an area to a place of it.
+    Pulse { within: Area, to: Area },
+    /// Nothing, for so long.
+    Wait(u64),
+}
+
+/// A way, and when it may begin.
+#[derive(Debug, Clone)]
+pub struct Way {
+    /// From this instant on the robot stands where the way begins.
+    pub since_ns: u64,
+    /// From this instant on it may move.
+    pub start_ns: u64,
+    pub from: Area,
+    pub acts: Vec<Act>,
+    pub pulse_ns: u64,
+    /// From the beginning of a pulse to the end of its rest.
+    pub slot_ns: u64,
+}
+
+/// Why a way cannot be gone at any time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stuck {
+    /// Somebody is always in the way; the first meeting when it is gone at once.
+    Met(Meeting),
+    /// The comparisons that were allowed are used up.
+    Spent,
+}
+
+/// Two tips that may touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Meeting {
+    pub at_ns: u64,
+    /// Index of the others.
+    pub with: usize,
+}
+
+/// Stretches of time, both ends included, in order.
+type Free = Vec<[u64; 2]>;
+
+/// How a place of the way can be reached.
+#[derive(Debug, Clone, Copy)]
+struct Arrival {
+    /// The earliest instant of the next pulse.
+    ready_ns: u64,
+    /// The last instant at which nobody comes near.
+    until_ns: u64,
+    /// The arrival before it, and when the pulse between the two begins.
+    before: usize,
+    pulse_ns: u64,
+}
+
+impl Way {
+    /// How long to wait before each pulse; nothing is longer than it must be for the earliest end.
+    ///
+    /// # Errors
+    /// See [`Stuck`]. `allowed` is the number of comparisons, which is drawn from.
+    pub fn delays(&self, others: &[Other], allowed: &mut u64) -> Result<Vec<u64>, Stuck> {
+        let at_once = vec![0; self.acts.iter().filter(|act| matches!(act, Act::Pulse { .. })).count()];
+        let Some(meeting) = self.first_meeting(others, allowed)? else { return Ok(at_once) };
+        let levels = self.levels(others, allowed)?;
+        let last = levels.last().map(Vec::as_slice).unwrap_or_default();
+        let best = (0..last.len()).filter(|at| last[*at].until_ns == u64::MAX).min_by_key(|at| last[*at].ready_ns);
+        best.map(|best| self.traced(&levels, best)).ok_or(Stuck::Met(meeting))
+    }
+
+    /// Where the tip is at which time, with a delay before each pulse; and when the last rest or wait is over.
+    pub fn stretches(&self, delays: &[u64]) -> (Vec<Stretch>, u64) {
+        let (mut stretches, mut since_ns, mut ready_ns, mut at) = (Vec::new(), self.since_ns, self.start_ns, self.from);
+        let mut delays = delays.iter();
+        for act in &self.acts {
+            match act {
+                Act::Wait(duration_ns) => ready_ns = ready_ns.saturating_add(*duration_ns),
+                Act::Pulse { within, to } => {
+                    let start_ns = ready_ns.saturating_add(delays.next().copied().unwrap_or(0));
+                    let end_ns = start_ns.saturating_add(self.pulse_ns);
+                    stretches.push(Stretch { start_ns: since_ns, end_ns: start_ns, area: at });
+                    stretches.push(Stretch { start_ns, end_ns, area: *within });
+                    (at, since_ns, ready_ns) = (*to, end_ns, start_ns.saturating_add(self.slot_ns));
+                }
+            }
+        }
+        stretches.push(Stretch { start_ns: since_ns, end_ns: u64::MAX, area: at });
+        (stretches, ready_ns)
+    }
+
+    /// The first meeting if every pulse comes as early as the robot can.
+    fn first_meeting(&self, others: &[Other], allowed: &mut u64) -> Result<Option<Meeting>, Stuck> {
+        let (own, _) = self.stretches(&[]);
+        let mut first: Option<Meeting> = None;
+        for (with, other) in others.iter().enumerate() {
+            let mut from = other.stretches.partition_point(|stretch| stretch.end_ns < self.since_ns);
+            for stretch in &own {
+                while other.stretches.get(from).is_some_and(|beside| beside.end_ns < stretch.start_ns) {
+                    from += 1;
+                }
+                let beside = other.stretches[from..].iter().take_while(|beside| beside.start_ns <= stretch.end_ns);
+                for beside in beside {
+                    spend(allowed)?;
+                    let at_ns = stretch.start_ns.max(beside.start_ns);
+                    if stretch.area.is_near(&beside.area, other.gap_um) && first.is_none_or(|first| at_ns < first.at_ns)
+                    {
+                        first = Some(Meeting { at_ns, with });
+                    }
+                }
+            }
+        }
+        Ok(first)
+    }
+
+    /// The arrivals after each act, those at the start before them.
+    fn levels(&self, others: &[Other], allowed: &mut u64) -> Result<Vec<Vec<Arrival>>, Stuck> {
+        let mut here = self.free(&self.from, others, allowed)?;
+        let stands = here.iter().filter(|[from, to]| *from <= self.since_ns && self.start_ns <= *to);
+        let begin = stands.map(|[_, to]| Arrival { ready_ns: self.start_ns, until_ns: *to, before: 0, pulse_ns: 0 });
+        let mut levels = vec![begin.collect::<Vec<_>>()];
+        for act in &self.acts {
+            let last = levels.last().map(Vec::as_slice).unwrap_or_default();
+            let next = match act {
+                Act::Wait(duration_ns) => waited(last, *duration_ns),
+                Act::Pulse { within, to } => {
+                    let moving = self.free(within, others, allowed)?;
+                    here = self.free(to, others, allowed)?;
+                    self.switched(last, &moving, &here)
+                }
+            };
+            levels.push(next);
+        }
+        Ok(levels)
+    }
+
+    /// The arrivals after a pulse: for each stretch of time in which its end is free, the earliest.
+    fn switched(&self, last: &[Arrival], moving: &Free, here: &Free) -> Vec<Arrival> {
+        let mut next: Vec<Arrival> = Vec::new();
+        for (before, arrival) in last.iter().enumerate() {
+            for [from, to] in moving {
+                let pulse_ns = arrival.ready_ns.max(*from);
+                let end_ns = pulse_ns.saturating_add(self.pulse_ns);
+                if pulse_ns > arrival.until_ns || end_ns > *to {
+                    continue;
+                }
+                let Some([_, until_ns]) = here.iter().find(|[from, to]| (*from..=*to).contains(&end_ns)) else {
+                    continue;
+                };
+                let ready_ns = pulse_ns.saturating_add(self.slot_ns);
+                let arrival = Arrival { ready_ns, until_ns: *until_ns, before, pulse_ns };
+                match next.iter_mut().find(|known| known.until_ns == *until_ns) {
+                    Some(known) if known.ready_ns > ready_ns => *known = arrival,
+                    Some(_) => {}
+                    None if ready_ns <= *until_ns => next.push(arrival),
+                    None => {}
+                }
+            }
+        }
+        next
+    }
+
+    /// The delays that lead to an arrival at the end.
+    fn traced(&self, levels: &[Vec<Arrival>], best: usize) -> Vec<u64> {
+        let (mut at, mut delays) = (best, Vec::new());
+        for (act, pair) in self.acts.iter().zip(levels.windows(2)).rev() {
+            let arrival = pair[1][at];
+            at = arrival.before;
+            if let Act::Pulse { .. } = act {
+                delays.push(arrival.pulse_ns - pair[0][at].ready_ns);
+            }
+        }
+        delays.reverse();
+        delays
+    }
+
+    /// The times at which nobody comes near an area, from when the robot stands at the start of its way.
+    fn free(&self, area: &Area, others: &[Other], allowed: &mut u64) -> Result<Free, Stuck> {
+        let mut taken: Vec<[u64; 2]> = Vec::new();
+        for other in others {
+            let from = other.stretches.partition_point(|stretch| stretch.end_ns < self.since_ns);
+            for stretch in &other.stretches[from..] {
+                spend(allowed)?;
+                if area.is_near(&stretch.area, other.gap_um) {
+                    taken.push([stretch.start_ns, stretch.end_ns]);
+                }
+            }
+        }
+        taken.sort_unstable();
+        let (mut free, mut from) = (Free::new(), Some(0));
+        for [start_ns, end_ns] in taken {
+            let Some(at) = from else { break };
+            if at < start_ns {
+                free.push([at, start_ns - 1]);
+            }
+            from = end_ns.checked_add(1).map(|after| after.max(at));
+        }
+        free.extend(from.map(|from| [from, u64::MAX]));
+        Ok(free)
+    }
+}
+
+fn waited(last: &[Arrival], duration_ns: u64) -> Vec<Arrival> {
+    let later = last.iter().enumerate().map(|(before, arrival)| Arrival {
+        ready_ns: arrival.ready_ns.saturating_add(duration_ns),
+        before,
+        ..*arrival
+    });
+    later.filter(|arrival| arrival.ready_ns <= arrival.until_ns).collect()
+}
+
+fn spend(allowed: &mut u64) -> Result<(), Stuck> {
+    *allowed = allowed.checked_sub(1).ok_or(Stuck::Spent)?;
+    Ok(())
+}

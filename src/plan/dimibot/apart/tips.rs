@@ -1,0 +1,121 @@
+//! Where the tips of placed robots are in their scene, and which of these places come near each other.
+//!
+//! Input: cells of a robot and where its frame stands. Output: areas of the scene, in micrometres. Promise: two areas are near if the
+//! distance of some two points of them is no larger than the gap asked for. An area is a rectangle, a segment or a point; its
+//! distance from another is measured between corners and edges, after a search for a line between the two.
+
+use crate::check::claims::dimibot::in_scene_um;
+use crate::device::dimibot::{Cell, Facts};
+use crate::geometry::shape::{Pose, Shape};
+
+/// A robot in its scene.
+#[derive(Debug, Clone)]
+pub struct Robot {
+    pub facts: Facts,
+    pub frame: Pose,
+}
+
+/// A rectangle of the scene, without width where one module moves, without any extent where none does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Area {
+    /// In order round it.
+    corners: [[f64; 2]; 4],
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Robot {
+    /// Everywhere that the tip's centre may be while all modules switch that differ in two cells.
+    pub fn between(&self, from: Cell, to: Cell) -> Area {
+        let (low, high) = (Cell::new(from.x & to.x, from.y & to.y), Cell::new(from.x | to.x, from.y | to.y));
+        let around = [low, Cell::new(high.x, low.y), high, Cell::new(low.x, high.y)];
+        let corners = around.map(|cell| in_scene_um(self.facts.place_um(cell), Some(&self.frame)));
+        let extreme = |pick: fn(f64, f64) -> f64| {
+            [0, 1].map(|axis| corners[1..].iter().fold(corners[0][axis], |value, corner| pick(value, corner[axis])))
+        };
+        Area { corners, low: extreme(f64::min), high: extreme(f64::max) }
+    }
+
+    /// The place of a cell.
+    pub fn at(&self, cell: Cell) -> Area {
+        self.between(cell, cell)
+    }
+
+    /// An obstacle that holds everything within a distance of an area of this robot.
+    pub fn obstacle(&self, area: &Area, around_um: f64) -> (Shape, Pose) {
+        let [a, b, c, d] = area.corners;
+        let size_um = [length(minus(b, a)), length(minus(d, a))];
+        let (x_um, y_um) = ((a[0] + c[0]) / 2.0, (a[1] + c[1]) / 2.0);
+        let pose = Pose { x_um, y_um, heading_rad: self.frame.heading_rad };
+        let shape = match size_um {
+            [0.0, 0.0] => Shape::Disc { radius_um: around_um },
+            size_um => Shape::Box { size_um: size_um.map(|size| size + 2.0 * around_um) },
+        };
+        (shape, pose)
+    }
+}
+
+impl Area {
+    /// Whether two areas have points no farther apart than `gap_um`.
+    pub fn is_near(&self, other: &Area, gap_um: f64) -> bool {
+        let boxes_meet = (0..2)
+            .all(|axis| self.low[axis] - gap_um <= other.high[axis] && other.low[axis] - gap_um <= self.high[axis]);
+        boxes_meet && self.distance_um(other) <= gap_um
+    }
+
+    /// The least distance of two points.
+    pub fn distance_um(&self, other: &Area) -> f64 {
+        if !self.is_parted_from(other) && !other.is_parted_from(self) {
+            return 0.0;
+        }
+        let from = |one: &Area, other: &Area| {
+            let pairs = one.corners.iter().flat_map(|corner| edges(&other.corners).map(|edge| to_edge(*corner, edge)));
+            pairs.fold(f64::INFINITY, f64::min)
+        };
+        from(self, other).min(from(other, self))
+    }
+
+    /// Whether a line along one of its edges, or across one, parts it from another area.
+    fn is_parted_from(&self, other: &Area) -> bool {
+        edges(&self.corners).any(|[from, to]| {
+            let way = minus(to, from);
+            [[-way[1], way[0]], way].into_iter().any(|normal| {
+                let reach = |area: &Area| {
+                    let along = area.corners.map(|corner| dot(minus(corner, from), normal));
+                    let least = along.iter().copied().fold(f64::INFINITY, f64::min);
+                    [least, along.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
+                };
+                let ([low, high], [other_low, other_high]) = (reach(self), reach(other));
+                high < other_low || other_high < low
+            })
+        }) || self.is_point() && other.is_point() && self.corners[0] != other.corners[0]
+    }
+
+    fn is_point(&self) -> bool {
+        self.low == self.high
+    }
+}
+
+fn edges(corners: &[[f64; 2]; 4]) -> impl Iterator<Item = [[f64; 2]; 2]> + use<> {
+    let [a, b, c, d] = *corners;
+    [[a, b], [b, c], [c, d], [d, a]].into_iter()
+}
+
+fn to_edge(point: [f64; 2], [from, to]: [[f64; 2]; 2]) -> f64 {
+    let (way, off) = (minus(to, from), minus(point, from));
+    let square = dot(way, way);
+    let share = if square > 0.0 { (dot(off, way) / square).clamp(0.0, 1.0) } else { 0.0 };
+    length(minus(off, [share * way[0], share * way[1]]))
+}
+
+fn minus(one: [f64; 2], other: [f64; 2]) -> [f64; 2] {
+    [one[0] - other[0], one[1] - other[1]]
+}
+
+fn dot(one: [f64; 2], other: [f64; 2]) -> f64 {
+    one[0] * other[0] + one[1] * other[1]
+}
+
+fn length(way: [f64; 2]) -> f64 {
+    dot(way, way).sqrt()
+}

@@ -1,0 +1,449 @@
+//! One way to plan the robots of a program apart: who goes first, and who makes way.
+
+use super::delayed;
+use super::timing::{Act, Other, Stretch, Stuck, Way};
+use super::tips::Robot;
+use crate::check::claims::dimibot::{Body, DimibotOrder, Obstacle};
+use crate::check::claims::{Claims, Job, Order, Timeline};
+use crate::device::dimibot::Cell;
+use crate::diagnostic::Sink;
+use crate::plan::Plan;
+use crate::plan::dimibot::{Motion, SAFETY_MARGIN_UM, Standing, StepMotion, plan};
+use crate::plan::requirements::{Kept, keeps};
+use crate::source::Span;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// With more branches than this not every order is tried.
+const MAX_PERMUTED: usize = 3;
+
+/// Ways round more places than this are not looked for.
+const MAX_PLACES: usize = 2_000;
+
+/// What robots do whose turn has not come, while those before them are planned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Manners {
+    /// They see to it themselves that they are gone in time.
+    MakeWay,
+    /// They stand where they stand.
+    Stay,
+}
+
+/// How a program is planned.
+#[derive(Debug, Clone)]
+pub struct Policy {
+    manners: Manners,
+    /// In which order the branches of a `together` are planned, by the order of writing.
+    order: Vec<usize>,
+}
+
+/// Why a try failed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reason {
+    Met,
+    /// The two end where their tips touch.
+    EndTogether,
+    /// A requirement is not kept.
+    Missed,
+    NoWay,
+    Spent,
+}
+
+/// Where a try failed.
+#[derive(Debug, Clone)]
+pub struct Failure {
+    pub reason: Reason,
+    pub job: usize,
+    pub with: String,
+    pub with_job: Option<usize>,
+    pub at_ns: u64,
+}
+
+/// Plans that keep robots apart.
+pub struct Found {
+    pub plans: Vec<Plan>,
+    /// Plans that cost more than alone, the end of the program, and all waits: the less the better.
+    pub rank: (usize, u64, u64),
+}
+
+impl Found {
+    /// Whether all plans are those of robots alone.
+    pub fn is_untouched(&self) -> bool {
+        let (detours, _, idle_ns) = self.rank;
+        detours == 0 && idle_ns == 0
+    }
+}
+
+/// The plans of a program in the making.
+struct Try<'a> {
+    claims: &'a Claims,
+    robots: &'a BTreeMap<&'a str, Robot>,
+    policy: Policy,
+    allowed: &'a mut u64,
+    plans: Vec<Plan>,
+    traces: BTreeMap<&'a str, Trace>,
+    /// Robots whose turn comes, in the branches of a `together` around.
+    later: Vec<BTreeSet<&'a str>>,
+    /// Plans that cost more than alone, waits aside, and all waits.
+    detours: usize,
+    idle_ns: u64,
+}
+
+/// Where a robot is from the first instant to that up to which it is planned; there it stands.
+struct Trace {
+    /// In order of time, the last one without end.
+    stretches: Vec<Stretch>,
+    cell: Cell,
+    job: Option<usize>,
+}
+
+/// All policies worth a try, the most hopeful first.
+pub fn tries(claims: &Claims, robots: &BTreeMap<&str, Robot>) -> Vec<Policy> {
+    let branches = most_branches(&claims.timeline, claims, robots);
+    let orders = orders(branches);
+    let of = |manners| orders.iter().map(move |order| Policy { manners, order: order.clone() });
+    of(Manners::MakeWay).chain(of(Manners::Stay)).collect()
+}
+
+/// The orders of so many branches: all of a few, of many every one first and last.
+fn orders(branches: usize) -> Vec<Vec<usize>> {
+    if branches > MAX_PERMUTED {
+        let turned = |first| (0..branches).map(move |at| (at + first) % branches).collect::<Vec<_>>();
+        let all = (0..branches.min(2 * MAX_PERMUTED)).map(turned);
+        return all.chain([(0..branches).rev().collect()]).collect();
+    }
+    let mut orders = vec![Vec::new()];
+    for _ in 0..branches {
+        let longer = |order: Vec<usize>| {
+            let rest: Vec<usize> = (0..branches).filter(|at| !order.contains(at)).collect();
+            rest.into_iter().map(move |at| order.iter().copied().chain([at]).collect())
+        };
+        orders = orders.into_iter().flat_map(longer).collect();
+    }
+    orders
+}
+
+/// The most branches with robots of a shared scene in one `together`.
+fn most_branches(timeline: &Timeline, claims: &Claims, robots: &BTreeMap<&str, Robot>) -> usize {
+    let deeper = |parts: &[Timeline]| parts.iter().map(|part| most_branches(part, claims, robots)).max().unwrap_or(0);
+    match timeline {
+        Timeline::Run(_) | Timeline::Wait(_) => 1,
+        Timeline::Sequence(parts) => deeper(parts).max(1),
+        Timeline::Together(parts) => {
+            let placed = parts.iter().filter(|part| !devices(part, claims, robots).is_empty()).count();
+            deeper(parts).max(placed).max(1)
+        }
+    }
+}
+
+/// The robots of a part of the timeline that share a scene with others.
+fn devices<'a>(part: &Timeline, claims: &'a Claims, robots: &BTreeMap<&str, Robot>) -> BTreeSet<&'a str> {
+    match part {
+        Timeline::Run(job) => {
+            let device = claims.jobs[*job].device.as_str();
+            robots.contains_key(device).then_some(device).into_iter().collect()
+        }
+        Timeline::Wait(_) => BTreeSet::new(),
+        Timeline::Sequence(parts) | Timeline::Together(parts) => {
+            parts.iter().flat_map(|part| devices(part, claims, robots)).collect()
+        }
+    }
+}
+
+/// Plans all runs of a program as a policy wants it, from the plans of robots alone.
+///
+/// # Errors
+/// Where no timing and no way round was found. `allowed` comparisons may be made, and are drawn from.
+pub fn attempt(
+    (claims, robots): (&Claims, &BTreeMap<&str, Robot>),
+    alone: &[Plan],
+    policy: Policy,
+    allowed: &mut u64,
+) -> Result<Found, Failure> {
+    let traces = robots.iter().map(|(device, robot)| (*device, Trace::begin(device, robot, claims))).collect();
+    let (plans, later) = (alone.to_vec(), Vec::new());
+    let mut attempt = Try { claims, robots, policy, allowed, plans, traces, later, detours: 0, idle_ns: 0 };
+    let end_ns = attempt.part(&claims.timeline, 0)?;
+    Ok(Found { rank: (attempt.detours, end_ns, attempt.idle_ns), plans: attempt.plans })
+}
+
+impl<'a> Try<'a> {
+    fn part(&mut self, part: &Timeline, start_ns: u64) -> Result<u64, Failure> {
+        match part {
+            Timeline::Wait(duration_ns) => Ok(start_ns.saturating_add(*duration_ns)),
+            Timeline::Run(job) => self.job(*job, start_ns),
+            Timeline::Sequence(parts) => parts.iter().try_fold(start_ns, |at_ns, part| self.part(part, at_ns)),
+            Timeline::Together(parts) => self.together(parts, start_ns),
+        }
+    }
+
+    fn together(&mut self, parts: &[Timeline], start_ns: u64) -> Result<u64, Failure> {
+        let robots: Vec<BTreeSet<&str>> = parts.iter().map(|part| devices(part, self.claims, self.robots)).collect();
+        let placed: Vec<usize> = (0..parts.len()).filter(|at| !robots[*at].is_empty()).collect();
+        let turns = self.policy.order.clone();
+        let mut order: Vec<usize> = turns.iter().filter_map(|turn| placed.get(*turn)).copied().collect();
+        order.extend((0..parts.len()).filter(|at| robots[*at].is_empty()));
+        let mut end_ns = start_ns;
+        for (turn, at) in order.iter().enumerate() {
+            self.later.push(order[turn + 1..].iter().flat_map(|at| robots[*at].iter().copied()).collect());
+            end_ns = end_ns.max(self.part(&parts[*at], start_ns)?);
+            self.later.pop();
+        }
+        Ok(end_ns)
+    }
+
+    fn job(&mut self, index: usize, start_ns: u64) -> Result<u64, Failure> {
+        let job = &self.claims.jobs[index];
+        let device = job.device.as_str();
+        let (Some(robot), Some(order)) = (self.robots.get(device), job.order.dimibot()) else {
+            return Ok(start_ns.saturating_add(duration_ns(&self.plans[index])));
+        };
+        let cell = self.traces[device].cell;
+        let alone = self.alone(index, order, cell).ok_or_else(|| self.failure(Reason::NoWay, index, None, start_ns))?;
+        let (plan, way, delays) = self.timed(index, (robot, order), &alone, start_ns)?;
+        let (stretches, end_ns) = way.stretches(&delays);
+        self.idle_ns = self.idle_ns.saturating_add(delays.iter().sum());
+        let is_detour = plan.motion != alone.motion;
+        let end = plan.motion.dimibot().map_or(cell, end_of);
+        self.plans[index] = delayed(&alone, plan, delays);
+        self.detours += usize::from(is_detour);
+        if let Some(trace) = self.traces.get_mut(device) {
+            trace.follow(stretches, end, index);
+        }
+        Ok(end_ns)
+    }
+
+    /// The best plan of a robot by itself, from where it stands.
+    fn alone(&self, index: usize, order: &DimibotOrder, cell: Cell) -> Option<Plan> {
+        let known = &self.plans[index];
+        match known.motion.dimibot().is_some_and(|motion| motion.start == cell) {
+            true => Some(known.clone()),
+            false => replanned(&self.claims.jobs[index], order, cell),
+        }
+    }
+
+    /// The plan, its way and its delays: the robot's own best if that can be timed, else a way round.
+    fn timed(
+        &mut self,
+        index: usize,
+        (robot, order): (&Robot, &DimibotOrder),
+        alone: &Plan,
+        start_ns: u64,
+    ) -> Result<(Plan, Way, Vec<u64>), Failure> {
+        let job = &self.claims.jobs[index];
+        let mut failure = None;
+        let mut best: Option<(Plan, Way, Vec<u64>)> = None;
+        for round in Round::ALL {
+            let plan = match round {
+                Round::Nothing => Some(alone.clone()),
+                Round::WhereTheyStay | Round::WhereTheyCome => {
+                    self.round(index, (robot, order), alone, round, start_ns)
+                }
+            };
+            let Some(plan) = plan else { continue };
+            let Some(motion) = plan.motion.dimibot() else { continue };
+            let way = self.way(job, robot, motion, start_ns);
+            match self.delays(index, &way) {
+                Ok(delays) if keeps_all(job, &delayed(alone, plan.clone(), delays.clone())) => {
+                    let is_final = delays.iter().all(|delay| *delay == 0) || plan.objective != "time";
+                    if best.as_ref().is_none_or(|known| total(&plan, &delays) < total(&known.0, &known.2)) {
+                        best = Some((plan, way, delays));
+                    }
+                    if is_final {
+                        break;
+                    }
+                }
+                Ok(_) => {
+                    failure.get_or_insert(self.failure(Reason::Missed, index, None, start_ns));
+                }
+                Err(met) if met.reason == Reason::Spent => return Err(met),
+                Err(met) => {
+                    failure.get_or_insert(met);
+                }
+            }
+        }
+        best.ok_or_else(|| failure.unwrap_or_else(|| self.failure(Reason::NoWay, index, None, start_ns)))
+    }
+
+    fn way(&self, job: &Job, robot: &Robot, motion: &Motion, start_ns: u64) -> Way {
+        let mut cell = motion.start;
+        let mut acts = Vec::new();
+        for step in &motion.steps {
+            match step {
+                StepMotion::Wait(duration_ns) => acts.push(Act::Wait(*duration_ns)),
+                StepMotion::Pulses(pulses) => {
+                    for pulse in pulses {
+                        let after = Cell::new(cell.x ^ pulse.left, cell.y ^ pulse.right);
+                        acts.push(Act::Pulse { within: robot.between(cell, after), to: robot.at(after) });
+                        cell = after;
+                    }
+                }
+            }
+        }
+        let since_ns = self.traces[job.device.as_str()].since_ns().min(start_ns);
+        let pulse_ns = robot.facts.pulse_duration_ns;
+        let slot_ns = pulse_ns + robot.facts.rest_ns;
+        Way { since_ns, start_ns, from: robot.at(motion.start), acts, pulse_ns, slot_ns }
+    }
+
+    fn delays(&mut self, index: usize, way: &Way) -> Result<Vec<u64>, Failure> {
+        let own = self.claims.jobs[index].device.as_str();
+        let names: Vec<&str> = self.neighbours(own);
+        let others: Vec<Other> = names.iter().map(|name| self.other(own, name)).collect();
+        let mut allowed = *self.allowed;
+        let delays = way.delays(&others, &mut allowed);
+        drop(others);
+        *self.allowed = allowed;
+        delays.map_err(|stuck| match stuck {
+            Stuck::Met(meeting) => {
+                let with = names[meeting.with];
+                let reason = if self.end_together(own, way, with) { Reason::EndTogether } else { Reason::Met };
+                self.failure(reason, index, Some(with), meeting.at_ns)
+            }
+            Stuck::Spent => self.failure(Reason::Spent, index, None, way.start_ns),
+        })
+    }
+
+    /// Whether a way ends where another robot, planned before, stands at last.
+    fn end_together(&self, own: &str, way: &Way, with: &str) -> bool {
+        let last = |stretches: &[Stretch]| stretches.last().map(|stretch| stretch.area);
+        let (end, beside) = (last(&way.stretches(&[]).0), last(self.other(own, with).stretches));
+        let is_planned = self.traces[with].job.is_some();
+        is_planned && end.zip(beside).is_some_and(|(end, beside)| end.is_near(&beside, self.gap_um(own, with)))
+    }
+
+    /// The other robots with a place in one of a robot's scenes.
+    fn neighbours(&self, own: &str) -> Vec<&'a str> {
+        let scenes = self.claims.shared.iter().filter(|scene| scene.frames.contains_key(own));
+        let names: BTreeSet<&str> = scenes.flat_map(|scene| scene.frames.keys()).map(String::as_str).collect();
+        names.into_iter().filter(|name| *name != own).collect()
+    }
+
+    /// Another robot as one has to see it: without its last standing place if it is to make way.
+    fn other(&self, own: &str, name: &str) -> Other<'_> {
+        let stretches = self.traces[name].stretches.as_slice();
+        let makes_way = self.policy.manners == Manners::MakeWay && self.later.iter().any(|later| later.contains(name));
+        let stretches = match makes_way {
+            true => &stretches[..stretches.len().saturating_sub(1)],
+            false => stretches,
+        };
+        Other { stretches, gap_um: self.gap_um(own, name) }
+    }
+
+    fn gap_um(&self, own: &str, name: &str) -> f64 {
+        let growth = |device: &str| self.robots.get(device).map_or(0.0, |robot| robot.facts.growth_um());
+        growth(own) + growth(name) + SAFETY_MARGIN_UM
+    }
+
+    /// A plan that goes round places of the others; `None` if there is none, or nothing to go round.
+    fn round(
+        &self,
+        index: usize,
+        (robot, order): (&Robot, &DimibotOrder),
+        alone: &Plan,
+        round: Round,
+        start_ns: u64,
+    ) -> Option<Plan> {
+        let job = &self.claims.jobs[index];
+        let cell = alone.motion.dimibot()?.start;
+        let mut obstacles: Vec<Obstacle> = Vec::new();
+        for name in self.neighbours(&job.device) {
+            let (other, beside) = (self.robots.get(name)?, self.other(&job.device, name));
+            let from = beside.stretches.partition_point(|stretch| stretch.end_ns < start_ns);
+            for stretch in &beside.stretches[from..] {
+                if round == Round::WhereTheyStay && stretch.end_ns != u64::MAX {
+                    continue;
+                }
+                let around_um = beside.gap_um - robot.facts.growth_um();
+                let (shape, pose) = other.obstacle(&stretch.area, around_um);
+                let body = Body::Solid { shape, pose };
+                if !obstacles.iter().any(|known| known.body == body) {
+                    obstacles.push(Obstacle { name: name.to_owned(), body, span: Span::default() });
+                }
+                if obstacles.len() > MAX_PLACES {
+                    return None;
+                }
+            }
+        }
+        if obstacles.is_empty() {
+            return None;
+        }
+        let obstacles = Arc::new(order.obstacles.iter().cloned().chain(obstacles).collect());
+        let frame = Some(robot.frame);
+        replanned(job, &DimibotOrder { obstacles, frame, ..order.clone() }, cell)
+    }
+
+    fn failure(&self, reason: Reason, job: usize, with: Option<&str>, at_ns: u64) -> Failure {
+        let own = self.claims.jobs[job].device.as_str();
+        let with = with.unwrap_or_else(|| self.neighbours(own).first().copied().unwrap_or_default());
+        let with_job = self.traces.get(with).and_then(|trace| trace.job);
+        Failure { reason, job, with: with.to_owned(), with_job, at_ns }
+    }
+}
+
+/// What a plan goes round, besides the obstacles of the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Round {
+    Nothing,
+    WhereTheyStay,
+    WhereTheyCome,
+}
+
+impl Round {
+    const ALL: [Round; 3] = [Round::Nothing, Round::WhereTheyStay, Round::WhereTheyCome];
+}
+
+impl Trace {
+    /// A robot that stands where its first run begins.
+    fn begin(device: &str, robot: &Robot, claims: &Claims) -> Trace {
+        let first = claims.jobs.iter().find(|job| job.device == device).and_then(|job| job.order.dimibot());
+        let cell = first.and_then(|order| order.start).map_or(robot.facts.home, |start| start.value);
+        let stretches = vec![Stretch { start_ns: 0, end_ns: u64::MAX, area: robot.at(cell) }];
+        Trace { stretches, cell, job: None }
+    }
+
+    /// Since when it stands where it stands at last.
+    fn since_ns(&self) -> u64 {
+        self.stretches.last().map_or(0, |stretch| stretch.start_ns)
+    }
+
+    fn follow(&mut self, stretches: Vec<Stretch>, cell: Cell, job: usize) {
+        self.stretches.pop();
+        self.stretches.extend(stretches);
+        (self.cell, self.job) = (cell, Some(job));
+    }
+}
+
+/// Where a motion ends.
+fn end_of(motion: &Motion) -> Cell {
+    let pulses = motion.steps.iter().flat_map(|step| match step {
+        StepMotion::Pulses(pulses) => pulses.as_slice(),
+        StepMotion::Wait(_) => &[],
+    });
+    pulses.fold(motion.start, |cell, pulse| Cell::new(cell.x ^ pulse.left, cell.y ^ pulse.right))
+}
+
+/// A plan from a cell, if the planner finds one.
+fn replanned(job: &Job, order: &DimibotOrder, cell: Cell) -> Option<Plan> {
+    let mut standing = Standing::at(&job.device, cell);
+    let job = Job { order: Order::Dimibot(order.clone()), ..job.clone() };
+    plan(&job, order, &mut standing, &mut Sink::default())
+}
+
+fn keeps_all(job: &Job, plan: &Plan) -> bool {
+    let reached = |name: &str| plan.outcomes.get(name).copied();
+    job.requirements
+        .iter()
+        .all(|asked| reached(&asked.outcome).is_none_or(|reached| keeps(asked, reached) == Kept::Yes))
+}
+
+/// What a plan costs with its delays, where time is what is minimised.
+fn total(plan: &Plan, delays: &[u64]) -> f64 {
+    let idle_ms = delays.iter().sum::<u64>() as f64 / 1e6;
+    if plan.objective == "time" { plan.cost + idle_ms } else { plan.cost }
+}
+
+fn duration_ns(plan: &Plan) -> u64 {
+    // Every kind counts its time in whole nanoseconds, which a number of seconds gives back exactly up to the longest schedule.
+    (plan.outcomes.get("time").copied().unwrap_or_default() * 1e9).round() as u64
+}

@@ -1,0 +1,180 @@
+//! Robots that share a scene: their tips never touch, at any instant of the program.
+//!
+//! A tip is a disc of its radius and its robot's repeatability. While a pulse lasts it may be anywhere in the segment that the pulse
+//! sweeps, or in the rectangle of a pulse of several modules, since modules snap at unknown instants; otherwise it stands in its
+//! cell, also before the robot's first run and after its last. Both ends of a pulse belong to it, so that two pulses that meet in
+//! one instant are held against each other. Cost for n pulses: n for each pair of robots.
+
+use super::super::boxes::Extent;
+use super::super::clock::Run;
+use super::super::rule::{Findings, Rule, Violation, ms};
+use super::scene::{Stand, corners};
+use super::{Pulse, pulses};
+use crate::check::claims::{Claims, SharedScene};
+use crate::device::dimibot::{Cell, Facts, Switch};
+use crate::geometry::distance::{quadrilateral_core, segment_core};
+use crate::geometry::shape::Core;
+use crate::quantity::digits;
+use crate::source::Span;
+use nalgebra::Point2;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// How much wider than it is a tip counts when boxes are compared, so that rounding hides none.
+const BOX_MARGIN_UM: f64 = 1e-6;
+
+/// Where a tip may be from one instant to another, both included.
+struct Stretch {
+    start_ns: u64,
+    end_ns: u64,
+    /// In the scene, in order round it.
+    corners: [Point2<f64>; 4],
+    form: Form,
+    /// The run, and the step of the schedule where it moves.
+    run: usize,
+    step: Option<usize>,
+}
+
+/// What four corners span.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Form {
+    /// The first corner to the third.
+    Segment,
+    Rectangle,
+}
+
+/// Where the tip of a robot is, from the first instant of a schedule to the last.
+struct Trace<'a> {
+    facts: &'a Facts,
+    stretches: Vec<Stretch>,
+}
+
+/// Holds every two robots that share a scene against each other. `order` are the runs in the order in which devices meet them.
+pub(in super::super) fn tips_apart(runs: &[Run], order: &[usize], claims: &Claims, findings: &mut Findings) {
+    let frames = claims.shared.iter().flat_map(|scene| &scene.frames);
+    let placed: BTreeMap<&str, Stand> = frames.map(|(device, frame)| (&**device, Stand::of(Some(frame)))).collect();
+    let traces: BTreeMap<&str, Trace> = placed
+        .into_iter()
+        .filter_map(|(device, stand)| {
+            let own: Vec<usize> = order.iter().copied().filter(|index| runs[*index].job.device == device).collect();
+            Some((device, trace(runs, &own, &stand)?))
+        })
+        .collect();
+    for [one, other] in pairs(&claims.shared) {
+        let (Some(first), Some(second)) = (traces.get(one), traces.get(other)) else { continue };
+        if let Some((stretch, beside, gap_um)) = first_touch(first, second) {
+            findings.push(touch(runs, [one, other], [stretch, beside], gap_um, needed_um(first, second)));
+        }
+    }
+}
+
+fn pairs(shared: &[SharedScene]) -> BTreeSet<[&str; 2]> {
+    let mut pairs = BTreeSet::new();
+    for scene in shared {
+        let names: Vec<&str> = scene.frames.keys().map(String::as_str).collect();
+        for (at, one) in names.iter().enumerate() {
+            pairs.extend(names[at + 1..].iter().map(|other| [*one, *other]));
+        }
+    }
+    pairs
+}
+
+/// Distance of two tips' centres at which they touch.
+fn needed_um(one: &Trace, other: &Trace) -> f64 {
+    [one, other].iter().map(|trace| trace.facts.tip_radius_um + trace.facts.repeatability_um).sum()
+}
+
+fn trace<'a>(runs: &'a [Run], own: &[usize], stand: &Stand) -> Option<Trace<'a>> {
+    let first = &runs[*own.first()?];
+    let order = first.job.order.dimibot()?;
+    let facts = &order.facts;
+    let mut cell = order.start.as_ref().map_or(facts.home, |start| start.value);
+    let (mut at_ns, mut at_run, mut stretches) = (0, own[0], Vec::new());
+    let at = |area: [Cell; 2], times: [u64; 2], run, step| {
+        let form = if area[0].x == area[1].x || area[0].y == area[1].y { Form::Segment } else { Form::Rectangle };
+        let corners = corners(facts, stand, area);
+        Stretch { start_ns: times[0], end_ns: times[1], corners, form, run, step }
+    };
+    for index in own {
+        let Some(order) = runs[*index].job.order.dimibot() else { continue };
+        for pulse in pulses(&runs[*index], order, cell) {
+            stretches.push(at([cell, cell], [at_ns, pulse.start_ns.max(at_ns)], at_run, None));
+            let end_ns = pulse.start_ns.saturating_add(facts.pulse_duration_ns);
+            stretches.push(at(extremes(&pulse), [pulse.start_ns, end_ns], *index, Some(pulse.step)));
+            (cell, at_ns, at_run) = (pulse.after, end_ns, *index);
+        }
+    }
+    stretches.push(at([cell, cell], [at_ns, u64::MAX], at_run, None));
+    stretches.sort_by_key(|stretch| stretch.start_ns);
+    Some(Trace { facts, stretches })
+}
+
+/// The lowest and the highest cell that the modules of a pulse can carry the tip to, in any order.
+fn extremes(pulse: &Pulse) -> [Cell; 2] {
+    let all = |switch| {
+        let strokes = pulse.strokes.iter().filter(|stroke| stroke.switch == switch);
+        strokes.fold(pulse.before, |cell, stroke| stroke.applied(cell))
+    };
+    [all(Switch::Reset), all(Switch::Set)]
+}
+
+/// The first two stretches of common time in which two tips may touch, with the least gap between them.
+fn first_touch<'a>(one: &'a Trace, other: &'a Trace) -> Option<(&'a Stretch, &'a Stretch, f64)> {
+    let needed_um = needed_um(one, other);
+    let mut from = 0;
+    for stretch in &one.stretches {
+        // Stretches follow one another, so what ended before this one began is over for all that come.
+        while other.stretches.get(from).is_some_and(|beside| beside.end_ns < stretch.start_ns) {
+            from += 1;
+        }
+        for beside in other.stretches[from..].iter().take_while(|beside| beside.start_ns <= stretch.end_ns) {
+            let near =
+                Extent::of(&stretch.corners).grown(needed_um + BOX_MARGIN_UM).meets(&Extent::of(&beside.corners));
+            if !near || beside.end_ns < stretch.start_ns {
+                continue;
+            }
+            let distance_um = distance_um(stretch, beside);
+            if distance_um <= needed_um {
+                return Some((stretch, beside, distance_um));
+            }
+        }
+    }
+    None
+}
+
+fn distance_um(one: &Stretch, other: &Stretch) -> f64 {
+    let core = match other.form {
+        Form::Segment => Core::Segment([other.corners[0], other.corners[2]]),
+        Form::Rectangle => Core::Polygon(other.corners.to_vec()),
+    };
+    match one.form {
+        Form::Segment => segment_core([one.corners[0], one.corners[2]], &core),
+        Form::Rectangle => quadrilateral_core(one.corners, &core),
+    }
+}
+
+fn touch(runs: &[Run], devices: [&str; 2], stretches: [&Stretch; 2], distance_um: f64, needed_um: f64) -> Violation {
+    let [one, other] = devices;
+    let time_ns = stretches[0].start_ns.max(stretches[1].start_ns);
+    let title = format!(
+        "the tips of `{one}` and `{other}` may come within {} um of each other at {}, more than {} um is needed",
+        digits(distance_um),
+        ms(time_ns),
+        digits(needed_um)
+    );
+    let mut violation = Violation::new(Rule::Encounter, time_ns, title);
+    if let Some(step) = stretches.iter().find_map(|stretch| stretch.step) {
+        violation = violation.step(step);
+    }
+    for (device, stretch) in devices.into_iter().zip(stretches) {
+        let what = if stretch.step.is_some() { "moves" } else { "stands" };
+        violation = violation.label(span(&runs[stretch.run], stretch.step), format!("`{device}` {what} there"));
+    }
+    violation
+}
+
+/// The step in which a robot moves, or the run after or before which it stands.
+fn span(run: &Run, step: Option<usize>) -> Span {
+    let steps = run.job.order.dimibot().map(|order| order.steps.as_slice()).unwrap_or_default();
+    let nth = step.and_then(|step| run.steps.iter().position(|index| *index == step));
+    nth.and_then(|nth| steps.get(nth)).map_or(run.job.run_span, |step| step.span)
+}
