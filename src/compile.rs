@@ -54,7 +54,7 @@ pub fn compile(program: &Program, sources: &mut Sources, sink: &mut Sink, progre
     }
     let mut schedules = Vec::with_capacity(drafts.len());
     for (schedule, claims) in drafts {
-        match verify::verify(schedule, claims) {
+        match verify::verify_program(schedule, claims, sources) {
             Verdict::Accepted(verified) => schedules.push(verified),
             Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
             Verdict::Inconclusive { why } => sink.push(verify::inconclusive(&why)),

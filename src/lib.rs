@@ -27,7 +27,9 @@
 //! # What holds it together
 //!
 //! - **The type is the ticket.** Only `verify` makes a `Verified` value, and only a `Verified` value can be emitted.
-//! - **The claims come from the program, never from a planner,** and no predicate is shared between a planner and the verifier.
+//! - **The claims come from the program, never from a planner,** and the verifier sees no planner: where things are, what they sweep, pull,
+//!   roll on and hold is worked out twice. Both stand on the base, though: distances, grown shapes and outlines of `geometry`, and some
+//!   facts of `device` are shared; `tests/tidy.rs` lists them, with what else holds each.
 //! - **A device kind is vocabulary.** It is one file of facts in `device`, of claims and of judgements in `check`, a planner in `plan`, a
 //!   lowering in `schedule`, a judge in `verify`, its pictures in `emit/mcap`, its line of the report in `cli/report`, and a file of
 //!   published devices in `stdlib/`, all of one name. It adds no syntax; exhaustive matches say where else it is asked for.

@@ -53,10 +53,11 @@ impl Bench {
         self.command(arguments).assert()
     }
 
-    /// The names in a folder, hidden ones too.
+    /// The names in a folder, hidden ones too but for the list of what was built from what.
     fn names(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.path(folder)).into_iter().flatten().flatten();
         let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        names.retain(|name| name != ".tweeze.json");
         names.sort();
         names
     }

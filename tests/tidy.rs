@@ -158,6 +158,83 @@ fn rooms_see_only_what_they_may() {
     }
 }
 
+/// What planners and the verifier both call of the base by these names, and what else would show a fault in it: where it is only a
+/// unit test, a fault that the test misses deceives both. A name that other types have too, as in [`COMMON`], cannot be told here.
+const SHARED: &[(&str, &str)] = &[
+    ("segment_core", "unit tests, against distances of sampled points"),
+    ("quadrilateral_core", "unit tests, against distances of sampled points"),
+    ("grown", "unit tests, and the oracle of `tests/properties`, which has shapes of its own"),
+    ("growth_um", "the oracle of `tests/properties`, which adds tip radius and repeatability itself"),
+    ("nearest", "unit tests, against brute force over the outline"),
+    ("normal", "unit tests, against differences of points"),
+    ("spot", "unit tests, against differences of points and the outlines' formulas"),
+    ("way_um", "unit tests, against sums of chords"),
+    ("perimeter_um", "unit tests, against sums of chords"),
+    ("distance_um", "unit tests of outlines and meshes"),
+    ("reach_um", "nothing else; it only scales"),
+    ("rolled_rad", "unit tests, against its inverse"),
+    ("way_rolled_um", "unit tests, against its inverse"),
+    ("corners", "nothing else; a list"),
+    ("sticking_un", "nothing else; a figure of the device, or 0"),
+    ("step_rad", "nothing else; a full turn divided by a figure of the device"),
+    ("reach", "nothing else; the board without its rim"),
+    ("reaches", "nothing else; the board without its rim"),
+    ("moved", "the tests of microrobots, which integrate from the voltage"),
+    ("modules", "nothing else; a figure of the device"),
+    ("cells", "nothing else; a power of two"),
+];
+
+/// Names that say nothing of whose they are.
+const COMMON: &[&str] = &[
+    "at",
+    "axes",
+    "axis",
+    "bounds",
+    "digit",
+    "digits",
+    "fault",
+    "find",
+    "holds",
+    "name",
+    "new",
+    "of",
+    "round",
+    "section",
+    "text",
+    "touches",
+    "vocabulary",
+];
+
+/// All code of a room, tests left out.
+fn room_code(wanted: &str) -> String {
+    let files = sources().into_iter().filter(|(path, _)| room(path) == wanted && !is_test_file(path));
+    files.map(|(_, text)| without_tests(&text)).collect::<Vec<_>>().join("\n")
+}
+
+fn calls(code: &str, name: &str) -> bool {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    code.match_indices(&format!("{name}(")).any(|(at, _)| !code[..at].ends_with(is_word))
+}
+
+/// A fault in what both use deceives both, so each such function is known, with what else would catch it.
+#[test]
+fn what_planners_and_verifier_share_is_listed() {
+    let (plan, verify) = (room_code("plan"), room_code("verify"));
+    let names = ["geometry", "device"].map(room_code).join("\n");
+    let declared = names.lines().filter_map(|line| line.trim_start().strip_prefix("pub fn "));
+    let word = |rest: &str| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    let both: BTreeSet<String> = declared.map(word).filter(|name| calls(&plan, name) && calls(&verify, name)).collect();
+    let listed: BTreeSet<String> = SHARED.iter().map(|(name, _)| (*name).to_owned()).collect();
+    let unlisted: Vec<_> = both.iter().filter(|n| !listed.contains(*n) && !COMMON.contains(&n.as_str())).collect();
+    assert!(
+        unlisted.is_empty(),
+        "planners and verifier share {unlisted:?}: say in `SHARED` what else would show a fault"
+    );
+    let gone: Vec<_> = listed.difference(&both).collect();
+    assert!(gone.is_empty(), "{gone:?} are shared no more");
+    assert!(calls("a.b(c)", "b") && !calls("ab(c)", "b"));
+}
+
 #[test]
 fn every_room_is_known_to_these_rules() {
     for (path, _) in sources() {

@@ -35,6 +35,8 @@ pub fn hand(adhesion: Adhesion) -> Facts {
         support_un: 10.0,
         range_um: [100.0; 3],
         tolerance_um: 0.1,
+        torsion_um: 0.01,
+        rolling_reserve: 0.02,
     }
 }
 

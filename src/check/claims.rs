@@ -74,6 +74,53 @@ pub enum Timeline {
     Together(Vec<Timeline>),
 }
 
+impl Timeline {
+    /// The same without parts that hold but one, sequences within sequences, and groups within groups.
+    #[must_use]
+    pub fn flat(self) -> Timeline {
+        match self {
+            Timeline::Sequence(parts) => Timeline::Sequence(spliced(parts, |part| match part {
+                Timeline::Sequence(parts) => Ok(parts),
+                Timeline::Run(_) | Timeline::Wait(_) | Timeline::Together(_) => Err(part),
+            })),
+            Timeline::Together(parts) => Timeline::Together(spliced(parts, |part| match part {
+                Timeline::Together(parts) => Ok(parts),
+                Timeline::Run(_) | Timeline::Wait(_) | Timeline::Sequence(_) => Err(part),
+            })),
+            Timeline::Run(_) | Timeline::Wait(_) => self,
+        }
+    }
+
+    /// How deep it is nested: 1 for a run or a wait.
+    pub fn depth(&self) -> usize {
+        match self {
+            Timeline::Run(_) | Timeline::Wait(_) => 1,
+            Timeline::Sequence(parts) | Timeline::Together(parts) => {
+                1 + parts.iter().map(Timeline::depth).max().unwrap_or(0)
+            }
+        }
+    }
+}
+
+/// Flat parts, those that `open` takes apart replaced by what they hold.
+fn spliced(parts: Vec<Timeline>, open: fn(Timeline) -> Result<Vec<Timeline>, Timeline>) -> Vec<Timeline> {
+    let mut flat = Vec::with_capacity(parts.len());
+    for part in parts {
+        let part = match part.flat() {
+            Timeline::Sequence(mut only) | Timeline::Together(mut only) if only.len() == 1 => only.swap_remove(0),
+            other => other,
+        };
+        match open(part) {
+            Ok(parts) => flat.extend(parts),
+            Err(part) => flat.push(part),
+        }
+    }
+    flat
+}
+
+/// The deepest that a timeline is nested. A log holds it as JSON, two levels for each of these, and readers of JSON take 128.
+pub const MAX_TIMELINE_DEPTH: usize = 60;
+
 /// One run of a task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Job {
@@ -98,6 +145,16 @@ impl Job {
             Order::ElectrodeArray(order) => order.steps.len(),
             Order::Microrobots(order) => order.steps.len(),
             Order::Fingers(order) => order.steps.len(),
+        }
+    }
+
+    /// Where each of its steps is written, in their order.
+    pub fn step_spans(&self) -> Vec<Span> {
+        match &self.order {
+            Order::Dimibot(order) => order.steps.iter().map(|step| step.span).collect(),
+            Order::ElectrodeArray(order) => order.steps.iter().map(|step| step.span).collect(),
+            Order::Microrobots(order) => order.steps.iter().map(|step| step.span).collect(),
+            Order::Fingers(order) => order.steps.iter().map(|step| step.span).collect(),
         }
     }
 

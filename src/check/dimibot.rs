@@ -336,6 +336,7 @@ fn order(facts: &dimibot::Facts, cover: &Cover, parts: Parts, device: &str, sink
     let objective = objective(parts.objective);
     let simultaneous = simultaneous(&parts.settings).unwrap_or(facts.simultaneous);
     let planner = planner(&parts, (objective, simultaneous), sink);
+    warn_of_simultaneous(&parts.settings, objective, sink);
     let mut judge = stops::Judge::new(facts, cover, device, precision.flatten(), sink);
     let start = parts.start.as_ref().map(|start| judge.start(start));
     let steps: Vec<Option<Step>> = parts.steps.into_iter().map(|step| judge.step(step)).collect();
@@ -374,6 +375,14 @@ fn objective(name: Option<&str>) -> Objective {
         Some("time") => Objective::Time,
         Some("energy") => Objective::Energy,
         _ => Objective::Distance,
+    }
+}
+
+/// Only time is saved by switching several modules at once.
+fn warn_of_simultaneous(settings: &Accepted, objective: Objective, sink: &mut Sink) {
+    let is_safe = simultaneous(settings) == Some(Simultaneous::Safe);
+    if let Some(field) = settings.get("simultaneous").filter(|_| is_safe && objective != Objective::Time) {
+        sink.push(errors::simultaneous_in_vain(field.span, objective.name()));
     }
 }
 

@@ -1,8 +1,9 @@
 //! Expressions to values: every operator and function checked for the dimensions of its operands.
 
+use super::budget::MAX_LIST_DEPTH;
 use super::fingers::ANGLE_NAME;
 use super::scope::{DeclarationSort, Scope, nearest, path_text};
-use super::value::{ModuleWord, PoseValue, TableValue, Value, whole};
+use super::value::{ListValue, ModuleWord, PoseValue, TableValue, Value, whole};
 use super::{Checker, errors, functions};
 use crate::device::shape::Form;
 use crate::quantity::{Dimension, Quantity, Unit, UnitError};
@@ -19,11 +20,14 @@ pub const MAX_WORD_DIGITS: u32 = 2 * crate::device::dimibot::MAX_MODULES;
 impl Checker<'_> {
     /// The value of an expression; [`Value::Unknown`] after an error, which has then been pushed.
     pub fn evaluate(&mut self, expr: &Expr, scope: &Scope) -> Value {
+        if !self.spend(1, expr.span) {
+            return Value::Unknown;
+        }
         match &expr.kind {
             ExprKind::Number(digits) => self.quantity(digits, None, expr.span),
             ExprKind::Quantity { number, unit } => self.quantity(number, Some(unit), expr.span),
             ExprKind::Word(digits) => self.word(digits, expr.span),
-            ExprKind::Text(text) => self.text(text, scope).map_or(Value::Unknown, Value::Text),
+            ExprKind::Text(text) => self.text(text, expr.span, scope).map_or(Value::Unknown, Value::Text),
             ExprKind::Bool(value) => Value::Bool(*value),
             ExprKind::Path(path) => self.path(path, scope),
             ExprKind::Tuple(parts) => self.tuple(parts, scope),
@@ -85,12 +89,16 @@ impl Checker<'_> {
     }
 
     /// The characters of a string, its braces filled in.
-    pub fn text(&mut self, text: &Text, scope: &Scope) -> Option<String> {
+    pub fn text(&mut self, text: &Text, span: Span, scope: &Scope) -> Option<String> {
         let mut result = String::new();
         for part in &text.parts {
+            let before = result.len();
             match part {
                 TextPart::Plain(plain) => result.push_str(plain),
                 TextPart::Hole(expr) => result.push_str(&self.hole(expr, scope)?),
+            }
+            if !self.spend_text(result.len() - before, span) {
+                return None;
             }
         }
         Some(result)
@@ -111,7 +119,7 @@ impl Checker<'_> {
     fn path(&mut self, path: &Path, scope: &Scope) -> Value {
         let first = &path.segments[0];
         if let Some(local) = scope.local(&first.name.text) {
-            let value = local.value.clone();
+            let value = self.handed_on(&local.value, path.span);
             return self.element_of(value, path, 0, scope);
         }
         self.use_import(path, scope);
@@ -146,7 +154,7 @@ impl Checker<'_> {
             value = match &value {
                 Value::Unknown => return Value::Unknown,
                 Value::List(list) => match list.get(number) {
-                    Some(element) => element.value.clone(),
+                    Some(element) => self.handed_on(&element.value, index.span),
                     None => return self.unknown(errors::index_beyond(index.span, number, list.len())),
                 },
                 other => return self.unknown(errors::not_a_list(path.segments[segment].name.span, other)),
@@ -191,8 +199,11 @@ impl Checker<'_> {
         if parts.len() > MAX_ELEMENTS {
             return self.unknown(errors::too_many_elements(span, parts.len()));
         }
-        let elements = parts.iter().map(|part| self.evaluate_spanned(part, scope)).collect();
-        Value::List(Rc::new(elements))
+        let list = ListValue::new(parts.iter().map(|part| self.evaluate_spanned(part, scope)).collect());
+        if list.depth() > MAX_LIST_DEPTH {
+            return self.unknown(errors::too_deep(span, "lists", MAX_LIST_DEPTH));
+        }
+        Value::List(Rc::new(list))
     }
 
     fn range(&mut self, from: &Expr, to: &Expr, scope: &Scope) -> Value {
@@ -231,6 +242,10 @@ impl Checker<'_> {
     fn binary(&mut self, left: &Expr, operator: (Operator, Span), right: &Expr, scope: &Scope) -> Value {
         let a = self.evaluate_spanned(left, scope);
         let b = self.evaluate_spanned(right, scope);
+        if functions::is_equality(operator.0, &a.value, &b.value) {
+            let is_equal = self.are_equal(&a.value, &b.value, operator.1);
+            return is_equal.map_or(Value::Unknown, |equal| Value::Bool(equal == (operator.0 == Operator::Equal)));
+        }
         match functions::apply_operator(operator, &a, &b) {
             Ok(value) => value,
             Err(diagnostic) => self.unknown(*diagnostic),
@@ -244,6 +259,10 @@ impl Checker<'_> {
         if !super::scope::FUNCTIONS.contains(&name.as_str()) {
             let near = nearest(&name, super::scope::FUNCTIONS.iter().copied());
             return self.unknown(errors::unknown_function(function.span, &name, near));
+        }
+        let elements: usize = values.iter().map(|value| elements(&value.value)).sum();
+        if !self.spend(elements as u64, span) {
+            return Value::Unknown;
         }
         match functions::apply_function(&name, span, &values) {
             Ok(value) => value,
@@ -345,6 +364,15 @@ impl Checker<'_> {
     pub fn unknown(&mut self, diagnostic: crate::diagnostic::Diagnostic) -> Value {
         self.sink.push(diagnostic);
         Value::Unknown
+    }
+}
+
+/// How many values a value holds that are looked at one by one.
+pub fn elements(value: &Value) -> usize {
+    match value {
+        Value::List(list) => list.len(),
+        Value::Table(table) => table.rows.len() * table.columns.len(),
+        _ => 0,
     }
 }
 

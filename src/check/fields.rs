@@ -2,8 +2,10 @@
 
 use super::Checker;
 use super::errors::{self, Wanted};
+use super::evaluate::elements;
 use super::scope::{Scope, nearest, path_text};
 use super::value::{ObjectName, ShapeValue, TableValue, Value, whole};
+use crate::device::shape::Form;
 use crate::device::{self, Need, Sort};
 use crate::diagnostic::Diagnostic;
 use crate::quantity::{Dimension, digits};
@@ -91,7 +93,7 @@ impl Checker<'_> {
             return self.accept_object(noun, expr, scope, wanted);
         }
         let value = self.evaluate(expr, scope);
-        if value.is_unknown() {
+        if value.is_unknown() || !self.spend(elements(&value) as u64, expr.span) {
             return None;
         }
         let wanted = &self.with_origin(wanted, expr, scope);
@@ -215,6 +217,10 @@ impl Checker<'_> {
         if shape.fields.values().any(|field| field.value.is_unknown()) {
             return Value::Unknown;
         }
+        let corners = shape.fields.values().map(|field| elements(&field.value)).max().unwrap_or(0) as u64;
+        if shape.form == Form::Polygon && !self.spend(corners * corners / SIDES_AT_ONCE, span) {
+            return Value::Unknown;
+        }
         match super::shapes::impossible(&shape, span) {
             Some(diagnostic) => self.unknown(diagnostic),
             None => Value::Shape(shape),
@@ -224,6 +230,9 @@ impl Checker<'_> {
 
 /// How many turns of a loop a shape in space counts: to judge it takes as long.
 const SOLID_TURNS: usize = 2_000;
+
+/// How many pairs of sides of a polygon are compared in the time that a part of an expression takes.
+const SIDES_AT_ONCE: u64 = 16;
 
 /// Whether a value is of a sort.
 pub fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(), Box<crate::diagnostic::Diagnostic>> {

@@ -6,6 +6,7 @@ mod facts;
 pub mod orientation;
 mod part;
 pub mod solid;
+mod step;
 mod steps;
 mod walk;
 

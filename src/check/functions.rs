@@ -111,9 +111,6 @@ fn comparison(operator: Operator, left: Operand, right: Operand) -> Outcome {
     let unlike = || Box::new(errors::unlike_operands(operator.symbol(), left, right));
     let ordering = match (left.1, right.1) {
         (Value::Quantity(a), Value::Quantity(b)) if a.dimension == b.dimension => a.si.partial_cmp(&b.si),
-        (a, b) if std::mem::discriminant(a) == std::mem::discriminant(b) && is_equality(operator) => {
-            return Ok(Value::Bool((a == b) == (operator == Operator::Equal)));
-        }
         _ => return Err(unlike()),
     };
     let ordering = ordering.ok_or_else(unlike)?;
@@ -131,8 +128,11 @@ fn comparison(operator: Operator, left: Operand, right: Operand) -> Outcome {
     Ok(Value::Bool(holds))
 }
 
-fn is_equality(operator: Operator) -> bool {
+/// Whether an operator asks for equality of two values of one sort, which for all but quantities is not looked at here.
+pub fn is_equality(operator: Operator, a: &Value, b: &Value) -> bool {
     matches!(operator, Operator::Equal | Operator::NotEqual)
+        && std::mem::discriminant(a) == std::mem::discriminant(b)
+        && !matches!(a, Value::Quantity(_) | Value::Unknown)
 }
 
 /// Applies one of [`super::scope::FUNCTIONS`]; `span` is the whole call.
@@ -203,7 +203,7 @@ fn count(a: &Spanned<Value>) -> Outcome {
 /// The least or greatest of the arguments, or of the one list that is given.
 fn extreme(name: &str, span: Span, arguments: &[Spanned<Value>]) -> Outcome {
     let list = match arguments {
-        [Spanned { value: Value::List(list), .. }] => list.as_slice(),
+        [Spanned { value: Value::List(list), .. }] => list,
         _ => arguments,
     };
     let Some(first) = list.first() else {

@@ -51,9 +51,13 @@ impl Checker<'_> {
             return self.unknown(errors::defined_by_itself(name, asked));
         }
         self.make_out(place);
-        match self.lets.get(&place) {
-            Some(LetState::Done(value)) => value.clone(),
-            Some(LetState::Open) | None => Value::Unknown,
+        let text_bytes = match self.lets.get(&place) {
+            Some(LetState::Done(Value::Text(text))) => text.len(),
+            Some(LetState::Done(_) | LetState::Open) | None => 0,
+        };
+        match (self.spend_text(text_bytes, asked), self.lets.get(&place)) {
+            (true, Some(LetState::Done(value))) => value.clone(),
+            (false, _) | (true, Some(LetState::Open) | None) => Value::Unknown,
         }
     }
 

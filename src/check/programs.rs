@@ -1,6 +1,6 @@
 //! Programs: runs of tasks on one clock, and what may not happen at once.
 
-use super::claims::{Claims, Job, Timeline};
+use super::claims::{Claims, Job, MAX_TIMELINE_DEPTH, Timeline};
 use super::errors::{self, Wanted};
 use super::frames::{Neighbours, Site};
 use super::lets::Argument;
@@ -158,6 +158,11 @@ impl<'a> Checker<'a> {
         let mut draft = Draft::default();
         let timeline = self.run(root, Vec::new(), declaration.span, &mut draft);
         self.one_thing_at_a_time(&timeline, &draft);
+        let timeline = timeline.flat();
+        if timeline.depth() > MAX_TIMELINE_DEPTH {
+            self.sink.push(errors::too_deep(declaration.span, "groups of runs", MAX_TIMELINE_DEPTH));
+            return None;
+        }
         self.names_apart(&draft);
         if draft.state != State::Whole {
             return None;

@@ -196,17 +196,33 @@ impl Scope {
     }
 }
 
-/// The known name nearest to a misspelt one, if it is near enough to be meant.
+/// A longer name has no near one: it is no slip of the pen, and to compare it takes its length squared.
+const MAX_NEAR_CHARACTERS: usize = 60;
+
+/// So many names are looked at for the nearest.
+const MAX_NEAR_NAMES: usize = 2_000;
+
+/// The known name nearest to a misspelt one, if it is near enough to be meant. Of very many names the first
+/// [`MAX_NEAR_NAMES`] that could be near by their length are looked at.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let allowed = (name.chars().count() / 3).max(1);
-    let distance = |candidate: &str| strsim::osa_distance(&name.to_lowercase(), &candidate.to_lowercase());
+    let characters = name.chars().take(MAX_NEAR_CHARACTERS + 1).count();
+    if characters > MAX_NEAR_CHARACTERS {
+        return None;
+    }
+    let allowed = (characters / 3).max(1);
+    let lower = name.to_lowercase();
+    let distance = |candidate: &str| strsim::osa_distance(&lower, &candidate.to_lowercase());
     let is_begun = |candidate: &str| candidate.strip_prefix(name).is_some_and(|rest| rest.starts_with('_'));
-    let near = known.into_iter().map(|candidate| (distance(candidate), candidate));
-    near.filter(|(distance, candidate)| {
-        *distance <= allowed && *distance < candidate.chars().count() || is_begun(candidate)
-    })
-    .min()
-    .map(|(_, candidate)| candidate)
+    let is_long = |candidate: &str| candidate.chars().nth(characters + allowed).is_some();
+    let near = known.into_iter().filter(|candidate| !is_long(candidate) || is_begun(candidate)).take(MAX_NEAR_NAMES);
+    // What begins with the name differs by what follows.
+    let far = |candidate: &str| candidate.chars().count() - characters;
+    near.map(|candidate| (if is_long(candidate) { far(candidate) } else { distance(candidate) }, candidate))
+        .filter(|(distance, candidate)| {
+            *distance <= allowed && *distance < candidate.chars().count() || is_begun(candidate)
+        })
+        .min()
+        .map(|(_, candidate)| candidate)
 }
 
 /// The words of a path, joined by dots, for messages.

@@ -10,6 +10,7 @@ use crate::geometry::polygon;
 use crate::geometry::shape::{MAX_EXTENT_UM, Pose, Shape};
 use crate::quantity::{Dimension, Quantity};
 use crate::source::Span;
+use std::f64::consts::TAU;
 
 /// The most corners of a polygon: whether it crosses itself is found by looking at every pair of sides.
 pub const MAX_CORNERS: usize = 2_000;
@@ -119,7 +120,9 @@ pub fn pose_of(at: &Value) -> Option<Pose> {
         _ => return None,
     };
     let PoseValue { x, y, heading } = pose;
-    Some(Pose { x_um: x.in_unit("um"), y_um: y.in_unit("um"), heading_rad: heading.si })
+    // Turns of more than one are taken off, exactly: beyond some thousands of them a heading is no longer known.
+    let heading_rad = if heading.si.abs() > TAU { heading.si % TAU } else { heading.si };
+    Some(Pose { x_um: x.in_unit("um"), y_um: y.in_unit("um"), heading_rad })
 }
 
 /// Whether a shape and its pose are within what is counted with exactly.

@@ -18,7 +18,7 @@ pub enum Value {
     /// Two or three coordinates of one dimension: numbers make a cell, lengths a place.
     Point(Vec<Quantity>),
     Pose(PoseValue),
-    List(Rc<Vec<Spanned<Value>>>),
+    List(Rc<ListValue>),
     /// Whole numbers, the end not included.
     Range {
         from: i64,
@@ -63,6 +63,38 @@ pub struct MeshFile {
     /// As the program writes it.
     pub path: String,
     pub mesh: Mesh,
+}
+
+/// Values in their order, which may be lists themselves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ListValue {
+    elements: Vec<Spanned<Value>>,
+    /// How deep lists hold one another in it, from 1.
+    depth: usize,
+}
+
+impl ListValue {
+    /// A list of elements.
+    pub fn new(elements: Vec<Spanned<Value>>) -> ListValue {
+        let depth = elements.iter().map(|element| match &element.value {
+            Value::List(list) => list.depth,
+            _ => 0,
+        });
+        ListValue { depth: depth.max().unwrap_or(0) + 1, elements }
+    }
+
+    /// How deep lists hold one another in it, from 1.
+    pub fn depth(&self) -> usize {
+        self.depth
+    }
+}
+
+impl std::ops::Deref for ListValue {
+    type Target = [Spanned<Value>];
+
+    fn deref(&self) -> &[Spanned<Value>] {
+        &self.elements
+    }
 }
 
 /// A form with the fields that were given so far.

@@ -77,7 +77,7 @@ impl<'a> Checker<'a> {
         outputs: &mut BTreeMap<String, Span>,
     ) -> Option<()> {
         let channel = self.channel_name(&wire.channel, scope);
-        let output = self.text(&wire.output, scope)?;
+        let output = self.text(&wire.output, wire.output.span, scope)?;
         let channel = channel?;
         let facts = panel.facts.as_ref()?;
         if !facts.has_channel(&channel) {

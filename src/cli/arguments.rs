@@ -16,7 +16,7 @@ pub struct Invocation {
 
 const EXIT_STATUS: &str = "\
 Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3 verification refused a schedule; 4 a file \
-could not be read or written.
+could not be read or written; 5 tweeze itself failed, which is a bug.
 
 Begin with `tweeze build FILE.twz`; `tweeze devices` lists what can be programmed.";
 
@@ -31,7 +31,8 @@ pub enum Command {
     )]
     Build(BuildArguments),
     /// Replay a written log against the device models, trusting nothing of the planner
-    #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz")]
+    #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz\n  \
+                      tweeze verify fetch.mcap --against fetch.twz --set pitch=80um")]
     Verify(VerifyArguments),
     /// Show what a diagnostic means, with an example and the mend
     #[command(after_help = "Example: tweeze explain E0503")]
@@ -81,6 +82,9 @@ pub struct BuildArguments {
     /// Where to write; made if it is not there
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub output: PathBuf,
+    /// Replace files that were built from other programs
+    #[arg(long)]
+    pub force: bool,
     #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]
@@ -100,6 +104,9 @@ pub struct VerifyArguments {
     /// Hold the log against this program, and not only against the one that it carries
     #[arg(long, value_name = "FILE.twz")]
     pub against: Option<PathBuf>,
+    /// Take the program of `--against` with this value; without it the program's own values count, whatever the log says
+    #[arg(long = "set", value_name = "NAME=VALUE", requires = "against")]
+    pub set: Vec<String>,
     #[command(flatten)]
     pub report: Report,
 }

@@ -1,10 +1,10 @@
 //! `tweeze build`.
 
-use super::arguments::BuildArguments;
-use super::disk;
+use super::arguments::{BuildArguments, ReportFormat};
+use super::disk::{self, Destination};
 use super::loaded::Loaded;
 use super::waiting::Waiting;
-use super::{Exit, report, terminal};
+use super::{Exit, errors, report, terminal, verify};
 use crate::check::Options;
 use crate::compile::{self, Compiled, Outcome};
 use crate::diagnostic::Sink;
@@ -52,6 +52,9 @@ fn write(arguments: &BuildArguments, compiled: &Compiled, provenance: &Provenanc
         for format in &formats {
             match emit::emit(*format, verified, provenance) {
                 Ok(set) => {
+                    if let Err(exit) = read_back(*format, &set, arguments.report.format) {
+                        return exit;
+                    }
                     names.extend(set.iter().map(|file| shown(&arguments.output, &file.name)));
                     files.extend(set);
                 }
@@ -63,11 +66,27 @@ fn write(arguments: &BuildArguments, compiled: &Compiled, provenance: &Provenanc
         }
         written.push(names);
     }
-    if let Err(diagnostic) = disk::write_all(&arguments.output, &files) {
+    let to = Destination { folder: &arguments.output, program: &arguments.file, force: arguments.force };
+    if let Err(diagnostic) = disk::write_all(&to, &files) {
         terminal::report_one(*diagnostic, arguments.report.format);
         return Exit::Files;
     }
-    terminal::answer(&report::build(&arguments.file, compiled, &written))
+    terminal::answer(&report::build(&arguments.file, compiled, &arguments.settings.set, &written))
+}
+
+/// Verifies logs from their bytes, as `tweeze verify` would: whatever is written can be read.
+fn read_back(format: Format, set: &[OutputFile], report: ReportFormat) -> Result<(), Exit> {
+    if format != Format::Mcap {
+        return Ok(());
+    }
+    for file in set {
+        if let Err(refusal) = verify::judge_bytes(Path::new(&file.name), &file.bytes) {
+            terminal::report(&refusal.sink, &refusal.sources, report);
+            terminal::report_one(errors::unverifiable(&file.name), report);
+            return Err(Exit::Fault);
+        }
+    }
+    Ok(())
 }
 
 /// Where a file stands, as the user would write it.

@@ -30,6 +30,29 @@ pub fn unwritable(path: &Path, error: &io::Error) -> Diagnostic {
         .help("nothing was written; choose another folder with `-o DIR`")
 }
 
+pub fn of_another_program(file: &Path, program: &str) -> Diagnostic {
+    let title = format!("`{}` was built from another program, `{program}`", file.display());
+    Diagnostic::new(Code::E0806, title).help("choose another folder with `-o DIR`, or replace it with `--force`")
+}
+
+pub fn written_twice(name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0807, format!("two files of this build have the name `{name}`, apart from capitals"))
+        .help("some disks take both for one file: give one of the tasks another name, or build it alone with `--task`")
+}
+
+pub fn bad_manifest(path: &Path, why: &str) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0801,
+        format!("`{}` does not say which programs built the files there: {why}", path.display()),
+    )
+    .help("delete it; the next build writes a new one")
+}
+
+pub fn unverifiable(file: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0850, format!("`{file}` would be a log that `tweeze verify` refuses, for the reason above"))
+        .help("nothing was written; this is a fault of tweeze and not of the program: report it as a bug with the program")
+}
+
 /// The system's reason without its number.
 fn reason(error: &io::Error) -> String {
     let text = error.to_string();
@@ -48,6 +71,45 @@ pub fn other_program(log: &Path, program: &Path) -> Diagnostic {
     let title =
         format!("`{}` was built from a program that claims something else than `{}`", log.display(), program.display());
     Diagnostic::new(Code::E0742, title).help("build the trusted program again and use that log")
+}
+
+/// What is to be said where a log was built with other settings than the trusted program is taken with; nothing if they are the same.
+pub fn other_settings(log: &Path, program: &Path, of_log: &[String], given: &[String]) -> Option<Diagnostic> {
+    let lacking = |of: &[String], list: &[String]| -> Vec<String> {
+        of.iter()
+            .filter(|setting| !list.contains(setting))
+            .map(|setting| format!("--set {}", quoted(setting)))
+            .collect()
+    };
+    let (silent, added) = (lacking(of_log, given), lacking(given, of_log));
+    let (title, help) = match (silent.is_empty(), added.is_empty()) {
+        (true, true) => return None,
+        (false, _) => (
+            format!(
+                "`{}` was built with `{}`, which changes what `{}` claims",
+                log.display(),
+                silent.join(" "),
+                program.display()
+            ),
+            format!("if you trust it, repeat it: `--against {} {}`", program.display(), silent.join(" ")),
+        ),
+        (true, false) => (
+            format!(
+                "`{}` was built without `{}`, which changes what `{}` claims",
+                log.display(),
+                added.join(" "),
+                program.display()
+            ),
+            "leave it out, or build the program again with it".to_owned(),
+        ),
+    };
+    Some(Diagnostic::new(Code::E0772, title).help(help))
+}
+
+/// A word as a shell takes it for what it is: a log may hold any setting, and its text is offered for copying.
+fn quoted(word: &str) -> String {
+    let is_safe = |c: char| c.is_ascii_alphanumeric() || "=._+-".contains(c);
+    if word.chars().all(is_safe) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }
 
 pub fn program_in_log_has_errors(log: &Path) -> Diagnostic {

@@ -32,6 +32,8 @@ pub enum Exit {
     Refused = 3,
     /// A file could not be read or written.
     Files = 4,
+    /// Tweeze itself failed.
+    Fault = 5,
 }
 
 /// The stack of the thread that does the work, in bytes: several times what the deepest nesting that is let through needs.
@@ -48,12 +50,13 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         }
     };
     let worker = std::thread::Builder::new().stack_size(STACK_BYTES).spawn(move || dispatch(invocation.command));
-    let exit = worker.ok().and_then(|worker| worker.join().ok());
-    ExitCode::from(exit.map_or(PANICKED, |exit| exit as u8))
+    let exit = match worker.map(std::thread::JoinHandle::join) {
+        Ok(Ok(exit)) => exit,
+        Ok(Err(_)) => terminal::fault("an internal error, which the lines above describe"),
+        Err(error) => terminal::fault(&format!("no thread could be started: {error}")),
+    };
+    ExitCode::from(exit as u8)
 }
-
-/// What the system uses for a program that came to grief.
-const PANICKED: u8 = 101;
 
 fn dispatch(command: Command) -> Exit {
     match command {

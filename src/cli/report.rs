@@ -14,6 +14,7 @@ use crate::compile::Compiled;
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::schedule::{PlanRecord, Schedule, Step};
 use crate::verify::Verified;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Runs of one schedule that the report shows; the rest is counted. Of each sort of note it shows as many.
@@ -39,11 +40,21 @@ enum Topic {
     Guaranteed,
     Contacts,
     Remarked,
+    Absent,
+    Idle,
 }
 
 impl Topic {
-    const ALL: [Topic; 6] =
-        [Topic::Visits, Topic::Nearest, Topic::Waits, Topic::Guaranteed, Topic::Contacts, Topic::Remarked];
+    const ALL: [Topic; 8] = [
+        Topic::Visits,
+        Topic::Nearest,
+        Topic::Waits,
+        Topic::Guaranteed,
+        Topic::Contacts,
+        Topic::Remarked,
+        Topic::Absent,
+        Topic::Idle,
+    ];
 
     fn label(self) -> &'static str {
         match self {
@@ -53,17 +64,20 @@ impl Topic {
             Topic::Guaranteed => "Assured",
             Topic::Contacts => "Contacts",
             Topic::Remarked => "Chosen",
+            Topic::Absent => "Absent",
+            Topic::Idle => "Idle",
         }
     }
 }
 
 /// The report of a whole build, each of its schedules written to some paths.
-pub fn build(file: &Path, compiled: &Compiled, written: &[Vec<String>]) -> String {
+pub fn build(file: &Path, compiled: &Compiled, settings_in_force: &[String], written: &[Vec<String>]) -> String {
     let file = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let paths = written.iter().flatten().cloned();
     let subjects = compiled.schedules.iter().flat_map(subjects).chain(paths).chain([file.clone()]);
-    let width = subjects.map(|subject| subject.chars().count()).max().unwrap_or(0);
+    let width = width(subjects.chain(settings_in_force.iter().map(|setting| format!("--set {setting}"))));
     let mut text = terminal::line("Checked", &file, width, &tally(compiled.tally));
+    text.push_str(&settings(settings_in_force, width));
     for verified in &compiled.schedules {
         planned(verified, width, &mut text);
     }
@@ -80,6 +94,18 @@ pub fn build(file: &Path, compiled: &Compiled, written: &[Vec<String>]) -> Strin
         }
     }
     text
+}
+
+/// The columns that the names of a report take.
+pub fn width(names: impl Iterator<Item = String>) -> usize {
+    names.map(|name| terminal::name(&name).chars().count()).max().unwrap_or(0)
+}
+
+/// A line for each setting in force: with it the program is another one than its text alone.
+pub fn settings(settings: &[String], width: usize) -> String {
+    let line =
+        |setting: &String| terminal::line("With", &format!("--set {setting}"), width, "instead of its own value");
+    settings.iter().map(line).collect()
 }
 
 /// The names that the lines of a schedule begin with: its runs, where they are not all of it, with its own name before.
@@ -101,7 +127,7 @@ fn planned(verified: &Verified, width: usize, text: &mut String) {
     if more > 0 {
         text.push_str(&terminal::line("", "", width, &format!("and {} more", count(more, "run"))));
     }
-    let notes: Vec<Note> = runs.iter().flat_map(notes).collect();
+    let notes: Vec<Note> = runs.iter().flat_map(notes).chain(idle(verified)).collect();
     for topic in Topic::ALL {
         let mut lines: Vec<&str> = Vec::new();
         for (_, line) in notes.iter().filter(|(other, _)| *other == topic) {
@@ -109,8 +135,17 @@ fn planned(verified: &Verified, width: usize, text: &mut String) {
                 lines.push(line);
             }
         }
-        for line in lines.into_iter().take(MAX_PLAN_LINES) {
+        for line in lines.iter().take(MAX_PLAN_LINES) {
             text.push_str(&terminal::line(topic.label(), "", width, line));
+        }
+        if lines.len() > MAX_PLAN_LINES {
+            let more = count(lines.len() - MAX_PLAN_LINES, "line");
+            text.push_str(&terminal::line(
+                "",
+                "",
+                width,
+                &format!("and {more} more, all of them in the JSON schedule"),
+            ));
         }
     }
     for [one, other] in &verified.claims().not_held {
@@ -129,6 +164,16 @@ fn runs(verified: &Verified) -> Vec<Told<'_>> {
     runs
 }
 
+/// The runs in which nothing is switched and nothing moves.
+fn idle(verified: &Verified) -> Vec<Note> {
+    let schedule = verified.schedule();
+    let busy: BTreeSet<u32> =
+        schedule.actuations.iter().map(|actuation| schedule.steps[actuation.step as usize].plan).collect();
+    let is_idle = |(index, _): &(u32, &PlanRecord)| !busy.contains(index);
+    let line = |(_, plan): (u32, &PlanRecord)| (Topic::Idle, format!("{}: 0 actuations, nothing is done", plan.task));
+    (0..).zip(&schedule.plans).filter(is_idle).map(line).collect()
+}
+
 /// What a run costs and how good that is.
 fn cost(run: &Told) -> String {
     match &run.job.order {
@@ -143,9 +188,15 @@ fn notes(run: &Told) -> Vec<Note> {
     match &run.job.order {
         Order::Dimibot(order) => dimibot::notes(run, order),
         Order::ElectrodeArray(_) => Vec::new(),
-        Order::Microrobots(_) => microrobots::notes(run),
+        Order::Microrobots(order) => microrobots::notes(run, order),
         Order::Fingers(order) => fingers::notes(run, order),
     }
+}
+
+/// What steps reach, where that is not what they ask for.
+fn reached<'a>(run: &'a Told) -> impl Iterator<Item = Note> + 'a {
+    let all = run.steps.iter().flat_map(|step| &step.reached);
+    all.filter(|reached| reached.is_off()).map(|reached| (Topic::Nearest, reached.to_string()))
 }
 
 /// `optimal (bound 29.88 um)`.

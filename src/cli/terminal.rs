@@ -2,6 +2,7 @@
 
 use super::Exit;
 use super::arguments::ReportFormat;
+use crate::diagnostic::plain::{plain, shortened};
 use crate::diagnostic::render::{self, Characters, Colour, Look};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::Sources;
@@ -68,6 +69,12 @@ fn to_stderr(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
+/// Says that Tweeze itself failed.
+pub fn fault(what: &str) -> Exit {
+    to_stderr(&format!("tweeze: {what}; the program is not to blame, so report it as a bug with the program\n"));
+    Exit::Fault
+}
+
 /// Writes an answer to standard output; a reader that has gone away, as `head` does, is no error.
 pub fn answer(text: &str) -> Exit {
     match io::stdout().lock().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
@@ -77,11 +84,20 @@ pub fn answer(text: &str) -> Exit {
     }
 }
 
+/// The most characters of a name that a report shows.
+const MAX_NAME_CHARACTERS: usize = 200;
+
+/// A name as a report shows it: without anything that commands a terminal or begins a line of its own.
+pub fn name(text: &str) -> String {
+    plain(&shortened(text, MAX_NAME_CHARACTERS)).into_owned()
+}
+
 /// A line of the report of a build: what was done, to what, and how it went.
 pub fn line(verb: &str, subject: &str, subject_width: usize, text: &str) -> String {
     let colour = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let verb = format!("{verb:>9}");
     let verb = if colour && !is_dumb() { format!("\x1b[1;32m{verb}\x1b[0m") } else { verb };
+    let (subject, text) = (name(subject), plain(text));
     let line = format!("{verb}  {subject:<subject_width$}  {text}");
     format!("{}\n", line.trim_end())
 }

@@ -3,10 +3,9 @@
 use super::arguments::VerifyArguments;
 use super::disk::{self, MAX_LOG_BYTES};
 use super::library::{Disk, Embedded};
-use super::{Exit, errors, terminal};
+use super::{Exit, errors, report, terminal};
 use crate::check::Options;
 use crate::check::claims::Claims;
-use crate::check::imports::Library;
 use crate::compile::{self, Program};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::emit::{Provenance, mcap};
@@ -17,9 +16,9 @@ use crate::verify::{self, Verdict, Verified};
 use std::path::Path;
 
 /// A refusal on its way to the terminal: what was found, and the answer.
-struct Refusal {
-    sources: Sources,
-    sink: Sink,
+pub struct Refusal {
+    pub sources: Sources,
+    pub sink: Sink,
     exit: Exit,
 }
 
@@ -45,20 +44,26 @@ pub fn run(arguments: &VerifyArguments) -> Exit {
 fn judge(arguments: &VerifyArguments) -> Result<String, Box<Refusal>> {
     let path = &arguments.file;
     let bytes = disk::read_bytes(path, MAX_LOG_BYTES).map_err(|error| Refusal::one(*error, Exit::Files))?;
-    let log = log::read(&bytes).map_err(|error| Refusal::one(error.diagnostic(), Exit::Files))?;
-    // Another version may derive something else from the same program: that is no sign of an edit.
-    let of_its_version = |refusal| if log.version == env!("CARGO_PKG_VERSION") { refusal } else { not_ours(&log) };
-    let own = own_claims(path, &log).map_err(of_its_version)?;
-    let verified = replay(&log, &own)?;
-    shows_the_same(&bytes, &log, &verified).map_err(of_its_version)?;
+    let (log, own) = judge_bytes(path, &bytes)?;
     if let Some(trusted) = &arguments.against {
-        against(path, trusted, &log, &own.claims)?;
+        against(arguments, trusted, &log, &own)?;
     }
     Ok(report(arguments, &log))
 }
 
 fn not_ours(log: &Log) -> Box<Refusal> {
     Refusal::one(log::other_version(Some(&log.version), None), Exit::Files)
+}
+
+/// Judges a log by itself: it is whole, its program claims what it says, its schedule keeps the claims, and it shows its schedule.
+pub fn judge_bytes(path: &Path, bytes: &[u8]) -> Result<(Log, Claims), Box<Refusal>> {
+    let log = log::read(bytes).map_err(|error| Refusal::one(error.diagnostic(), Exit::Files))?;
+    // Another version may derive something else from the same program: that is no sign of an edit.
+    let of_its_version = |refusal| if log.version == env!("CARGO_PKG_VERSION") { refusal } else { not_ours(&log) };
+    let own = own_claims(path, &log).map_err(of_its_version)?;
+    let verified = replay(&log, &own)?;
+    shows_the_same(bytes, &log, &verified).map_err(of_its_version)?;
+    Ok((log, own.claims))
 }
 
 /// The claims of a program, and its files for messages to point into.
@@ -70,7 +75,8 @@ struct Derived {
 /// The claims of the program in the log, derived again; what the log says of itself must agree.
 fn own_claims(path: &Path, log: &Log) -> Result<Derived, Box<Refusal>> {
     let (name, text) = &log.files[0];
-    let own = derive(name, text, &Embedded(&log.files), log).map_err(|mut refusal| {
+    let own = derive(&Program { name, text, library: &Embedded(&log.files), options: &options(log, &log.settings) });
+    let own = own.map_err(|mut refusal| {
         refusal.sink.push(errors::program_in_log_has_errors(path));
         Box::new(Refusal { exit: Exit::Refused, ..*refusal })
     })?;
@@ -87,11 +93,15 @@ fn as_json(claims: &Claims) -> Option<serde_json::Value> {
     serde_json::to_value(claims).ok()
 }
 
-/// The claims of a program, with the log's own settings, for the schedule of the log's name.
-fn derive(name: &str, text: &str, library: &dyn Library, log: &Log) -> Result<Derived, Box<Refusal>> {
-    let options = Options { settings: log.settings.clone(), only: Some(log.schedule.name.clone()) };
+/// What is asked of a program: the schedule of the log's name, with some settings.
+fn options(log: &Log, settings: &[String]) -> Options {
+    Options { settings: settings.to_vec(), only: Some(log.schedule.name.clone()) }
+}
+
+/// The claims of a program.
+fn derive(program: &Program) -> Result<Derived, Box<Refusal>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let checked = compile::check(&Program { name, text, library, options: &options }, &mut sources, &mut sink);
+    let checked = compile::check(program, &mut sources, &mut sink);
     let claims = checked.and_then(|checked| checked.claims.into_iter().next());
     match claims {
         Some(claims) => Ok(Derived { claims, sources }),
@@ -101,10 +111,21 @@ fn derive(name: &str, text: &str, library: &dyn Library, log: &Log) -> Result<De
 
 fn replay(log: &Log, derived: &Derived) -> Result<Verified, Box<Refusal>> {
     let mut sink = Sink::default();
-    match verify::verify(log.schedule.clone(), &derived.claims) {
+    match verify::verify_program(log.schedule.clone(), &derived.claims, &derived.sources) {
         Verdict::Accepted(verified) => return Ok(verified),
         Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
         Verdict::Inconclusive { why } => sink.push(verify::inconclusive(&why)),
+    }
+    Err(Box::new(Refusal { sources: derived.sources.clone(), sink, exit: Exit::Refused }))
+}
+
+/// Refuses a log whose schedule breaks the claims of a trusted program.
+fn keeps_the_claims_of(log: &Log, derived: &Derived) -> Result<(), Box<Refusal>> {
+    let mut sink = Sink::default();
+    match verify::violations(&log.schedule, &derived.claims) {
+        Ok(violations) if violations.is_empty() => return Ok(()),
+        Ok(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
+        Err(why) => sink.push(verify::inconclusive(&why)),
     }
     Err(Box::new(Refusal { sources: derived.sources.clone(), sink, exit: Exit::Refused }))
 }
@@ -121,14 +142,29 @@ fn shows_the_same(bytes: &[u8], log: &Log, verified: &Verified) -> Result<(), Bo
     }
 }
 
-/// Holds the log against a program that the user trusts.
-fn against(path: &Path, trusted: &Path, log: &Log, own: &Claims) -> Result<(), Box<Refusal>> {
+/// Holds the log against a program that the user trusts. Nothing of the log reaches that program: its settings are those of the
+/// command line, and where the log has others, that is said before anything that follows from it.
+fn against(arguments: &VerifyArguments, trusted: &Path, log: &Log, own: &Claims) -> Result<(), Box<Refusal>> {
     let text = disk::read_program(trusted).map_err(|error| Refusal::one(*error, Exit::Files))?;
     let disk = Disk::round(trusted);
-    let derived = derive(&disk.program_name(), &text, &disk, log)?;
-    replay(log, &derived)?;
+    let name = disk.program_name();
+    let options = options(log, &arguments.set);
+    let unlike = errors::other_settings(&arguments.file, trusted, &log.settings, &arguments.set);
+    let derived = match (derive(&Program { name: &name, text: &text, library: &disk, options: &options }), unlike) {
+        (Ok(derived), None) => derived,
+        (Ok(derived), Some(unlike)) => match as_json(&derived.claims) == as_json(own) {
+            // Settings that say what the program says anyway.
+            true => derived,
+            false => return Err(Refusal::one(unlike, Exit::Refused)),
+        },
+        (Err(mut refusal), unlike) => {
+            unlike.into_iter().for_each(|unlike| refusal.sink.push(unlike));
+            return Err(refusal);
+        }
+    };
+    keeps_the_claims_of(log, &derived)?;
     if as_json(&derived.claims) != as_json(own) {
-        return Err(Refusal::one(errors::other_program(path, trusted), Exit::Refused));
+        return Err(Refusal::one(errors::other_program(&arguments.file, trusted), Exit::Refused));
     }
     Ok(())
 }
@@ -136,14 +172,30 @@ fn against(path: &Path, trusted: &Path, log: &Log, own: &Claims) -> Result<(), B
 fn report(arguments: &VerifyArguments, log: &Log) -> String {
     let file = arguments.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let trusted = arguments.against.as_ref().map(|path| path.to_string_lossy().into_owned());
-    let names = [Some(file.as_str()), Some(log.schedule.name.as_str()), trusted.as_deref()];
-    let width = names.into_iter().flatten().map(str::len).max().unwrap_or(0);
-    let origin = format!("written by tweeze {} from {}", log.version, log.files[0].0);
+    let settings = log.settings.iter().map(|setting| format!("--set {setting}"));
+    let names: Vec<String> = [file.clone(), log.schedule.name.clone()].into_iter().chain(trusted.clone()).collect();
+    let width = report::width(names.into_iter().chain(settings));
+    let origin = format!("written by tweeze {} from {}", log.version, terminal::name(&log.files[0].0));
     let mut text = terminal::line("Read", &file, width, &origin);
+    text.push_str(&report::settings(&log.settings, width));
     let replayed = format!("{} actuations replayed, 0 violations", log.schedule.actuations.len());
     text.push_str(&terminal::line("Verified", &log.schedule.name, width, &replayed));
     if let Some(trusted) = trusted {
-        text.push_str(&terminal::line("Matches", &trusted, width, "the log does what this program claims"));
+        let with = if arguments.set.is_empty() { "" } else { " with the settings above" };
+        let matches = format!("the log does what this program claims{with}");
+        text.push_str(&terminal::line("Matches", &trusted, width, &matches));
     }
+    text.push_str(&terminal::line("Unchecked", &log.schedule.name, width, &hearsay(log)));
     text
+}
+
+/// What a log says of its plans that no replay can show.
+fn hearsay(log: &Log) -> String {
+    let optimal = log.schedule.plans.iter().filter(|plan| plan.optimal).count();
+    let optima = match (optimal, log.schedule.plans.len()) {
+        (0, _) => String::new(),
+        (1, 1) => ", and that the plan is optimal".to_owned(),
+        (optimal, plans) => format!(", and that {optimal} of {plans} plans are optimal"),
+    };
+    format!("the planner's bounds{optima}: recorded, and not derived again")
 }

@@ -28,6 +28,12 @@ pub const MAX_STEPS_PER_TURN: u32 = 360;
 /// The most contacts of one section.
 pub const MAX_CONTACTS: u32 = 512;
 
+/// The largest share that may be kept back while tips roll.
+pub const MAX_RESERVE: f64 = 0.9;
+
+/// The most grasps of three that the planner looks at: those of one section, times the angles that a load makes differ.
+pub const MAX_GRASPS: usize = 1 << 29;
+
 /// The axes of a stage, in the order of coordinates.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -118,6 +124,12 @@ pub struct Facts {
     pub range_um: [f64; 3],
     /// How far a contact may be from rolling and touching exactly: planned ways keep within half of it.
     pub tolerance_um: f64,
+    /// The torque about its normal that a contact bears, over the force that presses and sticks: the soft finger's coefficient of
+    /// torsional friction.
+    pub torsion_um: f64,
+    /// The share of friction, pull-off and greatest force that a planned grasp does without while it rolls; 0 to
+    /// [`MAX_RESERVE`].
+    pub rolling_reserve: f64,
 }
 
 impl Facts {

@@ -160,6 +160,13 @@ pub struct Errors {
     pub replan_ns: u64,
 }
 
+impl Errors {
+    /// Whether there are none: robots and measurements are as their figures say.
+    pub fn are_zero(&self) -> bool {
+        [self.speed_ratio, self.turning_rad_per_um, self.place_um, self.heading_rad] == [0.0; 4]
+    }
+}
+
 /// What a device of this kind is: the fields of its declaration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Facts {

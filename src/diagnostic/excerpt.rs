@@ -4,6 +4,7 @@
 //! report costs as much as it shows.
 
 use super::Label;
+use super::plain::{commands, plain, shortened};
 use crate::source::SourceFile;
 use miette::{LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 use std::collections::BTreeSet;
@@ -20,6 +21,9 @@ const AROUND: usize = 40;
 
 /// Characters of a label that are shown on a cropped line.
 const MAX_LABEL_CHARACTERS: usize = 60;
+
+/// The most characters of a file's name that are shown.
+const MAX_NAME_CHARACTERS: usize = 400;
 
 /// Some lines of one file.
 pub struct Excerpt {
@@ -57,7 +61,7 @@ impl Excerpt {
     pub fn of(file: &SourceFile, labels: &[&Label]) -> (Excerpt, Vec<LabeledSpan>) {
         let mut marks = apart(labels.iter().enumerate().map(|(index, label)| mark(file, label, index)).collect());
         let mut excerpt = Excerpt {
-            name: file.shown.clone(),
+            name: plain(&shortened(&file.shown, MAX_NAME_CHARACTERS)).into_owned(),
             text: String::new(),
             lines: Vec::new(),
             columns: Vec::with_capacity(marks.len()),
@@ -186,7 +190,7 @@ fn mark(file: &SourceFile, label: &Label, index: usize) -> Mark {
         start -= text[..start].chars().next_back().map_or(0, char::len_utf8);
     }
     let rank = if index == 0 { Rank::First } else { Rank::Further };
-    Mark { place: start..end, text: label.text.clone(), rank }
+    Mark { place: start..end, text: plain(&label.text).into_owned(), rank }
 }
 
 /// Labels that lie in one another are drawn wrongly: the outer one gives way to the inner, and two of one place become one.
@@ -246,7 +250,7 @@ fn backward(text: &str, from: usize, characters: usize, limit: usize) -> usize {
 
 /// The text as it is shown: a character that would command the terminal is replaced.
 fn shown(text: &str) -> String {
-    let replace = |character: char| if character.is_control() && character != '\t' { '\u{fffd}' } else { character };
+    let replace = |character: char| if commands(character) && character != '\t' { '\u{fffd}' } else { character };
     text.chars().map(replace).collect()
 }
 

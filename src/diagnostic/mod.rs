@@ -5,6 +5,7 @@
 
 pub mod code;
 mod excerpt;
+pub mod plain;
 pub mod render;
 
 pub use code::{Code, Severity};
@@ -76,6 +77,17 @@ impl Diagnostic {
         self.code == other.code && (self == other || same_places())
     }
 
+    /// The same with texts of a length that can be read: a name of a megabyte is shown by its two ends.
+    fn shortened(mut self) -> Diagnostic {
+        let texts = [&mut self.title].into_iter().chain(self.labels.iter_mut().map(|label| &mut label.text));
+        for text in texts.chain(&mut self.help) {
+            if text.len() > MAX_TEXT_CHARACTERS {
+                *text = plain::shortened(text, MAX_TEXT_CHARACTERS).into_owned();
+            }
+        }
+        self
+    }
+
     /// Whether it stops the build.
     pub fn is_error(&self) -> bool {
         self.code.severity() == Severity::Error
@@ -84,6 +96,9 @@ impl Diagnostic {
 
 /// The most diagnostics that are kept; a file with more mistakes than this is not a Tweeze file.
 pub const MAX_DIAGNOSTICS: usize = 200;
+
+/// The most characters of a title, a label or a help that are kept, apart from a few that say how many there were.
+pub const MAX_TEXT_CHARACTERS: usize = 2000;
 
 /// Collects what the stages find.
 #[derive(Debug, Default)]
@@ -97,6 +112,7 @@ impl Sink {
     /// Adds a diagnostic. A finding is kept once: what a `for` or a further run repeats at the same places, with other figures
     /// perhaps, adds nothing. Beyond [`MAX_DIAGNOSTICS`] it is only counted.
     pub fn push(&mut self, diagnostic: Diagnostic) {
+        let diagnostic = diagnostic.shortened();
         if self.diagnostics.iter().any(|known| known.repeats(&diagnostic)) {
             return;
         }
@@ -116,6 +132,11 @@ impl Sink {
     /// How many diagnostics were not kept.
     pub fn dropped(&self) -> usize {
         self.dropped
+    }
+
+    /// Whether a further diagnostic would only be counted.
+    pub fn is_full(&self) -> bool {
+        self.diagnostics.len() >= MAX_DIAGNOSTICS
     }
 
     /// What was kept, by place: file, then offset, then the order of finding.

@@ -1,6 +1,7 @@
 //! Turns diagnostics into text: the only place that knows miette.
 
 use super::excerpt::{CONTEXT_LINES, Excerpt};
+use super::plain::{plain, plain_lines};
 use super::{Diagnostic, Label, Severity};
 use crate::source::{FileId, Sources};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, ThemeCharacters, ThemeStyles};
@@ -38,7 +39,7 @@ pub fn human(diagnostic: &Diagnostic, sources: &Sources, look: Look) -> String {
     let mut text = String::new();
     let report = report(diagnostic, sources);
     if handler(look).render_report(&mut text, &report).is_err() {
-        text = format!("{} {}\n", diagnostic.code, diagnostic.title);
+        text = format!("{} {}\n", diagnostic.code, plain(&diagnostic.title));
     }
     text
 }
@@ -113,8 +114,8 @@ fn report(diagnostic: &Diagnostic, sources: &Sources) -> Report {
     });
     Report {
         head: Some((diagnostic.code.name().to_owned(), diagnostic.code.severity())),
-        title: diagnostic.title.clone(),
-        help: diagnostic.help.clone(),
+        title: plain(&diagnostic.title).into_owned(),
+        help: diagnostic.help.as_deref().map(plain_lines),
         related: related.collect(),
         source,
         labels: labels.unwrap_or_default(),

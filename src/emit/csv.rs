@@ -8,6 +8,7 @@
 
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
+use crate::diagnostic::plain::commands;
 use crate::schedule::{Channel, Unit};
 
 /// About how many bytes a voltage takes, with its comma.
@@ -73,5 +74,5 @@ fn header(channel: &Channel) -> String {
 
 /// The text without line ends and control characters, which readers of lines would trip over.
 pub(super) fn one_line(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+    text.chars().map(|c| if commands(c) { ' ' } else { c }).collect()
 }

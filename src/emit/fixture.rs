@@ -193,6 +193,7 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[Cell], start_ns: u64)
             column: 3,
             start_ns: begin_ns,
             duration_ns: t_ns - begin_ns,
+            reached: Vec::new(),
             span: Span::default(),
         });
     }
@@ -238,6 +239,7 @@ pub fn crowd() -> (Verified, Provenance) {
             column: 1,
             start_ns: 0,
             duration_ns: 1000,
+            reached: Vec::new(),
             span: Span::default(),
         }];
         let pulse = |channel, start_ns, from, to| Actuation {
@@ -561,6 +563,7 @@ impl Gesture {
             column: 1,
             start_ns: self.t_ns,
             duration_ns: 0,
+            reached: Vec::new(),
             span: Span::default(),
         });
     }

@@ -17,7 +17,7 @@ pub mod vcd;
 
 pub use error::EmitError;
 
-use crate::schedule::{Schedule, json};
+use crate::schedule::{Reached, Schedule, json};
 use crate::verify::Verified;
 use signal::Signals;
 
@@ -121,7 +121,8 @@ fn check_finite(schedule: &Schedule) -> Result<(), EmitError> {
         let outcomes = plan.outcomes.values().chain(plan.bounds.values()).copied();
         states.chain(outcomes).chain([plan.cost, plan.bound])
     });
-    match actuations.chain(plans).all(f64::is_finite) {
+    let reached = schedule.steps.iter().flat_map(|step| &step.reached).flat_map(Reached::floats);
+    match actuations.chain(plans).chain(reached).all(f64::is_finite) {
         true => Ok(()),
         false => Err(EmitError::NotFinite),
     }

@@ -2,7 +2,8 @@
 //!
 //! Input: points in micrometres. Output: the distance between two closed sets, 0 where they meet, in micrometres. Promise:
 //! no safety margin, no tolerance; the error is that of a few roundings of the coordinates, about 1e-15 of the largest one. The
-//! verifier and the checker's tests of goals use this file; planners have tests of their own.
+//! verifier and the checker use this file, and the planner of microrobots does too: a fault here deceives both, so the tests compare it
+//! with distances between very many points.
 
 use super::shape::Core;
 use nalgebra::Point2;

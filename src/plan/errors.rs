@@ -45,9 +45,9 @@ fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
         (Removal::OpensAndIsSmallest, 1) => Some(format!("without {names} there is a way")),
         (Removal::OpensAndIsSmallest, _) => Some(format!("without {names} there is a way; no fewer will do")),
         (Removal::Opens, _) => Some(format!("without {names} there is a way; this is the smallest set that was found")),
-        (Removal::Unknown, _) => {
-            Some(format!("{names} hold the way shut; whether others do as well was not found out"))
-        }
+        (Removal::Unknown, _) => Some(format!(
+            "{names} hold the way shut; the search for the smallest set in the way ended before it knew more"
+        )),
     }
 }
 
@@ -64,7 +64,7 @@ pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, plann
 pub fn greedy_gave_up(asked: Span, part: &str, at: &str, steps: usize, how: &str) -> Diagnostic {
     Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps} steps"))
         .label(asked, "neither planned nor disproved")
-        .help("leave `using` out: Tweeze's own planner finds a plan, or proves that there is none")
+        .help("leave `using` out: Tweeze's own planner searches all plans as far as its budget goes")
 }
 
 /// Of parts that cannot come to their goals because of one another.
@@ -133,8 +133,8 @@ pub fn requirement_missed(
         Verdict::Least(value) | Verdict::AtLeast(value, _) | Verdict::Elsewhere(_, value) => Some(value),
         Verdict::Conflict | Verdict::NotFound => None,
     };
-    let Texts { reached, limit, value } = texts(value);
-    let value = value.unwrap_or_default();
+    let Texts { reached, limit, value, floor } = texts(value);
+    let [value, floor] = [value, floor].map(Option::unwrap_or_default);
     let (within, raise) = match requirement.relation {
         Relation::Less => ("below", "above"),
         Relation::AtMost => ("within", "to"),
@@ -151,7 +151,7 @@ pub fn requirement_missed(
         ),
         Verdict::AtLeast(_, best) => (
             format!("no plan keeps `{name}` {within} {limit}{others}"),
-            format!("proven: no plan has less than {value}"),
+            format!("proven: no plan has less than {floor}"),
             best.and_then(|best| texts(Some(best)).value)
                 .map(|best| format!("the plan found would keep a limit of {best}")),
         ),

@@ -29,6 +29,8 @@ pub struct Known {
     pub least: Option<f64>,
     /// Another plan of the same job, such as one for another objective. It is named only where it keeps all the other limits.
     pub other: Option<Plan>,
+    /// What may find a plan where none was found and nothing is proven.
+    pub advice: Option<String>,
 }
 
 /// What the report of a missed limit says besides the limit itself; values are of the outcome, in SI units.
@@ -81,11 +83,15 @@ pub fn require(job: &Job, plan: &Plan, known: &mut dyn FnMut(&Requirement) -> Kn
         let known = if is_upper(requirement) { known(requirement) } else { Known::default() };
         let verdict = verdict(job, index, plan, &known);
         let dimension = dimension(job, requirement);
-        sink.push(errors::requirement_missed(requirement, verdict, job.requirements.len(), &|value| Texts {
+        let texts = |value: Option<f64>| Texts {
             reached: show(reached, dimension),
             limit: limit_text(requirement.limit, reached, dimension),
             value: value.map(|value| enough(value, dimension)),
-        }));
+            floor: value.map(|value| no_more(value, dimension)),
+        };
+        let missed = errors::requirement_missed(requirement, verdict, job.requirements.len(), &texts);
+        let advice = known.advice.filter(|_| verdict == Verdict::NotFound);
+        sink.push(missed.help_if(advice));
     }
     all_kept
 }
@@ -96,6 +102,8 @@ pub struct Texts {
     pub limit: String,
     /// Rounded up, so that a limit of this much would do.
     pub value: Option<String>,
+    /// Rounded down, so that a lower bound of this much is true.
+    pub floor: Option<String>,
 }
 
 /// What can be said of a missed limit without saying too much.
@@ -149,10 +157,17 @@ fn limit_text(limit: f64, reached: f64, dimension: Dimension) -> String {
 }
 
 /// A value in few digits, rounded up so that a limit of what is written would be kept by it.
-fn enough(value: f64, dimension: Dimension) -> String {
+pub fn enough(value: f64, dimension: Dimension) -> String {
     let is_enough = |text: &String| read_back(text).is_some_and(|read| value <= read * (1.0 + REQUIREMENT_TOLERANCE));
     let raised = [0.0, 1e-6, 2e-6, 5e-6, 1e-5].map(|part| show(value + value.abs() * part, dimension));
     raised.iter().find(|text| is_enough(text)).cloned().unwrap_or_else(|| show(value, dimension))
+}
+
+/// A value in few digits, rounded down.
+fn no_more(value: f64, dimension: Dimension) -> String {
+    let is_below = |text: &String| read_back(text).is_some_and(|read| read <= value * (1.0 + REQUIREMENT_TOLERANCE));
+    let lowered = [0.0, 1e-6, 2e-6, 5e-6, 1e-5].map(|part| show(value - value.abs() * part, dimension));
+    lowered.iter().find(|text| is_below(text)).cloned().unwrap_or_else(|| show(value, dimension))
 }
 
 /// The SI value of a quantity as it is printed.
@@ -173,6 +188,9 @@ mod tests {
                 let text = enough(value, dimension);
                 let read = read_back(&text).unwrap();
                 assert!(value <= read * (1.0 + REQUIREMENT_TOLERANCE) && read <= value * 1.000_02, "{value} {text}");
+                let text = no_more(value, dimension);
+                let read = read_back(&text).unwrap();
+                assert!(read <= value * (1.0 + REQUIREMENT_TOLERANCE) && value <= read * 1.000_02, "{value} {text}");
             }
         }
     }

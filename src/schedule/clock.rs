@@ -1,5 +1,6 @@
 //! Puts the plans of a program on one clock.
 
+use super::reached::{Reached, reached};
 use super::{
     Actuation, Channel, PlanRecord, Schedule, SourceRef, Step, Swing, TimedState, Unit, dimibot, electrode_array,
     fingers, microrobots,
@@ -162,14 +163,16 @@ impl<'a> Builder<'a> {
                 step: (first_step + actuation.step) as u32,
             });
         }
-        for (span, at_ns, duration_ns) in &run.steps {
-            let step = self.step(job, *span, start_ns + at_ns, *duration_ns);
+        for (nth, (span, at_ns, duration_ns)) in run.steps.iter().enumerate() {
+            let end = run.states.iter().rev().find(|state| state.t_ns <= at_ns + duration_ns);
+            let reached = end.map_or_else(Vec::new, |end| reached(&task.order, nth, &end.state));
+            let step = self.step(job, (*span, start_ns + at_ns, *duration_ns), reached);
             self.steps.push(step);
         }
         self.plans.push(self.record(job, plan, run, start_ns));
     }
 
-    fn step(&self, job: usize, span: Span, start_ns: u64, duration_ns: u64) -> Step {
+    fn step(&self, job: usize, (span, start_ns, duration_ns): (Span, u64, u64), reached: Vec<Reached>) -> Step {
         let position = self.sources.position(span);
         Step {
             task: self.claims.jobs[job].task.clone(),
@@ -180,6 +183,7 @@ impl<'a> Builder<'a> {
             column: position.column,
             start_ns,
             duration_ns,
+            reached,
             span,
         }
     }

@@ -11,7 +11,9 @@ pub(crate) mod fingers;
 pub(crate) mod microrobots;
 
 pub use clock::{schedule, source_ref};
+pub use reached::Reached;
 pub mod json;
+pub mod reached;
 
 use crate::plan::Remark;
 use crate::source::Span;
@@ -119,6 +121,9 @@ pub struct Step {
     pub column: u32,
     pub start_ns: u64,
     pub duration_ns: u64,
+    /// How near it comes to what it asks for, where that is not met exactly by its nature.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reached: Vec<Reached>,
     #[serde(skip)]
     pub span: Span,
 }

@@ -93,7 +93,7 @@ impl Scan<'_> {
             self.report(errors::too_deep(span));
         }
         self.cover(start, end);
-        self.at = end;
+        self.go_to(end);
     }
 
     pub fn closing(&mut self, bracket: u8) {

@@ -296,6 +296,12 @@ pub(super) fn bad_head(rest: Span, rule: Rule, item: Span, text: &str) -> Diagno
         .help(format!("write `{form}`"))
 }
 
+pub(super) fn name_too_long(span: Span, bytes: usize, limit: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0129, format!("a name of {bytes} bytes, at most {limit} are taken"))
+        .label(span, "too long")
+        .help("give it a shorter name")
+}
+
 pub(super) fn too_deep(span: Span) -> Diagnostic {
     let limit = super::scan::MAX_NESTING;
     Diagnostic::new(Code::E0120, format!("brackets or blocks nested more than {limit} deep"))

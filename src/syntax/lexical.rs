@@ -13,6 +13,20 @@ pub(super) fn end_of_word(text: &str, at: usize) -> usize {
     text[at..].find(|c| !is_word(c)).map_or(text.len(), |length| at + length)
 }
 
+/// The most bytes of a name: it is repeated in every channel, file and message that it comes to stand in.
+pub const MAX_NAME_BYTES: usize = 200;
+
+/// A name or a word of the language.
+pub(super) fn word(scan: &mut Scan) {
+    let (start, end) = (scan.at, end_of_word(scan.text, scan.at));
+    scan.at = end;
+    if end - start > MAX_NAME_BYTES {
+        let span = scan.span(start, end);
+        scan.report(errors::name_too_long(span, end - start, MAX_NAME_BYTES));
+        scan.cover(start, end);
+    }
+}
+
 fn end_of_digits(text: &str, at: usize) -> usize {
     text[at..].find(|c: char| !c.is_ascii_digit() && c != '_').map_or(text.len(), |length| at + length)
 }

@@ -123,6 +123,17 @@ impl<'t> Scan<'t> {
         self.line_limit
     }
 
+    /// Goes on behind some code that may end lines further down.
+    pub fn go_to(&mut self, at: usize) {
+        self.at = at;
+        if at > self.line_limit {
+            self.line_start = self.text[..at].rfind('\n').map_or(0, |end| end + 1);
+            self.line_limit = end_of_line(self.text, at);
+            let line = &self.text[self.line_start..self.line_limit];
+            self.indent = line.len() - line.trim_start_matches([' ', '\t']).len();
+        }
+    }
+
     fn byte_order_mark(&mut self) {
         if self.text.starts_with('\u{feff}') {
             self.replace(0, 3, "");
@@ -160,7 +171,7 @@ impl<'t> Scan<'t> {
             '(' | '[' | '{' => self.opening(first as u8),
             ')' | ']' | '}' => self.closing(first as u8),
             ';' => lexical::semicolon(self),
-            _ if lexical::is_word(first) => self.at = lexical::end_of_word(self.text, self.at),
+            _ if lexical::is_word(first) => lexical::word(self),
             _ => lexical::sign(self, first),
         }
         self.last = self.text.as_bytes()[self.at - 1];

@@ -3,7 +3,7 @@
 //! Input: a run whose steps and channels are sound. Output: its states and the outcomes. `track` puts the axes together, `body` tells
 //! how far the part's outlines are, `grip` solves for the pose in which all tips that hold touch and roll, `hand` follows
 //! stretch by stretch which tips hold, come and leave, `statics` asks a solver of linear programs whether they hold the part,
-//! `clearance` looks at how near tips come, `goals` holds each step against the task and `states` the changes against the
+//! `clearance` looks at how near tips come, `pace` how fast, `goals` holds each step against the task and `states` the changes against the
 //! record. Promise: nothing is read of the record but to be compared; the first motion that does not roll ends the replay of its device.
 //! Equilibrium is asked after each finger that comes or leaves and, while tips roll, at both ends and the middle of each stretch, and
 //! as often between as no tip moves more than a quarter of its radius from one sample to the next. Cost: for each sample a few distances
@@ -15,6 +15,7 @@ mod clearance;
 mod goals;
 mod grip;
 mod hand;
+mod pace;
 mod roll;
 mod states;
 mod statics;
@@ -150,10 +151,10 @@ pub fn forces(order: &FingersOrder, state: &State) -> Option<Vec<Option<[f64; 3]
     let sum_un = SHOWN_FORCE * order.facts.max_force_un * touches.len() as f64;
     let statics = Statics::of(order, told.plane, &pose, body.reach_um);
     let mut forces_un = statics.forces_un(&touches, sum_un)?.into_iter();
-    let [first, second, _] = pose.axes(told.plane);
+    let [first, second, normal] = pose.axes(told.plane);
     let force = |contact: &u32| {
-        let [x_un, y_un] = if *contact > 0 { forces_un.next()? } else { return None };
-        Some((first * x_un + second * y_un).into())
+        let [x_un, y_un, across_un] = if *contact > 0 { forces_un.next()? } else { return None };
+        Some((first * x_un + second * y_un + normal * across_un).into())
     };
     Some(told.grasp.iter().map(force).collect())
 }
@@ -183,6 +184,7 @@ pub(super) fn replay<'a>(
         }
         hand.finish_step(nth, findings);
     }
+    hand.finish(findings);
     standing.insert(&run.job.device, hand.left());
     let outcomes = hand.outcomes();
     Ok(Replay { states: hand.into_states(), outcomes })

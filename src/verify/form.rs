@@ -6,7 +6,7 @@
 use super::rule::{Findings, Rule, Violation, ms};
 use super::{dimibot, electrode_array, fingers, microrobots};
 use crate::check::claims::{Claims, Order};
-use crate::schedule::{Actuation, Schedule, Swing, Unit};
+use crate::schedule::{Actuation, Reached, Schedule, Swing, Unit};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
@@ -71,6 +71,13 @@ fn clock_numbers(schedule: &Schedule, findings: &mut Findings) {
 }
 
 fn figures(schedule: &Schedule, findings: &mut Findings) {
+    for (index, step) in schedule.steps.iter().enumerate() {
+        let floats: Vec<f64> = step.reached.iter().flat_map(Reached::floats).collect();
+        if !floats.iter().all(|value| value.is_finite()) {
+            let title = format!("step {index} is said to reach {floats:?}, but all must be finite");
+            findings.push(Violation::new(Rule::Number, step.start_ns, title).step(index));
+        }
+    }
     for (index, plan) in schedule.plans.iter().enumerate() {
         let named = [("cost", plan.cost), ("bound", plan.bound)].into_iter();
         let outcomes = plan.outcomes.iter().chain(&plan.bounds).map(|(name, value)| (name.as_str(), *value));

@@ -28,6 +28,13 @@ pub const MAX_MESSAGE_BYTES: u64 = 64 * 1024 * 1024;
 /// The most messages that a log may hold.
 pub const MAX_MESSAGES: u64 = 4_000_000;
 
+/// The most bytes that the message types and topics of a log may take together, each counted once; what is made of them takes some
+/// ten times as much memory.
+pub const MAX_DEFINITION_BYTES: u64 = 16 * 1024 * 1024;
+
+/// The largest map of names to texts in one record, in bytes.
+pub const MAX_MAP_BYTES: u64 = 8 * 1024 * 1024;
+
 /// The most topics of channels that a log may hold.
 pub const MAX_DEVICES: u64 = 1000;
 

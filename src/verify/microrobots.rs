@@ -98,15 +98,15 @@ pub(super) fn replay<'a>(
         match &step.action {
             Action::Wait(duration_ns) => bed.wait(run.step(nth).start_ns, *duration_ns)?,
             Action::Apply { state, duration_ns } => {
-                bed.follow(nth, &legs[nth], &[])?;
+                bed.follow(nth, &legs[nth], &[], findings)?;
                 bed.applied(nth, &legs[nth], (*state, *duration_ns), findings);
             }
             Action::Drive { robot, stops } => {
-                bed.follow(nth, &legs[nth], &[])?;
+                bed.follow(nth, &legs[nth], &[], findings)?;
                 bed.stops(nth, ends_from, (*robot, stops), findings);
             }
             Action::Assemble(docks) => {
-                bed.follow(nth, &legs[nth], docks)?;
+                bed.follow(nth, &legs[nth], docks, findings)?;
                 bed.assembled(nth, docks, findings);
             }
         }
@@ -195,9 +195,10 @@ impl<'r, 'a> Bed<'r, 'a> {
     }
 
     /// Robots move with the strokes of some legs; after each, those that are to dock may do so.
-    fn follow(&mut self, nth: usize, legs: &[Leg], docks: &[Dock]) -> Result<(), Halt> {
+    fn follow(&mut self, nth: usize, legs: &[Leg], docks: &[Dock], findings: &mut Findings) -> Result<(), Halt> {
         for leg in legs {
             self.record(leg.start_ns, leg.control)?;
+            self.twist(nth, leg).into_iter().for_each(|violation| findings.push(violation));
             let rides: Vec<Ride> = (0..self.places.len()).map(|robot| self.ride(robot, leg)).collect();
             for (place, ride) in self.places.iter_mut().zip(&rides).filter(|(_, ride)| ride.way_um > 0.0) {
                 *place = place.moved(ride.curve_um, ride.way_um);
@@ -208,6 +209,18 @@ impl<'r, 'a> Bed<'r, 'a> {
             self.dock(docks);
         }
         Ok(())
+    }
+
+    /// Strokes that are driven with the arm of a docked robot down: the friction of the arm would turn the structure about it.
+    fn twist(&self, nth: usize, leg: &Leg) -> Option<Violation> {
+        let arm = |robot: usize| self.order.states[leg.control].arms[self.order.robots[robot].row];
+        let robot = (0..self.places.len()).find(|robot| self.docked[*robot].is_some() && arm(*robot) == Arm::Down)?;
+        let title = format!(
+            "strokes at {} are driven with the arm of `{}` down, which has docked",
+            ms(leg.train_ns),
+            self.name(robot)
+        );
+        Some(self.within(Rule::Twist, nth, leg.train_ns, title))
     }
 
     fn ride(&self, robot: usize, leg: &Leg) -> Ride {

@@ -1,8 +1,8 @@
 //! Judges a schedule against the device models and the program's claims, trusting nothing of the planner.
 //!
 //! Input: a [`Schedule`] and the [`Claims`] of its program. Output: a [`Verdict`].
-//! Promise: only this stage can make a [`Verified`] value, and only such a value can be emitted. No predicate is shared with a
-//! planner: places come from the kinematic matrix, sweeps from distances between segments and shapes, moves of parts from
+//! Promise: only this stage can make a [`Verified`] value, and only such a value can be emitted. Nothing of a planner is in sight;
+//! what both take from `geometry` and `device` is listed in `tests/tidy.rs`. Places come from the kinematic matrix, sweeps from distances between segments and shapes, moves of parts from
 //! the electrodes that are on, turns of parts from where tips touch them. No input makes it panic. Cost for n actuations and m
 //! obstacles: n log n to sort, and for each move m/32 comparisons of boxes plus the exact distance of the few bodies near it; each
 //! step of a board also costs its parts, each sample of a rolling motion a linear program.
@@ -22,6 +22,7 @@ mod microrobots;
 mod premise;
 mod record;
 mod rule;
+mod source_map;
 
 pub use fingers::forces as finger_forces;
 pub use rule::{MAX_VIOLATIONS, Rule, Violation};
@@ -29,6 +30,7 @@ pub use rule::{MAX_VIOLATIONS, Rule, Violation};
 use crate::check::claims::{Claims, Order};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::schedule::{Schedule, State, TimedState};
+use crate::source::Sources;
 use rule::Findings;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -68,10 +70,41 @@ pub enum Verdict {
     Inconclusive { why: String },
 }
 
-/// Holds a schedule against the claims of its program.
+/// Holds a schedule against its program: the claims, which were derived from the files of `sources`, and the files themselves for
+/// what the schedule says of its steps.
 ///
 /// Claims that the checker made are always fit to be judged; [`Verdict::Inconclusive`] comes only of claims from elsewhere.
-pub fn verify(schedule: Schedule, claims: &Claims) -> Verdict {
+pub fn verify_program(schedule: Schedule, claims: &Claims, sources: &Sources) -> Verdict {
+    match judge(&schedule, claims).map(|found| with_source_map(found, &schedule, claims, sources)) {
+        Err(Unfit(why)) => Verdict::Inconclusive { why },
+        Ok(violations) if violations.is_empty() => {
+            Verdict::Accepted(Verified { held: Box::new((schedule, claims.clone())) })
+        }
+        Ok(violations) => Verdict::Rejected(violations),
+    }
+}
+
+/// The source map is judged last: the other rules must have paired steps with those of the claims.
+fn with_source_map(found: Vec<Violation>, schedule: &Schedule, claims: &Claims, sources: &Sources) -> Vec<Violation> {
+    if !found.is_empty() {
+        return found;
+    }
+    let mut findings = Findings::default();
+    source_map::check(schedule, claims, sources, &mut findings);
+    findings.sorted()
+}
+
+/// What of a schedule breaks the claims of another program than its own; the words of its steps are not that program's.
+///
+/// # Errors
+/// Why nothing can be held against the claims.
+pub fn violations(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, String> {
+    judge(schedule, claims).map_err(|Unfit(why)| why)
+}
+
+/// As [`verify_program`] but for the source map, for schedules that the tests make by hand.
+#[cfg(test)]
+fn verify(schedule: Schedule, claims: &Claims) -> Verdict {
     match judge(&schedule, claims) {
         Err(Unfit(why)) => Verdict::Inconclusive { why },
         Ok(violations) if violations.is_empty() => {

@@ -9,7 +9,8 @@ use super::{Replay, Terms, dimibot, electrode_array, fingers, microrobots};
 use crate::check::claims::{Order, Relation, Requirement};
 use crate::device::Outcome;
 use crate::quantity::{Dimension, Quantity, digits};
-use crate::schedule::{State, TimedState};
+use crate::schedule::reached::reached;
+use crate::schedule::{Reached, State, TimedState};
 use std::borrow::Cow;
 
 /// Share of the larger one by which two figures may differ.
@@ -21,6 +22,7 @@ pub(super) fn check(run: &Run, replay: &Replay, findings: &mut Findings) {
     bound(run, findings);
     other_bounds(run, findings);
     outcomes(run, replay, findings);
+    nearness(run, replay, findings);
     if let Some(violation) = difference(run, &replay.states) {
         findings.push(violation);
     }
@@ -120,6 +122,33 @@ fn outcomes(run: &Run, replay: &Replay, findings: &mut Findings) {
     }
     for name in recorded.keys().filter(|name| !replay.outcomes.contains_key(name.as_str())) {
         findings.push(figure(run, format!("the plan of `{}` has an unknown outcome `{name}`", run.job.task)));
+    }
+}
+
+/// How far a number of what a step reaches may be from the replay's: micrometres, degrees, or a quaternion's.
+const REACHED_TOLERANCE: f64 = 5e-3;
+
+/// What a step is said to reach, if anything is, is what it reaches in the replay.
+fn nearness(run: &Run, replay: &Replay, findings: &mut Findings) {
+    for nth in 0..run.steps.len() {
+        let step = run.step(nth);
+        let end_ns = step.start_ns + step.duration_ns;
+        let end = replay.states.iter().rev().find(|timed| timed.t_ns <= end_ns);
+        let due = end.map_or_else(Vec::new, |end| reached(&run.job.order, nth, &end.state));
+        let agree = |(recorded, due): (&Reached, &Reached)| recorded.is_near(due, REACHED_TOLERANCE);
+        if step.reached.is_empty() {
+            continue;
+        }
+        if step.reached.len() == due.len() && step.reached.iter().zip(&due).all(agree) {
+            continue;
+        }
+        let title = format!(
+            "step {} of `{}` is said to reach {:?}, the replay gives {due:?}",
+            nth + 1,
+            run.job.task,
+            step.reached
+        );
+        findings.push(figure(run, title).step(run.steps[nth]));
     }
 }
 

@@ -92,6 +92,8 @@ pub enum Rule {
     Orbit,
     /// Robots of an assembly end docked.
     Dock,
+    /// The arms of docked robots are up while strokes are driven.
+    Twist,
     /// A swing has whole periods of two levels, on a channel that may swing.
     Swing,
     /// An axis of a hand has one value at every instant of a run, and never jumps.
@@ -116,6 +118,10 @@ pub enum Rule {
     Apart,
     /// The tips of robots that share a scene never touch.
     Encounter,
+    /// The words and the place of a step are those of the program's file.
+    SourceMap,
+    /// No tip of a hand moves faster than the device allows there.
+    Speed,
 }
 
 impl Rule {
@@ -165,6 +171,7 @@ impl Rule {
             Rule::Meet => Code::E0747,
             Rule::Orbit => Code::E0748,
             Rule::Dock => Code::E0749,
+            Rule::Twist => Code::E0761,
             Rule::Swing => Code::E0750,
             Rule::Axis => Code::E0751,
             Rule::Range => Code::E0752,
@@ -177,6 +184,8 @@ impl Rule {
             Rule::Pierce => Code::E0759,
             Rule::Apart => Code::E0760,
             Rule::Encounter => Code::E0770,
+            Rule::SourceMap => Code::E0771,
+            Rule::Speed => Code::E0762,
         }
     }
 }

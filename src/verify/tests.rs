@@ -84,6 +84,7 @@ fn step_of(job: &Job, plan: usize, [start_ns, end_ns]: [u64; 2]) -> Step {
         column: 1,
         start_ns,
         duration_ns: end_ns - start_ns,
+        reached: Vec::new(),
         span: Span::default(),
     }
 }

@@ -2,7 +2,10 @@
 
 mod brute;
 mod check;
+mod found;
+mod programs;
 mod scenes;
+mod task;
 mod tiny;
 
 use check::{fault, judged};

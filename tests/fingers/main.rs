@@ -1,7 +1,11 @@
 //! Hands from a program's text to verified schedules: what the planner rolls, the judge has integrated from positions alone.
 
+mod brute;
+mod mechanics;
+mod oracle;
 #[path = "../support/random.rs"]
 mod random;
+mod rolled;
 #[path = "../support/mod.rs"]
 mod support;
 

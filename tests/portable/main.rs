@@ -2,6 +2,7 @@
 //! logs of other versions are told apart from edited ones.
 
 mod bench;
+mod figures;
 mod mathematics;
 mod outputs;
 mod paths;

@@ -13,6 +13,7 @@ const ASKED_BY_OTHERS: [&str; 2] = ["log2", "pow"];
 /// Whether a command of the system is there; says aloud where it is not.
 fn is_there(command: &str) -> bool {
     let there = Command::new(command).arg("--version").output().is_ok_and(|output| output.status.success());
+    assert!(there || std::env::var_os("TWEEZE_REQUIRE_ORACLES").is_none(), "there is no `{command}`");
     if !there {
         println!("SKIPPED: there is no `{command}`");
     }

@@ -1,5 +1,7 @@
 //! What the tests of pages and of the corpus share: programs in memory, compiled as far as they go.
 
+#![allow(dead_code, reason = "each test uses the part that it needs")]
+
 use std::collections::BTreeMap;
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
@@ -17,7 +19,7 @@ pub struct Case {
 }
 
 /// Files by name; a path means the same from wherever it is used.
-struct Shelf<'a>(&'a Case);
+pub struct Shelf<'a>(pub &'a Case);
 
 impl Library for Shelf<'_> {
     fn read(&self, _from: &str, path: &str) -> Result<(String, String), String> {

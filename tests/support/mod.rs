@@ -70,3 +70,14 @@ impl Built {
         files
     }
 }
+
+/// What is said of a text that uses no file beside it: the codes, and the helps where there are any.
+pub fn complaints(text: &str) -> (Vec<&'static str>, Vec<String>) {
+    let options = Options::default();
+    let program = Program { name: "test.twz", text, library: &Folder(Path::new(".")), options: &options };
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
+    let sorted = sink.sorted();
+    let codes = sorted.iter().map(|diagnostic| diagnostic.code.name()).collect();
+    (codes, sorted.iter().filter_map(|diagnostic| diagnostic.help.clone()).collect())
+}

@@ -103,7 +103,12 @@ pub enum Action {
     ///
     /// `turns` are the ways in which it can be done within the precision, each a sequence of turns; at least one. An empty
     /// sequence stands where the part already has its orientation.
-    Orient { goal: [f64; 4], turns: Vec<Vec<Turn>> },
+    Orient {
+        goal: [f64; 4],
+        turns: Vec<Vec<Turn>>,
+        /// How many steps the ways turn at least that were too many to be searched; `None` if none were.
+        left_out_steps: Option<u32>,
+    },
     /// Carried along, all fingers together.
     Translate([f64; 3]),
     /// All fingers leave.

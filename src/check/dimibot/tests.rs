@@ -40,7 +40,7 @@ fn the_index_of_covered_cells_agrees_with_asking_every_obstacle() {
         .enumerate()
         .map(|(index, body)| Obstacle { name: index.to_string(), body, span: Span::default() })
         .collect();
-    let cover = Cover::of(all.clone(), &facts);
+    let cover = Cover::of(all.clone(), &facts, None);
     let mut covered = 0;
     for x in 0..facts.cells(Side::Left) {
         for y in 0..facts.cells(Side::Right) {

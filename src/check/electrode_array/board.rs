@@ -135,7 +135,7 @@ fn keeps_apart(facts: &Facts, device: &Device, sink: &mut Sink) {
 /// The least whole number above a figure.
 fn beyond(figure: f64) -> u32 {
     // A cast takes what is too large for the largest there is.
-    (figure * (1.0 + 1e-9)).floor() as u32 + 1
+    ((figure * (1.0 + 1e-9)).floor() as u32).saturating_add(1)
 }
 
 fn has_room(facts: &Facts, device: &Device, sink: &mut Sink) {

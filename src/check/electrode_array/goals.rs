@@ -1,7 +1,7 @@
 //! The steps of a task: which parts go where, as far as that can be judged without knowing where the parts stand by then.
 
-use super::DEFAULT_EXPANSIONS;
 use super::cover::{Spread, nearest_cell};
+use super::default_expansions;
 use super::places::Origins;
 use super::tray::{Blocked, Judged, on_board, on_obstacle, whole_cell};
 use crate::check::claims::electrode_array::{
@@ -24,7 +24,7 @@ impl Checker<'_> {
         let tray = self.tray(site, facts);
         let objective = objective(parts.objective);
         let bystanders = bystanders(&parts);
-        let planner = planner(&parts, (objective, bystanders), facts, self.sink);
+        let planner = planner(&parts, (objective, bystanders), (facts, tray.parts.len()), self.sink);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
         let hold = site.device.fields.get("hold").map(|field| field.span);
         let mut judge = Judge { facts, tray: &tray, scene, hold, origins: &mut self.origins, sink: self.sink };
@@ -58,7 +58,12 @@ fn bystanders(parts: &Parts) -> Bystanders {
 }
 
 /// The method and budget of a task; `None` where a method is asked for what it does not know.
-fn planner(parts: &Parts, asked: (Objective, Bystanders), facts: &Facts, sink: &mut Sink) -> Option<Planner> {
+fn planner(
+    parts: &Parts,
+    asked: (Objective, Bystanders),
+    (facts, count): (&Facts, usize),
+    sink: &mut Sink,
+) -> Option<Planner> {
     let method = parts.planner.as_ref().map_or(Method::Portfolio, |(planner, _)| method(planner.value.name));
     if method == Method::Portfolio && facts.separation == Separation::AsPublished {
         let chosen = parts.planner.as_ref().map(|(planner, _)| planner.span);
@@ -67,7 +72,7 @@ fn planner(parts: &Parts, asked: (Objective, Bystanders), facts: &Facts, sink: &
         return None;
     }
     let Some((planner, _)) = &parts.planner else {
-        return Some(Planner { method, expansions: DEFAULT_EXPANSIONS });
+        return Some(Planner { method, expansions: default_expansions(facts, count) });
     };
     if method != Method::Portfolio
         && let Some((what, span)) = beyond_published(parts, asked, planner.span)
@@ -77,7 +82,7 @@ fn planner(parts: &Parts, asked: (Objective, Bystanders), facts: &Facts, sink: &
         sink.push(wrong.help_if((facts.separation == Separation::AsPublished).then_some(both)));
         return None;
     }
-    Some(Planner { method, expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS) })
+    Some(Planner { method, expansions: parts.expansions().unwrap_or(default_expansions(facts, count)) })
 }
 
 fn method(name: &str) -> Method {

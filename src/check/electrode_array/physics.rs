@@ -85,7 +85,12 @@ fn potential(facts: &Facts, forces: Option<&Forces>, device: &Device, sink: &mut
         lateral: force(forces.lateral_n(potential_v)),
         friction: force(forces.friction_n(potential_v)),
         net: force(forces.net_n(potential_v)),
-        margin: least_v.map(|least_v| force(forces.net_n(least_v) - forces.net_n(potential_v))),
+        there: least_v.map(|least_v| force(forces.net_n(least_v))),
+        known_by: match measured_v {
+            _ if forces.net_n(potential_v) <= 0.0 => None,
+            Some(_) => Some("`least_potential`, the least that was measured to move one"),
+            None => Some("the table `forces`, measured at the potential that moves one"),
+        },
     });
     let radius = length(facts.radius_um / 1e6);
     let (asked, least) = (voltage(potential_v), least_v.map(voltage));

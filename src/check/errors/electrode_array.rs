@@ -44,8 +44,10 @@ pub struct Balance {
     pub lateral: String,
     pub friction: String,
     pub net: String,
-    /// By how much the net force at the needed potential is greater.
-    pub margin: Option<String>,
+    /// The net force at the needed potential.
+    pub there: Option<String>,
+    /// What asks for more than that the net force be above 0, where it is above.
+    pub known_by: Option<&'static str>,
 }
 
 /// `least` is the potential that works, `most_friction` what works where no potential does.
@@ -65,9 +67,13 @@ pub fn potential_too_low(
         }
         (None, None) => format!("a potential of {potential} moves no part"),
     };
-    let forces = balance.map(|Balance { lateral, friction, net, margin }| {
-        let margin = margin.as_ref().map(|margin| format!(", {margin} less than there")).unwrap_or_default();
-        format!(": at {potential} a part is pulled with {lateral}, static friction is {friction}, net {net}{margin}")
+    let forces = balance.map(|Balance { lateral, friction, net, there, known_by }| {
+        let there = there.as_ref().map(|there| format!(", {there} there")).unwrap_or_default();
+        let known = known_by.map(|known_by| {
+            format!("; the net force is above 0 by this model, but the limit is {known_by}: less is not known to move a part")
+        });
+        let known = known.unwrap_or_default();
+        format!(": at {potential} a part is pulled with {lateral}, static friction is {friction}, net {net}{there}{known}")
     });
     let mend = match (least, most_friction) {
         (Some(least), _) => format!("raise `potential` to {least}"),

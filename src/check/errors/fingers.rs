@@ -1,7 +1,7 @@
 //! Hands: E0425, E0540 and on.
 
 use crate::check::value::Value;
-use crate::device::fingers::Plane;
+use crate::device::fingers::{MAX_GRASPS, Plane};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::real::Real;
@@ -53,6 +53,12 @@ fn rounded_down(value: f64) -> f64 {
 pub fn hand_figure(name: &str, device: &str, found: &str, limit: &str) -> Diagnostic {
     Diagnostic::new(Code::E0403, format!("`{name}` of device `{device}` is {found}, it must be {limit}"))
         .help("check its unit")
+}
+
+pub fn precision_too_large(span: Span, found: Quantity, most_rad: f64) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("`precision` is {found}, it must be at most {}", angle(most_rad)))
+        .label(span, "nearly any turn would do")
+        .help("write how far from its goal a turn may end, as `precision: 0.5 deg`, or check the unit")
 }
 
 pub fn gaiting_cost_not_whole(found: Quantity, most_deg: f64) -> Diagnostic {
@@ -168,6 +174,23 @@ pub fn too_many_contacts(span: Span, name: &str, plane: Plane, found: f64, most:
         .help("make `step` larger, or the tips: there are (360 deg + perimeter / tip radius) / step contacts")
 }
 
+/// A load makes grasps differ from angle to angle, so that there are more of them than are looked at.
+pub fn too_many_grasps(span: Span, name: &str, [contacts, angles]: [usize; 2], steps: u32) -> Diagnostic {
+    let grasps = contacts.pow(3) * angles;
+    let title = format!(
+        "{contacts} contacts of `{name}` at {angles} angles make {grasps} grasps of three, at most {MAX_GRASPS} are looked at"
+    );
+    // Contacts and angles both grow with the steps of a turn.
+    let per_step = contacts as f64 / f64::from(steps);
+    let fits =
+        |steps: &u32| (per_step * f64::from(*steps) + 1.0).whole_power(3) * f64::from(steps + 1) <= MAX_GRASPS as f64;
+    let most = (1..steps).rev().filter(|steps| 360 % steps == 0).find(fits);
+    let step = most.map_or_else(|| "a larger `step`".to_owned(), |steps| format!("`step: {} deg`", 360 / steps));
+    Diagnostic::new(Code::E0541, title)
+        .label(span, "under a load in the plane of this turn, grasps differ from angle to angle")
+        .help(format!("take {step}, or leave the load and the part's `material` out"))
+}
+
 pub fn tip_in_solid(
     span: Span,
     name: &str,
@@ -228,7 +251,15 @@ pub fn no_part(span: Span) -> Diagnostic {
 }
 
 /// An angle between two whole numbers of steps.
-pub fn no_whole_steps(span: Span, asked_rad: f64, step_rad: f64, precision_rad: f64) -> Diagnostic {
+///
+/// `step_deg` is a step of the device with which all turns of the task are whole steps, if one is known.
+pub fn no_whole_steps(
+    span: Span,
+    asked_rad: f64,
+    step_rad: f64,
+    precision_rad: f64,
+    step_deg: Option<f64>,
+) -> Diagnostic {
     let below = (asked_rad / step_rad).floor();
     let [low, high] = [below * step_rad, (below + 1.0) * step_rad];
     let off_deg = (asked_rad - low).min(high - asked_rad).to_degrees();
@@ -241,10 +272,25 @@ pub fn no_whole_steps(span: Span, asked_rad: f64, step_rad: f64, precision_rad: 
     );
     Diagnostic::new(Code::E0543, title)
         .label(span, format!("no whole number of steps within {}", angle(precision_rad)))
-        .help(format!(
-            "write one of these angles, or `precision: {} deg` among the settings",
-            digits(rounded_up(off_deg))
-        ))
+        .help(match step_deg {
+            Some(step_deg) => format!(
+                "write `step: {}` in the device, which makes this task's turns whole steps; or one of these angles",
+                step_text(step_deg)
+            ),
+            None => format!(
+                "write one of these angles, or `precision: {} deg` among the settings, which ends that far off",
+                digits(rounded_up(off_deg))
+            ),
+        })
+}
+
+/// A step of a device as it can be written: one that is no whole number of degrees as a share of a turn.
+fn step_text(step_deg: f64) -> String {
+    if (step_deg - step_deg.round()).abs() < 1e-9 {
+        format!("{} deg", digits(step_deg.round()))
+    } else {
+        format!("360 deg / {}", digits((360.0 / step_deg).round()))
+    }
 }
 
 pub fn turn_too_far(span: Span, asked_rad: f64) -> Diagnostic {
@@ -260,8 +306,14 @@ pub enum Asked {
     TurnAboutX,
 }
 
-/// An orientation that whole steps miss.
-pub fn orientation_missed(span: Span, asked: Asked, off_rad: f64, precision_rad: f64) -> Diagnostic {
+/// An orientation that whole steps miss; `step_deg` is a step of the device that would reach it, if one is known.
+pub fn orientation_missed(
+    span: Span,
+    asked: Asked,
+    off_rad: f64,
+    precision_rad: f64,
+    step_deg: Option<f64>,
+) -> Diagnostic {
     let (what, mend) = match asked {
         Asked::Orientation => ("orientation", "angles that are whole steps"),
         Asked::TurnAboutX => (
@@ -275,9 +327,12 @@ pub fn orientation_missed(span: Span, asked: Asked, off_rad: f64, precision_rad:
         angle(precision_rad)
     );
     let precision = digits(rounded_up(off_rad.to_degrees()));
-    Diagnostic::new(Code::E0545, title)
-        .label(span, "not reached")
-        .help(format!("write `precision: {precision} deg` among the settings, or {mend}"))
+    Diagnostic::new(Code::E0545, title).label(span, "not reached").help(match step_deg {
+        Some(step_deg) => format!("write `step: {}` in the device, which reaches it", step_text(step_deg)),
+        None => {
+            format!("take {mend}; or write `precision: {precision} deg` among the settings, which ends that far off")
+        }
+    })
 }
 
 pub fn other_part(run: Span, device: &str, first: &str, now: &str) -> Diagnostic {

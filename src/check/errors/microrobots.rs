@@ -51,6 +51,22 @@ fn six_digits(value: f64) -> f64 {
     if value.abs() < 1e-12 { 0.0 } else { format!("{value:.5e}").parse().unwrap_or(value) }
 }
 
+pub fn too_many_cycles(fine: &str, cycles: f64, most: f64) -> Diagnostic {
+    let title = format!(
+        "a fine motion of {fine} has {} cycles, at most {} are planned with",
+        digits(cycles.ceil()),
+        digits(most)
+    );
+    Diagnostic::new(Code::E0423, title).help("make `fine_length` shorter, or `fine_cycle` longer")
+}
+
+/// `name` is the field that says how far a stroke carries a robot.
+pub fn stroke_too_short(name: &str, robot: &str, step_um: f64, least_um: f64) -> Diagnostic {
+    let title =
+        format!("one stroke carries `{robot}` {}, at least {} is planned with", length(step_um), length(least_um));
+    Diagnostic::new(Code::E0403, title).help(format!("check the unit of `{name}`"))
+}
+
 /// A pose as a program would say it.
 pub fn pose_text(pose: &Pose) -> String {
     let Pose { x_um, y_um, heading_rad } = *pose;
@@ -73,10 +89,14 @@ pub fn stroke_out_of_clock(frequency: Quantity) -> Diagnostic {
     Diagnostic::new(Code::E0404, title).help("make `drive_frequency` 500 MHz or less, and 10 uHz or more")
 }
 
-pub fn beyond_extent(name: &str, found: Quantity, most_um: f64) -> Diagnostic {
-    let (limit, unit) = (length(most_um), if name == "speed" { " in one stroke" } else { "" });
-    Diagnostic::new(Code::E0403, format!("`{name}` of {found}, at most {limit}{unit} is planned with"))
-        .help("check its unit")
+pub fn beyond_extent(name: &str, found: Quantity, least_um: f64, most_um: f64) -> Diagnostic {
+    let (least, most, unit) = (length(least_um), length(most_um), if name == "speed" { " in one stroke" } else { "" });
+    let limit = if least_um > 0.0 { format!("{least} to {most}{unit}") } else { format!("at most {most}{unit}") };
+    Diagnostic::new(Code::E0403, format!("`{name}` of {found}, {limit} is planned with")).help("check its unit")
+}
+
+pub fn beyond_figure(name: &str, found: Quantity, most: Quantity) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("`{name}` of {found}, at most {most} is planned with")).help("check its unit")
 }
 
 pub fn some_error_bounds(missing: &[&str]) -> Diagnostic {
@@ -317,6 +337,23 @@ pub fn obstacle_without_place(span: Span, found: &Value) -> Diagnostic {
     .help("write `at (900 um, 2.5 mm)`, or `at pose(900 um, 2.5 mm, 30 deg)` for a turned shape")
 }
 
+/// A heading so large that its number does not say where it points.
+pub fn heading_too_large(span: Span, most_deg: f64) -> Diagnostic {
+    Diagnostic::new(Code::E0501, format!("a heading of more than {} deg", digits(most_deg)))
+        .label(span, "so many turns cannot be told apart")
+        .help("write a heading between -180 deg and 180 deg")
+}
+
+/// A control state whose strokes carry a robot farther than places are counted.
+pub fn applied_too_far(span: Span, name: &str, way_um: f64, most_um: f64) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0501,
+        format!("this carries `{name}` {}, at most {} is planned with", length(way_um), length(most_um)),
+    )
+    .label(span, "for so long")
+    .help("apply it for a shorter time, or check the unit of `speed`")
+}
+
 pub fn pose_too_far(span: Span, most_um: f64) -> Diagnostic {
     Diagnostic::new(Code::E0501, format!("a place further from the origin than {}", length(most_um)))
         .label(span, "cannot be reached")
@@ -528,47 +565,4 @@ pub fn goal_on_docked(goal: &Goal, docked: &Goal, (gap_um, kept_um): (f64, f64))
         .label(goal.span, if gap_um > 0.0 { "too near" } else { "covered" })
         .label_elsewhere(docked.span, goal.span, format!("`{}` has docked here", docked.robot))
         .help("docked robots do not move any more: choose a place further away, or assemble the robot")
-}
-
-/// A robot that orbits about where it starts.
-pub struct Orbiting {
-    pub robot: String,
-    /// Its name in the scene.
-    pub start: Span,
-    pub centre_um: [f64; 2],
-    pub reach_um: f64,
-}
-
-impl Orbiting {
-    fn describe(&self) -> String {
-        let [x, y] = self.centre_um.map(|um| length((um * 10.0).round() / 10.0));
-        format!("meanwhile `{}` sweeps all within {} of ({x}, {y})", self.robot, at_least(self.reach_um))
-    }
-}
-
-/// How far something lies from an orbit, for a title.
-fn orbit_shortage(what: &str, orbiting: &Orbiting, (gap_um, kept_um): (f64, f64)) -> String {
-    let orbit = format!("the orbit of `{}`", orbiting.robot);
-    if gap_um > 0.0 {
-        format!("{what} lies {} from {orbit}, {} is needed", at_most(gap_um), length(kept_um))
-    } else {
-        format!("{what} reaches {} into {orbit}", at_least(-gap_um))
-    }
-}
-
-/// Something that stands in an orbit about a start: what it is, and where it stands in the source.
-pub fn orbit_too_near(orbiting: &Orbiting, (what, span): (&str, Span), bounds: (f64, f64)) -> Diagnostic {
-    let short = at_least(bounds.1 - bounds.0);
-    Diagnostic::new(Code::E0538, orbit_shortage(what, orbiting, bounds))
-        .label(orbiting.start, format!("`{}` orbits from here while others are assembled", orbiting.robot))
-        .label_elsewhere(span, orbiting.start, "in its way")
-        .help(format!("{}: let it start {short} or more further away, or drive it there first", orbiting.describe()))
-}
-
-pub fn goal_in_orbit(goal: &Goal, orbiting: &Orbiting, bounds: (f64, f64)) -> Diagnostic {
-    let short = at_least(bounds.1 - bounds.0);
-    Diagnostic::new(Code::E0538, orbit_shortage(&format!("the goal of `{}`", goal.robot), orbiting, bounds))
-        .label(goal.span, goal.label())
-        .label_elsewhere(orbiting.start, goal.span, format!("`{}` orbits from here meanwhile", orbiting.robot))
-        .help(format!("{}: assemble {short} or more further away, or drive it away first", orbiting.describe()))
 }

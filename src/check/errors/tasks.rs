@@ -364,6 +364,12 @@ pub fn too_many_visits(span: Span, found: usize, limit: usize) -> Diagnostic {
         .help("write several `visit` steps")
 }
 
+pub fn simultaneous_in_vain(span: Span, objective: &str) -> Diagnostic {
+    Diagnostic::new(Code::W0504, format!("`simultaneous: safe` changes nothing with `minimize {objective}`"))
+        .label(span, "modules are switched one by one")
+        .help("write `minimize time`, or leave the setting out")
+}
+
 pub fn obstacle_outside(span: Span, name: &str, device: &str) -> Diagnostic {
     Diagnostic::new(Code::W0501, format!("obstacle `{name}` lies outside the workspace of `{device}`"))
         .label(span, "never in the way")

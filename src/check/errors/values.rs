@@ -238,6 +238,12 @@ pub fn too_many_repetitions(span: Span, limit: usize) -> Diagnostic {
         .help("a scene this large is better made of larger shapes, as `cells { from: …, to: … }`")
 }
 
+pub fn repeats_nothing(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::W0301, "a `for` that repeats nothing")
+        .label(span, "holds no element")
+        .help("a range runs up to its end, without it: `0..4` is 0, 1, 2, 3; leave the loop out if nothing is meant")
+}
+
 pub fn not_to_repeat(span: Span, found: &Value) -> Diagnostic {
     Diagnostic::new(Code::E0304, format!("`for` runs over a range or a list, this is {}", found.describe_fully()))
         .label(span, found.describe())
@@ -331,4 +337,16 @@ pub fn incomplete_table(span: Span, wanted: &Wanted, missing: &[&device::Field])
         )
     };
     Diagnostic::new(Code::E0312, format!("the table of {} {title}", wanted.name)).label(span, "this table").help(help)
+}
+
+pub fn too_much_work(span: Span, limit: u64) -> Diagnostic {
+    Diagnostic::new(Code::E0314, format!("the program asks for more than {limit} steps of working out"))
+        .label(span, "here the limit is passed")
+        .help("repeat less, and give a value that is used again and again a name with `let`")
+}
+
+pub fn too_much_text(span: Span, limit: u64) -> Diagnostic {
+    Diagnostic::new(Code::E0313, format!("the program makes more than {} MiB of strings", limit >> 20))
+        .label(span, "here the limit is passed")
+        .help("build strings of fewer parts")
 }

@@ -3,7 +3,7 @@
 use crate::check::devices::Device;
 use crate::check::errors;
 use crate::check::value::Value;
-use crate::device::fingers::{Adhesion, Facts, MAX_STEPS_PER_TURN};
+use crate::device::fingers::{Adhesion, Facts, MAX_RESERVE, MAX_STEPS_PER_TURN};
 use crate::diagnostic::Sink;
 use crate::quantity::Quantity;
 use std::f64::consts::TAU;
@@ -20,14 +20,17 @@ const MAX_LENGTH_UM: f64 = 1e6;
 /// The smallest length that is planned with: an atom.
 const MIN_LENGTH_UM: f64 = 1e-4;
 
-/// The largest force: a newton.
-const MAX_FORCE_UN: f64 = 1e6;
+/// The least force but none, and the largest: a femtonewton and a newton.
+const FORCES_UN: [f64; 2] = [1e-9, 1e6];
 
 /// The slowest and the fastest tip.
 const SPEEDS_UM_PER_S: [f64; 2] = [1e-3, 1e9];
 
-/// The largest friction coefficient, and the largest removal safety.
-const MAX_RATIO: f64 = 100.0;
+/// The least friction coefficient and removal safety but none, and the largest.
+const RATIOS: [f64; 2] = [1e-6, 100.0];
+
+/// What is kept back while tips roll where the device does not say.
+const DEFAULT_RESERVE: f64 = 0.02;
 
 /// The facts of a hand; `None` after an error.
 pub fn facts(device: &Device, sink: &mut Sink) -> Option<Facts> {
@@ -56,6 +59,8 @@ pub fn facts(device: &Device, sink: &mut Sink) -> Option<Facts> {
         support_un: figures.force_un("support").unwrap_or(0.0),
         range_um: figures.range_um()?,
         tolerance_um: figures.length_um("tolerance")?,
+        torsion_um: if figures.quantity("torsion").is_some() { figures.length_um("torsion")? } else { 0.0 },
+        rolling_reserve: figures.reserve("rolling_reserve"),
     };
     (sink.errors() == errors).then_some(facts)
 }
@@ -139,14 +144,22 @@ impl Figures<'_> {
     fn force_un(&mut self, name: &str) -> Option<f64> {
         let found = self.quantity(name)?;
         let un = found.in_unit("uN");
-        self.unless(un <= MAX_FORCE_UN, name, &found.to_string(), "at most 1 N");
+        let fits = un == 0.0 || (FORCES_UN[0]..=FORCES_UN[1]).contains(&un);
+        self.unless(fits, name, &found.to_string(), "from 1 fN to 1 N");
         Some(un)
     }
 
     fn ratio(&mut self, name: &str) -> Option<f64> {
         let found = self.quantity(name)?;
-        self.unless(found.si <= MAX_RATIO, name, &found.to_string(), "at most 100");
+        let fits = found.si == 0.0 || (RATIOS[0]..=RATIOS[1]).contains(&found.si);
+        self.unless(fits, name, &found.to_string(), "from 0.000001 to 100");
         Some(found.si)
+    }
+
+    fn reserve(&mut self, name: &str) -> f64 {
+        let Some(found) = self.quantity(name) else { return DEFAULT_RESERVE };
+        self.unless(found.si <= MAX_RESERVE, name, &found.to_string(), "from 0 to 90 %");
+        found.si
     }
 
     fn speed_um_per_s(&mut self, name: &str) -> Option<f64> {
@@ -162,6 +175,8 @@ impl Figures<'_> {
         let range_um = [0, 1, 2].map(|axis| point.get(axis).map_or(0.0, |length| length.in_unit("um")));
         let greatest = point.iter().copied().max_by(|one, other| one.si.total_cmp(&other.si))?;
         self.unless(greatest.in_unit("um") <= MAX_LENGTH_UM, "range", &greatest.to_string(), "at most 1 m");
+        let least = point.iter().copied().min_by(|one, other| one.si.total_cmp(&other.si))?;
+        self.unless(least.in_unit("um") >= MIN_LENGTH_UM, "range", &least.to_string(), "at least 0.1 nm");
         Some(range_um)
     }
 

@@ -150,13 +150,13 @@ impl Reader<'_> {
 }
 
 /// By how much the part turns while a tip rolls once round it: U.
-fn once_round_rad(curve: &Curve, tip_radius_um: f64) -> f64 {
+pub fn once_round_rad(curve: &Curve, tip_radius_um: f64) -> f64 {
     curve.rolled_rad(curve.perimeter_um(), tip_radius_um) - curve.rolled_rad(0.0, tip_radius_um)
 }
 
 /// c, and the number of the contact at J if one lies there: as many contacts as come nearest to the nominal step, if possible with one
 /// at J.
-fn contacts(curve: &Curve, facts: &Facts) -> (f64, Option<u32>) {
+pub fn contacts(curve: &Curve, facts: &Facts) -> (f64, Option<u32>) {
     let once = once_round_rad(curve, facts.tip_radius_um);
     let exact = once / facts.step_rad();
     let share = curve.rolled_rad(curve.opposite_um(), facts.tip_radius_um) / once;

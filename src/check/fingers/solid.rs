@@ -29,6 +29,12 @@ pub struct Solid {
     pub surface: Option<Rc<Mesh>>,
 }
 
+/// How far from a rectangle a section may be that is taken for one, as a share of it.
+const SAME_SHARE: f64 = 1e-6;
+
+/// The radius of the corners of a rectangle of a mesh, as a share of half its lesser width: a tip stands in them by 0.2 % of that.
+const CORNER_SHARE: f64 = 0.005;
+
 type Told<T> = Result<T, Box<Diagnostic>>;
 
 /// The solid of a shape that hands know; `span` is the whole shape.
@@ -207,7 +213,10 @@ fn mesh(shape: &ShapeValue, span: Span) -> Told<Solid> {
     let outline = |plane: Plane| {
         let at = |why: String| wrong(&format!("has no outline in its plane {}: {why}", plane.name()));
         let polygon = surface.section(plane.axes()).map_err(|fault| at(format!("it {fault}")))?;
-        let outline = Outline::from_polygon(&polygon).map_err(|fault| told_of_polygon(&fault, &at))?;
+        let outline = match rectangle(&polygon) {
+            Some(outline) => outline,
+            None => Outline::from_polygon(&polygon).map_err(|fault| told_of_polygon(&fault, &at))?,
+        };
         Curve::of(&outline).map_err(|fault| told_of_polygon(&fault, &at))?;
         Ok::<Outline, Box<Diagnostic>>(outline)
     };
@@ -221,6 +230,28 @@ fn mesh(shape: &ShapeValue, span: Span) -> Told<Solid> {
         density_kg_per_m3: None,
         surface: Some(Rc::new(surface)),
     })
+}
+
+/// The outline of a section that is an upright rectangle round the origin: smoothing would make waves of its sides.
+fn rectangle(polygon: &[[f64; 2]]) -> Option<Outline> {
+    let half_um = [0, 1].map(|axis: usize| polygon.iter().map(|point| point[axis].abs()).fold(0.0, f64::max));
+    let least_um = half_um[0].min(half_um[1]);
+    let slack_um = SAME_SHARE * least_um;
+    let on_side = |point: &[f64; 2], axis: usize| (point[axis].abs() - half_um[axis]).abs() <= slack_um;
+    if !polygon.iter().all(|point| on_side(point, 0) || on_side(point, 1)) {
+        return None;
+    }
+    let has_corner = |signs: [f64; 2]| {
+        let is_there =
+            |point: &[f64; 2]| (0..2).all(|axis| (point[axis] - signs[axis] * half_um[axis]).abs() <= slack_um);
+        polygon.iter().any(is_there)
+    };
+    let next = polygon.iter().cycle().skip(1);
+    let twice_um2: f64 = polygon.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum();
+    let is_whole = (twice_um2.abs() - 8.0 * half_um[0] * half_um[1]).abs() <= SAME_SHARE * half_um[0] * half_um[1];
+    let corners = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
+    (is_whole && corners.into_iter().all(has_corner))
+        .then_some(Outline::RoundedRectangle { half_um, radius_um: (CORNER_SHARE * least_um).max(MIN_UM) })
 }
 
 /// What is said of a section that cannot be followed.

@@ -3,6 +3,7 @@
 use super::bench::Bench;
 use super::orientation;
 use super::part;
+use super::step;
 use crate::check::claims::fingers::{Action, FingersOrder, Part, Planner, Section, Step};
 use crate::check::lets::Argument;
 use crate::check::scope::nearest;
@@ -23,6 +24,9 @@ pub const DEFAULT_EXPANSIONS: u64 = 200_000_000;
 /// How far from its goal a turn may end where the task does not say.
 const DEFAULT_PRECISION_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
+/// The largest `precision`: a turn that ends farther off is no such turn.
+const MAX_PRECISION_RAD: f64 = 90.0 * std::f64::consts::PI / 180.0;
+
 /// How much more than 360 deg one step may turn by rounding, in radians.
 const FULL_TURN_SLACK: f64 = 1e-9;
 
@@ -33,13 +37,10 @@ impl Checker<'_> {
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
         let lying = the_part(&bench, &parts, scene, site, self.sink)?;
         let (part, weight_un) = lying?;
-        let precision_rad = match parts.settings.get("precision").map(|setting| &setting.value) {
-            Some(Value::Quantity(angle)) => angle.si,
-            Some(_) => return None,
-            None => DEFAULT_PRECISION_RAD,
-        };
+        let precision_rad = precision_rad(&parts, self.sink)?;
         let load_un = load_un(&parts, weight_un)?;
-        let mut judge = Judge { facts, part: &part, precision_rad, sink: self.sink };
+        let turns = turns(&parts.steps);
+        let mut judge = Judge { facts, part: &part, precision_rad, turns, sink: self.sink };
         let planes = grasp_planes(&parts.steps, &part);
         let steps: Vec<Option<Step>> =
             parts.steps.iter().zip(&planes).map(|(step, planes)| judge.step(step, planes)).collect();
@@ -53,6 +54,17 @@ impl Checker<'_> {
             steps: steps.into_iter().collect::<Option<Vec<Step>>>()?,
         })
     }
+}
+
+/// How far from its goal a turn may end; `None` after an error.
+fn precision_rad(parts: &Parts, sink: &mut Sink) -> Option<f64> {
+    let Some(setting) = parts.settings.get("precision") else { return Some(DEFAULT_PRECISION_RAD) };
+    let Value::Quantity(angle) = setting.value else { return None };
+    if angle.si > MAX_PRECISION_RAD * (1.0 + 1e-12) {
+        sink.push(errors::precision_too_large(setting.span, angle, MAX_PRECISION_RAD));
+        return None;
+    }
+    Some(angle.si)
 }
 
 fn planner(parts: &Parts) -> Planner {
@@ -155,7 +167,24 @@ struct Judge<'a> {
     facts: &'a Facts,
     part: &'a Part,
     precision_rad: f64,
+    /// All turns of the task about z and y, in radians.
+    turns: Vec<(Plane, f64)>,
     sink: &'a mut Sink,
+}
+
+/// The turns that steps ask for by an angle about z or y.
+fn turns(steps: &[tasks::Step]) -> Vec<(Plane, f64)> {
+    let turn = |step: &tasks::Step| {
+        let tasks::Action::Verb(call) = &step.action else { return None };
+        let (by, about) = (phrase(call, "by")?, phrase(call, "about")?);
+        let (Value::Quantity(angle), Value::Text(axis)) = (&by.value, &about.value) else { return None };
+        match axis.as_str() {
+            "z" => Some((Plane::Xy, angle.si)),
+            "y" => Some((Plane::Xz, angle.si)),
+            _ => None,
+        }
+    };
+    steps.iter().filter_map(turn).collect()
 }
 
 impl Judge<'_> {
@@ -198,7 +227,8 @@ impl Judge<'_> {
         let most = i32::try_from(self.facts.steps_per_turn).ok()?;
         let steps = ((asked_rad / section.step_rad).round() as i32).clamp(-most, most);
         if (f64::from(steps) * section.step_rad - asked_rad).abs() > self.precision_rad * (1.0 + 1e-9) {
-            let wrong = errors::no_whole_steps(by.span, asked_rad, section.step_rad, self.precision_rad);
+            let mend = step::mending(self.part, self.facts, &step::Wanted::Turns(&self.turns), self.precision_rad);
+            let wrong = errors::no_whole_steps(by.span, asked_rad, section.step_rad, self.precision_rad, mend);
             return self.wrong(wrong, by);
         }
         Some(Action::Rotate { plane, steps, angle_rad: asked_rad })

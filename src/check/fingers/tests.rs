@@ -108,7 +108,7 @@ fn the_papers_case_has_its_contacts_and_its_turns() {
 #[test]
 fn an_orientation_stands_for_the_same_turns() {
     let order = order("", BEAD, "orient bead to euler(80 deg, 220 deg, 100 deg)");
-    let Action::Orient { goal, turns } = &order.steps[0].action else { panic!("an orientation") };
+    let Action::Orient { goal, turns, .. } = &order.steps[0].action else { panic!("an orientation") };
     let whole = |plane, steps| Turn { plane, steps };
     assert!(turns.contains(&vec![whole(Plane::Xy, 4), whole(Plane::Xz, 11), whole(Plane::Xy, 5)]));
     // The second solution, and the long ways.
@@ -138,7 +138,7 @@ fn a_part_that_is_there_needs_no_turn() {
 fn a_turn_about_x_needs_a_step_that_divides_90_deg() {
     steps("rotate bead by 80 deg about x", &["E0545"]);
     let order = order("step: 10 deg", BEAD, "precision: 1 deg, rotate bead by 80 deg about x");
-    let Action::Orient { goal, turns } = &order.steps[0].action else { panic!("an orientation") };
+    let Action::Orient { goal, turns, .. } = &order.steps[0].action else { panic!("an orientation") };
     assert!((goal[1] - 40f64.to_radians().sin()).abs() < 1e-9 && goal[2].abs() + goal[3].abs() < 1e-9);
     let whole = |plane, steps| Turn { plane, steps };
     assert!(turns.contains(&vec![whole(Plane::Xy, -9), whole(Plane::Xz, 8), whole(Plane::Xy, 9)]), "{turns:?}");

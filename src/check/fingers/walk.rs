@@ -5,29 +5,34 @@
 
 use super::orientation::{self, MAX_WAYS, Orientation};
 use super::part;
+use super::step;
 use crate::check::claims::fingers::{Action, FingersOrder, Part, Turn};
 use crate::check::claims::{Job, Order};
 use crate::check::errors;
-use crate::device::fingers::Plane;
+use crate::device::fingers::{MAX_GRASPS, Plane};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::Span;
+use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Orientations nearer to each other than this are one.
 const SAME_RAD: f64 = 1e-9;
 
+/// The share of a load in a plane that is more than rounding.
+const LEAST_SHARE: f64 = 1e-9;
+
 /// The most orientations that a part may have after a step.
 const MAX_REACHED: usize = 256;
 
 /// What stands for an orientation in the hand's frame until the runs are walked.
 pub fn absolute(goal: [f64; 4]) -> Action {
-    Action::Orient { goal, turns: Vec::new() }
+    Action::Orient { goal, turns: Vec::new(), left_out_steps: None }
 }
 
 /// What stands for an orientation relative to where the part is until the runs are walked: with one way that does nothing.
 pub fn relative(goal: Orientation) -> Action {
-    Action::Orient { goal: orientation::written(&goal), turns: vec![Vec::new()] }
+    Action::Orient { goal: orientation::written(&goal), turns: vec![Vec::new()], left_out_steps: None }
 }
 
 /// What a schedule asks of each hand and its part, run after run.
@@ -78,6 +83,9 @@ struct Hand {
 
 type Told = Result<(), Box<Diagnostic>>;
 
+/// The ways to an orientation, and the fewest steps of those that were left out, if any were.
+type Ways = (Vec<Vec<Turn>>, Option<u32>);
+
 impl Hand {
     fn of(order: &FingersOrder) -> Hand {
         Hand {
@@ -100,8 +108,11 @@ impl Hand {
         match action {
             Action::Wait(_) => {}
             Action::Grasp(_) => self.hold = Hold::Held,
-            Action::Rotate { plane, steps, .. } => self.rotate(Turn { plane: *plane, steps: *steps }, at)?,
-            Action::Orient { goal, turns } => {
+            Action::Rotate { plane, steps, .. } => {
+                self.looks_at_few(*plane, at, order)?;
+                self.rotate(Turn { plane: *plane, steps: *steps }, at)?;
+            }
+            Action::Orient { goal, turns, left_out_steps } => {
                 let given = orientation::read(*goal);
                 let (asked, absolute) = if turns.is_empty() {
                     (errors::Asked::Orientation, given)
@@ -109,7 +120,7 @@ impl Hand {
                     (errors::Asked::TurnAboutX, self.reached[0] * given)
                 };
                 *goal = orientation::written(&absolute);
-                *turns = self.orient((asked, &absolute), at, order.precision_rad)?;
+                (*turns, *left_out_steps) = self.orient((asked, &absolute), at, order)?;
             }
             Action::Translate(by_um) => self.translate(*by_um, at, order)?,
             Action::Release => {
@@ -121,6 +132,22 @@ impl Hand {
             }
         }
         Ok(())
+    }
+
+    /// Whether the grasps of a turn are few enough to be looked at: under a load in the plane they differ from angle to angle.
+    fn looks_at_few(&self, plane: Plane, at: Span, order: &FingersOrder) -> Told {
+        let Some(section) = self.part.section(plane) else { return Ok(()) };
+        let load_un = Vector3::from(order.load_un);
+        let axis = Vector3::from(plane.normal());
+        let in_plane_un = |from: &Orientation| axis.cross(&(from.inverse() * load_un)).norm();
+        if !self.reached.iter().all(|from| in_plane_un(from) > LEAST_SHARE * load_un.norm()) {
+            return Ok(());
+        }
+        let (contacts, angles) = (section.contacts as usize, order.facts.steps_per_turn as usize + 1);
+        if contacts.pow(3) * angles <= MAX_GRASPS {
+            return Ok(());
+        }
+        Err(Box::new(errors::too_many_grasps(at, &self.part.name, [contacts, angles], order.facts.steps_per_turn)))
     }
 
     fn rotate(&mut self, turn: Turn, at: Span) -> Told {
@@ -136,13 +163,15 @@ impl Hand {
         Ok(())
     }
 
-    /// The ways to an orientation that reach it from wherever the part may be.
+    /// The ways to an orientation that reach it from wherever the part may be, and how many steps those turn at least that are too many
+    /// to be searched.
     fn orient(
         &mut self,
         (asked, goal): (errors::Asked, &Orientation),
         at: Span,
-        precision_rad: f64,
-    ) -> Result<Vec<Vec<Turn>>, Box<Diagnostic>> {
+        order: &FingersOrder,
+    ) -> Result<Ways, Box<Diagnostic>> {
+        let precision_rad = order.precision_rad;
         let mut ways = orientation::ways(&(self.reached[0].inverse() * goal), &self.part);
         if ways.is_empty() {
             return Err(Box::new(errors::flat_part(at, &self.part.name, "not to this orientation", self.part.span)));
@@ -154,7 +183,8 @@ impl Hand {
         let best_rad = ways.iter().map(|way| way.off_rad).fold(f64::INFINITY, f64::min);
         ways.retain(|way| way.off_rad <= precision_rad);
         if ways.is_empty() {
-            return Err(Box::new(errors::orientation_missed(at, asked, best_rad, precision_rad)));
+            let step_deg = self.mending((asked, goal), order);
+            return Err(Box::new(errors::orientation_missed(at, asked, best_rad, precision_rad, step_deg)));
         }
         if let Some(why) = &self.junction_fault {
             let planes =
@@ -164,9 +194,30 @@ impl Hand {
                 return Err(Box::new(errors::no_junction(at, &self.part.name, why, self.part.span)));
             }
         }
-        ways.truncate(MAX_WAYS.min((MAX_REACHED / self.reached.len()).max(1)));
+        let most = MAX_WAYS.min((MAX_REACHED / self.reached.len()).max(1));
+        let steps = |way: &orientation::Way| way.turns.iter().map(|turn| turn.steps.unsigned_abs()).sum::<u32>();
+        let left_out_steps = ways.iter().skip(most).map(steps).min();
+        ways.truncate(most);
         self.take(&ways);
-        Ok(ways.into_iter().map(|way| way.turns).collect())
+        Ok((ways.into_iter().map(|way| way.turns).collect(), left_out_steps))
+    }
+
+    /// A step of the device that reaches an orientation, where it is known how the part would be turned before: not at all, or as it is.
+    fn mending(&self, (asked, goal): (errors::Asked, &Orientation), order: &FingersOrder) -> Option<f64> {
+        let [reached] = self.reached.as_slice() else { return None };
+        let is_known = asked == errors::Asked::TurnAboutX || reached.angle() < SAME_RAD;
+        let turns: Vec<(Plane, f64)> = order
+            .steps
+            .iter()
+            .filter_map(|step| match step.action {
+                Action::Rotate { plane, angle_rad, .. } => Some((plane, angle_rad)),
+                Action::Orient { .. } | Action::Grasp(_) | Action::Translate(_) | Action::Release | Action::Wait(_) => {
+                    None
+                }
+            })
+            .collect();
+        let wanted = step::Wanted::Orientation(&(reached.inverse() * goal), &turns);
+        is_known.then(|| step::mending(&self.part, &order.facts, &wanted, order.precision_rad)).flatten()
     }
 
     /// Any of some ways has been taken.

@@ -1,4 +1,4 @@
-//! Bodies of robots, discs of their orbits and obstacles: how far they lie from each other.
+//! Bodies of robots, and obstacles: how far they lie from each other.
 
 use crate::check::claims::microrobots::Obstacle;
 use crate::device::microrobots::Robot;
@@ -83,30 +83,6 @@ fn nearest_of(point: Point2<f64>, corners: &[Point2<f64>; 4]) -> Point2<f64> {
     candidates.reduce(nearer).unwrap_or(point)
 }
 
-/// The disc that a robot sweeps on its orbit.
-#[derive(Debug, Clone, Copy)]
-pub struct Orbit {
-    pub centre: Point2<f64>,
-    pub reach_um: f64,
-}
-
-impl Orbit {
-    /// The orbit of a robot that stands somewhere and lowers its arm.
-    pub fn of(robot: &Robot, pose: Pose) -> Orbit {
-        Orbit { centre: Point2::from(robot.orbit_centre_um(pose)), reach_um: robot.orbit_reach_um() }
-    }
-
-    /// How far another orbit lies from it; negative where they overlap.
-    pub fn gap_um(&self, other: &Orbit) -> f64 {
-        (self.centre - other.centre).norm() - self.reach_um - other.reach_um
-    }
-
-    /// How far a body lies from it; negative where it reaches in.
-    pub fn gap_to_body_um(&self, body: &Body) -> f64 {
-        distance::segment_polygon([self.centre; 2], &body.corners) - self.reach_um
-    }
-}
-
 /// An obstacle in the plane.
 pub struct Solid {
     body: Rounded,
@@ -137,11 +113,6 @@ impl Solid {
             return least_um;
         }
         distance::quadrilateral_core(body.corners, &self.body.core) - self.body.radius_um
-    }
-
-    /// How far an orbit lies from it; negative where they overlap.
-    pub fn gap_to_orbit_um(&self, orbit: &Orbit) -> f64 {
-        distance::segment_core([orbit.centre; 2], &self.body.core) - self.body.radius_um - orbit.reach_um
     }
 }
 

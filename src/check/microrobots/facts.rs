@@ -11,11 +11,17 @@ use crate::geometry::shape::MAX_EXTENT_UM;
 use crate::quantity::Quantity;
 use crate::source::Span;
 use std::collections::BTreeMap;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 /// The fields that bound what robots and measurements depart from their figures.
 const ERROR_FIELDS: [&str; 5] = ["speed_error", "turning_error", "place_error", "heading_error", "replan_interval"];
+
+/// The most cycles of a fine motion.
+const MAX_CYCLES: f64 = 2_000.0;
+
+/// The shortest stroke.
+const MIN_STEP_UM: f64 = 1e-6;
 
 /// The facts of a device and the control states of its bed; `None` after an error.
 pub fn bed(device: &Device, sink: &mut Sink) -> Option<Bed> {
@@ -29,8 +35,10 @@ pub fn bed(device: &Device, sink: &mut Sink) -> Option<Bed> {
     (sink.errors() == errors).then_some(())?;
     let facts = facts(device, &table, sink)?;
     bodies_are_countable(&facts, &table, device, sink);
+    figures_have_sense(device, sink);
     meets_forwards(&facts, device, sink);
     fine_motion_has_room(&facts, device, sink);
+    strokes_are_countable(&facts, &table, device, sink);
     levels_in_order(&facts, device, sink)?;
     let states = validity::states(&facts, &table, device, sink)?;
     (sink.errors() == errors).then(|| Bed { facts: Arc::new(facts), states: Arc::new(states) })
@@ -155,37 +163,62 @@ fn errors_of(device: &Device, sink: &mut Sink) -> Option<Option<Errors>> {
     }))
 }
 
+/// The least length of a body or of its circle, in micrometres: below it a unit has slipped.
+const LEAST_BODY_UM: f64 = 0.1;
+
+/// The least that a stroke carries a robot, in micrometres; planners and the verifier count strokes.
+const LEAST_STROKE_UM: f64 = 1e-5;
+
+/// The longest fine motion, in micrometres: some bodies, as its cycles are walked one by one.
+const MAX_FINE_UM: f64 = 1_000.0;
+
+/// Bounds on errors beyond which nothing is known of a robot, in SI units.
+const MAX_ERRORS: [(&str, f64); 4] =
+    [("speed_error", 1.0), ("turning_error", 2e3 * PI), ("place_error", 1e-3), ("heading_error", PI)];
+
+/// A bound beyond which errors say nothing, and a fine motion that is no fine motion, are a slip of the unit.
+fn figures_have_sense(device: &Device, sink: &mut Sink) {
+    let most = MAX_ERRORS.into_iter().chain([("fine_length", MAX_FINE_UM / 1e6)]);
+    for (name, most_si) in most {
+        let Some(found) = quantity(device, name).filter(|found| found.si > most_si) else { continue };
+        let most = Quantity { si: most_si, ..found };
+        sink.push(told(device, errors::beyond_figure(name, found, most), &at(device, name, "out of range")));
+    }
+}
+
 /// Lengths beyond what geometry counts exactly are a slip of the unit.
 fn bodies_are_countable(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) {
     let mut of_device = BTreeMap::new();
     for (row, robot) in facts.robots.iter().enumerate() {
         let figures = [
-            ("turning_radius", robot.turning_radius_um),
-            ("length", robot.length_um),
-            ("width", robot.width_um),
-            ("speed", robot.step_um),
+            ("turning_radius", robot.turning_radius_um, LEAST_BODY_UM),
+            ("length", robot.length_um, LEAST_BODY_UM),
+            ("width", robot.width_um, LEAST_BODY_UM),
+            ("speed", robot.step_um, LEAST_STROKE_UM),
         ];
-        for (name, um) in figures.into_iter().filter(|(_, um)| *um > MAX_EXTENT_UM) {
+        for (name, um, least_um) in figures {
+            if (least_um..=MAX_EXTENT_UM).contains(&um) {
+                continue;
+            }
             match (table.quantity(row, name), name) {
                 (Some(found), _) => {
                     let labels = [(table.place(row, name), "out of range".to_owned())];
-                    sink.push(told(device, errors::beyond_extent(name, found, MAX_EXTENT_UM), &labels));
+                    sink.push(told(device, errors::beyond_extent(name, found, least_um, MAX_EXTENT_UM), &labels));
                 }
-                (None, "speed") => drop(of_device.insert("step_size", um)),
-                (None, _) => drop(of_device.insert(name, um)),
+                (None, "speed") => drop(of_device.insert("step_size", least_um)),
+                (None, _) => drop(of_device.insert(name, least_um)),
             }
         }
     }
     let own = [
         ("clearance", facts.clearance_um),
         ("orbit_clearance", facts.orbit_clearance_um),
-        ("fine_length", facts.fine.length_um),
         ("docking_tolerance", facts.docking.tolerance_um),
     ];
-    of_device.extend(own.into_iter().filter(|(_, um)| *um > MAX_EXTENT_UM));
-    for name in of_device.into_keys() {
+    of_device.extend(own.into_iter().filter(|(_, um)| *um > MAX_EXTENT_UM).map(|(name, _)| (name, 0.0)));
+    for (name, least_um) in of_device {
         let Some(found) = quantity(device, name) else { continue };
-        let wrong = errors::beyond_extent(name, found, MAX_EXTENT_UM);
+        let wrong = errors::beyond_extent(name, found, least_um, MAX_EXTENT_UM);
         sink.push(told(device, wrong, &at(device, name, "out of range")));
     }
 }
@@ -224,7 +257,28 @@ fn fine_motion_has_room(facts: &Facts, device: &Device, sink: &mut Sink) {
         let mut labels = at(device, "fine_cycle", "longer than the whole fine motion");
         labels.extend(at(device, "fine_length", "the fine motion"));
         sink.push(told(device, errors::cycle_beyond_fine_motion(&found[0], &found[1]), &labels));
+        return;
     }
+    // A cycle has at least one stroke for each of its three primitives.
+    let step_um = facts.robots.iter().map(|robot| robot.step_um).fold(0.0, f64::max);
+    let cycles = facts.fine.length_um / facts.fine.cycle_um.max(3.0 * step_um);
+    if cycles > MAX_CYCLES {
+        let found = quantity(device, "fine_length").map_or(String::new(), |length| length.to_string());
+        let mut labels = at(device, "fine_length", "the fine motion");
+        labels.extend(at(device, "fine_cycle", "one cycle of it"));
+        sink.push(told(device, errors::too_many_cycles(&found, cycles, MAX_CYCLES), &labels));
+    }
+}
+
+/// A stroke carries a robot by far more than what places are rounded to, else no way can be counted in strokes.
+fn strokes_are_countable(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) {
+    let slow = facts.robots.iter().enumerate().find(|(_, robot)| robot.step_um < MIN_STEP_UM);
+    let Some((row, robot)) = slow else { return };
+    let (name, labels) = match table.quantity(row, "speed") {
+        Some(_) => ("speed", vec![(table.place(row, "speed"), "too slow to be planned with".to_owned())]),
+        None => ("step_size", at(device, "step_size", "too short to be planned with")),
+    };
+    sink.push(told(device, errors::stroke_too_short(name, &robot.name, robot.step_um, MIN_STEP_UM), &labels));
 }
 
 /// The label of a field, and of the place where its value was given, if a name stands in it.

@@ -1,7 +1,7 @@
 //! The steps of a task: what can be judged of them without knowing where the robots stand by then.
 
 use super::bodies::{Body, Solid};
-use super::ground::{Ground, first_near, is_near};
+use super::ground::{Ground, MAX_HEADING_RAD, first_near, in_one_turn, is_near};
 use super::{Bed, DEFAULT_EXPANSIONS};
 use crate::check::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Precision, Step, Stop};
 use crate::check::fields::Accepted;
@@ -116,8 +116,19 @@ impl Judge<'_> {
         let state = self.state(call.object.as_ref()?);
         let (_, duration) = call.phrases.first()?;
         let Value::Quantity(time) = duration.value else { return None };
-        let duration_ns = crate::check::clock_ns(time, duration.span, "`apply`", self.sink);
-        Some(Action::Apply { state: state?, duration_ns: duration_ns? })
+        let duration_ns = crate::check::clock_ns(time, duration.span, "`apply`", self.sink)?;
+        let wrong = self.too_far(duration_ns, duration.span);
+        self.unless(wrong, Some(duration))?;
+        Some(Action::Apply { state: state?, duration_ns })
+    }
+
+    /// The robot that so many strokes carry the farthest, if that is too far.
+    fn too_far(&self, duration_ns: u64, span: Span) -> Option<Diagnostic> {
+        let facts = &self.bed.facts;
+        let robots = self.ground.robots.iter().map(|placed| &facts.robots[placed.row]);
+        let fastest = robots.max_by(|one, other| one.step_um.total_cmp(&other.step_um))?;
+        let way_um = duration_ns.div_ceil(facts.period_ns) as f64 * fastest.step_um;
+        (way_um > MAX_EXTENT_UM).then(|| errors::applied_too_far(span, &fastest.name, way_um, MAX_EXTENT_UM))
     }
 
     /// A control state by its number or by its arms.
@@ -206,6 +217,10 @@ impl Judge<'_> {
         let pose = shapes::pose_of(&target.value)?;
         let far = (!is_near(&pose)).then(|| errors::pose_too_far(target.span, MAX_EXTENT_UM));
         self.unless(far, Some(target))?;
+        let Some(pose) = in_one_turn(pose) else {
+            let wrong = errors::heading_too_large(target.span, MAX_HEADING_RAD.to_degrees());
+            return self.unless(Some(wrong), Some(target)).and(None);
+        };
         let wrong = robot.and_then(|robot| self.on_obstacle(robot, pose, target.span));
         self.unless(wrong, Some(target))?;
         self.remember(target);

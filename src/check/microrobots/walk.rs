@@ -1,9 +1,8 @@
-//! What has docked when a step begins, and which robots orbit meanwhile: goals of assemblies are fixed, so that this is known
-//! before planning.
+//! What has docked when a step begins: goals of assemblies are fixed, so that this is known before planning.
 //!
-//! The runs of a schedule are walked in their order. Where undocked robots stand is known until the bed first moves.
+//! The runs of a schedule are walked in their order. Where robots stand that have not docked is a matter of the plan.
 
-use super::bodies::{Body, Orbit, Solid, is_too_near};
+use super::bodies::{Body, Solid, is_too_near};
 use super::docking::{self, Docked, Partner};
 use super::goals::Origins;
 use super::ground::first_near;
@@ -16,7 +15,7 @@ use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// What a schedule asks of robots that have docked, and of those that orbit until they do.
+/// What a schedule asks of robots that have docked.
 pub fn beds_agree(jobs: &[Job], origins: &Origins, sink: &mut Sink) {
     let mut beds: BTreeMap<&str, Walk> = BTreeMap::new();
     for job in jobs {
@@ -39,20 +38,12 @@ pub fn beds_agree(jobs: &[Job], origins: &Origins, sink: &mut Sink) {
     }
 }
 
-/// Whether robots are still where the scene puts them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Bed {
-    Untouched,
-    Moved,
-}
-
 /// A bed between two steps.
 struct Walk {
     /// As the first scene puts them.
     robots: Arc<Vec<Placed>>,
     /// Of the scene of the last run.
     obstacles: Arc<Vec<Obstacle>>,
-    bed: Bed,
     /// Where robots have docked, by their index.
     docked: BTreeMap<usize, Stop>,
 }
@@ -60,7 +51,7 @@ struct Walk {
 impl Walk {
     fn of(order: &MicrorobotsOrder) -> Walk {
         let (robots, obstacles) = (Arc::clone(&order.robots), Arc::clone(&order.obstacles));
-        Walk { robots, obstacles, bed: Bed::Untouched, docked: BTreeMap::new() }
+        Walk { robots, obstacles, docked: BTreeMap::new() }
     }
 
     /// A robot that only one of two scenes has.
@@ -89,13 +80,8 @@ impl Walk {
     /// Judges a step, and docks what it assembles.
     fn advance(&mut self, action: &Action, span: Span, order: &MicrorobotsOrder) -> Vec<Diagnostic> {
         match action {
-            Action::Wait(_) => Vec::new(),
-            Action::Apply { .. } => {
-                self.bed = Bed::Moved;
-                Vec::new()
-            }
+            Action::Wait(_) | Action::Apply { .. } => Vec::new(),
             Action::Drive { robot, stops } => {
-                self.bed = Bed::Moved;
                 if let Some(since) = self.docked.get(robot) {
                     return vec![errors::docked_before(&order.robot(*robot).name, (span, "driven"), since.span)];
                 }
@@ -103,7 +89,6 @@ impl Walk {
             }
             Action::Assemble(docks) => {
                 let found = self.assemble(docks, order);
-                self.bed = Bed::Moved;
                 self.docked.extend(docks.iter().map(|dock| (dock.robot, dock.goal.clone())));
                 found
             }
@@ -141,99 +126,7 @@ impl Walk {
         };
         let mut goals = goals;
         goals.sort_by_key(|goal| std::cmp::Reverse(ranks[goal.robot]));
-        if let Some(wrong) = in_this_order(&structure, &goals, docking) {
-            return vec![wrong];
-        }
-        match self.bed {
-            Bed::Untouched => self.orbits(&goals, &ranks, order).into_iter().collect(),
-            Bed::Moved => Vec::new(),
-        }
-    }
-
-    /// What stands in an orbit about a start, of all robots that are not driven at first.
-    ///
-    /// The first robot of the assembly is driven while all others orbit, the second one too.
-    fn orbits(&self, goals: &[Docked], ranks: &[usize], order: &MicrorobotsOrder) -> Option<Diagnostic> {
-        let second = goals.get(1).map_or(0, |goal| ranks[goal.robot]);
-        let orbiting: Vec<(usize, Orbit)> = (0..order.robots.len())
-            .filter(|robot| ranks[*robot] <= second)
-            .map(|robot| (robot, Orbit::of(order.robot(robot), self.robots[robot].pose)))
-            .collect();
-        let judge = Orbits { order, starts: &self.robots, orbiting: &orbiting };
-        judge.obstacle().or_else(|| judge.pair()).or_else(|| judge.start()).or_else(|| judge.goal(goals, ranks))
-    }
-}
-
-/// The orbits about the starts of robots that wait for their turn.
-struct Orbits<'a> {
-    order: &'a MicrorobotsOrder,
-    /// One for each robot of the order.
-    starts: &'a [Placed],
-    orbiting: &'a [(usize, Orbit)],
-}
-
-impl Orbits<'_> {
-    fn start(&self) -> Option<Diagnostic> {
-        let stands = (0..self.order.robots.len()).filter(|robot| self.orbiting.iter().all(|(other, _)| other != robot));
-        let bodies: Vec<(usize, Body)> =
-            stands.map(|robot| (robot, Body::of(self.order.robot(robot), self.starts[robot].pose))).collect();
-        self.orbiting.iter().find_map(|(robot, orbit)| {
-            bodies.iter().find_map(|(other, body)| {
-                let what = format!("the start of `{}`", self.order.robot(*other).name);
-                self.near((*robot, orbit), orbit.gap_to_body_um(body), (&what, self.starts[*other].span))
-            })
-        })
-    }
-
-    fn pair(&self) -> Option<Diagnostic> {
-        let pairs = self.orbiting.iter().enumerate();
-        pairs.into_iter().find_map(|(at, (robot, orbit))| {
-            self.orbiting[..at].iter().find_map(|(other, before)| {
-                let what = format!("the orbit of `{}`", self.order.robot(*other).name);
-                self.near((*robot, orbit), orbit.gap_um(before), (&what, self.starts[*other].span))
-            })
-        })
-    }
-
-    fn obstacle(&self) -> Option<Diagnostic> {
-        let obstacles = self.order.obstacles.iter();
-        let solids: Vec<_> = obstacles.filter_map(|obstacle| Some((obstacle, Solid::of(obstacle)?))).collect();
-        self.orbiting.iter().find_map(|(robot, orbit)| {
-            solids.iter().find_map(|(obstacle, solid)| {
-                let what = format!("obstacle `{}`", obstacle.name);
-                self.near((*robot, orbit), solid.gap_to_orbit_um(orbit), (&what, obstacle.span))
-            })
-        })
-    }
-
-    /// Goals that are taken while a robot still orbits; the first two of an assembly come to theirs together.
-    fn goal(&self, goals: &[Docked], ranks: &[usize]) -> Option<Diagnostic> {
-        let second = goals.get(1).map_or(0, |goal| ranks[goal.robot]);
-        self.orbiting.iter().filter(|(robot, _)| ranks[*robot] < second).find_map(|(robot, orbit)| {
-            let before = goals.iter().filter(|goal| ranks[goal.robot] > ranks[*robot]);
-            before.into_iter().find_map(|goal| {
-                let gap_um = orbit.gap_to_body_um(&goal.body());
-                let place = errors::Goal { robot: goal.facts.name.clone(), span: goal.span };
-                let kept_um = self.order.facts.orbit_clearance_um;
-                is_too_near(gap_um, kept_um)
-                    .then(|| errors::goal_in_orbit(&place, &self.told(*robot, orbit), (gap_um, kept_um)))
-            })
-        })
-    }
-
-    fn near(&self, (robot, orbit): (usize, &Orbit), gap_um: f64, other: (&str, Span)) -> Option<Diagnostic> {
-        let kept_um = self.order.facts.orbit_clearance_um;
-        is_too_near(gap_um, kept_um).then(|| errors::orbit_too_near(&self.told(robot, orbit), other, (gap_um, kept_um)))
-    }
-
-    /// An orbit for a message.
-    fn told(&self, robot: usize, orbit: &Orbit) -> errors::Orbiting {
-        errors::Orbiting {
-            robot: self.order.robot(robot).name.clone(),
-            start: self.starts[robot].span,
-            centre_um: [orbit.centre.x, orbit.centre.y],
-            reach_um: orbit.reach_um,
-        }
+        in_this_order(&structure, &goals, docking).into_iter().collect()
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a build tells of a plan for a hand.
 
-use super::{Note, Told, Topic, count, proof, rounded};
+use super::{Note, Told, Topic, count, proof, reached, rounded};
 use crate::check::claims::fingers::{FingersOrder, Section};
 use crate::device::fingers::Plane;
 use crate::schedule::PlanRecord;
@@ -18,7 +18,7 @@ pub fn notes(run: &Told, order: &FingersOrder) -> Vec<Note> {
     let contacts = format!("{}: {}", order.part.name, sections.collect::<Vec<_>>().join(", "));
     let remarks =
         run.plan.remarks.iter().map(|remark| (Topic::Remarked, format!("{}: {}", remark.subject, remark.text)));
-    std::iter::once((Topic::Contacts, contacts)).chain(remarks).collect()
+    std::iter::once((Topic::Contacts, contacts)).chain(remarks).chain(reached(run)).collect()
 }
 
 /// `74 in xy (I 1, J 38)`.

@@ -1,6 +1,7 @@
 //! What a build tells of a plan for microrobots.
 
-use super::{Note, Told, Topic, count, proof, rounded};
+use super::{Note, Told, Topic, count, proof, reached, rounded};
+use crate::check::claims::microrobots::MicrorobotsOrder;
 use crate::schedule::PlanRecord;
 
 /// `12.3 s in 9 switches, optimal (bound 12.3 s)`.
@@ -10,7 +11,18 @@ pub fn cost(plan: &PlanRecord) -> String {
     format!("{} in {switches}, {}", figure(plan.cost), proof(plan, figure))
 }
 
-/// Whether each goal of an assembly is guaranteed under the device's error bounds.
-pub fn notes(run: &Told) -> Vec<Note> {
-    run.plan.remarks.iter().map(|remark| (Topic::Guaranteed, format!("{}: {}", remark.subject, remark.text))).collect()
+/// Whether each goal of an assembly is guaranteed under the device's error bounds, where robots end, and which ones are not there.
+pub fn notes(run: &Told, order: &MicrorobotsOrder) -> Vec<Note> {
+    let remarks = run.plan.remarks.iter();
+    let assured = remarks.map(|remark| (Topic::Guaranteed, format!("{}: {}", remark.subject, remark.text)));
+    assured.chain(reached(run)).chain(absent(order)).collect()
+}
+
+/// The robots of the table that the scene leaves out.
+fn absent(order: &MicrorobotsOrder) -> Option<Note> {
+    let is_absent = |row: &usize| order.robots.iter().all(|robot| robot.row != *row);
+    let rows = (0..order.facts.robots.len()).filter(is_absent);
+    let names: Vec<&str> = rows.map(|row| order.facts.robots[row].name.as_str()).collect();
+    let line = format!("{} of the table, left out by the scene: taken not to be on the bed", names.join(", "));
+    (!names.is_empty()).then_some((Topic::Absent, line))
 }

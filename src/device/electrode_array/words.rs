@@ -123,8 +123,10 @@ const VERBS: &[Verb] = &[
     },
 ];
 
-const BUDGET: [Field; 1] =
-    [expansions("16 million", "how many states the search of one step may expand before it gives up")];
+const BUDGET: [Field; 1] = [expansions(
+    "16 million, 2 more for each part and cell, at most 64 million",
+    "how many states the search of one step may expand before it gives up",
+)];
 
 const fn planner(name: &'static str, doc: &'static str) -> Planner {
     Planner { name, options: &BUDGET, doc }

@@ -22,5 +22,7 @@ pub fn hand() -> Facts {
         support_un: 5.0,
         range_um: [200.0; 3],
         tolerance_um: 0.05,
+        torsion_um: 0.01,
+        rolling_reserve: 0.02,
     }
 }

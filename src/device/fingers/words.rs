@@ -55,6 +55,18 @@ const FIELDS: &[Field] = &[
         "with which what the object rests on holds it before the first grasp and after a release",
     ),
     required("tolerance", positive(Dimension::LENGTH), "how far a contact may be from touching and rolling exactly"),
+    optional(
+        "torsion",
+        not_negative(Dimension::LENGTH),
+        "0 um",
+        "the torque about its normal that a contact bears, over the force that presses and sticks there",
+    ),
+    optional(
+        "rolling_reserve",
+        not_negative(Dimension::NUMBER),
+        "2 %",
+        "the share of friction, pull-off and greatest force that planned grasps do without while they roll",
+    ),
 ];
 
 const SETTINGS: &[Field] = &[

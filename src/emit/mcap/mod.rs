@@ -27,7 +27,7 @@ pub use difference::{difference, difference_diagnostic};
 
 use super::{EmitError, Format, Provenance, Signals};
 use crate::check::claims::Order;
-use crate::schedule::json;
+use crate::schedule::{Reached, json};
 use crate::source::MAX_FILE_BYTES;
 use crate::verify::Verified;
 use crate::verify::log::{self, CLAIMS, METADATA, SCHEDULE, SOURCE_PREFIX};
@@ -130,13 +130,16 @@ fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
     topics
 }
 
-/// `/log`: the source line of every step.
+/// `/log`: the source line of every step, with what it reaches where that is not exactly what it asks for.
 fn lines(verified: &Verified) -> Topic {
     let messages = verified.schedule().steps.iter().map(|step| {
         let line = foxglove::Log {
             timestamp: foxglove::timestamp(step.start_ns),
             level: foxglove::log::Level::Info as i32,
-            message: step.text.clone(),
+            message: std::iter::once(step.text.clone())
+                .chain(step.reached.iter().map(Reached::to_string))
+                .collect::<Vec<_>>()
+                .join("; "),
             name: step.task.clone(),
             file: step.file.clone(),
             line: step.line,

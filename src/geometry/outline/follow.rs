@@ -20,8 +20,11 @@ const MAX_TURN_RAD: f64 = 0.1;
 /// How often a piece is halved.
 const MAX_DEPTH: u32 = 36;
 
-/// The most stretches of a curve.
-const MAX_STRETCHES: usize = 1 << 17;
+/// The most stretches of a curve of few pieces.
+const MAX_STRETCHES: usize = 1 << 12;
+
+/// The most stretches of each piece, where there are many: smooth outlines take two or three of them.
+const STRETCHES_PER_PIECE: usize = 8;
 
 /// The upper half of the nodes and weights of Gauss' rule with eight points.
 const GAUSS: [(f64, f64); 4] = [
@@ -116,13 +119,14 @@ impl Course {
     /// Follows a form once round from a parameter of a piece.
     pub fn of(form: &Form, begin: (usize, f64)) -> Result<Course, OutlineError> {
         let mut course = Course::default();
+        let most = MAX_STRETCHES + STRETCHES_PER_PIECE * form.pieces();
         let mut open: Vec<(usize, f64, f64, u32)> = Vec::new();
         for (piece, from, to) in spans(form, begin).into_iter().rev() {
             open.push((piece, from, to, 0));
         }
         while let Some((piece, from, to, depth)) = open.pop() {
             let ends = [form.at(piece, from), form.at(piece, to)];
-            if course.stretches.len() >= MAX_STRETCHES || ends.iter().any(|end| !is_sound(end)) {
+            if course.stretches.len() >= most || ends.iter().any(|end| !is_sound(end)) {
                 return Err(OutlineError::Rough { point_um: ends[0].point });
             }
             match measured(form, piece, [from, to], &ends, depth) {

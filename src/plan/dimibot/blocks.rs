@@ -228,7 +228,7 @@ impl BlockDistances {
         for side in Side::BOTH {
             let k = side.index();
             for module in blocks.fine[k]..blocks.fine[k] + blocks.coarse[k] {
-                let weight = u64::from(weights.of[k][module as usize]);
+                let weight = weights.of[k][module as usize];
                 match self.classes.iter_mut().find(|class| class.weight == weight) {
                     Some(class) => class.mask |= bit,
                     None => self.classes.push(Class { weight, mask: bit, cursor: 0 }),

@@ -187,7 +187,7 @@ impl<G: Ground, H: Guide> Search<'_, G, H> {
                 if self.lists.settled.contains(next) {
                     continue;
                 }
-                let weight = i64::from(self.weights.of[k][bit.trailing_zeros() as usize]);
+                let weight = self.weights.of[k][bit.trailing_zeros() as usize] as i64;
                 let closer = match bit & small {
                     0 => match self.guide.coarse(next) {
                         Some(there) => here as i64 - there as i64,

@@ -1,27 +1,27 @@
-//! One job of a DiMiBot: its steps searched one after the other, its figures added up, its requirements held against them.
+//! One job of a DiMiBot: its steps planned as a whole, first by the objective alone, then within the limits if that misses one.
 //!
-//! Each stop is a fixed cell, so the best ways between the stops in their order make the best whole; only `visit` leaves an order
-//! to choose, and is searched as a tour.
+//! A plan within limits is the best of those that keep them all. Where there is none, what is said of a limit is what the search
+//! within all the other limits has shown.
 
 use super::{
-    Cell, Field, Impossible, Lattice, Leg, Measure, Obstacle, Opening, Outcome, Path, Proof, Pulse, Side, TourOutcome,
-    Weights, published, pulses, shortest, tour, why,
+    Cell, Failure, Field, Impossible, Lattice, NoLeg, Obstacle, Opening, Proof, Pulse, Request, Route, Router, Side,
+    Stage, Tally, Within, why,
 };
 use crate::check::claims::dimibot::{Action, Body, DimibotOrder, Method, Objective, Step, Stop};
-use crate::check::claims::{self, Job, Requirement};
+use crate::check::claims::{self, Job, Relation, Requirement};
 use crate::check::start_disagrees;
-use crate::device::dimibot::{Facts, Flip, Simultaneous};
+use crate::device::dimibot::{Facts, Simultaneous};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
-use crate::plan::requirements::{Kept, Known, require};
+use crate::plan::requirements::{Kept, Known, keeps, require};
 use crate::plan::search::{Budget, GaveUp};
 use crate::plan::{Motion as AnyMotion, Optimality, Plan};
 use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// States that the search for a culprit may examine.
-const WHY_BUDGET: Budget = Budget::of(20_000_000);
+/// Steps that the search for the obstacles to blame may take: a fraction of a second, however long the proof took.
+const WHY_BUDGET: Budget = Budget::of(1_000_000);
 
 /// What a robot does.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -127,23 +127,12 @@ fn planned(
         return (None, end_of(order).or(stands).unwrap_or(order.facts.home));
     };
     let scene = fields.scene(order);
-    let mut search = Search { job, order, scene: &scene, at: start, tally: Tally::default(), sink };
-    if !search.begins_clear() {
+    let search = Search::new(job, order, &scene, start);
+    if !search.begins_clear(sink) {
         return (None, end_of(order).unwrap_or(start));
     }
-    let steps: Vec<Option<StepMotion>> = order.steps.iter().map(|step| search.step(step)).collect();
-    let (at, tally) = (search.at, search.tally);
-    let Some(steps) = steps.into_iter().collect::<Option<Vec<StepMotion>>>() else { return (None, at) };
-    let motion = Motion { start, steps, delays: Vec::new() };
-    let plan = finished(order, motion, tally);
-    let mut known = |requirement: &Requirement| {
-        let other = best(job, order, &requirement.outcome, stands, fields);
-        let proven = other.as_ref().filter(|best| best.proof == Optimality::Proven);
-        let least = proven.and_then(|best| best.outcomes.get(&requirement.outcome).copied());
-        Known { none_keeps_all: false, least, other }
-    };
-    let kept = require(job, &plan, &mut known, sink);
-    (Some(plan).filter(|_| kept == Kept::Yes), at)
+    let (plan, end) = search.plan(sink);
+    (plan, end.or(end_of(order)).unwrap_or(start))
 }
 
 /// Where a job begins; `None` if it says another place than where its device stands, which was reported.
@@ -167,135 +156,209 @@ fn end_of(order: &DimibotOrder) -> Option<Cell> {
     })
 }
 
-/// Costs and bounds of the searches so far, in the units of their weights.
-#[derive(Default)]
-struct Tally {
-    cost: u64,
-    bound: u64,
-}
-
+/// The planning of one job.
+#[derive(Clone)]
 struct Search<'a> {
     job: &'a Job,
     order: &'a DimibotOrder,
     scene: &'a Scene,
-    at: Cell,
-    tally: Tally,
-    sink: &'a mut Sink,
+    start: Cell,
+    stages: Vec<Stage>,
+    /// The step of each stage.
+    step_of: Vec<usize>,
 }
 
-impl Search<'_> {
-    fn begins_clear(&mut self) -> bool {
-        let covering = self.scene.field.covering(self.at);
+impl<'a> Search<'a> {
+    fn new(job: &'a Job, order: &'a DimibotOrder, scene: &'a Scene, start: Cell) -> Self {
+        let (mut stages, mut step_of) = (Vec::new(), Vec::new());
+        for (index, step) in order.steps.iter().enumerate() {
+            match &step.action {
+                Action::Wait(_) => {}
+                Action::Move(stops) => stages.extend(stops.iter().map(|stop| Stage::To(stop.cell))),
+                Action::Visit(stops) => stages.push(Stage::All(stops.iter().map(|stop| stop.cell).collect())),
+            }
+            step_of.resize(stages.len(), index);
+        }
+        Search { job, order, scene, start, stages, step_of }
+    }
+
+    fn router(&self) -> Router<'_> {
+        Router::new(Request {
+            field: &self.scene.field,
+            start: self.start,
+            stages: &self.stages,
+            method: self.order.planner.method,
+            with_pulses: uses_pulses(self.order),
+            expansions: self.order.planner.expansions,
+        })
+    }
+
+    fn begins_clear(&self, sink: &mut Sink) -> bool {
+        let covering = self.scene.field.covering(self.start);
         let obstacles: Vec<(&str, Span)> = covering
             .iter()
             .map(|index| &self.order.obstacles[*index])
             .map(|obstacle| (obstacle.name.as_str(), obstacle.span))
             .collect();
         if !obstacles.is_empty() {
-            let (task, at) = (&self.job.task, self.at.to_string());
-            self.sink.push(errors::start_covered(self.job.run_span, task, &at, &obstacles));
+            let (task, at) = (&self.job.task, self.start.to_string());
+            sink.push(errors::start_covered(self.job.run_span, task, &at, &obstacles));
         }
         covering.is_empty()
     }
 
-    fn step(&mut self, step: &Step) -> Option<StepMotion> {
-        match &step.action {
-            Action::Wait(duration_ns) => Some(StepMotion::Wait(*duration_ns)),
-            Action::Move(stops) => {
-                let legs: Vec<Option<Vec<Pulse>>> = stops.iter().map(|stop| self.leg(step.span, stop)).collect();
-                let legs: Option<Vec<Vec<Pulse>>> = legs.into_iter().collect();
-                Some(StepMotion::Pulses(legs?.concat()))
+    /// A plan that keeps the limits, and where the robot stands after it; without a plan an error was pushed.
+    fn plan(&self, sink: &mut Sink) -> (Option<Plan>, Option<Cell>) {
+        let mut router = self.router();
+        let best = match router.best(self.order.objective) {
+            Ok(best) => best,
+            Err(failures) => {
+                failures.iter().for_each(|failure| self.fail(failure, sink));
+                return (None, None);
             }
-            Action::Visit(stops) => self.visit(step.span, stops).map(StepMotion::Pulses),
-        }
-    }
-
-    /// The pulses to one stop. Without a way the search goes on from the stop, so that later steps have their say.
-    fn leg(&mut self, step: Span, stop: &Stop) -> Option<Vec<Pulse>> {
-        let from = std::mem::replace(&mut self.at, stop.cell);
-        if self.uses_pulses() {
-            let outcome = pulses(&self.scene.field, from, stop.cell, self.budget());
-            let train = self.found(step, from, stop, outcome)?;
-            self.add(train.cost(), train.bound);
-            return Some(train.pulses);
-        }
-        let outcome = self.path(from, stop.cell);
-        let path = self.found(step, from, stop, outcome)?;
-        self.add(path.cost, path.bound);
-        Some(path.flips.into_iter().map(single).collect())
-    }
-
-    fn path(&self, from: Cell, to: Cell) -> Outcome<Path> {
-        let method = match self.order.planner.method {
-            Method::StagedAstar => shortest,
-            Method::Dijkstra => published::dijkstra,
-            Method::BidirectionalDijkstra => published::bidirectional_dijkstra,
-            Method::Astar => published::astar,
-            Method::HypercubeAstar => published::hypercube_astar,
         };
-        method(&self.scene.field, from, to, &self.weights(), self.budget())
+        let (plan, end) = (self.finished(&best, best.bound), self.end(&best));
+        let limits = self.limits(None);
+        if limits.is_some_and(|limits| best.tally.is_within(limits)) || !self.searches_limits() {
+            let mut known = |requirement: &Requirement| self.known_of_published(&best, requirement);
+            let kept = require(self.job, &plan, &mut known, sink);
+            return (Some(plan).filter(|_| kept == Kept::Yes), Some(end));
+        }
+        let none = Within { route: None, is_complete: true };
+        let within = limits.map_or(none, |limits| router.within(self.order.objective, limits));
+        if let Some(route) = within.route {
+            let bound = best.bound.max(route.bound);
+            let (plan, end) = (self.finished(&route, bound), self.end(&route));
+            let kept = require(self.job, &plan, &mut |_| Known::default(), sink);
+            return (Some(plan).filter(|_| kept == Kept::Yes), Some(end));
+        }
+        let mut known = |requirement: &Requirement| self.known(&mut router, requirement, within.is_complete);
+        let kept = require(self.job, &plan, &mut known, sink);
+        debug_assert_eq!(kept, Kept::No, "the best plan misses a limit, or it would have been taken");
+        (None, Some(end))
     }
 
-    fn visit(&mut self, step: Span, stops: &[Stop]) -> Option<Vec<Pulse>> {
-        let places: Vec<Cell> = stops.iter().map(|stop| stop.cell).collect();
-        let measure = if self.uses_pulses() { Measure::Pulses } else { Measure::Flips(self.weights()) };
-        let from = self.at;
-        match tour(&self.scene.field, from, &places, &measure, self.budget()) {
-            TourOutcome::Found(tour) => {
-                self.add(tour.cost, tour.bound);
-                self.at = tour.order.last().map_or(from, |last| places[*last]);
-                Some(tour.legs.into_iter().flat_map(leg_pulses).collect())
+    /// Tweeze's own planner searches for plans within the limits, the published ones do not know them.
+    fn searches_limits(&self) -> bool {
+        self.order.planner.method == Method::StagedAstar
+    }
+
+    /// The largest figures that the limits allow, all but one of them; `None` where nothing keeps them.
+    fn limits(&self, but: Option<&Requirement>) -> Option<Tally> {
+        let mut limits = Tally::MAX;
+        for requirement in &self.job.requirements {
+            if but.is_some_and(|but| std::ptr::eq(but, requirement)) {
+                continue;
             }
-            TourOutcome::Impossible { place, proof } => {
-                self.at = places.last().copied().unwrap_or(from);
-                self.impossible(stops[place].span, from, &stops[place], proof);
-                None
+            let most = |unit: f64, offset: f64| largest(requirement, unit, offset);
+            match requirement.outcome.as_str() {
+                "distance" => {
+                    limits.distance = limits.distance.min(most(figure_si(self.order, Objective::Distance), 0.0)?)
+                }
+                "switches" => limits.switches = limits.switches.min(most(1.0, 0.0)?),
+                "energy" => limits.switches = limits.switches.min(most(figure_si(self.order, Objective::Energy), 0.0)?),
+                "time" => {
+                    let waits_s = waits_ns(&self.order.steps) as f64 / 1e9;
+                    limits.pulses = limits.pulses.min(most(figure_si(self.order, Objective::Time), waits_s)?);
+                }
+                _ => {}
             }
-            TourOutcome::GaveUp(gave_up) => {
-                self.at = places.last().copied().unwrap_or(from);
-                self.gave_up(step, "the places of this `visit`", gave_up);
-                None
+        }
+        Some(limits)
+    }
+
+    /// What is known of a limit that no plan was found to keep together with the others.
+    fn known(&self, router: &mut Router, requirement: &Requirement, is_proven: bool) -> Known {
+        let Some(objective) = objective_of(&requirement.outcome) else { return Known::default() };
+        let others = self.limits(Some(requirement));
+        let within = others.map(|others| router.within(objective, others));
+        let search = Search { order: &DimibotOrder { objective, ..self.order.clone() }, ..self.clone() };
+        let value = |figure: u64| search.si(figure);
+        let (least, other) = match within {
+            Some(Within { route: Some(route), is_complete: true }) => {
+                (Some(value(route.tally.of_objective(objective))), Some(search.finished(&route, route.bound)))
             }
+            Some(Within { route, .. }) => {
+                let bound = router.best(objective).ok().map(|best| value(best.bound));
+                (bound, route.map(|route| search.finished(&route, route.bound)))
+            }
+            None => (None, None),
+        };
+        let advice = (!is_proven).then(|| {
+            let planner = self.order.planner.method.name();
+            errors::more_allowed(self.order.planner.expansions, planner)
+        });
+        Known { none_keeps_all: is_proven, least, other, advice }
+    }
+
+    /// What a plan for the objective alone tells of a limit that it misses.
+    fn known_of_published(&self, best: &Route, requirement: &Requirement) -> Known {
+        let is_own = objective_of(&requirement.outcome)
+            .is_some_and(|objective| Tally::only(objective, 1) == Tally::only(self.order.objective, 1));
+        let least = is_own.then(|| {
+            let order = DimibotOrder {
+                objective: objective_of(&requirement.outcome).unwrap_or(self.order.objective),
+                ..self.order.clone()
+            };
+            Search { order: &order, ..self.clone() }.si(best.bound)
+        });
+        let advice = Some("leave `using` out: Tweeze's own planner searches for plans that keep limits".to_owned());
+        Known { none_keeps_all: false, least, other: None, advice }
+    }
+
+    /// A figure of the objective in SI units, waits counted.
+    fn si(&self, figure: u64) -> f64 {
+        let waits_s = match self.order.objective {
+            Objective::Time => waits_ns(&self.order.steps) as f64 / 1e9,
+            Objective::Distance | Objective::Switches | Objective::Energy => 0.0,
+        };
+        figure as f64 * figure_si(self.order, self.order.objective) + waits_s
+    }
+
+    fn end(&self, route: &Route) -> Cell {
+        let pulses = route.pulses.iter().flatten();
+        pulses.fold(self.start, |cell, pulse| Cell::new(cell.x ^ pulse.left, cell.y ^ pulse.right))
+    }
+
+    fn finished(&self, route: &Route, bound: u64) -> Plan {
+        let mut stages = self.step_of.iter().zip(&route.pulses).peekable();
+        let mut steps = Vec::with_capacity(self.order.steps.len());
+        for (index, step) in self.order.steps.iter().enumerate() {
+            let mut pulses = Vec::new();
+            while let Some((_, more)) = stages.next_if(|(of, _)| **of == index) {
+                pulses.extend(more.iter().copied());
+            }
+            steps.push(match &step.action {
+                Action::Wait(duration_ns) => StepMotion::Wait(*duration_ns),
+                Action::Move(_) | Action::Visit(_) => StepMotion::Pulses(pulses),
+            });
+        }
+        finished(self.order, Motion { start: self.start, steps, delays: Vec::new() }, route.tally, bound)
+    }
+
+    fn fail(&self, failure: &Failure, sink: &mut Sink) {
+        let step = &self.order.steps[self.step_of[failure.stage]];
+        let (stop, is_visit) = match &step.action {
+            Action::Move(stops) => {
+                let before = self.step_of[..failure.stage].iter().filter(|of| **of == self.step_of[failure.stage]);
+                (&stops[before.count()], false)
+            }
+            Action::Visit(stops) => (&stops[failure.place], true),
+            Action::Wait(_) => return,
+        };
+        match failure.reason {
+            NoLeg::Impossible(proof) => {
+                let span = if is_visit { stop.span } else { step.span };
+                self.impossible(span, failure.from, stop, proof, sink);
+            }
+            NoLeg::GaveUp(gave_up) if is_visit => {
+                self.gave_up(step.span, "the places of this `visit`", gave_up, sink);
+            }
+            NoLeg::GaveUp(gave_up) => self.gave_up(step.span, &stop.cell.to_string(), gave_up, sink),
         }
     }
 
-    /// Whether several modules may be switched in one pulse, and pulses are what counts.
-    fn uses_pulses(&self) -> bool {
-        uses_pulses(self.order)
-    }
-
-    fn weights(&self) -> Weights {
-        let lattice = self.scene.field.lattice();
-        match self.order.objective {
-            Objective::Distance => Weights::distance(lattice),
-            Objective::Switches | Objective::Time | Objective::Energy => Weights::switches(lattice),
-        }
-    }
-
-    fn budget(&self) -> Budget {
-        Budget::of(self.order.planner.expansions)
-    }
-
-    fn add(&mut self, cost: u64, bound: u64) {
-        self.tally.cost += cost;
-        self.tally.bound += bound;
-    }
-
-    fn found<P>(&mut self, step: Span, from: Cell, stop: &Stop, outcome: Outcome<P>) -> Option<P> {
-        match outcome {
-            Outcome::Found(found) => Some(found),
-            Outcome::Impossible(proof) => {
-                self.impossible(step, from, stop, proof);
-                None
-            }
-            Outcome::GaveUp(gave_up) => {
-                self.gave_up(step, &stop.cell.to_string(), gave_up);
-                None
-            }
-        }
-    }
-
-    fn impossible(&mut self, step: Span, from: Cell, stop: &Stop, proof: Impossible) {
+    fn impossible(&self, step: Span, from: Cell, stop: &Stop, proof: Impossible, sink: &mut Sink) {
         let why = why(&self.scene.field, &self.scene.obstacles, from, stop.cell, WHY_BUDGET);
         let blamed: Vec<(&str, Span)> = why
             .iter()
@@ -312,15 +375,19 @@ impl Search<'_> {
         };
         let ends = (step, from.to_string(), stop.cell.to_string());
         let ends = (ends.0, ends.1.as_str(), ends.2.as_str());
-        self.sink.push(errors::impossible(ends, &proof_text(proof.proof), &blamed, removal));
+        let report = errors::impossible(ends, &proof_text(proof.proof), &blamed, removal);
+        sink.push(match why {
+            Some(_) => report,
+            None => report.help("which obstacles shut the way was not found within the steps allowed for it"),
+        });
     }
 
-    fn gave_up(&mut self, step: Span, to: &str, gave_up: GaveUp) {
+    fn gave_up(&self, step: Span, to: &str, gave_up: GaveUp, sink: &mut Sink) {
         let bound = figure(self.order, gave_up.bound);
         let bound = format!("{} {}", crate::quantity::digits(bound), self.order.objective.unit());
         let planner = self.order.planner.method.name();
         let what = format!("planner `{planner}`");
-        self.sink.push(errors::gave_up(step, to, &what, gave_up.budget.steps, bound.trim_end(), planner));
+        sink.push(errors::gave_up(step, to, &what, gave_up.budget.steps, bound.trim_end(), planner));
     }
 }
 
@@ -343,18 +410,14 @@ fn uses_pulses(order: &DimibotOrder) -> bool {
         && order.planner.method == Method::StagedAstar
 }
 
-fn single(flip: Flip) -> Pulse {
-    let mask = 1 << flip.module;
-    match flip.side {
-        Side::Left => Pulse { left: mask, right: 0 },
-        Side::Right => Pulse { left: 0, right: mask },
-    }
-}
-
-fn leg_pulses(leg: Leg) -> Vec<Pulse> {
-    match leg {
-        Leg::Flips(flips) => flips.into_iter().map(single).collect(),
-        Leg::Pulses(train) => train.pulses,
+/// What one unit of the objective's figure is, in SI units.
+fn figure_si(order: &DimibotOrder, objective: Objective) -> f64 {
+    let facts = &order.facts;
+    match objective {
+        Objective::Distance => facts.pitch_um(Side::Left).min(facts.pitch_um(Side::Right)) / 1e6,
+        Objective::Switches => 1.0,
+        Objective::Time => (facts.pulse_duration_ns + facts.rest_ns) as f64 / 1e9,
+        Objective::Energy => facts.switch_energy_j(),
     }
 }
 
@@ -370,32 +433,64 @@ fn figure(order: &DimibotOrder, cost: u64) -> f64 {
     }
 }
 
-fn finished(order: &DimibotOrder, motion: Motion, tally: Tally) -> Plan {
+/// The objective that minimises an outcome.
+fn objective_of(outcome: &str) -> Option<Objective> {
+    [Objective::Distance, Objective::Switches, Objective::Time, Objective::Energy]
+        .into_iter()
+        .find(|objective| objective.name() == outcome)
+}
+
+/// The largest whole number of units that a limit allows on top of an offset: that of an upper limit, and of `==` its upper side. `None`
+/// where it allows nothing.
+fn largest(requirement: &Requirement, unit: f64, offset: f64) -> Option<u64> {
+    let upper = match requirement.relation {
+        Relation::AtLeast | Relation::More => return Some(u64::MAX),
+        Relation::Equal => Requirement { relation: Relation::AtMost, ..requirement.clone() },
+        Relation::Less | Relation::AtMost => requirement.clone(),
+    };
+    let fits = |count: u64| keeps(&upper, count as f64 * unit + offset) == Kept::Yes;
+    if !fits(0) {
+        return None;
+    }
+    // Halves the range between a count that fits and one that does not.
+    let (mut low, mut high) = (0, 1 << 53);
+    if fits(high) {
+        return Some(u64::MAX);
+    }
+    while high - low > 1 {
+        let middle = low + (high - low) / 2;
+        if fits(middle) { low = middle } else { high = middle }
+    }
+    Some(low)
+}
+
+/// A plan with its figures; `bound` is of the objective's figure.
+fn finished(order: &DimibotOrder, motion: Motion, tally: Tally, bound: u64) -> Plan {
     let waits_ms = match order.objective {
-        Objective::Time => waits_ns(&motion) as f64 / 1e6,
+        Objective::Time => waits_ns(&order.steps) as f64 / 1e6,
         Objective::Distance | Objective::Switches | Objective::Energy => 0.0,
     };
+    let cost = tally.of_objective(order.objective);
     Plan {
         planner: order.planner.method.name(),
         objective: order.objective.name(),
         unit: order.objective.unit(),
-        cost: figure(order, tally.cost) + waits_ms,
-        bound: figure(order, tally.bound) + waits_ms,
+        cost: figure(order, cost) + waits_ms,
+        bound: figure(order, bound) + waits_ms,
         bounds: BTreeMap::new(),
-        proof: if tally.cost == tally.bound { Optimality::Proven } else { Optimality::Open },
+        proof: if cost == bound { Optimality::Proven } else { Optimality::Open },
         outcomes: outcomes(order, &motion),
         remarks: Vec::new(),
         motion: AnyMotion::Dimibot(motion),
     }
 }
 
-fn waits_ns(motion: &Motion) -> u128 {
-    motion
-        .steps
+fn waits_ns(steps: &[Step]) -> u128 {
+    steps
         .iter()
-        .map(|step| match step {
-            StepMotion::Pulses(_) => 0,
-            StepMotion::Wait(duration_ns) => u128::from(*duration_ns),
+        .map(|step| match step.action {
+            Action::Wait(duration_ns) => u128::from(duration_ns),
+            Action::Move(_) | Action::Visit(_) => 0,
         })
         .sum()
 }
@@ -415,25 +510,11 @@ fn outcomes(order: &DimibotOrder, motion: &Motion) -> BTreeMap<String, f64> {
     }
     let distance_um = cells[0] as f64 * facts.pitch_um(Side::Left) + cells[1] as f64 * facts.pitch_um(Side::Right);
     let slot_ns = u128::from(facts.pulse_duration_ns + facts.rest_ns);
-    let time_ns = u128::from(pulse_count) * slot_ns + waits_ns(motion);
+    let time_ns = u128::from(pulse_count) * slot_ns + waits_ns(&order.steps);
     BTreeMap::from([
         ("distance".to_owned(), distance_um / 1e6),
         ("switches".to_owned(), switches as f64),
         ("time".to_owned(), time_ns as f64 / 1e9),
         ("energy".to_owned(), switches as f64 * facts.switch_energy_j()),
     ])
-}
-
-/// The plan that minimises an outcome instead.
-fn best(job: &Job, order: &DimibotOrder, outcome: &str, stands: Option<Cell>, fields: &mut Fields) -> Option<Plan> {
-    let objective = match outcome {
-        "distance" => Objective::Distance,
-        "switches" => Objective::Switches,
-        "time" => Objective::Time,
-        "energy" => Objective::Energy,
-        _ => return None,
-    };
-    let unconstrained = Job { requirements: Vec::new(), ..job.clone() };
-    let order = DimibotOrder { objective, ..order.clone() };
-    planned(&unconstrained, &order, stands, fields, &mut Sink::default()).0
 }

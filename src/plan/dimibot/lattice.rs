@@ -72,7 +72,7 @@ impl Lattice {
 /// What switching each module costs, in integer units of the objective.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Weights {
-    pub(crate) of: [[u32; MAX_MODULES as usize]; 2],
+    pub(crate) of: [[u64; MAX_MODULES as usize]; 2],
     pub(crate) modules: [u32; 2],
 }
 
@@ -89,7 +89,17 @@ impl Weights {
         Weights::from_fn(lattice, |_, _| 1)
     }
 
-    fn from_fn(lattice: &Lattice, weight: impl Fn(Side, u32) -> u32) -> Self {
+    /// One measure before another: the second, of which a path must have less than 2^`bits`, decides between paths of equal cost in the
+    /// first.
+    pub(crate) fn then(&self, second: &Weights, bits: u32) -> Self {
+        let mut of = self.of;
+        for (first, second) in of.iter_mut().flatten().zip(second.of.iter().flatten()) {
+            *first = *first << bits | second;
+        }
+        Weights { of, modules: self.modules }
+    }
+
+    fn from_fn(lattice: &Lattice, weight: impl Fn(Side, u32) -> u64) -> Self {
         let mut of = [[0; MAX_MODULES as usize]; 2];
         for side in Side::BOTH {
             for i in 0..lattice.modules[side.index()] {
@@ -103,7 +113,7 @@ impl Weights {
     /// Cost of one flip; 0 for a module that the robot does not have.
     pub fn of(&self, flip: Flip) -> u64 {
         let of = self.of[flip.side.index()];
-        of.get(usize::from(flip.module)).map_or(0, |w| u64::from(*w))
+        of.get(usize::from(flip.module)).copied().unwrap_or(0)
     }
 
     /// The least cost between two cells when nothing is in the way: every module whose state differs switches once.
@@ -124,7 +134,7 @@ impl Weights {
 
     pub(crate) fn of_masks(&self, masks: [u32; 2]) -> u64 {
         let sum = |k: usize| bits(masks[k]).map(move |b| self.of[k][b.trailing_zeros() as usize]);
-        sum(0).chain(sum(1)).map(u64::from).sum()
+        sum(0).chain(sum(1)).sum()
     }
 }
 

@@ -10,13 +10,18 @@ mod field;
 mod guided;
 mod job;
 mod journey;
+mod labels;
 mod lattice;
+mod legs;
 mod outcome;
+mod programme;
 pub mod published;
 mod pulses;
 mod queue;
+mod route;
 mod seen;
 mod shortest;
+mod tally;
 mod tour;
 mod why;
 
@@ -24,10 +29,12 @@ pub use apart::apart;
 pub use field::{Field, FieldError, Obstacle, SAFETY_MARGIN_UM};
 pub use job::{Motion, Standing, StepMotion, plan};
 pub use lattice::{Cell, Flip, Lattice, LatticeError, MAX_MODULES, Side, Weights};
+pub use legs::NoLeg;
 pub use outcome::{Impossible, Outcome, Path, Proof};
 pub use pulses::{Pulse, Train, pulse_is_safe, pulses};
+pub use route::{EXACT_PLACES, Failure, Request, Route, Router, Stage, Within};
 pub use shortest::shortest;
-pub use tour::{EXACT_PLACES, Leg, MAX_PLACES, Measure, Tour, TourOutcome, tour};
+pub use tally::Tally;
 pub use why::{Opening, Why, why};
 
 #[cfg(test)]

@@ -8,10 +8,13 @@
 //! Cost: 4^N rectangle queries for small robots; else at most [`TRIES`] per length. One step of the budget is one rectangle query.
 
 use super::field::Field;
-use super::lattice::{Cell, Side, Weights};
+use super::labels::Front;
+use super::lattice::{Cell, Lattice, Side, Weights};
 use super::outcome::{Outcome, Path, Proof};
 use super::shortest::{outside, shortest};
+use super::tally::{Tally, add_to_front};
 use crate::plan::search::{Budget, GaveUp, Meter};
+use rustc_hash::FxHashMap;
 
 /// Up to this many modules (left and right together) the search runs over all cells.
 const TABLE_MODULES: u32 = 12;
@@ -78,8 +81,7 @@ fn refused(field: &Field, start: Cell, goal: Cell) -> Option<Proof> {
 }
 
 fn found(cells: &[Cell], bound: u64, meter: &Meter) -> Outcome<Train> {
-    let pulse = |pair: &[Cell]| Pulse { left: pair[0].x ^ pair[1].x, right: pair[0].y ^ pair[1].y };
-    let pulses = cells.windows(2).map(pulse).collect();
+    let pulses = cells.windows(2).map(|pair| between(pair[0], pair[1])).collect();
     Outcome::Found(Train { pulses, bound, expanded: meter.spent() })
 }
 
@@ -112,38 +114,129 @@ impl Table {
     }
 }
 
+/// A cell not yet reached, and the best way to it from the present layer: distance, switches, position of the cell before.
+type Unseen = (Cell, Option<(u64, u64, usize)>);
+
+/// Breadth first; of the trains with the fewest pulses the shortest, and of those the one with the fewest switches.
 fn over_all_cells(field: &Field, start: Cell, goal: Cell, meter: &mut Meter) -> Outcome<Train> {
     let table = Table::new(field);
-    let columns = 0..=field.lattice().last(Side::Left);
-    let rows = |x| (0..=field.lattice().last(Side::Right)).map(move |y| Cell::new(x, y));
-    let mut unseen: Vec<Cell> = columns.flat_map(rows).filter(|cell| *cell != start).collect();
+    let mut unseen: Vec<Unseen> =
+        all_cells(field.lattice()).filter(|cell| *cell != start).map(|cell| (cell, None)).collect();
     // Cells in the order of discovery, with the position of the cell before.
     let mut seen = vec![(start, 0)];
-    let (mut next, mut layer_end, mut count) = (0, 1, 0);
-    while next < seen.len() {
-        if next == layer_end {
-            (layer_end, count) = (seen.len(), count + 1);
-        }
-        let from = seen[next].0;
-        if meter.left().steps < unseen.len() as u64 {
-            return Outcome::GaveUp(meter.gave_up(count + 1));
-        }
-        meter.charge(unseen.len() as u64);
-        unseen.retain(|to| {
-            let safe = table.safe(from, *to);
-            if safe {
-                seen.push((*to, next));
+    let mut figures = vec![(0, 0)];
+    let mut layer = 0..1;
+    let mut count = 0;
+    while !layer.is_empty() {
+        for at in layer.clone() {
+            if meter.left().steps < unseen.len() as u64 {
+                return Outcome::GaveUp(meter.gave_up(count + 1));
             }
-            !safe
-        });
-        if let Some(at) = seen.iter().skip(layer_end).position(|(cell, _)| *cell == goal) {
-            let cells = trail(&seen, at + layer_end);
-            return found(&cells, cells.len() as u64 - 1, meter);
+            meter.charge(unseen.len() as u64);
+            for (to, best) in &mut unseen {
+                if table.safe(seen[at].0, *to) {
+                    let pulse = Tally::of(field.lattice(), between(seen[at].0, *to));
+                    let way = (figures[at].0 + pulse.distance, figures[at].1 + pulse.switches, at);
+                    *best = Some(best.map_or(way, |best| best.min(way)));
+                }
+            }
         }
-        next += 1;
+        layer = seen.len()..seen.len();
+        unseen.retain(|(cell, best)| {
+            let Some((distance, switches, before)) = *best else { return true };
+            seen.push((*cell, before));
+            figures.push((distance, switches));
+            false
+        });
+        layer.end = seen.len();
+        count += 1;
+        if let Some(at) = layer.clone().find(|at| seen[*at].0 == goal) {
+            return found(&trail(&seen, at), count, meter);
+        }
     }
     let cells = seen.len() as u64;
     Outcome::impossible(Proof::StartShut { cells }, meter.spent())
+}
+
+fn all_cells(lattice: &Lattice) -> impl Iterator<Item = Cell> + use<> {
+    let (columns, rows) = (lattice.last(Side::Left), lattice.last(Side::Right));
+    (0..=columns).flat_map(move |x| (0..=rows).map(move |y| Cell::new(x, y)))
+}
+
+fn between(a: Cell, b: Cell) -> Pulse {
+    Pulse { left: a.x ^ b.x, right: a.y ^ b.y }
+}
+
+/// Whether [`pulses`] is exact for a robot in all figures of a train, and [`front`] searches at all.
+pub(super) const fn is_small(lattice: &Lattice) -> bool {
+    lattice.modules[0] + lattice.modules[1] <= TABLE_MODULES
+}
+
+/// A way to a cell in [`front`], with the position of the one before.
+struct Label {
+    cell: Cell,
+    tally: Tally,
+    before: usize,
+}
+
+/// The trains from `start` to `goal` within the limits of which none is better in distance, switches and pulses: a search by layers of
+/// equally many pulses over all cells. Complete for a small robot unless the budget ran out; for a larger one just what is known.
+pub(super) fn front(
+    field: &Field,
+    [start, goal]: [Cell; 2],
+    limits: Tally,
+    known: Vec<(Tally, Vec<Pulse>)>,
+    meter: &mut Meter,
+) -> Front<Vec<Pulse>> {
+    let mut ways = Vec::new();
+    for (tally, pulses) in known {
+        add_to_front(&mut ways, tally, pulses);
+    }
+    let is_complete = is_small(field.lattice()) && by_layers(field, [start, goal], limits, &mut ways, meter);
+    ways.retain(|(tally, _)| tally.is_within(limits));
+    Front { ways, is_complete }
+}
+
+fn by_layers(
+    field: &Field,
+    [start, goal]: [Cell; 2],
+    limits: Tally,
+    ways: &mut Vec<(Tally, Vec<Pulse>)>,
+    meter: &mut Meter,
+) -> bool {
+    let (lattice, table) = (field.lattice(), Table::new(field));
+    let cells: Vec<Cell> = all_cells(lattice).collect();
+    let mut labels = vec![Label { cell: start, tally: Tally::default(), before: 0 }];
+    let mut of_cell: FxHashMap<Cell, Vec<(Tally, ())>> = FxHashMap::from_iter([(start, vec![(Tally::default(), ())])]);
+    let mut layer = 0..1;
+    while !layer.is_empty() {
+        for at in layer.clone() {
+            let (from, so_far) = (labels[at].cell, labels[at].tally);
+            for to in cells.iter().copied().filter(|to| *to != from) {
+                if meter.step().is_none() {
+                    return false;
+                }
+                let tally = so_far.plus(Tally::of(lattice, between(from, to)));
+                let rest = if to == goal { Tally::default() } else { Tally::of(lattice, between(to, goal)) };
+                let ahead = tally.plus(rest);
+                let is_useless = !ahead.is_within(limits) || ways.iter().any(|(known, _)| known.is_within(ahead));
+                if is_useless || !table.safe(from, to) {
+                    continue;
+                }
+                if !add_to_front(of_cell.entry(to).or_default(), tally, ()) {
+                    continue;
+                }
+                labels.push(Label { cell: to, tally, before: at });
+                if to == goal {
+                    let steps: Vec<(Cell, usize)> = labels.iter().map(|label| (label.cell, label.before)).collect();
+                    let cells = trail(&steps, labels.len() - 1);
+                    add_to_front(ways, tally, cells.windows(2).map(|pair| between(pair[0], pair[1])).collect());
+                }
+            }
+        }
+        layer = layer.end..labels.len();
+    }
+    true
 }
 
 fn trail(seen: &[(Cell, usize)], mut at: usize) -> Vec<Cell> {

@@ -22,7 +22,10 @@ const FLOOD_SHARE: u64 = 8;
 /// Where the flood does not end, all obstacles are suspects, if they are no more than this.
 const MAX_SUSPECTS: usize = 32;
 /// Obstacles rebuilt per step of the budget when a field is built without some of them.
-const REBUILT_PER_STEP: u64 = 8;
+const REBUILT_PER_STEP: u64 = 2;
+
+/// Obstacles of two sets merged per step of the budget.
+const MERGED_PER_STEP: u64 = 8;
 
 /// The obstacles to blame.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -321,6 +324,8 @@ impl<'a> Crossing<'a> {
             let next = cell.after(flip);
             if !self.settled.contains_key(&next) {
                 let blocking = self.field.blocking(cell, flip);
+                // A union takes time as its sets are long.
+                meter.charge((self.sets[set].len() + blocking.len()) as u64 / MERGED_PER_STEP);
                 let union = self.union(set, blocking);
                 self.push(next, union);
             }

@@ -72,6 +72,16 @@ impl Board {
         }
     }
 
+    /// The cells nearer than `distance` (Chebyshev) to a cell, itself and blocked ones with them.
+    #[inline]
+    pub fn around(&self, cell: Cell, distance: u32) -> impl Iterator<Item = Cell> + use<> {
+        let (reach, width) = (distance - 1, self.width);
+        let (column, row) = self.place(cell);
+        let columns = column.saturating_sub(reach)..=column.saturating_add(reach).min(width - 1);
+        let rows = row.saturating_sub(reach)..=row.saturating_add(reach).min(self.height - 1);
+        rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
+    }
+
     /// Chebyshev distance of two cells.
     #[inline]
     pub fn apart(&self, one: Cell, other: Cell) -> u32 {

@@ -29,6 +29,7 @@ mod tree;
 
 use super::board::{Answer, Costs, Instance, Objective, Paths, Why};
 use super::joint::{self, Aim, trim};
+use super::timing;
 use crate::plan::search::{Budget, Meter};
 use demand::ALWAYS;
 use field::{Closed, Field};
@@ -37,6 +38,9 @@ use tree::End;
 
 /// Joint spaces with at most this many states are searched as a whole.
 const SMALL: u64 = 1 << 20;
+
+/// A search of a small joint space leaves this part of what is left of the budget to the others.
+const JOINT_SHARE: u64 = 4;
 
 /// All pairs that may block are given this part of what is left of the budget, and each of them that part of what is left of it.
 const PAIRS_SHARE: u64 = 2;
@@ -68,6 +72,24 @@ pub fn prove(
         Ok(field) => Prover::new(&field, objective, best, limit, meter).run(),
         Err(Closed::Stop { agent, stop }) => Answer::Impossible(Why::Closed { agent, stop }),
         Err(Closed::TooLarge) => unsearched(best, manhattan_bounds(instance)),
+    }
+}
+
+/// Looks only at a small joint space: the answer as of [`prove`], and whether it is decided.
+pub fn small(
+    instance: &Instance,
+    objective: Objective,
+    incumbent: &Paths,
+    limit: Option<u64>,
+    meter: &mut Meter,
+) -> Option<(Answer, bool)> {
+    let limit = limit.map(|limit| limit.min(u64::from(ALWAYS - 1)) as u32);
+    let field = Field::new(instance).ok()?;
+    let mut prover = Prover::new(&field, objective, Some(incumbent.clone()), limit, meter);
+    match prover.by_small_joint_space() {
+        Some(Done::Impossible(why)) => Some((Answer::Impossible(why), true)),
+        Some(Done::Proven) => Some((unsearched(prover.best, prover.bounds), true)),
+        None => Some((unsearched(prover.best, prover.bounds), false)),
     }
 }
 
@@ -165,6 +187,9 @@ impl<'a, 'm> Prover<'a, 'm> {
     fn offer(&mut self, mut paths: Paths) {
         paths.iter_mut().for_each(trim);
         let key = |paths: &Paths| Costs::of(paths).key(self.objective);
+        if self.limit.is_some_and(|limit| Costs::of(&paths).makespan > u64::from(limit)) {
+            return;
+        }
         if self.best.as_ref().is_none_or(|best| key(&paths) < key(best)) {
             self.best = Some(paths);
         }
@@ -174,43 +199,108 @@ impl<'a, 'm> Prover<'a, 'm> {
         (0..self.field.agents()).collect()
     }
 
-    /// Whether the joint space is small; with the instants in it if the steps are limited.
+    /// Whether the joint space is small, counting for each agent the nodes from which it can come to its goal.
     fn is_small(&self) -> bool {
-        let states = |agent: usize| self.field.nodes(agent) as u64 + 1;
         self.everyone()
             .into_iter()
-            .try_fold(1u64, |product, agent| product.checked_mul(states(agent)))
+            .try_fold(1u64, |product, agent| product.checked_mul(self.field.reaching(agent)))
             .is_some_and(|all| all <= SMALL)
     }
 
+    /// Both costs exactly, each on its share of the budget; ties are then broken by the other cost.
     fn by_small_joint_space(&mut self) -> Option<Done> {
         if !self.is_small() {
             return None;
         }
-        let group = self.everyone();
-        match joint::search(self.field, &group, Aim::Makespan { limit: None }, self.meter) {
-            joint::Outcome::Found(paths) => {
-                let makespan = Costs::of(&paths).makespan;
-                self.bounds.makespan = self.bounds.makespan.max(makespan);
-                if self.limit.is_some_and(|limit| makespan > u64::from(limit)) {
-                    return Some(Done::Impossible(Why::TooFewSteps { least: makespan }));
-                }
-                self.offer(paths);
+        if self.best.is_none() {
+            match self.jointly(Aim::Any) {
+                joint::Outcome::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
+                joint::Outcome::Impossible => return Some(Done::Impossible(self.blocked_among(self.everyone()))),
+                joint::Outcome::NotWithin | joint::Outcome::GaveUp { .. } => {}
             }
-            joint::Outcome::Impossible => return Some(Done::Impossible(self.blocked_among(group))),
-            joint::Outcome::NotWithin | joint::Outcome::GaveUp { .. } => return None,
         }
-        let limit = match self.objective {
-            Objective::Makespan => Some(self.bounds.makespan as u32),
-            Objective::SumOfCosts => self.limit,
-        };
-        if let joint::Outcome::Found(paths) = joint::search(self.field, &group, Aim::SumOfCosts { limit }, self.meter) {
-            if self.objective == Objective::SumOfCosts {
-                self.bounds.sum_of_costs = Costs::of(&paths).sum_of_costs;
+        match self.objective {
+            Objective::Makespan => {
+                let decided = self.makespan_of_small_joint_space();
+                if decided.is_some() {
+                    return decided;
+                }
+                if self.is_met() {
+                    let limit = Some(self.bounds.makespan as u32);
+                    if let joint::Outcome::Found(paths) = self.jointly(Aim::SumOfCosts { limit }) {
+                        self.offer(paths);
+                    }
+                }
             }
-            self.offer(paths);
+            Objective::SumOfCosts => {
+                self.sum_of_small_joint_space();
+                let decided = self.makespan_of_small_joint_space();
+                if decided.is_some() {
+                    return decided;
+                }
+                self.fewest_steps_of_least_sum();
+            }
         }
         self.is_met().then_some(Done::Proven)
+    }
+
+    /// The least makespan, or that there is no plan within the limit.
+    fn makespan_of_small_joint_space(&mut self) -> Option<Done> {
+        let least = match self.jointly(Aim::Makespan { limit: None }) {
+            joint::Outcome::Found(paths) => {
+                let least = Costs::of(&paths).makespan;
+                self.offer(paths);
+                least
+            }
+            joint::Outcome::Impossible => return Some(Done::Impossible(self.blocked_among(self.everyone()))),
+            joint::Outcome::GaveUp { bound } => bound,
+            joint::Outcome::NotWithin => return None,
+        };
+        self.bounds.makespan = self.bounds.makespan.max(least);
+        let exceeds = self.limit.is_some_and(|limit| self.bounds.makespan > u64::from(limit));
+        exceeds.then_some(Done::Impossible(Why::TooFewSteps { least: self.bounds.makespan }))
+    }
+
+    /// The least sum of costs within the limit.
+    fn sum_of_small_joint_space(&mut self) {
+        // Without the instants in it the space is much smaller, and often the least sum keeps the limit.
+        self.sum_within(None);
+        if self.limit.is_some() && !self.is_met() {
+            self.sum_within(self.limit);
+        }
+    }
+
+    fn sum_within(&mut self, limit: Option<u32>) {
+        match self.jointly(Aim::SumOfCosts { limit }) {
+            joint::Outcome::Found(paths) => {
+                self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(Costs::of(&paths).sum_of_costs);
+                self.offer(paths);
+            }
+            joint::Outcome::GaveUp { bound } => self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(bound),
+            joint::Outcome::Impossible | joint::Outcome::NotWithin => {}
+        }
+    }
+
+    /// The fewest steps that the least sum of costs can have.
+    fn fewest_steps_of_least_sum(&mut self) {
+        let Some(least) = self.best.as_ref().filter(|_| self.is_met()).map(Costs::of) else { return };
+        for steps in self.bounds.makespan..least.makespan {
+            match self.jointly(Aim::SumOfCosts { limit: Some(steps as u32) }) {
+                joint::Outcome::Found(paths) => self.offer(paths),
+                joint::Outcome::NotWithin => {}
+                joint::Outcome::Impossible | joint::Outcome::GaveUp { .. } => return,
+            }
+            if self.best.as_ref().is_some_and(|best| Costs::of(best).makespan <= steps) {
+                return;
+            }
+        }
+    }
+
+    /// A search for everyone on a share of the budget.
+    fn jointly(&mut self, aim: Aim) -> joint::Outcome {
+        let group = self.everyone();
+        let steps = self.meter.left().steps - self.meter.left().steps / JOINT_SHARE;
+        self.spend(steps, |field, meter| joint::search(field, &group, aim, meter))
     }
 
     /// A pair that cannot pass one another.
@@ -344,7 +434,7 @@ impl<'a, 'm> Prover<'a, 'm> {
         let aim = Aim::Makespan { limit: self.limit };
         let aim = if self.limit.is_some() { aim } else { Aim::Any };
         match joint::search(self.field, &group, aim, self.meter) {
-            joint::Outcome::Found(paths) => self.offer(paths),
+            joint::Outcome::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
             joint::Outcome::Impossible => return Some(Done::Impossible(self.blocked_among(group))),
             joint::Outcome::NotWithin => return Some(self.too_few_steps()),
             joint::Outcome::GaveUp { .. } => {}

@@ -26,6 +26,7 @@ use super::board::{Costs, Instance, Objective, Paths, Why};
 use crate::plan::search::{Budget, Meter};
 use crew::Crew;
 use prioritise::First;
+pub(super) use random::Random;
 
 /// On boards with more cells nothing is planned.
 pub const MAX_CELLS: usize = 1 << 21;

@@ -1,14 +1,19 @@
 //! One job of an electrode array: its steps planned one after the other, from where the parts stand.
 //!
 //! After each step every part stands on a cell that the program names: its goal, or where it stood before. So the best plans of
-//! the steps make the best plan of the job, and its bounds are the sums of theirs.
+//! the steps make the best plan of the job, and its bounds are the sums of theirs. Only limits tie the steps together; where the
+//! best plan breaks one, [`limited`] chooses among the plans of each step.
 
 use super::board::{self, Answer, Costs, Paths, Why};
+use super::labels::{Figures, Limits};
+use super::limited::{self, Asked, Front, UNLIMITED};
+use super::limits;
 use super::published::{self, Check, Heuristic, Outcome, Reading, Ties, Zero};
 use super::stage::{self, Blocker, Ground, Stage};
 use super::{portfolio, why};
+use crate::check::claims::Job;
 use crate::check::claims::electrode_array::{Action, ElectrodeArrayOrder, Method, Move, Objective, Step};
-use crate::check::claims::{Job, Relation, Requirement};
+use crate::device::MAX_EXPANSIONS;
 use crate::device::electrode_array::{Cell, Separation};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
@@ -43,6 +48,16 @@ pub enum StepMotion {
     Wait(u64),
 }
 
+impl StepMotion {
+    /// The cells of each part; none for a wait.
+    fn paths(&self) -> Option<&Vec<Vec<Cell>>> {
+        match self {
+            StepMotion::Paths(paths) => Some(paths),
+            StepMotion::Wait(_) => None,
+        }
+    }
+}
+
 /// What the plans of a schedule leave behind for those that follow: where the parts of each device stand, by name.
 #[derive(Default)]
 pub struct Standing {
@@ -75,46 +90,129 @@ fn planned(
     sink: &mut Sink,
 ) -> (Option<Plan>, Vec<Option<Cell>>) {
     let ground = Ground::new(order);
-    let (costs, bounds) = (Costs::default(), Costs::default());
-    let mut tasks = Tasks { job, order, ground: &ground, cells: start.clone(), costs, bounds, sink };
+    let mut tasks = Tasks { job, order, ground: &ground, cells: start.clone(), known: vec![], sink };
     let steps: Vec<Option<StepMotion>> = order.steps.iter().map(|step| tasks.step(step)).collect();
-    let (costs, bounds, end) = (tasks.costs, tasks.bounds, tasks.cells);
+    let (known, end) = (tasks.known, tasks.cells);
     let Some(steps) = steps.into_iter().collect::<Option<Vec<StepMotion>>>() else { return (None, end) };
-    let plan = finished(order, Motion { start: start.clone(), steps }, costs, bounds);
-    let mut known = |requirement: &Requirement| Known {
-        none_keeps_all: false,
-        least: least(order, &plan, bounds, &requirement.outcome),
-        other: best(job, order, &requirement.outcome, start.clone()),
-    };
-    let kept = require(job, &plan, &mut known, sink);
+    let motion = Motion { start, steps };
+    if order.planner.method == Method::Portfolio {
+        return (within_limits(job, order, &ground, (motion, known), sink), end);
+    }
+    let plan = finished(order, motion, total(known.iter().map(|(_, bounds)| *bounds)), None);
+    let kept = require(job, &plan, &mut |_| Known::default(), sink);
     (Some(plan).filter(|_| kept == Kept::Yes), end)
 }
 
-/// What no plan goes below, whatever its objective, in SI units.
-fn least(order: &ElectrodeArrayOrder, plan: &Plan, bounds: Costs, outcome: &str) -> Option<f64> {
-    match outcome {
-        "steps" => Some(bounds.makespan as f64),
-        "sum_of_costs" => Some(bounds.sum_of_costs as f64),
-        "time" => {
-            // The waits are the same in every plan.
-            let [steps, time_s] = ["steps", "time"].map(|name| plan.outcomes.get(name).copied());
-            let step_s = order.facts.step_ns as f64 / 1e9;
-            Some(time_s? - (steps? - bounds.makespan as f64) * step_s)
+/// The plan that is best without limits if it keeps them, or else the best of those that were found to keep them.
+fn within_limits(
+    job: &Job,
+    order: &ElectrodeArrayOrder,
+    ground: &Ground,
+    (mut motion, known): (Motion, Vec<(Paths, Costs)>),
+    sink: &mut Sink,
+) -> Option<Plan> {
+    let limits = limits::of(order, &job.requirements);
+    let bounds = total(known.iter().map(|(_, bounds)| *bounds));
+    let figures = limits::figures(known.iter().map(|(paths, _)| paths));
+    if !limits::breaks(figures, limits) {
+        return Some(finished(order, motion, bounds, None));
+    }
+    let objective = objective(order.objective);
+    let is_only = known.len() == 1;
+    let fronts = fronts(order, ground, &motion.start, (&known, limits), is_only);
+    match limited::choose(&fronts, limits, objective) {
+        limited::Chosen::Kept { paths, bound } => {
+            let mut moved = paths.iter();
+            each_stage(order, ground, &motion.start.clone(), |index, stage, cells| {
+                if let Some(paths) = moved.next() {
+                    motion.steps[index] = StepMotion::Paths(moves_of(order, stage, cells, paths));
+                }
+            });
+            Some(finished(order, motion, bounds, Some(bound)))
         }
-        _ => None,
+        limited::Chosen::Broken { is_proven } => {
+            let wider = self::fronts(order, ground, &motion.start, (&known, limits::lifted(limits)), false);
+            sink.push(limits::broken(order, &job.requirements, [&fronts, &wider], is_proven));
+            None
+        }
     }
 }
 
-/// The plan that minimises an outcome instead.
-fn best(job: &Job, order: &ElectrodeArrayOrder, outcome: &str, start: Vec<Option<Cell>>) -> Option<Plan> {
-    let objective = match outcome {
-        "steps" | "time" => Objective::Makespan,
-        "sum_of_costs" => Objective::SumOfCosts,
-        _ => return None,
-    };
-    let unconstrained = Job { requirements: Vec::new(), ..job.clone() };
-    let order = ElectrodeArrayOrder { objective, ..order.clone() };
-    planned(&unconstrained, &order, start, &mut Sink::default()).0
+/// The plans of each step that may matter under limits; of an only step one is enough.
+fn fronts(
+    order: &ElectrodeArrayOrder,
+    ground: &Ground,
+    start: &[Option<Cell>],
+    (known, limits): (&[(Paths, Costs)], Limits),
+    is_only: bool,
+) -> Vec<Front> {
+    let mut moves = Vec::with_capacity(known.len());
+    each_stage(order, ground, start, |_, stage, _| {
+        moves.push(super::fast::bounds(&stage.instance).map_or(0, |bounds| bounds.sum_of_costs));
+    });
+    let bounds: Vec<Figures> =
+        known.iter().zip(moves).map(|((_, bounds), moves)| [bounds.makespan, bounds.sum_of_costs, moves]).collect();
+    let mut fronts: Vec<Front> = Vec::with_capacity(known.len());
+    each_stage(order, ground, start, |_, stage, _| {
+        let turn = fronts.len();
+        let rest = bounds.iter().enumerate().filter(|(other, _)| *other != turn);
+        let rest = rest.fold([0; 3], |sum, (_, own)| [0, 1, 2].map(|figure: usize| sum[figure] + own[figure]));
+        let most = [0, 1, 2].map(|figure: usize| match limits.most[figure] {
+            UNLIMITED => UNLIMITED,
+            most => most.saturating_sub(rest[figure]),
+        });
+        let asked = Asked {
+            objective: objective(order.objective),
+            limits: Limits { most, least: limits.least },
+            is_only,
+            expansions: order.planner.expansions,
+        };
+        fronts.push(limited::front(&stage.instance, (&known[turn].0, bounds[turn]), asked));
+    });
+    fronts
+}
+
+/// Looks at the stages of all steps with moves: the index of the step, its stage, and where the parts stand before it.
+fn each_stage(
+    order: &ElectrodeArrayOrder,
+    ground: &Ground,
+    start: &[Option<Cell>],
+    mut look: impl FnMut(usize, &Stage, &[Option<Cell>]),
+) {
+    let mut cells = start.to_vec();
+    for (index, step) in order.steps.iter().enumerate() {
+        if let Action::Move(moves) = &step.action {
+            look(index, &Stage::new(order, ground, &cells, moves), &cells);
+            arrive(&mut cells, moves);
+        }
+    }
+}
+
+/// The cells of every part of the order, from the paths of the agents.
+fn moves_of(order: &ElectrodeArrayOrder, stage: &Stage, cells: &[Option<Cell>], paths: &Paths) -> Vec<Vec<Cell>> {
+    let mut motion: Vec<Vec<Cell>> = cells.iter().map(|cell| cell.iter().copied().collect()).collect();
+    for (actor, path) in stage.agents.iter().zip(paths) {
+        motion[actor.part] = path.iter().map(|cell| stage::cell(order, *cell)).collect();
+    }
+    motion
+}
+
+/// Where the parts stand after moves.
+fn arrive(cells: &mut [Option<Cell>], moves: &[Move]) {
+    for action in moves {
+        cells[action.part] = Some(action.goal().cell);
+        if let Some(gone) = action.with {
+            cells[gone] = None;
+        }
+    }
+}
+
+/// Added up.
+fn total(costs: impl Iterator<Item = Costs>) -> Costs {
+    costs.fold(Costs::default(), |sum, own| Costs {
+        makespan: sum.makespan + own.makespan,
+        sum_of_costs: sum.sum_of_costs + own.sum_of_costs,
+    })
 }
 
 /// The steps of a job while they are being planned.
@@ -124,8 +222,8 @@ struct Tasks<'a> {
     ground: &'a Ground<'a>,
     /// Where the parts stand by now.
     cells: Vec<Option<Cell>>,
-    costs: Costs,
-    bounds: Costs,
+    /// The plans of the steps with moves, and their bounds.
+    known: Vec<(Paths, Costs)>,
     sink: &'a mut Sink,
 }
 
@@ -137,8 +235,8 @@ impl Tasks<'_> {
             Action::Move(moves) => {
                 let stage = Stage::new(self.order, self.ground, &self.cells, moves);
                 let paths = self.paths(step, &stage);
-                let motion = paths.map(|paths| self.motion(&stage, &paths));
-                self.arrive(moves);
+                let motion = paths.map(|paths| moves_of(self.order, &stage, &self.cells, &paths));
+                arrive(&mut self.cells, moves);
                 motion.map(StepMotion::Paths)
             }
         }
@@ -154,7 +252,7 @@ impl Tasks<'_> {
 
     fn by_portfolio(&mut self, step: &Step, stage: &Stage) -> Option<Paths> {
         let budget = Budget::of(self.order.planner.expansions);
-        match portfolio::solve(&stage.instance, objective(self.order.objective), self.step_limit(), budget) {
+        match portfolio::solve(&stage.instance, objective(self.order.objective), None, budget) {
             Answer::Found { paths, bounds } => {
                 self.add(&paths, bounds);
                 Some(paths)
@@ -166,25 +264,11 @@ impl Tasks<'_> {
             Answer::GaveUp { bounds } => {
                 let steps = format!("{} steps", bounds.makespan);
                 let (what, to) = ("the search for a plan", goals(stage));
-                self.sink.push(errors::gave_up(step.span, &to, what, budget.steps, &steps, "portfolio"));
+                let told = errors::gave_up(step.span, &to, what, budget.steps, &steps, "portfolio");
+                self.sink.push(told.help(more_may_do(budget.steps)));
                 None
             }
         }
-    }
-
-    /// The steps that the task's only step with moves may take, where a requirement limits them.
-    fn step_limit(&self) -> Option<u64> {
-        let moves = self.order.steps.iter().filter(|step| matches!(step.action, Action::Move(_))).count();
-        let limits = self.job.requirements.iter().filter(|requirement| requirement.outcome == "steps");
-        let most = limits.filter_map(|requirement| match requirement.relation {
-            Relation::AtMost | Relation::Equal => Some(requirement.limit.floor()),
-            Relation::Less => Some((requirement.limit - 1.0).ceil()),
-            Relation::AtLeast | Relation::More => None,
-        });
-        let least = most.fold(f64::INFINITY, f64::min);
-        // The least makespan is searched for anyway, and what it is then tells the user more than the limit does.
-        let helps = self.order.objective == Objective::SumOfCosts && moves == 1 && least.is_finite();
-        helps.then_some(least.max(0.0) as u64)
     }
 
     /// The paper's algorithm: greedy, so that to find nothing proves nothing.
@@ -252,12 +336,8 @@ impl Tasks<'_> {
                     .collect();
                 self.sink.push(errors::blocked_by_one_another(step, &parts));
             }
-            Why::TooFewSteps { least } => {
-                let limit = self.step_limit().unwrap_or_default();
-                let limits = self.job.requirements.iter().filter(|requirement| requirement.outcome == "steps");
-                let span = limits.map(|requirement| requirement.span).next().unwrap_or(step);
-                self.sink.push(errors::too_few_steps(span, limit, *least));
-            }
+            // Without a limit there are never too few; limits are looked at when the plans without them are known.
+            Why::TooFewSteps { least } => self.sink.push(errors::too_few_steps(step, 0, *least)),
         }
     }
 
@@ -281,34 +361,19 @@ impl Tasks<'_> {
     }
 
     fn add(&mut self, paths: &Paths, bounds: Costs) {
-        let costs = Costs::of(paths);
-        self.costs = Costs {
-            makespan: self.costs.makespan + costs.makespan,
-            sum_of_costs: self.costs.sum_of_costs + costs.sum_of_costs,
-        };
-        self.bounds = Costs {
-            makespan: self.bounds.makespan + bounds.makespan,
-            sum_of_costs: self.bounds.sum_of_costs + bounds.sum_of_costs,
-        };
+        self.known.push((paths.clone(), bounds));
     }
+}
 
-    /// The cells of every part of the order, from the paths of the agents.
-    fn motion(&self, stage: &Stage, paths: &Paths) -> Vec<Vec<Cell>> {
-        let mut motion: Vec<Vec<Cell>> = self.cells.iter().map(|cell| cell.iter().copied().collect()).collect();
-        for (actor, path) in stage.agents.iter().zip(paths) {
-            motion[actor.part] = path.iter().map(|cell| stage::cell(self.order, *cell)).collect();
-        }
-        motion
+/// What may mend a search that gave up; how long it would take is not known.
+fn more_may_do(budget: u64) -> String {
+    let most = u64::from(MAX_EXPANSIONS);
+    if budget >= most {
+        return "no budget is known to do, and no more can be allowed: send the parts in several steps of the task"
+            .to_owned();
     }
-
-    fn arrive(&mut self, moves: &[Move]) {
-        for action in moves {
-            self.cells[action.part] = Some(action.goal().cell);
-            if let Some(gone) = action.with {
-                self.cells[gone] = None;
-            }
-        }
-    }
+    let more = budget.saturating_mul(8).min(most);
+    format!("no budget is known to do; a larger one may: `using portfolio {{ expansions: {more} }}`")
 }
 
 /// The goals of a stage in words: the first few.
@@ -336,46 +401,42 @@ fn method_name(method: Method) -> &'static str {
     }
 }
 
-/// The plan with its figures.
-fn finished(order: &ElectrodeArrayOrder, motion: Motion, costs: Costs, bounds: Costs) -> Plan {
-    let (name, cost, bound, other) = match order.objective {
-        Objective::Makespan => {
-            ("makespan", costs.makespan, bounds.makespan, ("sum_of_costs".to_owned(), bounds.sum_of_costs as f64))
-        }
-        Objective::SumOfCosts => {
-            ("sum_of_costs", costs.sum_of_costs, bounds.sum_of_costs, ("steps".to_owned(), bounds.makespan as f64))
-        }
+/// The plan with its figures; `bounds` hold for every plan, `bound` for every one that keeps the limits of the task.
+fn finished(order: &ElectrodeArrayOrder, motion: Motion, bounds: Costs, bound: Option<u64>) -> Plan {
+    let outcomes = outcomes(order, &motion);
+    let (name, least, other) = match order.objective {
+        Objective::Makespan => ("makespan", bounds.makespan, ("sum_of_costs".to_owned(), bounds.sum_of_costs as f64)),
+        Objective::SumOfCosts => ("sum_of_costs", bounds.sum_of_costs, ("steps".to_owned(), bounds.makespan as f64)),
     };
+    let cost = outcomes[if order.objective == Objective::Makespan { "steps" } else { "sum_of_costs" }];
+    let bound = bound.unwrap_or(least) as f64;
     Plan {
         planner: method_name(order.planner.method),
         objective: name,
         unit: "",
-        cost: cost as f64,
-        bound: bound as f64,
+        cost,
+        bound,
         proof: if cost <= bound { Optimality::Proven } else { Optimality::Open },
         bounds: BTreeMap::from([other]),
-        outcomes: outcomes(order, &motion, costs),
+        outcomes,
         remarks: Vec::new(),
         motion: AnyMotion::ElectrodeArray(motion),
     }
 }
 
-fn outcomes(order: &ElectrodeArrayOrder, motion: &Motion, costs: Costs) -> BTreeMap<String, f64> {
-    let (mut moves, mut waits_ns) = (0usize, 0u128);
-    for step in &motion.steps {
-        match step {
-            StepMotion::Wait(duration_ns) => waits_ns += u128::from(*duration_ns),
-            StepMotion::Paths(paths) => {
-                let moved = |path: &Vec<Cell>| path.windows(2).filter(|pair| pair[0] != pair[1]).count();
-                moves += paths.iter().map(moved).sum::<usize>();
-            }
-        }
+fn outcomes(order: &ElectrodeArrayOrder, motion: &Motion) -> BTreeMap<String, f64> {
+    let (mut steps, mut sum_of_costs, mut moves) = (0, 0, 0);
+    for paths in motion.steps.iter().filter_map(StepMotion::paths) {
+        let arrivals = paths.iter().map(|path| path.len().saturating_sub(1));
+        steps += arrivals.clone().max().unwrap_or(0);
+        sum_of_costs += arrivals.sum::<usize>();
+        let moved = |path: &Vec<Cell>| path.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        moves += paths.iter().map(moved).sum::<usize>();
     }
-    let time_ns = u128::from(costs.makespan) * u128::from(order.facts.step_ns) + waits_ns;
     BTreeMap::from([
-        ("steps".to_owned(), costs.makespan as f64),
-        ("sum_of_costs".to_owned(), costs.sum_of_costs as f64),
+        ("steps".to_owned(), steps as f64),
+        ("sum_of_costs".to_owned(), sum_of_costs as f64),
         ("moves".to_owned(), moves as f64),
-        ("time".to_owned(), time_ns as f64 / 1e9),
+        ("time".to_owned(), limits::seconds(order, steps as u64)),
     ])
 }

@@ -6,6 +6,10 @@
 //! Standley, "Finding Optimal Solutions to Cooperative Pathfinding Problems", AAAI 2010). For the sum of costs a node says of
 //! each agent whether it has arrived for good; only agents that have not are charged for a step.
 //!
+//! Where only the moves matter, or only whether there is a plan, one agent moves at a time: a move never comes near a place that
+//! is being left, so the moves of one step may as well be made one after the other, and the fewest moves in turns are the
+//! fewest of all. Any plan is then searched for with the distances weighted by [`HURRY`] and its moves are made as early as can be.
+//!
 //! Guaranteed, while the budget lasts: a plan of least cost, or the proof that there is none, with a limit on the steps none
 //! within it. Not guaranteed: that ties between plans of the same cost are broken well. The number of joint nodes is the product
 //! of the agents' nodes, so it fits two parts on most boards and more on small ones. One step of the budget is one move of
@@ -16,13 +20,15 @@ use super::exact::field::{FAR, Field, Node};
 use crate::plan::search::Meter;
 use states::States;
 
-mod states;
+pub mod states;
 
 /// What the search is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Aim {
     /// Any plan, or the proof that there is none.
     Any,
+    /// The fewest moves, whatever the steps.
+    Moves,
     /// The least makespan, or none within this many steps.
     Makespan { limit: Option<u32> },
     /// The least sum of costs, or none within this many steps.
@@ -41,6 +47,9 @@ pub enum Outcome {
     /// The budget ran out; no plan costs less than this.
     GaveUp { bound: u64 },
 }
+
+/// How much farther from the goals counts than a move more, where any plan will do.
+const HURRY: u32 = 4;
 
 /// Larger groups are not searched.
 const MOST_MEMBERS: usize = 64;
@@ -119,8 +128,8 @@ impl<'a> Search<'a> {
         }
         if let Some(state) = self.states.insert(words, cost, parent) {
             let bound = match self.aim {
-                Aim::Any => ahead as usize,
-                Aim::Makespan { .. } | Aim::SumOfCosts { .. } => (cost + ahead) as usize,
+                Aim::Any => (cost + ahead.saturating_mul(HURRY)) as usize,
+                Aim::Moves | Aim::Makespan { .. } | Aim::SumOfCosts { .. } => (cost + ahead) as usize,
             };
             if self.open.len() <= bound {
                 self.open.resize_with(bound + 1, Vec::new);
@@ -144,7 +153,7 @@ impl<'a> Search<'a> {
         }
         Some(match self.aim {
             Aim::Makespan { .. } => largest,
-            Aim::Any | Aim::SumOfCosts { .. } => sum,
+            Aim::Any | Aim::Moves | Aim::SumOfCosts { .. } => sum,
         })
     }
 
@@ -159,7 +168,7 @@ impl<'a> Search<'a> {
         let largest =
             || self.group.iter().zip(words).map(|(agent, word)| self.own_distance(*agent, *word)).max().unwrap_or(0);
         match self.aim {
-            Aim::Any | Aim::Makespan { limit: None } | Aim::SumOfCosts { limit: None } => false,
+            Aim::Any | Aim::Moves | Aim::Makespan { limit: None } | Aim::SumOfCosts { limit: None } => false,
             Aim::Makespan { limit: Some(limit) } => cost + largest() > limit,
             Aim::SumOfCosts { limit: Some(limit) } => words[self.group.len()] + largest() > limit,
         }
@@ -171,7 +180,11 @@ impl<'a> Search<'a> {
             if self.is_final(state) {
                 return Outcome::Found(self.paths(state));
             }
-            if self.states.is_full() || self.expand(state, &mut ply, meter).is_none() {
+            let expanded = match self.aim {
+                Aim::Any | Aim::Moves => self.expand_in_turns(state, meter),
+                Aim::Makespan { .. } | Aim::SumOfCosts { .. } => self.expand(state, &mut ply, meter),
+            };
+            if self.states.is_full() || expanded.is_none() {
                 let bound = if self.aim == Aim::Any { 0 } else { self.lowest as u64 };
                 return Outcome::GaveUp { bound };
             }
@@ -194,7 +207,7 @@ impl<'a> Search<'a> {
     fn is_final(&self, state: u32) -> bool {
         let words = self.states.words(state);
         self.group.iter().zip(words).all(|(agent, word)| match self.aim {
-            Aim::Any | Aim::Makespan { .. } => word >> 1 == self.field.goal(*agent),
+            Aim::Any | Aim::Moves | Aim::Makespan { .. } => word >> 1 == self.field.goal(*agent),
             Aim::SumOfCosts { .. } => word & PARKED != 0,
         })
     }
@@ -230,9 +243,35 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Inserts all states one move of one agent later.
+    fn expand_in_turns(&mut self, state: u32, meter: &mut Meter) -> Option<()> {
+        let mut words = self.states.words(state).to_vec();
+        let cost = self.states.cost(state) + 1;
+        let field = self.field;
+        for member in 0..self.group.len() {
+            let here = words[member];
+            for node in field.next(self.group[member], here >> 1).skip(1) {
+                meter.step()?;
+                if self.is_clear(member, node, &words) {
+                    words[member] = node * 2;
+                    self.insert(&words, cost, state);
+                }
+                words[member] = here;
+            }
+        }
+        Some(())
+    }
+
+    /// Whether a member may come to a node while the others stand still.
+    fn is_clear(&self, member: usize, node: Node, words: &[Word]) -> bool {
+        let (agent, cell) = (self.group[member], self.field.cell(node));
+        let mut others = self.group.iter().zip(words).enumerate().filter(|(other, _)| *other != member);
+        others.all(|(_, (other, word))| !self.field.too_near(agent, cell, *other, self.field.cell(word >> 1)))
+    }
+
     fn step_cost(&self, before: &[Word]) -> u32 {
         match self.aim {
-            Aim::Any | Aim::Makespan { .. } => 1,
+            Aim::Any | Aim::Moves | Aim::Makespan { .. } => 1,
             Aim::SumOfCosts { .. } => {
                 before[..self.group.len()].iter().filter(|word| **word & PARKED == 0).count() as u32
             }

@@ -2,7 +2,7 @@
 //!
 //! Input: a job, and where the parts stand. Output: a plan, or an error that says why there is none. The order of reading: `job`
 //! (a task, step by step), `stage` (one step as a problem in flat numbers, [`board`]), `portfolio` (the default planner: [`fast`]
-//! finds plans, [`exact`] and [`joint`] prove them best or impossible), [`published`] (the paper's own), `why` (what stands in the way).
+//! finds plans, [`exact`] and [`joint`] prove them best or impossible), `limited` (plans of all steps within limits), [`published`] (the paper's own), `why` (what stands in the way).
 
 mod alone;
 pub mod board;
@@ -10,9 +10,14 @@ pub mod exact;
 pub mod fast;
 mod job;
 pub mod joint;
+pub mod labels;
+mod lacam;
+mod limited;
+mod limits;
 mod portfolio;
 pub mod published;
 mod stage;
+mod timing;
 mod why;
 
 pub use job::{Motion, Standing, StepMotion, plan};

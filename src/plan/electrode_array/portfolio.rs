@@ -2,10 +2,13 @@
 //!
 //! Problem: one stage, many parts to their goals at the same time. A part by itself has its shortest way ([`alone`]). Method for
 //! several, in this order:
-//! - By turns, each longer than the one before, [`fast::first`] looks for a plan and [`exact::prove`] for a reason why there is
-//!   none (small joint spaces, parts that block each other) until one of them has found something.
+//! - By turns, each longer than the one before, [`fast::first`] looks for a plan, then [`lacam::first`] and, one part moving at a
+//!   time, [`joint`]; then [`exact::prove`] for a reason why there is none (small joint spaces, parts that block each other)
+//!   until one of them has found something.
+//! - A small joint space is searched as a whole.
 //! - Until the objective meets its bound or their share of the budget is spent: [`fast::improve`] in rounds and, where a round leaves
-//!   the makespan as it was, [`fast::first`] within one step less.
+//!   the makespan as it was, [`fast::first`] within one step less. Where the bound is not met, the same again from the same first plan
+//!   for the other objective, and from there back: what serves one may serve the other.
 //! - [`exact::prove`] with what is left, which betters plan and bounds until they meet.
 //!
 //! Guaranteed: the answer is a legal plan with bounds that hold for every plan, a proof that there is none, or neither when the
@@ -13,7 +16,9 @@
 //! and not proven where that takes a search. Cost: one step of the budget is one node of one search.
 
 use super::board::{Answer, Costs, Instance, Objective, Paths, Why};
-use super::{alone, exact, fast};
+use super::exact::field::Field;
+use super::joint::{self, Aim};
+use super::{alone, exact, fast, lacam, timing};
 use crate::plan::search::{Budget, Meter};
 
 /// Steps of the first turn: nearly all instances that are not crowded need fewer.
@@ -28,8 +33,12 @@ const DOUBT_SHARE: u64 = 1;
 /// The part of the budget that the turns leave for the proof that there is no plan.
 const HARD_SHARE: u64 = 4;
 
-/// The part of what is left for better plans.
+/// The part of what is left for better plans, and that for better plans from one that serves the other objective.
 const IMPROVE_SHARE: u64 = 4;
+const OTHER_SHARE: u64 = 8;
+
+/// With more parts a proof is hardly to be had, and better plans get all but one of the shares.
+const CROWD: usize = 50;
 
 /// Steps of one round of improvement, and of one look for a plan with a step less; and so many more for each step of the parts.
 const ROUND_STEPS: u64 = 100_000;
@@ -95,7 +104,11 @@ impl Search<'_> {
         let (mut steps, mut seed) = (TURN_STEPS, 1);
         while self.meter.left().steps > reserve {
             let most = self.meter.left().steps - reserve;
-            if let Some(paths) = self.within(limit, seed, steps.min(most)) {
+            let mut plan = self.within(limit, seed, steps.min(most));
+            if plan.is_none() {
+                plan = self.crowded(seed, steps.min(most)).and_then(|paths| self.shortened(paths));
+            }
+            if let Some(paths) = plan {
                 return Some(Answer::Found { paths, bounds });
             }
             let doubt = steps.min(most) / DOUBT_SHARE;
@@ -109,6 +122,31 @@ impl Search<'_> {
         None
     }
 
+    /// A plan of any length for a crowded board: the best one of three searches of configurations.
+    fn crowded(&mut self, seed: u64, steps: u64) -> Option<Paths> {
+        let instance = self.instance;
+        let quick = self.searched(steps, |share| lacam::first(instance, seed, share));
+        let any = self.searched(steps, |share| in_turns(instance, Aim::Any, share));
+        let fewest = any.as_ref().and_then(|_| self.searched(steps, |share| in_turns(instance, Aim::Moves, share)));
+        let plans = quick.into_iter().chain(any).chain(fewest);
+        plans.min_by_key(|paths| Costs::of(paths).key(self.objective))
+    }
+
+    /// A plan made to keep the limit, if that is found.
+    fn shortened(&mut self, mut paths: Paths) -> Option<Paths> {
+        let Some(limit) = self.limit else { return Some(paths) };
+        let end = self.meter.left().steps - self.meter.left().steps / IMPROVE_SHARE;
+        let more = STEPS_PER_MOVE * self.bounds.sum_of_costs;
+        let (instance, mut seed) = (self.instance, 1);
+        while Costs::of(&paths).makespan > limit && self.meter.left().steps > end {
+            paths = self.searched(ROUND_STEPS + more, |share| {
+                fast::improve(instance, paths.clone(), Objective::Makespan, seed, share)
+            });
+            seed += 1;
+        }
+        (Costs::of(&paths).makespan <= limit).then_some(paths)
+    }
+
     /// A plan of at most `limit` steps, if one is found.
     fn within(&mut self, limit: Option<u64>, seed: u64, steps: u64) -> Option<Paths> {
         let instance = self.instance;
@@ -117,9 +155,39 @@ impl Search<'_> {
     }
 
     /// The best plan that the budget allows from a first one on.
-    fn better(mut self, first: Paths) -> Answer {
-        let mut best = first;
-        let end = self.meter.left().steps - self.meter.left().steps / IMPROVE_SHARE;
+    fn better(mut self, mut first: Paths) -> Answer {
+        if !self.is_met(&first) {
+            let (instance, objective, limit) = (self.instance, self.objective, self.limit);
+            let share = self.meter.left().steps - self.meter.left().steps / IMPROVE_SHARE;
+            let looked = self.spend(share, |meter| exact::small(instance, objective, &first, limit, meter));
+            match looked {
+                Some((answer, true)) => return answer,
+                Some((Answer::Found { paths, bounds }, false)) => (first, self.bounds) = (paths, bounds),
+                Some((Answer::Impossible(_) | Answer::GaveUp { .. }, false)) | None => {}
+            }
+        }
+        let all = self.meter.left().steps;
+        let share = if self.instance.agents.len() > CROWD { all - all / IMPROVE_SHARE } else { all / IMPROVE_SHARE };
+        let mut best = self.bettered(first.clone(), share);
+        if !self.is_met(&best) {
+            let objective = self.objective;
+            self.objective = other(objective);
+            let otherwise = self.bettered(first, self.meter.left().steps / OTHER_SHARE);
+            self.objective = objective;
+            let otherwise = self.bettered(otherwise, self.meter.left().steps / OTHER_SHARE);
+            let key = |paths: &Paths| Costs::of(paths).key(objective);
+            best = if key(&otherwise) < key(&best) { otherwise } else { best };
+        }
+        if self.is_met(&best) {
+            let paths = self.ties(best, 1);
+            return Answer::Found { paths, bounds: self.bounds };
+        }
+        exact::prove(self.instance, self.objective, Some(&best), self.limit, &mut self.meter)
+    }
+
+    /// A plan improved in rounds until it meets its bound or so many steps are spent.
+    fn bettered(&mut self, mut best: Paths, steps: u64) -> Paths {
+        let end = self.meter.left().steps - steps;
         let more = STEPS_PER_MOVE * self.bounds.sum_of_costs;
         let mut seed = 1;
         while !self.is_met(&best) && self.meter.left().steps > end {
@@ -134,11 +202,7 @@ impl Search<'_> {
             }
             seed += 1;
         }
-        if self.is_met(&best) {
-            let paths = self.ties(best, seed);
-            return Answer::Found { paths, bounds: self.bounds };
-        }
-        exact::prove(self.instance, self.objective, Some(&best), self.limit, &mut self.meter)
+        best
     }
 
     /// Betters what is not minimised, in rounds until one of them gains little.
@@ -192,4 +256,27 @@ impl Search<'_> {
         self.meter.charge(part.spent());
         result
     }
+}
+
+/// The objective that is not this one.
+fn other(objective: Objective) -> Objective {
+    match objective {
+        Objective::Makespan => Objective::SumOfCosts,
+        Objective::SumOfCosts => Objective::Makespan,
+    }
+}
+
+/// A plan found by moving one part at a time.
+fn in_turns(instance: &Instance, aim: Aim, meter: &mut Meter) -> Option<Paths> {
+    let field = Field::new(instance).ok()?;
+    let everyone: Vec<usize> = (0..instance.agents.len()).collect();
+    match joint::search(&field, &everyone, aim, meter) {
+        joint::Outcome::Found(paths) => Some(timing::earliest(instance, &paths)),
+        joint::Outcome::Impossible | joint::Outcome::NotWithin | joint::Outcome::GaveUp { .. } => None,
+    }
+}
+
+/// The plan of fewest moves of a group that is not too large, if the meter lasts.
+pub fn fewest_moves(instance: &Instance, meter: &mut Meter) -> Option<Paths> {
+    in_turns(instance, Aim::Moves, meter)
 }

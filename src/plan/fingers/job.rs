@@ -4,18 +4,18 @@
 //! after it without a beginning: the job ends there.
 
 use super::course::{follow, reconfigurations};
-use super::graph::{self, Answer, Costs, Estimator, Grasp, Request, Start};
+use super::graph::{self, Answer, Costs, Estimator, Grasp, Node, Request, Start, Way};
 use super::mechanics::TooManyGrasps;
-use super::routes::{Holding, Routes, routes};
+use super::routes::{Holding, Routes, Turning, routes};
 use super::sections::{Sections, Sifted};
 use super::ways::{self, Act, Course};
-use super::why::Why;
+use super::why::{Why, kept_back};
 use super::{Hold, Motion, Stance};
-use crate::check::claims::Job;
 use crate::check::claims::fingers::{Action, FingersOrder, Planner, Turn};
+use crate::check::claims::{Job, Requirement};
 use crate::device::fingers::Plane;
 use crate::diagnostic::Sink;
-use crate::plan::requirements::{Kept, Known, require};
+use crate::plan::requirements::{Kept, Known, is_upper, keeps, require};
 use crate::plan::search::{Budget, GaveUp};
 use crate::plan::{Motion as AnyMotion, Optimality, Plan, Remark};
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -43,8 +43,56 @@ pub fn plan(job: &Job, order: &FingersOrder, standing: &mut Standing, sink: &mut
     plan
 }
 
+/// What a way is chosen by first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum First {
+    Effort,
+    /// Then by what is rolled.
+    Reconfigurations,
+}
+
 /// A plan, and where everything is after it.
+///
+/// Ways are chosen by effort. Where that misses a limit of reconfigurations, they are chosen by these first: such a plan keeps the
+/// limit if any does.
 fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut Sink) -> Option<(Option<Plan>, Stance)> {
+    let (mut plan, mut end) = carried_out(order, stance.as_ref(), First::Effort, sink)?;
+    let mut fewest = None;
+    if misses(job, &plan, "reconfigurations")
+        && let Some((other, other_end)) =
+            carried_out(order, stance.as_ref(), First::Reconfigurations, &mut Sink::default())
+    {
+        fewest = (other.proof == Optimality::Proven).then(|| other.outcomes["reconfigurations"]);
+        let bound = plan.bound;
+        if job.requirements.iter().all(|limit| is_kept(limit, &other)) {
+            let proof = if bound >= other.cost { Optimality::Proven } else { Optimality::Open };
+            (plan, end) = (Plan { bound, proof, ..other }, other_end);
+        }
+    }
+    let least_effort_rad = plan.bound.to_radians();
+    let known = &mut |limit: &Requirement| Known {
+        least: match limit.outcome.as_str() {
+            "effort" => Some(least_effort_rad),
+            "reconfigurations" => fewest,
+            _ => None,
+        },
+        ..Known::default()
+    };
+    let kept = require(job, &plan, known, sink);
+    Some(((kept == Kept::Yes).then_some(plan), end))
+}
+
+fn is_kept(limit: &Requirement, plan: &Plan) -> bool {
+    plan.outcomes.get(&limit.outcome).is_none_or(|reached| keeps(limit, *reached) == Kept::Yes)
+}
+
+/// Whether a plan is above a limit of an outcome.
+fn misses(job: &Job, plan: &Plan, outcome: &str) -> bool {
+    job.requirements.iter().any(|limit| limit.outcome == outcome && is_upper(limit) && !is_kept(limit, plan))
+}
+
+/// A plan whatever its limits, and where everything is after it. Its proof is of what it was chosen by first.
+fn carried_out(order: &FingersOrder, stance: Option<&Stance>, first: First, sink: &mut Sink) -> Option<(Plan, Stance)> {
     let mut sections = match Sections::of(order) {
         Ok(sections) => sections,
         Err(error) => {
@@ -52,8 +100,8 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
             return None;
         }
     };
-    let start = stance.unwrap_or_else(|| sections.hand().home(order.part.position_um));
-    let mut tally = Tally::of(order, start.clone());
+    let start = stance.cloned().unwrap_or_else(|| sections.hand().home(order.part.position_um));
+    let mut tally = Tally::of(order, start.clone(), first);
     for stretch in stretches(order) {
         tally.carry_out(&mut sections, stretch, sink)?;
     }
@@ -66,9 +114,11 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
         }
     };
     let end = ways::end(&motion);
-    let plan = tally.sums.plan(order, motion);
-    let kept = require(job, &plan, &mut |_| Known::default(), sink);
-    Some(((kept == Kept::Yes).then_some(plan), end))
+    if let Some(share) = kept_back(order).filter(|_| tally.sums.cost > 0) {
+        let text = format!("{share} % of friction and forces while it rolls (`rolling_reserve`)");
+        tally.sums.remarks.push(Remark { subject: "kept back".to_owned(), text });
+    }
+    Some((tally.sums.plan(order, motion), end))
 }
 
 /// The steps of an order, cut after each release.
@@ -91,21 +141,26 @@ struct Tally<'a> {
     acts: Vec<Vec<Act>>,
     held: Option<Holding>,
     orientation: UnitQuaternion<f64>,
+    /// Whether the part may be turned otherwise by now, had another way been taken.
+    may_differ: bool,
+    first: First,
     sums: Sums,
 }
 
 /// What the stretches cost together.
-#[derive(Default)]
 struct Sums {
-    /// In units of [`costs`].
+    /// The effort, in units of [`costs`].
     cost: u64,
+    /// In the same units, of what ways are chosen by first: of effort, or of nothing but reconfigurations.
     bound: u64,
+    /// Whether each way is the best by what it was chosen by.
+    is_best: bool,
     reconfigurations: u64,
     remarks: Vec<Remark>,
 }
 
 impl<'a> Tally<'a> {
-    fn of(order: &'a FingersOrder, start: Stance) -> Tally<'a> {
+    fn of(order: &'a FingersOrder, start: Stance, first: First) -> Tally<'a> {
         let Hold { grasp, plane, orientation: [w, x, y, z], .. } = start.hold;
         let held = Grasp::of(&grasp).filter(|grasp| grasp.holding() > 0);
         Tally {
@@ -113,7 +168,9 @@ impl<'a> Tally<'a> {
             acts: vec![Vec::new(); order.steps.len()],
             held: held.map(|grasp| Holding { grasp, plane }),
             orientation: UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
-            sums: Sums::default(),
+            may_differ: false,
+            first,
+            sums: Sums { cost: 0, bound: 0, is_best: true, reconfigurations: 0, remarks: Vec::new() },
         }
     }
 
@@ -141,8 +198,13 @@ impl<'a> Tally<'a> {
 
     /// The cheapest way through the turns of a stretch.
     fn turn(&mut self, sections: &mut Sections, stretch: Range<usize>, sink: &mut Sink) -> Option<()> {
-        let planned = routes(self.order, stretch.clone(), self.held);
-        let way = match sound(self.order, sections, &planned, self.orientation) {
+        let mut planned = routes(self.order, stretch.clone(), self.held);
+        // Under a load another way before might have left the part so that it is held more easily.
+        if self.may_differ && self.order.load_un != [0.0; 3] {
+            let least = planned.routes.iter().map(|route| steps_of(route)).min().unwrap_or_default();
+            planned.left_out = Some(planned.left_out.map_or(least, |known| known.min(least)));
+        }
+        let way = match sound(self.order, sections, &planned, self.orientation, self.first) {
             Ok(Answer::Found(way)) => way,
             Ok(stuck) => {
                 let why = Why { order: self.order, at: stuck_at(&planned, &stuck) };
@@ -160,12 +222,18 @@ impl<'a> Tally<'a> {
         let begins = stretch.clone().find(is_grasp).map_or(first, |grasp| grasp.min(first));
         let fingers = self.order.facts.fingers as usize;
         follow(&mut self.acts, (route, &way), self.held.is_none().then_some(begins), fingers);
-        self.sums.cost += way.cost;
-        self.sums.bound += planned.left_out.map_or(way.bound, |steps| way.bound.min(2 * ROLL * steps));
+        self.sums.cost += effort(self.order, &way);
+        let bound = match self.first {
+            First::Effort => way.bound,
+            First::Reconfigurations => 0,
+        };
+        self.sums.bound += planned.left_out.map_or(bound, |steps| bound.min(2 * ROLL * steps));
+        self.sums.is_best &= planned.left_out.is_none() && way.bound >= way.cost;
         self.sums.reconfigurations += reconfigurations(&way);
         let is_free = |step: usize| matches!(self.order.steps[step].action, Action::Orient { .. });
+        self.may_differ |= planned.routes.len() > 1;
         if route.iter().any(|turning| is_free(turning.step)) {
-            let said: Vec<String> = route.iter().map(|turning| said(self.order, turning.turn)).collect();
+            let said: Vec<String> = route.iter().map(|turning| said(sections, turning.turn)).collect();
             self.sums.remarks.push(Remark { subject: "turns".to_owned(), text: said.join(", ") });
         }
         for turning in route {
@@ -188,31 +256,60 @@ impl<'a> Tally<'a> {
     }
 }
 
-/// How often a search is made anew after a closer look at the way that it found.
-const MAX_LOOKS: usize = 100;
-
 /// The answer of the planner, with a way whose grasps hold all the time.
-fn sound(
+///
+/// A way with a grasp that lapses between two angles is searched again without that step, as often as it takes: every search has
+/// fewer steps left. All of them together keep to the budget.
+///
+/// # Errors
+/// Where a section has too many contacts for its tables.
+pub fn sound(
     order: &FingersOrder,
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
+    first: First,
 ) -> Result<Answer, TooManyGrasps> {
-    let mut bound = 0;
-    for _ in 0..MAX_LOOKS {
-        let answer = answer(order, sections, planned, orientation)?;
-        let Answer::Found(way) = &answer else { return Ok(answer) };
-        if sections.sift(&planned.routes[way.route], way, orientation) == Sifted::Sound {
-            return Ok(answer);
+    let (mut left, mut bound) = (order.expansions, 0);
+    loop {
+        match answer(order, sections, planned, orientation, (first, Budget::of(left)))? {
+            Answer::Found(way) => {
+                if sections.sift(&planned.routes[way.route], &way, orientation) == Sifted::Sound {
+                    return Ok(Answer::Found(way));
+                }
+                left = left.saturating_sub(way.expanded);
+                bound = way.bound;
+            }
+            Answer::GaveUp(gave_up) => {
+                let (budget, bound) = (Budget::of(order.expansions), bound.max(gave_up.bound));
+                return Ok(Answer::GaveUp(GaveUp { budget, spent: budget.steps, bound }));
+            }
+            other @ (Answer::Impossible(_) | Answer::TooLarge { .. }) => return Ok(other),
         }
-        bound = way.bound;
     }
-    let budget = Budget::of(order.expansions);
-    Ok(Answer::GaveUp(GaveUp { budget, spent: budget.steps, bound }))
 }
 
 /// What rolling by a step costs a finger, in the unit of [`costs`].
 const ROLL: u64 = 360;
+
+/// What a reconfiguration costs where their number comes first: more steps than fingers roll in any way.
+const MORE_THAN_ALL_ROLLING: u32 = 1 << 24;
+
+/// The steps that a route rolls at least.
+fn steps_of(route: &[Turning]) -> u64 {
+    route.iter().map(|turning| u64::from(turning.turn.steps.unsigned_abs())).sum()
+}
+
+/// What a way costs, in units of [`costs`].
+fn effort(order: &FingersOrder, way: &Way) -> u64 {
+    let Costs { roll, gait } = costs(order);
+    let pairs = way.legs.iter().flat_map(|nodes| nodes.windows(2));
+    let cost = |pair: &[Node]| match pair[0].angle == pair[1].angle {
+        true => u64::from(gait),
+        false => u64::from(roll) * pair[0].grasp.holding() as u64,
+    };
+    pairs.map(cost).sum()
+}
 
 /// Costs as whole numbers: their unit is a degree divided by the steps of a turn.
 fn costs(order: &FingersOrder) -> Costs {
@@ -221,20 +318,23 @@ fn costs(order: &FingersOrder) -> Costs {
 }
 
 /// The answer of the planner that the task asks for.
-pub fn answer(
+fn answer(
     order: &FingersOrder,
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
+    (first, budget): (First, Budget),
 ) -> Result<Answer, TooManyGrasps> {
     let legs: Result<Vec<_>, _> = planned.routes.iter().map(|route| sections.legs(route, orientation)).collect();
     let request = Request {
         fingers: order.facts.fingers as usize,
         start: planned.start.map_or(Start::Any, Start::At),
         routes: legs?,
-        costs: costs(order),
+        costs: match first {
+            First::Effort => costs(order),
+            First::Reconfigurations => Costs { roll: 1, gait: MORE_THAN_ALL_ROLLING },
+        },
     };
-    let budget = Budget::of(order.expansions);
     Ok(match order.planner {
         Planner::JointAstar => graph::solve(&request, Estimator::Layers, budget),
         Planner::PublishedAstar => graph::solve(&request, Estimator::Published, budget),
@@ -252,14 +352,14 @@ fn stuck_at(planned: &Routes, answer: &Answer) -> usize {
     leg.map_or(0, |turning| turning.step)
 }
 
-/// A turn in words: `80 deg about z`.
-fn said(order: &FingersOrder, turn: Turn) -> String {
+/// A turn in words, by the angle that its whole steps come to: `79.99 deg about z`.
+fn said(sections: &Sections, turn: Turn) -> String {
     let axis = match turn.plane {
         Plane::Xy => "z",
         Plane::Xz => "y",
     };
-    let degrees = f64::from(turn.steps) * 360.0 / f64::from(order.facts.steps_per_turn);
-    format!("{} deg about {axis}", crate::quantity::digits(degrees))
+    let degrees = (f64::from(turn.steps) * sections.step_rad(turn.plane)).to_degrees();
+    format!("{} deg about {axis}", crate::quantity::digits((degrees * 1e4).round() / 1e4))
 }
 
 impl Sums {
@@ -281,7 +381,7 @@ impl Sums {
             unit: "deg",
             cost: degrees(self.cost),
             bound: degrees(self.bound),
-            proof: if self.bound >= self.cost { Optimality::Proven } else { Optimality::Open },
+            proof: if self.is_best { Optimality::Proven } else { Optimality::Open },
             bounds: BTreeMap::new(),
             outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).into_iter().collect(),
             remarks: self.remarks,

@@ -65,6 +65,9 @@ fn choices(order: &FingersOrder, steps: Range<usize>) -> (Vec<Vec<(usize, Turn)>
     let mut left_out: Option<u64> = None;
     let most = if order.load_un == [0.0; 3] { MAX_ROUTES } else { MAX_LOADED_ROUTES };
     for step in steps {
+        if let Action::Orient { left_out_steps: Some(least), .. } = &order.steps[step].action {
+            left_out = Some(left_out.map_or(u64::from(*least), |known| known.min(u64::from(*least))));
+        }
         let ways: Vec<Vec<Turn>> = match &order.steps[step].action {
             Action::Rotate { plane, steps, .. } => vec![vec![Turn { plane: *plane, steps: *steps }]],
             Action::Orient { turns, .. } => turns.clone(),

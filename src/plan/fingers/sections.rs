@@ -1,19 +1,19 @@
 //! The sections of a part made ready for planning: their curves, the ways to their contacts, and the tables of their grasp graphs.
 
 use super::graph::{Entry, Grasp, Leg, Node, Way};
-use super::mechanics::{self, Asked, Contact, Contacts, Grip, Load, TooManyGrasps};
+use super::mechanics::{self, Asked, Closer, Contacts, Load, TooManyGrasps, forbid};
 use super::routes::{Holding, Route, Turning};
 use super::tables::Tables;
 use super::ways::{Hand, Reach, Side};
 use crate::check::claims::fingers::{FingersOrder, Section, Turn};
-use crate::device::fingers::Plane;
+use crate::device::fingers::{Facts, Plane};
 use crate::geometry::outline::{Curve, OutlineError};
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// How many parts of a rolling step a way is looked at in before it is taken.
-const INSTANTS: u32 = 64;
+/// After so many lapses of one layer all its steps are looked at closely.
+const MANY_LAPSES: u32 = 3;
 
 /// What a closer look at a way says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,6 +30,8 @@ pub struct Sections<'a> {
     xy: Ready<'a>,
     xz: Option<Ready<'a>>,
     known: BTreeMap<Key, Arc<Tables>>,
+    /// How many grasps of a layer were found to lapse.
+    lapses: BTreeMap<(Key, usize), u32>,
 }
 
 /// A section with what is asked of it all the time.
@@ -55,7 +57,7 @@ impl<'a> Sections<'a> {
             Ok(Ready { section, curve, reach })
         };
         let xz = order.part.xz.as_ref().map(ready).transpose()?;
-        Ok(Sections { order, xy: ready(&order.part.xy)?, xz, known: BTreeMap::new() })
+        Ok(Sections { order, xy: ready(&order.part.xy)?, xz, known: BTreeMap::new(), lapses: BTreeMap::new() })
     }
 
     /// The hand with its sections, for the ways of its fingers.
@@ -64,10 +66,7 @@ impl<'a> Sections<'a> {
     }
 
     fn ready(&self, plane: Plane) -> &Ready<'a> {
-        match plane {
-            Plane::Xy => &self.xy,
-            Plane::Xz => self.xz.as_ref().expect("the checker lets flat parts turn about z only"),
-        }
+        ready(&self.xy, self.xz.as_ref(), plane)
     }
 
     /// By how much a step in a plane turns the part.
@@ -118,8 +117,9 @@ impl<'a> Sections<'a> {
 
     /// Looks closer at every step that a way rolls, and takes those out of the tables in which its grasp lapses; whether there were any.
     ///
-    /// The tables look at a few instants of each step, with something kept back; here it is [`INSTANTS`] of them. A way that passes
-    /// is cheapest still, since only edges that do not exist were taken out.
+    /// The tables look at a few instants of each step, a closer look at many. A way that passes is cheapest still, since only edges
+    /// that do not exist were taken out. Where a layer lapses again and again, all of it is looked at closely, so that the search is
+    /// not repeated for each of its edges.
     pub fn sift(&mut self, route: &Route, way: &Way, start: UnitQuaternion<f64>) -> Sifted {
         let mut orientation = start;
         let mut sifted = Sifted::Sound;
@@ -127,36 +127,24 @@ impl<'a> Sections<'a> {
             let plane = turning.turn.plane;
             let load = Load::seen(plane, &orientation, self.order.load_un, self.order.part.centre_um);
             let [lowest, _] = self.angles(turning.turn);
-            let lapsed: Vec<(i32, Grasp)> = self.rolls(nodes).filter(|roll| !self.lasts(plane, &load, *roll)).collect();
-            if let Some(tables) = self.known.get_mut(&key(plane, orientation, lowest, &load)) {
-                for (angle, grasp) in lapsed {
-                    forbid(Arc::make_mut(tables), (angle - lowest) as usize, &contacts_of(grasp));
-                    sifted = Sifted::Lapsed;
+            let key = key(plane, orientation, lowest, &load);
+            let ready = ready(&self.xy, self.xz.as_ref(), plane);
+            let closer = Closer::of(&self.order.facts, ready.contacts(&self.order.facts), load);
+            for (angle, grasp) in rolls(nodes).filter(|(angle, grasp)| !closer.lasts(*angle, &contacts_of(*grasp))) {
+                let Some(tables) = self.known.get_mut(&key) else { continue };
+                let tables = Arc::make_mut(tables);
+                let layer = if tables.layers.len() == 1 { 0 } else { (angle - lowest) as usize };
+                forbid(tables, layer, &contacts_of(grasp));
+                let lapses = self.lapses.entry((key, layer)).or_default();
+                *lapses += 1;
+                if *lapses == MANY_LAPSES {
+                    closer.sift(tables, layer, angle);
                 }
+                sifted = Sifted::Lapsed;
             }
             orientation = self.turned(orientation, turning.turn);
         }
         sifted
-    }
-
-    /// The steps that a leg rolls: the lower angle of each, and the grasp there.
-    fn rolls<'n>(&self, nodes: &'n [Node]) -> impl Iterator<Item = (i32, Grasp)> + use<'n> {
-        let steps = nodes.windows(2).filter(|pair| pair[0].angle != pair[1].angle);
-        steps.filter_map(|pair| pair.iter().min_by_key(|node| node.angle)).map(|node| (node.angle, node.grasp))
-    }
-
-    /// Whether a grasp holds all the way from an angle to the next.
-    fn lasts(&self, plane: Plane, load: &Load, (angle, grasp): (i32, Grasp)) -> bool {
-        let ready = self.ready(plane);
-        let contacts = Contacts::of(ready.section, &ready.curve, self.order.facts.tip_radius_um);
-        let grip = Grip::of(&self.order.facts, contacts.reach_um()).with_reserve();
-        let held = contacts_of(grasp);
-        (1..INSTANTS).all(|instant| {
-            let part_of_step = f64::from(instant) / f64::from(INSTANTS);
-            let touched: Vec<Contact> = held.iter().map(|contact| contacts.one(*contact, part_of_step)).collect();
-            let turned_rad = (f64::from(angle) + part_of_step) * ready.section.step_rad;
-            grip.holds(&touched, &load.after_turn(turned_rad))
-        })
     }
 
     /// An order in which the fingers that hold, counted from 0, can leave until none is left; `None` if there is none, or if the
@@ -198,7 +186,7 @@ impl<'a> Sections<'a> {
         }
         let facts = &self.order.facts;
         let ready = self.ready(plane);
-        let contacts = Contacts::of(ready.section, &ready.curve, facts.tip_radius_um);
+        let contacts = ready.contacts(facts);
         let angles = (highest - lowest) as usize + 1;
         let asked = Asked { facts, contacts, load, lowest: i64::from(lowest), angles };
         let tables = Arc::new(mechanics::tables(&asked, &mut |i, j, k| ready.reach.reaches(i, j, k))?);
@@ -207,25 +195,22 @@ impl<'a> Sections<'a> {
     }
 }
 
+fn ready<'s, 'a>(xy: &'s Ready<'a>, xz: Option<&'s Ready<'a>>, plane: Plane) -> &'s Ready<'a> {
+    match plane {
+        Plane::Xy => xy,
+        Plane::Xz => xz.expect("the checker lets flat parts turn about z only"),
+    }
+}
+
 /// The contacts that a grasp holds, from 0.
 fn contacts_of(grasp: Grasp) -> Vec<usize> {
     (0..grasp.0.len()).filter_map(|finger| grasp.contact(finger)).collect()
 }
 
-/// Takes the step of a grasp from an angle on out of the tables, whichever fingers hold it.
-fn forbid(tables: &mut Tables, angle: usize, contacts: &[usize]) {
-    let bits: Vec<usize> = match *contacts {
-        [i, j] => vec![tables.two(i, j), tables.two(j, i)],
-        [i, j, k] => {
-            let orders = [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]];
-            orders.map(|[i, j, k]| tables.three(i, j, k)).to_vec()
-        }
-        _ => Vec::new(),
-    };
-    let at = if tables.layers.len() == 1 { 0 } else { angle };
-    let layer = &mut tables.layers[at];
-    let rolls = if contacts.len() == 2 { &mut layer.roll_pair } else { &mut layer.roll_triple };
-    bits.into_iter().for_each(|bit| rolls.take(bit));
+/// The steps that a leg rolls: the lower angle of each, and the grasp there.
+fn rolls(nodes: &[Node]) -> impl Iterator<Item = (i32, Grasp)> {
+    let steps = nodes.windows(2).filter(|pair| pair[0].angle != pair[1].angle);
+    steps.filter_map(|pair| pair.iter().min_by_key(|node| node.angle)).map(|node| (node.angle, node.grasp))
 }
 
 /// What the tables of a leg are known by.
@@ -235,6 +220,10 @@ fn key(plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32, load: &Load)
 }
 
 impl Ready<'_> {
+    fn contacts(&self, facts: &Facts) -> Contacts<'_> {
+        Contacts::of(self.section, &self.curve, facts.tip_radius_um)
+    }
+
     fn side(&self) -> Side<'_> {
         Side { section: self.section, curve: &self.curve, reach: &self.reach }
     }

@@ -1,16 +1,17 @@
 //! Why a stretch of a task has no plan, in words: which turn, how far it comes, and what would open it.
 
 use super::graph::{Answer, Blocked};
-use super::job::answer;
-use super::mechanics::TooManyGrasps;
+use super::job::{First, sound};
+use super::mechanics::{Contacts, Grip, Load, TooManyGrasps};
 use super::routes::{Holding, Routes, Turning, routes};
 use super::sections::Sections;
 use super::ways::WayError;
 use crate::check::claims::fingers::{Action, FingersOrder, Part, Planner, Section};
-use crate::device::fingers::{AXES, Adhesion, Facts, Plane};
+use crate::device::MAX_EXPANSIONS;
+use crate::device::fingers::{AXES, Adhesion, Facts, MAX_GRASPS, Plane};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::outline::OutlineError;
-use crate::plan::errors;
+use crate::geometry::outline::{Curve, OutlineError};
+use crate::plan::search::GaveUp;
 use crate::quantity::digits;
 use nalgebra::UnitQuaternion;
 use std::ops::Range;
@@ -41,12 +42,7 @@ impl Why<'_> {
     pub fn stuck(&self, answer: &Answer, planned: &Routes, begins: Begins) -> Diagnostic {
         match answer {
             Answer::Impossible(blocked) => self.impossible(blocked, planned, begins),
-            Answer::GaveUp(gave_up) => {
-                let bound = gave_up.bound as f64 / f64::from(self.order.facts.steps_per_turn);
-                let (what, planner) = (self.what(), planner(self.order.planner));
-                let bound = format!("{} deg", digits(bound));
-                errors::gave_up(self.span(), "its end", &what, gave_up.budget.steps, &bound, planner)
-            }
+            Answer::GaveUp(gave_up) => self.gave_up(gave_up),
             Answer::TooLarge { nodes } => {
                 Diagnostic::new(Code::E0602, format!("{} has {nodes} grasps, more than can be searched", self.what()))
                     .label(self.span(), "this turn")
@@ -54,6 +50,24 @@ impl Why<'_> {
             }
             Answer::Found(_) => unreachable!("a way that was found is no reason"),
         }
+    }
+
+    /// The expansions that the task allows are spent.
+    fn gave_up(&self, gave_up: &GaveUp) -> Diagnostic {
+        let (most, budget) = (u64::from(MAX_EXPANSIONS), gave_up.budget.steps);
+        let bound = digits(gave_up.bound as f64 / f64::from(self.order.facts.steps_per_turn));
+        let title = format!(
+            "{}: the search gave up after {budget} expansion{}",
+            self.what(),
+            if budget == 1 { "" } else { "s" }
+        );
+        let help = match budget.saturating_mul(8).min(most) {
+            _ if budget >= most => "no more can be allowed: take a larger `step`, or split the task".to_owned(),
+            more => format!("allow more: `using {} {{ expansions: {more} }}`", planner(self.order.planner)),
+        };
+        Diagnostic::new(Code::E0602, title)
+            .label(self.span(), format!("neither planned nor disproved; no plan costs less than {bound} deg"))
+            .help(help)
     }
 
     /// What a step does, as the subject of a sentence.
@@ -86,13 +100,47 @@ impl Why<'_> {
                 .label(self.span(), "neither planned nor disproved")
                 .help("say the turns with `rotate`, or take a larger `step` or `precision`");
         }
+        let torque = blocked.farthest.is_none().then(|| self.torque_left(planned, &begins)).flatten();
+        if let Some(torque) = torque {
+            return Diagnostic::new(Code::E0601, format!("{} cannot begin: its first grasp does not hold", self.what()))
+                .label(self.span(), torque)
+                .help("hold it on both sides of its centre of mass, or by three fingers, or give the device a larger `torsion`");
+        }
         let title = match blocked.farthest {
             None => format!("{} cannot begin: its first grasp does not hold", self.what()),
             Some(_) => format!("no sequence of stable grasps carries out {}", self.what()),
         };
         Diagnostic::new(Code::E0601, title)
-            .label(self.span(), self.told(blocked, leg, next))
+            .label(self.span(), format!("{}{}", self.told(blocked, leg, next), self.kept_back()))
             .help_if(self.openings(begins))
+    }
+
+    /// The torque of the load about the line through the two contacts that a stretch must begin with, where tips do not bear it.
+    fn torque_left(&self, planned: &Routes, (_, orientation, _): &Begins) -> Option<String> {
+        let (order, grasp) = (self.order, planned.start?);
+        let plane = planned.routes.first()?.first()?.turn.plane;
+        let section = order.part.section(plane)?;
+        let curve = Curve::of(&section.outline).ok()?;
+        let contacts = Contacts::of(section, &curve, order.facts.tip_radius_um);
+        let load = Load::seen(plane, orientation, order.load_un, order.part.centre_um);
+        let held: Vec<usize> = (0..grasp.0.len()).filter_map(|finger| grasp.contact(finger)).collect();
+        let [i, j] = held[..] else { return None };
+        let [a, b] = [i, j].map(|contact| contacts.one(contact, 0.0));
+        let grip = Grip::of(&order.facts, contacts.reach_um());
+        let [asked, borne] = grip.torque_left_un_um([&a, &b], &load)?.map(|torque| digits(rounded(torque)));
+        Some(format!(
+            "about the line through contacts {} and {} the load has a torque of {asked} uN um, of which tips bear {borne} uN um at most",
+            i + 1,
+            j + 1
+        ))
+    }
+
+    /// What the proof rests on besides the figures of the device: the reserve, where it counts.
+    fn kept_back(&self) -> String {
+        match kept_back(self.order) {
+            Some(share) => format!("; {share} % of friction and forces are kept back while it rolls"),
+            None => String::new(),
+        }
     }
 
     /// How far the fingers come.
@@ -137,6 +185,9 @@ impl Why<'_> {
             let untried = "more friction, a weaker `removal_safety` or a finer `step` may open it: with a load that was not tried";
             return Some(said.first().map_or(untried.to_owned(), |said| format!("there is a plan with {said}")));
         }
+        if kept_back(order).is_some() && opens(&with(&|facts| facts.rolling_reserve = 0.0)) {
+            said.push("`rolling_reserve: 0`".to_owned());
+        }
         let friction = |value: f64| with(&|facts| facts.friction = value);
         let least = nearest([order.facts.friction, MOST_FRICTION], &|value| opens(&friction(value)));
         said.extend(least.map(|value| format!("`friction: {}`", digits(value))));
@@ -159,18 +210,17 @@ impl Why<'_> {
 
     /// What is said of sections with too many contacts.
     pub fn too_many(&self, too_many: &TooManyGrasps) -> Diagnostic {
-        let title = format!("{} contacts make more grasps than can be looked at", too_many.contacts);
-        let layers = match too_many.layers {
-            1 => "with this step".to_owned(),
-            layers => format!("with this step, and at {layers} angles each, as a load makes them differ"),
-        };
-        Diagnostic::new(Code::E0602, title).label(self.span(), layers).help("take a larger `step`, or larger tips")
+        let TooManyGrasps { contacts, layers } = *too_many;
+        let title = format!("{contacts} contacts at {layers} angles make more than {MAX_GRASPS} grasps of three");
+        Diagnostic::new(Code::E0602, title)
+            .label(self.span(), "a load makes grasps differ from angle to angle")
+            .help("take a larger `step` or larger tips, or leave the load and the `material` out")
     }
 
     /// What is said of a grasp that no finger may leave.
     pub fn stuck_fingers(&self) -> Diagnostic {
-        Diagnostic::new(Code::E0601, "no finger can leave the part first")
-            .label(self.span(), "of the fingers that hold here")
+        Diagnostic::new(Code::E0602, "no finger can leave the grasp that was found first")
+            .label(self.span(), "of the fingers that hold here; other grasps were not tried")
             .help("end with two fingers: put `grasp … at (…)` before it")
     }
 
@@ -201,6 +251,19 @@ impl Why<'_> {
                 let title = format!("finger {} has no clear way to or from contact {contact}", finger + 1);
                 Diagnostic::new(Code::E0602, title).label(at(step), "in this step").help("grasp it otherwise")
             }
+            WayError::Adrift { step, finger, contact, off_um } => {
+                let allowed_um = self.order.facts.tolerance_um;
+                let title = format!(
+                    "finger {} comes to be {} um off contact {contact}, more than the tolerance of {} um leaves",
+                    finger + 1,
+                    digits((off_um * 1e4).round() / 1e4),
+                    digits(allowed_um)
+                );
+                Diagnostic::new(Code::E0602, title).label(at(step), "as it goes on in another plane").help(
+                    "the outlines in both planes do not quite meet on the x axis, and each change of plane adds to it: `release` the \
+                     part before this step, or give the device a larger `tolerance`",
+                )
+            }
             WayError::TooFine { step } => Diagnostic::new(Code::E0602, "the way has too many stretches")
                 .label(at(step), "in this step")
                 .help("give the device a larger `tolerance`"),
@@ -209,6 +272,19 @@ impl Why<'_> {
             }
         }
     }
+}
+
+/// The share that is kept back while tips roll, in percent; `None` where it is nothing, or makes no difference: where tips stick
+/// and nothing acts, every grasp holds.
+pub fn kept_back(order: &FingersOrder) -> Option<String> {
+    let facts = &order.facts;
+    let counts = facts.rolling_reserve > 0.0 && (facts.sticking_un() == 0.0 || order.load_un != [0.0; 3]);
+    counts.then(|| digits(facts.rolling_reserve * 100.0))
+}
+
+/// Three digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
 }
 
 fn axis(plane: Plane) -> &'static str {
@@ -230,7 +306,7 @@ fn planner(planner: Planner) -> &'static str {
 fn is_open(order: &FingersOrder, (held, orientation, steps): &Begins) -> bool {
     let Ok(mut sections) = Sections::of(order) else { return false };
     let planned = routes(order, steps.clone(), *held);
-    matches!(answer(order, &mut sections, &planned, *orientation), Ok(Answer::Found(_)))
+    matches!(sound(order, &mut sections, &planned, *orientation, First::Effort), Ok(Answer::Found(_)))
 }
 
 fn changed(order: &FingersOrder, change: &dyn Fn(&mut Facts)) -> FingersOrder {

@@ -9,9 +9,8 @@
 //! a robot where they met, or the disc of one that orbits; and the way is sought again.
 //!
 //! Promise: the legs are free of collisions by `World::first_hit`, and the stops are met within the precision. Not promised: that legs are
-//! found where there are some. The bound holds for every drive: the free optimum of `free`, for the cheapest poses within the precision of
-//! the stops. A drive counts as optimal if its strokes are within one stroke per leg of the shortest way to the stops themselves: less cannot be
-//! told, since ways come in whole strokes. Drives that spare more by stopping short within the precision are not looked for.
+//! found where there are some, or that none are shorter: the stops themselves are aimed at, and drives that spare strokes by stopping
+//! short within the precision are not looked for. What no drive is below, `bound` says.
 
 mod choice;
 
@@ -41,6 +40,13 @@ pub struct Drive<'a> {
     pub stops: &'a [Pose],
 }
 
+impl Drive<'_> {
+    /// The control states that keep the arms of docked robots up.
+    fn states(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.world.state_count()).filter(|state| self.world.spares(*state, &self.bed.docked))
+    }
+}
+
 /// A drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Driven {
@@ -49,16 +55,10 @@ pub struct Driven {
     /// How many legs each stop takes to be met; ascending.
     pub met: Vec<usize>,
     pub strokes: u64,
-    /// Strokes and control cycles.
-    pub time_ns: u64,
-    /// No drive that ends within the precision has fewer strokes.
-    pub least_strokes: u64,
-    /// None takes less time.
-    pub least_ns: u64,
-    /// Of the shortest way to the stops themselves, without obstacles.
+    /// Of the shortest way to the stops themselves, without obstacles. Drives that stop short within the precision may have fewer.
     pub exact_strokes: u64,
     /// Whether it has no more than `exact_strokes` and one for each leg.
-    pub optimal: bool,
+    pub direct: bool,
     /// Steps of the budget that were taken.
     pub spent: u64,
 }
@@ -91,13 +91,13 @@ pub enum Thing {
 pub enum Reason {
     /// A proof: the robot sticks in a structure.
     Docked,
-    /// A proof: it has to turn, and no control state lowers its arm.
+    /// A proof if every plan has the robot here before this stop: it has to turn, and no control state lowers its arm and keeps those of docked robots up.
     NeverTurns,
-    /// A proof: it has to run straight, and no control state raises its arm.
+    /// A proof if every plan has the robot here before this stop: it has to run straight, and no control state raises its arm and keeps those of docked robots up.
     NeverRuns,
-    /// A proof: where it stands it is too near to this to move.
+    /// A proof if every plan has the robot here before this stop: where it stands it is too near to this to move.
     Start(Thing),
-    /// A proof: at the stop it is too near to this.
+    /// At the stop it is too near to this. No proof: it may stop elsewhere within the precision.
     Goal(Thing),
     /// No way around this was found. No proof.
     Blocked(Thing),
@@ -112,11 +112,11 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Whether there is no drive at all.
+    /// Whether there is no drive at all from where the robot is.
     pub fn is_proof(&self) -> bool {
         match self {
-            Reason::Docked | Reason::NeverTurns | Reason::NeverRuns | Reason::Start(_) | Reason::Goal(_) => true,
-            Reason::Blocked(_) | Reason::GaveUp(_) | Reason::TooFine => false,
+            Reason::Docked | Reason::NeverTurns | Reason::NeverRuns | Reason::Start(_) => true,
+            Reason::Goal(_) | Reason::Blocked(_) | Reason::GaveUp(_) | Reason::TooFine => false,
             Reason::OutOfBudget | Reason::Meets(_) => false,
         }
     }
@@ -229,7 +229,7 @@ impl Progress<'_> {
     /// Whether control states have the arm where every way needs it.
     fn can_steer(&self, from: Pose, goal: Pose) -> Result<(), Reason> {
         let Drive { order, world, robot, .. } = *self.request;
-        let has = |arm: Arm| (0..world.state_count()).any(|state| world.arm(state, robot) == arm);
+        let has = |arm: Arm| self.request.states().any(|state| world.arm(state, robot) == arm);
         let facts = &world.body(robot).robot;
         // Without a turn the heading stays, and without a run the middle does.
         let Precision { place_um, heading_rad } = order.precision;
@@ -248,51 +248,25 @@ impl Progress<'_> {
     }
 
     fn driven(self) -> Driven {
-        let Drive { order, world, bed, robot, stops } = *self.request;
+        let Drive { world, bed, robot, stops, .. } = *self.request;
         let facts = &world.body(robot).robot;
         let start = std::iter::once(&bed.poses[robot]);
-        let (mut exact_um, mut least_um, mut least_legs) = (0.0, 0.0, 0);
-        for (index, (from, to)) in start.chain(stops).zip(stops).enumerate() {
-            // From the second stop on, both ends are within the precision only.
-            let slack = times(order.precision, if index == 0 { 1.0 } else { 2.0 });
-            exact_um += free::distance_um(facts, *from, *to);
-            least_um += free::least_um(facts, *from, *to, slack);
-            let segments = free::fewest_segments(facts, *from, *to, slack);
-            least_legs += if index == 0 { segments } else { segments.min(1) };
-        }
+        let exact_um: f64 = start.chain(stops).zip(stops).map(|(from, to)| free::distance_um(facts, *from, *to)).sum();
         let strokes = self.legs.iter().map(|leg| leg.strokes).sum();
-        let least_strokes = (least_um / facts.step_um - ROUNDING).ceil().max(0.0) as u64;
         let exact_strokes = (exact_um / facts.step_um - ROUNDING).ceil().max(0.0) as u64;
-        let cycles: u64 = self.legs.iter().map(|leg| levels(order, leg.state)).sum();
-        let least_cycle = (0..world.state_count()).map(|state| levels(order, state)).min().unwrap_or(0);
-        let time_ns = |strokes: u64, levels: u64| {
-            let cycles_ns = levels.saturating_mul(order.facts.dwell_ns);
-            strokes.saturating_mul(order.facts.period_ns).saturating_add(cycles_ns)
-        };
         Driven {
             met: self.met,
             strokes,
-            time_ns: time_ns(strokes, cycles),
-            least_strokes,
-            least_ns: time_ns(least_strokes, least_legs as u64 * least_cycle),
             exact_strokes,
-            optimal: strokes <= exact_strokes + self.legs.len() as u64,
+            direct: strokes <= exact_strokes + self.legs.len() as u64,
             spent: self.meter.spent(),
             legs: self.legs,
         }
     }
 }
 
-/// What a bound in strokes gives away to roundings.
+/// What a number of strokes gives away to roundings.
 const ROUNDING: f64 = 1e-3;
-
-fn times(precision: Precision, factor: f64) -> Precision {
-    Precision { place_um: factor * precision.place_um, heading_rad: factor * precision.heading_rad }
-}
-
-fn levels(order: &MicrorobotsOrder, state: usize) -> u64 {
-    order.states[state].levels_v.len() as u64
-}
 
 /// What rests or is taken to rest, and whose it is.
 struct Around {

@@ -164,14 +164,15 @@ impl Journey {
     }
 }
 
-/// A length that no way to any pose within `slack` of the goal is below.
+/// A length that no way is below from a pose within a slack of the first one to a pose within a slack of the second one.
 ///
-/// The optimum of the module's documentation with every quantity taken at its cheapest within the slack: the last middle lies within
-/// place + r × heading of the goal's own.
-pub fn least_um(robot: &Robot, from: Pose, to: Pose, slack: Precision) -> f64 {
+/// The optimum of the module's documentation with every quantity taken at its cheapest within the slacks: each middle lies within
+/// place + r × heading of the pose's own, and the frame of the first heading is turned by as much as that is off.
+pub fn least_um(robot: &Robot, (from, before): (Pose, Precision), (to, after): (Pose, Precision)) -> f64 {
     let journey = Journey::new(robot, from, to);
-    let off_um = slack.place_um + journey.radius_um * slack.heading_rad;
-    let (turn_rad, off_rad) = (journey.turn_rad, slack.heading_rad);
+    let off_rad = before.heading_rad + after.heading_rad + SLACK_RAD;
+    let off_um = before.place_um + after.place_um + journey.radius_um * off_rad + SLACK_UM;
+    let turn_rad = journey.turn_rad;
     let wraps = turn_rad <= off_rad || turn_rad >= TAU - off_rad;
     let least_rad = if wraps { 0.0 } else { turn_rad - off_rad };
     let near_um = (journey.distance_um - off_um).max(0.0);
@@ -179,25 +180,28 @@ pub fn least_um(robot: &Robot, from: Pose, to: Pose, slack: Precision) -> f64 {
     if near_um == 0.0 {
         return direct_um;
     }
-    let spread_rad = (off_um / journey.distance_um).arc_sine();
+    let spread_rad = (off_um / journey.distance_um).arc_sine() + before.heading_rad;
     let ahead = journey.aim_rad - spread_rad <= turn_rad + off_rad || journey.aim_rad + spread_rad >= TAU;
     if ahead {
         return direct_um;
     }
-    let circled_um = direct_um + journey.radius_um * TAU;
+    // With a circle more the turn is no shorter than that; it may be less than a whole one.
+    let circled_um = near_um + journey.radius_um * (TAU + turn_rad - off_rad);
     if turn_rad + off_rad <= PI {
         return circled_um;
     }
-    circled_um.min(journey.chord_um(off_um, off_rad).max(near_um) + journey.radius_um * least_rad)
+    let chord_um = journey.chord_um(off_um, off_rad, before.heading_rad);
+    circled_um.min(chord_um.max(near_um) + journey.radius_um * least_rad)
 }
 
 impl Journey {
-    /// The least sum of two edges along the first and the last heading, no more than this off. The chord's normal points to the middle
-    /// of the gap between the two headings, and the sum is the part of d along it / the cosine of half the gap.
-    fn chord_um(&self, off_um: f64, off_rad: f64) -> f64 {
+    /// The least sum of two edges along the first and the last heading, no more than this off, in a frame that may be turned. The chord's
+    /// normal points to the middle of the gap between the two headings, and the sum is the part of d along it / the cosine of half the gap.
+    fn chord_um(&self, off_um: f64, off_rad: f64, tilt_rad: f64) -> f64 {
         let middle_rad = (self.turn_rad + TAU) / 2.0;
         let (sin, cos) = middle_rad.sine_cosine();
-        let part_um = self.along_um[0] * cos + self.along_um[1] * sin - off_um - self.distance_um * off_rad / 2.0;
+        let swing_um = self.distance_um * (off_rad / 2.0 + tilt_rad);
+        let part_um = self.along_um[0] * cos + self.along_um[1] * sin - off_um - swing_um;
         let gap_rad = (TAU - self.turn_rad - off_rad).max(0.0);
         part_um / (gap_rad / 2.0).cosine()
     }

@@ -4,13 +4,16 @@
 //! without a beginning: the job ends there.
 
 use super::assembly::{self, Assembled};
+use super::bound;
 use super::drive::{self, Drive};
-use super::guarantee::guarantees;
+use super::guarantee::{Assured, guarantees};
+use super::strategy::{driven, episodes};
 use super::why::Why;
 use super::world::{Bed, World};
 use super::{Docking, Leg, Motion, Stage, StepMotion};
 use crate::check::claims::Job;
 use crate::check::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Step, Stop};
+use crate::device::microrobots::Arm;
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
 use crate::plan::requirements::{Kept, Known, require};
@@ -56,20 +59,28 @@ impl Standing {
 
 /// A plan for a job; without one an error was pushed, for this job or for one of the same bed before it.
 pub fn plan(job: &Job, order: &MicrorobotsOrder, standing: &mut Standing, sink: &mut Sink) -> Option<Plan> {
-    let planned = standing.of(job, order).and_then(|crew| planned(job, order, crew, sink));
+    let is_first = !standing.crews.contains_key(&job.device);
+    let planned = standing.of(job, order).and_then(|crew| planned(job, order, (crew, is_first), sink));
     let (plan, crew) = planned.map_or((None, None), |(plan, crew)| (plan, Some(crew)));
     standing.crews.insert(job.device.clone(), crew);
     plan
 }
 
-/// A plan, and where the robots stand after it.
-fn planned(job: &Job, order: &MicrorobotsOrder, start: Crew, sink: &mut Sink) -> Option<(Option<Plan>, Crew)> {
+/// A plan, and where the robots stand after it. They start where the scene has them if it is the device's first job.
+fn planned(
+    job: &Job,
+    order: &MicrorobotsOrder,
+    (start, is_first): (Crew, bool),
+    sink: &mut Sink,
+) -> Option<(Option<Plan>, Crew)> {
     let world = World::new(order);
     let mut bed = Bed::new(start.poses.clone(), start.docked.clone());
-    let mut tally = Tally::default();
+    let mut tally = Tally { bound_ns: bound::least_ns(order, &start), ..Tally::default() };
     let mut steps = Vec::with_capacity(order.steps.len());
+    let mut is_given = is_first;
     for step in &order.steps {
-        let done = Planner { order, world: &world, bed: &bed, step }.done(sink)?;
+        let done = Planner { order, world: &world, bed: &bed, step, is_given }.done(sink)?;
+        is_given &= matches!(step.action, Action::Wait(_) | Action::Apply { .. });
         match &done.motion {
             StepMotion::Legs { legs, docks, .. } => bed.follow(&world, legs, docks),
             StepMotion::Wait(_) => bed.rest(),
@@ -86,24 +97,35 @@ fn planned(job: &Job, order: &MicrorobotsOrder, start: Crew, sink: &mut Sink) ->
 }
 
 /// Says of each stage of an assembly whether it is guaranteed; false where the task demands what is not.
+///
+/// Without errors the plan is carried out as it is written, and the verifier has looked where that leads. With errors nothing is
+/// guaranteed: what the estimates object to is named first.
 fn assure(order: &MicrorobotsOrder, motion: &Motion, remarks: &mut Vec<Remark>, sink: &mut Sink) -> bool {
+    let is_exact = order.facts.errors.is_some_and(|errors| errors.are_zero());
+    let estimates = if is_exact { Vec::new() } else { guarantees(order, motion).unwrap_or_default() };
     let mut all_hold = true;
-    for assured in guarantees(order, motion).unwrap_or_default() {
-        let names: Vec<&str> = assured.robots.iter().map(|robot| order.robot(*robot).name.as_str()).collect();
-        let subject = names.join(" and ");
-        let text = match (assured.violated(), assured.tightest_um()) {
-            (Some(violated), _) => format!("not guaranteed: {}", violated.said(order)),
-            (None, Some(tightest)) => {
-                format!("guaranteed, {:.1} um to spare: {}", tightest.margin(), tightest.said(order))
+    for (nth, episode) in episodes(order, motion).iter().enumerate() {
+        let names = driven(episode.stage).into_iter().map(|(robot, _)| order.robot(robot).name.as_str());
+        let subject = names.collect::<Vec<_>>().join(" and ");
+        let why = match (order.facts.errors, estimates.get(nth).and_then(Assured::violated)) {
+            (Some(_), None) if is_exact => {
+                let text = "guaranteed: without errors the plan is carried out as it is written".to_owned();
+                remarks.push(Remark { subject, text });
+                continue;
             }
-            (None, None) => "guaranteed".to_owned(),
+            (Some(_), Some(violated)) => violated.said(order),
+            (Some(_), None) => "no sound bound is known for robots with errors".to_owned(),
+            (None, _) => "the device does not say how far robots and measurements may be off".to_owned(),
         };
-        if let Some(violated) = assured.violated().filter(|_| order.assurance == Assurance::Demanded) {
+        if order.assurance == Assurance::Demanded {
             all_hold = false;
-            let step = &order.steps[assured.step];
-            sink.push(Why { order, step }.not_guaranteed(&subject, violated));
+            let step = &order.steps[episode.step];
+            let says = Why { order, step, docked: &motion.start.docked, is_given: false };
+            sink.push(says.not_guaranteed(&subject, &why));
         }
-        remarks.push(Remark { subject, text });
+        if order.facts.errors.is_some() {
+            remarks.push(Remark { subject, text: format!("not guaranteed: {why}") });
+        }
     }
     all_hold
 }
@@ -111,8 +133,6 @@ fn assure(order: &MicrorobotsOrder, motion: &Motion, remarks: &mut Vec<Remark>, 
 /// A step with its plan.
 struct Done {
     motion: StepMotion,
-    /// No plan of the step takes less.
-    bound_ns: u64,
     remarks: Vec<Remark>,
 }
 
@@ -122,14 +142,14 @@ struct Planner<'a> {
     world: &'a World,
     bed: &'a Bed,
     step: &'a Step,
+    /// Whether the bed is now as in every plan: nothing that leaves a choice was driven before.
+    is_given: bool,
 }
 
 impl<'a> Planner<'a> {
     fn done(&self, sink: &mut Sink) -> Option<Done> {
         match &self.step.action {
-            Action::Wait(duration_ns) => {
-                Some(Done { motion: StepMotion::Wait(*duration_ns), bound_ns: *duration_ns, remarks: Vec::new() })
-            }
+            Action::Wait(duration_ns) => Some(Done { motion: StepMotion::Wait(*duration_ns), remarks: Vec::new() }),
             Action::Apply { state, duration_ns } => self.applied(*state, *duration_ns, sink),
             Action::Drive { robot, stops } => self.driven(*robot, stops, sink),
             Action::Assemble(docks) => self.assembled(docks, sink),
@@ -137,27 +157,28 @@ impl<'a> Planner<'a> {
     }
 
     fn why(&self) -> Why<'a> {
-        Why { order: self.order, step: self.step }
+        Why { order: self.order, step: self.step, docked: &self.bed.docked, is_given: self.is_given }
     }
 
     fn applied(&self, state: usize, duration_ns: u64, sink: &mut Sink) -> Option<Done> {
         let leg = Leg { state, strokes: duration_ns.div_ceil(self.order.facts.period_ns) };
+        let lowers = |robot: &usize| self.bed.docked[*robot] && self.world.arm(state, *robot) == Arm::Down;
+        if let Some(robot) = (0..self.world.count()).find(lowers) {
+            sink.push(self.why().lowers_docked(state, robot));
+            return None;
+        }
         if let Some(hit) = self.bed.first_hit(self.world, &[leg], &[]) {
             sink.push(self.why().applied_into(&hit));
             return None;
         }
-        Some(Done { bound_ns: leg_ns(self.order, leg), motion: plain(vec![leg]), remarks: Vec::new() })
+        Some(Done { motion: plain(vec![leg]), remarks: Vec::new() })
     }
 
     fn driven(&self, robot: usize, stops: &[Stop], sink: &mut Sink) -> Option<Done> {
         let poses: Vec<Pose> = stops.iter().map(|stop| stop.pose).collect();
         let request = Drive { order: self.order, world: self.world, bed: self.bed, robot, stops: &poses };
         match drive::drive(&request, Budget::of(self.order.expansions)) {
-            Ok(driven) => {
-                // A way in whole strokes as short as one can be counts as the best.
-                let bound_ns = if driven.optimal { driven.time_ns } else { driven.least_ns };
-                Some(Done { bound_ns, motion: plain(driven.legs), remarks: Vec::new() })
-            }
+            Ok(driven) => Some(Done { motion: plain(driven.legs), remarks: Vec::new() }),
             Err(stuck) => {
                 sink.push(self.why().not_driven(robot, &stuck, stops));
                 None
@@ -177,13 +198,13 @@ impl<'a> Planner<'a> {
                 return None;
             }
         };
-        let Assembled { legs, docks, stages, least_ns, .. } = assembled;
+        let Assembled { legs, docks, stages, .. } = assembled;
         // The assembly was planned from rest; a robot may have been turning since the step before.
         if let Some(hit) = self.bed.first_hit(self.world, &legs, &docks) {
             sink.push(self.why().still_turning(&hit));
             return None;
         }
-        Some(Done { motion: StepMotion::Legs { legs, docks, stages }, bound_ns: least_ns, remarks: Vec::new() })
+        Some(Done { motion: StepMotion::Legs { legs, docks, stages }, remarks: Vec::new() })
     }
 }
 
@@ -201,6 +222,7 @@ pub fn leg_ns(order: &MicrorobotsOrder, leg: Leg) -> u64 {
 #[derive(Default)]
 struct Tally {
     time_ns: u64,
+    /// No plan of the job takes less.
     bound_ns: u64,
     switches: u64,
     strokes: u64,
@@ -209,7 +231,6 @@ struct Tally {
 
 impl Tally {
     fn add(&mut self, order: &MicrorobotsOrder, done: &Done) {
-        self.bound_ns = self.bound_ns.saturating_add(done.bound_ns);
         self.remarks.extend(done.remarks.iter().cloned());
         match &done.motion {
             StepMotion::Wait(duration_ns) => self.time_ns = self.time_ns.saturating_add(*duration_ns),

@@ -2,6 +2,7 @@
 //! with a train of strokes, and every robot moves with every stroke.
 
 pub mod assembly;
+pub mod bound;
 pub mod drive;
 pub mod fine;
 pub mod free;

@@ -1,8 +1,7 @@
 //! Why a step of microrobots has no plan, in words: which robot, which orbit, which obstacle.
 
-use super::assembly::{Blocker, Certainty, Stuck};
+use super::assembly::{Blocker, Stuck};
 use super::drive::{self, Reason, Thing};
-use super::guarantee::Containment;
 use super::world::{Hit, Meeting};
 use crate::check::claims::microrobots::{MicrorobotsOrder, Step, Stop};
 use crate::diagnostic::{Code, Diagnostic};
@@ -13,6 +12,10 @@ use crate::source::Span;
 pub struct Why<'a> {
     pub order: &'a MicrorobotsOrder,
     pub step: &'a Step,
+    /// Which robots of the order have docked before the step.
+    pub docked: &'a [bool],
+    /// Whether all robots stand before the step where every plan has them.
+    pub is_given: bool,
 }
 
 impl Why<'_> {
@@ -25,6 +28,14 @@ impl Why<'_> {
         self.labelled(diagnostic, hit.meeting).help("apply it for a shorter time, or another state")
     }
 
+    /// What is said of a raw state that lowers the arm of a docked robot.
+    pub fn lowers_docked(&self, state: usize, robot: usize) -> Diagnostic {
+        let name = self.name(robot);
+        Diagnostic::new(Code::E0606, format!("control state {state} lowers the arm of {name}, which has docked"))
+            .label(self.step.span, "an arm that is down would turn the structure")
+            .help("apply a state in which the arms of all docked robots are up; `tweeze devices FILE` shows the control states")
+    }
+
     /// What is said of an assembly after a step in which robots turned, so that they are on their orbits from its beginning.
     pub fn still_turning(&self, hit: &Hit) -> Diagnostic {
         let diagnostic = Diagnostic::new(Code::E0602, format!("no way was found: {}", self.meeting(hit.meeting)))
@@ -32,16 +43,17 @@ impl Why<'_> {
         self.labelled(diagnostic, hit.meeting).help("put `wait 1 ms` before this step: at 0 V all arms go up")
     }
 
-    /// What is said of a stage whose success does not follow from the bounds on errors, though the task asks for that.
-    pub fn not_guaranteed(&self, names: &str, violated: &Containment) -> Diagnostic {
-        Diagnostic::new(Code::E0605, format!("the docking of {names} is not guaranteed: {}", violated.said(self.order)))
-            .label(self.step.span, "by the bounds on errors of the device")
-            .help("measure more often (`replan_interval`), allow a longer `fine_length` or more `docking_tolerance`, or leave `guaranteed` out and count with `tweeze simulate`")
+    /// What is said of a stage whose success is not certain, though the task asks for that.
+    pub fn not_guaranteed(&self, names: &str, why: &str) -> Diagnostic {
+        Diagnostic::new(Code::E0605, format!("the docking of {names} is not guaranteed: {why}"))
+            .label(self.step.span, "with the errors of the device")
+            .help("leave `guaranteed` out and count with `tweeze simulate`; only without errors, all of them 0, is an assembly guaranteed")
     }
 
     /// What is said of a robot that does not come to one of its stops.
     pub fn not_driven(&self, robot: usize, stuck: &drive::Stuck, stops: &[Stop]) -> Diagnostic {
-        let code = if stuck.reason.is_proof() { Code::E0601 } else { Code::E0602 };
+        let is_proof = stuck.reason.is_proof() && (self.is_given && stuck.stop == 0 || stuck.reason == Reason::Docked);
+        let code = if is_proof { Code::E0601 } else { Code::E0602 };
         let name = self.name(robot);
         let goal = stops.get(stuck.stop).map_or(self.step.span, |stop| stop.span);
         let start = self.order.robots[robot].span;
@@ -50,16 +62,18 @@ impl Why<'_> {
             Reason::Docked => Diagnostic::new(code, format!("{name} has docked and moves no more"))
                 .label(self.step.span, "it is part of a structure")
                 .help("drive it before it docks"),
-            Reason::NeverTurns => {
-                Diagnostic::new(code, format!("no control state lowers the arm of {name}, so it only runs straight"))
-                    .label(goal, "it would have to turn")
-                    .help("`tweeze devices FILE` shows the control states")
-            }
-            Reason::NeverRuns => {
-                Diagnostic::new(code, format!("no control state raises the arm of {name}, so it only turns"))
-                    .label(goal, "it would have to run straight")
-                    .help("`tweeze devices FILE` shows the control states")
-            }
+            Reason::NeverTurns => Diagnostic::new(
+                code,
+                format!("no control state lowers the arm of {name}{}, so it only runs straight", self.beside_docked()),
+            )
+            .label(goal, "it would have to turn")
+            .help("`tweeze devices FILE` shows the control states"),
+            Reason::NeverRuns => Diagnostic::new(
+                code,
+                format!("no control state raises the arm of {name}{}, so it only turns", self.beside_docked()),
+            )
+            .label(goal, "it would have to run straight")
+            .help("`tweeze devices FILE` shows the control states"),
             Reason::Start(thing) => {
                 let title = format!("{name} stands too near to {} to move: {clearance} are kept", self.thing(thing));
                 let diagnostic = Diagnostic::new(code, title).label(start, "it starts here");
@@ -93,6 +107,11 @@ impl Why<'_> {
         }
     }
 
+    /// What else is asked of a control state, if anything has docked.
+    fn beside_docked(&self) -> &'static str {
+        if self.docked.contains(&true) { " with the arms of docked robots up" } else { "" }
+    }
+
     fn thing(&self, thing: Thing) -> String {
         match thing {
             Thing::Obstacle(index) => format!("`{}`", self.order.obstacles[index].name),
@@ -111,10 +130,7 @@ impl Why<'_> {
 
     /// What is said of an assembly that has no plan.
     pub fn not_assembled(&self, stuck: &Stuck, span: &dyn Fn(usize) -> Span) -> Diagnostic {
-        let code = match stuck.certainty() {
-            Certainty::Proven => Code::E0601,
-            Certainty::Open => Code::E0602,
-        };
+        let code = Code::E0602;
         match stuck {
             Stuck::Unsteerable { robots, orbiting } => self.unsteerable(code, robots, *orbiting, span),
             Stuck::GoalInOrbit { robot, orbiting, gap_um } => {
@@ -151,7 +167,8 @@ impl Why<'_> {
                     self.order.robots[*robot].span,
                     format!("sweeps a disc of {} radius while others are driven", rounded(reach)),
                 );
-                self.in_the_way(diagnostic, *blocker).help("let it start elsewhere, with room around it")
+                self.in_the_way(diagnostic, *blocker)
+                    .help("let it start elsewhere, with room around it, or drive it there before this step")
             }
             Stuck::Coarse { robot } => {
                 let title =
@@ -160,8 +177,22 @@ impl Why<'_> {
                     .label(span(*robot), "this goal")
                     .help("ask for less `precision`, or give the bed a smaller `step_size`")
             }
+            Stuck::Loose { robot, gap_um } => self.loose(code, *robot, *gap_um, span(*robot)),
             Stuck::GaveUp => self.gave_up(),
         }
+    }
+
+    fn loose(&self, code: Code, robot: usize, gap_um: f64, goal: Span) -> Diagnostic {
+        let um = |um: f64| Quantity::new(um / 1e6, Dimension::LENGTH).to_string();
+        let tolerance = um(self.order.facts.docking.tolerance_um);
+        let title = format!(
+            "{} ends {} from what it docks with, the docking tolerance is {tolerance}",
+            self.name(robot),
+            um((gap_um * 1e5).round() / 1e5)
+        );
+        Diagnostic::new(code, title)
+            .label(goal, "as near to this goal as whole strokes brought it")
+            .help("allow more `docking_tolerance`, or give the bed a smaller `step_size`")
     }
 
     fn gave_up(&self) -> Diagnostic {
@@ -182,11 +213,11 @@ impl Why<'_> {
         let names = self.names(robots);
         let orbits = orbiting.map_or("all others that have not docked".to_owned(), |robot| self.name(robot));
         let verb = if orbiting.is_some() { "goes" } else { "go" };
-        let title = format!("no control states steer {names} while {orbits} {verb} round");
+        let title = format!("no control states steer {names} while {orbits} {verb} round{}", self.beside_docked());
         let first = robots.first().copied().unwrap_or(0);
         Diagnostic::new(code, title)
             .label(span(first), "it cannot be steered by itself")
-            .help("robots that snap down first dock last: an assembly begins with the two that snap last; `tweeze devices FILE` shows the control states")
+            .help("robots that snap down first dock last: an assembly begins with the two that snap last; no other plans are looked for; `tweeze devices FILE` shows the control states")
     }
 
     fn goal_in_orbit(
@@ -205,7 +236,7 @@ impl Why<'_> {
         Diagnostic::new(code, format!("the goal of {name} {place}, at least {least} is needed"))
             .label(span(robot), format!("{name} docks here while {other} goes round"))
             .label_elsewhere(self.order.robots[orbiting].span, span(robot), "its orbit begins here")
-            .help(format!("let {other} start farther from the structure"))
+            .help(format!("let {other} start farther from the structure, or drive it away before this step"))
     }
 
     fn blocked(

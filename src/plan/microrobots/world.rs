@@ -154,6 +154,11 @@ impl World {
         self.arms[state * self.bodies.len() + robot]
     }
 
+    /// Whether a control state keeps the arms of all docked robots up: strokes with such an arm down would turn the structure.
+    pub fn spares(&self, state: usize, docked: &[bool]) -> bool {
+        (0..self.count()).all(|robot| !docked[robot] || self.arm(state, robot) == Arm::Up)
+    }
+
     /// The rectangle of a robot at a pose.
     pub fn rectangle(&self, robot: usize, pose: Pose) -> Rectangle {
         Rectangle::new(pose, self.bodies[robot].half_um)

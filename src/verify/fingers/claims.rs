@@ -5,7 +5,9 @@
 use super::super::Unfit;
 use super::body::Surface;
 use crate::check::claims::fingers::{Action, FingersOrder, Section, Turn};
-use crate::device::fingers::{Facts, MAX_CONTACTS, MAX_FINGERS, MAX_HOLDING, MAX_STEPS_PER_TURN, MIN_FINGERS, Plane};
+use crate::device::fingers::{
+    Facts, MAX_CONTACTS, MAX_FINGERS, MAX_HOLDING, MAX_RESERVE, MAX_STEPS_PER_TURN, MIN_FINGERS, Plane,
+};
 
 /// The largest length, force, speed or other number of the facts, in their own units.
 const MAX_NUMBER: f64 = 1e9;
@@ -16,8 +18,11 @@ const MIN_NUMBER: f64 = 1e-9;
 /// How far a section's step may be from what its perimeter says, as a share.
 const STEP_TOLERANCE: f64 = 1e-6;
 
-/// How far the opposite contact may lie from the x axis, as a share of the way there.
-const AXIS_TOLERANCE: f64 = 1e-4;
+/// How far a tip may have to roll from the opposite contact to the x axis, as a share of the tolerance: the checker allows a quarter, by the nominal step.
+const AXIS_TOLERANCE: f64 = 0.5;
+
+/// What rounding alone may make of it.
+const AXIS_ROUNDING_UM: f64 = 1e-6;
 
 /// The fewest contacts that can be told apart.
 const MIN_CONTACTS: u32 = 3;
@@ -55,9 +60,15 @@ fn facts(facts: &Facts) -> Result<(), Unfit> {
     ];
     let is_above = |value: f64| is_number(value) && value >= MIN_NUMBER;
     demand(above.into_iter().flatten().chain([z_um]).all(is_above), "hold a field that is not above 0")?;
-    let others =
-        [facts.pull_off_un, facts.removal_safety, facts.gaiting_cost_deg, facts.clearance_um, facts.support_un];
-    demand(others.into_iter().all(|value| is_number(value) && value >= 0.0), "hold a field out of its range")
+    let others = [
+        [facts.pull_off_un, facts.removal_safety, facts.gaiting_cost_deg],
+        [facts.clearance_um, facts.support_un, facts.torsion_um],
+    ];
+    demand(
+        others.into_iter().flatten().all(|value| is_number(value) && value >= 0.0),
+        "hold a field out of its range",
+    )?;
+    demand((0.0..=MAX_RESERVE).contains(&facts.rolling_reserve), "hold a reserve out of its range")
 }
 
 fn section(section: &Section, facts: &Facts) -> Result<(), Unfit> {
@@ -72,8 +83,10 @@ fn section(section: &Section, facts: &Facts) -> Result<(), Unfit> {
     demand(off_rad <= STEP_TOLERANCE * round_rad, "hold steps that do not go once round an outline")?;
     let Some(opposite) = section.opposite else { return Ok(()) };
     demand((1..=contacts).contains(&opposite), "hold an opposite contact that is none")?;
-    let [x_um, y_um] = surface.curve.spot(surface.way_um(opposite)).point_um;
-    demand(x_um < 0.0 && y_um.abs() <= AXIS_TOLERANCE * x_um.abs(), "hold an opposite contact off the x axis")
+    let exact_rad = surface.rolled_rad(surface.curve.opposite_um());
+    let off_um = (f64::from(opposite - 1) * step_rad - exact_rad).abs() * facts.tip_radius_um;
+    let most_um = AXIS_TOLERANCE * facts.tolerance_um + AXIS_ROUNDING_UM;
+    demand(off_um <= most_um, "hold an opposite contact off the x axis")
 }
 
 fn action(order: &FingersOrder, action: &Action) -> Result<(), Unfit> {
@@ -84,7 +97,7 @@ fn action(order: &FingersOrder, action: &Action) -> Result<(), Unfit> {
             has_plane(order, *plane)?;
             demand(is_number(*angle_rad), "turn by what is no angle")
         }
-        Action::Orient { goal, turns } => {
+        Action::Orient { goal, turns, .. } => {
             let norm = goal.iter().map(|value| value * value).sum::<f64>();
             demand((norm - 1.0).abs() <= 1e-6, "orient to what is no orientation")?;
             turns.iter().flatten().try_for_each(|Turn { plane, .. }| has_plane(order, *plane))

@@ -7,10 +7,14 @@ use super::hand::Hand;
 use crate::check::claims::fingers::{Action, FingersOrder, Turn};
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
+use crate::schedule::Reached;
 use nalgebra::{Quaternion, UnitQuaternion};
 
 /// Rounding of a place or a turn that is no breach.
 const ROUNDING: f64 = 1e-6;
+
+/// How far the turn that a record tells may be from the turn that the tips make.
+const TOLD_DEG: f64 = 0.01;
 
 /// By how much, as a share of a step of rotation, a part may be turned where it should not.
 const STEADY: f64 = 1e-3;
@@ -46,6 +50,21 @@ impl Hand<'_, '_> {
             }
         };
         self.tell(fault.or_else(|| self.place_fault(by_um)), nth, findings);
+        self.check_told_turn(nth, findings);
+    }
+
+    /// A turn that the record says to be reached is the one by which the part has turned.
+    fn check_told_turn(&self, nth: usize, findings: &mut Findings) {
+        let Action::Rotate { plane, .. } = &self.order.steps[nth].action else { return };
+        let turned_deg = self.since.turn_rad(*plane).to_degrees();
+        for reached in &self.run.step(nth).reached {
+            let Reached::Turn { reached_deg, .. } = reached else { continue };
+            if (reached_deg - turned_deg).abs() > TOLD_DEG {
+                let title =
+                    format!("a turn is said to reach {reached_deg} deg, the tips turn the part by {turned_deg} deg");
+                findings.push(self.violation(Rule::Figure, nth, self.end_ns(nth), title));
+            }
+        }
     }
 
     fn tell(&self, fault: Option<String>, nth: usize, findings: &mut Findings) {

@@ -27,6 +27,8 @@ pub(super) struct Hold {
     anchor_rad: f64,
     /// How far before the section's plane it is.
     height_um: f64,
+    /// How far from touching exactly it came to hold: the part is not moved by that.
+    gap_um: f64,
 }
 
 /// Fingers that hold in a plane; also an empty one, which only says where the part is.
@@ -91,9 +93,10 @@ impl Grip {
     /// A finger holds from now on, where it is.
     pub fn add(&mut self, surface: &Surface, finger: usize, tip_um: &Point) {
         let (place_um, height_um) = self.pose().section_um(self.plane, tip_um);
-        let way_um = surface.curve.nearest(place_um).way_um;
+        let nearest = surface.curve.nearest(place_um);
+        let (way_um, gap_um) = (nearest.way_um, nearest.distance_um - self.tip_radius_um);
         let anchor_rad = surface.rolled_rad(way_um) + self.turn_rad();
-        self.holds.push(Hold { finger, way_um, anchor_rad, height_um });
+        self.holds.push(Hold { finger, way_um, anchor_rad, height_um, gap_um });
         self.holds.sort_by_key(|hold| hold.finger);
     }
 
@@ -172,7 +175,7 @@ impl Grip {
         Equation {
             way_um,
             gap: outward,
-            gap_um: nearest.distance_um - radius_um,
+            gap_um: nearest.distance_um - radius_um - hold.gap_um,
             slip: along * rolling + turning,
             slip_um: radius_um * (surface.rolled_rad(way_um) + self.turn_rad() - hold.anchor_rad),
         }
@@ -187,7 +190,7 @@ impl Grip {
             }
         };
         for ((hold, (_, height_um)), equation) in self.holds.iter().zip(places).zip(self.equations(surface, places)) {
-            worse(&mut misfit.gap_um, hold.finger, equation.gap_um);
+            worse(&mut misfit.gap_um, hold.finger, equation.gap_um + hold.gap_um);
             worse(&mut misfit.slip_um, hold.finger, equation.slip_um);
             worse(&mut misfit.slip_um, hold.finger, height_um - hold.height_um - self.lift_um);
         }

@@ -10,6 +10,7 @@ use super::body::{Body, Pose, Surface};
 use super::clearance::{self, Flight, Hit};
 use super::goals::{Since, planes_after};
 use super::grip::Grip;
+use super::pace::Pace;
 use super::states::{Due, Spans, chosen};
 use super::statics::{Statics, Touch};
 use super::track::{Stretch, Tracks};
@@ -45,6 +46,9 @@ pub(super) struct Hand<'r, 'a> {
     pub(super) since: Since,
     pub(super) tips_um: Vec<Point>,
     pub(super) flights: Vec<Flight>,
+    pub(super) paces: Vec<Pace>,
+    /// The last step in which a tip was called too fast.
+    pub(super) hurried: Option<usize>,
     held: Held,
     told: Told,
     /// The turn of the grip when the step of the task began, or the plane was changed, and how many steps it has come since.
@@ -89,6 +93,8 @@ impl<'r, 'a> Hand<'r, 'a> {
             body,
             grip,
             flights: vec![Flight::default(); tips_um.len()],
+            paces: vec![Pace::default(); tips_um.len()],
+            hurried: None,
             tips_um,
             held,
             told: Told::Nothing,
@@ -180,6 +186,13 @@ impl<'r, 'a> Hand<'r, 'a> {
         self.check_goal(nth, findings);
     }
 
+    /// The run is over.
+    pub fn finish(&mut self, findings: &mut Findings) {
+        if let Some(last) = self.order.steps.len().checked_sub(1) {
+            self.settle_paces(last, findings);
+        }
+    }
+
     /// Goes along one stretch.
     pub fn follow(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
         if let Some((pair, apart_um, share)) = clearance::too_near(stretch, &self.order.facts) {
@@ -260,6 +273,7 @@ impl<'r, 'a> Hand<'r, 'a> {
         self.check_contacts(nth, time_ns, findings);
         self.grip.remove(finger);
         self.flights[finger] = Flight::from(stretch.from_um[finger]);
+        self.paces[finger] = Pace::from(stretch.from_um[finger]);
         self.told = Told::Nothing;
         if self.is_release(nth) || self.held == Held::Supported {
             return self.let_go(nth, stretch, findings);
@@ -322,6 +336,8 @@ impl<'r, 'a> Hand<'r, 'a> {
                 continue;
             }
             let followed = self.flights[finger].follow((stretch, finger), (&self.body, &pose), &order.facts);
+            let kept = self.paces[finger].follow(stretch, finger, &order.facts);
+            self.tell_pace(nth, finger, kept, findings);
             let touched = self.touched(nth, &stretch.to_um[finger], &stretch.to_um);
             if let Err(hit) = followed {
                 self.flights[finger] = Flight::default();
@@ -375,6 +391,8 @@ impl<'r, 'a> Hand<'r, 'a> {
             findings.push(self.violation(Rule::Pierce, nth, hit.time_ns, self.pierce(finger, &hit)));
         }
         self.flights[finger] = Flight::default();
+        let kept = self.paces[finger].lands(&tip_um, &self.order.facts);
+        self.tell_pace(nth, finger, kept, findings);
         let surface = surface_of(&self.body, plane)?;
         self.grip.add(surface, finger, &tip_um);
         self.check_contacts(nth, time_ns, findings);

@@ -38,6 +38,7 @@ impl Hand<'_, '_> {
         self.take_load(nth, time_ns, findings);
         self.spans.end(time_ns);
         self.flights.iter_mut().for_each(Flight::forget);
+        self.check_carrying_pace(nth, stretch, findings);
         let plane = self.rolling_plane(nth, stretch);
         if plane != self.grip.plane {
             self.change_plane(plane, &stretch.from_um)?;

@@ -1,7 +1,8 @@
 //! Whether fingers hold the part still: equilibrium and removal as linear programs.
 //!
-//! In the plane of a section each contact bears a normal and a tangential force within a friction cone, whose apex lies at the
-//! pull-off force where tips stick; the load across the plane is borne in equal shares. Instead of asking whether forces exist that balance
+//! Each contact bears a normal force, tangential forces in the plane of the section and across it, whose sizes together keep within
+//! friction, and a torque about its normal within `torsion`; where tips stick, both begin at the pull-off force. Forces and torques in
+//! space sum to zero with the load. Instead of asking whether forces exist that balance
 //! the load, the program finds those deepest inside all cones, and by how much they are inside: [`TOLERANCE`] below zero still holds,
 //! so that what is exactly in balance does. Tips that only push also balance by not touching at all, so without a load it is asked
 //! whether forces whose normal parts sum to 1 balance.
@@ -18,6 +19,9 @@ pub(super) const TOLERANCE: f64 = 1e-6;
 
 /// What missing the wanted sum of normal forces counts against being deep inside the cones.
 const SUM_WEIGHT: f64 = 1e3;
+
+/// The share of a load that rounding leaves of nothing.
+const ROUNDING: f64 = 1e-9;
 
 /// Where a tip touches, in section coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,8 +44,11 @@ impl Touch {
 pub(super) struct Statics<'a> {
     order: &'a FingersOrder,
     load_un: [f64; 2],
+    /// Along the plane's normal.
     across_un: f64,
     centre_um: [f64; 2],
+    /// How far the centre of mass lies in front of the plane.
+    height_um: f64,
     reach_um: f64,
 }
 
@@ -49,6 +56,15 @@ pub(super) struct Statics<'a> {
 struct Bearing {
     normal: Variable,
     tangential: Variable,
+    /// Where something acts out of the plane.
+    beyond: Option<Beyond>,
+}
+
+/// The force across the plane, and the torque about the inward normal as a force at the part's reach.
+#[derive(Clone, Copy)]
+struct Beyond {
+    across: Variable,
+    torque: Variable,
 }
 
 impl<'a> Statics<'a> {
@@ -58,7 +74,20 @@ impl<'a> Statics<'a> {
         let [x, y, z] = pose.axes(plane).map(|axis| axis.dot(&load_un));
         let centre_um = Point::from(order.part.centre_um);
         let [first, second] = plane.axes().map(|axis| Point::from(axis).dot(&centre_um));
-        Statics { order, load_un: [x, y], across_un: z.abs(), centre_um: [first, second], reach_um }
+        let height_um = Point::from(plane.normal()).dot(&centre_um);
+        Statics { order, load_un: [x, y], across_un: z, centre_um: [first, second], height_um, reach_um }
+    }
+
+    /// In the plane and across it.
+    fn size_un(&self) -> f64 {
+        self.load_un[0].hypotenuse(self.load_un[1]).hypotenuse(self.across_un)
+    }
+
+    /// Whether anything acts across the plane, or turns the part out of it.
+    fn is_of_space(&self) -> bool {
+        let [x_un, y_un] = self.load_un;
+        let torque_un_um = self.height_um.abs() * x_un.hypotenuse(y_un);
+        self.across_un.abs().max(torque_un_um / self.reach_um) > ROUNDING * self.size_un()
     }
 
     /// Whether contacts hold the part by themselves. Tips that only push must do so without the load too: a part that merely rests
@@ -78,7 +107,7 @@ impl<'a> Statics<'a> {
     fn margin(&self, touches: &[Touch], leaving: Option<&Touch>) -> Option<f64> {
         let facts = &self.order.facts;
         let pull_un = facts.sticking_un() * facts.removal_safety;
-        let load_un = self.load_un[0].hypotenuse(self.load_un[1]).max(self.across_un);
+        let load_un = self.size_un();
         let is_idle = facts.sticking_un() == 0.0 && load_un == 0.0;
         let unit_un = if is_idle { 1.0 } else { facts.sticking_un().max(pull_un).max(load_un) };
         let mut problem = Problem::new(OptimizationDirection::Maximize);
@@ -108,19 +137,41 @@ impl<'a> Statics<'a> {
     ) -> Vec<Bearing> {
         let facts = &self.order.facts;
         let sticking = facts.sticking_un() / unit_un;
-        let share = self.across_un / unit_un / touches.len() as f64;
+        let is_of_space = self.is_of_space();
         let bearing = |_: &Touch| {
             let normal = problem.add_var(0.0, (-sticking, f64::INFINITY));
             let tangential = problem.add_var(0.0, (f64::NEG_INFINITY, f64::INFINITY));
-            let room = facts.friction * sticking - share;
+            let room = facts.friction * sticking;
+            let beyond = is_of_space.then(|| self.beyond(problem, normal, (unit_un, sticking)));
+            let cone = |sign: f64| [(tangential, sign), (normal, -facts.friction), (depth, 1.0)];
             for sign in [1.0, -1.0] {
-                let cone = [(tangential, sign), (normal, -facts.friction), (depth, 1.0)];
-                problem.add_constraint(cone, ComparisonOp::Le, room);
+                match beyond {
+                    None => problem.add_constraint(cone(sign), ComparisonOp::Le, room),
+                    Some(Beyond { across, .. }) => [1.0, -1.0].into_iter().for_each(|other| {
+                        let [tangential, normal, depth] = cone(sign);
+                        let pyramid = [tangential, normal, depth, (across, other)];
+                        problem.add_constraint(pyramid, ComparisonOp::Le, room);
+                    }),
+                }
             }
             problem.add_constraint([(normal, 1.0), (depth, 1.0)], ComparisonOp::Le, most);
-            Bearing { normal, tangential }
+            Bearing { normal, tangential, beyond }
         };
         touches.iter().map(bearing).collect()
+    }
+
+    /// What a contact bears out of the plane. The lever of the load is known to the tolerance of contacts: so much of a torque is
+    /// let pass.
+    fn beyond(&self, problem: &mut Problem, normal: Variable, (unit_un, sticking): (f64, f64)) -> Beyond {
+        let facts = &self.order.facts;
+        let across = problem.add_var(0.0, (f64::NEG_INFINITY, f64::INFINITY));
+        let torque = problem.add_var(0.0, (f64::NEG_INFINITY, f64::INFINITY));
+        let torsion = facts.torsion_um / self.reach_um;
+        let slack = facts.tolerance_um / self.reach_um * self.size_un() / unit_un;
+        for sign in [1.0, -1.0] {
+            problem.add_constraint([(torque, sign), (normal, -torsion)], ComparisonOp::Le, torsion * sticking + slack);
+        }
+        Beyond { across, torque }
     }
 
     /// Forces and torques about the centre of mass sum to zero.
@@ -132,33 +183,45 @@ impl<'a> Statics<'a> {
         pull: Option<([f64; 2], [f64; 2])>,
         unit_un: f64,
     ) {
-        let mut rows: [(Vec<(Variable, f64)>, f64); 3] = Default::default();
-        let mut bear = |variable: Option<Variable>, point_um: [f64; 2], [x, y]: [f64; 2]| {
-            let arm = [0, 1].map(|axis| (point_um[axis] - self.centre_um[axis]) / self.reach_um);
-            for (row, part) in rows.iter_mut().zip([x, y, arm[0] * y - arm[1] * x]) {
+        let mut rows: [(Vec<(Variable, f64)>, f64); 6] = Default::default();
+        let mut add = |variable: Option<Variable>, parts: [f64; 6]| {
+            for (row, part) in rows.iter_mut().zip(parts) {
                 match variable {
                     Some(variable) => row.0.push((variable, part)),
                     None => row.1 -= part / unit_un,
                 }
             }
         };
+        // A force along the section's axes and normal, and its torques about them, as forces at the part's reach.
+        let force = |point_um: [f64; 2], [x, y, z]: [f64; 3]| {
+            let [along, beside] = [0, 1].map(|axis| (point_um[axis] - self.centre_um[axis]) / self.reach_um);
+            let behind = -self.height_um / self.reach_um;
+            [x, y, along * y - beside * x, z, beside * z - behind * y, behind * x - along * z]
+        };
         for (touch, bearing) in touches.iter().zip(bearings) {
-            let [inward, tangent] = touch.directions();
-            bear(Some(bearing.normal), touch.point_um, inward);
-            bear(Some(bearing.tangential), touch.point_um, tangent);
+            let [[x, y], [along, beside]] = touch.directions();
+            add(Some(bearing.normal), force(touch.point_um, [x, y, 0.0]));
+            add(Some(bearing.tangential), force(touch.point_um, [along, beside, 0.0]));
+            if let Some(Beyond { across, torque }) = bearing.beyond {
+                add(Some(across), force(touch.point_um, [0.0, 0.0, 1.0]));
+                add(Some(torque), [0.0, 0.0, 0.0, 0.0, x, y]);
+            }
         }
-        bear(None, self.centre_um, self.load_un);
-        if let Some((point_um, force_un)) = pull {
-            bear(None, point_um, force_un);
+        let [x_un, y_un] = self.load_un;
+        // At the centre of mass, which is no lever.
+        add(None, [x_un, y_un, 0.0, self.across_un, 0.0, 0.0]);
+        if let Some((point_um, [x_un, y_un])) = pull {
+            add(None, force(point_um, [x_un, y_un, 0.0]));
         }
-        for (row, right) in rows {
+        let count = if self.is_of_space() { 6 } else { 3 };
+        for (row, right) in rows.into_iter().take(count) {
             problem.add_constraint(&row, ComparisonOp::Eq, right);
         }
     }
 
     /// The forces of contacts on the part that are deepest inside the cones while their normal parts sum to `sum_un`, or as nearly as
-    /// can be: along the section's axes, in micronewtons. `None` if none balance.
-    pub fn forces_un(&self, touches: &[Touch], sum_un: f64) -> Option<Vec<[f64; 2]>> {
+    /// can be: along the section's axes and across it, in micronewtons. `None` if none balance.
+    pub fn forces_un(&self, touches: &[Touch], sum_un: f64) -> Option<Vec<[f64; 3]>> {
         let unit_un = self.order.facts.max_force_un;
         let mut problem = Problem::new(OptimizationDirection::Maximize);
         let depth = problem.add_var(1.0, (-TOLERANCE, 1.0));
@@ -175,7 +238,9 @@ impl<'a> Statics<'a> {
             let [inward, tangent] = touch.directions();
             let [normal, tangential] =
                 [bearing.normal, bearing.tangential].map(|variable| solution.var_value(variable));
-            [0, 1].map(|axis| (normal * inward[axis] + tangential * tangent[axis]) * unit_un)
+            let across = bearing.beyond.map_or(0.0, |beyond| solution.var_value(beyond.across));
+            let [x, y] = [0, 1].map(|axis| normal * inward[axis] + tangential * tangent[axis]);
+            [x, y, across].map(|part| part * unit_un)
         };
         Some(touches.iter().zip(&bearings).map(force).collect())
     }

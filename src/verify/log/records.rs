@@ -2,7 +2,9 @@
 
 use super::error::LogError;
 use super::series::{self, Decoder, Series};
-use super::{MAX_DATA_BYTES, MAX_DEVICES, MAX_MESSAGE_BYTES, MAX_MESSAGES, METADATA};
+use super::{
+    MAX_DATA_BYTES, MAX_DEFINITION_BYTES, MAX_DEVICES, MAX_MAP_BYTES, MAX_MESSAGE_BYTES, MAX_MESSAGES, METADATA,
+};
 use mcap::records::op;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -38,7 +40,24 @@ struct State<'v> {
     schemas: BTreeMap<u16, Schema>,
     topics: BTreeMap<u16, Topic>,
     data_bytes: u64,
+    /// Of message types and topics, each counted once.
+    definition_bytes: u64,
     messages: u64,
+}
+
+impl State<'_> {
+    /// Counts a definition that is kept.
+    fn define(&mut self, record: &Record) -> Result<(), LogError> {
+        self.definition_bytes += record.body.len() as u64;
+        let (bytes, limit) = (self.definition_bytes, MAX_DEFINITION_BYTES);
+        match bytes > limit {
+            true => {
+                let what = "the sum of the definitions".to_owned();
+                Err(LogError::TooLarge { offset: record.offset(), what, bytes, limit })
+            }
+            false => Ok(()),
+        }
+    }
 }
 
 #[derive(PartialEq)]
@@ -62,7 +81,7 @@ pub fn read<'a, 'v>(bytes: &'a [u8], visit: &'v mut Visitor<'v>) -> Result<Conte
     }
     let mut contents = Contents::default();
     let (schemas, topics) = (BTreeMap::new(), BTreeMap::new());
-    let mut state = State { visit, schemas, topics, data_bytes: 0, messages: 0 };
+    let mut state = State { visit, schemas, topics, data_bytes: 0, definition_bytes: 0, messages: 0 };
     let mut records = Records { bytes, at: mcap::MAGIC.len(), base: 0 };
     loop {
         let record = records.next()?;
@@ -206,7 +225,9 @@ fn schema(record: &Record, state: &mut State) -> Result<(), LogError> {
         Some(known) if *known != schema => {
             Err(LogError::damaged(record.offset(), format!("a second message type number {id}")))
         }
-        Some(_) | None => {
+        Some(_) => Ok(()),
+        None => {
+            state.define(record)?;
             state.schemas.insert(id, schema);
             Ok(())
         }
@@ -216,9 +237,6 @@ fn schema(record: &Record, state: &mut State) -> Result<(), LogError> {
 fn topic(record: &Record, contents: &mut Contents, state: &mut State) -> Result<(), LogError> {
     let mut fields = Fields::of(record);
     let (id, schema) = (fields.u16()?, fields.u16()?);
-    let (name, encoding) = (fields.text()?.to_owned(), fields.text()?.to_owned());
-    let metadata = fields.map()?;
-    fields.end()?;
     if let Some(known) = state.topics.get(&id) {
         // Writers repeat the definition in every chunk.
         return match known.definition == record.body {
@@ -226,6 +244,10 @@ fn topic(record: &Record, contents: &mut Contents, state: &mut State) -> Result<
             false => Err(LogError::damaged(record.offset(), format!("a second topic number {id}"))),
         };
     }
+    state.define(record)?;
+    let (name, encoding) = (fields.text()?.to_owned(), fields.text()?.to_owned());
+    let metadata = fields.map()?;
+    fields.end()?;
     let mut series = None;
     if super::is_topic(&name) {
         let schema =
@@ -364,6 +386,10 @@ impl<'a> Fields<'a> {
 
     fn map(&mut self) -> Result<BTreeMap<String, String>, LogError> {
         let length = u64::from(self.u32()?);
+        if length > MAX_MAP_BYTES {
+            let (offset, what, limit) = (self.offset, "a map".to_owned(), MAX_MAP_BYTES);
+            return Err(LogError::TooLarge { offset, what, bytes: length, limit });
+        }
         let part = self.take(length)?;
         let mut entries = Fields { body: part, at: 0, offset: self.offset };
         let mut map = BTreeMap::new();

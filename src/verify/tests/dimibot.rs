@@ -279,6 +279,19 @@ fn the_tip_stands_clear_even_without_a_move() {
     passes(&schedule(&clear, still), &clear);
 }
 
+/// To touch exactly is to touch: the figures have no rounding.
+#[test]
+fn a_gap_of_just_the_growth_is_too_small() {
+    let apart = |radius_um: f64| {
+        let mut claims = among((0, 0), (0, 0), vec![solid("bead", Shape::Disc { radius_um }, 1.0, 0.0)]);
+        let Order::Dimibot(order) = &mut claims.jobs[0].order else { panic!("a robot") };
+        (order.facts.tip_radius_um, order.facts.repeatability_um) = (0.25, 0.25);
+        rules(&schedule(&claims, &[&[&[]]]), &claims)
+    };
+    assert_eq!(apart(0.5), [Rule::Sweep]);
+    assert_eq!(apart(0.5_f64.next_down()), []);
+}
+
 #[test]
 fn modules_switched_at_once_need_the_whole_rectangle() {
     let facts = facts(3, 3);

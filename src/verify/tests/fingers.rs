@@ -1,7 +1,7 @@
 use super::{Edit, each_alone, only, passes, rules};
 use crate::check::claims::fingers::{Action, FingersOrder, Turn};
 use crate::device::fingers::{Adhesion, Facts, Plane};
-use crate::schedule::{Actuation, Schedule, State};
+use crate::schedule::{Actuation, Reached, Schedule, State};
 use crate::verify::{Rule, Verdict, verify};
 use build::*;
 use std::sync::Arc;
@@ -10,6 +10,7 @@ mod build;
 mod garbage;
 mod grasps;
 mod motion;
+mod pace;
 
 /// Two fingers take the bead and roll it, the third one takes the place of the second, and it is carried and released.
 fn day() -> Day {
@@ -87,6 +88,13 @@ fn with_state(schedule: &mut Schedule, at: usize, edit: impl FnOnce(StateEdit)) 
     edit((grasp, angle_index, plane, position_um, orientation));
 }
 
+/// The second step is said to turn the part so far, by three steps as asked for.
+fn told_turn(schedule: &mut Schedule, off_deg: f64) {
+    let asked_deg = 3.0 * order().part.xy.step_rad.to_degrees();
+    let reached_deg = asked_deg + off_deg;
+    schedule.steps[1].reached = vec![Reached::Turn { axis: "z".into(), asked_deg, reached_deg, off_deg }];
+}
+
 fn figure(schedule: &mut Schedule, name: &str, value: f64) {
     schedule.plans[0].outcomes.insert(name.to_owned(), value);
 }
@@ -124,6 +132,13 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     ("a state of another kind", Rule::State, |s| {
         s.plans[0].states[1].state = State::Dimibot { word: 0, cell: [0, 0], position_um: [0.0, 0.0] };
     }),
+    ("a turn that is said to reach more", Rule::Figure, |s| told_turn(s, 0.011)),
+    ("a turn that is said to reach less", Rule::Figure, |s| told_turn(s, -0.011)),
+    ("something that a wait reaches", Rule::Figure, |s| {
+        told_turn(s, 0.0);
+        s.steps[3].reached = std::mem::take(&mut s.steps[1].reached);
+    }),
+    ("a turn to no number", Rule::Number, |s| told_turn(s, f64::NAN)),
     ("another effort", Rule::Figure, |s| figure(s, "effort", 1.0)),
     ("another number of changes", Rule::Figure, |s| figure(s, "reconfigurations", 3.0)),
     ("another cost", Rule::Figure, |s| s.plans[0].cost += 1e-3),
@@ -157,6 +172,8 @@ fn what_lies_within_the_tolerances_passes() {
         ("a tip a little off", |s| shift(s, (0, 0), ROLL + 11, 0.09)),
         ("a tip a little in", |s| shift(s, (0, 0), ROLL + 11, -0.09)),
         ("a tip a little across", |s| shift(s, (0, 2), ROLL + 11, 0.09)),
+        ("what is reached", |s| told_turn(s, 0.0)),
+        ("what is reached, rounded", |s| told_turn(s, 0.004)),
         ("a place", |s| with_state(s, 2, |state| state.3[1] += 9e-4)),
         ("an orientation", |s| with_state(s, 2, |state| state.4[1] += 4e-5)),
         ("a removal told when the finger is home", |s| s.plans[0].states[6].t_ns -= 100 * MS),

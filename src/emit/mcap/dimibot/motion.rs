@@ -5,7 +5,7 @@
 use crate::emit::mcap::bench::plans;
 use crate::emit::mcap::foxglove::{self, PoseInFrame, PosesInFrame};
 use crate::emit::mcap::{Signals, Topic};
-use crate::schedule::{PlanRecord, State, TimedState};
+use crate::schedule::{State, TimedState};
 use crate::verify::Verified;
 use std::collections::BTreeSet;
 
@@ -62,14 +62,23 @@ pub fn poses(verified: &Verified, signals: &Signals, device: &str) -> Vec<(u64, 
     poses
 }
 
+/// The most places of one message of a way: readers of logs take so many without trouble, and Tweeze's own takes 64 MiB.
+const MAX_PLACES: usize = 10_000;
+
+/// The way of each plan. A long one comes in several messages, each at the instant of its first place, which ends the one before.
 fn path(verified: &Verified, device: &str) -> Topic {
-    let message = |plan: &&PlanRecord| {
-        let message = PosesInFrame {
-            timestamp: foxglove::timestamp(plan.start_ns),
-            frame_id: device.to_owned(),
-            poses: plan.states.iter().filter_map(|state| foxglove::pose_at(place(state))).collect(),
-        };
-        (plan.start_ns, foxglove::encode(&message))
-    };
-    Topic::new::<PosesInFrame>(format!("/{device}/path"), plans(verified, device).iter().map(message).collect())
+    let mut messages = Vec::new();
+    for plan in plans(verified, device) {
+        for first in (0..plan.states.len().max(1)).step_by(MAX_PLACES) {
+            let states = plan.states.iter().skip(first).take(MAX_PLACES + 1);
+            let t_ns = plan.states.get(first).filter(|_| first > 0).map_or(plan.start_ns, |state| state.t_ns);
+            let message = PosesInFrame {
+                timestamp: foxglove::timestamp(t_ns),
+                frame_id: device.to_owned(),
+                poses: states.filter_map(|state| foxglove::pose_at(place(state))).collect(),
+            };
+            messages.push((t_ns, foxglove::encode(&message)));
+        }
+    }
+    Topic::new::<PosesInFrame>(format!("/{device}/path"), messages)
 }

@@ -109,7 +109,7 @@ fn robots_have_bodies_in_frames_that_turn() {
         assert!((found_rad - heading_rad).sin().abs() < 1e-8 && (found_rad - heading_rad).cos() > 0.0);
     }
     let bench = &bench::Bench::all(&bed)[0];
-    assert!(bench.offset > 400.0, "what lies left of the origin has its room");
+    assert!(bench.stand.place[0] > 400.0, "what lies left of the origin has its room");
 }
 
 #[test]

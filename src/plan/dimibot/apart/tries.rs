@@ -376,7 +376,7 @@ impl<'a> Try<'a> {
 
     fn failure(&self, reason: Reason, job: usize, with: Option<&str>, at_ns: u64) -> Failure {
         let own = self.claims.jobs[job].device.as_str();
-        let with = with.map_or_else(|| self.neighbours(own).first().copied().unwrap_or_default(), |with| with);
+        let with = with.unwrap_or_else(|| self.neighbours(own).first().copied().unwrap_or_default());
         let with_job = self.traces.get(with).and_then(|trace| trace.job);
         Failure { reason, job, with: with.to_owned(), with_job, at_ns }
     }

@@ -1,7 +1,8 @@
-//! Pulses and tours against brute force.
+//! Pulses against brute force, and tours of many places.
 
 use super::oracle::{Oracle, Random};
 use super::scenes::{scene, some_cell};
+use crate::check::claims::dimibot::{Method, Objective};
 use crate::plan::dimibot::*;
 use crate::plan::search::Budget;
 
@@ -61,76 +62,6 @@ fn the_search_by_length_is_honest() {
     assert!(all > 50 && proven * 10 > all * 9, "{proven} of {all}");
 }
 
-fn orders(n: usize) -> Vec<Vec<usize>> {
-    if n == 0 {
-        return vec![vec![]];
-    }
-    let shorter = orders(n - 1);
-    let insert = |order: &Vec<usize>| {
-        let order = order.clone();
-        (0..n).map(move |k| {
-            let mut longer = order.clone();
-            longer.insert(k, n - 1);
-            longer
-        })
-    };
-    shorter.iter().flat_map(insert).collect()
-}
-
-#[test]
-fn tours_agree_with_all_orders() {
-    let mut random = Random(23);
-    let (mut found, mut shut) = (0, 0);
-    for _ in 0..150 {
-        let (lattice, obstacles) = scene(&mut random, 4, 1);
-        let field = Field::new(lattice, &obstacles).unwrap();
-        let oracle = Oracle { lattice, obstacles: &obstacles };
-        let weights = Weights::distance(&lattice);
-        let start = some_cell(&mut random, &lattice);
-        let places: Vec<Cell> = (0..random.below(5)).map(|_| some_cell(&mut random, &lattice)).collect();
-        let leg = |a: Cell, b: Cell| oracle.cost(a, b, |flip| weights.of(flip));
-        let all = |order: &Vec<usize>| {
-            let mut at = start;
-            order.iter().try_fold(0, |sum, &k| {
-                let cost = leg(at, places[k])?;
-                at = places[k];
-                Some(sum + cost)
-            })
-        };
-        let truth =
-            orders(places.len()).iter().map(all).collect::<Option<Vec<u64>>>().and_then(|c| c.into_iter().min());
-        match tour(&field, start, &places, &Measure::Flips(weights.clone()), Budget::DEFAULT) {
-            TourOutcome::Found(tour) => {
-                assert_eq!((Some(tour.cost), tour.bound), (truth, tour.cost));
-                check_tour(start, &places, &tour, &weights);
-                found += 1;
-            }
-            TourOutcome::Impossible { place, .. } => {
-                assert_eq!(leg(start, places[place]), None);
-                shut += 1;
-            }
-            TourOutcome::GaveUp(report) => panic!("{report:?}"),
-        }
-    }
-    assert!(found > 60 && shut > 10, "{found} {shut}");
-}
-
-fn check_tour(start: Cell, places: &[Cell], tour: &Tour, weights: &Weights) {
-    let mut sorted = tour.order.clone();
-    sorted.sort_unstable();
-    assert_eq!(sorted, (0..places.len()).collect::<Vec<_>>());
-    let (mut at, mut cost) = (start, 0);
-    for (place, leg) in tour.order.iter().zip(&tour.legs) {
-        let Leg::Flips(flips) = leg else { panic!("flips were asked for") };
-        for flip in flips {
-            at = at.after(*flip);
-            cost += weights.of(*flip);
-        }
-        assert_eq!(at, places[*place]);
-    }
-    assert_eq!(cost, tour.cost);
-}
-
 #[test]
 fn many_places_get_a_tour_within_its_bound() {
     let mut random = Random(24);
@@ -149,14 +80,35 @@ fn many_places_get_a_tour_within_its_bound() {
         };
         let start = free();
         let places: Vec<Cell> = (0..count).map(|_| free()).collect();
-        for measure in [Measure::Flips(Weights::distance(&lattice)), Measure::Pulses] {
-            let TourOutcome::Found(tour) = tour(&field, start, &places, &measure, Budget::DEFAULT) else {
-                panic!("a tour exists")
-            };
-            assert!(tour.bound <= tour.cost && tour.cost * 3 <= tour.bound * 4, "{} {}", tour.cost, tour.bound);
-            if let Measure::Flips(weights) = &measure {
-                check_tour(start, &places, &tour, weights);
+        let then = free();
+        for stages in [vec![Stage::All(places.clone())], vec![Stage::All(places.clone()), Stage::To(then)]] {
+            for (objective, with_pulses) in [(Objective::Distance, false), (Objective::Time, true)] {
+                let method = Method::StagedAstar;
+                let expansions = Budget::DEFAULT.steps;
+                let request = Request { field: &field, start, stages: &stages, method, with_pulses, expansions };
+                let route = Router::new(request).best(objective).expect("a tour exists");
+                check_route(&field, start, &stages, &route);
+                let cost = route.tally.of_objective(objective);
+                assert!(route.bound <= cost && cost * 3 <= route.bound * 4, "{cost} {}", route.bound);
             }
+        }
+    }
+}
+
+/// Each stage comes to all its cells, and each pulse is safe.
+fn check_route(field: &Field, start: Cell, stages: &[Stage], route: &Route) {
+    let mut at = start;
+    for (stage, pulses) in stages.iter().zip(&route.pulses) {
+        let mut seen = vec![at];
+        for pulse in pulses {
+            let next = Cell::new(at.x ^ pulse.left, at.y ^ pulse.right);
+            assert!(pulse_is_safe(field, at, next));
+            at = next;
+            seen.push(at);
+        }
+        match stage {
+            Stage::To(cell) => assert_eq!(at, *cell),
+            Stage::All(cells) => assert!(cells.iter().all(|cell| seen.contains(cell))),
         }
     }
 }

@@ -111,6 +111,11 @@ impl<'a> Field<'a> {
         self.ways[agent].distances.len()
     }
 
+    /// How many nodes of the walk of an agent lead to its goal.
+    pub fn reaching(&self, agent: usize) -> u64 {
+        self.ways[agent].distances.iter().filter(|distance| **distance != FAR).count() as u64
+    }
+
     #[inline]
     pub fn start(&self, agent: usize) -> Node {
         self.ways[agent].start

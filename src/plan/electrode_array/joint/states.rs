@@ -81,6 +81,12 @@ impl States {
         Some(state)
     }
 
+    /// The index of a state that was made.
+    pub fn find_known(&self, words: &[u32]) -> Option<u32> {
+        let (state, _) = self.table[self.find(words, hash(words))];
+        (state != NONE.0).then_some(state)
+    }
+
     /// Where a state is in the table, or would be.
     fn find(&self, words: &[u32], hash: u32) -> usize {
         let mask = self.table.len() - 1;

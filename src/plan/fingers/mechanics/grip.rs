@@ -4,12 +4,9 @@
 //! [`TOLERANCE`].
 
 use super::pair::{Line, Reach, are_antipodal};
+use super::space::{Bearing, Lever, three_bear};
 use super::{Contact, Load, TOLERANCE};
 use crate::device::fingers::Facts;
-
-/// The share of friction, pull-off and greatest force that a grasp must do without while it rolls: from one instant that is looked
-/// at to the next a balance changes by less than this, and where tips roll on chords of their curves too.
-pub const RESERVE: f64 = 0.02;
 
 /// A force in the plane on the object, and its moment about the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,13 +46,17 @@ pub enum Demand {
 /// What the hand can do at a contact, and how exactly it is looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grip {
-    friction: f64,
-    sticking_un: f64,
-    max_force_un: f64,
+    pub(super) friction: f64,
+    pub(super) sticking_un: f64,
+    pub(super) max_force_un: f64,
+    /// The torque about the normal that a contact bears, for each force that presses or sticks.
+    pub(super) torsion_um: f64,
     /// What the fingers that stay resist when one leaves.
     removal_un: f64,
+    /// The share of the other figures that is kept back while the fingers roll.
+    reserve: f64,
     /// Moments are compared as forces at this distance.
-    arm_um: f64,
+    pub(super) arm_um: f64,
 }
 
 impl Grip {
@@ -65,18 +66,21 @@ impl Grip {
             friction: facts.friction,
             sticking_un: facts.sticking_un(),
             max_force_un: facts.max_force_un,
+            torsion_um: facts.torsion_um,
             removal_un: facts.removal_safety * facts.sticking_un(),
+            reserve: facts.rolling_reserve,
             arm_um: reach_um,
         }
     }
 
-    /// The same hand with [`RESERVE`] kept back.
+    /// The same hand while its fingers roll: without the reserve that the device keeps back.
     pub fn with_reserve(&self) -> Grip {
-        let kept = 1.0 - RESERVE;
+        let kept = 1.0 - self.reserve;
         Grip {
             friction: self.friction * kept,
             sticking_un: self.sticking_un * kept,
             max_force_un: self.max_force_un * kept,
+            torsion_um: self.torsion_um * kept,
             ..*self
         }
     }
@@ -90,15 +94,12 @@ impl Grip {
             return false;
         }
         let demand = self.demand(load);
-        let reach = |contact: &Contact| self.reach(contact, load, contacts.len());
         match contacts {
-            [a, b] => self.two_hold([&reach(a), &reach(b)], load, &demand),
+            [a, b] => self.two_hold([a, b], load, &demand),
             [a, b, c] => {
-                let reaches = [reach(a), reach(b), reach(c)];
-                let [a, b, c] = &reaches;
-                let idle = self.may_idle(load);
-                let pair_holds = [[a, b], [a, c], [b, c]].into_iter().any(|pair| self.two_hold(pair, load, &demand));
-                idle && pair_holds || self.line([a, b], load).takes(c, &demand)
+                let pairs = [[a, b], [a, c], [b, c]];
+                pairs.into_iter().any(|pair| self.two_hold(pair, load, &demand))
+                    || self.three_hold([a, b, c], load, &demand)
             }
             [] | [_] | [_, _, _, _, ..] => false,
         }
@@ -108,9 +109,15 @@ impl Grip {
     ///
     /// That they hold by themselves afterwards is [`Grip::holds`].
     pub fn resists(&self, stay: [&Contact; 2], leaves: &Contact, load: &Load) -> bool {
-        let demand = self.removal(leaves, load);
-        let [a, b] = stay.map(|contact| self.reach(contact, load, 2));
-        self.two_hold([&a, &b], load, &demand)
+        self.two_hold(stay, load, &self.removal(leaves, load))
+    }
+
+    /// The torque of a load about the line through two contacts, and the most that the tips bear of it; `None` where that is enough.
+    pub fn torque_left_un_um(&self, [a, b]: [&Contact; 2], load: &Load) -> Option<[f64; 2]> {
+        let lever = Lever::of([a, b], &load.across(), 0.0)?;
+        let most_un_um = self.torsion_um * (self.max_force_un + self.sticking_un) * lever.leverage();
+        (lever.left_over_un_um > most_un_um + self.slack_un(load) * self.arm_um)
+            .then_some([lever.left_over_un_um, most_un_um])
     }
 
     /// What the fingers have to do under a load.
@@ -141,36 +148,78 @@ impl Grip {
         !load.is_none() && self.sticking_un == 0.0
     }
 
-    /// Whether a finger of three may exert no force in the plane.
-    pub(super) fn may_idle(&self, load: &Load) -> bool {
-        load.across_un / 3.0 <= self.friction * self.sticking_un * (1.0 + TOLERANCE)
-    }
-
-    /// The forces of one of so many fingers that hold.
-    pub(super) fn reach(&self, contact: &Contact, load: &Load, fingers: usize) -> Reach {
-        let share_un = load.across_un / fingers as f64;
-        let apex_un = self.sticking_un - share_un / self.friction;
-        let most_un = match self.demand(load) {
-            Demand::Squeeze => f64::INFINITY,
-            Demand::Exert(_) => self.max_force_un,
-        };
-        Reach::of(contact, self.friction, apex_un, most_un)
-    }
-
-    /// Whether two fingers do what is asked.
-    pub(super) fn two_hold(&self, [a, b]: [&Reach; 2], load: &Load, demand: &Demand) -> bool {
+    /// The forces of a finger in the plane.
+    pub(super) fn reach(&self, contact: &Contact, demand: &Demand) -> Reach {
         match demand {
-            Demand::Squeeze => are_antipodal(a, b),
-            Demand::Exert(wrench) => self.line([a, b], load).bears(wrench),
+            Demand::Squeeze => Reach::of(contact, self.friction, self.sticking_un, f64::INFINITY),
+            Demand::Exert(_) => self.pressing(contact, 0.0),
         }
     }
 
-    /// What two of them bear together.
+    /// The same up to the greatest force, where a part of what presses and sticks is needed otherwise.
+    pub(super) fn pressing(&self, contact: &Contact, withheld_un: f64) -> Reach {
+        Reach::of(contact, self.friction, self.sticking_un - withheld_un, self.max_force_un)
+    }
+
+    /// Whether two fingers do what is asked, and bear what acts out of the plane.
+    pub(super) fn two_hold(&self, [a, b]: [&Contact; 2], load: &Load, demand: &Demand) -> bool {
+        match demand {
+            Demand::Squeeze => are_antipodal(&self.reach(a, demand), &self.reach(b, demand)),
+            Demand::Exert(wrench) => self.two([a, b], load).is_some_and(|two| two.bear(self, wrench)),
+        }
+    }
+
+    /// Two fingers that are asked for wrenches; `None` for two contacts on one place.
+    pub(super) fn two(&self, [a, b]: [&Contact; 2], load: &Load) -> Option<Two> {
+        if load.is_in_plane() {
+            let [a, b] = [a, b].map(|contact| self.pressing(contact, 0.0));
+            return Some(Two::InPlane(self.line([&a, &b], load)));
+        }
+        Bearing::of(self, [a, b], &load.across(), self.slack_un(load)).map(Two::InSpace)
+    }
+
+    /// Whether three fingers do what is asked together, each of them with some force.
+    pub(super) fn three_hold(&self, [a, b, c]: [&Contact; 3], load: &Load, demand: &Demand) -> bool {
+        match demand {
+            Demand::Exert(wrench) if !load.is_in_plane() => {
+                three_bear(self, [a, b, c], &load.across(), wrench, self.slack_un(load))
+            }
+            Demand::Squeeze | Demand::Exert(_) => {
+                let [a, b, c] = [a, b, c].map(|contact| self.reach(contact, demand));
+                self.line([&a, &b], load).takes(&c, demand)
+            }
+        }
+    }
+
+    /// What two of them bear together in the plane.
     pub(super) fn line(&self, [a, b]: [&Reach; 2], load: &Load) -> Line {
         let slack_un = match self.demand(load) {
             Demand::Squeeze => TOLERANCE,
-            Demand::Exert(_) => TOLERANCE * (self.removal_un + self.sticking_un + load.size_un()),
+            Demand::Exert(_) => self.slack_un(load),
         };
         Line::between(a, b, self.arm_um, slack_un)
+    }
+
+    fn slack_un(&self, load: &Load) -> f64 {
+        TOLERANCE * (self.removal_un + self.sticking_un + load.size_un())
+    }
+}
+
+/// Two fingers, ready to be asked for wrenches in the plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one at a time, on the stack")]
+pub(super) enum Two {
+    InPlane(Line),
+    /// Under a load that acts out of the plane as well.
+    InSpace(Bearing),
+}
+
+impl Two {
+    /// Whether they exert a wrench.
+    pub fn bear(&self, grip: &Grip, wrench: &Wrench) -> bool {
+        match self {
+            Two::InPlane(line) => line.bears(wrench),
+            Two::InSpace(bearing) => bearing.bears(grip, wrench),
+        }
     }
 }

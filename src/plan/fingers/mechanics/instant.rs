@@ -14,11 +14,9 @@ pub(super) struct Instant<'a> {
     demand: Demand,
     /// Tips on both have room, and both are usable.
     pub clear: Rows,
-    /// Two fingers on them have room and hold.
+    /// Two fingers on them have room and hold, also with any third finger that has room and need not do anything.
     pub pair: Rows,
-    /// They hold with any third finger that has room, which then need not do anything in the plane.
-    bear: Rows,
-    /// The forces of a finger of three on each contact; empty where every grasp holds that has room.
+    /// The forces in the plane of a finger on each contact; empty where every grasp holds that has room.
     reaches: Vec<Reach>,
 }
 
@@ -28,22 +26,13 @@ impl<'a> Instant<'a> {
         let clear = room(&contacts, apart_um);
         let demand = grip.demand(&load);
         if grip.holds_anyway(&load) {
-            let (pair, bear) = (clear.clone(), clear.clone());
-            return Instant { grip, contacts, load, demand, clear, pair, bear, reaches: Vec::new() };
+            let pair = clear.clone();
+            return Instant { grip, contacts, load, demand, clear, pair, reaches: Vec::new() };
         }
-        let of_fingers = |count: usize| contacts.iter().map(|at| grip.reach(at, &load, count)).collect::<Vec<_>>();
-        let holding = |reaches: &[Reach]| {
-            let holds = |i: usize, j: usize| grip.two_hold([&reaches[i], &reaches[j]], &load, &demand);
-            Rows::symmetric(contacts.len(), |i, j| clear.has(i, j) && holds(i, j))
-        };
-        let reaches = of_fingers(3);
-        let pair = holding(&of_fingers(2));
-        let bear = match (grip.may_idle(&load), load.across_un == 0.0) {
-            (false, _) => Rows::new(contacts.len()),
-            (true, true) => pair.clone(),
-            (true, false) => holding(&reaches),
-        };
-        Instant { grip, contacts, load, demand, clear, pair, bear, reaches }
+        let reaches = contacts.iter().map(|at| grip.reach(at, &demand)).collect();
+        let holds = |i: usize, j: usize| grip.two_hold([&contacts[i], &contacts[j]], &load, &demand);
+        let pair = Rows::symmetric(contacts.len(), |i, j| clear.has(i, j) && holds(i, j));
+        Instant { grip, contacts, load, demand, clear, pair, reaches }
     }
 
     /// Puts into a row the contacts that have room beside two others that have.
@@ -59,16 +48,20 @@ impl<'a> Instant<'a> {
             return;
         }
         let mut row = vec![0; self.clear.width()];
-        for (i, j) in pairs(&self.clear).filter(|&(i, j)| !self.bear.has(i, j)) {
+        for (i, j) in pairs(&self.clear).filter(|&(i, j)| !self.pair.has(i, j)) {
             triples.read_row(tables.three(i, j, 0), tables.contacts, &mut row);
             for (k, word) in row.iter_mut().enumerate() {
-                *word &= !(self.bear.row(i)[k] | self.bear.row(j)[k]) & above(j, k);
+                *word &= !(self.pair.row(i)[k] | self.pair.row(j)[k]) & above(j, k);
             }
             if row.iter().all(|word| *word == 0) {
                 continue;
             }
-            let line = self.line(i, j);
-            for k in numbers(&row).filter(|&k| !line.takes(&self.reaches[k], &self.demand)) {
+            let line = self.load.is_in_plane().then(|| self.line(i, j));
+            let holds = |k: usize| match &line {
+                Some(line) => line.takes(&self.reaches[k], &self.demand),
+                None => self.grip.three_hold([i, j, k].map(|at| &self.contacts[at]), &self.load, &self.demand),
+            };
+            for k in numbers(&row).filter(|&k| !holds(k)) {
                 for [a, b, c] in [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]] {
                     triples.take(tables.three(a, b, c));
                 }

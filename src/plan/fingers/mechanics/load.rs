@@ -1,5 +1,6 @@
 //! What acts on the object besides the fingers.
 
+use super::space::Across;
 use crate::device::fingers::Plane;
 use crate::real::Real;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -12,15 +13,17 @@ const ROUNDING: f64 = 1e-12;
 pub struct Load {
     /// Its part in the plane, in section coordinates, in micronewtons.
     pub force_un: [f64; 2],
-    /// Its part across the plane, in micronewtons; the fingers that hold share it equally by friction.
+    /// Its part across the plane, along its normal, in micronewtons.
     pub across_un: f64,
     /// Where it acts, in section coordinates.
     pub at_um: [f64; 2],
+    /// How far in front of the plane it acts, along its normal.
+    pub height_um: f64,
 }
 
 impl Load {
     /// Nothing acts.
-    pub const NONE: Load = Load { force_un: [0.0; 2], across_un: 0.0, at_um: [0.0; 2] };
+    pub const NONE: Load = Load { force_un: [0.0; 2], across_un: 0.0, at_um: [0.0; 2], height_um: 0.0 };
 
     /// A force given in the hand's frame, on a part that is turned so, in the section of a plane.
     pub fn seen(plane: Plane, orientation: &UnitQuaternion<f64>, load_un: [f64; 3], centre_um: [f64; 3]) -> Load {
@@ -29,17 +32,31 @@ impl Load {
         let [x, y] = plane.axes();
         let centre_um = Vector3::from(centre_um);
         let least_un = ROUNDING * force_un.norm();
-        let in_plane = |axis| Some(along(axis, &force_un)).filter(|part: &f64| part.abs() > least_un).unwrap_or(0.0);
+        let part = |axis| Some(along(axis, &force_un)).filter(|part: &f64| part.abs() > least_un).unwrap_or(0.0);
         Load {
-            force_un: [in_plane(x), in_plane(y)],
-            across_un: along(plane.normal(), &force_un).abs(),
+            force_un: [part(x), part(y)],
+            across_un: part(plane.normal()),
             at_um: [along(x, &centre_um), along(y, &centre_um)],
+            height_um: along(plane.normal(), &centre_um),
         }
     }
 
     /// Whether it looks the same however the part is turned in the plane: it acts across the plane only.
     pub fn is_across(&self) -> bool {
         self.force_un == [0.0; 2]
+    }
+
+    /// Whether it neither acts across the plane nor turns the part out of it.
+    pub fn is_in_plane(&self) -> bool {
+        self.across_un == 0.0 && (self.height_um == 0.0 || self.force_un == [0.0; 2])
+    }
+
+    /// What fingers must exert against it out of the plane.
+    pub(super) fn across(&self) -> Across {
+        let ([x_um, y_um], [fx_un, fy_un]) = (self.at_um, self.force_un);
+        let torque_un_um =
+            [y_um * self.across_un - self.height_um * fy_un, self.height_um * fx_un - x_um * self.across_un];
+        Across { force_un: -self.across_un, torque_un_um: torque_un_um.map(|torque| -torque) }
     }
 
     /// Whether nothing acts.

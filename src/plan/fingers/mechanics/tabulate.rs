@@ -8,14 +8,11 @@ use super::grip::{Demand, Grip};
 use super::instant::{self, Instant, pairs};
 use super::rows::{Rows, retain, step};
 use super::{Contacts, Load};
-use crate::device::fingers::Facts;
+use crate::device::fingers::{Facts, MAX_GRASPS};
 use crate::plan::fingers::tables::{Bits, Layer, Tables};
 
-/// The most bits of one set of three contacts, over all layers: 64 MiB, and four such sets in all.
-pub const MAX_TABLE_BITS: usize = 1 << 29;
-
-/// Into how many parts a rolling step is cut for holding: where they meet, a grasp has to hold with a reserve
-/// ([`super::RESERVE`]).
+/// Into how many parts a rolling step is cut for holding: where they meet, a grasp must hold with the device's reserve.
+/// What holds there and lapses between them is found by [`super::Closer`] before a way is taken.
 ///
 /// A grasp that holds at both ends of a part may lapse within it only where its balance goes from one set of bounds to another: of
 /// 214,000 grasps of three that roll without adhesion, at friction 0.2 and 0.5, on ellipses up to 20 to 6, a superellipse, a
@@ -52,12 +49,12 @@ pub struct TooManyGrasps {
 /// from 0, and it is asked with i < j only.
 ///
 /// # Errors
-/// [`TooManyGrasps`] where contacts and layers ask for more than [`MAX_TABLE_BITS`].
+/// [`TooManyGrasps`] where contacts and layers ask for more than [`MAX_GRASPS`]: four sets of them, a bit each, take 256 MiB.
 pub fn tables(asked: &Asked, reaches: &mut dyn FnMut(usize, usize, usize) -> bool) -> Result<Tables, TooManyGrasps> {
     let contacts = asked.contacts.number();
     let layers = if asked.load.is_across() { 1 } else { asked.angles };
     let bits = contacts.checked_pow(3).and_then(|bits| bits.checked_mul(layers));
-    if bits.is_none_or(|bits| bits > MAX_TABLE_BITS) {
+    if bits.is_none_or(|bits| bits > MAX_GRASPS) {
         return Err(TooManyGrasps { contacts, layers });
     }
     let grip = Grip::of(asked.facts, asked.contacts.reach_um());
@@ -145,7 +142,6 @@ fn standing(grip: &Grip, now: &Instant, open: &Bits, tables: &Tables) -> Layer {
 
 fn come_and_go(grip: &Grip, now: &Instant, open: &Bits, tables: &Tables, layer: &mut Layer) {
     let demands: Vec<Demand> = now.contacts.iter().map(|leaves| grip.removal(leaves, &now.load)).collect();
-    let reaches: Vec<_> = now.contacts.iter().map(|at| grip.reach(at, &now.load, 2)).collect();
     let mut row = vec![0; now.clear.width()];
     let mut holding = row.clone();
     for (i, j) in pairs(&now.pair) {
@@ -153,10 +149,10 @@ fn come_and_go(grip: &Grip, now: &Instant, open: &Bits, tables: &Tables, layer: 
         layer.triple.read_row(tables.three(i, j, 0), tables.contacts, &mut holding);
         row.iter_mut().zip(&holding).for_each(|(word, holding)| *word &= holding);
         put_both(&mut layer.place, tables, [i, j], &row);
-        let line = grip.line([&reaches[i], &reaches[j]], &now.load);
+        let two = grip.two([&now.contacts[i], &now.contacts[j]], &now.load);
         retain(&mut row, |k| match demands[k] {
             Demand::Squeeze => true,
-            Demand::Exert(wrench) => line.bears(&wrench),
+            Demand::Exert(wrench) => two.is_some_and(|two| two.bear(grip, &wrench)),
         });
         put_both(&mut layer.leave, tables, [i, j], &row);
     }

@@ -176,8 +176,8 @@ impl<'a> Told<'a> {
 fn tables_say_what_single_grasps_say() {
     let round = ellipse([8.0, 6.1], 28);
     let waist = peanut(30);
-    let weight = Load { force_un: [0.4, -0.9], across_un: 0.0, at_um: [0.5, 0.2] };
-    let oblique = Load { across_un: 0.7, ..weight };
+    let weight = Load { force_un: [0.4, -0.9], at_um: [0.5, 0.2], ..Load::NONE };
+    let oblique = Load { across_un: 0.7, height_um: 0.3, ..weight };
     for adhesion in [Adhesion::Sticking, Adhesion::Absent] {
         for part in [&round, &waist] {
             assert_told_by_single_grasps(&hand(0.4, adhesion), part, Load::NONE, 5);
@@ -236,25 +236,37 @@ fn a_removal_in_balance_holds_up_to_its_safety() {
 }
 
 #[test]
-fn a_load_across_is_shared_by_the_fingers_that_hold() {
+fn a_load_across_is_borne_by_levers_and_torsion() {
     let contacts = circle();
-    let holds = |grasp: &[usize], across_un: f64| {
+    let holds = |grasp: &[usize], torsion_um: f64, load: Load| {
         let held: Vec<Contact> = grasp.iter().map(|contact| contacts[*contact]).collect();
-        Grip::of(&hand(0.3, Adhesion::Sticking), 9.0).holds(&held, &Load { across_un, ..Load::NONE })
+        Grip::of(&Facts { torsion_um, ..hand(0.3, Adhesion::Sticking) }, 9.0).holds(&held, &load)
     };
-    // Each of two that press with 30 μN bears 0.3 × (30 + 1.5) μN.
-    assert!(holds(&[0, 18], 18.9) && !holds(&[0, 18], 18.9 + 1e-6));
-    assert!(holds(&[0, 12, 24], 28.35) && !holds(&[0, 12, 24], 28.35 + 1e-6));
+    let across = |across_un: f64| Load { across_un, ..Load::NONE };
+    // Through the chord: each of two that press with 30 uN bears 0.3 × (30 + 1.5) uN.
+    assert!(holds(&[0, 18], 0.0, across(18.9)) && !holds(&[0, 18], 0.0, across(18.9 + 1e-6)));
+    assert!(holds(&[0, 12, 24], 0.0, across(-28.35)) && !holds(&[0, 12, 24], 0.0, across(-28.35 - 1e-6)));
+    // Off the chord: what two bear there is the torque about their normals, 2 × 31.5 uN × 0.1 um.
+    let beside = |across_un: f64| Load { across_un, at_um: [0.0, 3.0], ..Load::NONE };
+    assert!(!holds(&[0, 18], 0.0, beside(1e-3)));
+    assert!(holds(&[0, 18], 0.1, beside(2.1)) && !holds(&[0, 18], 0.1, beside(2.1 + 1e-6)));
+    // A third finger behind the chord is a lever: the load off it is borne, for tips that stick pull as well.
+    assert!(holds(&[0, 18, 27], 0.0, beside(1.0)));
+    // In the plane, but before it.
+    let before = |height_um: f64| Load { force_un: [0.0, 1.0], height_um, ..Load::NONE };
+    assert!(
+        holds(&[0, 18], 0.0, before(0.0)) && !holds(&[0, 18], 0.0, before(0.1)) && holds(&[0, 18], 0.1, before(0.1))
+    );
 }
 
 #[test]
 fn a_load_turns_against_the_part() {
-    let load = Load { force_un: [0.0, -2.0], across_un: 0.5, at_um: [1.0, 0.0] };
+    let load = Load { force_un: [0.0, -2.0], across_un: 0.5, at_um: [1.0, 0.0], height_um: 0.0 };
     let [x_un, y_un] = load.after_turn(TAU / 4.0).force_un;
     assert!((x_un + 2.0).abs() < 1e-12 && y_un.abs() < 1e-12, "what is down lies along -x of a part turned by 90 deg");
     let quarter = nalgebra::UnitQuaternion::from_euler_angles(0.0, 0.0, TAU / 4.0);
     let seen = Load::seen(crate::device::fingers::Plane::Xy, &quarter, [0.0, -2.0, -0.5], [1.0, 0.0, 0.0]);
-    assert!((seen.force_un[0] + 2.0).abs() < 1e-12 && seen.across_un == 0.5 && seen.at_um == [1.0, 0.0]);
+    assert!((seen.force_un[0] + 2.0).abs() < 1e-12 && seen.across_un == -0.5 && seen.at_um == [1.0, 0.0]);
 }
 
 #[test]

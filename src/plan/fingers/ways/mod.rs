@@ -8,8 +8,8 @@
 //! or is held and beyond the spheres of the fingers before it; it travels on a great circle of it, and comes and leaves by ways that
 //! [`Reach`] has tested. Where the tip of another free finger is in the way, that one first steps aside on its own sphere.
 //!
-//! Promise: tips that hold are within half the tolerance of where rolling without slip has them, at every instant, and besides as far
-//! off as the two sections disagree where planes change; free tips keep the clearance from the outline in their plane, from tips that
+//! Promise: tips that hold are within half the tolerance of where rolling without slip has them, at every instant, and exactly there
+//! where a state is recorded, also from one plane to the other: a tip rolls on from where it is; free tips keep the clearance from the outline in their plane, from tips that
 //! hold and from each other, less than the tolerance excepted. Not promised: the fastest ways. Cost grows with the number of chords.
 
 mod motion;
@@ -87,6 +87,9 @@ pub enum WayError {
     Range { step: usize, finger: usize, axis: usize, beyond_um: f64 },
     /// No way to or from a contact, counted from 1, is clear of the part and the tips that hold.
     Blocked { step: usize, finger: usize, contact: u32 },
+    /// A finger, counted from 0, that goes on in another plane is too far from the contact there, counted from 1: each change of plane
+    /// may add to it what the outlines disagree by.
+    Adrift { step: usize, finger: usize, contact: u32, off_um: f64 },
     /// The tolerance asks for too many chords.
     TooFine { step: usize },
     /// The act does not fit the state that it meets; no plan has such a one.

@@ -5,10 +5,14 @@ use super::sphere::{self, Arc};
 use super::{Act, Course, Hand, MAX_MOVES, Side, WayError};
 use crate::device::fingers::{AXES, Plane};
 use crate::plan::fingers::{Hold, Motion, Move, Stance};
+use crate::real::Real;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector2, Vector3};
 
 /// A tip that has less to go than this, in micrometres, is there.
 const THERE_UM: f64 = 1e-9;
+
+/// How far a tip may be from its contact, as a share of the tolerance.
+const ADRIFT: f64 = 0.9;
 
 /// How the fingers move in a course.
 pub fn motion(hand: &Hand, course: &Course) -> Result<Motion, WayError> {
@@ -37,11 +41,26 @@ fn is_sound(hand: &Hand, start: &Stance) -> bool {
     start.tips_um.len() == fingers && start.hold.grasp.len() == fingers && are_there
 }
 
+/// How far a tip that holds is from where its contact would have it.
+///
+/// Two sections seldom put a tip into the same place to the last nanometre. A tip that goes on in another plane stays where it is, and
+/// rolls from there: were it moved to its contact's exact place, it would slip and turn the part.
+#[derive(Debug, Clone, Copy, Default)]
+struct Seat {
+    /// Along the outline, as a rolling coordinate.
+    rolled_rad: f64,
+    gap_um: f64,
+    /// Across the plane.
+    height_um: f64,
+}
+
 /// Where everything is on the way.
 struct Walk<'a> {
     hand: &'a Hand<'a>,
     tips_um: Vec<Vector3<f64>>,
     grasp: Vec<u32>,
+    /// By finger.
+    seats: Vec<Seat>,
     plane: Plane,
     angle_index: i64,
     position_um: Vector3<f64>,
@@ -61,8 +80,9 @@ struct Walk<'a> {
 impl<'a> Walk<'a> {
     fn new(hand: &'a Hand<'a>, start: &Stance) -> Self {
         let [w, x, y, z] = start.hold.orientation;
-        Walk {
+        let mut walk = Walk {
             hand,
+            seats: vec![Seat::default(); start.hold.grasp.len()],
             tips_um: start.tips_um.iter().map(|tip| Vector3::from(*tip)).collect(),
             grasp: start.hold.grasp.clone(),
             plane: start.hold.plane,
@@ -75,7 +95,36 @@ impl<'a> Walk<'a> {
             step: 0,
             beyond: None,
             worst_um: 0.0,
+        };
+        (0..walk.grasp.len()).for_each(|finger| walk.take_seat(finger));
+        walk
+    }
+
+    /// A finger that holds goes on from where its tip is.
+    fn take_seat(&mut self, finger: usize) {
+        self.seats[finger] = Seat::default();
+        let (contact, Some(side)) = (self.grasp[finger], self.hand.side(self.plane)) else { return };
+        if contact == 0 {
+            return;
         }
+        let from_origin = self.orientation(0.0).inverse() * (self.tips_um[finger] - self.position_um);
+        let along = |axis: [f64; 3]| Vector3::from(axis).dot(&from_origin);
+        let nearest = side.curve.nearest(self.plane.axes().map(along));
+        let tip_radius_um = self.hand.facts.tip_radius_um;
+        let round_rad = f64::from(side.section.contacts) * side.section.step_rad;
+        let off_rad =
+            side.curve.rolled_rad(nearest.way_um, tip_radius_um) - f64::from(contact - 1) * side.section.step_rad;
+        self.seats[finger] = Seat {
+            rolled_rad: off_rad - round_rad * (off_rad / round_rad).round(),
+            gap_um: nearest.distance_um - tip_radius_um,
+            height_um: along(self.plane.normal()),
+        };
+    }
+
+    /// How far a tip that holds is from where its contact would have it.
+    fn adrift_um(&self, finger: usize) -> f64 {
+        let Seat { rolled_rad, gap_um, height_um } = self.seats[finger];
+        Vector3::new(rolled_rad * self.hand.facts.tip_radius_um, gap_um, height_um).norm()
     }
 
     fn act(&mut self, act: &Act) -> Result<(), WayError> {
@@ -142,9 +191,12 @@ impl<'a> Walk<'a> {
         if contact > 1 {
             self.grasp[finger] = new.filter(|_| old == Some(contact)).ok_or(self.unfit())?;
         }
-        let near_um = self.hand.facts.tolerance_um / 2.0;
-        let is_there = contact == 0 || (self.touch(self.grasp[finger], 0.0)? - self.tips_um[finger]).norm() <= near_um;
-        if is_there { Ok(()) } else { Err(self.unfit()) }
+        self.take_seat(finger);
+        let off_um = self.adrift_um(finger);
+        if off_um <= ADRIFT * self.hand.facts.tolerance_um {
+            return Ok(());
+        }
+        Err(WayError::Adrift { step: self.step, finger, contact: self.grasp[finger], off_um })
     }
 
     /// A step of the turn, by chords of equal angles.
@@ -159,7 +211,7 @@ impl<'a> Walk<'a> {
             let rolled_rad = sense as f64 * step_rad * f64::from(chord) / f64::from(chords);
             let mut tips_um = self.tips_um.clone();
             for (finger, tip) in tips_um.iter_mut().enumerate().filter(|(finger, _)| self.grasp[*finger] != 0) {
-                *tip = self.touch(self.grasp[finger], rolled_rad)?;
+                *tip = self.touch(finger, rolled_rad)?;
             }
             self.glide(tips_um, self.hand.facts.rolling_um_per_s)?;
         }
@@ -187,6 +239,7 @@ impl<'a> Walk<'a> {
         self.shift(finger, bend_um, self.hand.facts.speed_um_per_s)?;
         self.shift(finger, touch_um, self.hand.facts.approach_um_per_s)?;
         self.grasp[finger] = contact;
+        self.seats[finger] = Seat::default();
         Ok(())
     }
 
@@ -210,7 +263,10 @@ impl<'a> Walk<'a> {
     fn translate(&mut self, by_um: Vector3<f64>) -> Result<(), WayError> {
         self.position_um += by_um;
         let tips_um: Vec<Vector3<f64>> = self.tips_um.iter().map(|tip| tip + by_um).collect();
-        self.push(duration_ns(by_um.norm(), self.hand.facts.rolling_um_per_s), tips_um)?;
+        // Free tips come along.
+        let (facts, any_free) = (self.hand.facts, self.grasp.contains(&0));
+        let free_um_per_s = if any_free { facts.speed_um_per_s } else { f64::INFINITY };
+        self.push(duration_ns(by_um.norm(), facts.rolling_um_per_s.min(free_um_per_s)), tips_um)?;
         self.record();
         Ok(())
     }
@@ -259,12 +315,15 @@ impl<'a> Walk<'a> {
         Ok([placed(way.touch_um), placed(way.bend_um), placed(way.end_um(self.hand.sphere_um(finger)))])
     }
 
-    /// The centre of a tip that touched at a contact, in the hand's frame, after the part has rolled on by an angle.
-    fn touch(&self, contact: u32, rolled_rad: f64) -> Result<Vector3<f64>, WayError> {
-        let side = self.side()?;
-        let at_rad = f64::from(contact - 1) * side.section.step_rad - rolled_rad;
-        let (tip, _) = rolling::tip(side.curve, self.hand.facts, at_rad);
-        Ok(self.placed(self.orientation(rolled_rad), tip))
+    /// The centre of a tip that holds, in the hand's frame, after the part has rolled on by an angle.
+    fn touch(&self, finger: usize, rolled_rad: f64) -> Result<Vector3<f64>, WayError> {
+        let (side, seat) = (self.side()?, self.seats[finger]);
+        let from_rad = f64::from(self.grasp[finger] - 1) * side.section.step_rad + seat.rolled_rad;
+        let (tip, normal_rad) = rolling::tip(side.curve, self.hand.facts, from_rad - rolled_rad);
+        let (sin, cos) = normal_rad.sine_cosine();
+        let orientation = self.orientation(rolled_rad);
+        let across = orientation * Vector3::from(self.plane.normal());
+        Ok(self.placed(orientation, tip + Vector2::new(cos, sin) * seat.gap_um) + across * seat.height_um)
     }
 
     fn placed(&self, orientation: UnitQuaternion<f64>, place: Vector2<f64>) -> Vector3<f64> {

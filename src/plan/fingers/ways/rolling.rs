@@ -19,14 +19,21 @@ pub fn tip(curve: &Curve, facts: &Facts, rolled_rad: f64) -> (Vector2<f64>, f64)
     (Vector2::from(spot.point_um) + Vector2::new(cos, sin) * facts.tip_radius_um, spot.normal_rad)
 }
 
+/// How far a chord may be from the arc, as a share of how far the part reaches: what the tips' deviation turns the part by, about.
+const CHORD_RAD: f64 = 1e-4;
+
 /// Into how many equal chords a rolling step is cut, so that no tip is farther than half the tolerance from where it should be at
-/// any instant; `None` if that needs too many.
+/// any instant, nor so far that the part is turned by more than about 0.006 deg in between; `None` if that needs too many.
+///
+/// Tips that go by chords are a little inside of the arcs, so that what they turn the part by, taken at each instant without slip,
+/// drifts from what they turn it by over whole steps. It is this drift that the second limit keeps below 0.01 deg for each full turn.
 ///
 /// The second derivative of the centre by the angle is R(θ)(n/(κ + 1/l2) − p), and a chord over an angle h is off by at most an
 /// eighth of h² times its norm.
 pub fn chords(curve: &Curve, facts: &Facts, step_rad: f64) -> Option<u32> {
     let least_per_um = curve.least_curvature_per_um() + 1.0 / facts.tip_radius_um;
     let bend_um = curve.reach_um() + 1.0 / least_per_um;
-    let count = (step_rad * (bend_um / (4.0 * facts.tolerance_um)).sqrt()).ceil().max(1.0);
+    let off_um = (facts.tolerance_um / 2.0).min(CHORD_RAD * curve.reach_um());
+    let count = (step_rad * (bend_um / (8.0 * off_um)).sqrt()).ceil().max(1.0);
     (least_per_um > 0.0 && count <= MAX_CHORDS).then_some(count as u32)
 }

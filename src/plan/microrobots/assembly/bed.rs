@@ -42,11 +42,15 @@ impl<'a> Bed<'a> {
         (0..self.poses.len()).filter(move |robot| !self.docked[*robot] && !steered.contains(robot))
     }
 
-    /// The state that puts these robots' arms so, while all others that are not docked orbit: the one with the fewest levels.
+    /// The state that puts these robots' arms so, while all others that are not docked orbit and docked ones have their arms up:
+    /// the one with the fewest levels.
     pub fn state(&self, steered: &[(usize, Arm)]) -> Option<usize> {
         let arm = |state: usize, robot: usize| self.order.states[state].arms[self.order.robots[robot].row];
-        let wanted = |robot: usize| steered.iter().find(|one| one.0 == robot).map_or(Arm::Down, |one| one.1);
-        let fits = |state: &usize| self.others(&[]).all(|robot| arm(*state, robot) == wanted(robot));
+        let wanted = |robot: usize| match self.docked[robot] {
+            true => Arm::Up,
+            false => steered.iter().find(|one| one.0 == robot).map_or(Arm::Down, |one| one.1),
+        };
+        let fits = |state: &usize| (0..self.docked.len()).all(|robot| arm(*state, robot) == wanted(robot));
         let cycle = |state: &usize| self.order.states[*state].levels_v.len();
         (0..self.order.states.len()).filter(fits).min_by_key(cycle)
     }

@@ -1,7 +1,8 @@
 //! The rules of collision, asked for a bed in the course of an assembly.
 
 use super::bed::{Bed, Stretch};
-use super::{Blocker, Stuck};
+use super::{Blocker, Stuck, recognition};
+use crate::check::claims::microrobots::Dock;
 use crate::geometry::Pose;
 use crate::plan::microrobots::free::Segment;
 use crate::plan::microrobots::ways::{NoWay, Task};
@@ -14,15 +15,21 @@ use std::f64::consts::TAU;
 const MAX_STATES: u64 = 2_000;
 
 /// The bed's world, and where everything stood when the assembly began.
-pub struct Ground {
+pub struct Ground<'a> {
     pub world: World,
+    docks: &'a [Dock],
     start: Vec<Pose>,
     docked: Vec<bool>,
 }
 
-impl Ground {
-    pub fn new(bed: &Bed) -> Self {
-        Ground { world: World::new(bed.order), start: bed.poses.clone(), docked: bed.docked.clone() }
+impl<'a> Ground<'a> {
+    pub fn new(bed: &Bed, docks: &'a [Dock]) -> Self {
+        Ground { world: World::new(bed.order), docks, start: bed.poses.clone(), docked: bed.docked.clone() }
+    }
+
+    /// A stretch up to where its robots dock.
+    pub fn settled(&self, bed: &Bed, stretch: Stretch) -> Result<Stretch, Stuck> {
+        recognition::settled(bed, self.docks, stretch)
     }
 
     /// What rests while some robots are steered: docked bodies, and the discs of all others, which have to have room.

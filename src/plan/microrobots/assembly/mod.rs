@@ -5,8 +5,8 @@
 //! the structure (`single`); the robots that are still to come orbit all the while. Which robots go first, in which role and in
 //! which order, is searched depth first over what the control states allow, and cut off by a bound.
 //! Guaranteed: the result meets no objection of the rules of collision ([`super::world`]), and every robot ends within precision.
-//! Not guaranteed: that there is no faster way, or none at all where the search ends without one; a [`Stuck`] says which of its
-//! cases are proofs, and those hold for assemblies in which robots that are neither docked nor steered orbit.
+//! Not guaranteed: that there is no faster way, or none at all where the search ends without one. No [`Stuck`] is a proof: only assemblies
+//! are looked for in which robots that are neither docked nor steered orbit where they are, and robots may move away first, or run along.
 //! Cost: one plan for each stage where the table leaves one order, as STRING tables do, and no more than [`MAX_PLANS`].
 
 mod bed;
@@ -14,13 +14,14 @@ mod closing;
 mod ground;
 mod orders;
 mod pair;
+mod recognition;
 mod roundabout;
 mod single;
 mod track;
 
 use super::world::Hit;
-use super::{Docking, Leg, Stage, free};
-use crate::check::claims::microrobots::{Dock, MicrorobotsOrder};
+use super::{Docking, Leg, Stage, bound};
+use crate::check::claims::microrobots::{Dock, MicrorobotsOrder, Precision};
 use crate::geometry::Pose;
 use crate::plan::search::{Budget, Meter};
 use bed::{Bed, Stretch};
@@ -42,20 +43,18 @@ pub struct Assembled {
     pub stages: Vec<Stage>,
     /// Trains and control cycles.
     pub duration_ns: u64,
-    /// No assembly is faster: its slowest robot's shortest way to its goal, alone on the bed.
-    pub least_ns: u64,
 }
 
-/// Why there is no assembly. Robots are indices of the order's robots.
+/// Why no assembly was found. Robots are indices of the order's robots.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Stuck {
-    /// A proof: no control states steer these robots (one, or the first two) while this one orbits; without it: while all others
-    /// orbit that have to.
+    /// No control states steer these robots (one, or the first two) while this one orbits; without it: while all others orbit that are
+    /// not docked, and those that are keep their arms up.
     Unsteerable { robots: Vec<usize>, orbiting: Option<usize> },
-    /// A proof: this robot has to dock while the other one orbits, for a whole turn at least by then, and its goal is too near to the disc that the other sweeps;
-    /// negative where it lies in it.
+    /// This robot docks while the other one orbits, for a whole turn at least by then, and its goal is too near to the disc that the
+    /// other sweeps; negative where it lies in it.
     GoalInOrbit { robot: usize, orbiting: usize, gap_um: f64 },
-    /// A proof: at its goal the robot touches neither what is docked nor another robot's goal that could be reached.
+    /// At its goal the robot touches neither what is docked nor another robot's goal that could be reached.
     Apart { robot: usize },
     /// All ways that were tried come too near to something; the last of them so.
     Blocked { robot: usize, partner: Option<usize>, hit: Hit },
@@ -67,6 +66,8 @@ pub enum Stuck {
     NoOrbit { robot: usize, blocker: Blocker },
     /// Whole strokes do not bring the robot to its goal within precision.
     Coarse { robot: usize },
+    /// The robot ends within the precision of its goal, but so far from what it docks with: more than the docking tolerance.
+    Loose { robot: usize, gap_um: f64 },
     /// The budget is spent.
     GaveUp,
 }
@@ -82,29 +83,6 @@ pub enum Blocker {
     Docked(usize),
 }
 
-/// What a [`Stuck`] is worth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Certainty {
-    /// There is no assembly in which all robots orbit that are neither docked nor steered.
-    Proven,
-    /// A search ended.
-    Open,
-}
-
-impl Stuck {
-    pub fn certainty(&self) -> Certainty {
-        match self {
-            Stuck::Unsteerable { .. } | Stuck::GoalInOrbit { .. } | Stuck::Apart { .. } => Certainty::Proven,
-            Stuck::Blocked { .. }
-            | Stuck::Untimely { .. }
-            | Stuck::NoWay { .. }
-            | Stuck::NoOrbit { .. }
-            | Stuck::Coarse { .. }
-            | Stuck::GaveUp => Certainty::Open,
-        }
-    }
-}
-
 /// Plans an assembly. `poses` and `docked` are those at its beginning, one for each robot of the order; `docks` are robots that
 /// are not docked. A step of the budget is a candidate that is held against the rules of collision, or a search for a way.
 pub fn assemble(
@@ -116,12 +94,12 @@ pub fn assemble(
 ) -> Result<Assembled, Stuck> {
     let bed = Bed::new(order, poses, docked);
     let orders = Orders { docks };
-    if let Some(stuck) = orders.disproof(&bed) {
+    if let Some(stuck) = orders.dead_end(&bed) {
         return Err(stuck);
     }
     let mut search = Search {
         orders,
-        ground: Ground::new(&bed),
+        ground: Ground::new(&bed, docks),
         meter: Meter::new(budget),
         best: None,
         stuck: None,
@@ -130,33 +108,29 @@ pub fn assemble(
     search.descend(&bed);
     match (search.best, search.stuck) {
         (Some((duration_ns, bed)), _) => {
-            let least_ns = least_ns(&Bed::new(order, poses, docked), docks);
-            Ok(Assembled { legs: bed.legs, docks: bed.docks, stages: bed.stages, duration_ns, least_ns })
+            Ok(Assembled { legs: bed.legs, docks: bed.docks, stages: bed.stages, duration_ns })
         }
         (None, Some((_, stuck))) => Err(stuck),
         (None, None) => Err(Stuck::GaveUp),
     }
 }
 
-/// A time that no assembly of these robots is below.
+/// A time that no assembly of these robots is below: the slowest one's shortest way to its goal, alone on the bed.
 fn least_ns(bed: &Bed, docks: &[Dock]) -> u64 {
     let facts = &bed.order.facts;
     let least_ns = |dock: &Dock| {
-        let robot = bed.robot(dock.robot);
-        let least_um = free::least_um(robot, bed.poses[dock.robot], dock.goal.pose, bed.order.precision);
-        facts.period_ns.saturating_mul((least_um / robot.step_um - ROUNDING_STROKES).ceil().max(0.0) as u64)
+        let from = (bed.poses[dock.robot], Precision { place_um: 0.0, heading_rad: 0.0 });
+        let to = (dock.goal.pose, bed.order.precision);
+        facts.period_ns.saturating_mul(bound::least_strokes(bed.order, dock.robot, from, to))
     };
     let open = docks.iter().filter(|dock| !bed.docked[dock.robot]);
     open.map(least_ns).max().map_or(0, |way_ns| way_ns.saturating_add(facts.dwell_ns))
 }
 
-/// What rounding may add to a number of strokes.
-const ROUNDING_STROKES: f64 = 1e-3;
-
 /// The search for an order.
 struct Search<'a> {
     orders: Orders<'a>,
-    ground: Ground,
+    ground: Ground<'a>,
     meter: Meter,
     /// The fastest assembly so far, and how long it lasts.
     best: Option<(u64, Bed<'a>)>,

@@ -1,20 +1,24 @@
 //! What may be docked next, by the control states and by what holds still.
 //!
 //! Input: the goals, and a bed. Output: the next moves that the control states, the touching of goals and the discs of robots that
-//! wait allow; whether such moves can go on to the end; and if none can, why. Promise: a disproof holds for all assemblies in which
-//! robots that are neither docked nor steered orbit where they are. What is docked takes no option from those that come
-//! later, so moves can be tried in any order to see whether they lead to the end.
+//! wait allow; whether such moves can go on to the end; and if none can, why. That is no proof that there is no assembly: it holds
+//! for those in which robots that are neither docked nor steered orbit where they are. What is docked keeps its arm up, which takes
+//! control states from those that come later, so orders are searched through to see whether one leads to the end.
 
 use super::Stuck;
 use super::bed::Bed;
 use super::pair::{Roles, roles};
-use crate::check::claims::microrobots::Dock;
+use crate::check::claims::microrobots::{Dock, Precision};
 use crate::device::microrobots::Arm;
 use crate::geometry::{Core, Pose, distance};
 use crate::plan::microrobots::free;
 use crate::real::Real;
 use nalgebra::Point2;
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
+
+/// Sets of docked robots from which no order leads to the end, at most; with more of them one is taken to exist.
+const MAX_DEAD_ENDS: usize = 64;
 
 /// What is done next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,12 +90,33 @@ impl<'a> Orders<'a> {
     pub fn leads_on(&self, bed: &Bed, step: &Move) -> bool {
         let mut bed = bed.clone();
         self.carry_out(&mut bed, step);
-        self.exhaust(&mut bed);
-        self.open(&bed).next().is_none()
+        self.reaches_end(&bed, &mut BTreeSet::new())
+    }
+
+    /// Whether some order of moves docks all robots that are still open. As deep as there are of them.
+    fn reaches_end(&self, bed: &Bed, dead_ends: &mut BTreeSet<Vec<bool>>) -> bool {
+        if self.open(bed).next().is_none() || dead_ends.len() >= MAX_DEAD_ENDS {
+            return true;
+        }
+        if dead_ends.contains(&bed.docked) {
+            return false;
+        }
+        for step in self.moves(bed) {
+            let mut next = bed.clone();
+            self.carry_out(&mut next, &step);
+            if self.reaches_end(&next, dead_ends) {
+                return true;
+            }
+        }
+        dead_ends.insert(bed.docked.clone());
+        false
     }
 
     /// Why no order of moves reaches all goals, if none does: of the order that gets farthest.
-    pub fn disproof(&self, bed: &Bed) -> Option<Stuck> {
+    pub fn dead_end(&self, bed: &Bed) -> Option<Stuck> {
+        if self.reaches_end(bed, &mut BTreeSet::new()) {
+            return None;
+        }
         let mut ends = vec![bed.clone()];
         for step in self.moves(bed) {
             let mut end = bed.clone();
@@ -114,6 +139,7 @@ impl<'a> Orders<'a> {
             | Stuck::NoWay { .. }
             | Stuck::NoOrbit { .. }
             | Stuck::Coarse { .. }
+            | Stuck::Loose { .. }
             | Stuck::GaveUp => 3,
         })
     }
@@ -186,7 +212,8 @@ fn goal_in_orbit(bed: &Bed, docks: &[&Dock]) -> Result<(), Stuck> {
 /// keep clear of the disc.
 fn orbits_meanwhile(bed: &Bed, orbiting: usize, dock: &Dock) -> bool {
     let (facts, robot) = (bed.robot(orbiting), bed.robot(dock.robot));
-    let least_um = free::least_um(robot, bed.poses[dock.robot], dock.goal.pose, bed.order.precision);
+    let exact = Precision { place_um: 0.0, heading_rad: 0.0 };
+    let least_um = free::least_um(robot, (bed.poses[dock.robot], exact), (dock.goal.pose, bed.order.precision));
     least_um / robot.step_um * facts.step_um >= TAU * facts.turning_radius_um
 }
 
@@ -197,8 +224,13 @@ fn touches_structure(bed: &Bed, dock: &Dock) -> bool {
 
 /// Whether two bodies are near enough to be docked.
 fn touch(bed: &Bed, one: (usize, Pose), other: (usize, Pose)) -> bool {
+    gap_um(bed, one, other) <= bed.order.facts.docking.tolerance_um
+}
+
+/// How far two bodies lie apart; no more than 0 where they overlap.
+pub fn gap_um(bed: &Bed, one: (usize, Pose), other: (usize, Pose)) -> f64 {
     let core = Core::Polygon(outline(bed, other.0, other.1).to_vec());
-    distance::quadrilateral_core(outline(bed, one.0, one.1), &core) <= bed.order.facts.docking.tolerance_um
+    distance::quadrilateral_core(outline(bed, one.0, one.1), &core)
 }
 
 /// The corners of a body, in order around it.

@@ -124,7 +124,7 @@ pub(super) struct Pairing<'a> {
 }
 
 /// The rules of collision, and what rests while the two are steered.
-pub(super) type Site<'a> = (&'a Ground, &'a Fixtures);
+pub(super) type Site<'a> = (&'a Ground<'a>, &'a Fixtures);
 
 /// A way of the second robot from where it is to its approach; it turns at first.
 #[derive(Debug, Clone)]
@@ -170,10 +170,14 @@ impl<'a> Pairing<'a> {
     ) -> Result<Option<Stretch>, Stuck> {
         for legs in legs {
             meter.step().ok_or(Stuck::GaveUp)?;
-            let stretch = self.stretch(legs, departure.halt);
-            match ground.first_hit(self.bed, &stretch) {
-                None => return Ok(Some(stretch)),
-                Some(hit) => *stuck = Stuck::Blocked { robot: self.roles.first, partner: Some(self.roles.second), hit },
+            match ground.settled(self.bed, self.stretch(legs, departure.halt)) {
+                Err(apart) => *stuck = apart,
+                Ok(stretch) => match ground.first_hit(self.bed, &stretch) {
+                    None => return Ok(Some(stretch)),
+                    Some(hit) => {
+                        *stuck = Stuck::Blocked { robot: self.roles.first, partner: Some(self.roles.second), hit }
+                    }
+                },
             }
         }
         Ok(None)

@@ -119,6 +119,7 @@ impl<'a> Visit<'a> {
         let Visit { index: robot, states, approach, goal, .. } = *self;
         let stage = Stage::Single { robot, states, approach, goal };
         let stretch = Stretch { legs: joined(legs), docking: vec![robot], stages: vec![stage] };
+        let stretch = ground.settled(self.bed, stretch)?;
         match ground.first_hit(self.bed, &stretch) {
             None => Ok(stretch),
             Some(hit) => Err(Stuck::Blocked { robot, partner: None, hit }),

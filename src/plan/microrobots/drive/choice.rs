@@ -31,7 +31,7 @@ impl<'a> Choice<'a> {
         let world = request.world;
         let with = |arm: Arm| {
             let mut states: Vec<usize> =
-                (0..world.state_count()).filter(|state| world.arm(*state, request.robot) == arm).collect();
+                request.states().filter(|state| world.arm(*state, request.robot) == arm).collect();
             states.sort_by_key(|state| (running(request, *state), request.order.states[*state].levels_v.len()));
             states
         };

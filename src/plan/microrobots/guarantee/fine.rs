@@ -12,6 +12,9 @@ use crate::real::Real;
 /// The steepest heading that is reckoned with, against the normal of the edge.
 const STEEPEST_RAD: f64 = 1.3;
 
+/// With more intervals than these nothing is bounded.
+const MAX_INTERVALS: f64 = 10_000.0;
+
 /// So often the incidence and the reserve, which depend on each other, are worked out anew.
 const ROUNDS: usize = 30;
 
@@ -167,6 +170,9 @@ impl Bounds<'_> {
         let step_um = self.driver.fine_interval_um * (1.0 + self.driver.errors.speed_ratio);
         let (mut per_um, mut turned_rad) = (0.0, self.drift_per_um() * self.way_um);
         let mut after_um = self.shortest_um();
+        if (self.way_um - after_um) / step_um > MAX_INTERVALS {
+            return [f64::INFINITY; 2];
+        }
         while after_um < self.way_um {
             let before_um = after_um + step_um;
             let error_per_um = self.measured_um(before_um) / self.moved_at_least(before_um) + self.drift_per_um();

@@ -5,7 +5,7 @@
 //! of the range of curvatures. What that does not correct is left to their aligning themselves.
 
 use super::fine::{Last, Region};
-use super::room::{ENOUGH_UM, Stretch, Surroundings, Way};
+use super::room::{ENOUGH_UM, Stretch, Surroundings, Way, is_looked_at, unbounded};
 use super::{Bed, Check, Containment, Displaced};
 use crate::device::microrobots::{Arm, wrapped_rad};
 use crate::geometry::Pose;
@@ -184,6 +184,10 @@ impl<'a> Pairing<'a, '_> {
         let reach_um = first.robot.length_um.hypotenuse(first.robot.width_um) / 2.0;
         let stray_um = cylinder.radius_um + reach_um * cylinder.heading_rad + LOOK_UM;
         let second_um = ways[1].stray_um() + missed_um + LOOK_UM;
+        if !is_looked_at(run_um, LOOK_UM) {
+            let (name, needs, has) = unbounded();
+            return vec![self.held(0, Check::Gross(name), needs, has)];
+        }
         let (mut tightest, mut nearest): (Option<(String, f64, f64)>, _) = (None, f64::INFINITY);
         for look in 0..=(run_um / LOOK_UM) as u64 {
             let left_um = look as f64 * LOOK_UM;

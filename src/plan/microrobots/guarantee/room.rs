@@ -13,6 +13,9 @@ use std::f64::consts::{E, TAU};
 /// Between two looks at a body.
 const LOOK_UM: f64 = 5.0;
 
+/// The most looks at one piece of a way: with errors that take more of them nothing is bounded.
+const MAX_LOOKS: f64 = 10_000.0;
+
 /// Rooms beyond this are not measured exactly.
 pub const ENOUGH_UM: f64 = 500.0;
 
@@ -48,6 +51,16 @@ impl Surroundings {
 
 /// A name, what is needed and what there is.
 pub type Room = (String, f64, f64);
+
+/// No room is enough for a way that is not bounded.
+pub fn unbounded() -> Room {
+    (String::new(), f64::INFINITY, 0.0)
+}
+
+/// Whether a way can be looked at every few micrometres.
+pub fn is_looked_at(way_um: f64, look_um: f64) -> bool {
+    way_um / look_um <= MAX_LOOKS
+}
 
 /// A piece of the nominal way.
 struct Part {
@@ -182,6 +195,9 @@ impl<'a> Way<'a> {
         let mut tightest = None;
         for part in &self.parts {
             let looks = (part.way_um / LOOK_UM).ceil().max(1.0);
+            if !is_looked_at(part.way_um, LOOK_UM) {
+                return Some(unbounded());
+            }
             for look in 0..=looks as u64 {
                 let pose = bent(part.from, part.turn_per_um, part.way_um * look as f64 / looks);
                 let half_um = self.half_look_um(part.turn_per_um);
@@ -246,6 +262,9 @@ impl Stretch<'_> {
         let at_goal = self.frame.goal;
         let is_met = |solid: &Solid| solid.is_ahead(robot, at_goal);
         let looks = (way_um / LOOK_UM).ceil().max(1.0);
+        if !is_looked_at(way_um, LOOK_UM) {
+            return Some(unbounded());
+        }
         let mut tightest = None;
         for look in 0..=looks as u64 {
             let gone_um = way_um * look as f64 / looks;

@@ -7,6 +7,9 @@ use crate::geometry::distance::{Segment, segment_segment};
 use crate::real::Real;
 use nalgebra::Point2;
 
+/// Into so many parts an interval is cut at most: beyond that its ends are the same number.
+const MAX_SECTIONS: u32 = 200;
+
 /// How a robot moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Kind {
@@ -138,6 +141,8 @@ pub(super) fn first_near_convex([from, to]: [f64; 2], keep_um: f64, distance_um:
     }
     let share = (5.0_f64.sqrt() - 1.0) / 2.0;
     let (mut low, mut high) = (from, to);
+    // Instants of very long legs lie farther apart than what is asked for: the numbers end before the loop would.
+    let mut sections = 0..MAX_SECTIONS;
     let near = loop {
         let (left, right) = (high - share * (high - low), low + share * (high - low));
         let (at_left_um, at_right_um) = (distance_um(left), distance_um(right));
@@ -147,12 +152,15 @@ pub(super) fn first_near_convex([from, to]: [f64; 2], keep_um: f64, distance_um:
             true => high = right,
             false => low = left,
         }
-        if high - low < 1e-3 {
+        if high - low < 1e-3 || sections.next().is_none() {
             break [low, high, to].into_iter().find(|at| is_near(*at));
         }
     };
     let (mut clear, mut near) = (from, near?);
-    while near - clear > 1.0 {
+    for _ in 0..MAX_SECTIONS {
+        if near - clear <= 1.0 {
+            break;
+        }
         let middle = (clear + near) / 2.0;
         if is_near(middle) { near = middle } else { clear = middle }
     }

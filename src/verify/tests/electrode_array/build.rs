@@ -53,7 +53,6 @@ pub fn order(facts: Facts, parts: &[(&str, u32, u32)], actions: Vec<Action>) -> 
     };
     ElectrodeArrayOrder {
         facts,
-        frame: None,
         obstacles: Default::default(),
         parts: std::sync::Arc::new(parts.iter().map(part).collect()),
         objective: Objective::Makespan,

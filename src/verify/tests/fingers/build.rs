@@ -24,8 +24,9 @@ pub fn facts() -> Facts {
     Facts {
         clearance_um: 0.5,
         retract_um: 5.0,
-        approach_um_per_s: 10.0,
-        rolling_um_per_s: 5.0,
+        speed_um_per_s: 1000.0,
+        approach_um_per_s: 400.0,
+        rolling_um_per_s: 40.0,
         support_un: 10.0,
         range_um: [100.0; 3],
         ..fixture::hand()

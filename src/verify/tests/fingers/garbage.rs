@@ -121,7 +121,7 @@ proptest! {
         }
         facts.fingers = if fingers < 5 { 3 } else { fingers };
         facts.steps_per_turn = steps_per_turn;
-        order.steps[1].action = Action::Orient { goal: [turns[0], turns[1], turns[2], turns[3]], turns: Vec::new() };
+        order.steps[1].action = Action::Orient { goal: [turns[0], turns[1], turns[2], turns[3]], turns: Vec::new(), left_out_steps: None };
         let part = Arc::make_mut(&mut order.part);
         part.centre_um = [turns[4], turns[5], turns[6]];
         if contacts > 4 {
@@ -156,6 +156,8 @@ const UNFIT: &[(&str, Spoil)] = &[
     ("not above 0", |order| facts_of(order).friction = f64::INFINITY),
     ("out of its range", |order| facts_of(order).removal_safety = -1.0),
     ("out of its range", |order| facts_of(order).support_un = f64::NAN),
+    ("out of its range", |order| facts_of(order).torsion_um = -0.1),
+    ("out of its range", |order| facts_of(order).rolling_reserve = 1.0),
     ("a place or a load", |order| order.load_un[1] = f64::NAN),
     ("a place or a load", |order| part_of(order).position_um[1] = 1e10),
     ("no precision", |order| order.precision_rad = -0.1),
@@ -180,7 +182,7 @@ const UNFIT: &[(&str, Spoil)] = &[
         order.steps[1].action = Action::Rotate { plane: Plane::Xz, steps: 1, angle_rad: 0.3 };
     }),
     ("no orientation", |order| {
-        order.steps[1].action = Action::Orient { goal: [0.5; 4].map(|x| x * 1.1), turns: vec![] }
+        order.steps[1].action = Action::Orient { goal: [0.5; 4].map(|x| x * 1.1), turns: vec![], left_out_steps: None }
     }),
     ("out of reach", |order| order.steps[1].action = Action::Translate([f64::INFINITY, 0.0, 0.0])),
 ];

@@ -92,6 +92,18 @@ fn tips_that_only_push_stand_opposite_each_other() {
     assert_eq!(pushed(0.3, &[1, 10, 19]), [Rule::Equilibrium]);
 }
 
+/// Two tips below a part bear it as a table would; they hold it only if they also hold it without its weight.
+#[test]
+fn a_part_that_rests_on_tips_is_not_held() {
+    let rests = |load_un: [f64; 3], contacts: &[u32]| {
+        let mut order = round(|facts| (facts.adhesion, facts.friction) = (Adhesion::Absent, 0.3));
+        order.load_un = load_un;
+        broken(&held(order, contacts))
+    };
+    assert_eq!(rests([5.0, 5.0, 0.0], &[1, 19, 0]), [Rule::Equilibrium]);
+    assert_eq!(rests([5.0, 5.0, 0.0], &[1, 37, 0]), []);
+}
+
 /// Two tips press with all their force, and friction bears a load along the tangents, in the plane or across.
 #[test]
 fn loads_are_borne_by_friction() {
@@ -111,6 +123,22 @@ fn loads_are_borne_by_friction() {
     let most = 2.0 * 0.3 * 30.0;
     assert_eq!(loaded([0.0, most, 0.0], Adhesion::Absent), []);
     assert_eq!(loaded([0.0, most + 1e-3, 0.0], Adhesion::Absent), [Rule::Equilibrium]);
+}
+
+/// A load beside the line between two tips turns the part about it: they bear that by torsion, a third one by its lever.
+#[test]
+fn torques_balance_in_space() {
+    let beside = |torsion_um: f64, contacts: &[u32]| {
+        let mut order = round(|facts| facts.torsion_um = torsion_um);
+        order.load_un = [0.0, 0.0, -1.0];
+        Arc::make_mut(&mut order.part).centre_um = [0.0, 3.0, 0.0];
+        broken(&held(order, contacts))
+    };
+    // 3 uN um, and 2 x 31.5 uN x torsion.
+    assert_eq!(beside(0.0, &[1, 37, 0]), [Rule::Equilibrium]);
+    assert_eq!(beside(0.045, &[1, 37, 0]), [Rule::Equilibrium]);
+    assert_eq!(beside(0.048, &[1, 37, 0]), []);
+    assert_eq!(beside(0.0, &[1, 37, 19]), []);
 }
 
 /// The load turns in the part's frame as the part turns: what holds at first need not hold on.
@@ -162,10 +190,7 @@ fn shown_forces_balance() {
         order.load_un = load_un;
         let day = held(order.clone(), &contacts);
         let forces = forces(&order, &day.state()).expect("a grasp that holds");
-        let sum = forces
-            .iter()
-            .flatten()
-            .fold(Point::from([load_un[0], load_un[1], 0.0]), |sum, force| sum + Point::from(*force));
+        let sum = forces.iter().flatten().fold(Point::from(load_un), |sum, force| sum + Point::from(*force));
         assert!(sum.norm() < 1e-5, "{sum}");
         let mut pressed_un = 0.0;
         for (finger, force) in forces.iter().enumerate() {

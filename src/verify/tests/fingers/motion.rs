@@ -45,7 +45,7 @@ fn oriented(goal: UnitQuaternion<f64>) -> Vec<Rule> {
         .come(0, 3)
         .come(1, 40)
         .record()
-        .step(Action::Orient { goal: [q.w, q.i, q.j, q.k], turns })
+        .step(Action::Orient { goal: [q.w, q.i, q.j, q.k], turns, left_out_steps: None })
         .roll(2)
         .turn(Plane::Xz)
         .roll(-3);

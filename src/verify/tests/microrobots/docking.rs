@@ -72,13 +72,13 @@ fn the_last_stretch_goes_on_over_legs() {
     assert_eq!(judged(&steps), []);
 }
 
-/// Two are docked, a third one comes from the side; then nothing but the fourth moves.
+/// Two are docked, a third one comes from the side; then nothing but the fourth moves, with all arms up.
 fn structure(gap_um: f64) -> Day {
     let start = [(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0), (2, 300.0, 700.0 + gap_um, 270.0), (3, 0.0, 2000.0, 0.0)];
     Day::new(order(&start))
         .assemble(&[0, 1], &[docking(0, 600, &[0, 1])])
         .assemble(&[2], &[leg(0, 100), docking(0, 400, &[2])])
-        .apply(3, 200)
+        .apply(0, 200)
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn what_is_docked_stays_so_in_the_next_run() {
     let robots: Vec<_> = first.order.robots.iter().map(|robot| (robot.row, robot.pose)).collect();
     let mut second = Day::new(first.order.clone());
     second.order.steps.clear();
-    let second = second.apply(4, 300);
+    let second = second.apply(0, 300);
     let claims = in_turn(vec![first.order, second.order]);
     let sound = schedule(&claims, &[first.legs, second.legs]);
     passes(&sound, &claims);
@@ -135,12 +135,46 @@ fn robots_dock_together_or_with_what_is_docked() {
 /// Docked robots stand in the way of orbits like any others.
 #[test]
 fn orbits_keep_clear_of_what_is_docked() {
-    let reach = f64::hypot(180.0, 100.0);
-    let by = |x: f64| {
-        let robots = [(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0), (3, -200.0, -150.0 - reach - 30.0 - x, 180.0)];
-        let day = Day::new(order(&robots)).assemble(&[0, 1], &[docking(0, 600, &[0, 1])]).apply(4, 1600);
+    let reach = f64::hypot(130.0, 120.0);
+    let by = |gap_um: f64| {
+        // After 600 strokes straight on, the first robot goes round below the two that have docked.
+        let robots = [(0, 600.0, -100.0 - reach - 30.0 - gap_um, 180.0), (1, 0.0, 0.0, 0.0), (2, 842.0, 0.0, 180.0)];
+        let day = Day::new(order(&robots)).assemble(&[1, 2], &[docking(0, 600, &[1, 2])]).apply(1, 1300);
         judged(&day)
     };
-    assert_eq!(by(2000.0), []);
-    assert_eq!(by(0.0), []);
+    assert_eq!(by(20.001), []);
+    assert_eq!(by(19.999), [Rule::Orbit]);
+}
+
+/// Whose arm is down in the leg in which it docks is not docked yet; afterwards states that lower the arms of others may come.
+#[test]
+fn the_arms_of_docked_robots_are_up() {
+    let after = |state: usize| {
+        let robots = [(0, -3000.0, 3000.0, 0.0), (1, 0.0, 0.0, 0.0), (2, 842.0, 0.0, 180.0), (3, 6000.0, 0.0, 0.0)];
+        let day = Day::new(order(&robots)).assemble(&[1, 2], &[docking(0, 600, &[1, 2])]);
+        judged(&day.apply(state, 10))
+    };
+    assert_eq!(after(0), []);
+    assert_eq!(after(1), []);
+    assert_eq!(after(2), [Rule::Twist]);
+    assert_eq!(after(3), [Rule::Twist]);
+    assert_eq!(after(4), [Rule::Twist]);
+}
+
+/// The second robot turns into its seat with its arm down, and docks; one stroke more in that state is one too many.
+#[test]
+fn an_arm_goes_up_when_its_robot_has_docked() {
+    let reach = |more: &[(usize, u64)]| {
+        let seat = pose(242.0, 0.0, 180.0);
+        let facts = facts();
+        let back = |arm, strokes: f64, from| carried(&facts.robots[1], arm, from, -0.5 * strokes);
+        let before = back(crate::device::microrobots::Arm::Down, 40.0, seat);
+        let start = [(1, before.x_um, before.y_um, before.heading_rad.to_degrees()), (2, -20.0, 0.0, 0.0)];
+        let mut legs = vec![docking(2, 40, &[0, 1])];
+        legs.extend(more.iter().map(|(state, strokes)| leg(*state, *strokes)));
+        judged(&Day::new(order(&start)).assemble(&[0, 1], &legs))
+    };
+    assert_eq!(reach(&[]), []);
+    assert_eq!(reach(&[(0, 1)]), []);
+    assert_eq!(reach(&[(2, 1)]), [Rule::Twist]);
 }

@@ -7,10 +7,10 @@ use crate::geometry::Shape;
 use proptest::prelude::*;
 
 fn sound() -> (Claims, Schedule) {
-    let mut order = order(&[(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0), (3, 0.0, 2000.0, 0.0)]);
+    let mut order = order(&[(0, 0.0, 2000.0, 0.0), (1, 0.0, 0.0, 0.0), (2, 842.0, 0.0, 180.0)]);
     order.obstacles = Arc::new(vec![obstacle("dust", Shape::Disc { radius_um: 5.0 }, pose(-500.0, -500.0, 0.0))]);
-    let dock = Leg { docks: vec![0, 1], ..leg(0, 600) };
-    let day = Day::new(order).assemble(&[0, 1], &[dock]).wait(DWELL).drive(2, &[(4, 300), (1, 100)]).apply(2, 40);
+    let dock = Leg { docks: vec![1, 2], ..leg(0, 600) };
+    let day = Day::new(order).assemble(&[1, 2], &[dock]).wait(DWELL).drive(0, &[(1, 300), (0, 100)]).apply(1, 40);
     let (schedule, claims) = day.both();
     (claims, schedule)
 }
@@ -197,7 +197,7 @@ fn claims_that_no_program_has_are_inconclusive() {
         ("assemble no robot", |order| order.steps[0].action = Action::Assemble(vec![])),
         ("a robot twice", |order| {
             let Action::Assemble(docks) = &mut order.steps[0].action else { return };
-            docks[1].robot = 0;
+            docks[1].robot = 1;
         }),
         ("assemble a robot that", |order| {
             let Action::Assemble(docks) = &mut order.steps[0].action else { return };

@@ -1,0 +1,245 @@
+//! Puts a set of files into a folder so that a kill at any instant loses nothing: the next build finds the whole old set, or makes
+//! the new one whole.
+//!
+//! 1. The files are written beside their places, under names that begin with `.tweeze-`, and synchronised.
+//! 2. A journal that lists them is written beside its own place, synchronised, and renamed to [`JOURNAL`]. From here on the set counts
+//!    as the new one.
+//! 3. Each file is renamed over its target, which a reader therefore never finds missing; then the journal goes.
+//!
+//! Whoever builds into the folder next first carries out a journal that was left, and clears what has no journal. A set of one file
+//! needs none: its one rename is the commit. A rename that fails is answered by a journal of the old files, which were kept by hard
+//! links. The folder is locked all the while.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// What the names of all files begin with that no set leaves behind.
+const PREFIX: &str = ".tweeze-";
+
+/// The journal's name.
+pub const JOURNAL: &str = ".tweeze-journal";
+
+/// The journal before it counts.
+const DRAFT: &str = ".tweeze-draft";
+
+/// What could not be done, and to which file.
+#[derive(Debug)]
+pub struct Fault {
+    pub path: PathBuf,
+    pub error: io::Error,
+}
+
+/// The acts that change a folder, so that tests can end a process before any of them.
+pub trait Acts {
+    /// Makes a file of these bytes and synchronises it.
+    fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        let mut options = OpenOptions::new();
+        options.write(true).create(true).truncate(true);
+        let mut file = options.open(path)?;
+        file.write_all(bytes)?;
+        file.sync_all()
+    }
+
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        fs::rename(from, to)
+    }
+
+    fn link(&self, from: &Path, to: &Path) -> io::Result<()> {
+        fs::hard_link(from, to)
+    }
+
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        fs::remove_file(path)
+    }
+
+    /// Synchronises the names in a folder, where folders can be opened.
+    fn sync(&self, folder: &Path) -> io::Result<()> {
+        if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
+    }
+}
+
+/// The disk as it is.
+pub struct Real;
+
+impl Acts for Real {}
+
+/// What is still to be done, by names in the folder.
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct Journal {
+    /// From a name to a name; those that are gone were moved already.
+    moves: Vec<(String, String)>,
+    remove: Vec<String>,
+}
+
+impl Journal {
+    /// Whether it only names files of the folder, and moves only what a build left there. A folder may come from anywhere.
+    fn is_sound(&self) -> bool {
+        let is_name = |name: &String| Path::new(name).file_name().is_some_and(|plain| plain == name.as_str());
+        let targets = self.moves.iter().map(|(_, to)| to).chain(&self.remove);
+        self.moves.iter().all(|(from, _)| is_name(from) && from.starts_with(PREFIX))
+            && targets.into_iter().all(|to| is_name(to) && !to.starts_with(PREFIX))
+    }
+}
+
+/// A folder that nobody else builds into.
+pub struct Folder<'a> {
+    path: &'a Path,
+    acts: &'a dyn Acts,
+    /// Held for its lock.
+    _lock: File,
+}
+
+impl<'a> Folder<'a> {
+    /// Waits until nobody builds into the folder, and finishes what a build that was killed has left.
+    pub fn open(path: &'a Path, acts: &'a dyn Acts) -> Result<Folder<'a>, Fault> {
+        let lock = lock(path).map_err(|error| Fault { path: path.to_owned(), error })?;
+        let folder = Folder { path, acts, _lock: lock };
+        folder.finish()?;
+        Ok(folder)
+    }
+
+    fn fault(&self, name: &str) -> impl Fn(io::Error) -> Fault {
+        let path = self.path.join(name);
+        move |error| Fault { path: path.clone(), error }
+    }
+
+    /// Carries out a journal, and clears files of builds that came to no journal.
+    fn finish(&self) -> Result<(), Fault> {
+        let path = self.path.join(JOURNAL);
+        match fs::read(&path) {
+            Ok(bytes) => {
+                let journal: Option<Journal> = serde_json::from_slice(&bytes).ok();
+                let unsound = || io::Error::new(io::ErrorKind::InvalidData, "it is no journal of a build; delete it");
+                let journal = journal.filter(Journal::is_sound).ok_or_else(unsound).map_err(self.fault(JOURNAL))?;
+                self.carry_out(&journal)?;
+                self.acts.remove(&path).map_err(self.fault(JOURNAL))?;
+                self.acts.sync(self.path).map_err(self.fault(""))?;
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => return Err(self.fault(JOURNAL)(error)),
+        }
+        self.clear();
+        Ok(())
+    }
+
+    fn carry_out(&self, journal: &Journal) -> Result<(), Fault> {
+        for (from, to) in &journal.moves {
+            if self.path.join(from).symlink_metadata().is_ok() {
+                self.acts.rename(&self.path.join(from), &self.path.join(to)).map_err(self.fault(to))?;
+            }
+        }
+        for name in &journal.remove {
+            match self.acts.remove(&self.path.join(name)) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(self.fault(name)(error)),
+                Ok(()) | Err(_) => {}
+            }
+        }
+        self.acts.sync(self.path).map_err(self.fault(""))
+    }
+
+    /// Takes away files that only a build can have left, unless a journal still needs them; one that cannot be removed does no harm.
+    fn clear(&self) {
+        if self.path.join(JOURNAL).symlink_metadata().is_ok() {
+            return;
+        }
+        for entry in fs::read_dir(self.path).into_iter().flatten().flatten() {
+            let is_left = entry.file_name().to_string_lossy().starts_with(PREFIX);
+            if is_left && entry.file_type().is_ok_and(|kind| kind.is_file()) {
+                let _ = self.acts.remove(&entry.path());
+            }
+        }
+    }
+
+    /// Puts all files in place, or leaves all as they were.
+    pub fn replace(&self, files: &[(&str, &[u8])]) -> Result<(), Fault> {
+        let replaced = self.stage(files).and_then(|journal| match journal.moves.as_slice() {
+            [(from, to)] => {
+                self.acts.rename(&self.path.join(from), &self.path.join(to)).map_err(self.fault(to))?;
+                self.acts.sync(self.path).map_err(self.fault(""))
+            }
+            _ => self.commit(&journal),
+        });
+        self.clear();
+        replaced
+    }
+
+    fn stage(&self, files: &[(&str, &[u8])]) -> Result<Journal, Fault> {
+        let mut journal = Journal::default();
+        for (index, (name, bytes)) in files.iter().enumerate() {
+            if self.path.join(name).is_dir() {
+                let in_the_way = io::Error::new(io::ErrorKind::IsADirectory, "a folder of that name is in the way");
+                return Err(self.fault(name)(in_the_way));
+            }
+            let staged = format!("{PREFIX}new-{index}");
+            self.acts.write(&self.path.join(&staged), bytes).map_err(self.fault(name))?;
+            journal.moves.push((staged, (*name).to_owned()));
+        }
+        Ok(journal)
+    }
+
+    fn commit(&self, journal: &Journal) -> Result<(), Fault> {
+        let way_back = self.way_back(journal)?;
+        self.publish(journal)?;
+        if let Err(fault) = self.carry_out(journal) {
+            // The old files count again before the first of them is moved back.
+            self.publish(&way_back)?;
+            self.finish()?;
+            return Err(fault);
+        }
+        self.acts.remove(&self.path.join(JOURNAL)).map_err(self.fault(JOURNAL))?;
+        self.acts.sync(self.path).map_err(self.fault(""))
+    }
+
+    /// What would bring the old files back, which are kept under second names.
+    fn way_back(&self, journal: &Journal) -> Result<Journal, Fault> {
+        let mut back = Journal::default();
+        for (index, (_, name)) in journal.moves.iter().enumerate() {
+            let (target, kept) = (self.path.join(name), format!("{PREFIX}old-{index}"));
+            match self.acts.link(&target, &self.path.join(&kept)) {
+                Ok(()) => back.moves.push((kept, name.clone())),
+                Err(error) if error.kind() == io::ErrorKind::NotFound => back.remove.push(name.clone()),
+                // Some disks have no hard links: the old file is copied.
+                Err(_) => {
+                    let bytes = fs::read(&target).map_err(self.fault(name))?;
+                    self.acts.write(&self.path.join(&kept), &bytes).map_err(self.fault(name))?;
+                    back.moves.push((kept, name.clone()));
+                }
+            }
+        }
+        Ok(back)
+    }
+
+    /// Makes a journal count, in place of one that does.
+    fn publish(&self, journal: &Journal) -> Result<(), Fault> {
+        let bytes = serde_json::to_vec(journal).expect("names are JSON");
+        self.acts.write(&self.path.join(DRAFT), &bytes).map_err(self.fault(DRAFT))?;
+        self.acts.sync(self.path).map_err(self.fault(""))?;
+        self.acts.rename(&self.path.join(DRAFT), &self.path.join(JOURNAL)).map_err(self.fault(JOURNAL))?;
+        self.acts.sync(self.path).map_err(self.fault(""))
+    }
+}
+
+/// Names that one folder of one kind of disk or another would take for the same.
+pub fn twice<'n>(names: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
+    let mut met = BTreeSet::new();
+    names.into_iter().find(|name| !met.insert(name.to_lowercase()))
+}
+
+/// Locks a folder against other builds and waits for them. The system gives the lock back when the process ends, however it does.
+fn lock(folder: &Path) -> io::Result<File> {
+    let file = match cfg!(unix) {
+        true => File::open(folder)?,
+        false => OpenOptions::new().create(true).truncate(false).write(true).open(folder.join(".tweeze.lock"))?,
+    };
+    match file.lock() {
+        // Some disks of networks have no locks; two builds at once are then nobody's to tell apart.
+        Err(error) if error.kind() == io::ErrorKind::Unsupported => Ok(file),
+        locked => locked.map(|()| file),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,152 @@
+//! A process that dies before any of its acts leaves the whole old set or the whole new one to the next build.
+
+use super::*;
+use std::cell::Cell;
+use std::collections::BTreeMap;
+
+/// A disk on which a process lives for so many acts.
+struct Mortal {
+    left: Cell<usize>,
+}
+
+impl Mortal {
+    fn new(left: usize) -> Mortal {
+        Mortal { left: Cell::new(left) }
+    }
+
+    /// Fails for ever once the life is over: a dead process changes nothing any more.
+    fn live(&self) -> io::Result<()> {
+        let left = self.left.get();
+        self.left.set(left.saturating_sub(1));
+        if left == 0 { Err(io::Error::other("killed")) } else { Ok(()) }
+    }
+}
+
+impl Acts for Mortal {
+    fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        let is_last = self.left.get() == 1;
+        self.live()?;
+        // The last act of a life is half done.
+        Real.write(path, if is_last { &bytes[..bytes.len() / 2] } else { bytes })
+    }
+
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        self.live().and_then(|()| Real.rename(from, to))
+    }
+
+    fn link(&self, from: &Path, to: &Path) -> io::Result<()> {
+        self.live().and_then(|()| Real.link(from, to))
+    }
+
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        self.live().and_then(|()| Real.remove(path))
+    }
+
+    fn sync(&self, folder: &Path) -> io::Result<()> {
+        self.live().and_then(|()| Real.sync(folder))
+    }
+}
+
+type Set = BTreeMap<String, Vec<u8>>;
+
+fn set(folder: &Path) -> Set {
+    let entries = fs::read_dir(folder).expect("a folder").flatten();
+    entries
+        .map(|entry| {
+            (entry.file_name().to_string_lossy().into_owned(), fs::read(entry.path()).expect("it can be read"))
+        })
+        .collect()
+}
+
+const OLD: [(&str, &[u8]); 2] = [("a", b"old a"), ("b", b"old b")];
+const NEW: [(&str, &[u8]); 3] = [("a", b"new a"), ("b", b"new b"), ("c", b"new c")];
+
+fn of(files: &[(&str, &[u8])]) -> Set {
+    files.iter().map(|(name, bytes)| ((*name).to_owned(), bytes.to_vec())).collect()
+}
+
+fn write(folder: &Path, acts: &dyn Acts, files: &[(&str, &[u8])]) -> Result<(), Fault> {
+    Folder::open(folder, acts).and_then(|folder| folder.replace(files))
+}
+
+#[test]
+fn a_kill_before_any_act_leaves_a_whole_set_to_the_next_build() {
+    let mut seen = [0, 0];
+    for life in 0.. {
+        let folder = tempfile::tempdir().expect("a folder");
+        write(folder.path(), &Real, &OLD).expect("the old set");
+        let mortal = Mortal::new(life);
+        let finished = write(folder.path(), &mortal, &NEW).is_ok();
+        let left = set(folder.path());
+        for (name, _) in OLD {
+            assert!(left.contains_key(name), "`{name}` is missing after {life} acts");
+        }
+        drop(Folder::open(folder.path(), &Real).expect("the next build begins"));
+        let whole = set(folder.path());
+        assert!(whole == of(&OLD) || whole == of(&NEW), "after {life} acts: {whole:?}");
+        seen[usize::from(whole == of(&NEW))] += 1;
+        if finished {
+            break;
+        }
+    }
+    assert!(seen[0] > 3 && seen[1] > 3, "{seen:?}");
+}
+
+/// A disk on which one act fails and all others go on.
+struct Faulty {
+    at: usize,
+    acts: Cell<usize>,
+}
+
+impl Faulty {
+    fn act(&self) -> io::Result<()> {
+        let act = self.acts.get();
+        self.acts.set(act + 1);
+        if act == self.at { Err(io::Error::other("input/output error")) } else { Ok(()) }
+    }
+}
+
+impl Acts for Faulty {
+    fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        self.act().and_then(|()| Real.write(path, bytes))
+    }
+
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        self.act().and_then(|()| Real.rename(from, to))
+    }
+}
+
+#[test]
+fn an_act_that_fails_leaves_the_old_set_and_nothing_else() {
+    for at in 0..20 {
+        let folder = tempfile::tempdir().expect("a folder");
+        write(folder.path(), &Real, &OLD).expect("the old set");
+        let disk = Faulty { at, acts: Cell::new(0) };
+        let expected = if write(folder.path(), &disk, &NEW).is_ok() { of(&NEW) } else { of(&OLD) };
+        assert_eq!(set(folder.path()), expected, "act {at}");
+        assert_eq!(expected == of(&NEW), at >= 8, "act {at}: three files, a draft, its rename, three renames");
+    }
+}
+
+#[test]
+fn a_journal_from_a_stranger_moves_nothing_out_of_the_folder() {
+    for journal in [
+        r#"{"moves":[[".tweeze-new-0","../x"]],"remove":[]}"#,
+        r#"{"moves":[["a","b"]],"remove":[]}"#,
+        r#"{"moves":[],"remove":["../a"]}"#,
+        r#"{"moves":[],"remove":["/etc/passwd"]}"#,
+        "nonsense",
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        write(folder.path(), &Real, &OLD).expect("the old set");
+        fs::write(folder.path().join(JOURNAL), journal).expect("written");
+        let refused = Folder::open(folder.path(), &Real).map(drop).expect_err("it is refused");
+        assert!(refused.error.to_string().contains("delete it"), "{journal}");
+    }
+}
+
+#[test]
+fn names_that_some_disks_take_for_one_are_found() {
+    assert_eq!(twice(["go.mcap", "Go.mcap"]), Some("Go.mcap"));
+    assert_eq!(twice(["go.mcap", "go.csv"]), None);
+}

@@ -1,0 +1,102 @@
+//! Which program the files of a folder were built from, in a hidden file beside them: two programs with tasks of one name would
+//! otherwise replace one another's files in silence.
+
+use super::{Destination, errors};
+use crate::diagnostic::Diagnostic;
+use crate::emit::OutputFile;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Component, Path, PathBuf};
+
+/// The name of the hidden file.
+pub const NAME: &str = ".tweeze.json";
+
+/// By the name of each file, what it was built from.
+#[derive(Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Manifest {
+    files: BTreeMap<String, Origin>,
+}
+
+/// A program, told apart by its place. The place is hashed: a folder that is handed on tells nothing of the machine.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+struct Origin {
+    /// The program's file without its folder, for messages.
+    program: String,
+    /// SHA-256 of the way from the folder to the program, in hexadecimal.
+    place: String,
+}
+
+impl Manifest {
+    /// The manifest of a folder; an empty one where there is none.
+    pub fn read(folder: &Path) -> Result<Manifest, Box<Diagnostic>> {
+        let path = folder.join(NAME);
+        let unreadable = |error: io::Error| Box::new(errors::bad_manifest(&path, &error.to_string()));
+        match fs::read(&path) {
+            Ok(bytes) => serde_json::from_slice(&bytes).map_err(|error| unreadable(error.into())),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Manifest::default()),
+            Err(error) => Err(unreadable(error)),
+        }
+    }
+
+    /// Enters files as built from a program; whether that changes anything.
+    ///
+    /// # Errors
+    /// A file stands there that was built from another program, and it is not to be replaced.
+    pub fn enter(&mut self, to: &Destination, files: &[OutputFile]) -> Result<bool, Box<Diagnostic>> {
+        let before = self.files.clone();
+        let origin = Origin::of(to.folder, to.program);
+        for file in files {
+            let is_there = to.folder.join(&file.name).symlink_metadata().is_ok();
+            let other = self.files.get(&file.name).filter(|other| is_there && other.place != origin.place);
+            if let Some(other) = other.filter(|_| !to.force) {
+                return Err(Box::new(errors::of_another_program(&to.folder.join(&file.name), &other.program)));
+            }
+            self.files.insert(file.name.clone(), origin.clone());
+        }
+        self.files.retain(|name, _| {
+            files.iter().any(|file| file.name == *name) || to.folder.join(name).symlink_metadata().is_ok()
+        });
+        Ok(self.files != before)
+    }
+
+    /// As it is written.
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut bytes = serde_json::to_vec_pretty(self).expect("names are JSON");
+        bytes.push(b'\n');
+        bytes
+    }
+}
+
+impl Origin {
+    fn of(folder: &Path, program: &Path) -> Origin {
+        let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        // Both exist by now; where the system cannot tell their places, the words of the user stand for them.
+        let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let way = way_to(&whole(folder), &whole(program));
+        let digest = Sha256::digest(way.to_string_lossy().replace('\\', "/").as_bytes());
+        Origin { program: name, place: digest.iter().map(|byte| format!("{byte:02x}")).collect() }
+    }
+}
+
+/// The way from a folder to a file, so that both may be moved together.
+fn way_to(folder: &Path, file: &Path) -> PathBuf {
+    let (from, to): (Vec<Component>, Vec<Component>) = (folder.components().collect(), file.components().collect());
+    let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
+    let up = from[shared..].iter().map(|_| Component::ParentDir);
+    up.chain(to[shared..].iter().copied()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_does_not_depend_on_where_both_lie() {
+        assert_eq!(way_to(Path::new("/a/out"), Path::new("/a/b/p.twz")), Path::new("../b/p.twz"));
+        assert_eq!(way_to(Path::new("/x/a/out"), Path::new("/x/a/b/p.twz")), Path::new("../b/p.twz"));
+        assert_eq!(way_to(Path::new("/a"), Path::new("/a/p.twz")), Path::new("p.twz"));
+    }
+}

@@ -1,0 +1,161 @@
+//! All ways between two cells of which none is better in both distance and switches: what limits on both need.
+//!
+//! Problem: the Pareto front of (distance, switches) over paths of single flips, as far as it keeps limits. Method: bi-criteria A* with
+//! constant-time dominance checks (BOA*, Hernández and others 2023): labels leave the queue in order of (distance, switches), each
+//! with its lower bound to the goal, so that a label is dominated if an earlier one of its cell has no more switches. The bounds
+//! are the sums over the modules that differ, which are consistent. Guaranteed: complete unless the budget ran out. One step of
+//! the budget is one switch looked at; one that leads to a label takes four more, since labels are kept.
+
+use super::field::Field;
+use super::lattice::{Cell, Flip, Side, Weights, bits};
+use super::queue::RadixQueue;
+use super::tally::{Tally, add_to_front};
+use crate::plan::search::Meter;
+use rustc_hash::FxHashMap;
+
+/// Steps that one label takes from the budget besides that of the switch.
+const LABEL_STEPS: u64 = 4;
+/// Bits of a queue's key that hold the switches. A path has no more switches than labels, of which there are fewer than 2^24.
+const SWITCH_BITS: u32 = 24;
+const MAX_LABELS: usize = 1 << SWITCH_BITS;
+const NO_PARENT: u32 = u32::MAX;
+
+/// The ways that were found, and whether they are all.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Front<P> {
+    /// None is within another.
+    pub ways: Vec<(Tally, P)>,
+    /// Whether every way within the limits has one of `ways` within it.
+    pub is_complete: bool,
+}
+
+#[derive(Clone, Copy)]
+struct Label {
+    cell: Cell,
+    distance: u64,
+    switches: u32,
+    parent: u32,
+    by: Flip,
+}
+
+struct Search {
+    goal: Cell,
+    limits: Tally,
+    weights: [Weights; 2],
+    labels: Vec<Label>,
+    queue: RadixQueue<u32>,
+    /// The least switches of the labels of a cell that have left the queue.
+    settled: FxHashMap<Cell, u32>,
+    front: Vec<(Tally, Vec<Flip>)>,
+    /// A label was too long for a key of the queue.
+    has_dropped: bool,
+}
+
+/// The ways from `start` to `goal` within the limits. `known` are ways found before: they are among the answer, and spare the search what
+/// they dominate.
+pub(super) fn front(
+    field: &Field,
+    [start, goal]: [Cell; 2],
+    limits: Tally,
+    known: Vec<(Tally, Vec<Flip>)>,
+    meter: &mut Meter,
+) -> Front<Vec<Flip>> {
+    let lattice = field.lattice();
+    let mut search = Search {
+        goal,
+        limits,
+        weights: [Weights::distance(lattice), Weights::switches(lattice)],
+        labels: Vec::new(),
+        queue: RadixQueue::default(),
+        settled: FxHashMap::default(),
+        front: Vec::new(),
+        has_dropped: false,
+    };
+    for (tally, flips) in known {
+        add_to_front(&mut search.front, tally, flips);
+    }
+    let is_complete = search.run(field, start, meter);
+    search.front.retain(|(tally, _)| tally.is_within(limits));
+    Front { ways: search.front, is_complete }
+}
+
+impl Search {
+    fn run(&mut self, field: &Field, start: Cell, meter: &mut Meter) -> bool {
+        let by = Flip::of_bit(Side::Left, 1);
+        self.push(Label { cell: start, distance: 0, switches: 0, parent: NO_PARENT, by });
+        let mut work = field.work();
+        let (mut reader, _) = work.open(field);
+        while let Some(index) = self.queue.pop() {
+            let label = self.labels[index as usize];
+            if self.is_dominated(&label) {
+                continue;
+            }
+            self.settled.insert(label.cell, label.switches);
+            if label.cell == self.goal {
+                let flips = self.path(index);
+                add_to_front(&mut self.front, tally(&label), flips);
+                continue;
+            }
+            let legal = reader.legal(label.cell.pair()).unwrap_or([0, 0]);
+            for side in Side::BOTH {
+                for bit in bits(legal[side.index()]) {
+                    if meter.left().steps <= LABEL_STEPS || self.labels.len() >= MAX_LABELS {
+                        return false;
+                    }
+                    meter.charge(1);
+                    let by = Flip::of_bit(side, bit);
+                    let (distance, switches) = (label.distance + self.weights[0].of(by), label.switches + 1);
+                    if self.push(Label { cell: label.cell.after(by), distance, switches, parent: index, by }) {
+                        meter.charge(LABEL_STEPS);
+                    }
+                }
+            }
+        }
+        !self.has_dropped
+    }
+
+    /// Queues a label that may lead to a way not yet known; `false` if it does not.
+    fn push(&mut self, label: Label) -> bool {
+        if self.is_dominated(&label) {
+            return false;
+        }
+        let ahead = self.ahead(&label);
+        let Some(key) = ahead.distance.checked_mul(1 << SWITCH_BITS).filter(|key| key >> 62 == 0) else {
+            self.has_dropped = true;
+            return false;
+        };
+        self.queue.push(key | ahead.switches, self.labels.len() as u32);
+        self.labels.push(label);
+        true
+    }
+
+    fn is_dominated(&self, label: &Label) -> bool {
+        let ahead = self.ahead(label);
+        self.settled.get(&label.cell).is_some_and(|switches| *switches <= label.switches)
+            || !ahead.is_within(self.limits)
+            || self.front.iter().any(|(known, _)| known.is_within(ahead))
+    }
+
+    /// Below this no way goes on from the label.
+    fn ahead(&self, label: &Label) -> Tally {
+        let [distance, switches] = [0, 1].map(|k| self.weights[k].between(label.cell, self.goal));
+        let rest = Tally { distance, switches, pulses: switches };
+        tally(label).plus(rest)
+    }
+
+    fn path(&self, index: u32) -> Vec<Flip> {
+        let mut flips = Vec::new();
+        let mut at = index;
+        while let Some(label) = self.labels.get(at as usize).filter(|label| label.parent != NO_PARENT) {
+            flips.push(label.by);
+            at = label.parent;
+        }
+        flips.reverse();
+        flips
+    }
+}
+
+fn tally(label: &Label) -> Tally {
+    let switches = u64::from(label.switches);
+    Tally { distance: label.distance, switches, pulses: switches }
+}

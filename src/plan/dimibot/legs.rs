@@ -1,0 +1,303 @@
+//! The ways between two stops of a task: the best one by an objective, or all that limits leave open.
+//!
+//! Input: a field, cells and budgets. Output: a [`Best`] leg, or a [`Front`] of legs. Promise: each leg is searched once; what is said of
+//! a leg holds for the way back too, since a way may be gone in reverse.
+
+use super::field::Field;
+use super::labels::{self, Front};
+use super::lattice::{Cell, Flip, Side, Weights};
+use super::outcome::{Impossible, Outcome, Path};
+use super::pulses::{self, Pulse, Train};
+use super::tally::Tally;
+use super::{published, shortest};
+use crate::check::claims::dimibot::{Method, Objective};
+use crate::plan::search::{Budget, GaveUp, Meter};
+use rustc_hash::FxHashMap;
+
+/// Steps that may go into breaking the ties of one leg, however cheap the leg was.
+const TIE_STEPS: u64 = 1 << 18;
+/// Times the steps of finding a leg that may go into breaking its ties.
+const TIE_FACTOR: u64 = 4;
+/// Bits of a lexicographic weight that hold the switches of a path, where distance comes first.
+const SWITCH_BITS: u32 = 28;
+/// The same for the distance of a path, where switches come first.
+const DISTANCE_BITS: u32 = 40;
+/// A path with so many switches has less than 2^[`DISTANCE_BITS`] of distance.
+const MAX_SWITCHES: u64 = 1 << 20;
+
+/// The best way between two cells.
+#[derive(Clone, Debug)]
+pub(super) struct Best {
+    pub(super) tally: Tally,
+    pub(super) pulses: Vec<Pulse>,
+    /// No way has less of the objective's figure.
+    pub(super) bound: u64,
+    /// Whether no way of equal cost is better in the other figures.
+    pub(super) is_exact: bool,
+}
+
+/// Why there is no leg.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoLeg {
+    Impossible(Impossible),
+    GaveUp(GaveUp),
+}
+
+/// What searches of one stage may spend.
+pub(super) struct Meters {
+    /// On finding ways.
+    pub(super) find: Meter,
+    /// On breaking ties between them.
+    pub(super) ties: Meter,
+    /// On ways within limits.
+    pub(super) limits: Meter,
+}
+
+impl Meters {
+    pub(super) fn new(expansions: u64) -> Self {
+        let meter = Meter::new(Budget::of(expansions));
+        Meters { find: meter, ties: meter, limits: meter }
+    }
+}
+
+/// Searches legs and remembers them.
+pub(super) struct Legs<'a> {
+    field: &'a Field,
+    method: Method,
+    /// Whether several modules may switch in one pulse.
+    with_pulses: bool,
+    best: FxHashMap<(Cell, Cell, Rank), Best>,
+}
+
+/// Objectives that rank ways alike share a search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Rank {
+    Distance,
+    Switches,
+    Pulses,
+}
+
+impl<'a> Legs<'a> {
+    pub(super) fn new(field: &'a Field, method: Method, with_pulses: bool) -> Self {
+        Legs { field, method, with_pulses, best: FxHashMap::default() }
+    }
+
+    /// The objectives that rank ways differently.
+    pub(super) fn objectives(&self) -> &'static [Objective] {
+        match self.with_pulses {
+            true => &[Objective::Distance, Objective::Switches, Objective::Time],
+            false => &[Objective::Distance, Objective::Switches],
+        }
+    }
+
+    /// The objective under whose figure ways are ranked as under this one.
+    fn rank(&self, objective: Objective) -> Rank {
+        match objective {
+            Objective::Distance => Rank::Distance,
+            Objective::Time if self.with_pulses => Rank::Pulses,
+            Objective::Time | Objective::Switches | Objective::Energy => Rank::Switches,
+        }
+    }
+
+    /// The best leg from one cell to the other.
+    pub(super) fn best(
+        &mut self,
+        [from, to]: [Cell; 2],
+        objective: Objective,
+        meters: &mut Meters,
+    ) -> Result<Best, NoLeg> {
+        let rank = self.rank(objective);
+        if let Some(best) = self.best.get(&(from, to, rank)) {
+            return Ok(best.clone());
+        }
+        if let Some(best) = self.best.get(&(to, from, rank)) {
+            return Ok(Best { pulses: best.pulses.iter().rev().copied().collect(), ..best.clone() });
+        }
+        let best = match rank {
+            Rank::Pulses => self.by_pulses([from, to], meters)?,
+            Rank::Distance | Rank::Switches if self.method == Method::StagedAstar => {
+                self.by_stages([from, to], rank, meters)?
+            }
+            Rank::Distance | Rank::Switches => self.as_published([from, to], rank, meters)?,
+        };
+        self.best.insert((from, to, rank), best.clone());
+        Ok(best)
+    }
+
+    /// All legs that may be part of a best task within these limits.
+    pub(super) fn front(
+        &mut self,
+        ends: [Cell; 2],
+        limits: Tally,
+        meters: &mut Meters,
+    ) -> Result<Front<Vec<Pulse>>, NoLeg> {
+        let mut known = Vec::new();
+        let mut least = Tally::MAX;
+        for objective in self.objectives() {
+            let best = self.best(ends, *objective, meters)?;
+            match objective {
+                Objective::Distance => least.distance = best.bound,
+                Objective::Switches | Objective::Energy => least.switches = best.bound,
+                Objective::Time => least.pulses = best.bound,
+            }
+            known.push((best.tally, best.pulses));
+        }
+        if !self.with_pulses {
+            least.pulses = least.switches;
+        }
+        // One way may be the best in everything.
+        if let Some(way) = known.iter().find(|(tally, _)| *tally == least) {
+            let ways = Some(way.clone()).filter(|(tally, _)| tally.is_within(limits));
+            return Ok(Front { ways: ways.into_iter().collect(), is_complete: true });
+        }
+        if !least.is_within(limits) {
+            return Ok(Front { ways: Vec::new(), is_complete: true });
+        }
+        if self.with_pulses {
+            return Ok(pulses::front(self.field, ends, limits, known, &mut meters.limits));
+        }
+        let known = known.into_iter().map(|(tally, pulses)| (tally, pulses.into_iter().filter_map(flip).collect()));
+        let front = labels::front(self.field, ends, limits, known.collect(), &mut meters.limits);
+        let ways = front.ways.into_iter().map(|(tally, flips)| (tally, flips.into_iter().map(single).collect()));
+        Ok(Front { ways: ways.collect(), is_complete: front.is_complete })
+    }
+
+    fn by_pulses(&self, [from, to]: [Cell; 2], meters: &mut Meters) -> Result<Best, NoLeg> {
+        let train = match pulses::pulses(self.field, from, to, meters.find.left()) {
+            Outcome::Found(train) => train,
+            Outcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
+            Outcome::GaveUp(report) => return Err(self.gave_up(report, meters)),
+        };
+        meters.find.charge(train.expanded);
+        let Train { pulses, bound, .. } = train;
+        let tally = Tally::sum(self.field.lattice(), &pulses);
+        let is_exact = pulses::is_small(self.field.lattice()) || pulses.len() <= 1;
+        Ok(Best { tally, pulses, bound, is_exact })
+    }
+
+    /// First the best by the objective alone, which is what the stages are made for; then, where that may leave ties, by all figures.
+    fn by_stages(&self, [from, to]: [Cell; 2], rank: Rank, meters: &mut Meters) -> Result<Best, NoLeg> {
+        let weights = self.weights(rank);
+        let path = match shortest(self.field, from, to, &weights[0], meters.find.left()) {
+            Outcome::Found(path) => path,
+            Outcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
+            Outcome::GaveUp(report) => return Err(self.gave_up(report, meters)),
+        };
+        meters.find.charge(path.expanded);
+        let best = self.of_path(&path, path.bound);
+        if best.is_exact || path.cost > path.bound {
+            return Ok(best);
+        }
+        let allowed = TIE_STEPS.max(path.expanded.saturating_mul(TIE_FACTOR)).min(meters.ties.left().steps);
+        let ordered = ordered(&weights, rank);
+        match shortest(self.field, from, to, &ordered, Budget::of(allowed)) {
+            Outcome::Found(fine) if fine.cost == fine.bound && fine.cost >> bits(rank) == path.cost => {
+                meters.ties.charge(fine.expanded);
+                let fine = self.of_path(&fine, path.bound);
+                let is_exact = is_exact(rank, fine.tally);
+                Ok(Best { is_exact, ..fine })
+            }
+            Outcome::Found(_) | Outcome::Impossible(_) | Outcome::GaveUp(_) => {
+                meters.ties.charge(allowed);
+                Ok(best)
+            }
+        }
+    }
+
+    fn as_published(&self, [from, to]: [Cell; 2], rank: Rank, meters: &mut Meters) -> Result<Best, NoLeg> {
+        let method = match self.method {
+            Method::StagedAstar => shortest,
+            Method::Dijkstra => published::dijkstra,
+            Method::BidirectionalDijkstra => published::bidirectional_dijkstra,
+            Method::Astar => published::astar,
+            Method::HypercubeAstar => published::hypercube_astar,
+        };
+        let weights = self.weights(rank);
+        let path = match method(self.field, from, to, &ordered(&weights, rank), meters.find.left()) {
+            Outcome::Found(path) => path,
+            Outcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
+            Outcome::GaveUp(report) => {
+                let report = GaveUp { bound: report.bound >> bits(rank), ..report };
+                return Err(self.gave_up(report, meters));
+            }
+        };
+        meters.find.charge(path.expanded);
+        let best = self.of_path(&path, path.bound >> bits(rank));
+        if is_exact(rank, best.tally) {
+            return Ok(Best { is_exact: true, ..best });
+        }
+        // Beyond the bits of the second figure the order of the sums is not that of the figures.
+        let bound = weights[0].between(from, to);
+        Ok(Best { bound, is_exact: false, ..best })
+    }
+
+    fn impossible(&self, proof: Impossible, meters: &mut Meters) -> NoLeg {
+        meters.find.charge(proof.expanded);
+        NoLeg::Impossible(proof)
+    }
+
+    fn gave_up(&self, report: GaveUp, meters: &mut Meters) -> NoLeg {
+        meters.find.charge(report.spent);
+        NoLeg::GaveUp(report)
+    }
+
+    /// A path as a leg; exact for certain if no module switches twice.
+    fn of_path(&self, path: &Path, bound: u64) -> Best {
+        let pulses: Vec<Pulse> = path.flips.iter().copied().map(single).collect();
+        let tally = Tally::sum(self.field.lattice(), &pulses);
+        let mut switched = [0, 0];
+        let is_exact = pulses.iter().all(|pulse| {
+            let is_first = switched[0] & pulse.left == 0 && switched[1] & pulse.right == 0;
+            switched = [switched[0] | pulse.left, switched[1] | pulse.right];
+            is_first
+        });
+        Best { tally, pulses, bound, is_exact }
+    }
+
+    /// What counts first, and what decides between ties.
+    fn weights(&self, rank: Rank) -> [Weights; 2] {
+        let lattice = self.field.lattice();
+        let [distance, switches] = [Weights::distance(lattice), Weights::switches(lattice)];
+        match rank {
+            Rank::Distance => [distance, switches],
+            Rank::Switches | Rank::Pulses => [switches, distance],
+        }
+    }
+}
+
+fn ordered([first, second]: &[Weights; 2], rank: Rank) -> Weights {
+    first.then(second, bits(rank))
+}
+
+fn bits(rank: Rank) -> u32 {
+    match rank {
+        Rank::Distance => SWITCH_BITS,
+        Rank::Switches | Rank::Pulses => DISTANCE_BITS,
+    }
+}
+
+/// Whether no path that costs less in the first figure can have too much of the second for its bits: a switch is at least one unit of
+/// distance and at most 2^19.
+fn is_exact(rank: Rank, tally: Tally) -> bool {
+    match rank {
+        Rank::Distance => tally.distance < 1 << SWITCH_BITS,
+        Rank::Switches | Rank::Pulses => tally.switches <= MAX_SWITCHES,
+    }
+}
+
+/// One module in a pulse of its own.
+pub(super) fn single(flip: Flip) -> Pulse {
+    let mask = 1 << flip.module;
+    match flip.side {
+        Side::Left => Pulse { left: mask, right: 0 },
+        Side::Right => Pulse { left: 0, right: mask },
+    }
+}
+
+fn flip(pulse: Pulse) -> Option<Flip> {
+    match (pulse.left, pulse.right) {
+        (left, 0) if left.is_power_of_two() => Some(Flip::of_bit(Side::Left, left)),
+        (0, right) if right.is_power_of_two() => Some(Flip::of_bit(Side::Right, right)),
+        _ => None,
+    }
+}

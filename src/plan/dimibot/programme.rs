@@ -1,0 +1,343 @@
+//! The dynamic programme over the stages of a task: for each cell in which a stage may end, the ways to it that may be part of a best route.
+
+use super::labels::Front;
+use super::lattice::Cell;
+use super::legs::{Legs, Meters};
+use super::pulses::Pulse;
+use super::route::{Failure, Stage};
+use super::tally::{Tally, add_to_front};
+use super::tour::{Table, ascent, improved};
+use crate::check::claims::dimibot::Objective;
+use crate::plan::search::Meter;
+use rustc_hash::FxHashMap;
+
+pub(super) const NONE: u32 = u32::MAX;
+/// In a table of a tour the cost of a leg that limits forbid.
+const FORBIDDEN: u64 = 1 << 44;
+
+/// What is kept of the ways to a state.
+#[derive(Clone, Copy)]
+pub(super) enum Mode<'m> {
+    /// The best one.
+    Best(Objective),
+    /// A bound on all, in the objective's figure alone.
+    Bound(Objective),
+    /// All within the limits of which none is within another. `least` is what each stage takes at least.
+    Front { limits: Tally, least: &'m [Tally] },
+}
+
+/// A leg of a way, after those of another.
+pub(super) struct Node {
+    pub(super) before: u32,
+    pub(super) stage: usize,
+    pub(super) ends: [Cell; 2],
+    /// Which of the leg's ways.
+    pub(super) choice: usize,
+}
+
+/// Figures of a way, and its last node.
+pub(super) type Way = (Tally, u32);
+
+/// A cell in which a stage may end.
+pub(super) struct State {
+    pub(super) cell: Cell,
+    pub(super) ways: Vec<Way>,
+}
+
+pub(super) struct Programme<'p> {
+    pub(super) mode: Mode<'p>,
+    pub(super) stages: &'p [Stage],
+    pub(super) nodes: Vec<Node>,
+    pub(super) states: Vec<State>,
+    pub(super) fronts: FxHashMap<(usize, Cell, Cell), Front<Vec<Pulse>>>,
+    /// Ways that may still be joined within limits.
+    pub(super) steps: Meter,
+    /// Whether nothing was left out that may be better in any figure.
+    pub(super) is_exact: bool,
+    /// Whether nothing was left out that may be better in the objective's figure.
+    pub(super) is_proven: bool,
+}
+
+/// The searches that a stage may use.
+struct Searches<'s, 'f> {
+    stage: usize,
+    legs: &'s mut Legs<'f>,
+    meters: &'s mut Meters,
+    /// What a leg of this stage may take.
+    leg_limits: Tally,
+    /// What a way to the end of this stage may take.
+    way_limits: Tally,
+}
+
+/// By pair of places the figures of the legs between them.
+type Between = Vec<Vec<Vec<Tally>>>;
+
+impl Programme<'_> {
+    /// Goes on through one more stage.
+    pub(super) fn extend(&mut self, stage: usize, legs: &mut Legs, meters: &mut Meters) -> Result<(), Failure> {
+        let (leg_limits, way_limits) = self.limits(stage);
+        let mut searches = Searches { stage, legs, meters, leg_limits, way_limits };
+        let stages = self.stages;
+        let places = stages[stage].cells();
+        if places.is_empty() {
+            return Ok(());
+        }
+        let entries = self.entries(places, &mut searches)?;
+        self.states = match &stages[stage] {
+            Stage::To(cell) => entries.into_iter().map(|ways| State { cell: *cell, ways }).collect(),
+            Stage::All(_) => {
+                let between = self.between(places, &mut searches)?;
+                match stages[stage].is_large() {
+                    false => self.in_best_order(places, entries, &between, &searches),
+                    true => self.in_some_order(places, &entries, &between, &mut searches)?,
+                }
+            }
+        };
+        Ok(())
+    }
+
+    /// The way that is best by an objective.
+    pub(super) fn least(&self, objective: Objective) -> Option<Way> {
+        let ways = self.states.iter().flat_map(|state| &state.ways).copied();
+        ways.min_by_key(|(tally, _)| tally.key(objective))
+    }
+
+    /// What a leg of a stage may take, and a way to its end.
+    fn limits(&self, stage: usize) -> (Tally, Tally) {
+        let Mode::Front { limits, least } = self.mode else { return (Tally::MAX, Tally::MAX) };
+        let sum = |stages: &[Tally]| stages.iter().fold(Tally::default(), |sum, stage| sum.plus(*stage));
+        let (before, after) = (sum(&least[..stage]), sum(&least[stage + 1..]));
+        let without = |taken: Tally| limits.minus(taken).unwrap_or_default();
+        (without(before.plus(after)), without(after))
+    }
+
+    /// The figures of the legs from one cell to another.
+    fn options(&mut self, ends: [Cell; 2], place: usize, searches: &mut Searches) -> Result<Vec<Tally>, Failure> {
+        let stage = searches.stage;
+        let fail = |reason| Failure { stage, place, from: ends[0], reason };
+        match self.mode {
+            Mode::Best(objective) => {
+                let best = searches.legs.best(ends, objective, searches.meters).map_err(fail)?;
+                self.is_exact &= best.is_exact;
+                self.is_proven &= best.bound == best.tally.of_objective(objective);
+                Ok(vec![best.tally])
+            }
+            Mode::Bound(objective) => {
+                let best = searches.legs.best(ends, objective, searches.meters).map_err(fail)?;
+                Ok(vec![Tally::only(objective, best.bound)])
+            }
+            Mode::Front { .. } => {
+                let key = (stage, ends[0], ends[1]);
+                if let Some(front) = self.fronts.get(&key) {
+                    return Ok(front.ways.iter().map(|(tally, _)| *tally).collect());
+                }
+                let back = self.fronts.get(&(stage, ends[1], ends[0])).cloned().map(|mut front| {
+                    front.ways.iter_mut().for_each(|(_, pulses)| pulses.reverse());
+                    front
+                });
+                let front = match back {
+                    Some(front) => front,
+                    None => searches.legs.front(ends, searches.leg_limits, searches.meters).map_err(fail)?,
+                };
+                self.is_exact &= front.is_complete;
+                let tallies = front.ways.iter().map(|(tally, _)| *tally).collect();
+                self.fronts.insert(key, front);
+                Ok(tallies)
+            }
+        }
+    }
+
+    /// For each place the ways that come to it first of the stage.
+    fn entries(&mut self, places: &[Cell], searches: &mut Searches) -> Result<Vec<Vec<Way>>, Failure> {
+        let states = std::mem::take(&mut self.states);
+        let mut entries = Vec::with_capacity(places.len());
+        for (place, cell) in places.iter().enumerate() {
+            let mut ways = Vec::new();
+            for state in &states {
+                let ends = [state.cell, *cell];
+                let options = self.options(ends, place, searches)?;
+                self.join(&mut ways, &state.ways, ends, &options, searches);
+            }
+            entries.push(ways);
+        }
+        Ok(entries)
+    }
+
+    fn between(&mut self, places: &[Cell], searches: &mut Searches) -> Result<Between, Failure> {
+        let mut between = vec![vec![Vec::new(); places.len()]; places.len()];
+        for (a, from) in places.iter().enumerate() {
+            for (b, to) in places.iter().enumerate().filter(|(b, _)| *b != a) {
+                between[a][b] = self.options([*from, *to], b, searches)?;
+            }
+        }
+        Ok(between)
+    }
+
+    /// Adds every way on by every leg to the ways of a state.
+    fn join(&mut self, ways: &mut Vec<Way>, from: &[Way], ends: [Cell; 2], legs: &[Tally], searches: &Searches) {
+        for (so_far, before) in from {
+            for (choice, leg) in legs.iter().enumerate() {
+                let tally = so_far.plus(*leg);
+                let node = self.nodes.len() as u32;
+                let is_kept = match self.mode {
+                    Mode::Best(objective) | Mode::Bound(objective) => {
+                        let is_better = ways.first().is_none_or(|(best, _)| tally.key(objective) < best.key(objective));
+                        if is_better {
+                            *ways = vec![(tally, node)];
+                        }
+                        is_better
+                    }
+                    Mode::Front { .. } => {
+                        if self.steps.step().is_none() {
+                            self.is_exact = false;
+                            return;
+                        }
+                        tally.is_within(searches.way_limits) && add_to_front(ways, tally, node)
+                    }
+                };
+                if is_kept {
+                    self.nodes.push(Node { before: *before, stage: searches.stage, ends, choice });
+                }
+            }
+        }
+    }
+
+    /// The dynamic programme over sets of places and the last of them.
+    fn in_best_order(
+        &mut self,
+        places: &[Cell],
+        entries: Vec<Vec<Way>>,
+        between: &Between,
+        searches: &Searches,
+    ) -> Vec<State> {
+        let n = places.len();
+        let all = (1_usize << n) - 1;
+        let mut table: Vec<Vec<Way>> = vec![Vec::new(); n << n];
+        for (last, ways) in entries.into_iter().enumerate() {
+            table[(1 << last) * n + last] = ways;
+        }
+        for set in 1..all {
+            for last in (0..n).filter(|last| set >> last & 1 == 1) {
+                let ways = std::mem::take(&mut table[set * n + last]);
+                for next in (0..n).filter(|next| set >> next & 1 == 0) {
+                    let to = &mut table[(set | 1 << next) * n + next];
+                    self.join(to, &ways, [places[last], places[next]], &between[last][next], searches);
+                }
+            }
+        }
+        let ends = table.drain(all * n..);
+        places.iter().zip(ends).map(|(cell, ways)| State { cell: *cell, ways }).collect()
+    }
+
+    /// A good order of many places, or bounds on all orders.
+    fn in_some_order(
+        &mut self,
+        places: &[Cell],
+        entries: &[Vec<Way>],
+        between: &Between,
+        searches: &mut Searches,
+    ) -> Result<Vec<State>, Failure> {
+        (self.is_exact, self.is_proven) = (false, false);
+        let onward = self.onward(places, searches)?;
+        let objectives = match self.mode {
+            Mode::Best(objective) => vec![objective],
+            Mode::Bound(objective) => {
+                return Ok(bounds(places, entries, between, onward.as_deref(), objective));
+            }
+            Mode::Front { .. } => searches.legs.objectives().to_vec(),
+        };
+        let mut states: Vec<State> = Vec::new();
+        for objective in objectives {
+            let order = improved(&table(entries, between, onward.as_deref(), objective));
+            let Some(last) = order.last().map(|node| node - 1) else { continue };
+            if let Some(way) = self.along(places, entries, between, (&order, objective), searches) {
+                states.push(State { cell: places[last], ways: vec![way] });
+            }
+        }
+        Ok(states)
+    }
+
+    /// Where the next stage is a single cell: the figures of the legs to it.
+    fn onward(&mut self, places: &[Cell], searches: &mut Searches) -> Result<Option<Vec<Vec<Tally>>>, Failure> {
+        let Some(Stage::To(next)) = self.stages.get(searches.stage + 1) else { return Ok(None) };
+        let mut legs = Vec::with_capacity(places.len());
+        for (place, cell) in places.iter().enumerate() {
+            legs.push(self.options([*cell, *next], place, searches)?);
+        }
+        Ok(Some(legs))
+    }
+
+    /// The way through the places in an order (of nodes of the table).
+    fn along(
+        &mut self,
+        places: &[Cell],
+        entries: &[Vec<Way>],
+        between: &Between,
+        (order, objective): (&[usize], Objective),
+        searches: &Searches,
+    ) -> Option<Way> {
+        let first = order.first()? - 1;
+        let mut way = *entries[first].iter().min_by_key(|(tally, _)| tally.key(objective))?;
+        for pair in order.windows(2) {
+            let [a, b] = [pair[0] - 1, pair[1] - 1];
+            let legs = between[a][b].iter().enumerate();
+            let (choice, leg) = legs.min_by_key(|(_, tally)| tally.key(objective))?;
+            let node = Node { before: way.1, stage: searches.stage, ends: [places[a], places[b]], choice };
+            way = (way.0.plus(*leg), self.nodes.len() as u32);
+            self.nodes.push(node);
+        }
+        way.0.is_within(searches.way_limits).then_some(way)
+    }
+}
+
+/// The least figure of some legs.
+fn least(legs: impl Iterator<Item = Tally>, objective: Objective) -> u64 {
+    legs.map(|tally| tally.of_objective(objective)).min().unwrap_or(FORBIDDEN)
+}
+
+/// The costs of a tour from what was before the stage, on to the cell after it.
+fn table(entries: &[Vec<Way>], between: &Between, onward: Option<&[Vec<Tally>]>, objective: Objective) -> Table {
+    let n = entries.len();
+    let nodes = n + 1 + usize::from(onward.is_some());
+    let mut costs = vec![vec![0; nodes]; nodes];
+    for a in 0..n {
+        costs[0][a + 1] = least(entries[a].iter().map(|(tally, _)| *tally), objective);
+        costs[a + 1][0] = costs[0][a + 1];
+        for b in (0..n).filter(|b| *b != a) {
+            costs[a + 1][b + 1] = least(between[a][b].iter().copied(), objective);
+        }
+        if let Some(onward) = onward {
+            costs[a + 1][n + 1] = least(onward[a].iter().copied(), objective);
+            costs[n + 1][a + 1] = costs[a + 1][n + 1];
+        }
+    }
+    let end = onward.map(|_| n + 1);
+    if let Some(end) = end {
+        // No path leads straight to the end.
+        (costs[0][end], costs[end][0]) = (FORBIDDEN, FORBIDDEN);
+    }
+    Table { costs, end }
+}
+
+/// For each place what no way through all of them and ending there stays below. With a cell after the stage, the bound on the way up
+/// to it counts too, less the leg there: what is claimed is the sum.
+fn bounds(
+    places: &[Cell],
+    entries: &[Vec<Way>],
+    between: &Between,
+    onward: Option<&[Vec<Tally>]>,
+    objective: Objective,
+) -> Vec<State> {
+    let bound = |onward| {
+        let table = table(entries, between, onward, objective);
+        ascent(&table, table.length(&improved(&table)))
+    };
+    let free = bound(None);
+    let with_end = onward.map(|onward| bound(Some(onward)));
+    let of_place = |(place, cell): (usize, &Cell)| {
+        let last = onward.map_or(0, |onward| least(onward[place].iter().copied(), objective));
+        let figure = free.max(with_end.map_or(0, |bound| bound.saturating_sub(last)));
+        State { cell: *cell, ways: vec![(Tally::only(objective, figure), NONE)] }
+    };
+    places.iter().enumerate().map(of_place).collect()
+}

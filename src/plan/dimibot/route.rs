@@ -1,0 +1,242 @@
+//! A task as a whole: the best sequence of legs over all its stages, the orders of its visits among them.
+//!
+//! Problem: from a start through stages, each a cell or a set of cells to be visited in any order; least by an objective, ties broken by
+//! the other figures, within limits on all figures. Method: a dynamic programme over the stages whose state is the cell in which a
+//! stage ends, inside a visit of up to [`EXACT_PLACES`] places that of Held and Karp (1962) over sets; without limits one best way
+//! per state, with limits the Pareto front of the ways. Larger visits are ordered by [`super::tour`], and bounded by the same
+//! programme over the bounds of the legs. Guaranteed: `bound` holds for the whole task; optimal where it equals the cost.
+
+use super::field::Field;
+use super::lattice::Cell;
+use super::legs::{Legs, Meters, NoLeg};
+use super::programme::{Mode, NONE, Programme, State};
+use super::pulses::Pulse;
+use super::tally::Tally;
+use crate::check::claims::dimibot::{Method, Objective};
+use crate::plan::search::{Budget, Meter};
+use rustc_hash::FxHashMap;
+
+/// Up to this many places the order of a visit is proven best.
+pub const EXACT_PLACES: usize = 12;
+
+/// A part of a task.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// To this cell.
+    To(Cell),
+    /// To all these cells, in the best order.
+    All(Vec<Cell>),
+}
+
+impl Stage {
+    pub(super) fn cells(&self) -> &[Cell] {
+        match self {
+            Stage::To(cell) => std::slice::from_ref(cell),
+            Stage::All(cells) => cells,
+        }
+    }
+
+    /// The last cell as written.
+    fn last(&self) -> Option<Cell> {
+        self.cells().last().copied()
+    }
+
+    pub(super) fn is_large(&self) -> bool {
+        self.cells().len() > EXACT_PLACES
+    }
+}
+
+/// A task to be planned.
+pub struct Request<'a> {
+    pub field: &'a Field,
+    pub start: Cell,
+    pub stages: &'a [Stage],
+    pub method: Method,
+    /// Whether several modules may switch in one pulse.
+    pub with_pulses: bool,
+    /// Steps that the searches of one stage may take.
+    pub expansions: u64,
+}
+
+/// How a task is done.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Route {
+    /// The pulses of each stage.
+    pub pulses: Vec<Vec<Pulse>>,
+    /// What they come to.
+    pub tally: Tally,
+    /// No route has less of the objective's figure.
+    pub bound: u64,
+    /// Whether no route of equal cost is better in the other figures.
+    pub is_exact: bool,
+}
+
+/// A leg that was not found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Failure {
+    pub stage: usize,
+    /// Which of the stage's cells.
+    pub place: usize,
+    pub from: Cell,
+    pub reason: NoLeg,
+}
+
+/// The best route within limits, as far as the search went.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Within {
+    pub route: Option<Route>,
+    /// Whether all routes within the limits were looked at: then there is none if `route` is none, and none better if it is one.
+    pub is_complete: bool,
+}
+
+/// Plans a task, for several objectives and limits if need be.
+pub struct Router<'a> {
+    request: Request<'a>,
+    legs: Legs<'a>,
+}
+
+impl<'a> Router<'a> {
+    pub fn new(request: Request<'a>) -> Self {
+        let legs = Legs::new(request.field, request.method, request.with_pulses);
+        Router { request, legs }
+    }
+
+    /// The best route by an objective.
+    ///
+    /// # Errors
+    /// The legs that lead nowhere or were not found: for each stage those from the last cell of the stage before.
+    pub fn best(&mut self, objective: Objective) -> Result<Route, Vec<Failure>> {
+        let mut meters = self.meters();
+        self.reach(objective, &mut meters)?;
+        let costs = self.programme(Mode::Best(objective), &mut meters).map_err(|failure| vec![failure])?;
+        let Some((tally, last)) = costs.least(objective) else { return Err(Vec::new()) };
+        let bound = match costs.is_proven {
+            true => tally.of_objective(objective),
+            false => {
+                let bounds = self.programme(Mode::Bound(objective), &mut meters).map_err(|failure| vec![failure])?;
+                let bound = bounds.least(objective).map_or(0, |(tally, _)| tally.of_objective(objective));
+                bound.min(tally.of_objective(objective))
+            }
+        };
+        let pulses = self.pulses(&costs, last, &mut meters);
+        Ok(Route { pulses, tally, bound, is_exact: costs.is_exact })
+    }
+
+    /// The best route by an objective of which no figure exceeds its limit.
+    pub fn within(&mut self, objective: Objective, limits: Tally) -> Within {
+        let mut meters = self.meters();
+        let Some(least) = self.least(&mut meters) else { return Within { route: None, is_complete: false } };
+        let all = least.iter().fold(Tally::default(), |sum, stage| sum.plus(*stage));
+        if !all.is_within(limits) {
+            return Within { route: None, is_complete: true };
+        }
+        let Ok(ways) = self.programme(Mode::Front { limits, least: &least }, &mut meters) else {
+            return Within { route: None, is_complete: false };
+        };
+        let route = ways.least(objective).map(|(tally, last)| {
+            let pulses = self.pulses(&ways, last, &mut meters);
+            let bound = if ways.is_exact { tally.of_objective(objective) } else { 0 };
+            Route { pulses, tally, bound, is_exact: ways.is_exact }
+        });
+        Within { route, is_complete: ways.is_exact }
+    }
+
+    fn meters(&self) -> Vec<Meters> {
+        self.request.stages.iter().map(|_| Meters::new(self.request.expansions)).collect()
+    }
+
+    /// Looks for a leg to every cell from the last cell of the stage before, so that each part of a task has its say.
+    fn reach(&mut self, objective: Objective, meters: &mut [Meters]) -> Result<(), Vec<Failure>> {
+        let mut failures = Vec::new();
+        let mut from = self.request.start;
+        for (stage, all) in self.request.stages.iter().enumerate() {
+            for (place, cell) in all.cells().iter().enumerate() {
+                if let Err(reason) = self.legs.best([from, *cell], objective, &mut meters[stage]) {
+                    failures.push(Failure { stage, place, from, reason });
+                    break;
+                }
+            }
+            from = all.last().unwrap_or(from);
+        }
+        if failures.is_empty() { Ok(()) } else { Err(failures) }
+    }
+
+    /// For each stage what no way through it stays below in any figure; `None` where a leg was not found.
+    fn least(&mut self, meters: &mut [Meters]) -> Option<Vec<Tally>> {
+        let mut from = vec![self.request.start];
+        let mut least = Vec::with_capacity(self.request.stages.len());
+        for (stage, all) in self.request.stages.iter().enumerate() {
+            let mut of_stage = Tally::default();
+            for place in all.cells() {
+                let mut nearest = Tally::MAX;
+                for cell in &from {
+                    nearest = nearest.least(self.least_of_leg([*cell, *place], &mut meters[stage])?);
+                }
+                of_stage = Tally {
+                    distance: of_stage.distance.max(nearest.distance),
+                    switches: of_stage.switches.max(nearest.switches),
+                    pulses: of_stage.pulses.max(nearest.pulses),
+                };
+            }
+            least.push(of_stage);
+            if !all.cells().is_empty() {
+                from = all.cells().to_vec();
+            }
+        }
+        Some(least)
+    }
+
+    fn least_of_leg(&mut self, ends: [Cell; 2], meters: &mut Meters) -> Option<Tally> {
+        let mut least = Tally::default();
+        for objective in self.legs.objectives() {
+            let bound = self.legs.best(ends, *objective, meters).ok()?.bound;
+            let only = Tally::only(*objective, bound);
+            least = least.plus(only);
+        }
+        if !self.request.with_pulses {
+            least.pulses = least.switches;
+        }
+        Some(least)
+    }
+
+    fn programme<'m>(&mut self, mode: Mode<'m>, meters: &mut [Meters]) -> Result<Programme<'m>, Failure>
+    where
+        'a: 'm,
+    {
+        let mut programme = Programme {
+            mode,
+            stages: self.request.stages,
+            nodes: Vec::new(),
+            states: vec![State { cell: self.request.start, ways: vec![(Tally::default(), NONE)] }],
+            fronts: FxHashMap::default(),
+            steps: Meter::new(Budget::of(self.request.expansions)),
+            is_exact: true,
+            is_proven: true,
+        };
+        for (stage, meters) in meters.iter_mut().enumerate() {
+            programme.extend(stage, &mut self.legs, meters)?;
+        }
+        Ok(programme)
+    }
+
+    /// The pulses of a way, by stage.
+    fn pulses(&mut self, programme: &Programme, last: u32, meters: &mut [Meters]) -> Vec<Vec<Pulse>> {
+        let mut pulses = vec![Vec::new(); self.request.stages.len()];
+        let mut at = last;
+        while let Some(node) = programme.nodes.get(at as usize) {
+            let leg = match programme.mode {
+                Mode::Best(objective) | Mode::Bound(objective) => {
+                    let best = self.legs.best(node.ends, objective, &mut meters[node.stage]);
+                    best.expect("each leg of a way was found and is remembered").pulses
+                }
+                Mode::Front { .. } => {
+                    programme.fronts[&(node.stage, node.ends[0], node.ends[1])].ways[node.choice].1.clone()
+                }
+            };
+            pulses[node.stage].extend(leg.into_iter().rev());
+            at = node.before;
+        }
+        pulses.iter_mut().for_each(|stage| stage.reverse());
+        pulses
+    }
+}

@@ -1,0 +1,112 @@
+//! What a motion comes to in every outcome, and which of two motions is better.
+//!
+//! Time and energy of a DiMiBot follow from the number of pulses and of switches, so three whole numbers say all. Ties in the
+//! objective are broken by the other outcomes in the order of the vocabulary: distance, switches, time, energy.
+
+use super::lattice::{Lattice, Side};
+use super::pulses::Pulse;
+use crate::check::claims::dimibot::Objective;
+
+/// The figures of a motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Way of the end-effector in units of the finer pitch.
+    pub distance: u64,
+    /// How often a module is switched.
+    pub switches: u64,
+    /// Number of pulses; equal to `switches` where one module is switched at a time.
+    pub pulses: u64,
+}
+
+impl Tally {
+    /// What no motion exceeds.
+    pub const MAX: Tally = Tally { distance: u64::MAX, switches: u64::MAX, pulses: u64::MAX };
+
+    /// The figures of one pulse.
+    pub fn of(lattice: &Lattice, pulse: Pulse) -> Self {
+        let finest = lattice.modules[0].max(lattice.modules[1]);
+        let way = |mask: u32, side: Side| u64::from(mask) << (finest - lattice.modules[side.index()]);
+        Tally {
+            distance: way(pulse.left, Side::Left) + way(pulse.right, Side::Right),
+            switches: u64::from(pulse.left.count_ones() + pulse.right.count_ones()),
+            pulses: 1,
+        }
+    }
+
+    /// The figures of pulses in a row.
+    pub fn sum(lattice: &Lattice, pulses: &[Pulse]) -> Self {
+        pulses.iter().fold(Tally::default(), |sum, pulse| sum.plus(Tally::of(lattice, *pulse)))
+    }
+
+    /// One after the other; stays at the largest number rather than going round.
+    #[must_use]
+    pub const fn plus(self, other: Tally) -> Self {
+        Tally {
+            distance: self.distance.saturating_add(other.distance),
+            switches: self.switches.saturating_add(other.switches),
+            pulses: self.pulses.saturating_add(other.pulses),
+        }
+    }
+
+    /// What is left of a limit; `None` where nothing is.
+    pub const fn minus(self, other: Tally) -> Option<Self> {
+        if !other.is_within(self) {
+            return None;
+        }
+        Some(Tally {
+            distance: self.distance - other.distance,
+            switches: self.switches - other.switches,
+            pulses: self.pulses - other.pulses,
+        })
+    }
+
+    /// Whether no figure is greater.
+    pub const fn is_within(self, limit: Tally) -> bool {
+        self.distance <= limit.distance && self.switches <= limit.switches && self.pulses <= limit.pulses
+    }
+
+    /// The least of either in each figure.
+    #[must_use]
+    pub fn least(self, other: Tally) -> Self {
+        Tally {
+            distance: self.distance.min(other.distance),
+            switches: self.switches.min(other.switches),
+            pulses: self.pulses.min(other.pulses),
+        }
+    }
+
+    /// What decides between motions, most important first.
+    pub const fn key(self, objective: Objective) -> [u64; 3] {
+        match objective {
+            Objective::Distance => [self.distance, self.switches, self.pulses],
+            // Energy is a multiple of the switches.
+            Objective::Switches | Objective::Energy => [self.switches, self.distance, self.pulses],
+            Objective::Time => [self.pulses, self.distance, self.switches],
+        }
+    }
+
+    /// The figure that is minimised.
+    pub const fn of_objective(self, objective: Objective) -> u64 {
+        self.key(objective)[0]
+    }
+
+    /// A tally of which only the minimised figure is known.
+    pub const fn only(objective: Objective, figure: u64) -> Self {
+        let none = Tally { distance: 0, switches: 0, pulses: 0 };
+        match objective {
+            Objective::Distance => Tally { distance: figure, ..none },
+            Objective::Switches | Objective::Energy => Tally { switches: figure, ..none },
+            Objective::Time => Tally { pulses: figure, ..none },
+        }
+    }
+}
+
+/// Adds a tally with what belongs to it to a list of which none is within another; `false` if one of the list is within it.
+pub fn add_to_front<T>(front: &mut Vec<(Tally, T)>, tally: Tally, item: T) -> bool {
+    if front.iter().any(|(known, _)| known.is_within(tally)) {
+        return false;
+    }
+    front.retain(|(known, _)| !tally.is_within(*known));
+    front.push((tally, item));
+    true
+}

@@ -1,0 +1,253 @@
+//! All plans of a few parts that are not worse than another in every figure: for limits that one search for one figure does not keep.
+//!
+//! Problem: an instance on a small board, and limits on steps, sum of costs and moves. Method: a search of joint positions with
+//! labels, as in multicriteria shortest paths (E. Q. V. Martins, "On a multicriteria shortest path problem", European Journal of
+//! Operational Research 16, 1984): a joint position keeps every way to it that no other is at least as good as in all figures. As
+//! in [`super::joint`] a position says of each agent whether it has arrived for good. Where a figure must reach a least value, ways
+//! below that value are only compared with those of the same value in it.
+//!
+//! Guaranteed: for each plan within the limits the answer holds one that has no more of any figure, and as much of each up to its
+//! least value. Cost: one step of the meter is one joint move; it fits joint spaces of some ten thousand positions.
+
+use super::board::{Cell, Instance, Paths};
+use super::exact::field::{FAR, Field, Node};
+use super::joint::states::States;
+use super::joint::trim;
+use crate::plan::search::Meter;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Steps, sum of costs and moves of a plan.
+pub type Figures = [u64; 3];
+
+/// Joint spaces with more positions than this are not searched.
+const MOST_POSITIONS: u64 = 1 << 17;
+
+/// So many labels at most.
+const MOST_LABELS: usize = 1 << 21;
+
+/// What a plan must keep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// No figure is above its value here.
+    pub most: Figures,
+    /// What each figure must reach; what is above it is only worse.
+    pub least: Figures,
+}
+
+/// The plans that matter within the limits; `None` if the budget or the memory do not suffice, or the joint space is large.
+pub fn front(instance: &Instance, limits: Limits, meter: &mut Meter) -> Option<Vec<(Paths, Figures)>> {
+    let field = Field::new(instance).ok()?;
+    let sizes = (0..field.agents()).map(|agent| field.reaching(agent));
+    let positions = sizes.into_iter().try_fold(1u64, |product, size| product.checked_mul(size));
+    positions.filter(|positions| *positions <= MOST_POSITIONS)?;
+    let mut search = Search {
+        field: &field,
+        limits,
+        states: States::new(field.agents()),
+        labels: vec![],
+        known: vec![],
+        open: BinaryHeap::new(),
+        ends: vec![],
+    };
+    search.run(meter)?;
+    Some(search.ends.iter().map(|label| (search.paths(*label), search.labels[*label as usize].figures)).collect())
+}
+
+/// One agent's part of a joint position: its node, and whether it has arrived for good.
+type Word = u32;
+
+const ARRIVED: Word = 1;
+
+/// No label before.
+const NONE: u32 = u32::MAX;
+
+/// A way to a joint position.
+#[derive(Clone, Copy)]
+struct Label {
+    state: u32,
+    before: u32,
+    figures: Figures,
+    is_worse: bool,
+}
+
+struct Search<'a> {
+    field: &'a Field<'a>,
+    limits: Limits,
+    states: States,
+    labels: Vec<Label>,
+    /// For each state, its labels that are not worse than another.
+    known: Vec<Vec<u32>>,
+    /// By what the figures come to at least.
+    open: BinaryHeap<Reverse<(Figures, u32)>>,
+    /// The labels of plans.
+    ends: Vec<u32>,
+}
+
+impl Search<'_> {
+    fn run(&mut self, meter: &mut Meter) -> Option<()> {
+        let starts: Vec<Word> = (0..self.field.agents()).map(|agent| self.field.start(agent) * 2).collect();
+        for words in self.arrivals(starts, None) {
+            self.enter(&words, [0; 3], NONE);
+        }
+        while let Some(Reverse((ahead, label))) = self.open.pop() {
+            let Label { state, is_worse, figures, .. } = self.labels[label as usize];
+            if is_worse || self.is_matched(&ahead) {
+                continue;
+            }
+            let words = self.states.words(state).to_vec();
+            if words.iter().all(|word| word & ARRIVED != 0) {
+                self.ends.push(label);
+                continue;
+            }
+            for next in self.moves(&words) {
+                meter.step()?;
+                let moved = words.iter().zip(&next).filter(|(from, to)| self.cell(**from) != self.cell(**to)).count();
+                let under_way = words.iter().filter(|word| **word & ARRIVED == 0).count();
+                let figures = [figures[0] + 1, figures[1] + under_way as u64, figures[2] + moved as u64];
+                for arrived in self.arrivals(next, Some(&words)) {
+                    self.enter(&arrived, figures, label);
+                }
+            }
+            (self.labels.len() <= MOST_LABELS && !self.states.is_full()).then_some(())?;
+        }
+        Some(())
+    }
+
+    fn cell(&self, word: Word) -> Cell {
+        self.field.cell(word >> 1)
+    }
+
+    /// The position in each variant of who, of those who have just come to their goals, has arrived for good.
+    fn arrivals(&self, words: Vec<Word>, before: Option<&[Word]>) -> Vec<Vec<Word>> {
+        let mut variants = vec![words];
+        for agent in 0..self.field.agents() {
+            let word = variants[0][agent] & !ARRIVED;
+            let was_there = before.is_some_and(|before| before[agent] >> 1 == word >> 1);
+            if word >> 1 != self.field.goal(agent) || was_there {
+                continue;
+            }
+            let arrived: Vec<Vec<Word>> = variants
+                .iter()
+                .map(|variant| {
+                    let mut variant = variant.clone();
+                    variant[agent] |= ARRIVED;
+                    variant
+                })
+                .collect();
+            if self.field.is_absorbed(agent) {
+                variants = arrived;
+            } else {
+                variants.extend(arrived);
+            }
+        }
+        variants
+    }
+
+    /// Keeps a label unless it breaks a limit or another is as good.
+    fn enter(&mut self, words: &[Word], figures: Figures, before: u32) {
+        let Some(ahead) = self.ahead(words, figures) else { return };
+        if ahead.iter().zip(&self.limits.most).any(|(figure, most)| figure > most) {
+            return;
+        }
+        let state = match self.states.insert(words, 0, NONE) {
+            Some(state) => {
+                self.known.push(vec![]);
+                state
+            }
+            None => match self.states.find_known(words) {
+                Some(state) => state,
+                None => return,
+            },
+        };
+        let (limits, labels) = (self.limits, &mut self.labels);
+        let known = &mut self.known[state as usize];
+        if known.iter().any(|other| limits.covers(&labels[*other as usize].figures, &figures)) {
+            return;
+        }
+        known.retain(|other| {
+            let is_worse = limits.covers(&figures, &labels[*other as usize].figures);
+            labels[*other as usize].is_worse |= is_worse;
+            !is_worse
+        });
+        let label = labels.len() as u32;
+        known.push(label);
+        labels.push(Label { state, before, figures, is_worse: false });
+        self.open.push(Reverse((ahead, label)));
+    }
+
+    /// Whether a plan is known that is as good as anything that comes to these figures.
+    fn is_matched(&self, ahead: &Figures) -> bool {
+        let reaches = ahead.iter().zip(&self.limits.least).all(|(figure, least)| figure >= least);
+        reaches && self.ends.iter().any(|end| self.limits.covers(&self.labels[*end as usize].figures, ahead))
+    }
+
+    /// What the figures come to at least; none if someone cannot come to the goal.
+    fn ahead(&self, words: &[Word], figures: Figures) -> Option<Figures> {
+        let (mut largest, mut sum) = (0, 0);
+        for (agent, word) in words.iter().enumerate() {
+            let distance = match self.field.distance(agent, word >> 1) {
+                FAR => return None,
+                // Who is at the goal and has not arrived for good leaves it and comes back.
+                0 if word & ARRIVED == 0 => 2,
+                distance => u64::from(distance),
+            };
+            largest = largest.max(distance);
+            sum += distance;
+        }
+        Some([figures[0] + largest, figures[1] + sum, figures[2] + sum])
+    }
+
+    /// The joint positions one step later, before anyone arrives for good.
+    fn moves(&self, from: &[Word]) -> Vec<Vec<Word>> {
+        let mut heads: Vec<Vec<Word>> = vec![vec![]];
+        for (agent, word) in from.iter().enumerate() {
+            let next: Vec<Word> = match word & ARRIVED {
+                0 => self.field.next(agent, word >> 1).map(|node: Node| node * 2).collect(),
+                _ => vec![*word],
+            };
+            let longer = heads.iter().flat_map(|head| next.iter().map(move |to| (head, *to)));
+            heads = longer
+                .filter(|(head, to)| self.fits(from, head, *to))
+                .map(|(head, to)| head.iter().copied().chain([to]).collect())
+                .collect();
+        }
+        heads
+    }
+
+    /// Whether the next agent's move goes together with those of the agents before it.
+    fn fits(&self, from: &[Word], head: &[Word], to: Word) -> bool {
+        let agent = head.len();
+        let own = [from[agent], to];
+        head.iter().enumerate().all(|(other, other_to)| {
+            let near = |at: Word, other_at: Word| self.field.too_near(agent, self.cell(at), other, self.cell(other_at));
+            !near(own[1], *other_to) && !near(own[1], from[other]) && !near(own[0], *other_to)
+        })
+    }
+
+    fn paths(&self, mut label: u32) -> Paths {
+        let mut paths: Paths = vec![vec![]; self.field.agents()];
+        while label != NONE {
+            let Label { state, before, .. } = self.labels[label as usize];
+            for (path, word) in paths.iter_mut().zip(self.states.words(state)) {
+                path.push(self.cell(*word));
+            }
+            label = before;
+        }
+        for path in &mut paths {
+            path.reverse();
+            trim(path);
+        }
+        paths
+    }
+}
+
+impl Limits {
+    /// Whether who has these figures has no need of the others: no more of any, and as much of each up to its least value.
+    pub fn covers(&self, figures: &Figures, others: &Figures) -> bool {
+        (0..figures.len()).all(|figure| {
+            let least = self.least[figure];
+            figures[figure] <= others[figure] && figures[figure].min(least) == others[figure].min(least)
+        })
+    }
+}

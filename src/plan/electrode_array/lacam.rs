@@ -1,0 +1,154 @@
+//! A first plan on crowded boards: a search of the configurations of all parts, each followed by one that a few rules make.
+//!
+//! Problem: boards so dense that no order of the agents works and that paths in conflict are not repaired. Method: LaCAM (K. Okumura,
+//! "LaCAM: search-based algorithm for quick multi-agent pathfinding", AAAI 2023): depth first over configurations; each visit
+//! of a configuration makes one that follows it ([`step`]), the first time freely, then with one more agent told where to go each
+//! time, breadth first, so that in the end every one that follows has been made.
+//!
+//! Guaranteed: legal paths; same instance, seed and budget, same plan. Not guaranteed: a short plan, or any within a given budget;
+//! finding none proves nothing here. Cost: one step of the meter is one agent's move; memory is 8 bytes for each agent of a
+//! configuration, and some 400 MB in all.
+
+mod step;
+
+use super::board::{Cell, Instance, Paths};
+use super::exact::field::{Field, Node};
+use super::fast::Random;
+use super::joint::states::States;
+use super::{joint, timing};
+use crate::plan::search::Meter;
+use std::collections::VecDeque;
+use step::Step;
+
+/// No constraint, or no agent.
+const NONE: u32 = u32::MAX;
+
+/// An agent told where to go, besides those of the constraint before.
+#[derive(Clone, Copy)]
+struct Constraint {
+    before: u32,
+    /// How many agents are told, this one with them.
+    depth: u32,
+    agent: u32,
+    to: Node,
+}
+
+struct Search<'a> {
+    field: &'a Field<'a>,
+    states: States,
+    /// For each state and each agent: the steps since it was last at its goal.
+    waited: Vec<u16>,
+    /// For each state, the constraints that have not been tried.
+    open: Vec<VecDeque<u32>>,
+    constraints: Vec<Constraint>,
+    random: Random,
+}
+
+/// A plan, if one is found before the meter or the memory ends.
+pub fn first(instance: &Instance, seed: u64, meter: &mut Meter) -> Option<Paths> {
+    let field = Field::new(instance).ok()?;
+    let mut search = Search {
+        field: &field,
+        states: States::new(field.agents()),
+        waited: vec![],
+        open: vec![],
+        constraints: vec![],
+        random: Random::new(seed),
+    };
+    let last = search.run(meter)?;
+    Some(timing::earliest(instance, &search.paths(last)))
+}
+
+impl Search<'_> {
+    /// The state in which everyone is at the goal.
+    fn run(&mut self, meter: &mut Meter) -> Option<u32> {
+        let agents = self.field.agents();
+        let starts: Vec<Node> = (0..agents).map(|agent| self.field.start(agent)).collect();
+        let mut stack = vec![self.enter(&starts, NONE)?];
+        let mut step = Step::new(self.field);
+        while let Some(&state) = stack.last() {
+            if self.is_final(state) {
+                return Some(state);
+            }
+            let Some(constraint) = self.open[state as usize].pop_front() else {
+                stack.pop();
+                continue;
+            };
+            if meter.left().steps == 0 || self.states.is_full() {
+                return None;
+            }
+            meter.charge(agents as u64);
+            let order = self.order(state);
+            self.refine(state, constraint, &order);
+            let told = self.told(constraint);
+            let Some(next) = step.make(self.states.words(state), &order, &told, &mut self.random) else { continue };
+            match self.states.find_known(&next) {
+                Some(known) => stack.push(known),
+                None => stack.push(self.enter(&next, state)?),
+            }
+        }
+        None
+    }
+
+    /// A new state.
+    fn enter(&mut self, nodes: &[Node], parent: u32) -> Option<u32> {
+        let state = self.states.insert(nodes, 0, parent)?;
+        for (agent, node) in nodes.iter().enumerate() {
+            let before = if parent == NONE { 0 } else { self.waited[parent as usize * nodes.len() + agent] };
+            let waited = if *node == self.field.goal(agent) { 0 } else { before.saturating_add(1) };
+            self.waited.push(waited);
+        }
+        self.open.push(VecDeque::from([NONE]));
+        Some(state)
+    }
+
+    fn is_final(&self, state: u32) -> bool {
+        self.states.words(state).iter().enumerate().all(|(agent, node)| *node == self.field.goal(agent))
+    }
+
+    /// Who chooses first: who has been away from its goal longest, then who was farthest from it.
+    fn order(&self, state: u32) -> Vec<usize> {
+        let count = self.field.agents();
+        let waited = &self.waited[state as usize * count..][..count];
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by_key(|agent| std::cmp::Reverse((waited[*agent], self.field.least(*agent))));
+        order
+    }
+
+    /// Opens the constraints that tell one agent more where to go.
+    fn refine(&mut self, state: u32, constraint: u32, order: &[usize]) {
+        let depth = self.constraints.get(constraint as usize).map_or(0, |constraint| constraint.depth);
+        let Some(&agent) = order.get(depth as usize) else { return };
+        let mut moves: Vec<Node> = self.field.next(agent, self.states.words(state)[agent]).collect();
+        self.random.shuffle(&mut moves);
+        for to in moves {
+            self.open[state as usize].push_back(self.constraints.len() as u32);
+            self.constraints.push(Constraint { before: constraint, depth: depth + 1, agent: agent as u32, to });
+        }
+    }
+
+    /// All agents that a constraint tells where to go.
+    fn told(&self, mut constraint: u32) -> Vec<(usize, Node)> {
+        let mut told = vec![];
+        while let Some(one) = self.constraints.get(constraint as usize) {
+            told.push((one.agent as usize, one.to));
+            constraint = one.before;
+        }
+        told
+    }
+
+    fn paths(&self, mut state: u32) -> Paths {
+        let mut paths: Vec<Vec<Cell>> = vec![vec![]; self.field.agents()];
+        while state != NONE {
+            for (path, node) in paths.iter_mut().zip(self.states.words(state)) {
+                path.push(self.field.cell(*node));
+            }
+            state = self.states.parent(state);
+        }
+        for path in &mut paths {
+            path.reverse();
+            joint::trim(path);
+        }
+        paths
+    }
+}

@@ -1,0 +1,221 @@
+//! One configuration from another by rules: who is urgent goes nearer to its goal, who is in the way is pushed aside.
+//!
+//! Method: in the manner of PIBT (Okumura, Machida, Défago, Tamura, "Priority inheritance with backtracking for iterative multi-agent
+//! path finding", Artificial Intelligence 310, 2022), under the rule of distance. No one comes near a cell that another only
+//! leaves in the same step, so an agent whose way is taken waits, which the rule always allows, and those in its way choose before
+//! all others: the first move of a shortest way, past nothing but blocked cells and the agent, to where they are in its way no more.
+
+use super::super::board::Cell;
+use super::super::exact::field::{Field, Node};
+use super::super::fast::Random;
+use super::NONE;
+use rustc_hash::FxHashSet;
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+/// The most agents on one cell: two that merge.
+const MOST_ON_CELL: usize = 2;
+
+/// Agents by cell.
+type Places = Vec<[u32; MOST_ON_CELL]>;
+
+/// So many separations of its way does an agent want free.
+const WAY_SEPARATIONS: u32 = 3;
+
+/// So many cells, each times the cells of the way, are looked at for a place out of the way.
+const LOOKS: usize = 20_000;
+
+/// One of so many agents that are pushed goes a longer way where the shortest is taken.
+const RETREAT: usize = 16;
+
+/// An agent wants others away.
+struct Push {
+    /// Where it stands.
+    at: Cell,
+    /// The cells that it wants to go over, and those that are wanted by whoever wants it away itself.
+    way: Vec<Cell>,
+}
+
+/// Makes configurations; its tables are empty in between.
+pub(super) struct Step<'a> {
+    field: &'a Field<'a>,
+    here: Places,
+    next: Places,
+    /// By agent where it goes, once that is decided.
+    to: Vec<Option<Node>>,
+    /// Those that choose next, with who wants them away.
+    queue: VecDeque<(usize, Option<Rc<Push>>)>,
+    seen: FxHashSet<Cell>,
+}
+
+impl<'a> Step<'a> {
+    pub(super) fn new(field: &'a Field<'a>) -> Step<'a> {
+        let empty = vec![[NONE; MOST_ON_CELL]; field.instance.board.cells()];
+        Step {
+            field,
+            here: empty.clone(),
+            next: empty,
+            to: vec![None; field.agents()],
+            queue: VecDeque::new(),
+            seen: FxHashSet::default(),
+        }
+    }
+
+    /// A configuration that may follow, in which the agents that are told go where they are told; none if those cannot.
+    pub(super) fn make(
+        &mut self,
+        from: &[Node],
+        order: &[usize],
+        told: &[(usize, Node)],
+        random: &mut Random,
+    ) -> Option<Vec<Node>> {
+        for (agent, node) in from.iter().enumerate() {
+            put(&mut self.here, self.field.cell(*node), agent);
+        }
+        let fits = told.iter().all(|(agent, node)| {
+            let clear = self.is_clear(&self.here, *agent, *node) && self.is_clear(&self.next, *agent, *node);
+            self.go(*agent, *node);
+            clear
+        });
+        if fits {
+            for agent in order {
+                self.queue.push_back((*agent, None));
+                while let Some((agent, push)) = self.queue.pop_front() {
+                    if self.to[agent].is_none() {
+                        self.decide(from, agent, push.as_deref(), random);
+                    }
+                }
+            }
+        }
+        let made: Option<Vec<Node>> = if fits { self.to.iter().copied().collect() } else { None };
+        self.clear(from);
+        made
+    }
+
+    fn clear(&mut self, from: &[Node]) {
+        for node in from {
+            self.here[self.field.cell(*node) as usize] = [NONE; MOST_ON_CELL];
+        }
+        for to in &mut self.to {
+            if let Some(node) = to.take() {
+                self.next[self.field.cell(node) as usize] = [NONE; MOST_ON_CELL];
+            }
+        }
+    }
+
+    fn go(&mut self, agent: usize, node: Node) {
+        put(&mut self.next, self.field.cell(node), agent);
+        self.to[agent] = Some(node);
+    }
+
+    /// The best move that is free; else the agent waits and pushes those who are in the way of the best.
+    fn decide(&mut self, from: &[Node], agent: usize, push: Option<&Push>, random: &mut Random) {
+        let here = from[agent];
+        let candidates = match push {
+            None => self.nearer(agent, here, random),
+            Some(push) => self.aside(agent, here, push, random),
+        };
+        let mut wanted = None;
+        for node in candidates {
+            if !self.is_clear(&self.next, agent, node) {
+                continue;
+            }
+            if self.is_clear(&self.here, agent, node) {
+                return self.go(agent, node);
+            }
+            wanted = wanted.or(Some(node));
+            // Back into the way is no way out; now and then it is, where nobody can move.
+            if push.is_some() && random.below(RETREAT) > 0 {
+                break;
+            }
+        }
+        self.go(agent, here);
+        let Some(node) = wanted else { return };
+        let to = self.field.cell(node);
+        let mut way = match push {
+            None => self.way(agent, node),
+            Some(_) => vec![to],
+        };
+        way.extend(push.iter().flat_map(|push| push.way.iter().copied()));
+        let push = Rc::new(Push { at: self.field.cell(here), way });
+        let blocking: Vec<usize> = self.near(&self.here, agent, to).collect();
+        self.queue.extend(blocking.into_iter().map(|other| (other, Some(push.clone()))));
+    }
+
+    /// The cells of the next steps of an agent that goes the shortest way.
+    fn way(&self, agent: usize, mut node: Node) -> Vec<Cell> {
+        let mut way = vec![self.field.cell(node)];
+        while way.len() < (WAY_SEPARATIONS * self.field.instance.separation) as usize {
+            let distance = self.field.distance(agent, node);
+            let Some(next) = self.field.next(agent, node).find(|next| self.field.distance(agent, *next) < distance)
+            else {
+                break;
+            };
+            way.push(self.field.cell(next));
+            node = next;
+        }
+        way
+    }
+
+    /// The moves that come nearer to the goal.
+    fn nearer(&self, agent: usize, here: Node, random: &mut Random) -> Vec<Node> {
+        let distance = self.field.distance(agent, here);
+        let nearer = |node: &Node| self.field.distance(agent, *node) < distance;
+        let mut moves: Vec<Node> = self.field.next(agent, here).filter(nearer).collect();
+        random.shuffle(&mut moves);
+        moves
+    }
+
+    /// The moves out of someone's way, that of the shortest way out first.
+    fn aside(&mut self, agent: usize, here: Node, push: &Push, random: &mut Random) -> Vec<Node> {
+        let (field, instance) = (self.field, self.field.instance);
+        let is_out = |cell: Cell| push.way.iter().all(|at| instance.board.apart(cell, *at) >= instance.separation);
+        let mut moves: Vec<Node> = field.next(agent, here).skip(1).collect();
+        random.shuffle(&mut moves);
+        let mut lengths = vec![NONE; moves.len()];
+        self.seen.clear();
+        self.seen.insert(field.cell(here));
+        let firsts = moves.iter().enumerate().map(|(first, node)| (field.cell(*node), first, 1));
+        let mut open: VecDeque<(Cell, usize, u32)> = firsts.collect();
+        let mut looks = 0;
+        while let Some((cell, first, length)) = open.pop_front() {
+            let taken = instance.board.apart(cell, push.at) < instance.separation;
+            if taken || !self.seen.insert(cell) {
+                continue;
+            }
+            looks += push.way.len();
+            if is_out(cell) {
+                lengths[first] = lengths[first].min(length);
+                continue;
+            }
+            if looks > LOOKS || lengths.iter().all(|known| *known < length) {
+                break;
+            }
+            open.extend(instance.board.neighbours(cell).map(|beside| (beside, first, length + 1)));
+        }
+        let mut order: Vec<usize> = (0..moves.len()).filter(|first| lengths[*first] != NONE).collect();
+        order.sort_by_key(|first| (lengths[*first], field.distance(agent, moves[*first])));
+        order.into_iter().map(|first| moves[first]).collect()
+    }
+
+    fn is_clear(&self, places: &Places, agent: usize, node: Node) -> bool {
+        self.near(places, agent, self.field.cell(node)).next().is_none()
+    }
+
+    /// The others that are too near to a cell.
+    fn near<'s>(&'s self, places: &'s Places, agent: usize, cell: Cell) -> impl Iterator<Item = usize> + 's {
+        let around = self.field.instance.board.around(cell, self.field.instance.separation);
+        let others = around.flat_map(|at| places[at as usize].iter().map(move |other| (at, *other as usize)));
+        others
+            .filter(move |(at, other)| {
+                *other != NONE as usize && *other != agent && self.field.too_near(agent, cell, *other, *at)
+            })
+            .map(|(_, other)| other)
+    }
+}
+
+fn put(places: &mut Places, cell: Cell, agent: usize) {
+    let slots = &mut places[cell as usize];
+    let free = slots.iter().position(|slot| *slot == NONE).unwrap_or(MOST_ON_CELL - 1);
+    slots[free] = agent as u32;
+}

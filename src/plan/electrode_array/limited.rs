@@ -1,0 +1,297 @@
+//! Plans of a task whose best plan breaks a limit: every step's plans that may matter, and those of all steps that go together best.
+//!
+//! Problem: limits on the steps, sum of costs and moves of a whole task. After each step every part stands on a cell that the program
+//! names, so the steps do not depend on each other, and the figures of a task are the sums of theirs. Method: for each step the plans
+//! that no other is as good as in all figures: on small boards all of them ([`labels`]), elsewhere the least sum of costs for
+//! fewer and fewer steps (the ε-constraint method: Haimes, Lasdon, Wismer, IEEE Transactions on Systems, Man and Cybernetics 1,
+//! 1971) and, where moves are limited, the plan of fewest moves; then one plan of each step so that the limits are kept and
+//! the objective is least.
+//!
+//! Guaranteed: plans keep all limits. Where the answer is proven, no other plan of the task is better, or none keeps the limits. Cost:
+//! each step has its budget once more.
+
+use super::board::{Answer, Costs, Instance, Objective, Paths, Why, position};
+use super::labels::{self, Figures, Limits};
+use super::portfolio;
+use crate::plan::search::{Budget, Meter};
+
+/// No limit.
+pub const UNLIMITED: u64 = u64::MAX;
+
+/// The part of a step's budget for the search that finds all its plans that matter.
+const LABELS_SHARE: u64 = 4;
+
+/// The part of what is left for each of the other searches.
+const SEARCH_SHARE: u64 = 2;
+
+/// So many choices of plans of the first steps are kept.
+const MOST_CHOICES: usize = 4096;
+
+/// The plans of one step.
+pub struct Front {
+    choices: Vec<(Paths, Figures)>,
+    /// No plan of the step has less of a figure.
+    pub bounds: Figures,
+    /// Each plan within the limits from above has no less of some figure than one of the choices has.
+    is_whole: bool,
+    /// And this holds also where a figure must reach a least value.
+    reaches: bool,
+}
+
+/// What is asked of a step within its task.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked {
+    pub objective: Objective,
+    /// What the other steps leave of the limits of the task.
+    pub limits: Limits,
+    /// It is the only step that moves parts, so that one plan is enough.
+    pub is_only: bool,
+    pub expansions: u64,
+}
+
+/// Steps, sum of costs and moves of a plan.
+pub fn figures(paths: &Paths) -> Figures {
+    let costs = Costs::of(paths);
+    let moves = |path: &Vec<u32>| path.windows(2).filter(|pair| pair[0] != pair[1]).count() as u64;
+    [costs.makespan, costs.sum_of_costs, paths.iter().map(moves).sum()]
+}
+
+/// The plans of a step that matter, beside one that is known with its bounds.
+pub fn front(instance: &Instance, known: (&Paths, Figures), asked: Asked) -> Front {
+    let (paths, bounds) = known;
+    let choices = vec![(paths.clone(), figures(paths))];
+    if instance.agents.len() == 1 {
+        // A shortest way has the least of every figure.
+        return Front { choices, bounds, is_whole: true, reaches: false };
+    }
+    let mut meter = Meter::new(Budget::of(asked.expansions / LABELS_SHARE));
+    if let Some(choices) = labels::front(instance, asked.limits, &mut meter) {
+        return Front { choices, bounds, is_whole: true, reaches: true };
+    }
+    let front = Front { choices, bounds, is_whole: true, reaches: false };
+    let mut search = Search { instance, asked, front, left: asked.expansions };
+    search.run();
+    search.front
+}
+
+struct Search<'a> {
+    instance: &'a Instance,
+    asked: Asked,
+    front: Front,
+    left: u64,
+}
+
+impl Search<'_> {
+    fn run(&mut self) {
+        let most = self.asked.limits.most;
+        if most[2] != UNLIMITED {
+            self.front.is_whole = false;
+            let mut meter = Meter::new(self.share());
+            if let Some(paths) = portfolio::fewest_moves(self.instance, &mut meter) {
+                self.front.bounds[2] = figures(&paths)[2];
+                self.keep(paths);
+            }
+        }
+        let is_done = self.asked.objective == Objective::Makespan && self.fewest_steps();
+        if !is_done {
+            self.fewer_and_fewer_steps();
+        }
+    }
+
+    fn share(&mut self) -> Budget {
+        let share = self.left / SEARCH_SHARE;
+        self.left -= share;
+        Budget::of(share)
+    }
+
+    fn keep(&mut self, paths: Paths) -> Figures {
+        let figures = figures(&paths);
+        self.front.choices.push((paths, figures));
+        figures
+    }
+
+    fn solve(&mut self, objective: Objective, steps: u64) -> Answer {
+        let budget = self.share();
+        portfolio::solve(self.instance, objective, (steps != UNLIMITED).then_some(steps), budget)
+    }
+
+    /// Looks for the fewest steps; whether nothing else is of interest.
+    fn fewest_steps(&mut self) -> bool {
+        let [steps, sum, _] = self.asked.limits.most;
+        let known = self.front.choices[0].1;
+        if known[0] <= self.front.bounds[0].min(steps) && known[1] > sum {
+            // They are known, and at no more the sum of costs is to be less.
+            return false;
+        }
+        match self.solve(Objective::Makespan, steps) {
+            Answer::Found { paths, bounds } => {
+                self.front.bounds[0] = self.front.bounds[0].max(bounds.makespan);
+                let figures = self.keep(paths);
+                self.asked.is_only && figures[0] <= self.front.bounds[0] && figures[1] <= sum
+            }
+            Answer::Impossible(why) => {
+                self.raise_steps(&why);
+                true
+            }
+            Answer::GaveUp { .. } => {
+                self.front.is_whole = false;
+                false
+            }
+        }
+    }
+
+    fn raise_steps(&mut self, why: &Why) {
+        match why {
+            Why::TooFewSteps { least } => self.front.bounds[0] = self.front.bounds[0].max(*least),
+            Why::Closed { .. } | Why::Blocked { .. } => {}
+        }
+    }
+
+    /// The least sum of costs within the steps, then within fewer than that plan has, and so on.
+    fn fewer_and_fewer_steps(&mut self) {
+        let [mut steps, most_sum, _] = self.asked.limits.most;
+        let mut is_first = true;
+        loop {
+            let (paths, bound) = match self.solve(Objective::SumOfCosts, steps) {
+                Answer::Found { paths, bounds } => (paths, bounds.sum_of_costs),
+                Answer::Impossible(why) if is_first => return self.raise_steps(&why),
+                Answer::Impossible(_) => return,
+                Answer::GaveUp { .. } => {
+                    self.front.is_whole = false;
+                    return;
+                }
+            };
+            if is_first {
+                self.front.bounds[1] = self.front.bounds[1].max(bound);
+            }
+            is_first = false;
+            let figures = self.keep(paths);
+            if bound > most_sum {
+                return;
+            }
+            self.front.is_whole &= figures[1] <= bound;
+            let is_enough = match self.asked.objective {
+                Objective::SumOfCosts => true,
+                Objective::Makespan => figures[1] > most_sum,
+            };
+            if self.asked.is_only && is_enough || figures[0] <= self.front.bounds[0] {
+                return;
+            }
+            if self.left < SEARCH_SHARE {
+                self.front.is_whole = false;
+                return;
+            }
+            steps = figures[0] - 1;
+        }
+    }
+}
+
+/// What the plans of all steps come to within the limits.
+pub enum Chosen {
+    /// One plan for each step, and a bound of the objective below which no plan keeps the limits.
+    Kept { paths: Vec<Paths>, bound: u64 },
+    /// None of the plans found keeps the limits; perhaps it is proven that none does.
+    Broken { is_proven: bool },
+}
+
+/// The best choice of one plan for each step.
+pub fn choose(fronts: &[Front], limits: Limits, objective: Objective) -> Chosen {
+    let bounds = sum(fronts.iter().map(|front| front.bounds));
+    if exceeds(bounds, limits.most) || exceeds(limits.least, limits.most) {
+        return Chosen::Broken { is_proven: true };
+    }
+    let (partials, cut) = combined(fronts, limits);
+    let is_whole = !cut && fronts.iter().all(|front| front.is_whole);
+    let reaches = fronts.iter().all(|front| front.reaches) || limits.least == [0; 3];
+    let candidates = partials.iter().map(|partial| (picked(fronts, partial), partial.figures));
+    let candidates = candidates.filter_map(|(paths, figures)| delayed(paths, figures, limits));
+    let first = match objective {
+        Objective::Makespan => 0,
+        Objective::SumOfCosts => 1,
+    };
+    let key = |figures: &Figures| (figures[first], figures[1 - first], figures[2]);
+    match candidates.min_by_key(|(_, figures)| key(figures)) {
+        Some((paths, figures)) => {
+            let least = bounds[first].max(limits.least[first]);
+            let bound = if is_whole && reaches { figures[first] } else { least.min(figures[first]) };
+            Chosen::Kept { paths, bound }
+        }
+        None => Chosen::Broken { is_proven: is_whole && (reaches || partials.is_empty()) },
+    }
+}
+
+/// The least of a figure in the plans that were found to keep limits.
+pub fn least_known(fronts: &[Front], limits: Limits, figure: usize) -> Option<u64> {
+    let (partials, _) = combined(fronts, Limits { least: [0; 3], ..limits });
+    let enough = partials.iter().filter(|partial| !exceeds(limits.least, partial.figures));
+    enough.map(|partial| partial.figures[figure]).min()
+}
+
+/// One plan of each of the first steps.
+#[derive(Clone)]
+struct Partial {
+    figures: Figures,
+    picks: Vec<u32>,
+}
+
+/// All choices within the limits from above that no other covers, and whether some were left out.
+fn combined(fronts: &[Front], limits: Limits) -> (Vec<Partial>, bool) {
+    let mut partials = vec![Partial { figures: [0; 3], picks: vec![] }];
+    let mut cut = false;
+    for (turn, front) in fronts.iter().enumerate() {
+        let rest = sum(fronts[turn + 1..].iter().map(|front| front.bounds));
+        let mut longer: Vec<Partial> = vec![];
+        for partial in &partials {
+            for (pick, (_, own)) in front.choices.iter().enumerate() {
+                let figures = sum([partial.figures, *own].into_iter());
+                let is_covered = longer.iter().any(|known| limits.covers(&known.figures, &figures));
+                if exceeds(sum([figures, rest].into_iter()), limits.most) || is_covered {
+                    continue;
+                }
+                longer.retain(|known| !limits.covers(&figures, &known.figures));
+                let picks = partial.picks.iter().copied().chain([pick as u32]).collect();
+                longer.push(Partial { figures, picks });
+            }
+        }
+        longer.sort_by_key(|partial| partial.figures);
+        cut |= longer.len() > MOST_CHOICES;
+        longer.truncate(MOST_CHOICES);
+        partials = longer;
+    }
+    (partials, cut)
+}
+
+fn picked(fronts: &[Front], partial: &Partial) -> Vec<Paths> {
+    fronts.iter().zip(&partial.picks).map(|(front, pick)| front.choices[*pick as usize].0.clone()).collect()
+}
+
+/// A choice that keeps the limits from below too, where need be because all parts of a step wait before they go.
+fn delayed(mut paths: Vec<Paths>, figures: Figures, limits: Limits) -> Option<(Vec<Paths>, Figures)> {
+    let missing = limits.least[0].saturating_sub(figures[0]);
+    let movers = |paths: &Paths| paths.iter().filter(|path| path.len() > 1).count();
+    if missing > 0 {
+        if missing > MOST_DELAY {
+            return None;
+        }
+        let step = paths.iter_mut().filter(|paths| movers(paths) > 0).min_by_key(|paths| movers(paths))?;
+        for path in step.iter_mut().filter(|path| path.len() > 1) {
+            let start = position(path, 0);
+            path.splice(0..0, (0..missing).map(|_| start));
+        }
+    }
+    let figures = sum(paths.iter().map(self::figures));
+    (!exceeds(figures, limits.most) && !exceeds(limits.least, figures)).then_some((paths, figures))
+}
+
+/// Nothing waits for more steps before it goes.
+const MOST_DELAY: u64 = 100_000;
+
+fn sum(figures: impl Iterator<Item = Figures>) -> Figures {
+    let add = |one: Figures, other: Figures| [0, 1, 2].map(|figure: usize| one[figure].saturating_add(other[figure]));
+    figures.fold([0; 3], add)
+}
+
+/// Whether some figure is above its limit.
+pub fn exceeds(figures: Figures, most: Figures) -> bool {
+    figures.iter().zip(most).any(|(figure, most)| *figure > most)
+}

@@ -1,0 +1,174 @@
+//! The limits of a task as numbers of steps, costs and moves, and what is said where no plan is known to keep them.
+
+use super::board::Paths;
+use super::labels::{Figures, Limits};
+use super::limited::{self, Front, UNLIMITED, exceeds};
+use crate::check::claims::electrode_array::{Action, ElectrodeArrayOrder};
+use crate::check::claims::{Relation, Requirement};
+use crate::device::Kind;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::plan::requirements::{Kept, enough, keeps};
+use crate::quantity::{Dimension, Quantity};
+
+/// Nothing is counted further.
+const MOST_COUNTED: u64 = 1 << 40;
+
+/// The figure that an outcome is about.
+fn figure(outcome: &str) -> Option<usize> {
+    match outcome {
+        "steps" | "time" => Some(0),
+        "sum_of_costs" => Some(1),
+        "moves" => Some(2),
+        _ => None,
+    }
+}
+
+/// How long a task of so many steps takes, with its waits, in seconds.
+pub fn seconds(order: &ElectrodeArrayOrder, steps: u64) -> f64 {
+    let waits_ns = order.steps.iter().map(|step| match step.action {
+        Action::Wait(duration_ns) => u128::from(duration_ns),
+        Action::Move(_) => 0,
+    });
+    (u128::from(steps) * u128::from(order.facts.step_ns) + waits_ns.sum::<u128>()) as f64 / 1e9
+}
+
+/// The value of an outcome for a figure.
+fn value(order: &ElectrodeArrayOrder, outcome: &str, figure: u64) -> f64 {
+    if outcome == "time" { seconds(order, figure) } else { figure as f64 }
+}
+
+/// What the requirements of a task ask of its figures; time is steps.
+pub fn of<'r>(order: &ElectrodeArrayOrder, requirements: impl IntoIterator<Item = &'r Requirement>) -> Limits {
+    let mut limits = Limits { most: [UNLIMITED; 3], least: [0; 3] };
+    for requirement in requirements {
+        let Some(figure) = figure(&requirement.outcome) else { continue };
+        let (least, most) = allowed(order, requirement);
+        limits.least[figure] = limits.least[figure].max(least);
+        limits.most[figure] = limits.most[figure].min(most);
+    }
+    limits
+}
+
+/// The least and the most that a requirement allows; the least is above the most where it allows nothing.
+fn allowed(order: &ElectrodeArrayOrder, requirement: &Requirement) -> (u64, u64) {
+    let first = |relation: Relation, wanted: Kept| {
+        let asked = Requirement { relation, ..requirement.clone() };
+        let (mut low, mut high) = (0, MOST_COUNTED);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if keeps(&asked, value(order, &requirement.outcome, middle)) == wanted {
+                high = middle;
+            } else {
+                low = middle + 1;
+            }
+        }
+        low
+    };
+    let most = |first_not: u64| match first_not {
+        MOST_COUNTED.. => UNLIMITED,
+        first_not => first_not.saturating_sub(1),
+    };
+    let below = |relation| {
+        let first_not = first(relation, Kept::No);
+        (u64::from(first_not == 0), most(first_not))
+    };
+    match requirement.relation {
+        Relation::Less => below(Relation::Less),
+        Relation::AtMost => below(Relation::AtMost),
+        Relation::AtLeast => (first(Relation::AtLeast, Kept::Yes), UNLIMITED),
+        Relation::More => (first(Relation::More, Kept::Yes), UNLIMITED),
+        Relation::Equal => {
+            let (least, most) = below(Relation::AtMost);
+            (least.max(first(Relation::AtLeast, Kept::Yes)), most)
+        }
+    }
+}
+
+/// No limits, but of the figures that had one.
+pub fn lifted(limits: Limits) -> Limits {
+    let lift = |most| if most == UNLIMITED { UNLIMITED } else { MOST_COUNTED };
+    Limits { most: limits.most.map(lift), least: [0; 3] }
+}
+
+/// The figures of plans one after the other.
+pub fn figures<'p>(plans: impl Iterator<Item = &'p Paths>) -> Figures {
+    plans.map(limited::figures).fold([0; 3], |sum, own| [0, 1, 2].map(|figure: usize| sum[figure] + own[figure]))
+}
+
+/// Whether figures lie outside of limits.
+pub fn breaks(figures: Figures, limits: Limits) -> bool {
+    exceeds(figures, limits.most) || exceeds(limits.least, figures)
+}
+
+/// Where no plan is known to keep the limits. `fronts` were searched within them and `wider` without.
+pub fn broken(
+    order: &ElectrodeArrayOrder,
+    requirements: &[Requirement],
+    [fronts, wider]: [&[Front]; 2],
+    is_proven: bool,
+) -> Diagnostic {
+    let texts: Vec<String> = requirements.iter().map(|requirement| format!("`{}`", text(requirement))).collect();
+    let all = match texts.as_slice() {
+        [one] => one.clone(),
+        [before @ .., last] => format!("{} and {last}", before.join(", ")),
+        [] => String::new(),
+    };
+    let title = if is_proven { format!("no plan keeps {all}") } else { format!("no plan was found that keeps {all}") };
+    let mut diagnostic = Diagnostic::new(Code::E0603, title);
+    let bounds = fronts
+        .iter()
+        .fold([0; 3], |sum: Figures, front| [0, 1, 2].map(|figure: usize| sum[figure] + front.bounds[figure]));
+    for requirement in requirements {
+        diagnostic = diagnostic.label(requirement.span, label(order, requirement, bounds));
+    }
+    diagnostic.help_if(help(order, requirements, wider))
+}
+
+fn label(order: &ElectrodeArrayOrder, requirement: &Requirement, bounds: Figures) -> String {
+    let bound = figure(&requirement.outcome)
+        .map(|figure| bounds[figure])
+        .filter(|bound| *bound > allowed(order, requirement).1);
+    match bound {
+        Some(bound) => format!("no plan has less than {}", shown(order, requirement, bound)),
+        None => "this limit".to_owned(),
+    }
+}
+
+/// Which single limit could be raised, and to what, by the plans that are known.
+fn help(order: &ElectrodeArrayOrder, requirements: &[Requirement], wider: &[Front]) -> Option<String> {
+    let raises = requirements.iter().enumerate().filter_map(|(index, requirement)| {
+        let rest = requirements.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
+        let figure = figure(&requirement.outcome)?;
+        let enough = limited::least_known(wider, of(order, rest), figure)?;
+        let limit = if requirement.relation == Relation::Less { enough + 1 } else { enough };
+        (enough > allowed(order, requirement).1).then(|| {
+            let name =
+                if requirements.len() == 1 { "the limit".to_owned() } else { format!("`{}`", requirement.outcome) };
+            format!("{name} to {}", shown(order, requirement, limit))
+        })
+    });
+    let raises: Vec<String> = raises.collect();
+    let plans = if raises.len() > 1 { "plans with that are known" } else { "a plan with that is known" };
+    (!raises.is_empty()).then(|| format!("raise {}: {plans}", raises.join(", or ")))
+}
+
+/// A requirement as it is written.
+fn text(requirement: &Requirement) -> String {
+    let sign = match requirement.relation {
+        Relation::Less => "<",
+        Relation::AtMost => "<=",
+        Relation::Equal => "==",
+        Relation::AtLeast => ">=",
+        Relation::More => ">",
+    };
+    format!("{} {sign} {}", requirement.outcome, Quantity::new(requirement.limit, dimension(&requirement.outcome)))
+}
+
+fn shown(order: &ElectrodeArrayOrder, requirement: &Requirement, figure: u64) -> String {
+    enough(value(order, &requirement.outcome, figure), dimension(&requirement.outcome))
+}
+
+fn dimension(outcome: &str) -> Dimension {
+    let known = Kind::ElectrodeArray.vocabulary().outcomes.iter().find(|known| known.name == outcome);
+    known.map_or(Dimension::NUMBER, |known| known.dimension)
+}

@@ -1,0 +1,60 @@
+//! Moves made one after the other, each as early as the rule of distance lets it.
+//!
+//! Problem: paths of many agents in which few move at a time, as a search of configurations leaves them. Under the rule all four
+//! combinations of the starts and ends of two moves keep the distance, so the moves of one step may as well be made one after
+//! the other, and moves may go together as soon as no one comes near a cell before the other has left it. Method: each move in its
+//! turn, at the first instant after its agent's last move and after everyone who stood too near to where it leads has gone.
+//! Guaranteed: legal paths of no more steps and of the same moves. Cost: for each move the cells nearer than the separation.
+
+use super::board::{Cell, Instance, Paths};
+use rustc_hash::FxHashMap;
+
+/// The same moves, each as early as it can be; the paths must be legal.
+pub fn earliest(instance: &Instance, paths: &Paths) -> Paths {
+    let mut timing =
+        Timing { instance, left: FxHashMap::default(), early: paths.iter().map(|path| vec![path[0]]).collect() };
+    let last = paths.iter().map(Vec::len).max().unwrap_or(0);
+    for instant in 1..last {
+        for (agent, path) in paths.iter().enumerate().filter(|(_, path)| instant < path.len()) {
+            if path[instant - 1] != path[instant] {
+                timing.make(agent, path[instant]);
+            }
+        }
+    }
+    timing.early
+}
+
+struct Timing<'a> {
+    instance: &'a Instance,
+    /// By cell: who left it, and the instant at which each was gone for the last time.
+    left: FxHashMap<Cell, Vec<(usize, usize)>>,
+    early: Paths,
+}
+
+impl Timing<'_> {
+    /// One agent's next move.
+    fn make(&mut self, agent: usize, to: Cell) {
+        let own = self.early[agent].len() - 1;
+        let gone = self.gone(agent, to);
+        let here = self.early[agent][own];
+        let instant = own.max(gone) + 1;
+        self.early[agent].resize(instant, here);
+        self.early[agent].push(to);
+        let visits = self.left.entry(here).or_default();
+        match visits.iter_mut().find(|(known, _)| *known == agent) {
+            Some(visit) => visit.1 = instant,
+            None => visits.push((agent, instant)),
+        }
+    }
+
+    /// The instant at which the last of those that stood too near to a cell was gone.
+    fn gone(&self, agent: usize, to: Cell) -> usize {
+        let near = self.instance.board.around(to, self.instance.separation);
+        let visits = near.filter_map(|cell| Some((cell, self.left.get(&cell)?)));
+        let instants = visits.flat_map(|(cell, visits)| {
+            let others = visits.iter().filter(move |(other, _)| *other != agent);
+            others.filter(move |(other, _)| self.instance.too_near((agent, to), (*other, cell)))
+        });
+        instants.map(|(_, instant)| *instant).max().unwrap_or(0)
+    }
+}

@@ -1,0 +1,92 @@
+//! A closer look at rolling than the tables take.
+//!
+//! Input: a hand, the contacts of a section, and the load. Output: whether a grasp holds all the way from one angle to the next, and
+//! tables without the steps in which one lapses. Promise: a grasp that passes holds with the device's reserve at each of
+//! [`INSTANTS`] - 1 instants within the step, evenly spaced, those of the tables among them.
+
+use super::{Contact, Contacts, Grip, Load};
+use crate::device::fingers::Facts;
+use crate::plan::fingers::tables::{Layer, Tables};
+
+/// How many parts a rolling step is cut into.
+pub const INSTANTS: u32 = 64;
+
+/// A hand on a section.
+#[derive(Debug, Clone, Copy)]
+pub struct Closer<'a> {
+    contacts: Contacts<'a>,
+    grip: Grip,
+    /// At angle 0 of the leg.
+    load: Load,
+}
+
+/// All contacts and the load at an instant.
+type Instant = (Vec<Contact>, Load);
+
+impl<'a> Closer<'a> {
+    /// Of a hand on the contacts of a section, under a load as it is at angle 0.
+    pub fn of(facts: &Facts, contacts: Contacts<'a>, load: Load) -> Self {
+        Closer { contacts, grip: Grip::of(facts, contacts.reach_um()).with_reserve(), load }
+    }
+
+    fn parts() -> impl Iterator<Item = f64> {
+        (1..INSTANTS).map(|instant| f64::from(instant) / f64::from(INSTANTS))
+    }
+
+    fn load(&self, angle: i32, part_of_step: f64) -> Load {
+        self.load.after_turn((f64::from(angle) + part_of_step) * self.contacts.step_rad())
+    }
+
+    /// Whether fingers on contacts, counted from 0, hold all the way from an angle, in steps, to the next.
+    pub fn lasts(&self, angle: i32, held: &[usize]) -> bool {
+        Self::parts().all(|part| {
+            let touched: Vec<Contact> = held.iter().map(|contact| self.contacts.one(*contact, part)).collect();
+            self.grip.holds(&touched, &self.load(angle, part))
+        })
+    }
+
+    /// Takes every step out of the layer of an angle in which a grasp lapses.
+    pub fn sift(&self, tables: &mut Tables, layer: usize, angle: i32) {
+        let instants: Vec<Instant> =
+            Self::parts().map(|part| (self.contacts.after(part), self.load(angle, part))).collect();
+        let lasts = |held: &[usize]| instants.iter().all(|instant| self.holds(instant, held));
+        let size = tables.contacts;
+        let has_pair = |layer: &Layer, i: usize, j: usize| layer.roll_pair.has(i * size + j);
+        for (i, j) in (0..size).flat_map(|i| (i + 1..size).map(move |j| (i, j))) {
+            if has_pair(&tables.layers[layer], i, j) && !lasts(&[i, j]) {
+                forbid(tables, layer, &[i, j]);
+            }
+        }
+        // Three fingers hold where two of them do all the way.
+        for (i, j) in (0..size).flat_map(|i| (i + 1..size).map(move |j| (i, j))) {
+            for k in j + 1..size {
+                let now = &tables.layers[layer];
+                let by_two = || [[i, j], [i, k], [j, k]].iter().any(|[a, b]| has_pair(now, *a, *b));
+                if now.roll_triple.has(tables.three(i, j, k)) && !by_two() && !lasts(&[i, j, k]) {
+                    forbid(tables, layer, &[i, j, k]);
+                }
+            }
+        }
+    }
+
+    fn holds(&self, (contacts, load): &Instant, held: &[usize]) -> bool {
+        let touched: Vec<Contact> = held.iter().map(|contact| contacts[*contact]).collect();
+        self.grip.holds(&touched, load)
+    }
+}
+
+/// Takes the step of a grasp out of a layer, whichever fingers hold it; contacts count from 0.
+pub fn forbid(tables: &mut Tables, layer: usize, contacts: &[usize]) {
+    match *contacts {
+        [i, j] => {
+            let bits = [tables.two(i, j), tables.two(j, i)];
+            bits.into_iter().for_each(|bit| tables.layers[layer].roll_pair.take(bit));
+        }
+        [i, j, k] => {
+            let orders = [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]];
+            let bits = orders.map(|[i, j, k]| tables.three(i, j, k));
+            bits.into_iter().for_each(|bit| tables.layers[layer].roll_triple.take(bit));
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,293 @@
+//! Equilibrium in space: what acts across the plane of the contacts, and turns the part out of it.
+//!
+//! A contact bears a force across the plane by friction, and a torque about its normal, up to `torsion` times what presses and
+//! sticks: the soft finger of Murray, Li and Sastry (A Mathematical Introduction to Robotic Manipulation, 1994, section 5.2). Its
+//! friction goes to both tangents: the sizes of the two tangential forces together are at most friction times what presses and sticks,
+//! a pyramid within their cone.
+//!
+//! Two fingers have two unknowns left, the force along the chord between them and how the torque about it is shared; one is
+//! eliminated (Fourier and Motzkin), which leaves intervals of the other. Three are first tried without torsion, where the forces
+//! across are those of a lever, and without the load across; only what both leave open takes a linear program.
+
+use super::grip::{Grip, Wrench};
+use super::pair::{Line, Reach};
+use super::simplex;
+use super::{Contact, TOLERANCE};
+
+/// Below this share a number is what rounding leaves of zero.
+const NOTHING: f64 = 1e-12;
+
+/// What fingers must exert out of the plane, about the origin of the section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Across {
+    pub force_un: f64,
+    /// About the two axes of the plane.
+    pub torque_un_um: [f64; 2],
+}
+
+/// Two fingers and what they must exert out of the plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Lever {
+    touch: [Contact; 2],
+    along: [f64; 2],
+    length_um: f64,
+    /// The forces across the plane and the torques about the inward normals, each with how it grows with the free share.
+    across_un: [[f64; 2]; 2],
+    torque_un_um: [[f64; 2]; 2],
+    /// The torque about the chord that no finger bears.
+    pub left_over_un_um: f64,
+}
+
+impl Lever {
+    /// `torsion_um` is 0 where tips bear no torque. `None` for two contacts on one place.
+    pub fn of(touch: [&Contact; 2], across: &Across, torsion_um: f64) -> Option<Lever> {
+        let [a, b] = touch.map(|contact| contact.point_um);
+        let run_um = [b[0] - a[0], b[1] - a[1]];
+        let length_um = dot(run_um, run_um).sqrt();
+        if length_um == 0.0 {
+            return None;
+        }
+        let along = run_um.map(|part| part / length_um);
+        let beside = [-along[1], along[0]];
+        let about_a =
+            [across.torque_un_um[0] - across.force_un * a[1], across.torque_un_um[1] + across.force_un * a[0]];
+        let (wanted, crosswise) = (dot(about_a, along), dot(about_a, beside));
+        // Torques are counted about the inward normals.
+        let [cosines, sines] = [along, beside].map(|axis| touch.map(|contact| -dot(contact.normal, axis)));
+        let square = dot(cosines, cosines);
+        let bears = torsion_um > 0.0 && square > NOTHING * NOTHING;
+        let torque_un_um = match bears {
+            true => [0, 1].map(|k| {
+                let other = if k == 0 { -cosines[1] } else { cosines[0] };
+                [wanted * cosines[k] / square, other / square.sqrt()]
+            }),
+            false => [[0.0; 2]; 2],
+        };
+        let second = [0, 1].map(|part| {
+            let turned = torque_un_um[0][part] * sines[0] + torque_un_um[1][part] * sines[1];
+            (turned - if part == 0 { crosswise } else { 0.0 }) / length_um
+        });
+        let across_un = [[across.force_un - second[0], -second[1]], second];
+        let left_over_un_um = if bears { 0.0 } else { wanted.abs() };
+        Some(Lever { touch: touch.map(|contact| *contact), along, length_um, across_un, torque_un_um, left_over_un_um })
+    }
+
+    /// How much of the torques about both normals turns about the chord, at most.
+    pub fn leverage(&self) -> f64 {
+        self.touch.iter().map(|contact| dot(contact.normal, self.along).abs()).sum()
+    }
+
+    /// What the fingers need of friction and torsion at least, as a force that they must do without, if they share the torque about
+    /// the chord by their leverage.
+    fn withheld_un(&self, grip: &Grip) -> [f64; 2] {
+        [0, 1].map(|k| {
+            let torque_un_um = self.torque_un_um[k][0].abs();
+            let by_torsion_un = if torque_un_um > 0.0 { torque_un_um / grip.torsion_um } else { 0.0 };
+            (self.across_un[k][0].abs() / grip.friction).max(by_torsion_un)
+        })
+    }
+
+    /// Whether the two exert a wrench of the plane as well.
+    fn bears(&self, grip: &Grip, wrench: &Wrench, slack_un: f64) -> bool {
+        if self.left_over_un_um > slack_un * grip.arm_um {
+            return false;
+        }
+        let mut rows = Rows { all: [Row::NONE; 14], count: 0 };
+        let [x_um, y_um] = self.touch[0].point_um;
+        let [fx_un, fy_un] = wrench.force_un;
+        let moment_un_um = wrench.moment_un_um - (x_um * fy_un - y_um * fx_un);
+        let beside = [-self.along[1], self.along[0]];
+        let of_second = [0, 1].map(|k| beside[k] * moment_un_um / self.length_um);
+        let of_first = [0, 1].map(|k| wrench.force_un[k] - of_second[k]);
+        for (k, (force_un, sign)) in [(of_first, -1.0), (of_second, 1.0)].into_iter().enumerate() {
+            let inward = self.touch[k].normal.map(|part| -part);
+            let tangent = [-inward[1], inward[0]];
+            // Each as it is, and as it grows with the force along the chord.
+            let [normal, tangential] =
+                [inward, tangent].map(|axis| [dot(force_un, axis), sign * dot(self.along, axis)]);
+            let (across, torque) = (self.across_un[k], self.torque_un_um[k]);
+            for (one, other) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+                rows.push(Row {
+                    chord: one * tangential[1] - grip.friction * normal[1],
+                    share: other * across[1],
+                    bound: grip.friction * (normal[0] + grip.sticking_un) - one * tangential[0] - other * across[0]
+                        + slack_un,
+                });
+            }
+            rows.push(Row { chord: normal[1], share: 0.0, bound: grip.max_force_un - normal[0] + slack_un });
+            for sign in [1.0, -1.0] {
+                rows.push(Row {
+                    chord: -grip.torsion_um * normal[1],
+                    share: sign * torque[1],
+                    bound: grip.torsion_um * (normal[0] + grip.sticking_un) - sign * torque[0] + slack_un * grip.arm_um,
+                });
+            }
+        }
+        rows.meet()
+    }
+}
+
+/// `chord · s + share · t <= bound`.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    chord: f64,
+    share: f64,
+    bound: f64,
+}
+
+impl Row {
+    const NONE: Row = Row { chord: 0.0, share: 0.0, bound: 0.0 };
+}
+
+struct Rows {
+    all: [Row; 14],
+    count: usize,
+}
+
+impl Rows {
+    fn push(&mut self, row: Row) {
+        self.all[self.count] = row;
+        self.count += 1;
+    }
+
+    /// Whether there are two numbers that keep all of them.
+    fn meet(&self) -> bool {
+        let rows = &self.all[..self.count];
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut keep = |share: f64, bound: f64| {
+            if share > NOTHING {
+                high = high.min(bound / share);
+            } else if share < -NOTHING {
+                low = low.max(bound / share);
+            } else {
+                return bound >= 0.0;
+            }
+            low <= high
+        };
+        for row in rows {
+            if row.chord.abs() <= NOTHING {
+                if !keep(row.share, row.bound) {
+                    return false;
+                }
+                continue;
+            }
+            for other in rows.iter().filter(|other| row.chord < -NOTHING && other.chord > NOTHING) {
+                let (rise, fall) = (other.chord, -row.chord);
+                if !keep(rise * row.share + fall * other.share, rise * row.bound + fall * other.bound) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+}
+
+/// Two fingers under a load that acts out of the plane, ready to be asked for wrenches of the plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Bearing {
+    lever: Lever,
+    /// As if nothing acted out of the plane: what this does not bear, nothing does.
+    most: Line,
+    /// With what the load across needs at least held back: what this bears is borne.
+    least: Line,
+    slack_un: f64,
+}
+
+impl Bearing {
+    /// `None` for two contacts on one place.
+    pub fn of(grip: &Grip, touch: [&Contact; 2], across: &Across, slack_un: f64) -> Option<Bearing> {
+        let lever = Lever::of(touch, across, grip.torsion_um)?;
+        let [a, b] = touch.map(|contact| grip.pressing(contact, 0.0));
+        let most = Line::between(&a, &b, grip.arm_um, slack_un);
+        let withheld_un = lever.withheld_un(grip);
+        let [a, b] = [0, 1].map(|k| grip.pressing(touch[k], withheld_un[k]));
+        let least = Line::between(&a, &b, grip.arm_um, 0.0);
+        Some(Bearing { lever, most, least, slack_un })
+    }
+
+    /// Whether the two exert a wrench of the plane besides.
+    pub fn bears(&self, grip: &Grip, wrench: &Wrench) -> bool {
+        let is_balanced = self.lever.left_over_un_um <= self.slack_un * grip.arm_um;
+        is_balanced
+            && self.most.bears(wrench)
+            && (self.least.bears(wrench) || self.lever.bears(grip, wrench, self.slack_un))
+    }
+}
+
+/// Whether three fingers exert a wrench of the plane and what is asked out of it.
+pub(super) fn three_bear(grip: &Grip, touch: [&Contact; 3], across: &Across, wrench: &Wrench, slack_un: f64) -> bool {
+    let bear = |withheld_un: [f64; 3], slack_un: f64| {
+        let [a, b, c]: [Reach; 3] = [0, 1, 2].map(|k| grip.pressing(touch[k], withheld_un[k]));
+        Line::between(&a, &b, grip.arm_um, slack_un).takes(&c, &super::grip::Demand::Exert(*wrench))
+    };
+    if !bear([0.0; 3], slack_un) {
+        return false;
+    }
+    if let Some(across_un) = levers(touch, across, grip.arm_um) {
+        if bear(across_un.map(|force_un| force_un.abs() / grip.friction), slack_un) {
+            return true;
+        }
+        if grip.torsion_um == 0.0 {
+            return false;
+        }
+    }
+    simplex::are_kept(&program(grip, touch, across, wrench), slack_un)
+}
+
+/// The forces across the plane of three fingers that bear no torque; `None` of contacts on one line.
+fn levers(touch: [&Contact; 3], across: &Across, arm_um: f64) -> Option<[f64; 3]> {
+    let [a, b, c] = touch.map(|contact| contact.point_um);
+    let from_a = |[x, y]: [f64; 2]| [x - a[0], y - a[1]];
+    let (b, c) = (from_a(b), from_a(c));
+    let twice_area = b[0] * c[1] - b[1] * c[0];
+    if twice_area.abs() <= TOLERANCE * arm_um * arm_um {
+        return None;
+    }
+    // Where a force would act that exerts the same about the first contact.
+    let x = -(across.torque_un_um[1] + across.force_un * a[0]);
+    let y = across.torque_un_um[0] - across.force_un * a[1];
+    let of_b = (x * c[1] - y * c[0]) / twice_area;
+    let of_c = (b[0] * y - b[1] * x) / twice_area;
+    Some([across.force_un - of_b - of_c, of_b, of_c])
+}
+
+/// The conditions of three fingers: for each its normal, tangential and across force, and its torque as a force at the arm.
+fn program(grip: &Grip, touch: [&Contact; 3], across: &Across, wrench: &Wrench) -> simplex::Conditions {
+    let mut conditions = simplex::Conditions::none();
+    let sums = [wrench.force_un[0], wrench.force_un[1], wrench.moment_un_um / grip.arm_um, across.force_un];
+    let torques = across.torque_un_um.map(|torque| torque / grip.arm_um);
+    for (row, sum) in sums.into_iter().chain(torques).enumerate() {
+        conditions.equalities[row][simplex::VARIABLES] = sum;
+    }
+    let turns = grip.torsion_um / grip.arm_um;
+    for (k, contact) in touch.into_iter().enumerate() {
+        let inward = contact.normal.map(|part| -part);
+        let tangent = [-inward[1], inward[0]];
+        let [x, y] = contact.point_um.map(|part| part / grip.arm_um);
+        let moment = |force: [f64; 2]| x * force[1] - y * force[0];
+        let columns = [
+            [inward[0], inward[1], moment(inward), 0.0, 0.0, 0.0],
+            [tangent[0], tangent[1], moment(tangent), 0.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0, 1.0, y, -x],
+            [0.0, 0.0, 0.0, 0.0, inward[0], inward[1]],
+        ];
+        for (part, column) in columns.into_iter().enumerate() {
+            for (row, share) in column.into_iter().enumerate() {
+                conditions.equalities[row][4 * k + part] = share;
+            }
+        }
+        let mut at_most = |parts: [f64; 4], bound: f64| conditions.push(4 * k, parts, bound);
+        for (one, other) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+            at_most([-grip.friction, one, other, 0.0], grip.friction * grip.sticking_un);
+        }
+        at_most([1.0, 0.0, 0.0, 0.0], grip.max_force_un);
+        for sign in [1.0, -1.0] {
+            at_most([-turns, 0.0, 0.0, sign], turns * grip.sticking_un);
+        }
+    }
+    conditions
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}

@@ -1,0 +1,86 @@
+//! When robots dock, as the judge of schedules recognises it: at the first end of a leg at which a robot is within the precision of its
+//! goal, and its body is no farther than the docking tolerance from one that is docked, or from one that is at its own goal then.
+//!
+//! Input: a stretch whose robots end at their goals. Output: the same, cut after the leg at which they dock: with short cycles that is
+//! before the last one. Promise: the judge, whose arithmetic differs in its last digits, sees these dockings and no others.
+
+use super::Stuck;
+use super::bed::{Bed, Stretch};
+use super::orders::gap_um;
+use super::track::miss;
+use crate::check::claims::microrobots::{Dock, Precision};
+use crate::geometry::Pose;
+use crate::plan::microrobots::Leg;
+
+/// What roundings may decide: places and gaps, in micrometres.
+const ROUNDING_UM: f64 = 1e-5;
+
+/// The same for headings.
+const ROUNDING_RAD: f64 = 1e-8;
+
+/// At most this share of a limit counts as rounding.
+const ROUNDING_SHARE: f64 = 0.01;
+
+/// A stretch up to where its robots dock.
+///
+/// # Errors
+/// Where they do not dock, or not all at the same time, or where another robot docks.
+pub fn settled(bed: &Bed, docks: &[Dock], mut stretch: Stretch) -> Result<Stretch, Stuck> {
+    let [surely, perhaps] = [-1.0, 1.0].map(|sign| first_docking(bed, docks, &stretch.legs, sign));
+    let mut due = stretch.docking.clone();
+    due.sort_unstable();
+    match &surely {
+        Some((leg, robots)) if *robots == due && perhaps == surely => {
+            stretch.legs.truncate(leg + 1);
+            Ok(stretch)
+        }
+        Some(_) | None => Err(apart(bed, docks, &stretch)),
+    }
+}
+
+/// The first leg after which robots dock, and which, with limits that are wider or narrower by what roundings may decide.
+fn first_docking(bed: &Bed, docks: &[Dock], legs: &[Leg], sign: f64) -> Option<(usize, Vec<usize>)> {
+    let limit = |value: f64, rounding: f64| value + sign * rounding.min(ROUNDING_SHARE * value);
+    let Precision { place_um, heading_rad } = bed.order.precision;
+    let precision = Precision { place_um: limit(place_um, ROUNDING_UM), heading_rad: limit(heading_rad, ROUNDING_RAD) };
+    let tolerance_um = limit(bed.order.facts.docking.tolerance_um, ROUNDING_UM);
+    let open: Vec<&Dock> = docks.iter().filter(|dock| !bed.docked[dock.robot]).collect();
+    let mut poses = bed.poses.clone();
+    for (index, leg) in legs.iter().enumerate() {
+        open.iter().for_each(|dock| poses[dock.robot] = leg.carried(bed.order, dock.robot, poses[dock.robot]));
+        let is_there = |dock: &&&Dock| miss(precision, poses[dock.robot], dock.goal.pose) <= 1.0;
+        let there: Vec<usize> = open.iter().filter(is_there).map(|dock| dock.robot).collect();
+        let touches = |robot: &usize| nearest_um(bed, &poses, *robot, &there) <= tolerance_um;
+        let mut docking: Vec<usize> = there.iter().copied().filter(touches).collect();
+        if !docking.is_empty() {
+            docking.sort_unstable();
+            return Some((index, docking));
+        }
+    }
+    None
+}
+
+/// How far a robot is from the nearest one that it may dock with.
+fn nearest_um(bed: &Bed, poses: &[Pose], robot: usize, there: &[usize]) -> f64 {
+    let holds = |other: &usize| *other != robot && (bed.docked[*other] || there.contains(other));
+    let gap_um = |other: usize| gap_um(bed, (robot, poses[robot]), (other, poses[other]));
+    (0..poses.len()).filter(holds).map(gap_um).fold(f64::INFINITY, f64::min)
+}
+
+/// Why the robots of a stretch do not dock at its end.
+fn apart(bed: &Bed, docks: &[Dock], stretch: &Stretch) -> Stuck {
+    let go = |mut poses: Vec<Pose>, leg: &Leg| {
+        bed.others(&[]).for_each(|robot| poses[robot] = leg.carried(bed.order, robot, poses[robot]));
+        poses
+    };
+    let poses = stretch.legs.iter().fold(bed.poses.clone(), go);
+    let gaps = stretch.docking.iter().map(|&robot| (robot, nearest_um(bed, &poses, robot, &stretch.docking)));
+    let widest = gaps.max_by(|a, b| a.1.total_cmp(&b.1));
+    let tolerance_um = bed.order.facts.docking.tolerance_um;
+    match widest.filter(|(_, gap_um)| *gap_um > (1.0 - ROUNDING_SHARE) * tolerance_um - ROUNDING_UM) {
+        Some((robot, gap_um)) => Stuck::Loose { robot, gap_um },
+        None => Stuck::Coarse {
+            robot: stretch.docking.first().or(docks.first().map(|dock| &dock.robot)).copied().unwrap_or(0),
+        },
+    }
+}

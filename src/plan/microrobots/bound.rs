@@ -1,0 +1,161 @@
+//! A time that no plan of a job is below, whatever control states it drives in and wherever within the precision it stops.
+//!
+//! The problem: every robot moves with every stroke, so that where a robot stands when its turn comes depends on the plan; and a plan that
+//! stops short within the precision spares a part of its way, and of the next one. Method: what all plans of a job have in common is
+//! where the robots are at its beginning and after states that are applied before anything is driven, and where a robot is at its stops and
+//! docks, up to the precision. Between two such poses of one robot there are at least as many strokes as its shortest way has, in the steps between
+//! them together. So the instants of the job follow one another by least differences, and the bound is the longest path through them.
+//!
+//! Promise: no schedule that keeps the claims is faster. Not promised: that one is as fast; obstacles, other robots and the
+//! rounding to whole strokes are left out. Cost: for each stop and dock [`MAX_EARLIER`] shortest ways.
+
+use super::free;
+use super::{Crew, Leg, leg_ns};
+use crate::check::claims::microrobots::{Action, MicrorobotsOrder, Precision, Stop};
+use crate::geometry::Pose;
+
+/// To so many earlier poses of its robot a stop is related: the latest ones.
+const MAX_EARLIER: usize = 8;
+
+/// What a number of strokes gives away to roundings.
+const ROUNDING_STROKES: f64 = 1e-3;
+
+/// What a way gives away to roundings: this, and this share of the turning radius.
+const ROUNDING_UM: f64 = 1e-6;
+const ROUNDING_SHARE: f64 = 1e-8;
+
+const EXACT: Precision = Precision { place_um: 0.0, heading_rad: 0.0 };
+
+/// A time that no plan of these steps is below, from where the robots are.
+pub fn least_ns(order: &MicrorobotsOrder, start: &Crew) -> u64 {
+    let mut course = Course::new(order, start);
+    order.steps.iter().for_each(|step| course.follow(&step.action));
+    course.at_ns[course.latest()]
+}
+
+/// Strokes that every way of a robot has at least from somewhere near a pose to somewhere near another.
+pub fn least_strokes(order: &MicrorobotsOrder, robot: usize, from: (Pose, Precision), to: (Pose, Precision)) -> u64 {
+    let facts = order.robot(robot);
+    let least_um = free::least_um(facts, from, to) - ROUNDING_UM - ROUNDING_SHARE * facts.turning_radius_um;
+    (least_um / facts.step_um - ROUNDING_STROKES).ceil().max(0.0) as u64
+}
+
+/// Where a robot is at an instant in every plan.
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    instant: usize,
+    pose: Pose,
+    slack: Precision,
+}
+
+/// A job up to one of its steps.
+struct Course<'a> {
+    order: &'a MicrorobotsOrder,
+    /// When each instant is at the earliest.
+    at_ns: Vec<u64>,
+    /// How much of the time up to each instant has no strokes in every plan: waits and control cycles.
+    still_ns: Vec<u64>,
+    /// For each robot of the order, in order of time.
+    known: Vec<Vec<Known>>,
+    docked: Vec<bool>,
+    /// Where all robots are, as long as that does not depend on the plan.
+    poses: Option<Vec<Pose>>,
+}
+
+impl<'a> Course<'a> {
+    fn new(order: &'a MicrorobotsOrder, start: &Crew) -> Self {
+        let known = start.poses.iter().map(|pose| vec![Known { instant: 0, pose: *pose, slack: EXACT }]);
+        Course {
+            order,
+            at_ns: vec![0],
+            still_ns: vec![0],
+            known: known.collect(),
+            docked: start.docked.clone(),
+            poses: Some(start.poses.clone()),
+        }
+    }
+
+    fn latest(&self) -> usize {
+        self.at_ns.len() - 1
+    }
+
+    fn follow(&mut self, action: &Action) {
+        match action {
+            Action::Wait(duration_ns) => {
+                self.goes_by(*duration_ns, *duration_ns);
+                self.know();
+            }
+            Action::Apply { state, duration_ns } => self.apply(*state, *duration_ns),
+            Action::Drive { robot, stops } => {
+                self.poses = None;
+                stops.iter().for_each(|stop| self.arrive(&[(*robot, stop)]));
+            }
+            Action::Assemble(docks) => {
+                self.poses = None;
+                let open: Vec<(usize, &Stop)> =
+                    docks.iter().filter(|dock| !self.docked[dock.robot]).map(|dock| (dock.robot, &dock.goal)).collect();
+                self.arrive(&open);
+                open.iter().for_each(|(robot, _)| self.docked[*robot] = true);
+            }
+        }
+    }
+
+    /// A known time goes by, of which so much has no strokes.
+    fn goes_by(&mut self, time_ns: u64, still_ns: u64) {
+        let latest = self.latest();
+        self.at_ns.push(self.at_ns[latest].saturating_add(time_ns));
+        self.still_ns.push(self.still_ns[latest].saturating_add(still_ns));
+    }
+
+    fn apply(&mut self, state: usize, duration_ns: u64) {
+        let facts = &self.order.facts;
+        let leg = Leg { state, strokes: duration_ns.div_ceil(facts.period_ns) };
+        let time_ns = leg_ns(self.order, leg);
+        self.goes_by(time_ns, leg_ns(self.order, Leg { strokes: 0, ..leg }));
+        let order = self.order;
+        for (robot, pose) in self.poses.iter_mut().flatten().enumerate().filter(|(robot, _)| !self.docked[*robot]) {
+            *pose = leg.carried(order, robot, *pose);
+        }
+        self.know();
+    }
+
+    /// Where all robots are does not depend on the plan: what was known before is of no more use.
+    fn know(&mut self) {
+        let instant = self.latest();
+        for (known, pose) in self.known.iter_mut().zip(self.poses.iter().flatten()) {
+            *known = vec![Known { instant, pose: *pose, slack: EXACT }];
+        }
+    }
+
+    /// Robots come to stops of theirs at the same time.
+    fn arrive(&mut self, stops: &[(usize, &Stop)]) {
+        let cycles_ns = stops.iter().map(|(robot, stop)| self.cycles_ns(*robot, stop)).max().unwrap_or(0);
+        self.goes_by(cycles_ns, cycles_ns);
+        let instant = self.latest();
+        for (robot, stop) in stops.iter().filter(|(robot, _)| !self.docked[*robot]) {
+            let (goal, slack) = (stop.pose, self.order.precision);
+            for known in self.known[*robot].iter().rev().take(MAX_EARLIER) {
+                let strokes = least_strokes(self.order, *robot, (known.pose, known.slack), (goal, slack));
+                let still_ns = self.still_ns[instant] - self.still_ns[known.instant];
+                let driven_ns = strokes.saturating_mul(self.order.facts.period_ns).saturating_add(still_ns);
+                self.at_ns[instant] = self.at_ns[instant].max(self.at_ns[known.instant].saturating_add(driven_ns));
+            }
+            self.known[*robot].push(Known { instant, pose: goal, slack });
+        }
+    }
+
+    /// The control cycles that a robot needs from the instant before, if it is known where it is then.
+    fn cycles_ns(&self, robot: usize, stop: &Stop) -> u64 {
+        let (order, goal, slack) = (self.order, stop.pose, self.order.precision);
+        let Some(known) = self.known[robot].last().filter(|known| known.instant == self.latest()) else { return 0 };
+        if self.docked[robot] || least_strokes(order, robot, (known.pose, known.slack), (goal, slack)) == 0 {
+            return 0;
+        }
+        let legs = match known.slack == EXACT {
+            true => free::fewest_segments(order.robot(robot), known.pose, goal, slack),
+            false => 1,
+        };
+        let levels = order.states.iter().map(|state| state.levels_v.len()).min().unwrap_or(0);
+        (legs * levels) as u64 * order.facts.dwell_ns
+    }
+}

@@ -1,0 +1,149 @@
+//! How fast tips move.
+//!
+//! All axes of a hand take their lines together or not, so within a stretch a tip moves steadily. Three speeds limit it: that of a free
+//! tip, the slower one near the contact that it comes to or leaves, and that of a tip that holds. Near means nearer than
+//! [`Facts::slow_um`] without a break: a tip that comes is known to come only once it touches, so its way is kept until then.
+
+use super::super::rule::{Findings, Rule, ms};
+use super::Point;
+use super::hand::Hand;
+use super::track::Stretch;
+use crate::device::fingers::Facts;
+use crate::quantity::digits;
+use std::mem::take;
+
+/// By what share a tip may be too fast: durations are whole nanoseconds.
+const TOO_FAST: f64 = 1e-6;
+
+/// What rounding may take from the distance within which tips are slow.
+const NEAR_UM: f64 = 1e-6;
+
+/// A straight way of a free tip, without the stretches in which it rests.
+#[derive(Debug, Clone, Copy)]
+struct Leg {
+    start_ns: u64,
+    from_um: Point,
+    to_um: Point,
+    um_per_s: f64,
+}
+
+/// A free finger since it left its last contact.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Pace {
+    /// The contact that it left, until it is far enough from it.
+    left_um: Option<Point>,
+    legs: Vec<Leg>,
+}
+
+/// A tip that is too fast.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Fast {
+    pub time_ns: u64,
+    pub um_per_s: f64,
+    pub due_um_per_s: f64,
+    /// What the tip does then.
+    pub doing: &'static str,
+}
+
+impl Leg {
+    fn of(stretch: &Stretch, finger: usize) -> Leg {
+        let (from_um, to_um) = (stretch.from_um[finger], stretch.to_um[finger]);
+        let seconds = (stretch.end_ns - stretch.start_ns) as f64 / 1e9;
+        Leg { start_ns: stretch.start_ns, from_um, to_um, um_per_s: (to_um - from_um).norm() / seconds }
+    }
+
+    fn against(&self, due_um_per_s: f64, doing: &'static str) -> Result<(), Fast> {
+        let &Leg { start_ns: time_ns, um_per_s, .. } = self;
+        match um_per_s <= due_um_per_s * (1.0 + TOO_FAST) {
+            true => Ok(()),
+            false => Err(Fast { time_ns, um_per_s, due_um_per_s, doing }),
+        }
+    }
+
+    /// The least distance of the leg from a place.
+    fn distance_um(&self, place_um: &Point) -> f64 {
+        let (along_um, off_um) = (self.to_um - self.from_um, place_um - self.from_um);
+        let square = along_um.norm_squared();
+        let share = if square > 0.0 { (off_um.dot(&along_um) / square).clamp(0.0, 1.0) } else { 0.0 };
+        (off_um - along_um * share).norm()
+    }
+}
+
+/// Whether a place is so near to a contact that tips are slow there.
+fn is_near(distance_um: f64, facts: &Facts) -> bool {
+    distance_um < facts.slow_um() - NEAR_UM
+}
+
+impl Pace {
+    /// A finger that leaves a contact.
+    pub fn from(left_um: Point) -> Self {
+        Pace { left_um: Some(left_um), legs: Vec::new() }
+    }
+
+    /// The part moves, or the run ends: the tip came to no contact on its way so far.
+    pub fn settle(&mut self, facts: &Facts) -> Result<(), Fast> {
+        let legs = take(self).legs;
+        legs.iter().try_for_each(|leg| leg.against(facts.speed_um_per_s, "is free"))
+    }
+
+    /// A free tip moves along a stretch.
+    pub fn follow(&mut self, stretch: &Stretch, finger: usize, facts: &Facts) -> Result<(), Fast> {
+        let leg = Leg::of(stretch, finger);
+        if let Some(left_um) = self.left_um {
+            self.left_um = Some(left_um).filter(|left_um| is_near((leg.to_um - left_um).norm(), facts));
+            return leg.against(facts.approach_um_per_s, "leaves its contact");
+        }
+        self.legs.push(leg);
+        leg.against(facts.speed_um_per_s.max(facts.approach_um_per_s), "is free")
+    }
+
+    /// The tip touches at a place: on the last of its way there it was slow, before that as fast as a free one may be.
+    pub fn lands(&mut self, contact_um: &Point, facts: &Facts) -> Result<(), Fast> {
+        self.left_um = None;
+        let legs = take(&mut self.legs);
+        let outside = |leg: &Leg| !is_near((leg.from_um - contact_um).norm(), facts);
+        let begin = legs.iter().rposition(outside).unwrap_or(0);
+        legs.iter().enumerate().try_for_each(|(at, leg)| {
+            match at >= begin && is_near(leg.distance_um(contact_um), facts) {
+                true => leg.against(facts.approach_um_per_s, "comes to its contact"),
+                false => leg.against(facts.speed_um_per_s, "is free"),
+            }
+        })
+    }
+}
+
+impl Hand<'_, '_> {
+    /// Tips that hold move along a stretch, and maybe free ones too.
+    pub(super) fn check_carrying_pace(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) {
+        let facts = &self.order.facts;
+        for finger in (0..self.paces.len()).filter(|finger| !stretch.rests(*finger)) {
+            let leg = Leg::of(stretch, finger);
+            let kept = match self.grip.has(finger) {
+                true => leg.against(facts.rolling_um_per_s, "holds"),
+                false => self.paces[finger].follow(stretch, finger, facts),
+            };
+            self.tell_pace(nth, finger, kept, findings);
+        }
+        self.settle_paces(nth, findings);
+    }
+
+    /// What free tips did until now is over.
+    pub(super) fn settle_paces(&mut self, nth: usize, findings: &mut Findings) {
+        for finger in 0..self.paces.len() {
+            let kept = self.paces[finger].settle(&self.order.facts);
+            self.tell_pace(nth, finger, kept, findings);
+        }
+    }
+
+    /// Tells of the first tip of a step that is too fast.
+    pub(super) fn tell_pace(&mut self, nth: usize, finger: usize, kept: Result<(), Fast>, findings: &mut Findings) {
+        let Err(fast) = kept else { return };
+        if self.hurried != Some(nth) {
+            self.hurried = Some(nth);
+            let [found, due] = [fast.um_per_s, fast.due_um_per_s].map(digits);
+            let (finger, doing, when) = (finger + 1, fast.doing, ms(fast.time_ns));
+            let title = format!("finger {finger} {doing} at {when} and moves at {found} um/s, {due} um/s are allowed");
+            findings.push(self.violation(Rule::Speed, nth, fast.time_ns, title));
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! The steps of a schedule say where they stand in the program, and how they are written: both are read again there.
+//!
+//! Input: a schedule that the other rules found nothing in, and the files that its claims were derived from, whose spans the claims
+//! hold. A viewer's `/log` and every reader of `schedule.json` take these words for the program's own.
+
+use super::rule::{Findings, Rule, Violation};
+use crate::check::claims::{Claims, Job};
+use crate::schedule::{Schedule, Step};
+use crate::source::{FileId, SourceFile, Sources, Span};
+
+/// Compares the words and the place of every step with the file.
+pub(super) fn check(schedule: &Schedule, claims: &Claims, sources: &Sources, findings: &mut Findings) {
+    let mut nth = vec![0; claims.jobs.len()];
+    let spans: Vec<Vec<Span>> = claims.jobs.iter().map(Job::step_spans).collect();
+    let mut written: Vec<(Span, usize)> = Vec::with_capacity(schedule.steps.len());
+    for (index, step) in schedule.steps.iter().enumerate() {
+        let plan = step.plan as usize;
+        written.push((spans[plan][nth[plan]], index));
+        nth[plan] += 1;
+    }
+    written.sort_unstable_by_key(|(span, index)| (*span, *index));
+    let mut walk = Walk::default();
+    for (span, index) in written {
+        let step = &schedule.steps[index];
+        let Some((_, file)) = sources.files().find(|(id, _)| *id == span.file) else {
+            let title = format!("step {index} is not of a file of the program");
+            findings.push(Violation::new(Rule::SourceMap, step.start_ns, title).step(index));
+            continue;
+        };
+        let (line, column) = walk.position(file, span);
+        for (what, recorded, written) in differences(step, file, span, (line, column)) {
+            let title = format!("step {index} has the {what} `{recorded}`, the program says `{written}`");
+            let violation = Violation::new(Rule::SourceMap, step.start_ns, title);
+            findings.push(violation.step(index).label(span, "this step"));
+        }
+    }
+}
+
+/// Counts lines and columns of spans in their order, each character of a file once: a line may be as long as the file.
+#[derive(Default)]
+struct Walk {
+    file: Option<FileId>,
+    at: usize,
+    /// From 0.
+    line: usize,
+    column: usize,
+}
+
+impl Walk {
+    /// Line and column of a span's beginning, from 1; spans must come sorted.
+    fn position(&mut self, file: &SourceFile, span: Span) -> (usize, usize) {
+        if self.file != Some(span.file) {
+            *self = Walk { file: Some(span.file), ..Walk::default() };
+        }
+        for c in file.text[self.at..span.start as usize].chars() {
+            self.column = if c == '\n' { 0 } else { self.column + 1 };
+            self.line += usize::from(c == '\n');
+        }
+        self.at = span.start as usize;
+        (self.line + 1, self.column + 1)
+    }
+}
+
+/// What is recorded and what is written, where they differ.
+fn differences(
+    step: &Step,
+    file: &SourceFile,
+    span: Span,
+    (line, column): (usize, usize),
+) -> Vec<(&'static str, String, String)> {
+    let text: Vec<&str> = file.text[span.range()].split_whitespace().collect();
+    let pairs = [
+        ("text", step.text.clone(), text.join(" ")),
+        ("file", step.file.clone(), file.name.clone()),
+        ("line", step.line.to_string(), line.to_string()),
+        ("column", step.column.to_string(), column.to_string()),
+    ];
+    pairs.into_iter().filter(|(_, recorded, written)| recorded != written).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Verdict, verify_program};
+    use super::*;
+    use crate::check::Options;
+    use crate::check::imports::Library;
+    use crate::compile::{Outcome, Program, compile};
+    use crate::diagnostic::Sink;
+
+    struct Nothing;
+
+    impl Library for Nothing {
+        fn read(&self, _from: &str, _path: &str) -> Result<(String, String), String> {
+            Err("there are no files here".to_owned())
+        }
+    }
+
+    const TEXT: &str =
+        "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot {\n  wait 1 ms\n  move to (1,\n    1)\n}\n";
+
+    /// A sound schedule with its claims and files.
+    fn built(text: &str) -> (Schedule, Claims, Sources) {
+        let (mut sources, mut sink) = (Sources::default(), Sink::default());
+        let options = Options::default();
+        let program = Program { name: "a.twz", text, library: &Nothing, options: &options };
+        let Outcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut |_, _, _| {}) else {
+            panic!("{:?}", sink.sorted())
+        };
+        let verified = &compiled.schedules[0];
+        (verified.schedule().clone(), verified.claims().clone(), sources)
+    }
+
+    fn rules(schedule: &Schedule, (claims, sources): (&Claims, &Sources)) -> Vec<Rule> {
+        match verify_program(schedule.clone(), claims, sources) {
+            Verdict::Accepted(_) => Vec::new(),
+            Verdict::Rejected(violations) => violations.into_iter().map(|violation| violation.rule).collect(),
+            Verdict::Inconclusive { why } => panic!("{why}"),
+        }
+    }
+
+    #[test]
+    fn each_word_of_a_step_is_read_again_in_the_program() {
+        let (sound, claims, sources) = built(TEXT);
+        let given = (&claims, &sources);
+        assert_eq!(rules(&sound, given), []);
+        assert_eq!(sound.steps[1].text, "move to (1, 1)");
+        let edits: [fn(&mut Step); 6] = [
+            |step| step.text = "move to safety".to_owned(),
+            |step| step.text.push(' '),
+            |step| step.file = "/etc/passwd".to_owned(),
+            |step| step.line += 1,
+            |step| step.column += 1,
+            |step| step.column -= 1,
+        ];
+        for (nth, edit) in edits.iter().enumerate() {
+            for index in 0..sound.steps.len() {
+                let mut forged = sound.clone();
+                edit(&mut forged.steps[index]);
+                assert_eq!(rules(&forged, given), [Rule::SourceMap], "edit {nth} of step {index}");
+            }
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Brute force over every state of a task: which cells were visited, which step is next, where the tip stands.
+//!
+//! Knows the language and the paper; shares no code with the compiler. Figures are whole numbers: distance in units of the finer
+//! pitch, switches, pulses.
+
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+
+pub type Cell = [u32; 2];
+
+/// Distance, switches and pulses of a plan.
+pub type Figures = [u64; 3];
+
+/// A part of a task.
+#[derive(Debug, Clone)]
+pub enum Part {
+    To(Cell),
+    /// In any order.
+    All(Vec<Cell>),
+}
+
+/// What stands in the way, in half cells: an even number is a cell, an odd one the gap after it.
+#[derive(Debug, Clone, Copy)]
+pub struct Block {
+    pub low: Cell,
+    pub high: Cell,
+}
+
+#[derive(Debug, Clone)]
+pub struct Lattice {
+    pub modules: [u32; 2],
+    pub blocks: Vec<Block>,
+}
+
+impl Lattice {
+    /// Whether everything between two cells is free: where the tip may be while the modules switch in which they differ.
+    pub fn is_free(&self, a: Cell, b: Cell) -> bool {
+        let low = [0, 1].map(|axis| 2 * (a[axis] & b[axis]));
+        let high = [0, 1].map(|axis| 2 * (a[axis] | b[axis]));
+        !self
+            .blocks
+            .iter()
+            .any(|block| (0..2).all(|axis| block.low[axis] <= high[axis] && low[axis] <= block.high[axis]))
+    }
+
+    fn cells(&self) -> Vec<Cell> {
+        let [left, right] = self.modules;
+        (0..1 << left).flat_map(|x| (0..1 << right).map(move |y| [x, y])).collect()
+    }
+
+    /// What switching from one cell to the other takes.
+    fn figures(&self, a: Cell, b: Cell) -> Figures {
+        let finest = self.modules[0].max(self.modules[1]);
+        let masks = [a[0] ^ b[0], a[1] ^ b[1]];
+        let way = |axis: usize| u64::from(masks[axis]) << (finest - self.modules[axis]);
+        [way(0) + way(1), u64::from(masks[0].count_ones() + masks[1].count_ones()), 1]
+    }
+}
+
+/// The next part and the visited cells of it.
+type Progress = (usize, u32);
+
+/// All plans of a task of which none is better in every figure, by their figures.
+pub fn front(lattice: &Lattice, start: Cell, parts: &[Part], with_pulses: bool) -> Vec<Figures> {
+    let cells = lattice.cells();
+    let mut next: BTreeMap<Cell, Vec<(Cell, Figures)>> = BTreeMap::new();
+    for cell in &cells {
+        let is_move = |to: &&Cell| **to != *cell && (with_pulses || lattice.figures(*cell, **to)[1] == 1);
+        let moves = cells.iter().filter(is_move).filter(|to| lattice.is_free(*cell, **to));
+        next.insert(*cell, moves.map(|to| (*to, lattice.figures(*cell, *to))).collect());
+    }
+    let mut known: BTreeMap<(Progress, Cell), Vec<Figures>> = BTreeMap::new();
+    let mut ends = Vec::new();
+    let mut queue = BinaryHeap::from([Reverse(([0; 3], (0, 0), start))]);
+    while let Some(Reverse((figures, progress, cell))) = queue.pop() {
+        if !add(known.entry((progress, cell)).or_default(), figures) {
+            continue;
+        }
+        if progress.0 == parts.len() {
+            add(&mut ends, figures);
+            continue;
+        }
+        let mut visit = |progress| queue.push(Reverse((figures, progress, cell)));
+        match &parts[progress.0] {
+            Part::To(goal) if *goal == cell => visit((progress.0 + 1, 0)),
+            Part::To(_) => {}
+            Part::All(places) => {
+                let here = places.iter().enumerate().filter(|(_, place)| **place == cell);
+                let seen = here.fold(progress.1, |seen, (index, _)| seen | 1 << index);
+                if seen == (1 << places.len()) - 1 {
+                    visit((progress.0 + 1, 0));
+                } else if seen != progress.1 {
+                    visit((progress.0, seen));
+                }
+            }
+        }
+        for (to, more) in &next[&cell] {
+            let sum = [0, 1, 2].map(|k| figures[k] + more[k]);
+            queue.push(Reverse((sum, progress, *to)));
+        }
+    }
+    ends
+}
+
+/// Adds figures that none of the known is within; `false` if there is one.
+fn add(known: &mut Vec<Figures>, figures: Figures) -> bool {
+    let is_within = |a: &Figures, b: &Figures| (0..3).all(|k| a[k] <= b[k]);
+    if known.iter().any(|other| is_within(other, &figures)) {
+        return false;
+    }
+    known.retain(|other| !is_within(&figures, other));
+    known.push(figures);
+    true
+}

@@ -1,0 +1,203 @@
+//! Plans of DiMiBots against brute force: feasibility, cost, bound, `optimal`, ties and limits of random small tasks, and the programs that
+//! once were answered wrongly.
+//!
+//! `TWEEZE_ORACLE_CASES` sets how many random scenes are tried.
+
+mod brute;
+#[path = "../support/case.rs"]
+mod case;
+mod found;
+mod scene;
+
+use brute::Figures;
+use case::Case;
+use scene::{Limit, OUTCOMES, Random, Scene};
+use tweeze::compile::{Outcome, Program, compile};
+use tweeze::diagnostic::{Diagnostic, Sink};
+use tweeze::schedule::PlanRecord;
+use tweeze::source::Sources;
+
+const UNITS: [f64; 4] = [1e6, 1.0, 1e3, 1e3];
+
+/// A plan, or what was reported instead.
+type Answer = Result<PlanRecord, Vec<Diagnostic>>;
+
+fn answer(text: &str) -> Answer {
+    answers(text).map(|mut plans| plans.remove(0))
+}
+
+/// The first plan of each schedule.
+fn answers(text: &str) -> Result<Vec<PlanRecord>, Vec<Diagnostic>> {
+    let case = Case { name: "test.twz".to_owned(), text: text.to_owned(), ..Case::default() };
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let library = case::Shelf(&case);
+    let program = Program { name: &case.name, text: &case.text, library: &library, options: &case.options };
+    match compile(&program, &mut sources, &mut sink, &mut |_, _, _| {}) {
+        Outcome::Compiled(compiled) => {
+            Ok(compiled.schedules.iter().map(|verified| verified.schedule().plans[0].clone()).collect())
+        }
+        Outcome::Errors => Err(sink.sorted().into_iter().filter(|told| told.is_error()).cloned().collect()),
+        Outcome::Refused => panic!("the verifier refuses it: {:?}\n{text}", sink.sorted()),
+    }
+}
+
+fn cases(usual: usize) -> usize {
+    std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(usual)
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
+}
+
+/// How often each kind of answer was seen.
+#[derive(Debug, Default)]
+struct Seen {
+    plans: usize,
+    limited: usize,
+    impossible: usize,
+    shut: usize,
+    advised: usize,
+}
+
+/// Holds an answer against the truth. `searches` says whether the planner promises to find what there is.
+fn judge(
+    scene: &Scene,
+    front: &[Figures],
+    objective: usize,
+    limits: &[Limit],
+    text: &str,
+    searches: bool,
+    seen: &mut Seen,
+) {
+    let keeps = |figures: &Figures, limits: &[Limit]| {
+        limits.iter().all(|limit| limit.allows(scene.outcome(limit.outcome, *figures)))
+    };
+    let best =
+        front.iter().filter(|figures| keeps(figures, limits)).min_by_key(|figures| scene.key(objective, **figures));
+    let has_lower = limits.iter().any(|limit| !limit.is_upper());
+    match (answer(text), best) {
+        (Ok(plan), Some(best)) => {
+            for limit in limits {
+                let value = plan.outcomes[OUTCOMES[limit.outcome]] * UNITS[limit.outcome];
+                assert!(limit.holds(value), "{limit:?} {value}\n{text}");
+            }
+            for (outcome, name) in OUTCOMES.iter().enumerate() {
+                let (told, truth) = (plan.outcomes[*name] * UNITS[outcome], scene.outcome(outcome, *best));
+                assert!(close(told, truth), "{name}: {told} for {truth}\n{text}");
+            }
+            let cost = scene.outcome(objective, *best);
+            assert!(close(plan.cost, cost) && close(plan.bound, cost) && plan.optimal, "{plan:?}\n{text}");
+            seen.plans += 1;
+            seen.limited += usize::from(best != front.iter().min_by_key(|f| scene.key(objective, **f)).unwrap_or(best));
+        }
+        (Ok(plan), None) => panic!("there is no plan: {plan:?}\n{text}"),
+        (Err(told), _) if front.is_empty() => {
+            assert!(told.iter().any(|told| told.code.name() == "E0601"), "{told:?}\n{text}");
+            seen.shut += 1;
+        }
+        (Err(told), best) => {
+            assert!(told.iter().all(|told| told.code.name() == "E0603"), "{told:?}\n{text}");
+            let proven = told.iter().any(|told| told.title.starts_with("no plan keeps"));
+            assert!(!proven || best.is_none(), "there is a plan {best:?}: {told:?}\n{text}");
+            if searches && best.is_some() {
+                // Limits from below are only held against the plan that was found.
+                assert!(has_lower, "a plan was missed: {best:?} {told:?}\n{text}");
+            }
+            if searches && best.is_none() && !has_lower {
+                assert!(proven, "{told:?}\n{text}");
+                seen.impossible += 1;
+            }
+            for told in &told {
+                seen.advised += usize::from(advice_holds(scene, front, limits, told, text));
+            }
+        }
+    }
+}
+
+/// Where a report names the least value, a limit of it would do, and nothing less.
+fn advice_holds(scene: &Scene, front: &[Figures], limits: &[Limit], told: &Diagnostic, text: &str) -> bool {
+    let label = &told.labels[0];
+    let Some(value) = label.text.strip_prefix("proven: the least is ") else { return false };
+    let line = text[label.span.start as usize..].split_whitespace().next().expect("a limit begins with an outcome");
+    let outcome = OUTCOMES.iter().position(|name| *name == line).expect("the label stands at an outcome");
+    let index = limits.iter().position(|limit| {
+        let at = text.find(&format!("  require {} {} {}", OUTCOMES[limit.outcome], limit.relation, limit.value));
+        at.is_some_and(|at| at + "  require ".len() == label.span.start as usize)
+    });
+    let index = index.expect("the label stands at a limit");
+    let others = |figures: &&Figures| {
+        let mut others = limits.iter().enumerate().filter(|(other, _)| *other != index);
+        others.all(|(_, limit)| limit.allows(scene.outcome(limit.outcome, **figures)))
+    };
+    let least =
+        front.iter().filter(others).map(|figures| scene.outcome(outcome, *figures)).fold(f64::INFINITY, f64::min);
+    let told: f64 = {
+        let (number, unit) = value.split_once(' ').unwrap_or((value, ""));
+        let scale = match unit {
+            "s" | "mm" | "J" => 1e3,
+            "nm" | "us" | "uJ" => 1e-3,
+            _ => 1.0,
+        };
+        number.parse::<f64>().expect("a number") * scale
+    };
+    assert!(told >= least * (1.0 - 1e-9) && told <= least * 1.000_02, "{told} for {least}: {label:?}\n{text}");
+    true
+}
+
+/// A scene with all its best plans; every second one, if it can be, with plans of which none is the best in everything.
+fn drawn(random: &mut Random, round: usize, has_pulses: bool) -> (Scene, Vec<Figures>) {
+    let mut draw = || {
+        let scene = Scene::random(random, has_pulses);
+        let front = brute::front(&scene.lattice, scene.start, &scene.parts, has_pulses);
+        (scene, front)
+    };
+    let first = draw();
+    if round.is_multiple_of(2) {
+        return first;
+    }
+    (0..200).map(|_| draw()).find(|(_, front)| front.len() > 1).unwrap_or(first)
+}
+
+const PUBLISHED: [&str; 4] = ["dijkstra", "bidirectional_dijkstra", "astar", "hypercube_astar"];
+
+#[test]
+fn plans_and_limits_agree_with_brute_force() {
+    let mut random = Random(41);
+    let mut seen = Seen::default();
+    for round in 0..cases(40) {
+        let (scene, front) = drawn(&mut random, round, false);
+        for (objective, name) in OUTCOMES.iter().enumerate() {
+            let settings = format!("  minimize {name}\n");
+            judge(&scene, &front, objective, &[], &scene.text(&settings, &[]), true, &mut seen);
+            for _ in 0..3 {
+                let limits = scene.limits(&front, &mut random);
+                judge(&scene, &front, objective, &limits, &scene.text(&settings, &limits), true, &mut seen);
+            }
+            if !scene.parts.iter().any(|part| matches!(part, brute::Part::All(_))) {
+                let limits = scene.limits(&front, &mut random);
+                let settings = format!("{settings}  using {}\n", PUBLISHED[(round + objective) % 4]);
+                judge(&scene, &front, objective, &[], &scene.text(&settings, &[]), false, &mut seen);
+                judge(&scene, &front, objective, &limits, &scene.text(&settings, &limits), false, &mut seen);
+            }
+        }
+    }
+    assert!(seen.plans > 150 && seen.limited > 5 && seen.impossible > 40 && seen.advised > 30, "{seen:?}");
+    println!("{seen:?}");
+}
+
+#[test]
+fn plans_with_several_modules_in_a_pulse_agree_with_brute_force() {
+    let mut random = Random(42);
+    let mut seen = Seen::default();
+    for round in 0..cases(25) {
+        let (scene, front) = drawn(&mut random, round, true);
+        let settings = "  minimize time\n  simultaneous: safe\n";
+        judge(&scene, &front, 2, &[], &scene.text(settings, &[]), true, &mut seen);
+        for _ in 0..4 {
+            let limits = scene.limits(&front, &mut random);
+            judge(&scene, &front, 2, &limits, &scene.text(settings, &limits), true, &mut seen);
+        }
+    }
+    assert!(seen.plans > 40 && seen.limited > 1 && seen.impossible > 10, "{seen:?}");
+    println!("{seen:?}");
+}

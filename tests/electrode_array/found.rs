@@ -1,0 +1,69 @@
+//! Programs that once got a wrong answer or none.
+
+use crate::programs::{Answered, answered};
+
+fn text(name: &str) -> String {
+    let path = format!("{}/tests/found/{name}.twz", env!("CARGO_MANIFEST_DIR"));
+    std::fs::read_to_string(path).expect("the program lies beside the tests")
+}
+
+fn planned(text: &str) -> tweeze::plan::Plan {
+    match answered(text) {
+        Answered::Plan(plan) => *plan,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn refused(text: &str) -> String {
+    match answered(text) {
+        Answered::Errors(errors) => errors.join("\n"),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn four_droplets_pass_in_the_siding() {
+    let plan = planned(&text("ea_siding_gave_up"));
+    assert!(plan.outcomes["steps"] <= 60.0 && plan.bound >= 19.0, "{} of {}", plan.cost, plan.bound);
+}
+
+#[test]
+fn more_room_means_a_plan_too() {
+    let plan = planned(&text("ea_more_room_and_no_plan"));
+    assert!(plan.outcomes["steps"] <= 99.0, "{}", plan.cost);
+}
+
+#[test]
+fn four_hundred_parts_are_planned_by_default() {
+    let plan = planned(&text("ea_400_parts_gave_up"));
+    assert!(plan.bound >= 287.0 && plan.cost >= plan.bound, "{} of {}", plan.cost, plan.bound);
+}
+
+#[test]
+fn the_least_sum_of_costs_is_found_whatever_is_minimised() {
+    let sum = text("ea_sum_worse_than_makespan");
+    let plan = planned(&sum);
+    assert_eq!((plan.outcomes["sum_of_costs"], plan.outcomes["steps"], plan.bound), (51.0, 19.0, 51.0));
+    let makespan = sum.replace("minimize sum_of_costs", "minimize makespan\n  require sum_of_costs <= 51");
+    let plan = planned(&makespan);
+    assert_eq!((plan.outcomes["sum_of_costs"], plan.outcomes["steps"], plan.bound), (51.0, 19.0, 19.0));
+    let less = refused(&makespan.replace("<= 51", "<= 50"));
+    assert!(less.contains("no plan keeps") && less.contains("raise the limit to 51"), "{less}");
+}
+
+#[test]
+fn a_limit_in_time_is_one_in_steps() {
+    let time = text("ea_time_limit_not_searched");
+    for text in [time.clone(), time.replace("require time <= 2400 ms", "require steps <= 40")] {
+        let plan = planned(&text);
+        assert_eq!((plan.cost, plan.bound), (118.0, 118.0));
+        assert!(plan.outcomes["steps"] <= 40.0);
+    }
+}
+
+#[test]
+fn a_help_does_not_name_what_is_written() {
+    let told = refused(&text("ea_help_names_what_is_written"));
+    assert!(told.contains("no plan keeps `steps <= 40` and `sum_of_costs <= 110`"), "{told}");
+    assert!(!told.contains("minimize") && told.contains("raise"), "{told}");
+}

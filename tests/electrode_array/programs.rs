@@ -1,0 +1,52 @@
+//! Programs as text, planned, and each plan verified.
+
+use tweeze::check::Options;
+use tweeze::check::imports::Library;
+use tweeze::compile::{self, Program};
+use tweeze::diagnostic::Sink;
+use tweeze::plan::{self, Plan};
+use tweeze::schedule;
+use tweeze::source::Sources;
+use tweeze::verify::{self, Verdict};
+
+/// What became of the only task of a program.
+#[derive(Debug)]
+pub enum Answered {
+    Plan(Box<Plan>),
+    /// The planner's errors, each with its code and help.
+    Errors(Vec<String>),
+    /// The program itself has errors.
+    Unfit,
+}
+
+/// No other files.
+struct Alone;
+
+impl Library for Alone {
+    fn read(&self, _from: &str, _path: &str) -> Result<(String, String), String> {
+        Err("there is no such file".to_owned())
+    }
+}
+
+pub fn answered(text: &str) -> Answered {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let options = Options::default();
+    let program = Program { name: "task.twz", text, library: &Alone, options: &options };
+    let Some(checked) = compile::check(&program, &mut sources, &mut sink) else { return Answered::Unfit };
+    let [claims] = checked.claims.as_slice() else { panic!("one task: {text}") };
+    let plans = plan::plan(claims, &mut sink, &mut |_, _, _| {});
+    match plans {
+        Some(mut plans) => {
+            let schedule = schedule::schedule(claims, &plans, &sources, &mut sink).expect("a schedule");
+            let verdict = verify::verify_program(schedule, claims, &sources);
+            assert!(matches!(verdict, Verdict::Accepted(_)), "{verdict:?}\n{text}");
+            Answered::Plan(Box::new(plans.remove(0)))
+        }
+        None => Answered::Errors(
+            sink.sorted()
+                .into_iter()
+                .map(|told| format!("{:?}: {}; {}", told.code, told.title, told.help.as_deref().unwrap_or("")))
+                .collect(),
+        ),
+    }
+}

@@ -1,0 +1,394 @@
+//! Whole tasks against the truth: random programs of one or two steps on tiny boards, with limits, and every plan that there is.
+//!
+//! The truth is found without the planner: instant by instant, all joint positions with all sums of costs and moves that lead to them,
+//! up to [`MOST_STEPS`] for each step of the task. `TWEEZE_ORACLE_CASES=1000` runs so many programs.
+
+use crate::programs::{Answered, answered};
+use crate::scenes::Random;
+use std::collections::{BTreeSet, HashSet};
+use tweeze::plan::{Optimality, Plan};
+
+/// Longer plans of a step of the task are not looked at.
+const MOST_STEPS: u64 = 9;
+
+/// Steps, sum of costs and moves.
+type Figures = [u64; 3];
+
+const NAMES: [&str; 3] = ["steps", "sum_of_costs", "moves"];
+
+/// A step of the task: what each part is asked, and who merges with whom, and where.
+#[derive(Clone, Debug, Default)]
+struct Step {
+    /// Part and its stops, the goal last.
+    moves: Vec<(usize, Vec<(i32, i32)>)>,
+    merge: Option<(usize, usize, (i32, i32))>,
+    wait_ms: u64,
+}
+
+#[derive(Clone, Debug)]
+struct Task {
+    size: (i32, i32),
+    obstacles: Vec<(i32, i32)>,
+    parts: Vec<(i32, i32)>,
+    may_yield: bool,
+    by_sum: bool,
+    steps: Vec<Step>,
+    /// Outcome, relation, limit.
+    limits: Vec<(&'static str, &'static str, u64)>,
+}
+
+fn apart(one: (i32, i32), other: (i32, i32)) -> i32 {
+    (one.0 - other.0).abs().max((one.1 - other.1).abs())
+}
+
+impl Task {
+    fn random(chance: &mut Random) -> Option<Task> {
+        let size = [(4, 4), (5, 3), (3, 3), (6, 2), (5, 4)][chance.below(5) as usize];
+        let cell =
+            |chance: &mut Random| (1 + chance.below(size.0 as u32) as i32, 1 + chance.below(size.1 as u32) as i32);
+        let obstacles: Vec<(i32, i32)> = (0..chance.below(4)).map(|_| cell(chance)).collect();
+        let far = |chance: &mut Random, taken: &[(i32, i32)]| {
+            (0..40)
+                .map(|_| cell(chance))
+                .find(|cell| !obstacles.contains(cell) && taken.iter().all(|other| apart(*cell, *other) >= 2))
+        };
+        let mut parts = vec![];
+        for _ in 0..2 + chance.below(2) {
+            parts.extend(far(chance, &parts));
+        }
+        (parts.len() >= 2).then_some(())?;
+        let mut at: Vec<Option<(i32, i32)>> = parts.iter().copied().map(Some).collect();
+        let mut steps = vec![];
+        for _ in 0..1 + chance.below(2) {
+            let mut step = Step { wait_ms: 60 * u64::from(chance.below(2)), ..Step::default() };
+            let standing: Vec<usize> = (0..at.len()).filter(|part| at[*part].is_some()).collect();
+            if standing.len() >= 2 && chance.below(6) == 0 {
+                let goal = far(chance, &[])?;
+                step.merge = Some((standing[0], standing[1], goal));
+                (at[standing[0]], at[standing[1]]) = (Some(goal), None);
+            } else {
+                let asked: Vec<usize> = standing.iter().copied().filter(|_| chance.below(4) > 0).collect();
+                let mut taken: Vec<(i32, i32)> =
+                    standing.iter().filter(|part| !asked.contains(part)).filter_map(|part| at[*part]).collect();
+                for part in asked {
+                    let goal = far(chance, &taken)?;
+                    taken.push(goal);
+                    let mut stops: Vec<(i32, i32)> =
+                        if chance.below(4) == 0 { vec![far(chance, &[])?] } else { vec![] };
+                    stops.push(goal);
+                    step.moves.push((part, stops));
+                    at[part] = Some(goal);
+                }
+                (!step.moves.is_empty()).then_some(())?;
+            }
+            steps.push(step);
+        }
+        let (may_yield, by_sum) = (chance.below(2) == 0, chance.below(2) == 0);
+        Some(Task { size, obstacles, parts, may_yield, by_sum, steps, limits: vec![] })
+    }
+
+    fn text(&self) -> String {
+        let (columns, rows) = self.size;
+        let mut lines = vec![
+            "use std.electrode_array as ea".to_owned(),
+            format!("device chip : ea.droplet_chip {{ columns: {columns}, rows: {rows} }}"),
+            "scene tray {".to_owned(),
+        ];
+        lines.extend(self.obstacles.iter().enumerate().map(|(index, at)| format!("obstacle o{index} at {at:?}")));
+        lines.extend(self.parts.iter().enumerate().map(|(index, at)| format!("part d{index} : ea.droplet at {at:?}")));
+        let objective = if self.by_sum { "sum_of_costs" } else { "makespan" };
+        lines.push(format!("}}\ntask go on chip in tray {{\nminimize {objective}"));
+        for (outcome, relation, limit) in &self.limits {
+            let (value, unit) = if *outcome == "time" { (limit * 60 + self.waits_ms(), " ms") } else { (*limit, "") };
+            lines.push(format!("require {outcome} {relation} {value}{unit}"));
+        }
+        if self.may_yield {
+            lines.push("may_yield: true".to_owned());
+        }
+        for step in &self.steps {
+            if step.wait_ms > 0 {
+                lines.push(format!("wait {} ms", step.wait_ms));
+            }
+            lines.push("together {".to_owned());
+            for (part, stops) in &step.moves {
+                let vias: String = stops[..stops.len() - 1].iter().map(|stop| format!(" via {stop:?}")).collect();
+                lines.push(format!("move d{part} to {:?}{vias}", stops[stops.len() - 1]));
+            }
+            if let Some((one, other, at)) = step.merge {
+                lines.push(format!("merge d{one} with d{other} at {at:?}"));
+            }
+            lines.push("}".to_owned());
+        }
+        lines.push("}".to_owned());
+        lines.join("\n")
+    }
+
+    fn waits_ms(&self) -> u64 {
+        self.steps.iter().map(|step| step.wait_ms).sum()
+    }
+
+    /// The figures of all plans of all steps of at most [`MOST_STEPS`] each.
+    fn all(&self) -> BTreeSet<Figures> {
+        let mut at: Vec<Option<(i32, i32)>> = self.parts.iter().copied().map(Some).collect();
+        let mut all = BTreeSet::from([[0; 3]]);
+        for step in &self.steps {
+            let own = Stage::new(self, step, &at).all();
+            all = all.iter().flat_map(|sum| own.iter().map(|own| [0, 1, 2].map(|k: usize| sum[k] + own[k]))).collect();
+            for (part, stops) in &step.moves {
+                at[*part] = stops.last().copied();
+            }
+            if let Some((one, other, goal)) = step.merge {
+                (at[one], at[other]) = (Some(goal), None);
+            }
+        }
+        all
+    }
+
+    fn keeps(&self, figures: &Figures) -> bool {
+        self.limits.iter().all(|(outcome, relation, limit)| {
+            let reached = figures[NAMES.iter().position(|name| name == outcome).unwrap_or(0)];
+            match *relation {
+                "<=" => reached <= *limit,
+                "<" => reached < *limit,
+                "==" => reached == *limit,
+                ">=" => reached >= *limit,
+                _ => reached > *limit,
+            }
+        })
+    }
+}
+
+/// One part in a step: where it starts and what it must come by; none is asked of one that yields but to come back.
+struct Part {
+    start: (i32, i32),
+    stops: Vec<(i32, i32)>,
+    merges: bool,
+}
+
+struct Stage<'a> {
+    task: &'a Task,
+    still: Vec<(i32, i32)>,
+    parts: Vec<Part>,
+}
+
+/// Column, row, stops done, whether it has arrived for good.
+type At = (i32, i32, usize, bool);
+
+impl<'a> Stage<'a> {
+    fn new(task: &'a Task, step: &Step, at: &[Option<(i32, i32)>]) -> Stage<'a> {
+        let mut stage = Stage { task, still: vec![], parts: vec![] };
+        for (index, start) in at.iter().enumerate().filter_map(|(index, at)| Some((index, (*at)?))) {
+            let asked = step.moves.iter().find(|(part, _)| *part == index);
+            let merging = step.merge.filter(|(one, other, _)| *one == index || *other == index);
+            match (asked, merging) {
+                (Some((_, stops)), _) => stage.parts.push(Part { start, stops: stops.clone(), merges: false }),
+                (_, Some((_, _, goal))) => stage.parts.push(Part { start, stops: vec![goal], merges: true }),
+                _ if task.may_yield => stage.parts.push(Part { start, stops: vec![start], merges: false }),
+                _ => stage.still.push(start),
+            }
+        }
+        stage
+    }
+
+    /// A part that comes to a cell, in each way in which it can have arrived.
+    fn come(&self, part: usize, cell: (i32, i32), done: usize, from: Option<At>) -> Vec<At> {
+        let Part { stops, merges, .. } = &self.parts[part];
+        let mut done = done;
+        while done + 1 < stops.len() && stops[done] == cell {
+            done += 1;
+        }
+        let is_home = done + 1 == stops.len() && cell == stops[done];
+        let was_home = from.is_some_and(|(column, row, before, _)| (column, row) == cell && before == done);
+        let mut ways = vec![];
+        if !(is_home && *merges) {
+            ways.push((cell.0, cell.1, done, false));
+        }
+        if is_home && !was_home {
+            ways.push((cell.0, cell.1, done, true));
+        }
+        ways
+    }
+
+    fn next(&self, part: usize, at: At) -> Vec<At> {
+        let (column, row, done, arrived) = at;
+        if arrived {
+            return vec![at];
+        }
+        let cells = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)].map(|(right, up)| (column + right, row + up));
+        let free = |cell: &(i32, i32)| {
+            let on_board = cell.0 >= 1 && cell.1 >= 1 && cell.0 <= self.task.size.0 && cell.1 <= self.task.size.1;
+            on_board && !self.task.obstacles.contains(cell) && self.still.iter().all(|other| apart(*cell, *other) >= 2)
+        };
+        cells.into_iter().filter(free).flat_map(|cell| self.come(part, cell, done, Some(at))).collect()
+    }
+
+    fn clash(&self, (one, at): (usize, At), (other, by): (usize, At)) -> bool {
+        let (cell, beside) = ((at.0, at.1), (by.0, by.1));
+        let goal = self.parts[one].stops[0];
+        let excused = self.parts[one].merges && self.parts[other].merges && (cell == goal || beside == goal);
+        apart(cell, beside) < 2 && !excused
+    }
+
+    /// All joint positions one instant later.
+    fn after(&self, from: &[At]) -> Vec<Vec<At>> {
+        let mut heads: Vec<Vec<At>> = vec![vec![]];
+        for part in 0..from.len() {
+            let mut longer = vec![];
+            for head in &heads {
+                for to in self.next(part, from[part]) {
+                    let fits = head.iter().enumerate().all(|(other, by)| {
+                        [from[part], to]
+                            .iter()
+                            .all(|at| [from[other], *by].iter().all(|by| !self.clash((part, *at), (other, *by))))
+                    });
+                    if fits {
+                        longer.push(head.iter().copied().chain([to]).collect());
+                    }
+                }
+            }
+            heads = longer;
+        }
+        heads
+    }
+
+    fn all(&self) -> BTreeSet<Figures> {
+        let mut first: Vec<Vec<At>> = vec![vec![]];
+        for (part, asked) in self.parts.iter().enumerate() {
+            let ways = self.come(part, asked.start, 0, None);
+            first = first.iter().flat_map(|head| ways.iter().map(|at| [head.as_slice(), &[*at]].concat())).collect();
+        }
+        let mut layer: HashSet<(Vec<At>, u64, u64)> = first.into_iter().map(|head| (head, 0, 0)).collect();
+        let mut found = BTreeSet::new();
+        for steps in 0..=MOST_STEPS {
+            let mut later = HashSet::new();
+            for (at, sum, moves) in &layer {
+                if at.iter().all(|part| part.3) {
+                    found.insert([steps, *sum, *moves]);
+                    continue;
+                }
+                if steps == MOST_STEPS {
+                    continue;
+                }
+                let under_way = at.iter().filter(|part| !part.3).count() as u64;
+                for next in self.after(at) {
+                    let moved =
+                        at.iter().zip(&next).filter(|(one, other)| (one.0, one.1) != (other.0, other.1)).count();
+                    later.insert((next, sum + under_way, moves + moved as u64));
+                }
+            }
+            layer = later;
+        }
+        found
+    }
+}
+
+/// A limit near a plan that there is.
+fn limit(all: &BTreeSet<Figures>, chance: &mut Random) -> (&'static str, &'static str, u64) {
+    let near = all.iter().nth(chance.below(all.len().clamp(1, 30) as u32) as usize).copied().unwrap_or([3, 5, 5]);
+    let outcome = ["steps", "time", "sum_of_costs", "moves"][chance.below(4) as usize];
+    let relation = ["<=", "<=", "<=", "<", "==", ">=", ">"][chance.below(7) as usize];
+    let reached = near[NAMES.iter().position(|name| *name == outcome).unwrap_or(0)];
+    (outcome, relation, (reached + u64::from(chance.below(3))).saturating_sub(1))
+}
+
+fn figures(plan: &Plan) -> Figures {
+    NAMES.map(|name| plan.outcomes[name] as u64)
+}
+
+/// What a program showed: a proven plan, an open one, a proof that there is none, nothing.
+#[derive(Default, Debug)]
+struct Seen {
+    proven: usize,
+    open: usize,
+    refuted: usize,
+    none: usize,
+    unknown: usize,
+}
+
+fn compare(task: &Task, all: &BTreeSet<Figures>, seen: &mut Seen) {
+    let text = task.text();
+    let kept: Vec<&Figures> = all.iter().filter(|figures| task.keeps(figures)).collect();
+    let first = usize::from(task.by_sum);
+    let best = kept.iter().map(|figures| figures[first]).min();
+    match answered(&text) {
+        Answered::Unfit => seen.unknown += 1,
+        Answered::Plan(plan) => {
+            let reached = figures(&plan);
+            let is_long = reached[0] > MOST_STEPS;
+            assert!(is_long || kept.contains(&&reached), "{reached:?} is no plan\n{text}");
+            assert!(task.keeps(&reached), "{reached:?}\n{text}");
+            // A plan with less would be within the steps that were looked at.
+            let truth = best.filter(|best| *best <= MOST_STEPS);
+            assert!(
+                truth.is_none_or(|truth| plan.bound as u64 <= truth),
+                "bound {} above {truth:?}\n{text}",
+                plan.bound
+            );
+            assert_eq!(plan.cost as u64, reached[first], "{text}");
+            let other = if task.by_sum { "steps" } else { "sum_of_costs" };
+            let least = all.iter().map(|figures| figures[1 - first]).min();
+            assert!(
+                least.is_none_or(|least| plan.bounds[other] as u64 <= least),
+                "{:?} {least:?}\n{text}",
+                plan.bounds
+            );
+            match plan.proof {
+                Optimality::Proven => {
+                    assert!(truth.is_none_or(|truth| truth == plan.cost as u64), "{} for {truth:?}\n{text}", plan.cost);
+                    seen.proven += 1;
+                }
+                Optimality::Open => seen.open += 1,
+            }
+        }
+        Answered::Errors(errors) => {
+            let told = errors.join("\n");
+            if told.contains("E0601") {
+                assert!(all.is_empty(), "{told}\n{text}");
+                seen.refuted += 1;
+            } else if told.contains("E0603: no plan keeps") {
+                assert!(kept.is_empty(), "{told}\n{kept:?}\n{text}");
+                advice(task, &told);
+                seen.refuted += 1;
+            } else {
+                assert!(told.contains("E0603: no plan was found") || told.contains("E0602"), "{told}\n{text}");
+                seen.none += 1;
+            }
+        }
+    }
+}
+
+/// Follows the advice to raise a limit.
+fn advice(task: &Task, told: &str) {
+    let [(outcome, "<=", _)] = task.limits.as_slice() else { return };
+    let Some((_, advice)) = told.split_once("raise the limit to ") else { return };
+    let number: String = advice.chars().take_while(|c| c.is_ascii_digit()).collect();
+    if *outcome == "time" {
+        return;
+    }
+    let limit = number.parse().expect("a number");
+    let raised = Task { limits: vec![(*outcome, "<=", limit)], ..task.clone() };
+    assert!(matches!(answered(&raised.text()), Answered::Plan(_)), "{told}\n{}", raised.text());
+}
+
+#[test]
+fn tasks_agree_with_all_their_plans() {
+    let cases = std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(60);
+    let mut chance = Random(0x7461_736b);
+    let (mut seen, mut done) = (Seen::default(), 0);
+    while done < cases {
+        let Some(mut task) = Task::random(&mut chance) else { continue };
+        if matches!(answered(&task.text()), Answered::Unfit) {
+            continue;
+        }
+        let all = task.all();
+        compare(&task, &all, &mut seen);
+        for _ in 0..3 {
+            task.limits = (0..1 + chance.below(2)).map(|_| limit(&all, &mut chance)).collect();
+            compare(&task, &all, &mut seen);
+        }
+        done += 1;
+    }
+    println!("{seen:?}");
+    assert!(seen.proven >= cases && seen.refuted >= cases / 4, "{seen:?}");
+    assert!(seen.none + seen.open <= cases / 2, "{seen:?}");
+}

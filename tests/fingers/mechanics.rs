@@ -1,0 +1,161 @@
+//! What holds, with what kept back, and what is said where nothing does: programs that once were answered wrongly.
+
+use super::support::build;
+use tweeze::check::Options;
+use tweeze::check::imports::Library;
+use tweeze::compile::{self, Program};
+use tweeze::diagnostic::Sink;
+use tweeze::source::Sources;
+
+/// A program of the folder of failures.
+fn found(name: &str) -> String {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/found/{name}.twz"));
+    std::fs::read_to_string(path).expect("a program")
+}
+
+struct NoFiles;
+
+impl Library for NoFiles {
+    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
+        Err(format!("no {path}"))
+    }
+}
+
+/// Everything that is said of a program: code, title, labels and help of each report.
+pub fn said(text: &str) -> Vec<String> {
+    let options = Options::default();
+    let program = Program { name: "test.twz", text, library: &NoFiles, options: &options };
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
+    sink.sorted().into_iter().map(|diagnostic| format!("{diagnostic:?}")).collect()
+}
+
+/// Cost and bound of the one plan of a program, in degrees.
+fn cost(text: &str) -> [f64; 2] {
+    let built = build(text);
+    assert_eq!(built.codes, Vec::<&str>::new(), "{text}");
+    let plan = &built.schedules[0].schedule().plans[0];
+    [plan.cost, plan.bound]
+}
+
+fn with(text: &str, field: &str) -> String {
+    text.replacen("f.three_fingers {", &format!("f.three_fingers {{ {field}, "), 1)
+}
+
+#[test]
+fn the_optimum_is_that_of_the_reserve_that_the_device_says() {
+    let text = found("fingers-optimal-but-reserve");
+    assert_eq!(cost(&with(&text, "rolling_reserve: 0")), [1920.0; 2]);
+    assert_eq!(cost(&text), [1960.0; 2], "2 % where it does not say");
+    let built = build(&text);
+    let remarks = &built.schedules[0].schedule().plans[0].remarks;
+    assert!(remarks.iter().any(|remark| remark.text.contains("rolling_reserve")), "{remarks:?}");
+}
+
+#[test]
+fn more_friction_never_finds_less() {
+    let text = found("fingers-gives-up-near-friction");
+    let at = |friction: &str| cost(&text.replace("friction: 0.192", &format!("friction: {friction}")))[0];
+    assert_eq!([at("0.190"), at("0.192"), at("0.195")], [480.0, 480.0, 360.0]);
+    assert_eq!(cost(&with(&text, "rolling_reserve: 0")), [360.0; 2]);
+}
+
+#[test]
+fn a_search_that_ends_says_what_ended() {
+    let text = found("fingers-optimal-but-reserve");
+    let little = text.replace("  rotate bead by 160", "  using joint_astar { expansions: 10 }\n  rotate bead by 160");
+    let said = said(&little);
+    assert_eq!(said.len(), 1, "{said:?}");
+    assert!(said[0].contains("E0602") && said[0].contains("after 10 expansions"), "{said:?}");
+    assert!(said[0].contains("expansions: 80") && !said[0].contains("via"), "{said:?}");
+}
+
+#[test]
+fn a_proof_says_what_is_kept_back() {
+    let text = "use std.fingers as f\ndevice hand : f.three_fingers { adhesion: false }\n\
+                scene cell { part bead : ellipsoid { axes: (16 um, 11.845 um, 11.845 um) } }\n\
+                task flip on hand in cell {\n  rotate bead by 80 deg about z\n  rotate bead by 220 deg about y\n  \
+                rotate bead by 100 deg about z\n}\n";
+    let said = said(text);
+    assert!(said[0].contains("E0601") && said[0].contains("2 % of friction"), "{said:?}");
+}
+
+#[test]
+fn what_cannot_be_planned_with_is_refused_by_the_check() {
+    for (name, code, word) in [
+        ("refused-fingers-precision", "E0403", "at most 90 deg"),
+        ("fingers-many-grasps", "E0541", "536870912"),
+        ("slow-64-profiles", "E0514", "corner"),
+    ] {
+        let said = said(&found(name));
+        assert!(said.iter().any(|said| said.contains(code) && said.contains(word)), "{name}: {said:?}");
+    }
+    // What the help suggests is taken.
+    let coarser = found("fingers-many-grasps").replace("step: 5 deg", "step: 8 deg");
+    assert!(!said(&coarser).iter().any(|said| said.contains("E0541")));
+}
+
+#[test]
+fn a_torque_that_no_contact_bears_is_named() {
+    let text = found("fingers-load-across");
+    let said = said(&text);
+    assert!(said.len() == 1 && said[0].contains("E0601"), "{said:?}");
+    assert!(said[0].contains("contacts 1 and 9") && said[0].contains("uN um"), "{said:?}");
+    // The same load in the plane was refused before, a small one is borne, and three fingers bear the whole.
+    assert_eq!(build(&text.replace("(0 uN, 0 uN, -0.8 uN)", "(0 uN, -0.8 uN, 0 uN)")).codes, ["E0601"]);
+    assert_eq!(cost(&text.replace("-0.8 uN", "-0.1 nN"))[0], 40.0);
+    assert_eq!(cost(&text.replace("(1, 9, 0)", "(1, 26, 50)"))[0], 60.0);
+    // Tips without torsion bear it only through the line.
+    let hard = with(&text, "torsion: 0 um");
+    assert_eq!(build(&hard.replace("-0.8 uN", "-1 nN")).codes, ["E0601"]);
+    assert_eq!(cost(&hard.replace("(1, 9, 0)", "(1, 26, 50)"))[0], 60.0);
+}
+
+#[test]
+fn a_limit_of_reconfigurations_is_searched_for() {
+    let text = found("fingers-optimal-but-reserve");
+    let limited =
+        |limit: &str| text.replacen("  rotate", &format!("  require reconfigurations <= {limit}\n  rotate"), 1);
+    // It is missed by the cheapest plan, and kept by another.
+    assert_eq!(cost(&limited("1")), [1960.0; 2]);
+    assert_eq!(cost(&limited("0")), [2280.0, 1960.0]);
+    let effort = said(&text.replacen("  rotate", "  require effort <= 1900 deg\n  rotate", 1));
+    assert!(effort.len() == 1 && effort[0].contains("E0603") && effort[0].contains("1960 deg"), "{effort:?}");
+    let paper = "use std.fingers as f\ndevice hand : f.three_fingers {}\n\
+                 scene cell { part bead : ellipsoid { axes: (16 um, 11.845 um, 11.845 um) } }\n\
+                 task flip on hand in cell {\n  require reconfigurations <= 6\n  rotate bead by 80 deg about z\n  \
+                 rotate bead by 220 deg about y\n  rotate bead by 100 deg about z\n}\n";
+    let fewest = said(paper);
+    assert!(fewest.len() == 1 && fewest[0].contains("E0603") && fewest[0].contains("the least is 8"), "{fewest:?}");
+}
+
+/// A cube as text, its half width in micrometres.
+fn cube(half: f64) -> String {
+    let mut text = "solid cube\n".to_owned();
+    for (axis, sign) in [0, 1, 2].into_iter().flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
+        let corner = |u: f64, v: f64| {
+            let mut place = [0.0; 3];
+            (place[axis], place[(axis + 1) % 3], place[(axis + 2) % 3]) = (sign * half, u * half, sign * v * half);
+            place
+        };
+        let [a, b, c, d] = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+        for triangle in [[a, b, c], [a, c, d]] {
+            text.push_str("facet normal 0 0 0\nouter loop\n");
+            triangle.iter().for_each(|[x, y, z]| text.push_str(&format!("vertex {x} {y} {z}\n")));
+            text.push_str("endloop\nendfacet\n");
+        }
+    }
+    text + "endsolid cube\n"
+}
+
+#[test]
+fn an_upright_cube_of_a_mesh_is_taken() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("cube.stl"), cube(10.0)).expect("a file");
+    let text = "use std.fingers as f\ndevice hand : f.three_fingers {}\n\
+                scene cell { part block : mesh { file: \"cube.stl\", unit: 1 um } }\n\
+                task t on hand in cell {\n  precision: 3 deg\n  rotate block by 80 deg about z\n  rotate block by 80 deg about y\n}\n";
+    let built = super::support::build_in(folder.path(), text);
+    assert_eq!(built.codes, Vec::<&str>::new());
+    assert!(built.schedules[0].schedule().plans[0].optimal);
+}

@@ -1,0 +1,161 @@
+//! One text or log through the compiler, and what must not come of it.
+
+use tweeze::check::Options;
+use tweeze::check::imports::Library;
+use tweeze::compile::{self, Outcome, Program};
+use tweeze::diagnostic::{Sink, render};
+use tweeze::emit::{self, EmitError, Format, Provenance, mcap};
+use tweeze::schedule::source_ref;
+use tweeze::source::{Origin, Sources, beside};
+use tweeze::verify::{self, Verdict, Verified, log};
+
+/// The name of every program of the attack.
+const NAME: &str = "fuzz.twz";
+
+const LOOK: render::Look =
+    render::Look { colour: render::Colour::Plain, characters: render::Characters::Unicode, width: 100 };
+
+/// Files by name, as a log carries them.
+struct Carried<'a>(&'a [(String, String)]);
+
+impl Library for Carried<'_> {
+    fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
+        let name = beside(from, path);
+        let text = self.0.iter().find(|file| file.0 == name).map(|file| file.1.clone());
+        text.map(|text| (name, text)).ok_or_else(|| "there is no such file".to_owned())
+    }
+}
+
+/// What came of a build.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Built {
+    /// The program has errors; the first one's code.
+    Errors(&'static str),
+    /// It was written and its logs verified.
+    Verified,
+    /// What must not be.
+    Fault(String),
+}
+
+/// Through the parser.
+pub fn parse(text: &str) {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let file = sources.add(NAME, text);
+    tweeze::syntax::parse(file, text, &mut sink);
+    draw(&sink, &sources);
+}
+
+fn draw(sink: &Sink, sources: &Sources) {
+    for diagnostic in sink.sorted().into_iter().take(20) {
+        render::human(diagnostic, sources, LOOK);
+        render::json_line(diagnostic, sources);
+    }
+}
+
+/// Through the checker: a program comes back exactly if no error was reported.
+pub fn check(text: &str) -> Result<bool, String> {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let options = Options::default();
+    let program = Program { name: NAME, text, library: &Carried(&[]), options: &options };
+    let checked = compile::check(&program, &mut sources, &mut sink);
+    draw(&sink, &sources);
+    match checked.is_some() == (sink.errors() == 0) {
+        true => Ok(checked.is_some()),
+        false => Err(format!("{} errors, and a program {}", sink.errors(), checked.is_some())),
+    }
+}
+
+/// Through everything.
+pub fn build(text: &str) -> Built {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let options = Options::default();
+    let program = Program { name: NAME, text, library: &Carried(&[]), options: &options };
+    let outcome = compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
+    draw(&sink, &sources);
+    let first = |sink: &Sink| {
+        sink.sorted().into_iter().find(|diagnostic| diagnostic.is_error()).map(|d| (d.code.name(), d.title.clone()))
+    };
+    match outcome {
+        Outcome::Errors => match first(&sink) {
+            Some((code, _)) if !code.starts_with("E07") => Built::Errors(code),
+            other => Built::Fault(format!("no error of the program stops it: {other:?}")),
+        },
+        Outcome::Refused => {
+            let (code, title) = first(&sink).unwrap_or_default();
+            Built::Fault(format!("refused: {code} {title}"))
+        }
+        Outcome::Compiled(compiled) => match compiled.schedules.iter().find_map(|one| written(one, &sources).err()) {
+            Some(fault) => Built::Fault(fault),
+            None => Built::Verified,
+        },
+    }
+}
+
+/// Writes a schedule in every format, and verifies its log.
+fn written(verified: &Verified, sources: &Sources) -> Result<(), String> {
+    let provenance = provenance(sources);
+    for format in Format::ALL {
+        match emit::emit(*format, verified, &provenance) {
+            Ok(files) if *format == Format::Mcap => {
+                let bytes = files.first().map(|file| file.bytes.as_slice()).unwrap_or_default();
+                verify(bytes).map_err(|why| format!("own log: {why}"))?;
+            }
+            Ok(_) => {}
+            Err(EmitError::Failed { format, detail }) => {
+                return Err(format!("not written: {}: {detail}", format.name()));
+            }
+            Err(EmitError::NotFinite) => return Err("a number that is not finite in a verified schedule".to_owned()),
+            // Each format says what it cannot hold.
+            Err(_) => {}
+        }
+    }
+    Ok(())
+}
+
+/// What a log of a build carries.
+fn provenance(sources: &Sources) -> Provenance {
+    let own = sources.files().filter(|(_, file)| file.origin == Origin::User);
+    let files = own.map(|(_, file)| (file.name.clone(), file.text.to_string())).collect();
+    Provenance { files, settings: Vec::new() }
+}
+
+/// The log of the first schedule of a text that builds.
+pub fn log_of(text: &str) -> Option<Vec<u8>> {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let options = Options::default();
+    let program = Program { name: NAME, text, library: &Carried(&[]), options: &options };
+    let outcome = compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
+    let Outcome::Compiled(compiled) = outcome else { return None };
+    let files = emit::emit(Format::Mcap, compiled.schedules.first()?, &provenance(&sources)).ok()?;
+    Some(files.into_iter().next()?.bytes)
+}
+
+/// A log through the verifier, from its bytes alone.
+pub fn verify(bytes: &[u8]) -> Result<(), String> {
+    let log = log::read(bytes).map_err(|error| error.diagnostic().title)?;
+    let (name, text) = &log.files[0];
+    let options = Options { settings: log.settings.clone(), only: Some(log.schedule.name.clone()) };
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let program = Program { name, text, library: &Carried(&log.files), options: &options };
+    let checked = compile::check(&program, &mut sources, &mut sink);
+    draw(&sink, &sources);
+    let claims = checked.and_then(|checked| checked.claims.into_iter().next()).ok_or("its program has errors")?;
+    if log.schedule.source != source_ref(name, text) {
+        return Err("another fingerprint".to_owned());
+    }
+    if serde_json::to_value(&claims).ok().as_ref() != Some(&log.claims_json) {
+        return Err("other claims".to_owned());
+    }
+    let verified = match verify::verify_program(log.schedule.clone(), &claims, &sources) {
+        Verdict::Accepted(verified) => verified,
+        Verdict::Rejected(violations) => {
+            return Err(violations.into_iter().next().map_or_else(String::new, |first| first.title));
+        }
+        Verdict::Inconclusive { why } => return Err(why),
+    };
+    if let Some(fault) = log.voltage_fault() {
+        return Err(fault.to_string());
+    }
+    let provenance = Provenance { files: log.files.clone(), settings: log.settings.clone() };
+    mcap::difference(bytes, &verified, &provenance).map_or(Ok(()), Err)
+}

@@ -1,0 +1,99 @@
+//! Attacks the compiler with random programs and altered logs, each case under a watchdog.
+//!
+//! Four attacks take turns: texts are parsed; texts are checked and the reports drawn; programs are built, written in every format, and
+//! their logs read back and verified; logs are altered, their checksums put right, and verified. What must never happen: a panic, a
+//! case of more than [`watch::CPU_LIMIT_S`] of processor time or 1 GB of memory, a fresh plan that the verifier refuses, a log of
+//! one's own that is not verified.
+//!
+//! `cargo test --test fuzz -- [--seed N] [--seconds N | --cases N] [--jobs N] [--only parse|check|build|sweep|verify]`; what is found is
+//! written to `tmp/fuzz` of the target folder. `-- --show N` prints a case, `-- --file PATH` runs one program.
+
+mod generate;
+mod judge;
+mod logs;
+mod mutate;
+mod numbers;
+#[path = "../support/random.rs"]
+mod random;
+mod seeds;
+mod watch;
+mod worker;
+
+use std::process::ExitCode;
+
+/// What a run is asked for.
+#[derive(Debug, Clone)]
+pub struct Run {
+    pub seed: u64,
+    /// The number of cases, unless the time ends it before.
+    pub cases: u64,
+    /// After so long no new case is begun.
+    pub seconds: Option<u64>,
+    /// Workers at the same time.
+    pub jobs: u64,
+    pub only: Option<Attack>,
+}
+
+/// What is done with a case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Attack {
+    /// A batch of texts through the parser.
+    Parse,
+    /// A batch of texts through the checker and its reports.
+    Check,
+    /// A random program through everything.
+    Build,
+    /// A program with one number at another magnitude through everything.
+    Sweep,
+    /// A batch of altered logs through the verifier.
+    Verify,
+}
+
+impl Attack {
+    pub const ALL: [Attack; 5] = [Attack::Parse, Attack::Check, Attack::Build, Attack::Sweep, Attack::Verify];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Attack::Parse => "parse",
+            Attack::Check => "check",
+            Attack::Build => "build",
+            Attack::Sweep => "sweep",
+            Attack::Verify => "verify",
+        }
+    }
+
+    /// The attack of a case, by turns.
+    pub fn of(run: &Run, case: u64) -> Attack {
+        run.only.unwrap_or(Attack::ALL[(case % Attack::ALL.len() as u64) as usize])
+    }
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let value = |name: &str| {
+        let at = arguments.iter().position(|argument| argument == name)?;
+        arguments.get(at + 1).cloned()
+    };
+    let number = |name: &str| value(name).and_then(|value| value.parse::<u64>().ok());
+    let run = Run {
+        seed: number("--seed").unwrap_or(1),
+        cases: number("--cases").unwrap_or(if value("--seconds").is_some() { u64::MAX } else { 100 }),
+        seconds: number("--seconds"),
+        jobs: number("--jobs").unwrap_or(1).max(1),
+        only: value("--only").and_then(|name| Attack::ALL.into_iter().find(|attack| attack.name() == name)),
+    };
+    if let Some(case) = number("--show") {
+        println!("{}", worker::shown(&run, case));
+        return ExitCode::SUCCESS;
+    }
+    if let Some(path) = value("--file") {
+        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        println!("{:?}", judge::build(&text));
+        return ExitCode::SUCCESS;
+    }
+    if arguments.iter().any(|argument| argument == "--worker") {
+        worker::serve(&run);
+        return ExitCode::SUCCESS;
+    }
+    watch::run(&run)
+}

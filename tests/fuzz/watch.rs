@@ -1,0 +1,196 @@
+//! Gives cases to workers and watches them: who dies, or takes too long or too much memory, has found something.
+
+use super::worker::{self, Tally};
+use super::{Attack, Run};
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader, Write};
+use std::path::PathBuf;
+use std::process::{Child, ChildStdin, Command, ExitCode, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::Duration;
+
+/// The most processor time of a case, in seconds: 5 for the compiler as it is shipped, three times that without optimisation.
+pub const CPU_LIMIT_S: u64 = if cfg!(debug_assertions) { 15 } else { 5 };
+
+/// The most seconds by the wall, for a worker that waits for ever, and for systems that do not say what a process has used.
+const WALL_LIMIT_S: u64 = 20 * CPU_LIMIT_S;
+
+/// The most memory of a worker, in kilobytes of addresses: 1 GB, and what its code, its stack and its stock take.
+const MEMORY_LIMIT_KB: u64 = 1_250_000;
+
+/// How often a worker is looked at.
+const LOOK: Duration = Duration::from_millis(200);
+
+/// A worker with its pipes.
+struct Worker {
+    child: Child,
+    input: ChildStdin,
+    answers: Receiver<String>,
+}
+
+impl Worker {
+    fn start(run: &Run) -> Worker {
+        let own = std::env::current_exe().expect("the program has a file");
+        let limit = format!("ulimit -v {MEMORY_LIMIT_KB} 2>/dev/null; exec \"$0\" \"$@\"");
+        let mut command = match cfg!(unix) {
+            true => {
+                let mut shell = Command::new("sh");
+                shell.arg("-c").arg(limit).arg(own);
+                shell
+            }
+            false => Command::new(own),
+        };
+        command.args(["--worker", "--seed", &run.seed.to_string()]);
+        if let Some(attack) = run.only {
+            command.args(["--only", attack.name()]);
+        }
+        // One arena: each takes addresses that count as memory.
+        command.env("MALLOC_ARENA_MAX", "1").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
+        let mut child = command.spawn().expect("a worker starts");
+        let input = child.stdin.take().expect("it has an input");
+        let output = child.stdout.take().expect("it has an output");
+        let (sender, answers) = channel();
+        thread::spawn(move || {
+            for line in BufReader::new(output).lines().map_while(Result::ok) {
+                if sender.send(line).is_err() {
+                    break;
+                }
+            }
+        });
+        let worker = Worker { child, input, answers };
+        // It makes its stock first, which is no case.
+        let _ = worker.answers.recv_timeout(Duration::from_secs(600));
+        worker
+    }
+
+    /// What a worker says of a case, or what became of it.
+    fn ask(&mut self, case: u64) -> Result<String, String> {
+        let before_s = self.used_s();
+        if writeln!(self.input, "{case}").is_err() {
+            return Err("the worker was gone".to_owned());
+        }
+        let looks = WALL_LIMIT_S * 1000 / LOOK.as_millis() as u64;
+        for _ in 0..looks {
+            match self.answers.recv_timeout(LOOK) {
+                Ok(answer) => return Ok(answer),
+                Err(RecvTimeoutError::Disconnected) => {
+                    let status = self.child.wait().map_or_else(|error| error.to_string(), |status| status.to_string());
+                    return Err(format!("died or out of memory: {status}"));
+                }
+                Err(RecvTimeoutError::Timeout) => {
+                    if self.used_s().zip(before_s).is_some_and(|(now, before)| now - before > CPU_LIMIT_S as f64) {
+                        return Err(format!("more than {CPU_LIMIT_S} s of processor time"));
+                    }
+                }
+            }
+        }
+        Err(format!("no answer in {WALL_LIMIT_S} s"))
+    }
+
+    /// The processor time that a worker has used, where the system says it.
+    fn used_s(&self) -> Option<f64> {
+        let text = std::fs::read_to_string(format!("/proc/{}/stat", self.child.id())).ok()?;
+        let (_, after_name) = text.rsplit_once(')')?;
+        let mut fields = after_name.split_whitespace().skip(11);
+        let ticks = fields.next()?.parse::<u64>().ok()? + fields.next()?.parse::<u64>().ok()?;
+        Some(ticks as f64 / 100.0)
+    }
+
+    fn stop(mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// What all workers have found together.
+#[derive(Default)]
+struct Found {
+    tally: Tally,
+    cases: u64,
+    /// How often, and the first case, by the fault without its numbers.
+    faults: BTreeMap<String, (u64, u64, String)>,
+}
+
+/// Writes a case to `tmp/fuzz` of the target folder.
+pub fn keep(run: &Run, case: u64, text: &str) {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("fuzz");
+    let name = format!("{}-{}-{case}.twz", run.seed, Attack::of(run, case).name());
+    let _ = std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(folder.join(name), text));
+}
+
+fn without_numbers(fault: &str) -> String {
+    let text: String = fault.chars().map(|c| if c.is_ascii_digit() { '#' } else { c }).collect();
+    let mut short = text;
+    while short.contains("##") {
+        short = short.replace("##", "#");
+    }
+    short.chars().take(90).collect()
+}
+
+/// One job: every so manieth case, until the cases or the time are over.
+fn job(run: &Run, first: u64, is_over: &AtomicBool, found: &Mutex<Found>) {
+    let mut worker = Worker::start(run);
+    let mut case = first;
+    while case < run.cases && !is_over.load(Ordering::Relaxed) {
+        let answer = worker.ask(case);
+        let fault = match &answer {
+            Ok(line) => line.strip_prefix("fault ").map(str::to_owned),
+            Err(what) => Some(what.clone()),
+        };
+        if answer.is_err() {
+            keep(run, case, &worker::shown(run, case));
+            worker.stop();
+            worker = Worker::start(run);
+        }
+        if let Ok(mut found) = found.lock() {
+            found.cases += 1;
+            if let Some(line) = answer.as_ref().ok().and_then(|line| line.strip_prefix("fine ")) {
+                found.tally.add(Tally::read(line));
+            }
+            if let Some(fault) = fault {
+                let attack = Attack::of(run, case).name();
+                println!("case {case}, {attack}: {}", fault.chars().take(300).collect::<String>());
+                let row = found.faults.entry(without_numbers(&fault)).or_insert((0, case, fault));
+                row.0 += 1;
+            }
+        }
+        case += run.jobs;
+    }
+    worker.stop();
+}
+
+/// Runs all jobs and reports.
+pub fn run(run: &Run) -> ExitCode {
+    println!("fuzz: seed {}, {} jobs, {} cases in the sweep of numbers", run.seed, run.jobs, worker::sweep_cases());
+    let (is_over, found) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(Found::default())));
+    if let Some(seconds) = run.seconds {
+        let is_over = Arc::clone(&is_over);
+        thread::spawn(move || {
+            thread::sleep(Duration::from_secs(seconds));
+            is_over.store(true, Ordering::Relaxed);
+        });
+    }
+    thread::scope(|scope| {
+        for first in 0..run.jobs {
+            let (is_over, found) = (&is_over, &found);
+            scope.spawn(move || job(run, first, is_over, found));
+        }
+    });
+    let Ok(found) = found.lock() else { return ExitCode::FAILURE };
+    let Tally { parsed, checked, built, verified, altered, accepted } = found.tally;
+    println!(
+        "fuzz: {} cases: {parsed} texts parsed, {checked} checked, {built} programs built, {verified} of them written and verified \
+         from their bytes, {altered} altered logs judged, {accepted} of them accepted",
+        found.cases
+    );
+    for (count, case, fault) in found.faults.values() {
+        println!("fuzz: {count} x {}, first in case {case}", fault.chars().take(300).collect::<String>());
+    }
+    match found.faults.is_empty() && found.cases > 0 {
+        true => ExitCode::SUCCESS,
+        false => ExitCode::FAILURE,
+    }
+}

@@ -1,0 +1,107 @@
+//! Programs of beds that once hung, were refused by the judge, or were answered with something false. Each says in its first line what is due.
+
+use super::support::{Built, build};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/found").join(format!("{name}.twz"))
+}
+
+fn built(name: &str) -> Built {
+    build(&std::fs::read_to_string(path(name)).expect("the program is there"))
+}
+
+/// What the tool says to standard output of a command on a program.
+fn said(command: &[&str], name: &str) -> String {
+    let mut tool = Command::new(env!("CARGO_BIN_EXE_tweeze"));
+    tool.args(command).arg(path(name)).current_dir(env!("CARGO_TARGET_TMPDIR"));
+    let output = tool.output().expect("the tool runs");
+    assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn codes(name: &str) -> Vec<&'static str> {
+    let built = built(name);
+    assert!(!built.refused, "{name} is refused by the judge");
+    built.codes
+}
+
+const NONE: [&str; 0] = [];
+
+#[test]
+fn extreme_programs_build_or_are_refused_at_the_door() {
+    assert_eq!(codes("hang-assemble-slow-robots"), ["E0403"]);
+    assert_eq!(codes("hang-heading"), ["E0501"]);
+    assert_eq!(codes("hang-place-error"), NONE);
+    assert_eq!(codes("refused-apply-far"), ["E0501"]);
+    assert_eq!(codes("refused-heading"), NONE);
+    assert_eq!(codes("refused-fine-cycle"), NONE);
+    let tight = codes("refused-docking-tolerance");
+    assert!(tight == NONE || tight == ["E0602"], "{tight:?}");
+}
+
+#[test]
+fn extreme_figures_of_a_device_end_in_an_answer() {
+    let with = |field: &str| {
+        let text = format!(
+            "use std.microrobots as m\ndevice d : m.bed {{ {field} }}\nscene s {{ robot D3 at pose(0 mm, 0 mm, 90 deg)\n \
+             robot D4 at pose(2 mm, 1 mm, 0 deg) }}\n\
+             task t on d in s {{ assemble {{ D4 to pose(2 mm, 3 mm, 90 deg), D3 to pose(2 mm, 3260 um, 270 deg) }} }}\n"
+        );
+        let built = build(&text);
+        assert!(!built.refused, "{text}");
+        built.codes
+    };
+    assert_eq!(with("step_size: 1e-6 nm"), ["E0403"]);
+    assert_eq!(with("fine_length: 1 m"), ["E0423"]);
+    for field in ["speed_error: 1e4", "turning_error: 1e9 deg/mm", "heading_error: 1e9 deg", "place_error: 1 m"] {
+        assert_eq!(with(field), NONE, "{field}");
+    }
+    for field in [
+        "fine_cycle: 0.1 um",
+        "fine_cycle: 1e-3 um",
+        "fine_cycle: 0.5 um",
+        "fine_length: 100 mm",
+        "docking_tolerance: 0 um",
+    ] {
+        with(field);
+    }
+}
+
+#[test]
+fn a_bound_is_no_more_than_any_plan_takes() {
+    let (driven, applied) = (built("microrobots-bound-drive"), built("microrobots-bound-applied"));
+    let [driven, applied] = [&driven, &applied].map(|built| &built.schedules[0].schedule().plans[0]);
+    assert!(driven.bound <= applied.cost && applied.cost < driven.cost && !driven.optimal, "{driven:?}");
+    assert!(applied.optimal && applied.bound == applied.cost);
+    assert!(driven.bound > 0.98 * applied.cost, "{}", driven.bound);
+}
+
+#[test]
+fn a_search_that_ends_is_no_proof() {
+    for name in ["e0538-goal", "e0538-orbits", "false-e0601", "false-e0601-bystander"] {
+        let found = codes(&format!("microrobots-{name}"));
+        assert!(found == NONE || found == ["E0602"], "{name}: {found:?}");
+    }
+    for name in ["e0538-goal-moved-first", "e0538-orbits-moved-first"] {
+        assert_eq!(codes(&format!("microrobots-{name}")), NONE, "{name}");
+    }
+}
+
+#[test]
+fn nothing_is_guaranteed_with_errors_and_everything_without() {
+    for name in ["a", "b", "c"] {
+        assert_eq!(codes(&format!("microrobots-false-guarantee-{name}")), ["E0605"]);
+    }
+    let told = said(&["build"], "microrobots-no-errors-not-guaranteed");
+    assert!(told.contains("D1: guaranteed") && !told.contains("not guaranteed"), "{told}");
+}
+
+#[test]
+fn without_errors_every_trial_carries_out_the_plan() {
+    let told = said(&["simulate", "--trials", "20"], "microrobots-no-errors-simulate-fails");
+    assert!(told.contains("20 of 20 trials succeeded"), "{told}");
+    let told = said(&["simulate", "--trials", "20"], "microrobots-no-errors-not-guaranteed");
+    assert!(told.contains("20 of 20 trials succeeded"), "{told}");
+}

@@ -1,0 +1,81 @@
+//! Files: what a build finds in its folder, and what it leaves there. Kills are tested where the acts are, in `cli/disk`.
+
+use super::bench::{Bench, DONE, FILES, says};
+use std::fs;
+
+const ONE: &str = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
+const OTHER: &str = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (2, 1) }\n";
+
+#[test]
+fn files_of_another_program_are_not_replaced_in_silence() {
+    let bench = Bench::new();
+    bench.write("one.twz", ONE).write("other.twz", OTHER);
+    bench.run(&["build", "one.twz", "--emit", "mcap,csv"]).code(DONE);
+    let before = fs::read(bench.path("go.csv")).expect("written");
+    for format in ["mcap", "csv"] {
+        let refused = bench.run(&["build", "other.twz", "--emit", format]).code(FILES);
+        says(&refused.err, &["E0806", "was built from another program, `one.twz`", "--force", "-o DIR"]);
+    }
+    assert_eq!(fs::read(bench.path("go.csv")).expect("still there"), before);
+    // The same program, edited or not, replaces its own.
+    bench.write("one.twz", format!("{ONE}\n// edited\n"));
+    bench.run(&["build", "one.twz", "--emit", "mcap,csv"]).code(DONE);
+    bench.run(&["build", "other.twz", "--emit", "mcap,csv", "--force"]).code(DONE);
+    says(&bench.run(&["build", "one.twz"]).code(FILES).err, &["`other.twz`"]);
+    bench.run(&["build", "one.twz", "-o", "elsewhere"]).code(DONE);
+    // What is gone belongs to nobody.
+    fs::remove_file(bench.path("go.mcap")).expect("removed");
+    bench.run(&["build", "one.twz"]).code(DONE);
+}
+
+#[test]
+fn a_folder_that_is_moved_with_its_program_stays_its_own() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("here")).expect("a folder");
+    bench.write("here/one.twz", ONE);
+    bench.run(&["build", "here/one.twz", "-o", "here/out"]).code(DONE);
+    fs::rename(bench.path("here"), bench.path("there")).expect("moved");
+    bench.run(&["build", "there/one.twz", "-o", "there/out"]).code(DONE);
+}
+
+#[test]
+fn leftovers_of_builds_that_were_killed_are_cleared() {
+    let bench = Bench::new();
+    bench.write("one.twz", ONE).write(".tweeze-new-0", "half").write(".tweeze-draft", "half");
+    bench.run(&["build", "one.twz"]).code(DONE);
+    assert_eq!(bench.names(), [".tweeze.json", "go.mcap", "one.twz"]);
+}
+
+#[test]
+fn a_journal_that_was_left_is_carried_out_first() {
+    let bench = Bench::new();
+    bench.write("one.twz", ONE).write("a.csv", "old").write(".tweeze-new-0", "new");
+    bench.write(".tweeze-journal", r#"{"moves":[[".tweeze-new-0","a.csv"],[".tweeze-new-1","b.csv"]],"remove":[]}"#);
+    bench.run(&["build", "one.twz"]).code(DONE);
+    assert_eq!(fs::read_to_string(bench.path("a.csv")).expect("there"), "new");
+    assert_eq!(bench.names(), [".tweeze.json", "a.csv", "go.mcap", "one.twz"]);
+}
+
+/// Builds at once wait for one another: each set is of one of them.
+#[test]
+fn builds_at_once_leave_whole_sets() {
+    let bench = Bench::new();
+    bench.write("one.twz", ONE).write("other.twz", OTHER);
+    let arguments = |program| ["build", program, "--emit", "mcap,csv,json,vcd", "--force"];
+    bench.run(&arguments("one.twz")).code(DONE);
+    let read = || ["mcap", "csv", "json", "vcd"].map(|end| fs::read(bench.path(&format!("go.{end}"))).expect("there"));
+    let one = read();
+    bench.run(&arguments("other.twz")).code(DONE);
+    let other = read();
+    for _ in 0..5 {
+        std::thread::scope(|scope| {
+            for program in ["one.twz", "other.twz", "one.twz", "other.twz"] {
+                let bench = &bench;
+                scope.spawn(move || bench.run(&arguments(program)).code(DONE));
+            }
+        });
+        let now = read();
+        assert!(now == one || now == other);
+    }
+    assert_eq!(bench.names().len(), 7, "{:?}", bench.names());
+}

@@ -1,0 +1,169 @@
+//! Logs: the judge is not talked round.
+
+use super::bench::{Bench, DONE, REFUSED, USAGE, found, says};
+use tweeze::check::Options;
+use tweeze::check::imports::Library;
+use tweeze::compile::{Outcome, Program, compile};
+use tweeze::diagnostic::Sink;
+use tweeze::emit::{Format, Provenance, emit};
+use tweeze::source::Sources;
+
+const SETTING: &str = "--set bead_radius=0.01um";
+
+/// A log that drives the tip through a bead which its builder made small.
+fn built_with_a_small_bead() -> Bench {
+    let bench = Bench::new();
+    bench.write("lab.twz", found("against-set.twz"));
+    let built = bench.run(&["build", "lab.twz", "--set", "bead_radius=0.01um"]).code(DONE);
+    says(&built.out, &["With", SETTING]);
+    bench
+}
+
+#[test]
+fn a_trusted_program_is_taken_with_its_own_values() {
+    let bench = built_with_a_small_bead();
+    let refused = bench.run(&["verify", "go.mcap", "--against", "lab.twz"]).code(REFUSED);
+    says(&refused.err, &["E0772", "`go.mcap` was built with `--set bead_radius=0.01um`"]);
+    says(&refused.err, &["`--against lab.twz --set bead_radius=0.01um`"]);
+    assert_eq!(refused.out, "");
+    let repeated = ["verify", "go.mcap", "--against", "lab.twz", "--set", "bead_radius=0.01um"];
+    says(&bench.run(&repeated).code(DONE).out, &["With", SETTING, "Matches", "with the settings above"]);
+    let other = ["verify", "go.mcap", "--against", "lab.twz", "--set", "bead_radius=0.02um"];
+    says(&bench.run(&other).code(REFUSED).err, &["E0772"]);
+    bench.run(&["verify", "go.mcap", "--set", "bead_radius=0.01um"]).code(USAGE);
+}
+
+#[test]
+fn a_setting_that_only_the_command_line_has_is_named() {
+    let bench = Bench::new();
+    bench.write("lab.twz", found("against-set.twz"));
+    bench.run(&["build", "lab.twz"]).code(DONE);
+    bench.run(&["verify", "go.mcap", "--against", "lab.twz"]).code(DONE);
+    let other = ["verify", "go.mcap", "--against", "lab.twz", "--set", "bead_radius=0.02um"];
+    says(&bench.run(&other).code(REFUSED).err, &["E0772", "was built without `--set bead_radius=0.02um`"]);
+    // A setting that says what the program says anyway changes no claim.
+    let same = ["verify", "go.mcap", "--against", "lab.twz", "--set", "bead_radius = 1um"];
+    bench.run(&same).code(DONE);
+}
+
+#[test]
+fn every_report_names_the_settings_in_force() {
+    let bench = built_with_a_small_bead();
+    says(&bench.run(&["verify", "go.mcap"]).code(DONE).out, &["With", SETTING, "instead of its own value"]);
+    bench.run(&["build", "lab.twz"]).code(DONE);
+    assert!(!bench.run(&["verify", "go.mcap"]).code(DONE).out.contains("With"));
+}
+
+#[test]
+fn what_was_not_derived_again_is_called_so() {
+    let bench = Bench::new();
+    bench.write("a.twz", "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n");
+    bench.run(&["build", "a.twz"]).code(DONE);
+    let told = bench.run(&["verify", "go.mcap", "--against", "a.twz"]).code(DONE).out;
+    says(&told, &["Unchecked", "the planner's bounds, and that the plan is optimal: recorded, and not derived again"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_name_forges_no_line_and_commands_no_terminal() {
+    let bench = Bench::new();
+    let name = "t.twz\n  Matches  fetch.twz  the log does what this program claims\x1b]0;x\x07\u{202e}";
+    bench.write(name, "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\nlet a = 1\n");
+    let built = bench.run(&["build", name, "--emit", "mcap,csv,vcd,pwl,scpi"]).code(DONE);
+    let verified = bench.run(&["verify", "go.mcap"]).code(DONE);
+    let no_task = bench.run(&["build", name, "--task", "x\n\x1b[2J"]).code(1);
+    for text in [built.out, built.err, verified.out, no_task.err] {
+        assert!(!text.lines().any(|line| line.trim_start().starts_with("Matches")), "{text}");
+        assert!(!text.contains(['\x1b', '\x07', '\u{202e}']), "{text:?}");
+    }
+    for file in ["go.csv", "go.vcd", "go.pwl.inc", "go.cir", "go.scpi", "go.scpi.txt"] {
+        let bytes = std::fs::read(bench.path(file)).expect("it was written");
+        let text = String::from_utf8_lossy(&bytes);
+        assert!(!text.contains(['\x1b', '\x07', '\u{202e}']), "{file}: {text:?}");
+        assert!(!text.lines().any(|line| line.trim_start().starts_with("Matches")), "{file}: {text}");
+    }
+}
+
+struct NoFiles;
+
+impl Library for NoFiles {
+    fn read(&self, _from: &str, _path: &str) -> Result<(String, String), String> {
+        Err("there are no files here".to_owned())
+    }
+}
+
+/// A log, sound but for the program that it carries, and the settings.
+fn carrying(text: &str, settings: &[&str]) -> Vec<u8> {
+    let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
+    let honest = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
+    let program = Program { name: "a.twz", text: honest, library: &NoFiles, options: &options };
+    let Outcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut |_, _, _| {}) else {
+        panic!("{:?}", sink.sorted())
+    };
+    let files = vec![("a.twz".to_owned(), text.to_owned())];
+    let provenance = Provenance { files, settings: settings.iter().map(|text| (*text).to_owned()).collect() };
+    let mut set = emit(Format::Mcap, &compiled.schedules[0], &provenance).expect("a log");
+    set.remove(0).bytes
+}
+
+#[test]
+fn a_hostile_program_in_a_log_does_no_harm() {
+    for (name, code) in
+        [("oom-strings.twz", "E0313"), ("panic-too-deep.twz", "E0120"), ("panic-too-deep-string.twz", "E0120")]
+    {
+        let bench = Bench::new();
+        bench.write("go.mcap", carrying(&found(name), &[]));
+        let refused = bench.run_in_mib(700, &["verify", "go.mcap"]).code(REFUSED);
+        says(&refused.err, &["E0743", code]);
+    }
+    let bench = Bench::new();
+    let lists = found("hang-list-equality.twz").replace("s12 == s12", "s12 == [s11, s11]").replace("let q", "let r");
+    bench.write("go.mcap", carrying(&lists, &[&format!("s0=\"{}\"", "x".repeat(100_000))]));
+    bench.run_in_mib(700, &["verify", "go.mcap"]).code(REFUSED);
+}
+
+#[test]
+fn what_is_built_can_be_verified_however_deep_it_is_nested() {
+    for name in ["unverifiable-programs-63.twz", "unverifiable-together-40.twz"] {
+        let bench = Bench::new();
+        bench.write("a.twz", found(name));
+        bench.run(&["build", "a.twz"]).code(DONE);
+        bench.run(&["verify", "p0.mcap", "--against", "a.twz"]).code(DONE);
+    }
+}
+
+/// Programs that run one another beside a wait.
+fn groups(deep: usize) -> String {
+    let mut text = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n".to_owned();
+    for level in 0..deep {
+        let inner = if level + 1 == deep { "go".to_owned() } else { format!("p{}", level + 1) };
+        let block = format!("  wait 1 ms\n  together {{\n    run {inner}\n    wait 1 ms\n  }}\n");
+        text.push_str(&format!("program p{level} {{\n{block}}}\n"));
+    }
+    text
+}
+
+#[test]
+fn groups_deeper_than_a_log_can_hold_are_refused_by_the_checker() {
+    let bench = Bench::new();
+    bench.write("a.twz", groups(40)).write("b.twz", groups(28));
+    says(&bench.run(&["build", "a.twz"]).code(1).err, &["E0207", "more than 60 groups of runs"]);
+    bench.run(&["build", "b.twz"]).code(DONE);
+    bench.run(&["verify", "p0.mcap", "--against", "b.twz"]).code(DONE);
+}
+
+/// Names that take little room in a file, and much in memory.
+#[test]
+fn a_log_of_very_many_columns_does_not_fill_the_memory() {
+    let columns: std::collections::BTreeMap<String, String> =
+        (0..2_000_000).map(|column| (format!("v[{column}]"), String::new())).collect();
+    let options = mcap::WriteOptions::new().profile("").compression(Some(mcap::Compression::Zstd));
+    let mut writer = options.create(std::io::Cursor::new(Vec::new())).expect("a log");
+    let schema = writer.add_schema("x.X", "protobuf", &[]).expect("a schema");
+    writer.add_channel(schema, "/x/voltages", "protobuf", &columns).expect("a topic");
+    writer.finish().expect("a log");
+    let bench = Bench::new();
+    bench.write("go.mcap", writer.into_inner().into_inner());
+    let refused = bench.run_in_mib(700, &["verify", "go.mcap"]).code(super::bench::FILES);
+    says(&refused.err, &["E0843", "the sum of the definitions"]);
+}

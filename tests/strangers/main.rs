@@ -1,0 +1,8 @@
+//! Programs and logs from strangers: what they may not do to the person who checks, builds or verifies them.
+//!
+//! `tests/found/` holds the programs that once did; each says in its first line what it is.
+
+mod bench;
+mod files;
+mod logs;
+mod texts;
