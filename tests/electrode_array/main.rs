@@ -218,3 +218,23 @@ fn the_judge_sees_what_is_wrong() {
     by.agents[0].stops.insert(0, 4);
     assert!(fault(&by, &good).is_some_and(|fault| fault.contains("leaves out")));
 }
+
+/// Eight droplets on 6 x 6 cells, a sliding puzzle with a little room, in even orders.
+#[test]
+fn crowded_boards_have_plans() {
+    let board = Board::new(6, 6);
+    let cells: Vec<(u32, u32)> = (0..9).map(|index| (index % 3 * 2, index / 3 * 2)).collect();
+    let mut chance = Random(31);
+    for _ in 0..8 {
+        let mut goals = cells.clone();
+        for _ in 0..20 {
+            let [one, other] = [chance.below(7) as usize, chance.below(6) as usize];
+            goals.swap(one, one + 1);
+            goals.swap(other, other + 2);
+        }
+        let ends: Vec<[(u32, u32); 2]> = (0..8).map(|part| [cells[part], goals[part]]).collect();
+        let instance = Instance { board: board.clone(), separation: 2, agents: agents(&board, &ends), merges: vec![] };
+        let answer = solve(&instance, Objective::SumOfCosts, None, Budget::of(2_000_000));
+        assert!(judged(&instance, &answer).is_some(), "{answer:?}");
+    }
+}
