@@ -200,8 +200,12 @@ fn obstacle(object: &Object, robot: &Robot, sink: &mut Sink) -> Option<Obstacle>
     };
     let obstacle = Obstacle { name: object.name.clone(), body, span: object.span };
     if is_outside(&obstacle.body.seen_from(robot.pose()), facts) {
-        if robot.is_out_of_all_reach(&obstacle.body) {
-            sink.push(errors::obstacle_outside(object.span, &object.name, robot.name));
+        match robot.frame {
+            Some(_) if robot.is_out_of_all_reach(&obstacle.body) => {
+                sink.push(errors::obstacle_out_of_all_reach(object.span, &object.name));
+            }
+            Some(_) => {}
+            None => sink.push(errors::obstacle_outside(object.span, &object.name, robot.name)),
         }
         return None;
     }

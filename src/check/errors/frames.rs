@@ -45,3 +45,9 @@ pub fn not_held([one, other]: [&str; 2], [first, second]: [Span; 2]) -> Diagnost
             "nobody knows where they are to each other: place both in their scene, `frame {one} at pose(…)` and `frame {other} at pose(…)`"
         ))
 }
+
+pub fn obstacle_out_of_all_reach(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::W0501, format!("obstacle `{name}` lies outside the workspace of every robot of its scene"))
+        .label(span, "never in the way")
+        .help("places count from the origin of the scene; check the place and its unit")
+}

@@ -6,6 +6,7 @@ use crate::check::claims::dimibot::in_scene_um;
 use crate::check::claims::{Claims, Job, Order};
 use crate::schedule::PlanRecord;
 use crate::verify::Verified;
+use std::collections::BTreeMap;
 
 /// Gap between the pictures of two devices, in units of pictures.
 const GAP: f64 = 5.0;
@@ -46,7 +47,8 @@ impl<'a> Bench<'a> {
 
 /// Where along x the devices begin that no scene places.
 fn right_of_placed(claims: &Claims) -> f64 {
-    let ends = claims.jobs.iter().filter_map(|job| {
+    let devices: BTreeMap<&str, &Job> = claims.jobs.iter().map(|job| (job.device.as_str(), job)).collect();
+    let ends = devices.into_values().filter_map(|job| {
         let (frame, order) = (claims.frame(&job.device)?, job.order.dimibot()?);
         let [x, y] = dimibot::extent_um(&order.facts);
         let corners = [[0.0, 0.0], [x, 0.0], [0.0, y], [x, y]];

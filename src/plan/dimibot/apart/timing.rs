@@ -3,7 +3,7 @@
 //! Problem: pulses in a fixed order, each as early as it can be while other tips are where they are. Method: safe intervals (Phillips
 //! and Likhachev, SIPP: safe interval path planning, ICRA 2011) along the one way: for each place the stretches of time in which
 //! nobody comes near, and for each of them the earliest arrival. Guaranteed: if there are instants at which this way can be
-//! gone, the earliest end is found. Cost: comparisons of each place of the way with each stretch of the others.
+//! gone, the earliest end on the grid of the robots' pulses is found. Cost: comparisons of each place of the way with each stretch of the others.
 
 use super::tips::Area;
 
@@ -43,6 +43,8 @@ pub struct Way {
     pub pulse_ns: u64,
     /// From the beginning of a pulse to the end of its rest.
     pub slot_ns: u64,
+    /// A pulse that has to wait begins at a multiple of this, so that instruments need no finer clock than without it.
+    pub grain_ns: u64,
 }
 
 /// Why a way cannot be gone at any time.
@@ -161,7 +163,10 @@ impl Way {
         let mut next: Vec<Arrival> = Vec::new();
         for (before, arrival) in last.iter().enumerate() {
             for [from, to] in moving {
-                let pulse_ns = arrival.ready_ns.max(*from);
+                let pulse_ns = match arrival.ready_ns >= *from {
+                    true => arrival.ready_ns,
+                    false => from.checked_next_multiple_of(self.grain_ns).unwrap_or(u64::MAX),
+                };
                 let end_ns = pulse_ns.saturating_add(self.pulse_ns);
                 if pulse_ns > arrival.until_ns || end_ns > *to {
                     continue;

@@ -283,7 +283,8 @@ impl<'a> Try<'a> {
         let since_ns = self.traces[job.device.as_str()].since_ns().min(start_ns);
         let pulse_ns = robot.facts.pulse_duration_ns;
         let slot_ns = pulse_ns + robot.facts.rest_ns;
-        Way { since_ns, start_ns, from: robot.at(motion.start), acts, pulse_ns, slot_ns }
+        let grain_ns = grain_ns(self.robots);
+        Way { since_ns, start_ns, from: robot.at(motion.start), acts, pulse_ns, slot_ns, grain_ns }
     }
 
     fn delays(&mut self, index: usize, way: &Way) -> Result<Vec<u64>, Failure> {
@@ -428,6 +429,19 @@ fn replanned(job: &Job, order: &DimibotOrder, cell: Cell) -> Option<Plan> {
     let mut standing = Standing::at(&job.device, cell);
     let job = Job { order: Order::Dimibot(order.clone()), ..job.clone() };
     plan(&job, order, &mut standing, &mut Sink::default())
+}
+
+/// The largest power of ten, in nanoseconds, that divides the pulses and rests of all robots.
+fn grain_ns(robots: &BTreeMap<&str, Robot>) -> u64 {
+    let divides = |grain_ns: u64| {
+        let times = robots.values().flat_map(|robot| [robot.facts.pulse_duration_ns, robot.facts.rest_ns]);
+        times.into_iter().all(|time_ns| time_ns % grain_ns == 0)
+    };
+    std::iter::successors(Some(1), |grain_ns| Some(grain_ns * 10))
+        .take_while(|grain_ns| divides(*grain_ns))
+        .take(18)
+        .last()
+        .unwrap_or(1)
 }
 
 fn keeps_all(job: &Job, plan: &Plan) -> bool {
