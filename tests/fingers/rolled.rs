@@ -160,7 +160,8 @@ fn swept(
 /// The worst that a record is off: degrees and micrometres, both for each full turn rolled; less than one counts as one.
 fn off(schedule: &Schedule, plan: &PlanRecord, outlines: &BTreeMap<Plane, Outline>) -> [f64; 2] {
     let stages = Stages::of(schedule);
-    let told: Vec<(u64, &Vec<u32>, Plane, Vector3<f64>, UnitQuaternion<f64>)> = plan
+    type Recorded<'a> = (u64, &'a Vec<u32>, Plane, Vector3<f64>, UnitQuaternion<f64>);
+    let told: Vec<Recorded> = plan
         .states
         .iter()
         .map(|timed| match &timed.state {
