@@ -120,11 +120,8 @@ fn advice_holds(scene: &Scene, front: &[Figures], limits: &[Limit], told: &Diagn
     let Some(value) = label.text.strip_prefix("proven: the least is ") else { return false };
     let line = text[label.span.start as usize..].split_whitespace().next().expect("a limit begins with an outcome");
     let outcome = OUTCOMES.iter().position(|name| *name == line).expect("the label stands at an outcome");
-    let index = limits.iter().position(|limit| {
-        let at = text.find(&format!("  require {} {} {}", OUTCOMES[limit.outcome], limit.relation, limit.value));
-        at.is_some_and(|at| at + "  require ".len() == label.span.start as usize)
-    });
-    let index = index.expect("the label stands at a limit");
+    // The limits stand in their order.
+    let index = text[..label.span.start as usize].matches("  require ").count() - 1;
     let others = |figures: &&Figures| {
         let mut others = limits.iter().enumerate().filter(|(other, _)| *other != index);
         others.all(|(_, limit)| limit.allows(scene.outcome(limit.outcome, **figures)))
