@@ -55,7 +55,7 @@ enum Task {
 impl Small {
     fn random(chance: &mut Random, robots: usize) -> Small {
         let mut some = |from: f64, to: f64| (0..robots).map(|_| chance.thousandths(from, to)).collect::<Vec<f64>>();
-        let (radii_um, stroke_um, headings) = (some(80.0, 160.0), some(15.0, 25.0), some(0.0, 6.283));
+        let (radii_um, stroke_um, headings) = (some(80.0, 160.0), some(15.0, 25.0), some(0.0, std::f64::consts::TAU));
         let starts = headings.iter().enumerate().map(|(at, heading)| [5000.0 * at as f64, 0.0, *heading]).collect();
         Small {
             radii_um,
