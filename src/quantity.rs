@@ -353,6 +353,9 @@ impl fmt::Display for Quantity {
         if self.dimension == Dimension::ANGLE {
             return write!(f, "{} deg", digits(self.si.to_degrees()));
         }
+        if self.dimension == Dimension::TURNING {
+            return write!(f, "{} deg/mm", digits(self.in_unit("deg/mm")));
+        }
         match self.dimension.named().map(|named| named.symbol) {
             Some("") => f.write_str(&digits(self.si)),
             // It has its prefix.

@@ -18,15 +18,15 @@ fn main() -> ExitCode {
         Err(error) => return fail(&format!("no folder for the files to be judged: {error}")),
     };
     for example in examples(root) {
-        let before = schedules(folder.path());
-        let mut built = build(&example, "mcap,json,pwl,scpi", folder.path());
-        let written = schedules(folder.path());
-        let written: Vec<Value> = written.difference(&before).map(|path| document(path)).collect();
+        // Programs of different examples may have one name.
+        let folder = folder.path().join(example.file_stem().unwrap_or_default());
+        let mut built = build(&example, "mcap,json,pwl,scpi", &folder);
+        let written: Vec<Value> = schedules(&folder).iter().map(|path| document(path)).collect();
         if written.iter().all(|schedule| edges(schedule) <= MANY_EDGES) {
-            built = built.and_then(|()| build(&example, "csv,vcd", folder.path()));
+            built = built.and_then(|()| build(&example, "csv,vcd", &folder));
         }
         if !written.is_empty() && written.iter().all(is_of_stages) {
-            built = built.and_then(|()| build(&example, "gcode", folder.path()));
+            built = built.and_then(|()| build(&example, "gcode", &folder));
         }
         if let Err(why) = built {
             return fail(&why);
@@ -58,7 +58,11 @@ fn build(example: &Path, formats: &str, folder: &Path) -> Result<(), String> {
 /// The schedules in a folder.
 fn schedules(folder: &Path) -> BTreeSet<PathBuf> {
     let paths = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    paths.filter(|path| path.extension().is_some_and(|ending| ending == "json")).collect()
+    let is_schedule = |path: &PathBuf| {
+        let is_own = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        !is_own && path.extension().is_some_and(|ending| ending == "json")
+    };
+    paths.filter(is_schedule).collect()
 }
 
 fn document(path: &Path) -> Value {

@@ -181,6 +181,7 @@ const SHARED: &[(&str, &str)] = &[
     ("reaches", "nothing else; the board without its rim"),
     ("moved", "the tests of microrobots, which integrate from the voltage"),
     ("modules", "nothing else; a figure of the device"),
+    ("slow_um", "nothing else; the greater of two figures of the device"),
     ("cells", "nothing else; a power of two"),
 ];
 

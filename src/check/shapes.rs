@@ -110,6 +110,9 @@ pub fn in_plane(shape: &ShapeValue) -> Option<Shape> {
     }
 }
 
+/// The largest heading that says where it points: a million turns, of which rounding takes a billionth of a degree.
+pub const MAX_HEADING_RAD: f64 = 1e6 * TAU;
+
 /// Where something stands: `None` where the value is neither a place nor a pose.
 pub fn pose_of(at: &Value) -> Option<Pose> {
     let pose = match at {
@@ -120,8 +123,9 @@ pub fn pose_of(at: &Value) -> Option<Pose> {
         _ => return None,
     };
     let PoseValue { x, y, heading } = pose;
-    // Turns of more than one are taken off, exactly: beyond some thousands of them a heading is no longer known.
-    let heading_rad = if heading.si.abs() > TAU { heading.si % TAU } else { heading.si };
+    // Whole turns are taken off. Beyond so many that the number no longer says where it points, it is left for its kind to refuse.
+    let is_known = (TAU..=MAX_HEADING_RAD).contains(&heading.si.abs());
+    let heading_rad = if is_known { heading.si % TAU } else { heading.si };
     Some(Pose { x_um: x.in_unit("um"), y_um: y.in_unit("um"), heading_rad })
 }
 

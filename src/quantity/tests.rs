@@ -76,5 +76,6 @@ fn compound_quantities_print_in_the_units_that_people_write() {
     assert_eq!(shown(1180.0, Dimension::DENSITY), "1180 kg/m^3");
     assert_eq!(shown(0.005, Dimension::VISCOSITY), "5 mPa*s");
     assert_eq!(shown(2e-6, Dimension::DAMPING), "2 uN*s/m");
+    assert_eq!(quantity("3.7", "deg/mm").to_string(), "3.7 deg/mm");
     assert!(["kg/m^3", "Pa*s", "uN*s/m"].into_iter().all(|unit| Unit::parse(unit).is_ok()));
 }

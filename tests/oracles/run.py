@@ -54,7 +54,9 @@ def judge_folder(folder):
     from schedule import Schedule
 
     verdicts = []
-    for path in sorted(Path(folder).glob("*.json")):
+    # A folder for each program; what begins with a dot is the tool's own.
+    paths = (path for path in Path(folder).rglob("*.json") if not path.name.startswith("."))
+    for path in sorted(paths):
         try:
             schedule = Schedule(path)
         except Exception as error:

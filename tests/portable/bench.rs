@@ -31,5 +31,7 @@ pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         (name, std::fs::read(&path).expect("it can be read"))
     };
-    entries.map(|entry| read(entry.path())).collect()
+    // What begins with a dot is the folder's own record of what was built from where.
+    let is_output = |entry: &std::fs::DirEntry| !entry.file_name().to_string_lossy().starts_with('.');
+    entries.filter(is_output).map(|entry| read(entry.path())).collect()
 }

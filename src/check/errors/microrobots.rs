@@ -90,13 +90,14 @@ pub fn stroke_out_of_clock(frequency: Quantity) -> Diagnostic {
 }
 
 pub fn beyond_extent(name: &str, found: Quantity, least_um: f64, most_um: f64) -> Diagnostic {
-    let (least, most, unit) = (length(least_um), length(most_um), if name == "speed" { " in one stroke" } else { "" });
-    let limit = if least_um > 0.0 { format!("{least} to {most}{unit}") } else { format!("at most {most}{unit}") };
-    Diagnostic::new(Code::E0403, format!("`{name}` of {found}, {limit} is planned with")).help("check its unit")
+    let (least, most, unit) = (length(least_um), length(most_um), if name == "speed" { " per stroke" } else { "" });
+    let limit =
+        if least_um > 0.0 { format!("between {least} and {most}{unit}") } else { format!("at most {most}{unit}") };
+    Diagnostic::new(Code::E0403, format!("`{name}` is {found}, it must be {limit}")).help("check its unit")
 }
 
 pub fn beyond_figure(name: &str, found: Quantity, most: Quantity) -> Diagnostic {
-    Diagnostic::new(Code::E0403, format!("`{name}` of {found}, at most {most} is planned with")).help("check its unit")
+    Diagnostic::new(Code::E0403, format!("`{name}` is {found}, it must be at most {most}")).help("check its unit")
 }
 
 pub fn some_error_bounds(missing: &[&str]) -> Diagnostic {

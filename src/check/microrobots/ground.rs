@@ -7,6 +7,7 @@ use crate::check::devices::Device;
 use crate::check::lets::Argument;
 use crate::check::scenes::{Object, Scene};
 use crate::check::scope::nearest;
+pub use crate::check::shapes::MAX_HEADING_RAD;
 use crate::check::tasks::Site;
 use crate::check::value::Value;
 use crate::check::{Checker, errors, shapes};
@@ -19,9 +20,6 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::rc::Rc;
 use std::sync::Arc;
-
-/// The largest heading: a million turns, of which rounding takes a billionth of a degree.
-pub const MAX_HEADING_RAD: f64 = 1e6 * TAU;
 
 /// A scene as a bed sees it.
 #[derive(Debug, Clone)]
