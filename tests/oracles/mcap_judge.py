@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+import re
 
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
@@ -84,10 +85,33 @@ def header(columns, name):
 
 
 def log_lines(messages, schedule):
-    found = [(t, m.name, m.message, m.file, m.line) for t, m in messages]
+    """Each step with its words, and what it reaches in numbers of at most six digits."""
+    key = lambda line: line[:2] + line[3:]
+    found = sorted(((t, m.name, m.message, m.file, m.line) for t, m in messages), key=key)
     steps = schedule.document["steps"]
-    wanted = [(s["start_ns"], s["task"], s["text"], s["file"], s["line"]) for s in steps]
-    demand(sorted(found) == sorted(wanted), "/log is not the steps")
+    wanted = sorted(((s["start_ns"], s["task"], s, s["file"], s["line"]) for s in steps), key=key)
+    demand([key(line) for line in found] == [key(line) for line in wanted], "/log is not the steps")
+    for (_, _, message, _, _), (_, _, step, _, _) in zip(found, wanted):
+        demand(message.startswith(step["text"]), "/log is not the steps")
+        lines = message[len(step["text"]):].split("; ")[1:]
+        reached = step.get("reached", [])
+        demand(len(lines) == len(reached), f"/log says {len(lines)} times what is reached, the schedule {len(reached)} times")
+        for line, entry in zip(lines, reached):
+            shown = [float(number) for number in re.findall(r"-?\d+\.?\d*(?:e-?\d+)?", line.removeprefix(entry.get("robot", "")))]
+            near = all(abs(a - b) <= max(1e-4, 1e-5 * abs(b)) for a, b in zip(shown, numbers(entry)))
+            demand(len(shown) == len(numbers(entry)) and near, f"/log says `{line}`, the schedule {entry}")
+
+
+def numbers(reached):
+    """The numbers of what a step reaches, in the order of its line."""
+    if reached["of"] == "turn":
+        return [reached["asked_deg"], reached["reached_deg"], abs(reached["off_deg"])]
+    if reached["of"] == "orientation":
+        return [reached["off_deg"]]
+    if reached["of"] == "place":
+        return [*reached["asked_um"], *reached["reached_um"], reached["off_um"]]
+    asked, found = [*reached["asked_um"], reached["asked_deg"]], [*reached["reached_um"], reached["reached_deg"]]
+    return [*asked, *found, reached["off_um"], abs(reached["off_deg"])]
 
 
 def motion(topics, schedule):
