@@ -203,7 +203,7 @@ const MAX_NEAR_CHARACTERS: usize = 60;
 const MAX_NEAR_NAMES: usize = 2_000;
 
 /// The known name nearest to a misspelt one, if it is near enough to be meant. Of very many names the first
-/// [`MAX_NEAR_NAMES`] that could be near by their length are looked at.
+/// `MAX_NEAR_NAMES` that could be near by their length are looked at.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let characters = name.chars().take(MAX_NEAR_CHARACTERS + 1).count();
     if characters > MAX_NEAR_CHARACTERS {

@@ -8,7 +8,7 @@
 //!
 //! Where only the moves matter, or only whether there is a plan, one agent moves at a time: a move never comes near a place that
 //! is being left, so the moves of one step may as well be made one after the other, and the fewest moves in turns are the
-//! fewest of all. Any plan is then searched for with the distances weighted by [`HURRY`] and its moves are made as early as can be.
+//! fewest of all. Any plan is then searched for with the distances weighted by `HURRY` and its moves are made as early as can be.
 //!
 //! Guaranteed, while the budget lasts: a plan of least cost, or the proof that there is none, with a limit on the steps none
 //! within it. Not guaranteed: that ties between plans of the same cost are broken well. The number of joint nodes is the product

@@ -7,7 +7,7 @@
 //! them together. So the instants of the job follow one another by least differences, and the bound is the longest path through them.
 //!
 //! Promise: no schedule that keeps the claims is faster. Not promised: that one is as fast; obstacles, other robots and the
-//! rounding to whole strokes are left out. Cost: for each stop and dock [`MAX_EARLIER`] shortest ways.
+//! rounding to whole strokes are left out. Cost: for each stop and dock `MAX_EARLIER` shortest ways.
 
 use super::free;
 use super::{Crew, Leg, leg_ns};
