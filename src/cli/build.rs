@@ -4,7 +4,7 @@ use super::arguments::{BuildArguments, ReportFormat};
 use super::disk::{self, Destination};
 use super::loaded::Loaded;
 use super::waiting::Waiting;
-use super::{Exit, errors, report, terminal, verify};
+use super::{Exit, errors, report, signals, terminal, verify};
 use crate::check::Options;
 use crate::compile::{self, Compiled, Outcome};
 use crate::diagnostic::Sink;
@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// Builds a program and writes the whole set of its files, or nothing.
 pub fn run(arguments: &BuildArguments) -> Exit {
+    signals::catch();
     let format = arguments.report.format;
     let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
     let loaded = match Loaded::read(&arguments.file, options, &arguments.report) {

@@ -43,6 +43,7 @@ pub fn run(arguments: &VerifyArguments) -> Exit {
 
 fn judge(arguments: &VerifyArguments) -> Result<String, Box<Refusal>> {
     let path = &arguments.file;
+    disk::settle(path).map_err(|error| Refusal::one(*error, Exit::Files))?;
     let bytes = disk::read_bytes(path, MAX_LOG_BYTES).map_err(|error| Refusal::one(*error, Exit::Files))?;
     let (log, own) = judge_bytes(path, &bytes)?;
     if let Some(trusted) = &arguments.against {
