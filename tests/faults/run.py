@@ -20,6 +20,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -107,19 +108,19 @@ def build(tree, target):
     cargo = os.environ.get("CARGO", "cargo")
     environment = {**os.environ, "CARGO_TARGET_DIR": str(target)}
     command = [cargo, "test", "--no-run", "--message-format=json-render-diagnostics"]
-    done = subprocess.run(command, cwd=tree, env=environment, stdout=subprocess.PIPE, text=True)
+    done = subprocess.run(command, cwd=tree, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if done.returncode != 0:
-        stale("the faults do not compile: see above")
+        stale(f"{done.stderr}the faults do not compile: see above")
     programs = {}
     for line in done.stdout.splitlines():
         message = json.loads(line) if line.startswith("{") else {}
-        if message.get("executable") and message.get("profile", {}).get("test"):
-            programs[message["target"]["name"]] = message["executable"]
+        if message.get("executable") and message["profile"]["test"] and message["target"]["kind"] != ["bin"]:
+            programs["library" if message["target"]["kind"] == ["lib"] else message["target"]["name"]] = message["executable"]
     return {name: path for name, path in programs.items() if name not in LEFT_OUT}
 
 
-def run(tree, program, fault, limit_s):
-    """What of a test program failed, or None; ends it at the first failure."""
+def run(tree, program, fault, limit_s, words=()):
+    """What of a test program failed, or None; ends it at the first failure. With words, only tests whose names hold one of them."""
     environment = {
         **os.environ,
         "TWEEZE_FAULT": str(fault),
@@ -129,13 +130,11 @@ def run(tree, program, fault, limit_s):
         "PROPTEST_FAILURE_PERSISTENCE": "off",
     }
     child = subprocess.Popen(
-        [program], cwd=tree, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        [program, *words], cwd=tree, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         errors="replace", start_new_session=True,
     )
     timer = None
     if limit_s is not None:
-        import threading
-
         timer = threading.Timer(limit_s, lambda: end(child))
         timer.start()
     failed = None
@@ -161,14 +160,31 @@ def end(child):
         pass
 
 
+def killer_of(fault, tree, programs, order, lasts):
+    """The first test that notices a fault, the nearest ones asked first."""
+    near = re.sub(r"(/mod)?\.rs$", "", fault.path).split("/")[1:]
+    places = [near[-1], near[0]] if len(near) == 1 else [near[1], near[0]]
+    for words in places:
+        failed = run(tree, programs["library"], fault.number, 60 + 10 * lasts["library"], [words])
+        if failed:
+            return f"library: {failed}"
+    for name in order:
+        failed = run(tree, programs[name], fault.number, 60 + 10 * lasts[name])
+        if failed:
+            return f"{name}: {failed}"
+    return None
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--only", help="numbers of faults, with commas")
     arguments.add_argument("--target", type=Path, default=ROOT / "target/faults", help="where to copy and build")
+    arguments.add_argument("--keep", action="store_true", help="take the copy that is there, whatever has changed since")
     given = arguments.parse_args()
     faults = read_faults()
     tree = given.target.resolve() / "tree"
-    lay_out(tree, faults)
+    if not given.keep:
+        lay_out(tree, faults)
     programs = build(tree, given.target.resolve() / "build")
     print(f"{len(faults)} faults, {len(programs)} test programs", flush=True)
     lasts = {}
@@ -184,12 +200,7 @@ def main():
     tried = [fault for fault in faults if only is None or fault.number in only]
     survived, wrong = [], []
     for fault in tried:
-        killer = None
-        for name in order:
-            failed = run(tree, programs[name], fault.number, 60 + 10 * lasts[name])
-            if failed:
-                killer = f"{name}: {failed}"
-                break
+        killer = killer_of(fault, tree, programs, order, lasts)
         if killer is None:
             survived.append(fault)
         if (killer is None) != (fault.excuse is not None):

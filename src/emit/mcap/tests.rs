@@ -1,4 +1,5 @@
 use super::*;
+use std::io::Cursor;
 use crate::emit::fixture;
 use prost::Message as _;
 
