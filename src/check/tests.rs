@@ -242,9 +242,14 @@ fn warnings_of_unused_names_wait_until_there_is_no_error() {
 /// The clock counts whole nanoseconds, and loses none.
 #[test]
 fn times_are_rounded_to_nanoseconds_and_no_further() {
-    for (written, expected_ns) in
-        [("1 ns", 1), ("23 ns", 23), ("2.6 ns", 3), ("1.001 us", 1001), ("1.000001 ms", 1_000_001), ("1 s", 1_000_000_000)]
-    {
+    for (written, expected_ns) in [
+        ("1 ns", 1),
+        ("23 ns", 23),
+        ("2.6 ns", 3),
+        ("1.001 us", 1001),
+        ("1.000001 ms", 1_000_001),
+        ("1 s", 1_000_000_000),
+    ] {
         let text = format!("{HEAD}{GO}program p {{ run fetch, wait {written} }}");
         let (checked, codes) = checked(&text, &[], &Options::default());
         let claims = &checked.unwrap_or_else(|| panic!("{codes:?}")).claims[0];

@@ -83,9 +83,7 @@ pub fn judge_bytes(path: &Path, bytes: &[u8]) -> Result<Judged, Box<Refusal>> {
     drop(voltages);
     let provenance = Provenance { files, settings };
     match mcap::difference(bytes, &verified, &provenance) {
-        Some(difference) => {
-            Err(of_its_version(Refusal::one(mcap::difference_diagnostic(&difference), Exit::Refused)))
-        }
+        Some(difference) => Err(of_its_version(Refusal::one(mcap::difference_diagnostic(&difference), Exit::Refused))),
         None => Ok(Judged { verified, provenance, version }),
     }
 }

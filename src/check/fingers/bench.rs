@@ -43,8 +43,7 @@ impl Checker<'_> {
         // Each scene is worked out again for each hand.
         let solids = scene.objects.iter().filter(|one| one.shape.as_ref().is_some_and(|s| s.value.form.is_of_space()));
         let solids: Vec<Span> = solids.map(|object| object.span).collect();
-        let is_too_much =
-            solids.first().is_some_and(|span| !self.counts_as_outline(solids.len() * PART_TURNS, *span));
+        let is_too_much = solids.first().is_some_and(|span| !self.counts_as_outline(solids.len() * PART_TURNS, *span));
         let bench = match is_too_much {
             true => broken(scene),
             false => judged(scene, &site.device, facts, self.sink),
