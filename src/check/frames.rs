@@ -75,11 +75,15 @@ impl Checker<'_> {
             self.sink.push(errors::wrong_place(at.span, &value, "a place or a pose for a frame"));
             return None;
         };
-        let is_near = [pose.x_um, pose.y_um, pose.heading_rad].iter().all(|value| value.abs() <= dimibot::MAX_REACH_UM);
-        if !is_near {
+        if pose.x_um.abs().max(pose.y_um.abs()) > dimibot::MAX_REACH_UM {
             self.sink.push(errors::frame_too_far(at.span, "100 mm"));
+            return None;
         }
-        is_near.then_some(pose)
+        if pose.heading_rad.abs() > shapes::MAX_HEADING_RAD {
+            self.sink.push(errors::frame_turned_too_far(at.span, shapes::MAX_HEADING_RAD.to_degrees()));
+            return None;
+        }
+        Some(pose)
     }
 
     /// The other placed robots of a scene, with their facts; those with errors in them are left out.

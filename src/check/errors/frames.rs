@@ -2,6 +2,7 @@
 
 use super::with_article;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::digits;
 use crate::source::Span;
 
 pub fn frame_with_shape(span: Span) -> Diagnostic {
@@ -14,6 +15,12 @@ pub fn frame_too_far(span: Span, limit: &str) -> Diagnostic {
     Diagnostic::new(Code::E0560, format!("a frame farther than {limit} from the origin of its scene"))
         .label(span, "too far")
         .help("check the unit: frames are placed in micrometres, as `pose(8 um, 3 um, 90 deg)`")
+}
+
+pub fn frame_turned_too_far(span: Span, most_deg: f64) -> Diagnostic {
+    Diagnostic::new(Code::E0560, format!("a frame with a heading of more than {} deg", digits(most_deg)))
+        .label(span, "so many turns cannot be told apart")
+        .help("write a heading between -180 deg and 180 deg")
 }
 
 pub fn frame_of_other_kind(span: Span, device: &str, kind: &str) -> Diagnostic {
