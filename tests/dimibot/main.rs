@@ -227,7 +227,10 @@ fn long_visits_agree_with_brute_force() {
         match (answer(&text), best) {
             (Ok(plan), Some(best)) => {
                 let cost = scene.outcome(objective, best);
-                assert!(plan.bound <= cost * (1.0 + 1e-9) && plan.cost >= cost * (1.0 - 1e-9), "{plan:?} {cost}\n{text}");
+                assert!(
+                    plan.bound <= cost * (1.0 + 1e-9) && plan.cost >= cost * (1.0 - 1e-9),
+                    "{plan:?} {cost}\n{text}"
+                );
                 assert!(places > 12 || plan.optimal, "{plan:?}\n{text}");
                 assert!(!plan.optimal || close(plan.cost, cost), "{plan:?} {cost}\n{text}");
                 for (outcome, name) in OUTCOMES.iter().enumerate().filter(|_| places <= 12) {

@@ -41,7 +41,7 @@ impl Limit {
 
     /// Whether a value keeps it from above; limits from below are not searched for.
     pub fn allows(&self, value: f64) -> bool {
-        self.relation.starts_with('>') || value < self.value || self.holds(value)
+        self.relation.starts_with('>') || self.holds(value) || (self.relation == "==" && value < self.value)
     }
 
     pub fn holds(&self, value: f64) -> bool {
@@ -215,13 +215,18 @@ impl Scene {
 
     /// A program with one task.
     pub fn text(&self, settings: &str, limits: &[Limit]) -> String {
-        format!("use std.dimibot\n{}{}", self.robot("bot"), self.task("go", "bot", settings, limits, !self.starts_at_home))
+        format!(
+            "use std.dimibot\n{}{}",
+            self.robot("bot"),
+            self.task("go", "bot", settings, limits, !self.starts_at_home)
+        )
     }
 
     /// The robot and what stands in its way.
     pub fn robot(&self, name: &str) -> String {
         let [left, right] = self.lattice.modules;
-        let home = if self.starts_at_home { format!(", home: ({}, {})", self.start[0], self.start[1]) } else { String::new() };
+        let home =
+            if self.starts_at_home { format!(", home: ({}, {})", self.start[0], self.start[1]) } else { String::new() };
         format!(
             "device {name} : dimibot.femto_st {{ left: {left}, right: {right}, stroke: {} um, pulse_duration: {} ms, \
              rest: {} ms, tip_radius: 0 um, repeatability: 0 nm{home} }}\nscene bench_{name} {{\n{}}}\n",
@@ -239,7 +244,8 @@ impl Scene {
                 format!("  require {name} {} {}{unit}\n", limit.relation, limit.value)
             })
             .collect();
-        let start = if says_start { format!("  start at ({}, {})\n", self.start[0], self.start[1]) } else { String::new() };
+        let start =
+            if says_start { format!("  start at ({}, {})\n", self.start[0], self.start[1]) } else { String::new() };
         format!("task {name} on {robot} in bench_{robot} {{\n{settings}{limits}{start}{}}}\n", self.steps)
     }
 

@@ -9,6 +9,7 @@ mod support;
 #[path = "../support/random.rs"]
 mod random;
 
+mod camera;
 mod oracle;
 
 use oracle::least_gap_um;
