@@ -142,7 +142,6 @@ impl Checker<'_> {
     }
 
     fn camera(&mut self, object: &tree::Object, shape: &tree::Expr, scope: &Scope) -> Option<Camera> {
-        self.object_name(&object.name, scope)?;
         let image = match self.evaluate(shape, scope) {
             Value::Shape(image) if image.form == Form::Image => image,
             Value::Unknown => return None,
@@ -151,6 +150,7 @@ impl Checker<'_> {
                 return None;
             }
         };
+        self.object_name(&object.name, scope)?;
         let pose = match &object.at {
             None => Pose::at(0.0, 0.0),
             Some(at) => {

@@ -65,7 +65,7 @@ pub fn solve(instance: &Instance, objective: Objective, limit: Option<u64>, budg
         Ok(bounds) => bounds,
         Err(why) => return Answer::Impossible(why),
     };
-    let mut search = Search { instance, objective, limit, bounds, meter: Meter::new(budget) };
+    let mut search = Search { instance, objective, limit, bounds, is_crowded: false, meter: Meter::new(budget) };
     match search.first() {
         Some(Answer::Found { paths, .. }) => search.better(paths),
         Some(decided) => decided,
@@ -96,6 +96,8 @@ struct Search<'a> {
     limit: Option<u64>,
     /// Those of the parts each by itself.
     bounds: Costs,
+    /// Many parts, of which short searches found no plan: they are not asked for a plan with a step less either.
+    is_crowded: bool,
     meter: Meter,
 }
 
@@ -142,6 +144,7 @@ impl Search<'_> {
         if self.instance.agents.len() <= CROWD {
             return paths;
         }
+        self.is_crowded = true;
         let repaired = self.within(self.limit, seed, self.meter.left().steps / REPAIR_SHARE);
         let key = |paths: &Paths| Costs::of(paths).key(self.objective);
         repaired.filter(|repaired| key(repaired) < key(&paths)).unwrap_or(paths)
@@ -209,6 +212,7 @@ impl Search<'_> {
             let before = Costs::of(&best).makespan;
             best = self.round(best, seed, ROUND_STEPS + more);
             if self.objective == Objective::Makespan
+                && !self.is_crowded
                 && Costs::of(&best).makespan == before
                 && before > self.bounds.makespan
             {
