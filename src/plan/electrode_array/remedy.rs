@@ -42,7 +42,7 @@ enum Tried {
     /// With so many expansions for each step.
     NotFound(u64),
     /// Its planner proves nothing.
-    NotTried,
+    LeftOut,
 }
 
 impl Shut<'_> {
@@ -51,7 +51,7 @@ impl Shut<'_> {
         if self.blamed.is_empty() {
             return None;
         }
-        let tried = if may_try { self.tried() } else { Tried::NotTried };
+        let tried = if may_try { self.tried() } else { Tried::LeftOut };
         let alone = format!("without {} `{}` has a way", self.names(self.blamed), self.part);
         Some(match tried {
             Tried::Planned => format!("{} there is a plan{}", self.remedy(), self.extent()),
@@ -60,7 +60,7 @@ impl Shut<'_> {
                 let within = format!("within {budget} expansions a step");
                 format!("{alone}{}; no plan of the task was found then {within}", self.extent())
             }
-            Tried::NotTried => format!("{alone}{}; the others were not looked at", self.extent()),
+            Tried::LeftOut => format!("{alone}{}; the others were not looked at", self.extent()),
         })
     }
 
@@ -98,7 +98,7 @@ impl Shut<'_> {
     /// Plans the task with the remedy.
     fn tried(&self) -> Tried {
         if self.order.planner.method != Method::Portfolio {
-            return Tried::NotTried;
+            return Tried::LeftOut;
         }
         let gone = self.obstacles();
         let kept = self.order.obstacles.iter().enumerate().filter(|(index, _)| !gone.contains(index));
