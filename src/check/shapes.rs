@@ -129,6 +129,11 @@ pub fn pose_of(at: &Value) -> Option<Pose> {
     Some(Pose { x_um: x.in_unit("um"), y_um: y.in_unit("um"), heading_rad })
 }
 
+/// Whether the number of a heading still says where it points; [`pose_of`] has taken whole turns off those that do.
+pub fn heading_is_known(pose: &Pose) -> bool {
+    pose.heading_rad.abs() <= MAX_HEADING_RAD
+}
+
 /// Whether a shape and its pose are within what is counted with exactly.
 pub fn within_extent(shape: &Shape, pose: &Pose) -> bool {
     pose.x_um.abs().max(pose.y_um.abs()) <= MAX_EXTENT_UM && shape.grown(pose, 0.0).is_ok()

@@ -60,13 +60,6 @@ pub fn too_many_cycles(fine: &str, cycles: f64, most: f64) -> Diagnostic {
     Diagnostic::new(Code::E0423, title).help("make `fine_length` shorter, or `fine_cycle` longer")
 }
 
-/// `name` is the field that says how far a stroke carries a robot.
-pub fn stroke_too_short(name: &str, robot: &str, step_um: f64, least_um: f64) -> Diagnostic {
-    let title =
-        format!("one stroke carries `{robot}` {}, at least {} is planned with", length(step_um), length(least_um));
-    Diagnostic::new(Code::E0403, title).help(format!("check the unit of `{name}`"))
-}
-
 /// A pose as a program would say it.
 pub fn pose_text(pose: &Pose) -> String {
     let Pose { x_um, y_um, heading_rad } = *pose;

@@ -20,9 +20,6 @@ const ERROR_FIELDS: [&str; 5] = ["speed_error", "turning_error", "place_error", 
 /// The most cycles of a fine motion.
 const MAX_CYCLES: f64 = 2_000.0;
 
-/// The shortest stroke.
-const MIN_STEP_UM: f64 = 1e-6;
-
 /// The facts of a device and the control states of its bed; `None` after an error.
 pub fn bed(device: &Device, sink: &mut Sink) -> Option<Bed> {
     if device.fields.values().any(|field| field.value.is_unknown()) {
@@ -38,7 +35,6 @@ pub fn bed(device: &Device, sink: &mut Sink) -> Option<Bed> {
     figures_have_sense(device, sink);
     meets_forwards(&facts, device, sink);
     fine_motion_has_room(&facts, device, sink);
-    strokes_are_countable(&facts, &table, device, sink);
     levels_in_order(&facts, device, sink)?;
     let states = validity::states(&facts, &table, device, sink)?;
     (sink.errors() == errors).then(|| Bed { facts: Arc::new(facts), states: Arc::new(states) })
@@ -259,6 +255,9 @@ fn fine_motion_has_room(facts: &Facts, device: &Device, sink: &mut Sink) {
         sink.push(told(device, errors::cycle_beyond_fine_motion(&found[0], &found[1]), &labels));
         return;
     }
+    if facts.fine.length_um > MAX_FINE_UM {
+        return; // `figures_have_sense` has said so.
+    }
     // A cycle has at least one stroke for each of its three primitives.
     let step_um = facts.robots.iter().map(|robot| robot.step_um).fold(0.0, f64::max);
     let cycles = facts.fine.length_um / facts.fine.cycle_um.max(3.0 * step_um);
@@ -268,17 +267,6 @@ fn fine_motion_has_room(facts: &Facts, device: &Device, sink: &mut Sink) {
         labels.extend(at(device, "fine_cycle", "one cycle of it"));
         sink.push(told(device, errors::too_many_cycles(&found, cycles, MAX_CYCLES), &labels));
     }
-}
-
-/// A stroke carries a robot by far more than what places are rounded to, else no way can be counted in strokes.
-fn strokes_are_countable(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) {
-    let slow = facts.robots.iter().enumerate().find(|(_, robot)| robot.step_um < MIN_STEP_UM);
-    let Some((row, robot)) = slow else { return };
-    let (name, labels) = match table.quantity(row, "speed") {
-        Some(_) => ("speed", vec![(table.place(row, "speed"), "too slow to be planned with".to_owned())]),
-        None => ("step_size", at(device, "step_size", "too short to be planned with")),
-    };
-    sink.push(told(device, errors::stroke_too_short(name, &robot.name, robot.step_um, MIN_STEP_UM), &labels));
 }
 
 /// The label of a field, and of the place where its value was given, if a name stands in it.

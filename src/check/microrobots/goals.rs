@@ -1,15 +1,16 @@
 //! The steps of a task: what can be judged of them without knowing where the robots stand by then.
 
 use super::bodies::{Body, Solid};
-use super::ground::{Ground, MAX_HEADING_RAD, first_near, in_one_turn, is_near};
+use super::ground::{Ground, first_near, is_near};
 use super::{Bed, DEFAULT_EXPANSIONS};
 use crate::check::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Precision, Step, Stop};
 use crate::check::fields::Accepted;
 use crate::check::lets::{Argument, Origin};
 use crate::check::scope::nearest;
+use crate::check::shapes::{self, MAX_HEADING_RAD};
 use crate::check::tasks::{self, Call, Parts, Site};
 use crate::check::value::{ModuleWord, Value, whole};
-use crate::check::{Checker, errors, shapes};
+use crate::check::{Checker, errors};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::geometry::Pose;
 use crate::geometry::shape::MAX_EXTENT_UM;
@@ -220,10 +221,8 @@ impl Judge<'_> {
         let pose = shapes::pose_of(&target.value)?;
         let far = (!is_near(&pose)).then(|| errors::pose_too_far(target.span, MAX_EXTENT_UM));
         self.unless(far, Some(target))?;
-        let Some(pose) = in_one_turn(pose) else {
-            let wrong = errors::heading_too_large(target.span, MAX_HEADING_RAD.to_degrees());
-            return self.unless(Some(wrong), Some(target)).and(None);
-        };
+        let unknown = errors::heading_too_large(target.span, MAX_HEADING_RAD.to_degrees());
+        self.unless((!shapes::heading_is_known(&pose)).then_some(unknown), Some(target))?;
         let wrong = robot.and_then(|robot| self.on_obstacle(robot, pose, target.span));
         self.unless(wrong, Some(target))?;
         self.remember(target);

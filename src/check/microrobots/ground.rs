@@ -7,17 +7,16 @@ use crate::check::devices::Device;
 use crate::check::lets::Argument;
 use crate::check::scenes::{Object, Scene};
 use crate::check::scope::nearest;
-pub use crate::check::shapes::MAX_HEADING_RAD;
+use crate::check::shapes::{self, MAX_HEADING_RAD};
 use crate::check::tasks::Site;
 use crate::check::value::Value;
-use crate::check::{Checker, errors, shapes};
-use crate::device::microrobots::{Facts, MAX_OBSTACLES, MAX_ROBOTS, VOCABULARY, wrapped_rad};
+use crate::check::{Checker, errors};
+use crate::device::microrobots::{Facts, MAX_OBSTACLES, MAX_ROBOTS, VOCABULARY};
 use crate::device::shape::Form;
 use crate::diagnostic::{Code, Sink};
 use crate::geometry::shape::MAX_EXTENT_UM;
 use crate::geometry::{Pose, Shape};
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -150,11 +149,11 @@ impl Reader<'_> {
             self.sink.push(errors::given_at(errors::pose_too_far(at.span, MAX_EXTENT_UM), &at));
             return None;
         }
-        let Some(pose) = in_one_turn(pose) else {
+        if !shapes::heading_is_known(&pose) {
             let wrong = errors::heading_too_large(at.span, MAX_HEADING_RAD.to_degrees());
             self.sink.push(errors::given_at(wrong, &at));
             return None;
-        };
+        }
         Some((at, pose))
     }
 
@@ -193,13 +192,6 @@ impl Reader<'_> {
 /// Whether a pose lies where geometry counts exactly.
 pub fn is_near(pose: &Pose) -> bool {
     pose.x_um.abs().max(pose.y_um.abs()) <= MAX_EXTENT_UM
-}
-
-/// A pose whose heading lies within a turn of 0; `None` where it is so large that its number does not say where it points.
-pub fn in_one_turn(pose: Pose) -> Option<Pose> {
-    let is_within = pose.heading_rad.abs() <= TAU;
-    let heading_rad = if is_within { pose.heading_rad } else { wrapped_rad(pose.heading_rad) };
-    (pose.heading_rad.abs() <= MAX_HEADING_RAD).then_some(Pose { heading_rad, ..pose })
 }
 
 /// Robots start clear of obstacles and of each other: all of them move with the first stroke.

@@ -49,11 +49,16 @@ pub fn order(facts: Facts, actions: Vec<Action>) -> DimibotOrder {
 }
 
 pub fn job(task: &str, device: &str, order: DimibotOrder) -> Job {
+    job_of(task, device, Order::Dimibot(order))
+}
+
+/// A job of any kind.
+pub fn job_of(task: &str, device: &str, order: Order) -> Job {
     Job {
         task: task.into(),
         device: device.into(),
         requirements: Vec::new(),
-        order: Order::Dimibot(order),
+        order,
         span: Span::default(),
         run_span: Span::default(),
     }
@@ -69,6 +74,14 @@ pub fn claims(jobs: Vec<Job>, timeline: Timeline) -> Claims {
         not_held: Vec::new(),
         span: Span::default(),
     }
+}
+
+/// The claims of tasks `task0`, `task1`, ... of one device, one after the other.
+pub fn in_turn(device: &str, orders: impl IntoIterator<Item = Order>) -> Claims {
+    let orders = orders.into_iter().enumerate();
+    let jobs: Vec<Job> = orders.map(|(at, order)| job_of(&format!("task{at}"), device, order)).collect();
+    let timeline = Timeline::Sequence((0..jobs.len()).map(Timeline::Run).collect());
+    claims(jobs, timeline)
 }
 
 /// The claims of a single task.

@@ -3,12 +3,12 @@
 use crate::check::claims::electrode_array::{
     Action, Body, Bystanders, ElectrodeArrayOrder, Method, Move, Objective, Obstacle, Part, Planner, Step, Stop,
 };
-use crate::check::claims::{Claims, Job, Order, Timeline};
+use crate::check::claims::{Claims, Job, Order};
 use crate::device::Kind;
 use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Layout, Separation};
 use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, State, TimedState, Unit};
 use crate::source::Span;
-use crate::verify::tests::{bare, step_of};
+use crate::verify::tests::{bare, build, step_of};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A beat.
@@ -75,17 +75,6 @@ pub fn obstacle(name: &str, body: Body) -> Obstacle {
     Obstacle { name: name.into(), body, span: Span::default() }
 }
 
-pub fn job(task: &str, device: &str, order: ElectrodeArrayOrder) -> Job {
-    Job {
-        task: task.into(),
-        device: device.into(),
-        requirements: Vec::new(),
-        order: Order::ElectrodeArray(order),
-        span: Span::default(),
-        run_span: Span::default(),
-    }
-}
-
 /// The claims of a single task.
 pub fn alone(order: ElectrodeArrayOrder) -> Claims {
     in_turn(vec![order])
@@ -93,17 +82,7 @@ pub fn alone(order: ElectrodeArrayOrder) -> Claims {
 
 /// Tasks of one device, one after the other.
 pub fn in_turn(orders: Vec<ElectrodeArrayOrder>) -> Claims {
-    let timeline = Timeline::Sequence((0..orders.len()).map(Timeline::Run).collect());
-    let jobs = orders.into_iter().enumerate().map(|(at, order)| job(&format!("task{at}"), "board", order)).collect();
-    Claims {
-        name: "day".into(),
-        timeline,
-        jobs,
-        wires: BTreeMap::new(),
-        shared: Vec::new(),
-        not_held: Vec::new(),
-        span: Span::default(),
-    }
+    build::in_turn("board", orders.into_iter().map(Order::ElectrodeArray))
 }
 
 pub fn order_of(claims: &mut Claims, job: usize) -> &mut ElectrodeArrayOrder {

@@ -1,13 +1,13 @@
 //! Makes claims on a hand, and schedules of its tips by the law of rolling, with records of its own.
 
 use crate::check::claims::fingers::{Action, FingersOrder, Part, Planner, Section, Step};
-use crate::check::claims::{Claims, Job, Order, Timeline};
+use crate::check::claims::{Claims, Job, Order};
 use crate::device::Kind;
 use crate::device::fingers::{AXES, Facts, Plane, channel, fixture};
 use crate::geometry::outline::{Curve, Outline};
 use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, State, TimedState, Unit};
 use crate::source::Span;
-use crate::verify::tests::{bare, step_of};
+use crate::verify::tests::{bare, build, step_of};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -65,25 +65,7 @@ pub fn order() -> FingersOrder {
 }
 
 pub fn in_turn(orders: Vec<FingersOrder>) -> Claims {
-    let timeline = Timeline::Sequence((0..orders.len()).map(Timeline::Run).collect());
-    let job = |(at, order)| Job {
-        task: format!("task{at}"),
-        device: "hand".into(),
-        requirements: Vec::new(),
-        order: Order::Fingers(order),
-        span: Span::default(),
-        run_span: Span::default(),
-    };
-    let jobs = orders.into_iter().enumerate().map(job).collect();
-    Claims {
-        name: "day".into(),
-        timeline,
-        jobs,
-        wires: BTreeMap::new(),
-        shared: Vec::new(),
-        not_held: Vec::new(),
-        span: Span::default(),
-    }
+    build::in_turn("hand", orders.into_iter().map(Order::Fingers))
 }
 
 pub fn order_of(claims: &mut Claims, job: usize) -> &mut FingersOrder {

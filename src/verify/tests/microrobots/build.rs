@@ -3,13 +3,13 @@
 use crate::check::claims::microrobots::{
     Action, Assurance, Dock, MicrorobotsOrder, Obstacle, Placed, Precision, Step, Stop,
 };
-use crate::check::claims::{Claims, Job, Order, Timeline};
+use crate::check::claims::{Claims, Job, Order};
 use crate::device::Kind;
 use crate::device::microrobots::{Arm, ControlState, Docking, Facts, Fine, Robot, Turning};
 use crate::geometry::{Pose, Shape};
 use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, State, Swing, TimedState, Unit};
 use crate::source::Span;
-use crate::verify::tests::{bare, step_of};
+use crate::verify::tests::{bare, build, step_of};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -100,25 +100,7 @@ pub fn obstacle(name: &str, shape: Shape, pose: Pose) -> Obstacle {
 
 /// Tasks of one device, one after the other.
 pub fn in_turn(orders: Vec<MicrorobotsOrder>) -> Claims {
-    let timeline = Timeline::Sequence((0..orders.len()).map(Timeline::Run).collect());
-    let job = |(at, order)| Job {
-        task: format!("task{at}"),
-        device: "fleet".into(),
-        requirements: Vec::new(),
-        order: Order::Microrobots(order),
-        span: Span::default(),
-        run_span: Span::default(),
-    };
-    let jobs = orders.into_iter().enumerate().map(job).collect();
-    Claims {
-        name: "day".into(),
-        timeline,
-        jobs,
-        wires: BTreeMap::new(),
-        shared: Vec::new(),
-        not_held: Vec::new(),
-        span: Span::default(),
-    }
+    build::in_turn("fleet", orders.into_iter().map(Order::Microrobots))
 }
 
 pub fn order_of(claims: &mut Claims, job: usize) -> &mut MicrorobotsOrder {
