@@ -170,11 +170,6 @@ impl<'a> Brute<'a> {
         choices.iter().map(|turns| legs(&case.steps, turns)).collect()
     }
 
-    /// How many choices of turns there are.
-    pub fn count(&self) -> usize {
-        self.choices().len()
-    }
-
     /// The least over all choices, with at most so many reconfigurations.
     fn over_all(&mut self, [roll, gait]: [u64; 2], most: Option<u32>) -> Least {
         let mut best: Least = None;

@@ -124,12 +124,14 @@ struct Planned {
     bound_deg: f64,
     gaits: u32,
     optimal: bool,
+    time_s: f64,
 }
 
 fn planned(built: &Built) -> Option<Planned> {
     let plan = &built.schedules.first()?.schedule().plans[0];
     let gaits = plan.outcomes["reconfigurations"] as u32;
-    Some(Planned { cost_deg: plan.cost, bound_deg: plan.bound, gaits, optimal: plan.optimal })
+    let time_s = plan.outcomes["time"];
+    Some(Planned { cost_deg: plan.cost, bound_deg: plan.bound, gaits, optimal: plan.optimal, time_s })
 }
 
 /// What all grasps say: the least effort and its reconfigurations, within a limit of these.
@@ -211,7 +213,9 @@ fn with_limits(text: &str, limits: &str) -> String {
 /// than a plan has there is none with as few reconfigurations.
 fn limited(case: &Case, plan: Planned, text: &str, tally: &mut Tally) {
     let mut best = plan;
+    let soonest_s = time_bound_s(text);
     loop {
+        assert!(best.time_s >= soonest_s, "{best:?}, but none is said to take less than {soonest_s} s\n{text}");
         let effort = with_limits(
             text,
             &format!("  require effort < {} deg\n  require reconfigurations <= {}\n", best.cost_deg, best.gaits),
@@ -239,6 +243,17 @@ fn limited(case: &Case, plan: Planned, text: &str, tally: &mut Tally) {
             }
         }
     }
+}
+
+/// The time below which there is said to be no plan, in seconds.
+fn time_bound_s(text: &str) -> f64 {
+    let said = said(&with_limits(text, "  require time <= 1 ns\n"));
+    let (_, rest) = said[0].split_once("proven: no plan has less than ").expect("a bound");
+    let mut words = rest.split([' ', '"']);
+    let number: f64 = words.next().and_then(|number| number.parse().ok()).expect("a number");
+    let unit =
+        [("s", 1.0), ("ms", 1e-3), ("us", 1e-6)].into_iter().find(|(name, _)| words.clone().next() == Some(name));
+    number * unit.expect("a unit of time").1
 }
 
 /// What is said of a limit of reconfigurations that is too low is so.

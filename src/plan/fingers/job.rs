@@ -73,7 +73,7 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
     let (mut fewest, mut none_keeps_all) = (None, false);
     if let Some(most) = limited::most_gaits(job).filter(|most| u64::from(*most) < done.gaits()) {
         match limited::within(&mut sections, &asked, &done, most) {
-            limited::Within::Found(within) => done = within,
+            limited::Within::Found(within) => done = *within,
             limited::Within::None { is_proven } => {
                 none_keeps_all = is_proven;
                 asked.first = First::Reconfigurations;
@@ -85,7 +85,7 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
     let mut soonest = None;
     if limited::misses_time(job, &done.plan) {
         match limited::sooner(&mut sections, &Asked { first: First::Effort, ..asked.clone() }, &done) {
-            Sooner::Kept(sooner) => done = sooner,
+            Sooner::Kept(sooner) => done = *sooner,
             Sooner::Missed(plan) => soonest = plan,
         }
     }
@@ -364,18 +364,11 @@ pub fn sound(
     looks.hold_half_back();
     let answer = lasting(order, sections, planned, orientation, chosen);
     looks.give_back();
-    match answer {
-        Ok(Answer::LooksSpent { bound }) => {
-            sections.deal_with_load(Loaded::Tabulated);
-            let tabulated = lasting(order, sections, planned, orientation, chosen);
-            sections.deal_with_load(Loaded::Asked);
-            match tabulated {
-                Err(_) => Ok(Answer::LooksSpent { bound }),
-                Ok(answer) => Ok(answer),
-            }
-        }
-        other => other,
-    }
+    let Ok(Answer::LooksSpent { bound }) = answer else { return answer };
+    sections.deal_with_load(Loaded::Tabulated);
+    let tabulated = lasting(order, sections, planned, orientation, chosen);
+    sections.deal_with_load(Loaded::Asked);
+    Ok(tabulated.unwrap_or(Answer::LooksSpent { bound }))
 }
 
 /// A way with a grasp that lapses between two angles is searched again without that step, as often as it takes: every search has

@@ -20,7 +20,7 @@ use crate::plan::{Optimality, Plan};
 /// What came of a limit.
 pub enum Within {
     /// A plan that keeps it; its bound is one of all plans that do.
-    Found(Done),
+    Found(Box<Done>),
     None {
         is_proven: bool,
     },
@@ -40,7 +40,7 @@ pub fn most_gaits(job: &Job) -> Option<u32> {
 /// What came of a limit of time.
 pub enum Sooner {
     /// A plan that keeps all limits.
-    Kept(Done),
+    Kept(Box<Done>),
     /// The quickest plan that was found besides.
     Missed(Option<Plan>),
 }
@@ -148,7 +148,7 @@ pub fn within(sections: &mut Sections, asked: &Asked, any: &Done, most: u32) -> 
     } else {
         plan.bound = any.plan.bound.min(plan.cost);
     }
-    Within::Found(done)
+    Within::Found(Box::new(done))
 }
 
 /// The ways of a stretch that may matter.
