@@ -248,7 +248,7 @@ fn what_is_said_when_looks_run_out_is_so() {
             }
         }
     }
-    assert!(ended > 100 && found > 100, "{ended} ended, {found} found");
+    assert!(ended > 100 && found > 50, "{ended} ended, {found} found");
 }
 
 #[test]
