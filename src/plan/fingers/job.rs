@@ -86,7 +86,7 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
     if limited::misses_time(job, &done.plan) {
         match limited::sooner(&mut sections, &Asked { first: First::Effort, ..asked.clone() }, &done) {
             Sooner::Kept(sooner) => done = *sooner,
-            Sooner::Missed(plan) => soonest = plan,
+            Sooner::Missed(plan) => soonest = plan.map(|plan| *plan),
         }
     }
     let Done { plan, end, .. } = done;

@@ -42,7 +42,7 @@ pub enum Sooner {
     /// A plan that keeps all limits.
     Kept(Box<Done>),
     /// The quickest plan that was found besides.
-    Missed(Option<Plan>),
+    Missed(Option<Box<Plan>>),
 }
 
 /// The most plans with fewer reconfigurations that are looked at for a limit of time.
@@ -79,7 +79,7 @@ pub fn sooner(sections: &mut Sections, asked: &Asked, done: &Done) -> Sooner {
             soonest = Some(next.plan);
         }
     }
-    Sooner::Missed(soonest)
+    Sooner::Missed(soonest.map(Box::new))
 }
 
 /// No plan takes less time, in seconds: what it waits, carries and rolls at least, and two fingers that come and leave where all do.
