@@ -5,7 +5,8 @@ use std::sync::Arc;
 use tweeze::check::claims::fingers::Section;
 use tweeze::device::fingers::{Adhesion, Facts};
 use tweeze::geometry::outline::{Curve, Outline};
-use tweeze::plan::fingers::graph::{Costs, Entry, Grasp, Leg, Request, Start};
+use tweeze::plan::fingers::graph::{Costs, Entry, Grasp, Leg, Request, Start, Within};
+use tweeze::plan::fingers::looks::Looks;
 use tweeze::plan::fingers::mechanics::{Asked, Contacts, Load, tables};
 use tweeze::plan::fingers::tables::{Bits, Layer, Tables};
 
@@ -48,7 +49,7 @@ pub fn ellipsoid(facts: &Facts) -> Tables {
     let section = Section { outline, contacts: 74, opposite: Some(38), step_rad: once_round_rad / 74.0 };
     let contacts = Contacts::of(&section, &curve, facts.tip_radius_um);
     let asked = Asked { facts, contacts, load: Load::NONE, lowest: 0, angles: ANGLES as usize };
-    tables(&asked, &mut |_, _, _| true).expect("an ellipse has few grasps")
+    tables(&asked, &Looks::default(), &mut |_, _, _| true).expect("an ellipse has few grasps")
 }
 
 /// All grasps with contacts so far apart; every placement and removal is allowed.
@@ -95,8 +96,15 @@ pub fn lonely(tables: &Tables, triple: [usize; 3]) -> Tables {
 pub fn query(tables: &Arc<Tables>, start: [u32; 3], steps: i32, end: [u32; 3]) -> Request {
     let grasp = |list: [u32; 3]| Grasp::of(&list).expect("three fingers");
     let (lowest, highest) = (0, ANGLES - 1);
-    let leg = Leg { tables: tables.clone(), steps, lowest, highest, entry: Entry::Same, end: Some(grasp(end)) };
-    Request { fingers: 3, start: Start::At(grasp(start)), routes: vec![vec![leg]], costs: COSTS }
+    let leg =
+        Leg { tables: tables.clone(), steps, lowest, highest, entry: Entry::Same, end: Some(grasp(end)), lazy: None };
+    Request {
+        fingers: 3,
+        start: Start::At(grasp(start)),
+        routes: vec![vec![leg]],
+        costs: COSTS,
+        within: Within::default(),
+    }
 }
 
 /// A turn that ends with any two fingers on contacts 1 and 38, where another one in the other plane begins.

@@ -13,6 +13,7 @@ mod walk;
 pub use bench::Bench;
 pub use curve::ANGLE_NAME;
 pub use facts::facts;
+pub use part::contacts;
 pub use walk::hands_agree;
 
 #[cfg(test)]

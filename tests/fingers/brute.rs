@@ -4,72 +4,35 @@
 //! space, and all edges are looked at. What is taken from the handbook: where contacts lie, that a grasp holds at 63 instants of a step
 //! with the reserve kept back, who may come and leave, what it costs, and that a turn goes once round on its own side at most.
 
+use crate::case::{Case, FINGERS, Step};
+use crate::orient;
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
+use nalgebra::{UnitQuaternion, Vector3};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 use std::f64::consts::TAU;
 
-/// Fingers of every hand.
-pub const FINGERS: usize = 3;
-
 /// No contact.
 const FREE: u8 = u8::MAX;
 
-/// A hand, a part that is an ellipsoid, and a task of turns.
-#[derive(Debug, Clone)]
-pub struct Case {
-    pub tip_radius_um: f64,
-    pub steps_per_turn: i32,
-    pub adhesion: bool,
-    pub friction: f64,
-    pub removal_safety: f64,
-    pub clearance_um: f64,
-    pub gaiting_cost_deg: f64,
-    pub pull_off_un: f64,
-    pub max_force_un: f64,
-    pub torsion_um: f64,
-    pub reserve: f64,
-    pub semi_um: [f64; 3],
-    pub load_un: [f64; 3],
-    /// The grasp at the beginning, contacts from 1.
-    pub pin: Option<[u32; FINGERS]>,
-    /// About z (`true`) or y, in nominal steps.
-    pub turns: Vec<(bool, i32)>,
+/// One turn of the task as it is searched, or a change of grasp where `turn` is 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Leg {
+    pub is_about_z: bool,
+    /// In the steps of the section.
+    pub turn: i32,
+    /// With what it must end.
+    pub end: Option<[u32; FINGERS]>,
+    /// How it begins.
+    pub begins: Begins,
 }
 
-impl Case {
-    /// The program.
-    pub fn text(&self) -> String {
-        let [a, b, c] = self.semi_um;
-        let [x, y, z] = self.load_un;
-        let step_deg = 360 / self.steps_per_turn;
-        let mut steps = match self.pin {
-            Some([one, two, three]) => format!("  grasp bead at ({one}, {two}, {three})\n"),
-            None => String::new(),
-        };
-        for (is_about_z, turn) in &self.turns {
-            let axis = if *is_about_z { "z" } else { "y" };
-            steps.push_str(&format!("  rotate bead by {} deg about {axis}\n", turn * step_deg));
-        }
-        let load = if self.load_un == [0.0; 3] { String::new() } else { format!("  load: ({x} uN, {y} uN, {z} uN)\n") };
-        format!(
-            "use std.fingers as f\ndevice hand : f.three_fingers {{ tip_radius: {} um, step: {step_deg} deg, adhesion: {}, \
-             friction: {}, removal_safety: {}, clearance: {} um, gaiting_cost: {} deg, pull_off: {} uN, max_force: {} uN, \
-             torsion: {} um, rolling_reserve: {}, range: (900 um, 900 um, 900 um) }}\n\
-             scene cell {{ part bead : ellipsoid {{ axes: ({a} um, {b} um, {c} um) }} }}\n\
-             task flip on hand in cell {{\n  precision: 30 deg\n{load}{steps}}}\n",
-            self.tip_radius_um,
-            self.adhesion,
-            self.friction,
-            self.removal_safety,
-            self.clearance_um,
-            self.gaiting_cost_deg,
-            self.pull_off_un,
-            self.max_force_un,
-            self.torsion_um,
-            self.reserve,
-        )
-    }
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Begins {
+    /// As the leg before it has ended.
+    Held,
+    Any,
+    With([u32; FINGERS]),
 }
 
 /// An ellipse with contacts.
@@ -145,37 +108,92 @@ type Load = [f64; 3];
 pub struct Brute<'a> {
     case: &'a Case,
     sections: [Section; 2],
-    /// About z (`true`) or y, in the steps of the sections.
-    turns: Vec<(bool, i32)>,
+    legs: Vec<Leg>,
     /// By how much every condition may be missed, as a share of friction and forces.
     slack: f64,
     /// What holds: leg (or none where the load is), angle in 64ths of a step, sorted contacts.
     known: HashMap<(u8, i32, [u8; FINGERS]), bool>,
     rolled: HashMap<(u8, i16, [u8; FINGERS]), bool>,
+    removed: HashMap<(u8, [u8; FINGERS], u8), bool>,
 }
+
+/// The least sum of costs of a task, and the fewest reconfigurations at this cost.
+pub type Least = Option<(u64, u32)>;
 
 impl<'a> Brute<'a> {
     pub fn of(case: &'a Case, slack: f64) -> Self {
         let [a, b, c] = case.semi_um;
         let sections = [Section::of(case, [a, b]), Section::of(case, [a, c])];
+        let empty = (HashMap::new(), HashMap::new(), HashMap::new());
+        let (known, rolled, removed) = empty;
+        Brute { case, sections, legs: Vec::new(), slack, known, rolled, removed }
+    }
+
+    /// The turns of a task, once for each choice among the ways to its orientations.
+    fn choices(&self) -> Vec<Vec<Leg>> {
+        let case = self.case;
         let most = case.steps_per_turn;
-        let whole = |(is_about_z, turn): &(bool, i32)| {
-            let asked_rad = f64::from(*turn) * TAU / f64::from(most);
-            let steps = asked_rad / sections[usize::from(!is_about_z)].step_rad;
-            (*is_about_z, (steps.round() as i32).clamp(-most, most))
-        };
-        let turns = case.turns.iter().map(whole).collect();
-        Brute { case, sections, turns, slack, known: HashMap::new(), rolled: HashMap::new() }
+        let step_rad = |is_about_z: bool| self.sections[usize::from(!is_about_z)].step_rad;
+        // For each step the turns that it may stand for.
+        let mut all: Vec<Vec<Vec<(bool, i32)>>> = Vec::new();
+        let mut reached = vec![UnitQuaternion::identity()];
+        for step in &case.steps {
+            let ways = match step {
+                Step::Turn(is_about_z, turn) => {
+                    let asked_rad = f64::from(*turn) * TAU / f64::from(most);
+                    let steps = (asked_rad / step_rad(*is_about_z)).round() as i32;
+                    vec![vec![(*is_about_z, steps.clamp(-most, most))]]
+                }
+                Step::Orient(angles) => {
+                    let precision_rad = f64::from(case.precision_deg).to_radians();
+                    let goal = turned(&[(true, angles[0]), (false, angles[1]), (true, angles[2])], |_| TAU / 360.0);
+                    let mut ways = orient::ways(reached[0].inverse() * goal, [true, false].map(step_rad));
+                    ways.retain(|way| {
+                        let by = turned(way, step_rad);
+                        reached.iter().all(|from| (from * by).angle_to(&goal) <= precision_rad)
+                    });
+                    ways
+                }
+                Step::Grasp(_) | Step::Translate | Step::Release => vec![Vec::new()],
+            };
+            let after = |from: &UnitQuaternion<f64>| ways.iter().map(|way| from * turned(way, step_rad)).collect();
+            reached = reached.iter().flat_map(|from| -> Vec<UnitQuaternion<f64>> { after(from) }).collect();
+            all.push(ways);
+        }
+        let mut choices: Vec<Vec<Vec<(bool, i32)>>> = vec![Vec::new()];
+        for ways in &all {
+            let with = |choice: &Vec<Vec<(bool, i32)>>, way: &Vec<(bool, i32)>| {
+                choice.iter().cloned().chain([way.clone()]).collect::<Vec<_>>()
+            };
+            choices = choices.iter().flat_map(|choice| ways.iter().map(move |way| with(choice, way))).collect();
+        }
+        choices.iter().map(|turns| legs(&case.steps, turns)).collect()
+    }
+
+    /// The least over all choices, with at most so many reconfigurations.
+    fn over_all(&mut self, [roll, gait]: [u64; 2], most: Option<u32>) -> Least {
+        let mut best: Least = None;
+        for legs in self.choices() {
+            if self.case.load_un != [0.0; 3] {
+                self.known.clear();
+                self.rolled.clear();
+                self.removed.clear();
+            }
+            self.legs = legs;
+            let found = self.least([roll, gait], most, best.map(|(cost, _)| cost));
+            best = best.into_iter().chain(found).min();
+        }
+        best
     }
 
     fn section(&self, leg: u8) -> &Section {
-        &self.sections[usize::from(!self.turns[usize::from(leg)].0)]
+        &self.sections[usize::from(!self.legs[usize::from(leg)].is_about_z)]
     }
 
     /// The load as a section sees it after some steps of a leg.
     fn load(&self, leg: u8, steps: f64) -> Load {
         let mut load = self.case.load_un;
-        for (at, (is_about_z, turn)) in self.turns.iter().enumerate().take(usize::from(leg) + 1) {
+        for (at, Leg { is_about_z, turn, .. }) in self.legs.iter().enumerate().take(usize::from(leg) + 1) {
             let part = if at == usize::from(leg) { steps } else { f64::from(*turn) };
             let (sin, cos) = (-part * self.section(at as u8).step_rad).sin_cos();
             let [x, y, z] = load;
@@ -185,7 +203,7 @@ impl<'a> Brute<'a> {
             };
         }
         let [x, y, z] = load;
-        if self.turns[usize::from(leg)].0 { [x, y, z] } else { [x, -z, y] }
+        if self.legs[usize::from(leg)].is_about_z { [x, y, z] } else { [x, -z, y] }
     }
 
     fn apart(&self, touches: &[Touch]) -> bool {
@@ -210,7 +228,7 @@ impl<'a> Brute<'a> {
         sorted.sort_unstable();
         let key = (leg, i32::from(angle) * 64 + instant, sorted);
         let is_loaded = self.case.load_un != [0.0; 3];
-        let key = if is_loaded { key } else { (u8::from(self.turns[usize::from(leg)].0), instant, sorted) };
+        let key = if is_loaded { key } else { (u8::from(self.legs[usize::from(leg)].is_about_z), instant, sorted) };
         if let Some(known) = self.known.get(&key) {
             return *known;
         }
@@ -290,7 +308,7 @@ impl<'a> Brute<'a> {
         let mut sorted = held;
         sorted.sort_unstable();
         let is_loaded = self.case.load_un != [0.0; 3];
-        let about_z = u8::from(self.turns[usize::from(leg)].0);
+        let about_z = u8::from(self.legs[usize::from(leg)].is_about_z);
         let key = if is_loaded { (leg, angle, sorted) } else { (about_z, 0, sorted) };
         if let Some(known) = self.rolled.get(&key) {
             return *known;
@@ -307,38 +325,42 @@ impl<'a> Brute<'a> {
         held.map(|contact| if contact == FREE { FREE } else { ((usize::from(contact) + by) % count) as u8 })
     }
 
-    /// The least effort, in degrees; `None` where no sequence of grasps carries the task out.
-    pub fn least_deg(&mut self) -> Option<f64> {
+    /// The least effort, in degrees, and the fewest reconfigurations at it, with at most so many; `None` where no sequence of grasps
+    /// carries the task out.
+    pub fn least_deg(&mut self, most: Option<u32>) -> Option<(f64, u32)> {
         let unit = |deg: f64| (deg * 1000.0).round() as u64;
-        let roll = unit(360.0 / f64::from(self.case.steps_per_turn));
-        let gait = unit(self.case.gaiting_cost_deg);
-        Some(self.least(roll, gait)? as f64 / 1000.0)
+        let costs = [unit(360.0 / f64::from(self.case.steps_per_turn)), unit(self.case.gaiting_cost_deg)];
+        self.over_all(costs, most).map(|(cost, gaits)| (cost as f64 / 1000.0, gaits))
     }
 
     /// The fewest reconfigurations.
-    pub fn fewest(&mut self) -> Option<u64> {
-        self.least(0, 1)
+    pub fn fewest(&mut self) -> Option<u32> {
+        self.over_all([0, 1], None).map(|(_, gaits)| gaits)
     }
 
-    /// The least sum of costs of rolling by a step, for each finger, and of a finger that comes or leaves.
-    fn least(&mut self, roll: u64, gait: u64) -> Option<u64> {
-        let mut open: BinaryHeap<Reverse<(u64, Node)>> = BinaryHeap::new();
-        let mut best: HashMap<Node, u64> = HashMap::new();
-        for held in self.first() {
-            open.push(Reverse((0, Node { leg: 0, angle: 0, held })));
+    /// The least sum of costs of rolling by a step, for each finger, and of a finger that comes or leaves; nothing dearer than `enough`.
+    fn least(&mut self, [roll, gait]: [u64; 2], most: Option<u32>, enough: Option<u64>) -> Least {
+        let mut open: BinaryHeap<Reverse<(u64, u32, Node)>> = BinaryHeap::new();
+        // Where reconfigurations are limited, a node is another one for each number of them.
+        let mut best: HashMap<(Node, u32), (u64, u32)> = HashMap::new();
+        for held in self.first(0) {
+            open.push(Reverse((0, 0, Node { leg: 0, angle: 0, held })));
         }
-        while let Some(Reverse((cost, node))) = open.pop() {
-            if best.get(&node).is_some_and(|known| *known <= cost) {
+        while let Some(Reverse((cost, gaits, node))) = open.pop() {
+            let place = (node, most.map_or(0, |_| gaits));
+            if best.get(&place).is_some_and(|known| *known <= (cost, gaits))
+                || enough.is_some_and(|enough| cost > enough)
+            {
                 continue;
             }
-            best.insert(node, cost);
-            let (_, turn) = self.turns[usize::from(node.leg)];
-            if i32::from(node.angle) == turn {
-                if usize::from(node.leg) + 1 == self.turns.len() {
-                    return Some(cost);
+            best.insert(place, (cost, gaits));
+            let Leg { turn, end, .. } = self.legs[usize::from(node.leg)];
+            if i32::from(node.angle) == turn && end.is_none_or(|end| numbered(end) == node.held) {
+                if usize::from(node.leg) + 1 == self.legs.len() {
+                    return Some((cost, gaits));
                 }
                 for held in self.handed_over(node) {
-                    open.push(Reverse((cost, Node { leg: node.leg + 1, angle: 0, held })));
+                    open.push(Reverse((cost, gaits, Node { leg: node.leg + 1, angle: 0, held })));
                 }
             }
             let holding = node.held.iter().filter(|contact| **contact != FREE).count();
@@ -349,18 +371,21 @@ impl<'a> Brute<'a> {
                 let held = self.turned(node.leg, node.held, count - 1);
                 let next = Node { angle: node.angle + 1, held, ..node };
                 if self.holds(node.leg, next.angle, held, 0) {
-                    open.push(Reverse((cost + roll * holding as u64, next)));
+                    open.push(Reverse((cost + roll * holding as u64, gaits, next)));
                 }
             }
             let before = self.turned(node.leg, node.held, 1);
             if i32::from(node.angle) > low && self.lasts(node.leg, node.angle - 1, before) {
                 let next = Node { angle: node.angle - 1, held: before, ..node };
                 if self.holds(node.leg, next.angle, before, 0) {
-                    open.push(Reverse((cost + roll * holding as u64, next)));
+                    open.push(Reverse((cost + roll * holding as u64, gaits, next)));
                 }
             }
+            if most.is_some_and(|most| gaits >= most) {
+                continue;
+            }
             for next in self.gaited(node, holding) {
-                open.push(Reverse((cost + gait, next)));
+                open.push(Reverse((cost + gait, gaits + 1, next)));
             }
         }
         None
@@ -384,11 +409,7 @@ impl<'a> Brute<'a> {
                 }
             } else if node.held[finger] != FREE && holding == 3 {
                 let next = with(FREE);
-                let touches = self.touches(node.leg, &next.held, 0.0);
-                let leaves = self.section(node.leg).touch(f64::from(node.held[finger]));
-                let load = self.load(node.leg, f64::from(node.angle));
-                let resists = !self.case.adhesion || self.balance(&touches, load, Some(&leaves), 1.0);
-                if resists && self.holds(node.leg, node.angle, next.held, 0) {
+                if self.resists(node, next.held, node.held[finger]) && self.holds(node.leg, node.angle, next.held, 0) {
                     nodes.push(next);
                 }
             }
@@ -396,13 +417,33 @@ impl<'a> Brute<'a> {
         nodes
     }
 
-    /// Every grasp that the task may begin with.
-    fn first(&mut self) -> Vec<[u8; FINGERS]> {
-        if let Some(pin) = self.case.pin {
-            let held = pin.map(|contact| if contact == 0 { FREE } else { contact as u8 - 1 });
-            return if self.holds(0, 0, held, 0) { vec![held] } else { Vec::new() };
+    /// Whether those that stay resist the pull of a finger that leaves.
+    fn resists(&mut self, node: Node, stay: [u8; FINGERS], leaves: u8) -> bool {
+        if !self.case.adhesion {
+            return true;
         }
-        let count = self.section(0).contacts as u8;
+        let mut sorted = stay;
+        sorted.sort_unstable();
+        let is_loaded = self.case.load_un != [0.0; 3];
+        let key = (u8::from(self.legs[usize::from(node.leg)].is_about_z), sorted, leaves);
+        if let Some(known) = self.removed.get(&key).filter(|_| !is_loaded) {
+            return *known;
+        }
+        let touches = self.touches(node.leg, &sorted, 0.0);
+        let leaving = self.section(node.leg).touch(f64::from(leaves));
+        let load = self.load(node.leg, f64::from(node.angle));
+        let resists = self.balance(&touches, load, Some(&leaving), 1.0);
+        self.removed.insert(key, resists);
+        resists
+    }
+
+    /// Every grasp that a leg may begin with, where nothing holds before it.
+    fn first(&mut self, leg: u8) -> Vec<[u8; FINGERS]> {
+        if let Begins::With(pin) = self.legs[usize::from(leg)].begins {
+            let held = numbered(pin);
+            return if self.holds(leg, 0, held, 0) { vec![held] } else { Vec::new() };
+        }
+        let count = self.section(leg).contacts as u8;
         let choices: Vec<u8> = (0..count).chain([FREE]).collect();
         let mut all = Vec::new();
         for a in &choices {
@@ -414,13 +455,16 @@ impl<'a> Brute<'a> {
             let contacts: Vec<&u8> = held.iter().filter(|contact| **contact != FREE).collect();
             contacts.len() >= 2 && (0..contacts.len()).all(|at| !contacts[..at].contains(&contacts[at]))
         };
-        all.into_iter().filter(|held| differs(held) && self.holds(0, 0, *held, 0)).collect()
+        all.into_iter().filter(|held| differs(held) && self.holds(leg, 0, *held, 0)).collect()
     }
 
     /// With what the next turn begins: the same contacts, or, about another axis, the two on the x axis.
     fn handed_over(&mut self, node: Node) -> Vec<[u8; FINGERS]> {
         let next = node.leg + 1;
-        if self.turns[usize::from(node.leg)].0 == self.turns[usize::from(next)].0 {
+        if self.legs[usize::from(next)].begins != Begins::Held {
+            return self.first(next);
+        }
+        if self.legs[usize::from(node.leg)].is_about_z == self.legs[usize::from(next)].is_about_z {
             return vec![node.held];
         }
         let [old, new] = [node.leg, next].map(|leg| (self.section(leg).contacts / 2) as u8);
@@ -435,4 +479,54 @@ impl<'a> Brute<'a> {
         let held = [a, b, c];
         if on_axis == 2 && self.holds(next, 0, held, 0) { vec![held] } else { Vec::new() }
     }
+}
+
+/// A grasp as nodes have it.
+fn numbered(grasp: [u32; FINGERS]) -> [u8; FINGERS] {
+    grasp.map(|contact| if contact == 0 { FREE } else { contact as u8 - 1 })
+}
+
+/// What some turns do to a part, one after the other about its own axes.
+fn turned(turns: &[(bool, i32)], step_rad: impl Fn(bool) -> f64) -> UnitQuaternion<f64> {
+    let axis = |is_about_z: bool| if is_about_z { Vector3::z() } else { Vector3::y() };
+    turns.iter().fold(UnitQuaternion::identity(), |reached, (is_about_z, steps)| {
+        reached * UnitQuaternion::from_scaled_axis(axis(*is_about_z) * (f64::from(*steps) * step_rad(*is_about_z)))
+    })
+}
+
+/// The legs of a task whose steps stand for these turns.
+fn legs(steps: &[Step], turns: &[Vec<(bool, i32)>]) -> Vec<Leg> {
+    let mut legs: Vec<Leg> = Vec::new();
+    let mut begins = Begins::Any;
+    for (at, step) in steps.iter().enumerate() {
+        // Until the release nothing else counts.
+        let end = (at..steps.len()).find(|later| steps[*later] == Step::Release).unwrap_or(steps.len());
+        let next = turns[at..end].iter().flatten().next();
+        let last = legs.last().filter(|_| begins == Begins::Held);
+        let plane = next.map(|(is_about_z, _)| *is_about_z).or(last.map(|leg| leg.is_about_z)).unwrap_or(true);
+        match step {
+            Step::Grasp(pin) if begins == Begins::Any => begins = Begins::With(*pin),
+            Step::Grasp(pin) => {
+                legs.push(Leg { is_about_z: plane, turn: 0, end: Some(*pin), begins });
+                begins = Begins::Held;
+            }
+            Step::Turn(..) | Step::Orient(_) => {
+                for (is_about_z, turn) in &turns[at] {
+                    legs.push(Leg { is_about_z: *is_about_z, turn: *turn, end: None, begins });
+                    begins = Begins::Held;
+                }
+            }
+            Step::Translate => {}
+            Step::Release => {
+                if begins != Begins::Held {
+                    legs.push(Leg { is_about_z: plane, turn: 0, end: None, begins });
+                }
+                begins = Begins::Any;
+            }
+        }
+    }
+    if begins != Begins::Held && !matches!(steps.last(), Some(Step::Release)) {
+        legs.push(Leg { is_about_z: true, turn: 0, end: None, begins });
+    }
+    legs
 }

@@ -4,8 +4,10 @@
 #![allow(clippy::disallowed_methods)]
 
 mod brute;
+mod case;
 mod mechanics;
 mod oracle;
+mod orient;
 #[path = "../support/random.rs"]
 mod random;
 mod rolled;

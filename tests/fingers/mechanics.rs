@@ -131,7 +131,7 @@ fn a_limit_of_reconfigurations_is_searched_for() {
         |limit: &str| text.replacen("  rotate", &format!("  require reconfigurations <= {limit}\n  rotate"), 1);
     // It is missed by the cheapest plan, and kept by another.
     assert_eq!(cost(&limited("1")), [1960.0; 2]);
-    assert_eq!(cost(&limited("0")), [2280.0, 1960.0]);
+    assert_eq!(cost(&limited("0")), [2280.0; 2]);
     let effort = said(&text.replacen("  rotate", "  require effort <= 1900 deg\n  rotate", 1));
     assert!(effort.len() == 1 && effort[0].contains("E0603") && effort[0].contains("1960 deg"), "{effort:?}");
     let paper = "use std.fingers as f\ndevice hand : f.three_fingers {}\n\
@@ -140,6 +140,46 @@ fn a_limit_of_reconfigurations_is_searched_for() {
                  rotate bead by 220 deg about y\n  rotate bead by 100 deg about z\n}\n";
     let fewest = said(paper);
     assert!(fewest.len() == 1 && fewest[0].contains("E0603") && fewest[0].contains("the least is 8"), "{fewest:?}");
+}
+
+#[test]
+fn large_parts_and_loads_are_planned_with_few_looks() {
+    assert_eq!(cost(&found("fingers-many-ways-slow")), [240.0; 2]);
+    assert_eq!(cost(&found("fingers-loaded-slow")), [280.0; 2]);
+}
+
+#[test]
+fn a_limit_of_time_is_searched_for_with_fewer_reconfigurations() {
+    // Where tips come slowly, a reconfiguration takes longer than the rolling that it saves.
+    let text = with(&found("fingers-optimal-but-reserve"), "approach_speed: 0.2 um/s");
+    let limited = |limit: &str| text.replacen("  rotate", &format!("  require time <= {limit}\n  rotate"), 1);
+    let time_s = |text: &str| build(text).schedules[0].schedule().plans[0].outcomes["time"];
+    let [most_s, least_s] =
+        [time_s(&text), time_s(&text.replacen("  rotate", "  require reconfigurations <= 0\n  rotate", 1))];
+    assert!(least_s < most_s, "{least_s} s, {most_s} s");
+    let between = limited(&format!("{} s", (least_s + most_s) / 2.0));
+    assert_eq!(cost(&between), [2280.0, 1960.0]);
+    // What is below every plan is proven; what is between is not known.
+    let known = said(&limited("1 ms"));
+    assert!(
+        known.len() == 1 && known[0].contains("E0603") && known[0].contains("proven: no plan has less than"),
+        "{known:?}"
+    );
+    let open = said(&limited(&format!("{} s", least_s * 0.99)));
+    assert!(open.len() == 1 && open[0].contains("no plan was found") && !open[0].contains("proven"), "{open:?}");
+}
+
+#[test]
+fn the_greedy_planner_says_what_the_other_one_finds() {
+    let text = found("fingers-optimal-but-reserve");
+    let greedy = |text: &str| text.replacen("  rotate", "  using greedy_decomposition\n  rotate", 1);
+    // What has no plan at all is not said to have one.
+    let slippery = text.replace("friction: 0.511", "friction: 0.01");
+    let said = said(&greedy(&slippery));
+    assert!(
+        said.len() == 1 && said[0].contains("E0602") && said[0].contains("proves that there is no plan"),
+        "{said:?}"
+    );
 }
 
 /// A cube as text, its half width in micrometres.

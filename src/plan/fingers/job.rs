@@ -4,10 +4,12 @@
 //! after it without a beginning: the job ends there.
 
 use super::course::{follow, reconfigurations};
-use super::graph::{self, Answer, Costs, Estimator, Grasp, Node, Request, Start, Way};
-use super::mechanics::TooManyGrasps;
+use super::graph::{self, Answer, Costs, Estimator, Grasp, Node, Request, Start, Way, Within};
+use super::limited::{self, Sooner};
+use super::looks::Looks;
+use super::mechanics::NoTables;
 use super::routes::{Holding, Routes, Turning, routes};
-use super::sections::{Sections, Sifted};
+use super::sections::{Loaded, Sections, Sifted};
 use super::ways::{self, Act, Course};
 use super::why::{Why, kept_back};
 use super::{Hold, Motion, Stance};
@@ -15,13 +17,14 @@ use crate::check::claims::fingers::{Action, FingersOrder, Planner, Turn};
 use crate::check::claims::{Job, Requirement};
 use crate::device::fingers::Plane;
 use crate::diagnostic::Sink;
-use crate::plan::requirements::{Kept, Known, is_upper, keeps, require};
+use crate::plan::requirements::{Kept, Known, require};
 use crate::plan::search::{Budget, GaveUp};
 use crate::plan::{Motion as AnyMotion, Optimality, Plan, Remark};
 use nalgebra::{Quaternion, UnitQuaternion};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::ops::Range;
+use std::rc::Rc;
 
 /// What the plans of a schedule leave behind for those that follow.
 #[derive(Default)]
@@ -46,83 +49,137 @@ pub fn plan(job: &Job, order: &FingersOrder, standing: &mut Standing, sink: &mut
 /// What a way is chosen by first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum First {
+    /// Then by the number of reconfigurations.
     Effort,
     /// Then by what is rolled.
     Reconfigurations,
 }
 
+/// Looks at grasps that planning one task may take: a few seconds.
+pub const MOST_LOOKS: u64 = 150_000_000;
+
 /// A plan, and where everything is after it.
-///
-/// Ways are chosen by effort. Where that misses a limit of reconfigurations, they are chosen by these first: such a plan keeps the
-/// limit if any does.
 fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut Sink) -> Option<(Option<Plan>, Stance)> {
-    let (mut plan, mut end) = carried_out(order, stance.as_ref(), First::Effort, sink)?;
-    let mut fewest = None;
-    if misses(job, &plan, "reconfigurations")
-        && let Some((other, other_end)) =
-            carried_out(order, stance.as_ref(), First::Reconfigurations, &mut Sink::default())
-    {
-        fewest = (other.proof == Optimality::Proven).then(|| other.outcomes["reconfigurations"]);
-        let bound = plan.bound;
-        if job.requirements.iter().all(|limit| is_kept(limit, &other)) {
-            let proof = if bound >= other.cost { Optimality::Proven } else { Optimality::Open };
-            (plan, end) = (Plan { bound, proof, ..other }, other_end);
+    let looks = Rc::new(Looks::of(MOST_LOOKS));
+    let mut sections = match Sections::of(order, looks) {
+        Ok(sections) => sections,
+        Err(error) => {
+            sink.push(Why { order, job, stance: stance.as_ref(), at: 0 }.not_followed(&error));
+            return None;
+        }
+    };
+    let mut asked = Asked { job, order, stance: stance.as_ref(), first: First::Effort, gaits: Vec::new() };
+    let mut done = carried_out(&mut sections, &asked, Some(sink)).ok()?;
+    let (mut fewest, mut none_keeps_all) = (None, false);
+    if let Some(most) = limited::most_gaits(job).filter(|most| u64::from(*most) < done.gaits()) {
+        match limited::within(&mut sections, &asked, &done, most) {
+            limited::Within::Found(within) => done = *within,
+            limited::Within::None { is_proven } => {
+                none_keeps_all = is_proven;
+                asked.first = First::Reconfigurations;
+                let least = carried_out(&mut sections, &asked, None).ok();
+                fewest = least.map(|least| least.plan).filter(|plan| plan.proof == Optimality::Proven);
+            }
         }
     }
+    let mut soonest = None;
+    if limited::misses_time(job, &done.plan) {
+        match limited::sooner(&mut sections, &Asked { first: First::Effort, ..asked.clone() }, &done) {
+            Sooner::Kept(sooner) => done = *sooner,
+            Sooner::Missed(plan) => soonest = plan.map(|plan| *plan),
+        }
+    }
+    let Done { plan, end, .. } = done;
     let least_effort_rad = plan.bound.to_radians();
+    let least_s = limited::least_s(&sections, order, stance.as_ref());
     let known = &mut |limit: &Requirement| Known {
+        none_keeps_all,
         least: match limit.outcome.as_str() {
             "effort" => Some(least_effort_rad),
-            "reconfigurations" => fewest,
+            "reconfigurations" => fewest.as_ref().map(|plan| plan.outcomes["reconfigurations"]),
+            "time" => Some(least_s),
             _ => None,
         },
+        other: if limit.outcome == "time" { soonest.clone() } else { fewest.clone() },
         ..Known::default()
     };
     let kept = require(job, &plan, known, sink);
     Some(((kept == Kept::Yes).then_some(plan), end))
 }
 
-fn is_kept(limit: &Requirement, plan: &Plan) -> bool {
-    plan.outcomes.get(&limit.outcome).is_none_or(|reached| keeps(limit, *reached) == Kept::Yes)
+/// What a plan is asked for.
+#[derive(Clone)]
+pub struct Asked<'a> {
+    pub job: &'a Job,
+    pub order: &'a FingersOrder,
+    /// Where everything is; `None` before the device's first task.
+    pub stance: Option<&'a Stance>,
+    pub first: First,
+    /// The most reconfigurations of each stretch; those that it has no number for may have any.
+    pub gaits: Vec<Option<u32>>,
 }
 
-/// Whether a plan is above a limit of an outcome.
-fn misses(job: &Job, plan: &Plan, outcome: &str) -> bool {
-    job.requirements.iter().any(|limit| limit.outcome == outcome && is_upper(limit) && !is_kept(limit, plan))
+/// A plan whatever its limits.
+pub struct Done {
+    /// Its proof is of what it was chosen by first.
+    pub plan: Plan,
+    /// Where everything is after it.
+    pub end: Stance,
+    pub stretches: Vec<Stretch>,
 }
 
-/// A plan whatever its limits, and where everything is after it. Its proof is of what it was chosen by first.
-fn carried_out(order: &FingersOrder, stance: Option<&Stance>, first: First, sink: &mut Sink) -> Option<(Plan, Stance)> {
-    let mut sections = match Sections::of(order) {
-        Ok(sections) => sections,
-        Err(error) => {
-            sink.push(Why { order, at: 0 }.not_followed(&error));
-            return None;
-        }
-    };
+/// What a stretch of a plan comes to.
+#[derive(Debug, Clone, Copy)]
+pub struct Stretch {
+    /// The effort, in units of [`costs`].
+    pub cost: u64,
+    pub gaits: u64,
+    /// Whether no way of the stretch has less effort, within the limit that it was asked for.
+    pub is_best: bool,
+}
+
+impl Done {
+    /// Its reconfigurations.
+    pub fn gaits(&self) -> u64 {
+        self.stretches.iter().map(|stretch| stretch.gaits).sum()
+    }
+}
+
+/// Why there is no plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stop {
+    /// It is proven that there is none.
+    Proven,
+    /// None was found.
+    Open,
+}
+
+/// A plan, or why there is none, which is reported if a sink is given.
+pub fn carried_out(sections: &mut Sections, asked: &Asked, mut sink: Option<&mut Sink>) -> Result<Done, Stop> {
+    let Asked { job, order, stance, .. } = *asked;
     let start = stance.cloned().unwrap_or_else(|| sections.hand().home(order.part.position_um));
-    let mut tally = Tally::of(order, start.clone(), first);
-    for stretch in stretches(order) {
-        tally.carry_out(&mut sections, stretch, sink)?;
+    let mut tally = Tally::of(asked, start.clone());
+    for (index, stretch) in stretches(order).into_iter().enumerate() {
+        tally.carry_out(sections, (index, stretch), &mut sink)?;
     }
     let course = Course { start, steps: tally.acts };
-    let motion = match sections.hand().motion(&course) {
-        Ok(motion) => motion,
-        Err(error) => {
-            sink.push(Why { order, at: 0 }.no_way(&error));
-            return None;
+    let motion = sections.hand().motion(&course).map_err(|error| {
+        if let Some(sink) = &mut sink {
+            sink.push(Why { order, job, stance, at: 0 }.no_way(&error));
         }
-    };
+        Stop::Open
+    })?;
     let end = ways::end(&motion);
     if let Some(share) = kept_back(order).filter(|_| tally.sums.cost > 0) {
         let text = format!("{share} % of friction and forces while it rolls (`rolling_reserve`)");
         tally.sums.remarks.push(Remark { subject: "kept back".to_owned(), text });
     }
-    Some((tally.sums.plan(order, motion), end))
+    let stretches = std::mem::take(&mut tally.stretches);
+    Ok(Done { plan: tally.sums.plan(order, motion), end, stretches })
 }
 
 /// The steps of an order, cut after each release.
-fn stretches(order: &FingersOrder) -> Vec<Range<usize>> {
+pub fn stretches(order: &FingersOrder) -> Vec<Range<usize>> {
     let mut stretches = Vec::new();
     let mut begin = 0;
     for (step, _) in order.steps.iter().enumerate().filter(|(_, step)| step.action == Action::Release) {
@@ -137,14 +194,15 @@ fn stretches(order: &FingersOrder) -> Vec<Range<usize>> {
 
 /// A plan while its stretches are carried out.
 struct Tally<'a> {
+    asked: &'a Asked<'a>,
     order: &'a FingersOrder,
     acts: Vec<Vec<Act>>,
     held: Option<Holding>,
     orientation: UnitQuaternion<f64>,
     /// Whether the part may be turned otherwise by now, had another way been taken.
     may_differ: bool,
-    first: First,
     sums: Sums,
+    stretches: Vec<Stretch>,
 }
 
 /// What the stretches cost together.
@@ -160,30 +218,38 @@ struct Sums {
 }
 
 impl<'a> Tally<'a> {
-    fn of(order: &'a FingersOrder, start: Stance, first: First) -> Tally<'a> {
+    fn of(asked: &'a Asked, start: Stance) -> Tally<'a> {
+        let order = asked.order;
         let Hold { grasp, plane, orientation: [w, x, y, z], .. } = start.hold;
         let held = Grasp::of(&grasp).filter(|grasp| grasp.holding() > 0);
         Tally {
+            asked,
             order,
             acts: vec![Vec::new(); order.steps.len()],
             held: held.map(|grasp| Holding { grasp, plane }),
             orientation: UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
             may_differ: false,
-            first,
+            stretches: Vec::new(),
             sums: Sums { cost: 0, bound: 0, is_best: true, reconfigurations: 0, remarks: Vec::new() },
         }
     }
 
-    /// Plans a stretch and does what it says; `None` after an error.
-    fn carry_out(&mut self, sections: &mut Sections, stretch: Range<usize>, sink: &mut Sink) -> Option<()> {
+    /// Plans a stretch and does what it says.
+    fn carry_out(
+        &mut self,
+        sections: &mut Sections,
+        (index, stretch): (usize, Range<usize>),
+        sink: &mut Option<&mut Sink>,
+    ) -> Result<(), Stop> {
         let takes = stretch.clone().any(|step| {
             matches!(
                 self.order.steps[step].action,
                 Action::Grasp(_) | Action::Rotate { .. } | Action::Orient { .. } | Action::Translate(_)
             )
         });
+        self.stretches.push(Stretch { cost: 0, gaits: 0, is_best: true });
         if takes {
-            self.turn(sections, stretch.clone(), sink)?;
+            self.turn(sections, (index, stretch.clone()), sink)?;
         }
         for step in stretch {
             match &self.order.steps[step].action {
@@ -193,27 +259,43 @@ impl<'a> Tally<'a> {
                 Action::Grasp(_) | Action::Rotate { .. } | Action::Orient { .. } => (),
             }
         }
-        Some(())
+        Ok(())
+    }
+
+    fn why(&self, at: usize) -> Why<'a> {
+        Why { order: self.order, job: self.asked.job, stance: self.asked.stance, at }
     }
 
     /// The cheapest way through the turns of a stretch.
-    fn turn(&mut self, sections: &mut Sections, stretch: Range<usize>, sink: &mut Sink) -> Option<()> {
+    fn turn(
+        &mut self,
+        sections: &mut Sections,
+        (index, stretch): (usize, Range<usize>),
+        sink: &mut Option<&mut Sink>,
+    ) -> Result<(), Stop> {
         let mut planned = routes(self.order, stretch.clone(), self.held);
         // Under a load another way before might have left the part so that it is held more easily.
         if self.may_differ && self.order.load_un != [0.0; 3] {
             let least = planned.routes.iter().map(|route| steps_of(route)).min().unwrap_or_default();
             planned.left_out = Some(planned.left_out.map_or(least, |known| known.min(least)));
         }
-        let way = match sound(self.order, sections, &planned, self.orientation, self.first) {
+        let gaits = self.asked.gaits.get(index).copied().flatten();
+        let way = match sound(self.order, sections, &planned, self.orientation, (self.asked.first, gaits)) {
             Ok(Answer::Found(way)) => way,
             Ok(stuck) => {
-                let why = Why { order: self.order, at: stuck_at(&planned, &stuck) };
-                sink.push(why.stuck(&stuck, &planned, (self.held, self.orientation, stretch)));
-                return None;
+                let is_proven = matches!(stuck, Answer::Impossible(_)) && planned.left_out.is_none();
+                let is_exact = self.order.planner != Planner::GreedyDecomposition;
+                if let Some(sink) = sink {
+                    let why = self.why(stuck_at(&planned, &stuck));
+                    sink.push(why.stuck(&stuck, &planned, (self.held, self.orientation, stretch)));
+                }
+                return Err(if is_proven && is_exact { Stop::Proven } else { Stop::Open });
             }
-            Err(too_many) => {
-                sink.push(Why { order: self.order, at: stretch.start }.too_many(&too_many));
-                return None;
+            Err(none) => {
+                if let Some(sink) = sink {
+                    sink.push(self.why(stretch.start).no_tables(&none));
+                }
+                return Err(Stop::Open);
             }
         };
         let route = &planned.routes[way.route];
@@ -222,14 +304,17 @@ impl<'a> Tally<'a> {
         let begins = stretch.clone().find(is_grasp).map_or(first, |grasp| grasp.min(first));
         let fingers = self.order.facts.fingers as usize;
         follow(&mut self.acts, (route, &way), self.held.is_none().then_some(begins), fingers);
-        self.sums.cost += effort(self.order, &way);
-        let bound = match self.first {
+        let cost = effort(self.order, &way);
+        self.sums.cost += cost;
+        let bound = match self.asked.first {
             First::Effort => way.bound,
             First::Reconfigurations => 0,
         };
         self.sums.bound += planned.left_out.map_or(bound, |steps| bound.min(2 * ROLL * steps));
-        self.sums.is_best &= planned.left_out.is_none() && way.bound >= way.cost;
+        let is_best = planned.left_out.is_none() && way.bound >= way.cost;
+        self.sums.is_best &= is_best;
         self.sums.reconfigurations += reconfigurations(&way);
+        self.stretches[index] = Stretch { cost, gaits: reconfigurations(&way), is_best };
         let is_free = |step: usize| matches!(self.order.steps[step].action, Action::Orient { .. });
         self.may_differ |= planned.routes.len() > 1;
         if route.iter().any(|turning| is_free(turning.step)) {
@@ -239,51 +324,77 @@ impl<'a> Tally<'a> {
         for turning in route {
             self.orientation = sections.turned(self.orientation, turning.turn);
         }
-        let last = way.legs.last().and_then(|nodes| nodes.last())?;
-        self.held = route.last().map(|turning| Holding { grasp: last.grasp, plane: turning.turn.plane });
-        Some(())
+        let last = way.legs.last().and_then(|nodes| nodes.last());
+        self.held =
+            route.last().zip(last).map(|(turning, last)| Holding { grasp: last.grasp, plane: turning.turn.plane });
+        Ok(())
     }
 
     /// All fingers leave, each when those that stay hold by themselves.
-    fn release(&mut self, sections: &mut Sections, step: usize, sink: &mut Sink) -> Option<()> {
-        let Some(holding) = self.held.take() else { return Some(()) };
+    fn release(&mut self, sections: &mut Sections, step: usize, sink: &mut Option<&mut Sink>) -> Result<(), Stop> {
+        let Some(holding) = self.held.take() else { return Ok(()) };
         let Some(order) = sections.leaving(holding, self.orientation) else {
-            sink.push(Why { order: self.order, at: step }.stuck_fingers());
-            return None;
+            if let Some(sink) = sink {
+                sink.push(self.why(step).stuck_fingers());
+            }
+            return Err(Stop::Open);
         };
         self.acts[step].push(Act::Release { order });
-        Some(())
+        Ok(())
     }
 }
 
-/// The answer of the planner, with a way whose grasps hold all the time.
+/// The answer of the planner, with a way whose grasps hold all the time, within a limit of reconfigurations.
 ///
-/// A way with a grasp that lapses between two angles is searched again without that step, as often as it takes: every search has
-/// fewer steps left. All of them together keep to the budget.
+/// Under a load what holds is asked grasp by grasp first, with a half of the looks; where these do not do, of tables.
 ///
 /// # Errors
-/// Where a section has too many contacts for its tables.
+/// Where a section has too many contacts for its tables, or the looks are spent.
 pub fn sound(
     order: &FingersOrder,
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
-    first: First,
-) -> Result<Answer, TooManyGrasps> {
-    let (mut left, mut bound) = (order.expansions, 0);
+    chosen: (First, Option<u32>),
+) -> Result<Answer, NoTables> {
+    if order.load_un == [0.0; 3] {
+        return lasting(order, sections, planned, orientation, chosen);
+    }
+    let looks = Rc::clone(sections.looks());
+    looks.hold_half_back();
+    let answer = lasting(order, sections, planned, orientation, chosen);
+    looks.give_back();
+    let Ok(Answer::LooksSpent { bound }) = answer else { return answer };
+    sections.deal_with_load(Loaded::Tabulated);
+    let tabulated = lasting(order, sections, planned, orientation, chosen);
+    sections.deal_with_load(Loaded::Asked);
+    Ok(tabulated.unwrap_or(Answer::LooksSpent { bound }))
+}
+
+/// A way with a grasp that lapses between two angles is searched again without that step, as often as it takes: every search has
+/// fewer steps left. All of them together keep to the budget.
+fn lasting(
+    order: &FingersOrder,
+    sections: &mut Sections,
+    planned: &Routes,
+    orientation: UnitQuaternion<f64>,
+    chosen: (First, Option<u32>),
+) -> Result<Answer, NoTables> {
+    let (mut left, mut least) = (order.expansions, 0);
     loop {
-        match answer(order, sections, planned, orientation, (first, Budget::of(left)))? {
+        match answer(order, sections, planned, orientation, chosen, Budget::of(left))? {
             Answer::Found(way) => {
                 if sections.sift(&planned.routes[way.route], &way, orientation) == Sifted::Sound {
                     return Ok(Answer::Found(way));
                 }
                 left = left.saturating_sub(way.expanded);
-                bound = way.bound;
+                least = way.bound;
             }
             Answer::GaveUp(gave_up) => {
-                let (budget, bound) = (Budget::of(order.expansions), bound.max(gave_up.bound));
+                let (budget, bound) = (Budget::of(order.expansions), least.max(gave_up.bound));
                 return Ok(Answer::GaveUp(GaveUp { budget, spent: budget.steps, bound }));
             }
+            Answer::LooksSpent { bound } => return Ok(Answer::LooksSpent { bound: bound.max(least) }),
             other @ (Answer::Impossible(_) | Answer::TooLarge { .. }) => return Ok(other),
         }
     }
@@ -323,8 +434,9 @@ fn answer(
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
-    (first, budget): (First, Budget),
-) -> Result<Answer, TooManyGrasps> {
+    (first, gaits): (First, Option<u32>),
+    budget: Budget,
+) -> Result<Answer, NoTables> {
     let legs: Result<Vec<_>, _> = planned.routes.iter().map(|route| sections.legs(route, orientation)).collect();
     let request = Request {
         fingers: order.facts.fingers as usize,
@@ -334,6 +446,7 @@ fn answer(
             First::Effort => costs(order),
             First::Reconfigurations => Costs { roll: 1, gait: MORE_THAN_ALL_ROLLING },
         },
+        within: Within { gaits, looks: Rc::clone(sections.looks()) },
     };
     Ok(match order.planner {
         Planner::JointAstar => graph::solve(&request, Estimator::Layers, budget),
@@ -347,7 +460,7 @@ fn stuck_at(planned: &Routes, answer: &Answer) -> usize {
     let at = |route: usize, leg: usize| planned.routes.get(route).and_then(|route| route.get(leg));
     let leg = match answer {
         Answer::Impossible(blocked) => at(blocked.route, blocked.leg),
-        Answer::Found(_) | Answer::GaveUp(_) | Answer::TooLarge { .. } => at(0, 0),
+        Answer::Found(_) | Answer::GaveUp(_) | Answer::LooksSpent { .. } | Answer::TooLarge { .. } => at(0, 0),
     };
     leg.map_or(0, |turning| turning.step)
 }

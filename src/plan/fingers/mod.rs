@@ -3,6 +3,8 @@
 mod course;
 pub mod graph;
 mod job;
+mod limited;
+pub mod looks;
 pub mod mechanics;
 pub mod routes;
 mod sections;

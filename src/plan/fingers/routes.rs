@@ -11,8 +11,8 @@ use std::ops::Range;
 /// The most routes that one stretch is searched over; those that turn most are left out beyond it.
 pub const MAX_ROUTES: usize = 256;
 
-/// As many where a load makes the tables of every leg differ, which then take most of the time.
-pub const MAX_LOADED_ROUTES: usize = 4;
+/// As many under a load, where what holds is found out for every leg anew.
+pub const MAX_LOADED_ROUTES: usize = 64;
 
 /// A leg of a route.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

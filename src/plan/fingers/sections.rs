@@ -1,15 +1,18 @@
 //! The sections of a part made ready for planning: their curves, the ways to their contacts, and the tables of their grasp graphs.
 
 use super::graph::{Entry, Grasp, Leg, Node, Way};
-use super::mechanics::{self, Asked, Closer, Contacts, Load, TooManyGrasps, forbid};
+use super::looks::Looks;
+use super::mechanics::{self, Asked, Closer, Contacts, Lazy, Load, NoTables, forbid};
 use super::routes::{Holding, Route, Turning};
 use super::tables::Tables;
 use super::ways::{Hand, Reach, Side};
 use crate::check::claims::fingers::{FingersOrder, Section, Turn};
 use crate::device::fingers::{Facts, Plane};
 use crate::geometry::outline::{Curve, OutlineError};
+use crate::real::Real;
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// After so many lapses of one layer all its steps are looked at closely.
@@ -32,6 +35,19 @@ pub struct Sections<'a> {
     known: BTreeMap<Key, Arc<Tables>>,
     /// How many grasps of a layer were found to lapse.
     lapses: BTreeMap<(Key, usize), u32>,
+    /// What there is under a load, where it is asked for grasp by grasp.
+    lazy: BTreeMap<Key, Rc<Lazy>>,
+    loaded: Loaded,
+    looks: Rc<Looks>,
+}
+
+/// How a load is dealt with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Loaded {
+    /// What holds is found out grasp by grasp, as the search comes to them.
+    Asked,
+    /// Tables of all grasps at all angles are made before the search, which knows more from the beginning.
+    Tabulated,
 }
 
 /// A section with what is asked of it all the time.
@@ -45,24 +61,48 @@ struct Ready<'a> {
 /// its lowest angle.
 type Key = (Plane, Option<([u64; 4], i32)>);
 
+/// The key of a plane's tables without a load, whose fingers may leave wherever they may come.
+fn unloaded(plane: Plane) -> Key {
+    (plane, Some(([u64::MAX; 4], 0)))
+}
+
 impl<'a> Sections<'a> {
     /// The sections of an order's part.
     ///
     /// # Errors
     /// Where an outline cannot be followed; the checker refuses such parts.
-    pub fn of(order: &'a FingersOrder) -> Result<Sections<'a>, OutlineError> {
+    pub fn of(order: &'a FingersOrder, looks: Rc<Looks>) -> Result<Sections<'a>, OutlineError> {
         let ready = |section: &'a Section| -> Result<Ready<'a>, OutlineError> {
             let curve = Curve::of(&section.outline)?;
             let reach = Reach::new(&curve, &order.facts, section.contacts);
             Ok(Ready { section, curve, reach })
         };
         let xz = order.part.xz.as_ref().map(ready).transpose()?;
-        Ok(Sections { order, xy: ready(&order.part.xy)?, xz, known: BTreeMap::new(), lapses: BTreeMap::new() })
+        Ok(Sections {
+            order,
+            xy: ready(&order.part.xy)?,
+            xz,
+            known: BTreeMap::new(),
+            lapses: BTreeMap::new(),
+            lazy: BTreeMap::new(),
+            loaded: Loaded::Asked,
+            looks,
+        })
     }
 
     /// The hand with its sections, for the ways of its fingers.
     pub fn hand(&self) -> Hand<'_> {
         Hand { facts: &self.order.facts, xy: self.xy.side(), xz: self.xz.as_ref().map(Ready::side) }
+    }
+
+    /// The looks that its searches may still take.
+    pub fn looks(&self) -> &Rc<Looks> {
+        &self.looks
+    }
+
+    /// From now on a load is dealt with so.
+    pub fn deal_with_load(&mut self, loaded: Loaded) {
+        self.loaded = loaded;
     }
 
     fn ready(&self, plane: Plane) -> &Ready<'a> {
@@ -74,6 +114,23 @@ impl<'a> Sections<'a> {
         self.ready(plane).section.step_rad
     }
 
+    /// How far the tip that moves least moves at least while the part turns by a step in a plane; tips may be off their contacts by the
+    /// tolerance.
+    pub fn least_way_um(&self, plane: Plane) -> f64 {
+        let ready = self.ready(plane);
+        let facts = &self.order.facts;
+        let contacts = ready.contacts(facts).after(0.0);
+        let step_rad = ready.section.step_rad;
+        let (sin, cos) = step_rad.sine_cosine();
+        let moved_um = |contact: usize| {
+            let [x, y] = contacts[(contact + contacts.len() - 1) % contacts.len()].tip_um;
+            let [from_x, from_y] = contacts[contact].tip_um;
+            (x * cos - y * sin - from_x).hypotenuse(x * sin + y * cos - from_y)
+        };
+        let least_um = (0..contacts.len()).map(moved_um).fold(f64::INFINITY, f64::min);
+        (least_um - 2.0 * facts.tolerance_um * step_rad).max(0.0)
+    }
+
     /// The contact opposite to the first one in a plane, from 0.
     fn opposite(&self, plane: Plane) -> usize {
         self.ready(plane).section.opposite.map_or(0, |contact| contact as usize - 1)
@@ -83,7 +140,7 @@ impl<'a> Sections<'a> {
     ///
     /// # Errors
     /// Where a section has too many contacts for its tables.
-    pub fn legs(&mut self, route: &Route, start: UnitQuaternion<f64>) -> Result<Vec<Leg>, TooManyGrasps> {
+    pub fn legs(&mut self, route: &Route, start: UnitQuaternion<f64>) -> Result<Vec<Leg>, NoTables> {
         let mut legs = Vec::with_capacity(route.len());
         let mut orientation = start;
         let mut before: Option<Plane> = None;
@@ -95,8 +152,12 @@ impl<'a> Sections<'a> {
                 Some(_) | None => Entry::Same,
             };
             let [lowest, highest] = self.angles(*turn);
-            let tables = self.tables(turn.plane, orientation, [lowest, highest])?;
-            legs.push(Leg { tables, steps: turn.steps, lowest, highest, entry, end: *pin });
+            let lazy = self.lazy(turn.plane, orientation, lowest);
+            let tables = match &lazy {
+                Some(_) => self.loosest(turn.plane)?,
+                None => self.tables(turn.plane, orientation, [lowest, highest])?,
+            };
+            legs.push(Leg { tables, steps: turn.steps, lowest, highest, entry, end: *pin, lazy });
             orientation = self.turned(orientation, *turn);
             before = Some(turn.plane);
         }
@@ -131,6 +192,10 @@ impl<'a> Sections<'a> {
             let ready = ready(&self.xy, self.xz.as_ref(), plane);
             let closer = Closer::of(&self.order.facts, ready.contacts(&self.order.facts), load);
             for (angle, grasp) in rolls(nodes).filter(|(angle, grasp)| !closer.lasts(*angle, &contacts_of(*grasp))) {
+                if let Some(lazy) = self.lazy.get(&lazy_key(plane, orientation, lowest)) {
+                    lazy.forbid(angle, &contacts_of(grasp));
+                    sifted = Sifted::Lapsed;
+                }
                 let Some(tables) = self.known.get_mut(&key) else { continue };
                 let tables = Arc::make_mut(tables);
                 let layer = if tables.layers.len() == 1 { 0 } else { (angle - lowest) as usize };
@@ -152,7 +217,10 @@ impl<'a> Sections<'a> {
     ///
     /// Of three fingers the first one leaves as in a turn; what the part then rests on holds it against the last two.
     pub fn leaving(&mut self, holding: Holding, orientation: UnitQuaternion<f64>) -> Option<Vec<usize>> {
-        let tables = self.tables(holding.plane, orientation, [0, 0]).ok()?;
+        let tables =
+            self.lazy(holding.plane, orientation, 0).is_none().then(|| self.tables(holding.plane, orientation, [0, 0]));
+        let tables = tables.transpose().ok()?;
+        let lazy = self.lazy(holding.plane, orientation, 0);
         let reach = &self.ready(holding.plane).reach;
         let held = |finger: &usize| Some((*finger, holding.grasp.contact(*finger)?));
         let mut stay: Vec<(usize, usize)> = (0..self.order.facts.fingers as usize).filter_map(|f| held(&f)).collect();
@@ -162,7 +230,11 @@ impl<'a> Sections<'a> {
                 let rest: Vec<usize> =
                     stay.iter().map(|(_, contact)| *contact).filter(|c| *c != stay[*index].1).collect();
                 let holds = match rest.as_slice() {
-                    [i, j] => tables.layer(0).leave.has(tables.three(*i, *j, stay[*index].1)),
+                    [i, j] => match (&lazy, &tables) {
+                        (Some(lazy), _) => lazy.leaves(0, [*i, *j], stay[*index].1),
+                        (None, Some(tables)) => tables.layer(0).leave.has(tables.three(*i, *j, stay[*index].1)),
+                        (None, None) => false,
+                    },
                     _ => true,
                 };
                 holds && reach.way(stay[*index].1, &rest).is_some()
@@ -172,13 +244,46 @@ impl<'a> Sections<'a> {
         Some(order)
     }
 
+    /// What there is under the load of a leg, unless it has tables of its own.
+    fn lazy(&mut self, plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32) -> Option<Rc<Lazy>> {
+        if self.order.load_un == [0.0; 3] || self.loaded == Loaded::Tabulated {
+            return None;
+        }
+        let key = lazy_key(plane, orientation, lowest);
+        if let Some(known) = self.lazy.get(&key) {
+            return Some(Rc::clone(known));
+        }
+        let load = Load::seen(plane, &orientation, self.order.load_un, self.order.part.centre_um);
+        let facts = &self.order.facts;
+        let lazy = Rc::new(Lazy::of(facts, &self.ready(plane).contacts(facts), load, Rc::clone(&self.looks)));
+        self.lazy.insert(key, Rc::clone(&lazy));
+        Some(lazy)
+    }
+
+    /// The tables of a plane of which those under any load are a part: nothing acts, and fingers leave wherever they may come.
+    fn loosest(&mut self, plane: Plane) -> Result<Arc<Tables>, NoTables> {
+        if let Some(known) = self.known.get(&unloaded(plane)) {
+            return Ok(Arc::clone(known));
+        }
+        let facts = &self.order.facts;
+        let ready = self.ready(plane);
+        let asked = Asked { facts, contacts: ready.contacts(facts), load: Load::NONE, lowest: 0, angles: 1 };
+        let mut tables = mechanics::tables(&asked, &self.looks, &mut |i, j, k| ready.reach.reaches(i, j, k))?;
+        for layer in &mut tables.layers {
+            layer.leave = layer.place.clone();
+        }
+        let tables = Arc::new(tables);
+        self.known.insert(unloaded(plane), Arc::clone(&tables));
+        Ok(tables)
+    }
+
     /// The tables of a leg in a plane that begins in an orientation and visits these angles.
     fn tables(
         &mut self,
         plane: Plane,
         orientation: UnitQuaternion<f64>,
         [lowest, highest]: [i32; 2],
-    ) -> Result<Arc<Tables>, TooManyGrasps> {
+    ) -> Result<Arc<Tables>, NoTables> {
         let load = Load::seen(plane, &orientation, self.order.load_un, self.order.part.centre_um);
         let key = key(plane, orientation, lowest, &load);
         if let Some(known) = self.known.get(&key) {
@@ -189,7 +294,7 @@ impl<'a> Sections<'a> {
         let contacts = ready.contacts(facts);
         let angles = (highest - lowest) as usize + 1;
         let asked = Asked { facts, contacts, load, lowest: i64::from(lowest), angles };
-        let tables = Arc::new(mechanics::tables(&asked, &mut |i, j, k| ready.reach.reaches(i, j, k))?);
+        let tables = Arc::new(mechanics::tables(&asked, &self.looks, &mut |i, j, k| ready.reach.reaches(i, j, k))?);
         self.known.insert(key, Arc::clone(&tables));
         Ok(tables)
     }
@@ -211,6 +316,12 @@ fn contacts_of(grasp: Grasp) -> Vec<usize> {
 fn rolls(nodes: &[Node]) -> impl Iterator<Item = (i32, Grasp)> {
     let steps = nodes.windows(2).filter(|pair| pair[0].angle != pair[1].angle);
     steps.filter_map(|pair| pair.iter().min_by_key(|node| node.angle)).map(|node| (node.angle, node.grasp))
+}
+
+/// What the answers of a leg under a load are known by.
+fn lazy_key(plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32) -> Key {
+    let [x, y, z, w]: [f64; 4] = orientation.coords.into();
+    (plane, Some(([x, y, z, w].map(f64::to_bits), lowest)))
 }
 
 /// What the tables of a leg are known by.

@@ -1,20 +1,25 @@
 //! Why a stretch of a task has no plan, in words: which turn, how far it comes, and what would open it.
 
+use super::Stance;
 use super::graph::{Answer, Blocked};
-use super::job::{First, sound};
-use super::mechanics::{Contacts, Grip, Load, TooManyGrasps};
+use super::job::{Asked, First, MOST_LOOKS, carried_out, sound};
+use super::looks::Looks;
+use super::mechanics::{Contacts, Grip, Load, NoTables};
 use super::routes::{Holding, Routes, Turning, routes};
 use super::sections::Sections;
 use super::ways::WayError;
+use crate::check::claims::Job;
 use crate::check::claims::fingers::{Action, FingersOrder, Part, Planner, Section};
+use crate::check::fingers::contacts;
 use crate::device::MAX_EXPANSIONS;
-use crate::device::fingers::{AXES, Adhesion, Facts, MAX_GRASPS, Plane};
+use crate::device::fingers::{AXES, Adhesion, Facts, MAX_CONTACTS, MAX_GRASPS, Plane};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::outline::{Curve, OutlineError};
 use crate::plan::search::GaveUp;
 use crate::quantity::digits;
 use nalgebra::UnitQuaternion;
 use std::ops::Range;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// The greatest friction that a help looks for.
@@ -23,14 +28,37 @@ const MOST_FRICTION: f64 = 2.0;
 /// How finely a help tells a figure that would do.
 const GRAIN: f64 = 0.01;
 
+/// Looks that the search for what would open a way may take: a fifth of those of the search that found none.
+const EXPLAINING_LOOKS: u64 = MOST_LOOKS / 5;
+
 /// What a stretch begins with: what the fingers hold, how the part is turned, and its steps.
 pub type Begins = (Option<Holding>, UnitQuaternion<f64>, Range<usize>);
 
 /// The words for the messages about one step.
 pub struct Why<'a> {
     pub order: &'a FingersOrder,
+    pub job: &'a Job,
+    /// Where everything is when the task begins; `None` before the device's first one.
+    pub stance: Option<&'a Stance>,
     /// Index of the order's steps.
     pub at: usize,
+}
+
+/// What is known of a plan with other figures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Known {
+    There,
+    /// Proven for the stretch that has none as it is.
+    None,
+    /// The looks are spent.
+    Nothing,
+}
+
+/// Trials of other figures, which share their looks.
+struct Trials<'a> {
+    why: &'a Why<'a>,
+    begins: &'a Begins,
+    looks: Rc<Looks>,
 }
 
 impl Why<'_> {
@@ -43,6 +71,7 @@ impl Why<'_> {
         match answer {
             Answer::Impossible(blocked) => self.impossible(blocked, planned, begins),
             Answer::GaveUp(gave_up) => self.gave_up(gave_up),
+            Answer::LooksSpent { bound } => self.looks_spent(*bound),
             Answer::TooLarge { nodes } => {
                 Diagnostic::new(Code::E0602, format!("{} has {nodes} grasps, more than can be searched", self.what()))
                     .label(self.span(), "this turn")
@@ -70,6 +99,15 @@ impl Why<'_> {
             .help(help)
     }
 
+    /// The looks that a task may take are spent.
+    fn looks_spent(&self, bound: u64) -> Diagnostic {
+        let bound = digits(bound as f64 / f64::from(self.order.facts.steps_per_turn));
+        let title = format!("{}: the search gave up after {MOST_LOOKS} looks at grasps", self.what());
+        Diagnostic::new(Code::E0602, title)
+            .label(self.span(), format!("neither planned nor disproved; no plan costs less than {bound} deg"))
+            .help("make the grasps fewer: by a larger `step`, larger tips or shorter tasks")
+    }
+
     /// What a step does, as the subject of a sentence.
     fn what(&self) -> String {
         match self.order.steps.get(self.at).map(|step| &step.action) {
@@ -83,10 +121,9 @@ impl Why<'_> {
     }
 
     fn impossible(&self, blocked: &Blocked, planned: &Routes, begins: Begins) -> Diagnostic {
+        let trials = Trials { why: self, begins: &begins, looks: Rc::new(Looks::of(EXPLAINING_LOOKS)) };
         if self.order.planner == Planner::GreedyDecomposition {
-            return Diagnostic::new(Code::E0602, format!("the greedy planner is stuck at {}", self.what()))
-                .label(self.span(), "neither planned nor disproved: the turns before it end where it has no way")
-                .help("leave `using` out: Tweeze's own planner finds a plan, or proves that there is none");
+            return self.greedy(&trials);
         }
         let route = &planned.routes[blocked.route];
         let leg = route[blocked.leg];
@@ -108,11 +145,30 @@ impl Why<'_> {
         }
         let title = match blocked.farthest {
             None => format!("{} cannot begin: its first grasp does not hold", self.what()),
-            Some(_) => format!("no sequence of stable grasps carries out {}", self.what()),
+            Some(_) if blocked.is_known => format!("no sequence of stable grasps carries out {}", self.what()),
+            Some(_) => {
+                format!("no sequence of stable grasps carries out the turns up to {}, or those after it", self.what())
+            }
         };
         Diagnostic::new(Code::E0601, title)
             .label(self.span(), format!("{}{}", self.told(blocked, leg, next), self.kept_back()))
-            .help_if(self.openings(begins))
+            .help_if(self.openings(&trials))
+    }
+
+    /// The greedy planner ends where it has no way, which says nothing of other ways.
+    fn greedy(&self, trials: &Trials) -> Diagnostic {
+        let stuck = Diagnostic::new(Code::E0602, format!("the greedy planner is stuck at {}", self.what()));
+        match trials.try_with(&changed(self.order, &|_| ())) {
+            Known::There => stuck
+                .label(self.span(), "the turns before it end where it has no way")
+                .help("leave `using` out: Tweeze's own planner finds a plan"),
+            Known::None => stuck
+                .label(self.span(), "Tweeze's own planner proves that there is no plan")
+                .help("leave `using` out: what would open a way is then looked for"),
+            Known::Nothing => {
+                stuck.label(self.span(), "neither planned nor disproved: the turns before it end where it has no way")
+            }
+        }
     }
 
     /// The torque of the load about the line through the two contacts that a stretch must begin with, where tips do not bear it.
@@ -161,6 +217,9 @@ impl Why<'_> {
             let what = junction.unwrap_or_else(|| "at its end no grasp holds".to_owned());
             return format!("{what}, and that lets go");
         }
+        if !blocked.is_known {
+            return junction.map_or("it was not looked at how far fingers come".to_owned(), |junction| junction);
+        }
         let reached = match blocked.farthest {
             Some(angle) if angle != leg.turn.steps => {
                 format!("of {} deg it comes {} deg far", degrees(leg.turn.steps), degrees(angle))
@@ -170,47 +229,47 @@ impl Why<'_> {
         junction.map_or(reached.clone(), |junction| format!("{reached}; {junction}"))
     }
 
-    /// What would open the way: of each figure the value nearest to the device's. Under a load, where each trial takes long, only
-    /// adhesion is tried.
-    fn openings(&self, begins: Begins) -> Option<String> {
-        let opens = |changed: &FingersOrder| is_open(changed, &begins);
+    /// What would open the way: of each figure the value nearest to the device's. Each of them is tried with the whole task.
+    fn openings(&self, trials: &Trials) -> Option<String> {
         let order = self.order;
         let with = |change: &dyn Fn(&mut Facts)| changed(order, change);
+        let is_there = |changed: &FingersOrder| trials.try_with(changed) == Known::There;
         let mut said = Vec::new();
         if order.facts.adhesion == Adhesion::Absent && order.facts.pull_off_un > 0.0 {
             let sticking = with(&|facts| facts.adhesion = Adhesion::Sticking);
-            said.extend(opens(&sticking).then(|| "`adhesion: true`".to_owned()));
+            said.extend(is_there(&sticking).then(|| "`adhesion: true`".to_owned()));
         }
-        if order.load_un != [0.0; 3] {
-            let untried = "more friction, a weaker `removal_safety` or a finer `step` may open it: with a load that was not tried";
-            return Some(said.first().map_or(untried.to_owned(), |said| format!("there is a plan with {said}")));
-        }
-        if kept_back(order).is_some() && opens(&with(&|facts| facts.rolling_reserve = 0.0)) {
+        if kept_back(order).is_some() && is_there(&with(&|facts| facts.rolling_reserve = 0.0)) {
             said.push("`rolling_reserve: 0`".to_owned());
         }
         let friction = |value: f64| with(&|facts| facts.friction = value);
-        let least = nearest([order.facts.friction, MOST_FRICTION], &|value| opens(&friction(value)));
+        let least = nearest([order.facts.friction, MOST_FRICTION], &|value| is_there(&friction(value)));
         said.extend(least.map(|value| format!("`friction: {}`", digits(value))));
         if order.facts.adhesion == Adhesion::Sticking {
             let safety = |value: f64| with(&|facts| facts.removal_safety = value);
-            let most = nearest([order.facts.removal_safety, 0.0], &|value| opens(&safety(value)));
+            let most = nearest([order.facts.removal_safety, 0.0], &|value| is_there(&safety(value)));
             said.extend(most.map(|value| format!("`removal_safety: {}`", digits(value))));
         }
-        let step_deg = 180.0 / f64::from(order.facts.steps_per_turn);
-        let is_finer = begins.0.is_none() && halved(order).is_some_and(|halved| opens(&halved));
-        said.extend(is_finer.then(|| format!("`step: {} deg`", digits(step_deg))));
-        match said.as_slice() {
-            [] => Some(format!(
+        if trials.begins.0.is_none()
+            && let Some((halved, step)) = halved(order)
+        {
+            said.extend(is_there(&halved).then(|| format!("`step: {step} deg`")));
+        }
+        let ended = "the search for what else would open it was ended";
+        match (said.as_slice(), trials.looks.are_spent()) {
+            ([], true) => Some(format!("{ended} without a result")),
+            ([], false) => Some(format!(
                 "neither friction up to {MOST_FRICTION}, nor a weaker `removal_safety`, nor half the step opens it: \
                  turn it otherwise, or take another object or other tips"
             )),
-            said => Some(format!("there is a plan with {}", said.join(", or with "))),
+            (said, true) => Some(format!("there is a plan with {}; {ended}", said.join(", or with "))),
+            (said, false) => Some(format!("there is a plan with {}", said.join(", or with "))),
         }
     }
 
-    /// What is said of sections with too many contacts.
-    pub fn too_many(&self, too_many: &TooManyGrasps) -> Diagnostic {
-        let TooManyGrasps { contacts, layers } = *too_many;
+    /// What is said of sections without tables.
+    pub fn no_tables(&self, none: &NoTables) -> Diagnostic {
+        let NoTables::TooManyGrasps { contacts, layers } = *none else { return self.looks_spent(0) };
         let title = format!("{contacts} contacts at {layers} angles make more than {MAX_GRASPS} grasps of three");
         Diagnostic::new(Code::E0602, title)
             .label(self.span(), "a load makes grasps differ from angle to angle")
@@ -232,7 +291,7 @@ impl Why<'_> {
 
     /// What is said of fingers that cannot go where a plan wants them.
     pub fn no_way(&self, error: &WayError) -> Diagnostic {
-        let at = |step: usize| Why { order: self.order, at: step }.span();
+        let at = |step: usize| Why { at: step, ..*self }.span();
         match *error {
             WayError::Range { step, finger, axis, beyond_um } => {
                 let range_um = self.order.facts.range_um[axis];
@@ -302,11 +361,24 @@ fn planner(planner: Planner) -> &'static str {
     }
 }
 
-/// Whether a stretch has a plan in an order with other figures.
-fn is_open(order: &FingersOrder, (held, orientation, steps): &Begins) -> bool {
-    let Ok(mut sections) = Sections::of(order) else { return false };
-    let planned = routes(order, steps.clone(), *held);
-    matches!(sound(order, &mut sections, &planned, *orientation, First::Effort), Ok(Answer::Found(_)))
+impl Trials<'_> {
+    /// Whether an order with other figures has a plan: the stretch that has none now, and then the whole task within its limits.
+    fn try_with(&self, order: &FingersOrder) -> Known {
+        let (held, orientation, steps) = self.begins;
+        let Ok(mut sections) = Sections::of(order, Rc::clone(&self.looks)) else { return Known::Nothing };
+        let planned = routes(order, steps.clone(), *held);
+        match sound(order, &mut sections, &planned, *orientation, (First::Effort, None)) {
+            Ok(Answer::Found(_)) => {}
+            Ok(Answer::Impossible(_)) if planned.left_out.is_none() => return Known::None,
+            Ok(_) | Err(_) => return Known::Nothing,
+        }
+        let (job, stance) = (self.why.job, self.why.stance);
+        let asked = Asked { job, order, stance, first: First::Effort, gaits: Vec::new() };
+        match carried_out(&mut sections, &asked, None) {
+            Ok(_) => Known::There,
+            Err(_) => Known::Nothing,
+        }
+    }
 }
 
 fn changed(order: &FingersOrder, change: &dyn Fn(&mut Facts)) -> FingersOrder {
@@ -332,27 +404,39 @@ fn nearest([from, to]: [f64; 2], opens: &dyn Fn(f64) -> bool) -> Option<f64> {
     Some(value(open))
 }
 
-/// The order with half its step: twice the contacts, each turn of twice the steps. `None` where a grasp is named by its contacts.
-fn halved(order: &FingersOrder) -> Option<FingersOrder> {
+/// The order with half its step, and that step: twice the contacts, each turn of twice the steps. `None` where a grasp is named by its
+/// contacts, where an orientation would have other ways, and where half the step has other contacts.
+fn halved(order: &FingersOrder) -> Option<(FingersOrder, String)> {
     let mut halved = changed(order, &|facts| facts.steps_per_turn *= 2);
-    halved.part =
-        Arc::new(Part { xy: finer(&order.part.xy), xz: order.part.xz.as_ref().map(finer), ..Part::clone(&order.part) });
+    let step = digits(360.0 / f64::from(halved.facts.steps_per_turn));
+    let is_written = step.parse::<f64>().is_ok_and(|step| step * f64::from(halved.facts.steps_per_turn) == 360.0);
+    if !is_written || halved.facts.steps_per_turn > crate::device::fingers::MAX_STEPS_PER_TURN {
+        return None;
+    }
+    let xy = finer(&order.part.xy, &halved.facts)?;
+    let xz = match &order.part.xz {
+        Some(section) => Some(finer(section, &halved.facts)?),
+        None => None,
+    };
+    halved.part = Arc::new(Part { xy, xz, ..Part::clone(&order.part) });
     for step in &mut halved.steps {
         match &mut step.action {
             Action::Rotate { steps, .. } => *steps *= 2,
-            Action::Orient { turns, .. } => turns.iter_mut().flatten().for_each(|turn| turn.steps *= 2),
-            Action::Grasp(Some(_)) => return None,
+            Action::Grasp(Some(_)) | Action::Orient { .. } => return None,
             Action::Grasp(None) | Action::Translate(_) | Action::Release | Action::Wait(_) => (),
         }
     }
-    (halved.facts.steps_per_turn <= crate::device::fingers::MAX_STEPS_PER_TURN).then_some(halved)
+    Some((halved, step))
 }
 
-fn finer(section: &Section) -> Section {
-    Section {
+/// A section with twice the contacts, if the device samples it so.
+fn finer(section: &Section, facts: &Facts) -> Option<Section> {
+    let finer = Section {
         contacts: section.contacts * 2,
         opposite: section.opposite.map(|contact| 2 * contact - 1),
         step_rad: section.step_rad / 2.0,
         ..section.clone()
-    }
+    };
+    let sampled = contacts(&Curve::of(&section.outline).ok()?, facts);
+    (sampled == (f64::from(finer.contacts), finer.opposite) && finer.contacts <= MAX_CONTACTS).then_some(finer)
 }

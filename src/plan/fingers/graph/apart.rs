@@ -5,8 +5,9 @@
 
 use super::greedy::{alone, grasp};
 use super::route::cheapest;
-use super::{Answer, Entry, Estimator, Leg, Request, Start};
+use super::{Answer, Entry, Estimator, Leg, Request, Start, Within};
 use crate::plan::search::Meter;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// Up to so many routes are searched without a look at their legs apart.
@@ -21,8 +22,8 @@ struct Known<'a> {
     cost: Option<u64>,
 }
 
-/// A bound for each route in the unit of the request's costs; `None` for one that has no way. Without bounds where the budget runs
-/// out meanwhile.
+/// A bound for each route in the unit of the request's costs, whatever the limit of reconfigurations; `None` for one that has no way.
+/// Without bounds where the budget runs out meanwhile.
 pub fn bounds(request: &Request, estimator: Estimator, meter: &mut Meter) -> Option<Vec<Option<u64>>> {
     let mut known: Vec<Known> = Vec::new();
     let mut bounds = Vec::with_capacity(request.routes.len());
@@ -82,9 +83,11 @@ fn apart(
     meter: &mut Meter,
 ) -> Option<Option<u64>> {
     let routes = vec![alone(leg, next)];
-    match cheapest(&Request { fingers: request.fingers, start, routes, costs: request.costs }, estimator, meter) {
+    let within = Within { gaits: None, looks: Rc::clone(&request.within.looks) };
+    match cheapest(&Request { fingers: request.fingers, start, routes, costs: request.costs, within }, estimator, meter)
+    {
         Answer::Found(way) => Some(Some(way.cost)),
         Answer::Impossible(_) => Some(None),
-        Answer::GaveUp(_) | Answer::TooLarge { .. } => None,
+        Answer::GaveUp(_) | Answer::LooksSpent { .. } | Answer::TooLarge { .. } => None,
     }
 }

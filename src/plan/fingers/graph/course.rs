@@ -5,7 +5,9 @@ use super::layout::{Chain, MAX_DIGIT, MAX_LEGS, Sets, Spot, wrapped};
 use super::strands::{Mask, Strands, below};
 use super::{Entry, Grasp, Leg, MAX_NODES, Request};
 use crate::device::fingers::MAX_FINGERS;
-use crate::plan::fingers::tables::Tables;
+use crate::plan::fingers::looks::Looks;
+use crate::plan::fingers::mechanics::Lazy;
+use crate::plan::fingers::tables::{Bits, Tables};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -23,6 +25,10 @@ pub struct Sheet {
     /// How it follows the one before; [`Entry::Same`] for the first.
     pub entry: Entry,
     pub pin: Option<Grasp>,
+    /// See [`Leg::lazy`].
+    pub lazy: Option<Rc<Lazy>>,
+    /// The leg's lowest angle.
+    lowest: i32,
 }
 
 /// A route made ready.
@@ -30,6 +36,9 @@ pub struct Sheet {
 pub struct Course {
     pub sets: Rc<Sets>,
     pub sheets: Vec<Sheet>,
+    /// The most reconfigurations, if they are limited.
+    pub most_gaits: Option<u32>,
+    pub looks: Rc<Looks>,
 }
 
 /// The routes of a request made ready, or the nodes of one that has too many. Legs with the same tables share their strands.
@@ -47,6 +56,7 @@ pub fn courses(request: &Request) -> Result<Vec<Course>, u64> {
     let mut strands = |tables: &Arc<Tables>| match known.iter().find(|(other, _)| Arc::ptr_eq(other, tables)) {
         Some((_, strands)) => strands.clone(),
         None => {
+            request.within.looks.take((tables.contacts.pow(3) / 64 * tables.layers.len()) as u64);
             let made = Rc::new(Strands::of(tables, angles(tables)));
             known.push((tables.clone(), made.clone()));
             made
@@ -54,7 +64,7 @@ pub fn courses(request: &Request) -> Result<Vec<Course>, u64> {
     };
     let course = |route: &Vec<Leg>| {
         let sheets = route.iter().map(|leg| sheet(leg, strands(&leg.tables))).collect();
-        Course { sets: sets.clone(), sheets }
+        Course { sets: sets.clone(), sheets, most_gaits: request.within.gaits, looks: Rc::clone(&request.within.looks) }
     };
     Ok(request.routes.iter().map(course).collect())
 }
@@ -78,6 +88,8 @@ fn sheet(leg: &Leg, strands: Rc<Strands>) -> Sheet {
         end: (leg.steps - leg.lowest) as usize,
         entry: leg.entry,
         pin: leg.end,
+        lazy: leg.lazy.clone(),
+        lowest: leg.lowest,
     }
 }
 
@@ -121,7 +133,25 @@ impl Sheet {
         wrapped(contact + angle % self.contacts, self.contacts) as u16
     }
 
-    /// Whether contacts hold at an angle: two of them, or all three.
+    /// Whether contacts that hold without a load do so with it.
+    #[inline]
+    fn bears(&self, angle: usize, contacts: &[usize]) -> bool {
+        self.lazy.as_ref().is_none_or(|lazy| lazy.holds(self.lowest + angle as i32, contacts))
+    }
+
+    /// Whether contacts that would roll on from an angle without a load do so with it.
+    #[inline]
+    pub fn bears_on(&self, angle: usize, contacts: &[usize]) -> bool {
+        self.lazy.as_ref().is_none_or(|lazy| lazy.rolls(self.lowest + angle as i32, contacts))
+    }
+
+    /// Whether the finger on the last of three contacts may leave under the load.
+    #[inline]
+    pub fn lets_go(&self, angle: usize, [i, j, k]: [usize; 3]) -> bool {
+        self.lazy.as_ref().is_none_or(|lazy| lazy.leaves(self.lowest + angle as i32, [i, j], k))
+    }
+
+    /// Whether contacts hold at an angle, as far as the tables know: two of them, or all three.
     #[inline]
     pub fn holds(&self, angle: usize, contacts: &[usize]) -> bool {
         let layer = self.tables.layer(angle);
@@ -173,7 +203,8 @@ impl Course {
         for (phase, contact) in phases.iter_mut().zip(contacts) {
             *phase = sheet.phase(angle, *contact);
         }
-        sheet.holds(angle, contacts).then_some(Spot { leg, angle, chain: Chain { set, phases } })
+        let holds = sheet.holds(angle, contacts) && sheet.bears(angle, contacts);
+        holds.then_some(Spot { leg, angle, chain: Chain { set, phases } })
     }
 
     /// The node of a grasp; `None` where it does not hold, or is no grasp of this hand on this section.
@@ -203,26 +234,24 @@ impl Course {
         Some(ends.flatten().collect())
     }
 
-    /// The nodes with which a leg may end.
-    pub fn ends(&self, leg: usize) -> Vec<Spot> {
-        self.few_ends(leg).unwrap_or_else(|| self.nodes(leg, self.sheets[leg].end))
+    /// Whether a node of the tables holds under the load.
+    pub fn holds(&self, spot: Spot) -> bool {
+        let (contacts, count) = self.held(spot);
+        self.sheets[spot.leg].bears(spot.angle, &contacts[..count])
     }
 
-    /// All nodes of a leg at an angle.
-    pub fn nodes(&self, leg: usize, angle: usize) -> Vec<Spot> {
-        let contacts = self.sheets[leg].contacts;
-        let mut found = Vec::new();
-        for set in 0..self.sets.len() as u8 {
-            let is_pair = self.sets.is_pair(set);
-            for (i, j) in (0..contacts).flat_map(|i| (0..contacts).map(move |j| (i, j))) {
-                if is_pair {
-                    found.extend(self.spot(leg, angle, set, &[i, j]));
-                } else {
-                    found.extend((0..contacts).filter_map(|k| self.spot(leg, angle, set, &[i, j, k])));
-                }
-            }
-        }
-        found
+    /// The contacts that the fingers of a node hold.
+    #[inline]
+    pub fn held(&self, spot: Spot) -> ([usize; 3], usize) {
+        (self.contacts(spot), if self.sets.is_pair(spot.chain.set) { 2 } else { 3 })
+    }
+
+    /// How many nodes there are at an angle of a leg, as far as the tables know.
+    pub fn count(&self, leg: usize, angle: usize) -> u64 {
+        let layer = self.sheets[leg].tables.layer(angle);
+        let ones = |bits: &Bits| bits.words().iter().map(|word| u64::from(word.count_ones())).sum::<u64>();
+        let pairs = self.sets.pairs() as u64;
+        pairs * ones(&layer.pair) + (self.sets.len() as u64 - pairs) * ones(&layer.triple)
     }
 
     /// Whether a node is an end of the route.

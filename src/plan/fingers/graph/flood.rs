@@ -62,14 +62,14 @@ pub struct Flood<'a, const N: usize> {
     layer: u32,
     /// Whether the newest pieces touch the start of the route.
     arrives: bool,
+    /// Whether all sources are known.
+    is_seeded: bool,
 }
 
 impl<'a, const N: usize> Flood<'a, N> {
     /// A flood that knows its sources, and the pairs next to them.
     pub fn from(course: &'a Course, direction: Direction, sources: &[Spot]) -> Self {
-        let fields = (0..course.sheets.len()).map(|leg| Field::of(course, leg, direction)).collect();
-        let fronts = [Vec::new(), Vec::new(), Vec::new()];
-        let mut flood = Flood { course, direction, fields, fronts, layer: 0, arrives: false };
+        let mut flood = Flood::dry(course, direction);
         let (pairs, triples): (Vec<&Spot>, Vec<&Spot>) =
             sources.iter().partition(|spot| course.sets.is_pair(spot.chain.set));
         for spot in pairs {
@@ -85,9 +85,59 @@ impl<'a, const N: usize> Flood<'a, N> {
         flood
     }
 
+    /// A flood from all nodes of a leg at an angle, one after the other: there may be tens of millions.
+    pub fn from_all(course: &'a Course, direction: Direction, leg: usize, angle: usize) -> Self {
+        let mut flood = Flood::dry(course, direction);
+        let sheet = &course.sheets[leg];
+        let contacts = sheet.contacts;
+        let phases = || (0..contacts as u16).flat_map(|p| (0..contacts as u16).map(move |q| (p, q)));
+        let sets = || (0..course.sets.len() as u8).partition::<Vec<u8>, _>(|set| course.sets.is_pair(*set));
+        let (pairs, triples) = sets();
+        for (set, (p, q)) in pairs.iter().flat_map(|set| phases().map(move |both| (*set, both))) {
+            if has(&sheet.nodes_of_two::<N>([p, q]), angle) {
+                flood.meet(leg, Chain { set, phases: [p, q, 0] }, single(angle), 0);
+            }
+        }
+        for (set, (p, q)) in triples.iter().flat_map(|set| phases().map(move |both| (*set, both))) {
+            let chain = |third: u16| Chain { set, phases: [p, q, third] };
+            let goes_over = flood.fields[leg].hands_on || flood.wants_angles(leg);
+            course.looks.take(1);
+            if course.looks.are_spent() {
+                flood.is_seeded = false;
+                return flood;
+            }
+            if !goes_over && !flood.has_open(leg, chain(0), 2) {
+                continue;
+            }
+            course.looks.take(contacts as u64);
+            for third in 0..contacts as u16 {
+                let spot = Spot { leg, angle, chain: chain(third) };
+                if sheet.holds(angle, &course.contacts(spot)) && (goes_over || flood.is_news(&spot)) {
+                    let rolls = sheet.rolls_three(spot.chain.phases);
+                    flood.part(leg, spot.chain, spread(single(angle), rolls), 1);
+                }
+            }
+        }
+        flood
+    }
+
+    /// A flood that has no source yet.
+    fn dry(course: &'a Course, direction: Direction) -> Self {
+        let chains = |leg: usize| course.sets.pairs() * course.sheets[leg].contacts.pow(2);
+        course.looks.take((0..course.sheets.len()).map(chains).sum::<usize>() as u64);
+        let fields = (0..course.sheets.len()).map(|leg| Field::of(course, leg, direction)).collect();
+        let fronts = [Vec::new(), Vec::new(), Vec::new()];
+        Flood { course, direction, fields, fronts, layer: 0, arrives: false, is_seeded: true }
+    }
+
     /// Whether nothing more can be reached.
     pub fn ended(&self) -> bool {
-        self.fronts.iter().all(Vec::is_empty)
+        self.is_seeded && self.fronts.iter().all(Vec::is_empty)
+    }
+
+    /// Whether the looks ran out, so that it goes on no more.
+    pub fn stopped(&self) -> bool {
+        self.course.looks.are_spent()
     }
 
     /// Whether a pair at the start of the route was reached.
@@ -102,14 +152,26 @@ impl<'a, const N: usize> Flood<'a, N> {
 
     /// No node that is not known has a layer below this.
     pub fn floor(&self, spot: Spot) -> u32 {
+        if !self.is_seeded {
+            return 0;
+        }
         let beyond = if self.course.sets.is_pair(spot.chain.set) { 2 } else { 3 };
         (self.layer + beyond).min(LAST)
     }
 
     /// Looks at one layer more: from its pairs over triples to the pairs of the layer after the next.
+    ///
+    /// Where the looks run out meanwhile, what was not reached counts as if it were in the layer that was looked at.
     pub fn deepen(&mut self) {
+        if self.stopped() {
+            return;
+        }
         let pieces = std::mem::take(&mut self.fronts[0]);
-        for piece in &pieces {
+        for (at, piece) in pieces.iter().enumerate() {
+            if self.stopped() {
+                self.fronts[0] = pieces[at..].to_vec();
+                return;
+            }
             self.widen(piece);
         }
         self.fronts.rotate_left(1);
@@ -168,9 +230,7 @@ impl<'a, const N: usize> Flood<'a, N> {
         let head = strands.head(p);
         let row = strands.triple(head, [p, q, p]);
         let layer = self.layer + 2;
-        // How far triples roll matters where it is asked how far the start reaches.
-        let wants_angles =
-            self.direction == Direction::Onward && self.fields[leg].angles != below([u64::MAX; N], sheet.angles);
+        let wants_angles = self.wants_angles(leg);
         for (set, place) in course.sets.wider(piece.chain.set) {
             let chain = |third: u16| Chain { set: *set, phases: inserted([p, q], third, *place) };
             let goes_over = self.fields[leg].hands_on || wants_angles;
@@ -178,6 +238,7 @@ impl<'a, const N: usize> Flood<'a, N> {
                 continue;
             }
             let pairs = [0, 1, 2].map(|place| course.pair_steps(leg, chain, place));
+            course.looks.take(sheet.contacts as u64);
             for two in 0..sheet.contacts {
                 let third = wrapped(usize::from(p) + two, sheet.contacts);
                 let field = &self.fields[leg];
@@ -192,6 +253,12 @@ impl<'a, const N: usize> Flood<'a, N> {
                 }
             }
         }
+    }
+
+    /// How far triples roll matters where it is asked how far the start reaches.
+    fn wants_angles(&self, leg: usize) -> bool {
+        let all = below([u64::MAX; N], self.course.sheets[leg].angles);
+        self.direction == Direction::Onward && self.fields[leg].angles != all
     }
 
     /// Whether a pair is open that a triple becomes.

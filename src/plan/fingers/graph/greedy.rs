@@ -4,15 +4,12 @@
 //! be one from which the next leg has none.
 
 use super::route::{bound, cheapest};
-use super::{Answer, Blocked, Entry, Estimator, Grasp, Leg, Request, Start, Way};
+use super::{Answer, Blocked, Entry, Estimator, Grasp, Leg, Request, Start, Way, Within};
 use crate::device::fingers::MAX_FINGERS;
 use crate::plan::search::{Budget, Meter};
+use std::rc::Rc;
 
-/// The first route that can be gone leg by leg: at each junction a cheapest of the F(F - 1) ways in which two fingers can hold is
-/// taken.
-///
-/// The bound of the way is one for the joint problem. [`Answer::Impossible`] is no proof here: it tells where the route that came
-/// farthest got stuck.
+/// See [`super::decompose`].
 pub fn decompose(request: &Request, estimator: Estimator, budget: Budget) -> Answer {
     let mut meter = Meter::new(budget);
     let mut farthest: Option<Blocked> = None;
@@ -24,9 +21,13 @@ pub fn decompose(request: &Request, estimator: Estimator, budget: Budget) -> Ans
                 }
             }
             Answer::Found(way) => {
-                return Answer::Found(Way { bound: bound(request).unwrap_or(0).min(way.cost), ..way });
+                let one = Request {
+                    within: Within { gaits: None, looks: Rc::clone(&request.within.looks) },
+                    ..request.clone()
+                };
+                return Answer::Found(Way { bound: bound(&one).unwrap_or(0).min(way.cost), ..way });
             }
-            other @ (Answer::GaveUp(_) | Answer::TooLarge { .. }) => return other,
+            other @ (Answer::GaveUp(_) | Answer::LooksSpent { .. } | Answer::TooLarge { .. }) => return other,
         }
     }
     Answer::Impossible(farthest.unwrap_or(Blocked::NOWHERE))
@@ -38,7 +39,8 @@ fn by_legs(request: &Request, route: usize, estimator: Estimator, meter: &mut Me
     let mut start = request.start;
     for (at, leg) in legs.iter().enumerate() {
         let routes = vec![alone(leg, legs.get(at + 1))];
-        let alone = Request { fingers: request.fingers, start, routes, costs: request.costs };
+        let within = Within { gaits: None, looks: Rc::clone(&request.within.looks) };
+        let alone = Request { fingers: request.fingers, start, routes, costs: request.costs, within };
         let nodes = match cheapest(&alone, estimator, meter) {
             Answer::Found(part) => {
                 way.cost += part.cost;
@@ -46,7 +48,7 @@ fn by_legs(request: &Request, route: usize, estimator: Estimator, meter: &mut Me
                 part.legs.into_iter().next().unwrap_or_default()
             }
             Answer::Impossible(blocked) => return Answer::Impossible(Blocked { route, leg: at, ..blocked }),
-            other @ (Answer::GaveUp(_) | Answer::TooLarge { .. }) => return other,
+            other @ (Answer::GaveUp(_) | Answer::LooksSpent { .. } | Answer::TooLarge { .. }) => return other,
         };
         let last = nodes.last().map(|node| node.grasp);
         way.legs.push(nodes);

@@ -6,8 +6,8 @@
 //! implicit nodes; the lower bound is the paper's table of reconfigurations, as corrected ([`Estimator::Published`]), or the exact
 //! number of reconfigurations to go, by a flood from the goals over chains of grasps that roll into each other
 //! ([`Estimator::Layers`]). **Guaranteed:** a found way is cheapest, of equally cheap routes the first; an answer that there is none is
-//! a proof; the same request has the same answer everywhere. **Not:** which of equally cheap ways of a route is found (that with
-//! the smaller estimate is looked at first, then the one found last). **Cost:** a flood takes some nanoseconds for each of the
+//! a proof; of equally cheap ways one with the fewest reconfigurations is found; the same request has the same answer everywhere.
+//! **Not:** which of those is found (that with the smaller estimate is looked at first, then the one found last). **Cost:** a flood takes some nanoseconds for each of the
 //! C(F,2)·c² chains of pairs and each third contact, whatever the number of angles up to 64; the search, some tens for each contact
 //! of a pair that it expands. Where the way with the fewest reconfigurations has to roll much farther than the turn asks for, the
 //! estimate is far below the cost, and many nodes are expanded.
@@ -17,6 +17,7 @@ mod course;
 mod flood;
 mod greedy;
 mod layout;
+mod named;
 mod published;
 mod route;
 mod strands;
@@ -25,11 +26,12 @@ mod tests;
 mod walk;
 mod weave;
 
-pub use greedy::decompose;
-
 use crate::device::fingers::MAX_FINGERS;
+use crate::plan::fingers::looks::Looks;
+use crate::plan::fingers::mechanics::Lazy;
 use crate::plan::fingers::tables::Tables;
 use crate::plan::search::{Budget, GaveUp, Meter};
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// The most nodes of one route: all grasps that could be, times all angles, of all its legs.
@@ -89,6 +91,8 @@ pub struct Leg {
     pub entry: Entry,
     /// The grasp at its end; `None`: any.
     pub end: Option<Grasp>,
+    /// Under a load: which of the grasps, steps and removals of the tables there really are. The tables are then those without it.
+    pub lazy: Option<Rc<Lazy>>,
 }
 
 impl Leg {
@@ -123,6 +127,16 @@ pub struct Request {
     /// Each a sequence of at least one leg, to be taken from its first to its last.
     pub routes: Vec<Vec<Leg>>,
     pub costs: Costs,
+    pub within: Within,
+}
+
+/// What a search must keep to.
+#[derive(Debug, Clone, Default)]
+pub struct Within {
+    /// The most reconfigurations of a way; `None`: any number.
+    pub gaits: Option<u32>,
+    /// Shared by all searches of a task.
+    pub looks: Rc<Looks>,
 }
 
 /// How the way to go is estimated. Neither estimate is ever too large, so that both find ways of the same cost.
@@ -169,11 +183,13 @@ pub struct Blocked {
     pub farthest: Option<i32>,
     /// How many of the grasps that it may end with hold at all.
     pub ends: u64,
+    /// Whether all that can be reached was looked at: if not, it may come farther.
+    pub is_known: bool,
 }
 
 impl Blocked {
     /// No route, or none of which anything is known.
-    const NOWHERE: Blocked = Blocked { route: 0, leg: 0, farthest: None, ends: 0 };
+    const NOWHERE: Blocked = Blocked { route: 0, leg: 0, farthest: None, ends: 0, is_known: false };
 }
 
 /// What came of a request.
@@ -184,15 +200,28 @@ pub enum Answer {
     Impossible(Blocked),
     /// The budget of expanded nodes ran out.
     GaveUp(GaveUp),
+    /// The looks that all searches of a task share ran out; no way costs less than the bound.
+    LooksSpent {
+        bound: u64,
+    },
     /// A route has more nodes than [`MAX_NODES`].
     TooLarge {
         nodes: u64,
     },
 }
 
-/// The cheapest way of all routes.
+/// The cheapest way of all routes within the limit of reconfigurations; of equally cheap ways one with the fewest reconfigurations.
 ///
-/// A step of the budget is a node that is expanded; floods are bounded by [`MAX_NODES`] and not counted.
+/// A step of the budget is a node that is expanded; what floods and placements look at is counted apart, by [`Looks`].
 pub fn solve(request: &Request, estimator: Estimator, budget: Budget) -> Answer {
-    route::cheapest(request, estimator, &mut Meter::new(budget))
+    named::by_few(request, |request| route::cheapest(request, estimator, &mut Meter::new(budget)))
+}
+
+/// The first route that can be gone leg by leg: at each junction a cheapest of the F(F - 1) ways in which two fingers can hold is
+/// taken.
+///
+/// The bound of the way is one for the joint problem. [`Answer::Impossible`] is no proof here: it tells where the route that came
+/// farthest got stuck. Limits of reconfigurations are not searched for.
+pub fn decompose(request: &Request, estimator: Estimator, budget: Budget) -> Answer {
+    named::by_few(request, |request| greedy::decompose(request, estimator, budget))
 }

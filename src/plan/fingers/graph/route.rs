@@ -6,7 +6,7 @@ use super::flood::{Direction, Flood};
 use super::layout::Spot;
 use super::published::Published;
 use super::strands::has;
-use super::walk::{Estimate, NEVER, Progress, Walk};
+use super::walk::{Estimate, NEVER, Progress, Ranked, Walk, ranked, unranked};
 use super::{Answer, Blocked, Costs, Estimator, Leg, Node, Request, Start, Way};
 use crate::plan::search::Meter;
 
@@ -26,7 +26,7 @@ impl<const N: usize> Estimate for Layers<'_, N> {
 
     #[inline]
     fn is_settled(&self, spot: Spot) -> bool {
-        self.0.ended() || self.0.layer_of(spot).is_some()
+        self.0.ended() || self.0.stopped() || self.0.layer_of(spot).is_some()
     }
 
     fn deepen(&mut self) {
@@ -48,7 +48,8 @@ pub fn cheapest(request: &Request, estimator: Estimator, meter: &mut Meter) -> A
     }
 }
 
-/// No way of any route costs less; `None` where there is none, or where a route is too large.
+/// No way of any route costs less; `None` where there is none, or where a route is too large. Where the looks run out, fewer
+/// reconfigurations are counted.
 pub fn bound(request: &Request) -> Option<u64> {
     let courses = courses(request).ok()?;
     let bound = |course: &Course| {
@@ -65,16 +66,29 @@ pub fn bound(request: &Request) -> Option<u64> {
 
 /// The least number of reconfigurations from the start to the end.
 fn gaits<const N: usize>(course: &Course, start: Start) -> u32 {
+    if course.looks.are_spent() {
+        return 0;
+    }
     let layers = Layers(flooded::<N>(course, start));
-    starts(course, start).into_iter().map(|spot| layers.gaits(spot)).min().unwrap_or(NEVER)
-}
-
-/// The nodes with which a route may begin.
-fn starts(course: &Course, start: Start) -> Vec<Spot> {
-    let begin = course.sheets[0].start;
+    let sheet = &course.sheets[0];
+    let mut least = NEVER;
     match start {
-        Start::Any => course.nodes(0, begin),
-        Start::At(grasp) => course.place(0, begin, &grasp).into_iter().collect(),
+        Start::At(grasp) => course.place(0, sheet.start, &grasp).map_or(NEVER, |spot| layers.gaits(spot)),
+        Start::Any => {
+            for number in 0..course.sets.chains(sheet.contacts) as usize {
+                course.looks.take(1);
+                if least == 0 || course.looks.are_spent() {
+                    return 0;
+                }
+                let chain = course.sets.chain(sheet.contacts, number);
+                let spot = Spot { leg: 0, angle: sheet.start, chain };
+                let held = &course.contacts(spot)[..course.sets.members(chain.set).len()];
+                if sheet.holds(sheet.start, held) {
+                    least = least.min(layers.gaits(spot));
+                }
+            }
+            least
+        }
     }
 }
 
@@ -114,7 +128,15 @@ impl<'a> Search<'a> {
                 self.portfolio(bounds.as_deref(), |course| Layers::<N>(flooded(course, start)))
             }
         };
-        found.unwrap_or_else(|| Answer::Impossible(blocked::<N>(self.courses, self.request.start)))
+        if let Some(found) = found {
+            return found;
+        }
+        // How far ways within a limit come is not asked.
+        let blocked = match self.request.within.gaits {
+            Some(_) => Blocked::NOWHERE,
+            None => blocked::<N>(self.courses, self.request.start),
+        };
+        Answer::Impossible(blocked)
     }
 
     /// Lets the route with the least bound, the first of several, go on up to the bound of the next one.
@@ -125,23 +147,26 @@ impl<'a> Search<'a> {
         bounds: Option<&[Option<u64>]>,
         estimate: impl Fn(&'a Course) -> E,
     ) -> Option<Answer> {
-        let costs = reduced(self.request.costs);
-        let unit = u64::from(self.request.costs.roll.max(self.request.costs.gait) / costs.roll.max(costs.gait).max(1));
+        let (all, costs) = (self.request.costs, reduced(self.request.costs));
+        let unit = u64::from(all.roll.max(all.gait) / costs.roll.max(costs.gait).max(1));
         let mut open: Vec<Candidate<'a, E>> = (self.courses.iter().enumerate())
             .filter_map(|(route, course)| {
                 let bound = match bounds {
                     Some(bounds) => bounds[route]? / unit,
                     None => least(course, costs),
                 };
-                Some(Candidate { route, bound, walk: None })
+                Some(Candidate { route, bound: ranked(bound), walk: None })
             })
             .collect();
         let before = self.meter.spent();
+        let costs = Ranked::of(costs);
         loop {
             let at = (0..open.len()).min_by_key(|at| (open[*at].bound, open[*at].route))?;
             let limit = (open.iter().enumerate())
                 .filter(|(other, _)| *other != at)
-                .map(|(_, other)| if other.route < open[at].route { other.bound - 1 } else { other.bound })
+                .map(
+                    |(_, other)| if other.route < open[at].route { other.bound.saturating_sub(1) } else { other.bound },
+                )
                 .min();
             let candidate = &mut open[at];
             let Some(walk) = &mut candidate.walk else {
@@ -153,13 +178,17 @@ impl<'a> Search<'a> {
             };
             match walk.advance(limit.unwrap_or(u64::MAX), self.meter) {
                 Progress::Found(cost) => {
-                    let (route, cost, expanded) = (candidate.route, cost * unit, self.meter.spent() - before);
+                    let (route, expanded) = (candidate.route, self.meter.spent() - before);
+                    let cost = unranked(cost) * unit;
                     let legs = legs(&self.courses[route], &walk.way());
                     return Some(Answer::Found(Way { route, cost, bound: cost, legs, expanded }));
                 }
                 Progress::AtLeast(bound) => candidate.bound = bound,
                 Progress::Exhausted => drop(open.remove(at)),
-                Progress::Spent(bound) => return Some(Answer::GaveUp(self.meter.gave_up(bound * unit))),
+                Progress::Spent(bound) if self.courses[candidate.route].looks.are_spent() => {
+                    return Some(Answer::LooksSpent { bound: unranked(bound) * unit });
+                }
+                Progress::Spent(bound) => return Some(Answer::GaveUp(self.meter.gave_up(unranked(bound) * unit))),
             }
         }
     }
@@ -168,7 +197,7 @@ impl<'a> Search<'a> {
     fn begun<E: Estimate>(
         &self,
         route: usize,
-        costs: Costs,
+        costs: Ranked,
         estimate: impl Fn(&'a Course) -> E,
     ) -> Option<Walk<'a, E>> {
         let course = &self.courses[route];
@@ -201,8 +230,11 @@ fn least(course: &Course, costs: Costs) -> u64 {
 /// A flood from the goals that has come to the start, or to its end.
 pub fn flooded<const N: usize>(course: &Course, start: Start) -> Flood<'_, N> {
     let leg = course.sheets.len() - 1;
-    let mut flood = Flood::from(course, Direction::Back, &course.ends(leg));
-    while !flood.ended() && !arrived(&flood, course, start) {
+    let mut flood = match course.few_ends(leg) {
+        Some(ends) => Flood::from(course, Direction::Back, &ends),
+        None => Flood::from_all(course, Direction::Back, leg, course.sheets[leg].end),
+    };
+    while !flood.ended() && !flood.stopped() && !arrived(&flood, course, start) {
         flood.deepen();
     }
     flood
@@ -242,8 +274,14 @@ fn blocked<const N: usize>(courses: &[Course], start: Start) -> Blocked {
 
 /// Where a route that has no way comes to a stop.
 fn stuck<const N: usize>(route: usize, course: &Course, start: Start) -> Blocked {
-    let mut flood = Flood::<N>::from(course, Direction::Onward, &starts(course, start));
-    while !flood.ended() {
+    let mut flood: Flood<N> = match start {
+        Start::Any => Flood::from_all(course, Direction::Onward, 0, course.sheets[0].start),
+        Start::At(grasp) => {
+            let spot = course.place(0, course.sheets[0].start, &grasp);
+            Flood::from(course, Direction::Onward, spot.as_slice())
+        }
+    };
+    while !flood.ended() && !flood.stopped() {
         flood.deepen();
     }
     // The last leg that can begin is the one whose end is out of reach.
@@ -253,5 +291,13 @@ fn stuck<const N: usize>(route: usize, course: &Course, start: Start) -> Blocked
     let reached = (0..sheet.angles).filter(|angle| has(&flood.angles(leg), *angle));
     let farthest = reached.min_by_key(|angle| angle.abs_diff(sheet.end)).map(|angle| angle as i32 - sheet.start as i32);
     let may_end = |spot: &Spot| course.is_goal(*spot) || course.next(*spot).is_some();
-    Blocked { route, leg, farthest, ends: course.ends(leg).iter().filter(|spot| may_end(spot)).count() as u64 }
+    let ends = match course.few_ends(leg) {
+        Some(ends) => ends.iter().filter(|spot| may_end(spot)).count() as u64,
+        None => course.count(leg, sheet.end),
+    };
+    // Under a load the tables know more than there is.
+    let is_known = !flood.stopped() && course.sheets.iter().all(|sheet| sheet.lazy.is_none());
+    // Any grasp holds somewhere, unless it was found that none does.
+    let farthest = farthest.or((start == Start::Any && !is_known).then_some(0));
+    Blocked { route, leg, farthest, ends, is_known }
 }

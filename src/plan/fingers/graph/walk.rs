@@ -6,10 +6,12 @@
 //! estimators promise that the count of an edge's first end is at most that of its second, plus 1 for a reconfiguration. So no node
 //! is expanded at more than its least cost.
 //!
+//! Where reconfigurations are limited, a node is met once for each number of them (labels of two costs, as in BOA*, Hernández and others
+//! 2023): since nodes are expanded in the order of their cost, one that comes with no fewer than an earlier one is of no use.
+//!
 //! Placements are expanded partially: those that do not raise the estimated cost are met at once, the rest when their own cost
 //! comes up.
 
-use super::Costs;
 use super::course::Course;
 use super::flood::{inserted, removed};
 use super::layout::{Chain, Spot, wrapped};
@@ -19,6 +21,41 @@ use std::collections::BTreeMap;
 
 /// No way at all.
 pub const NEVER: u32 = u32::MAX;
+
+/// Looks that a placement takes whose reconfigurations to go are estimated.
+const LOOKS: u64 = 4;
+
+/// Bits of a cost that count reconfigurations: more than any way has.
+const COUNT: u32 = 20;
+
+/// Costs as the search adds them up: of two ways of the same cost that with fewer reconfigurations counts less, and how many it has can
+/// be read off.
+#[derive(Debug, Clone, Copy)]
+pub struct Ranked {
+    roll: u64,
+    gait: u64,
+}
+
+impl Ranked {
+    pub fn of(costs: super::Costs) -> Ranked {
+        Ranked { roll: ranked(u64::from(costs.roll)), gait: ranked(u64::from(costs.gait)) + 1 }
+    }
+}
+
+/// A cost without reconfigurations.
+pub fn ranked(cost: u64) -> u64 {
+    cost.saturating_mul(1 << COUNT)
+}
+
+/// The cost alone.
+pub fn unranked(cost: u64) -> u64 {
+    cost >> COUNT
+}
+
+/// The reconfigurations so far.
+fn gaits_of(cost: u64) -> u32 {
+    (cost & ((1 << COUNT) - 1)) as u32
+}
 
 /// Counts reconfigurations to go.
 pub trait Estimate {
@@ -78,10 +115,13 @@ struct Starts {
 #[derive(Debug)]
 pub struct Walk<'a, E> {
     course: &'a Course,
-    costs: Costs,
+    costs: Ranked,
     pub estimate: E,
     records: Vec<Record>,
-    known: FxHashMap<u64, u32>,
+    /// By the node, and by the reconfigurations so far where these are limited.
+    known: FxHashMap<(u64, u32), u32>,
+    /// The fewest reconfigurations with which a node was expanded, where they are limited: who comes later with as many costs more.
+    expanded: FxHashMap<u64, u32>,
     /// By estimated cost of the whole way, then by what is to go.
     open: BTreeMap<(u64, u64), Vec<Entry>>,
     starts: Option<Starts>,
@@ -95,24 +135,24 @@ const STARTS: Entry = Entry { record: u32::MAX, cost: 0, raise: 0 };
 
 impl<'a, E: Estimate> Walk<'a, E> {
     /// A walk from one node.
-    pub fn at(course: &'a Course, costs: Costs, estimate: E, start: Spot) -> Self {
+    pub fn at(course: &'a Course, costs: Ranked, estimate: E, start: Spot) -> Self {
         let mut walk = Walk::new(course, costs, estimate);
         walk.meet(start, 0, NO_PARENT);
         walk
     }
 
     /// A walk from any node at the beginning.
-    pub fn anywhere(course: &'a Course, costs: Costs, estimate: E) -> Self {
+    pub fn anywhere(course: &'a Course, costs: Ranked, estimate: E) -> Self {
         let mut walk = Walk::new(course, costs, estimate);
         walk.queue_starts(Starts { gaits: 0, from: 0 });
         walk
     }
 
-    fn new(course: &'a Course, costs: Costs, estimate: E) -> Self {
+    fn new(course: &'a Course, costs: Ranked, estimate: E) -> Self {
         let steps = |leg: usize| course.sheets[leg].start.abs_diff(course.sheets[leg].end) as u64;
         let behind = (0..course.sheets.len()).map(|leg| (leg + 1..course.sheets.len()).map(steps).sum()).collect();
-        let (known, open) = (FxHashMap::default(), BTreeMap::new());
-        Walk { course, costs, estimate, records: Vec::new(), known, open, starts: None, behind, goal: None }
+        let (known, expanded, open) = (FxHashMap::default(), FxHashMap::default(), BTreeMap::new());
+        Walk { course, costs, estimate, records: Vec::new(), known, expanded, open, starts: None, behind, goal: None }
     }
 
     /// Goes on while the estimated cost is at most a limit.
@@ -124,6 +164,9 @@ impl<'a, E: Estimate> Walk<'a, E> {
                     .first_key_value()
                     .map_or(Progress::Exhausted, |((cost, _), _)| Progress::AtLeast(*cost));
             };
+            if self.course.looks.are_spent() {
+                return Progress::Spent(key.0);
+            }
             if entry.record == STARTS.record {
                 self.begin();
                 continue;
@@ -133,7 +176,7 @@ impl<'a, E: Estimate> Walk<'a, E> {
                 continue;
             }
             let spot = Spot::unpack(record.spot);
-            if entry.raise == 0 && !self.is_due(spot, key.1, entry) {
+            if entry.raise == 0 && (self.is_covered(record) || !self.is_due(spot, key.1, entry)) {
                 continue;
             }
             if entry.raise == 0 && self.course.is_goal(spot) {
@@ -143,6 +186,9 @@ impl<'a, E: Estimate> Walk<'a, E> {
             if meter.step().is_none() {
                 self.open.entry(key).or_default().push(entry);
                 return Progress::Spent(key.0);
+            }
+            if self.course.most_gaits.is_some() && entry.raise == 0 {
+                self.expanded.insert(record.spot, gaits_of(entry.cost));
             }
             self.expand(spot, entry, key);
         }
@@ -160,34 +206,42 @@ impl<'a, E: Estimate> Walk<'a, E> {
 
     /// Whether a node's estimate is still what it was queued with, and final; if not it is queued anew.
     fn is_due(&mut self, spot: Spot, queued: u64, entry: Entry) -> bool {
-        let to_go = self.to_go(spot);
+        let to_go = self.to_go(spot, entry.cost);
         if to_go == Some(queued) && self.estimate.is_settled(spot) {
             return true;
         }
         if to_go == Some(queued) {
             self.estimate.deepen();
         }
-        if let Some(to_go) = self.to_go(spot) {
+        if let Some(to_go) = self.to_go(spot, entry.cost) {
             self.open.entry((entry.cost + to_go, to_go)).or_default().push(entry);
         }
         false
     }
 
-    /// h of a node; `None` where no goal can be reached.
+    /// Whether a node was expanded with no more reconfigurations so far, and thus at no more cost, where they are limited.
+    fn is_covered(&self, record: Record) -> bool {
+        self.expanded.get(&record.spot).is_some_and(|gaits| *gaits <= gaits_of(record.cost))
+    }
+
+    /// h of a node that was reached at a cost; `None` where no goal can be reached within the limit.
     #[inline]
-    fn to_go(&self, spot: Spot) -> Option<u64> {
+    fn to_go(&self, spot: Spot, cost: u64) -> Option<u64> {
         let gaits = self.estimate.gaits(spot);
         let steps = self.course.sheets[spot.leg].end.abs_diff(spot.angle) as u64 + self.behind[spot.leg];
-        let rolling = 2 * u64::from(self.costs.roll) * steps;
-        (gaits != NEVER).then(|| rolling + u64::from(self.costs.gait) * u64::from(gaits))
+        let rolling = 2 * self.costs.roll * steps;
+        let is_within =
+            gaits != NEVER && self.course.most_gaits.is_none_or(|most| gaits.saturating_add(gaits_of(cost)) <= most);
+        is_within.then(|| rolling + self.costs.gait * u64::from(gaits))
     }
 
     /// Takes a node into the queue, unless it is known at this cost or less.
     fn meet(&mut self, spot: Spot, cost: u64, parent: u32) {
-        let Some(to_go) = self.to_go(spot) else { return };
+        let Some(to_go) = self.to_go(spot, cost) else { return };
         let number = spot.pack();
         let next = self.records.len() as u32;
-        let record = *self.known.entry(number).or_insert(next);
+        let counted = self.course.most_gaits.map_or(0, |_| gaits_of(cost));
+        let record = *self.known.entry((number, counted)).or_insert(next);
         if record == next {
             self.records.push(Record { spot: number, cost, parent });
         } else if self.records[record as usize].cost <= cost {
@@ -201,6 +255,7 @@ impl<'a, E: Estimate> Walk<'a, E> {
     /// Meets the neighbours: of the many placements those that raise the estimated cost just so much, and queues the node anew for
     /// those that raise it more.
     fn expand(&mut self, spot: Spot, entry: Entry, (estimated, to_go): (u64, u64)) {
+        self.course.looks.take(4 * LOOKS);
         if entry.raise == 0 {
             self.roll(spot, entry);
             if let Some(next) = self.course.next(spot) {
@@ -220,9 +275,12 @@ impl<'a, E: Estimate> Walk<'a, E> {
 
     #[inline]
     fn offer(&mut self, spot: Spot, edge: u64, turn: &mut Turn) {
-        let Some(to_go) = self.to_go(spot) else { return };
+        let Some(to_go) = self.to_go(spot, turn.entry.cost + edge) else { return };
         let raise = (edge + to_go).saturating_sub(turn.to_go);
         if raise == turn.entry.raise {
+            if self.course.sheets[spot.leg].lazy.is_some() && !self.course.holds(spot) {
+                return;
+            }
             self.meet(spot, turn.entry.cost + edge, turn.entry.record);
         } else if raise > turn.entry.raise {
             turn.next = turn.next.min(raise);
@@ -238,9 +296,14 @@ impl<'a, E: Estimate> Walk<'a, E> {
         } else {
             (&sheet.strands.roll_triple, sheet.strands.triple(head, phases), 3)
         };
-        let cost = entry.cost + fingers * u64::from(self.costs.roll);
+        let cost = entry.cost + fingers * self.costs.roll;
         let up = spot.angle + 1 < sheet.angles && bits.has(strand, head.bit + spot.angle);
         let down = spot.angle > 0 && bits.has(strand, head.bit + spot.angle - 1);
+        let bears_on = |angle: usize| {
+            let (contacts, count) = self.course.held(Spot { angle, ..spot });
+            sheet.bears_on(angle, &contacts[..count])
+        };
+        let [up, down] = [up && bears_on(spot.angle), down && bears_on(spot.angle - 1)];
         if up {
             self.meet(Spot { angle: spot.angle + 1, ..spot }, cost, entry.record);
         }
@@ -255,6 +318,7 @@ impl<'a, E: Estimate> Walk<'a, E> {
         let [p, q, _] = spot.chain.phases;
         let head = sheet.strands.head(p);
         let row = sheet.strands.triple(head, [p, q, p]);
+        course.looks.take(LOOKS * sheet.contacts as u64);
         for two in 0..sheet.contacts {
             if !sheet.strands.place.has(row + two, head.bit + spot.angle) {
                 continue;
@@ -262,7 +326,7 @@ impl<'a, E: Estimate> Walk<'a, E> {
             let third = wrapped(usize::from(p) + two, sheet.contacts) as u16;
             for (set, place) in course.sets.wider(spot.chain.set) {
                 let chain = Chain { set: *set, phases: inserted([p, q], third, *place) };
-                self.offer(Spot { chain, ..spot }, u64::from(self.costs.gait), turn);
+                self.offer(Spot { chain, ..spot }, self.costs.gait, turn);
             }
         }
     }
@@ -273,16 +337,19 @@ impl<'a, E: Estimate> Walk<'a, E> {
         for place in 0..3 {
             let ([p, q], third) = removed(spot.chain.phases, place);
             let head = strands.head(p);
-            if strands.leave.has(strands.triple(head, [p, q, third]), head.bit + spot.angle) {
+            let sheet = &course.sheets[spot.leg];
+            let held = [p, q, third].map(|phase| sheet.contact(spot.angle, phase));
+            let may_leave = strands.leave.has(strands.triple(head, [p, q, third]), head.bit + spot.angle);
+            if may_leave && sheet.lets_go(spot.angle, held) {
                 let chain = Chain { set: course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
-                self.meet(Spot { chain, ..spot }, entry.cost + u64::from(self.costs.gait), entry.record);
+                self.meet(Spot { chain, ..spot }, entry.cost + self.costs.gait, entry.record);
             }
         }
     }
 
     fn queue_starts(&mut self, starts: Starts) {
-        let rolling = 2 * u64::from(self.costs.roll) * (self.behind[0] + self.first_steps());
-        let estimated = rolling + u64::from(self.costs.gait) * u64::from(starts.gaits);
+        let rolling = 2 * self.costs.roll * (self.behind[0] + self.first_steps());
+        let estimated = rolling + self.costs.gait * u64::from(starts.gaits);
         self.starts = Some(starts);
         // Last among its equals: another start is met only when all nodes of this cost are done.
         self.open.entry((estimated, u64::MAX)).or_default().push(STARTS);
@@ -298,11 +365,16 @@ impl<'a, E: Estimate> Walk<'a, E> {
         let sheet = &self.course.sheets[0];
         let chains = self.course.sets.chains(sheet.contacts) as usize;
         for number in starts.from..chains {
+            self.course.looks.take(1);
+            if self.course.looks.are_spent() {
+                // Nothing is known of the starts from here on.
+                return self.queue_starts(Starts { from: number, ..starts });
+            }
             let Some(spot) = self.start(number) else { continue };
             while self.estimate.gaits(spot) == starts.gaits && !self.estimate.is_settled(spot) {
                 self.estimate.deepen();
             }
-            if self.estimate.gaits(spot) == starts.gaits {
+            if self.estimate.gaits(spot) == starts.gaits && self.course.holds(spot) {
                 self.meet(spot, 0, NO_PARENT);
                 return self.queue_starts(Starts { from: number + 1, ..starts });
             }
@@ -313,12 +385,17 @@ impl<'a, E: Estimate> Walk<'a, E> {
         }
     }
 
-    /// The start of a number, where it is a node.
+    /// The start of a number, where it is a node as far as the tables know.
     fn start(&self, number: usize) -> Option<Spot> {
         let sheet = &self.course.sheets[0];
         let chain = self.course.sets.chain(sheet.contacts, number);
         let contacts = chain.phases.map(usize::from);
-        self.course.spot(0, sheet.start, chain.set, &contacts[..self.course.sets.members(chain.set).len()])
+        let held = &contacts[..self.course.sets.members(chain.set).len()];
+        sheet.holds(sheet.start, held).then(|| {
+            let phases = contacts.map(|contact| sheet.phase(sheet.start, contact));
+            let phases = if self.course.sets.is_pair(chain.set) { [phases[0], phases[1], 0] } else { phases };
+            Spot { leg: 0, angle: sheet.start, chain: Chain { phases, ..chain } }
+        })
     }
 
     /// The nodes of the way that was found, from its start.

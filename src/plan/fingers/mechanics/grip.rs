@@ -90,9 +90,12 @@ impl Grip {
     /// Tips that only push must also be able to hold without the load: a part that merely rests on them is not held. Whether their tips
     /// have room is not asked here.
     pub fn holds(&self, contacts: &[Contact], load: &Load) -> bool {
-        if self.only_leans(load) && !self.holds(contacts, &Load::NONE) {
-            return false;
-        }
+        let leans = self.only_leans(load);
+        (!leans || self.holds_under(contacts, &Load::NONE)) && self.holds_under(contacts, load)
+    }
+
+    /// Whether they hold, or merely carry the part.
+    pub(super) fn holds_under(&self, contacts: &[Contact], load: &Load) -> bool {
         let demand = self.demand(load);
         match contacts {
             [a, b] => self.two_hold([a, b], load, &demand),

@@ -4,6 +4,7 @@ use super::grip::{Demand, Grip};
 use super::pair::{Line, Reach};
 use super::rows::{Rows, numbers};
 use super::{Contact, Load, TOLERANCE};
+use crate::plan::fingers::looks::Looks;
 use crate::plan::fingers::tables::{Bits, Tables};
 
 /// The contacts at an instant, and what pairs of fingers on them do.
@@ -18,21 +19,26 @@ pub(super) struct Instant<'a> {
     pub pair: Rows,
     /// The forces in the plane of a finger on each contact; empty where every grasp holds that has room.
     reaches: Vec<Reach>,
+    looks: &'a Looks,
 }
+
+/// Looks that a grasp takes whose forces act out of the plane as well.
+const LOOKS_IN_SPACE: u64 = 16;
 
 impl<'a> Instant<'a> {
     /// Tips stay `apart_um` from each other, centre to centre.
-    pub fn of(grip: &'a Grip, contacts: Vec<Contact>, load: Load, apart_um: f64) -> Instant<'a> {
+    pub fn of(grip: &'a Grip, contacts: Vec<Contact>, load: Load, apart_um: f64, looks: &'a Looks) -> Instant<'a> {
+        looks.take(contacts.len().pow(2) as u64);
         let clear = room(&contacts, apart_um);
         let demand = grip.demand(&load);
         if grip.holds_anyway(&load) {
             let pair = clear.clone();
-            return Instant { grip, contacts, load, demand, clear, pair, reaches: Vec::new() };
+            return Instant { grip, contacts, load, demand, clear, pair, reaches: Vec::new(), looks };
         }
         let reaches = contacts.iter().map(|at| grip.reach(at, &demand)).collect();
         let holds = |i: usize, j: usize| grip.two_hold([&contacts[i], &contacts[j]], &load, &demand);
         let pair = Rows::symmetric(contacts.len(), |i, j| clear.has(i, j) && holds(i, j));
-        Instant { grip, contacts, load, demand, clear, pair, reaches }
+        Instant { grip, contacts, load, demand, clear, pair, reaches, looks }
     }
 
     /// Puts into a row the contacts that have room beside two others that have.
@@ -53,7 +59,12 @@ impl<'a> Instant<'a> {
             for (k, word) in row.iter_mut().enumerate() {
                 *word &= !(self.pair.row(i)[k] | self.pair.row(j)[k]) & above(j, k);
             }
-            if row.iter().all(|word| *word == 0) {
+            let count = row.iter().map(|word| u64::from(word.count_ones())).sum::<u64>();
+            self.looks.take(if self.load.is_in_plane() { 2 * count } else { LOOKS_IN_SPACE * count });
+            if self.looks.are_spent() {
+                return;
+            }
+            if count == 0 {
                 continue;
             }
             let line = self.load.is_in_plane().then(|| self.line(i, j));

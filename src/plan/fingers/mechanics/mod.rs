@@ -15,6 +15,7 @@ mod closer;
 mod contact;
 mod grip;
 mod instant;
+mod lazy;
 mod load;
 mod pair;
 mod rows;
@@ -25,8 +26,9 @@ mod tabulate;
 pub use closer::{Closer, forbid};
 pub use contact::{Contact, Contacts};
 pub use grip::{Grip, Wrench};
+pub use lazy::Lazy;
 pub use load::Load;
-pub use tabulate::{Asked, PARTS_OF_ROLLING, PARTS_OF_STEP, TooManyGrasps, tables};
+pub use tabulate::{Asked, NoTables, PARTS_OF_ROLLING, PARTS_OF_STEP, tables};
 
 /// By how much a balance may be missed, relative to the forces in play: what is exactly balanced holds, whatever the rounding.
 pub const TOLERANCE: f64 = 1e-9;

@@ -9,6 +9,7 @@ use super::instant::{self, Instant, pairs};
 use super::rows::{Rows, retain, step};
 use super::{Contacts, Load};
 use crate::device::fingers::{Facts, MAX_GRASPS};
+use crate::plan::fingers::looks::Looks;
 use crate::plan::fingers::tables::{Bits, Layer, Tables};
 
 /// Into how many parts a rolling step is cut for holding: where they meet, a grasp must hold with the device's reserve.
@@ -36,11 +37,13 @@ pub struct Asked<'a> {
     pub angles: usize,
 }
 
-/// The tables would be too large.
+/// Why there are no tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct TooManyGrasps {
-    pub contacts: usize,
-    pub layers: usize,
+pub enum NoTables {
+    /// They would be too large.
+    TooManyGrasps { contacts: usize, layers: usize },
+    /// The looks that a task may take are spent.
+    LooksSpent,
 }
 
 /// What the grasp graph of a leg is made of.
@@ -49,29 +52,36 @@ pub struct TooManyGrasps {
 /// from 0, and it is asked with i < j only.
 ///
 /// # Errors
-/// [`TooManyGrasps`] where contacts and layers ask for more than [`MAX_GRASPS`]: four sets of them, a bit each, take 256 MiB.
-pub fn tables(asked: &Asked, reaches: &mut dyn FnMut(usize, usize, usize) -> bool) -> Result<Tables, TooManyGrasps> {
+/// [`NoTables::TooManyGrasps`] where contacts and layers ask for more than [`MAX_GRASPS`]: four sets of them, a bit each, take 256 MiB.
+pub fn tables(
+    asked: &Asked,
+    looks: &Looks,
+    reaches: &mut dyn FnMut(usize, usize, usize) -> bool,
+) -> Result<Tables, NoTables> {
     let contacts = asked.contacts.number();
     let layers = if asked.load.is_across() { 1 } else { asked.angles };
     let bits = contacts.checked_pow(3).and_then(|bits| bits.checked_mul(layers));
     if bits.is_none_or(|bits| bits > MAX_GRASPS) {
-        return Err(TooManyGrasps { contacts, layers });
+        return Err(NoTables::TooManyGrasps { contacts, layers });
     }
     let grip = Grip::of(asked.facts, asked.contacts.reach_um());
     let mut tables = Tables { contacts, layers: Vec::with_capacity(layers) };
     let mut open = None;
     for layer in 0..layers {
-        let now = asked.instant(&grip, layer, 0);
+        let now = asked.instant(&grip, looks, layer, 0);
         let open = open.get_or_insert_with(|| ways(&now, layers, &tables, reaches));
         let layer = standing(&grip, &now, open, &tables);
         tables.layers.push(layer);
+        if looks.are_spent() {
+            return Err(NoTables::LooksSpent);
+        }
     }
-    roll(asked, &grip, &mut tables);
+    roll(asked, &grip, looks, &mut tables);
     if grip.only_leans(&asked.load) {
-        let unloaded = self::tables(&Asked { load: Load::NONE, ..*asked }, reaches)?;
+        let unloaded = self::tables(&Asked { load: Load::NONE, ..*asked }, looks, reaches)?;
         tables.layers.iter_mut().for_each(|layer| keep(layer, &unloaded.layers[0]));
     }
-    Ok(tables)
+    if looks.are_spent() { Err(NoTables::LooksSpent) } else { Ok(tables) }
 }
 
 // Drops the grasps that another layer does not have.
@@ -87,10 +97,11 @@ fn keep(layer: &mut Layer, other: &Layer) {
 
 impl Asked<'_> {
     // Some parts of a step after the angle of a layer.
-    fn instant<'a>(&self, grip: &'a Grip, layer: usize, parts: usize) -> Instant<'a> {
+    fn instant<'a>(&self, grip: &'a Grip, looks: &'a Looks, layer: usize, parts: usize) -> Instant<'a> {
         let part_of_step = parts as f64 / PARTS_OF_STEP as f64;
         let angle_rad = ((self.lowest + layer as i64) as f64 + part_of_step) * self.contacts.step_rad();
-        Instant::of(grip, self.contacts.after(part_of_step), self.load.after_turn(angle_rad), self.apart_um())
+        let contacts = self.contacts.after(part_of_step);
+        Instant::of(grip, contacts, self.load.after_turn(angle_rad), self.apart_um(), looks)
     }
 
     fn apart_um(&self) -> f64 {
@@ -159,16 +170,16 @@ fn come_and_go(grip: &Grip, now: &Instant, open: &Bits, tables: &Tables, layer: 
 }
 
 // Which grasps hold all the way from each layer to the next; nothing rolls on from the last one of several.
-fn roll(asked: &Asked, grip: &Grip, tables: &mut Tables) {
+fn roll(asked: &Asked, grip: &Grip, looks: &Looks, tables: &mut Tables) {
     let count = tables.layers.len();
     let firm = grip.with_reserve();
     let room = asked.room();
     for at in 0..count {
         let next = if count == 1 { 0 } else { at + 1 };
-        if next == count {
+        if next == count || looks.are_spent() {
             return;
         }
-        let between: Vec<Instant> = (1..PARTS_OF_STEP).map(|parts| asked.instant(&firm, at, parts)).collect();
+        let between: Vec<Instant> = (1..PARTS_OF_STEP).map(|parts| asked.instant(&firm, looks, at, parts)).collect();
         let mut pairs_on = rows(&tables.layers[at].pair, tables.contacts);
         pairs_on.keep(&rows(&tables.layers[next].pair, tables.contacts).stepped());
         pairs_on.keep(&room);

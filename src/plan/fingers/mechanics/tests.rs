@@ -2,6 +2,7 @@ use super::*;
 use crate::check::claims::fingers::Section;
 use crate::device::fingers::{Adhesion, Facts, fixture};
 use crate::geometry::outline::{Curve, Outline};
+use crate::plan::fingers::looks::Looks;
 use crate::plan::fingers::tables::{Bits, Tables};
 use std::f64::consts::TAU;
 
@@ -37,7 +38,8 @@ fn section(outline: Outline, contacts: u32) -> (Section, Curve) {
 
 fn tabulated(facts: &Facts, (section, curve): &(Section, Curve), load: Load, angles: usize) -> Tables {
     let contacts = Contacts::of(section, curve, facts.tip_radius_um);
-    tables(&Asked { facts, contacts, load, lowest: 0, angles }, &mut |_, _, _| true).expect("few grasps")
+    tables(&Asked { facts, contacts, load, lowest: 0, angles }, &Looks::default(), &mut |_, _, _| true)
+        .expect("few grasps")
 }
 
 fn count(bits: &Bits) -> u32 {
@@ -276,8 +278,8 @@ fn tables_have_a_size_that_is_not_passed() {
     let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
     let load = Load { force_un: [0.1, 0.0], ..Load::NONE };
     let asked = Asked { facts: &facts, contacts, load, lowest: 0, angles: 5 };
-    let refused = tables(&asked, &mut |_, _, _| true);
-    assert_eq!(refused.err(), Some(TooManyGrasps { contacts: 512, layers: 5 }));
+    let refused = tables(&asked, &Looks::default(), &mut |_, _, _| true);
+    assert_eq!(refused.err(), Some(NoTables::TooManyGrasps { contacts: 512, layers: 5 }));
 }
 
 #[test]
@@ -286,7 +288,7 @@ fn a_contact_that_is_out_of_reach_is_neither_come_to_nor_left() {
     let facts = hand(0.3, Adhesion::Sticking);
     let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
     let asked = Asked { facts: &facts, contacts, load: Load::NONE, lowest: 0, angles: 1 };
-    let found = tables(&asked, &mut |i, j, k| i < j && k != 5).expect("few grasps");
+    let found = tables(&asked, &Looks::default(), &mut |i, j, k| i < j && k != 5).expect("few grasps");
     let free = tabulated(&facts, &part, Load::NONE, 1);
     for (i, j) in (0..28).flat_map(|i| (0..28).map(move |j| (i, j))) {
         for k in 0..28 {

@@ -5,7 +5,7 @@ use super::random::{Random, case, circle};
 use crate::plan::fingers::graph::layout::{Chain, Sets, Spot};
 use crate::plan::fingers::graph::strands::{Mask, below, has, single, spread};
 use crate::plan::fingers::graph::{
-    Answer, Blocked, Costs, Entry, Estimator, Grasp, Leg, Request, Start, decompose, solve,
+    Answer, Blocked, Costs, Entry, Estimator, Grasp, Leg, Request, Start, Within, decompose, solve,
 };
 use crate::plan::fingers::tables::Tables;
 use crate::plan::search::Budget;
@@ -19,11 +19,11 @@ fn grasp(list: &[u32]) -> Grasp {
 
 fn leg(tables: Tables, steps: i32, end: Option<&[u32]>) -> Leg {
     let (lowest, highest) = (steps.min(0), steps.max(0));
-    Leg { tables: Arc::new(tables), steps, lowest, highest, entry: Entry::Same, end: end.map(grasp) }
+    Leg { tables: Arc::new(tables), steps, lowest, highest, entry: Entry::Same, end: end.map(grasp), lazy: None }
 }
 
 fn request(start: Start, routes: Vec<Vec<Leg>>) -> Request {
-    Request { fingers: 3, start, routes, costs: Costs { roll: 20, gait: 180 } }
+    Request { fingers: 3, start, routes, costs: Costs { roll: 20, gait: 180 }, within: Within::default() }
 }
 
 #[test]
@@ -35,7 +35,7 @@ fn a_way_that_no_finger_may_leave_is_none() {
     let asked = request(start, vec![vec![leg(tables, 3, Some(&[1, 7, 0]))]]);
     for estimator in BOTH {
         // Two fingers roll to the end, but the one grasp there is another one.
-        let expected = Blocked { route: 0, leg: 0, farthest: Some(3), ends: 1 };
+        let expected = Blocked { route: 0, leg: 0, farthest: Some(3), ends: 1, is_known: true };
         assert_eq!(solve(&asked, estimator, Budget::DEFAULT), Answer::Impossible(expected));
     }
 }
@@ -100,7 +100,7 @@ fn too_many_nodes_are_refused() {
 fn long_turns_agree_with_the_plain_search() {
     for (steps, goal) in [(100, [4, 0, 1]), (-130, [1, 7, 0]), (360, [5, 2, 9])] {
         let asked = request(Start::At(grasp(&[1, 7, 0])), vec![vec![leg(circle(12, 2), steps, Some(&goal))]]);
-        let cost = dijkstra(&asked, &asked.routes[0]).0;
+        let cost = dijkstra(&asked, &asked.routes[0]).0.map(|(cost, _)| cost);
         for estimator in BOTH {
             let Answer::Found(way) = solve(&asked, estimator, Budget::DEFAULT) else { panic!("there is a way") };
             assert_eq!(Some(way.cost), cost);

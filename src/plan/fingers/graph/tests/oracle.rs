@@ -142,32 +142,46 @@ pub fn is_end(route: &[Leg], (leg, angle, grasp): At) -> bool {
     leg + 1 == route.len() && angle == route[leg].steps && route[leg].end.is_none_or(|end| end == grasp)
 }
 
-/// The least cost of a route, and the farthest leg that is begun.
-pub fn dijkstra(request: &Request, route: &[Leg]) -> (Option<u64>, usize) {
-    let mut costs: FxHashMap<At, u64> = FxHashMap::default();
-    let mut open: BinaryHeap<Reverse<(u64, At)>> = BinaryHeap::new();
+/// The least cost of a route and the fewest reconfigurations at this cost, within the limit of reconfigurations; and the farthest leg
+/// that is begun.
+pub fn dijkstra(request: &Request, route: &[Leg]) -> (Option<(u64, u32)>, usize) {
+    let most = request.within.gaits;
+    // Where they are limited, a node is another one for each number of reconfigurations.
+    let place = |at: At, gaits: u32| (at, most.map_or(0, |_| gaits));
+    let mut costs: FxHashMap<(At, u32), (u64, u32)> = FxHashMap::default();
+    let mut open: BinaryHeap<Reverse<((u64, u32), At)>> = BinaryHeap::new();
     for start in starts(request, route) {
-        costs.insert(start, 0);
-        open.push(Reverse((0, start)));
+        costs.insert(place(start, 0), (0, 0));
+        open.push(Reverse(((0, 0), start)));
     }
     let mut farthest = 0;
-    while let Some(Reverse((cost, at))) = open.pop() {
-        if costs[&at] < cost {
+    while let Some(Reverse(((cost, gaits), at))) = open.pop() {
+        if costs[&place(at, gaits)] < (cost, gaits) {
             continue;
         }
         farthest = farthest.max(at.0);
         if is_end(route, at) {
-            return (Some(cost), farthest);
+            return (Some((cost, gaits)), farthest);
         }
         for (edge, next) in edges(request, route, at) {
-            let known = costs.entry(next).or_insert(u64::MAX);
-            if cost + edge < *known {
-                *known = cost + edge;
-                open.push(Reverse((cost + edge, next)));
+            let gaits = gaits + u32::from((next.0, next.1) == (at.0, at.1));
+            if most.is_some_and(|most| gaits > most) {
+                continue;
+            }
+            let known = costs.entry(place(next, gaits)).or_insert((u64::MAX, 0));
+            if (cost + edge, gaits) < *known {
+                *known = (cost + edge, gaits);
+                open.push(Reverse(((cost + edge, gaits), next)));
             }
         }
     }
     (None, farthest)
+}
+
+/// How many fingers a way places and takes away.
+pub fn gaits(way: &Way) -> u32 {
+    let changes = |nodes: &Vec<Node>| nodes.windows(2).filter(|pair| pair[0].angle == pair[1].angle).count();
+    way.legs.iter().map(changes).sum::<usize>() as u32
 }
 
 /// Follows a way edge by edge, and adds its cost up.

@@ -4,7 +4,7 @@ use super::oracle::judge;
 use super::random::circle;
 use crate::plan::fingers::graph::layout::Sets;
 use crate::plan::fingers::graph::published::reconfigurations;
-use crate::plan::fingers::graph::{Answer, Costs, Entry, Estimator, Grasp, Leg, Request, Start, Way, solve};
+use crate::plan::fingers::graph::{Answer, Costs, Entry, Estimator, Grasp, Leg, Request, Start, Way, Within, solve};
 use crate::plan::search::Budget;
 use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
@@ -122,9 +122,15 @@ fn relaxed(fingers: usize, sets: &Sets, goal: u8) -> HashMap<Vec<u8>, u32> {
 fn found(start: [u32; 3], steps: i32, end: [u32; 3], estimator: Estimator) -> Way {
     let grasp = |list: [u32; 3]| Grasp::of(&list).expect("three fingers");
     let tables = Arc::new(circle(CONTACTS, 1));
-    let leg = Leg { tables, steps, lowest: 0, highest: 18, entry: Entry::Same, end: Some(grasp(end)) };
+    let leg = Leg { tables, steps, lowest: 0, highest: 18, entry: Entry::Same, end: Some(grasp(end)), lazy: None };
     let costs = Costs { roll: 20, gait: 180 };
-    let request = Request { fingers: 3, start: Start::At(grasp(start)), routes: vec![vec![leg]], costs };
+    let request = Request {
+        fingers: 3,
+        start: Start::At(grasp(start)),
+        routes: vec![vec![leg]],
+        costs,
+        within: Within::default(),
+    };
     match solve(&request, estimator, Budget::DEFAULT) {
         Answer::Found(way) => {
             judge(&request, &way);

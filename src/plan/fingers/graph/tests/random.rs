@@ -1,13 +1,17 @@
 //! Random cases: both estimators, the oracle, and the consistency of both estimates.
 
-use super::oracle::{At, dijkstra, edges, holds, judge};
+use super::oracle::{At, dijkstra, edges, gaits, holds, judge};
 use crate::plan::fingers::graph::course::courses;
 use crate::plan::fingers::graph::published::Published;
 use crate::plan::fingers::graph::route::{Layers, flooded};
 use crate::plan::fingers::graph::walk::{Estimate, NEVER};
-use crate::plan::fingers::graph::{Answer, Costs, Entry, Estimator, Grasp, Leg, Request, Start, solve};
+use crate::plan::fingers::graph::{
+    Answer, Costs, Entry, Estimator, Grasp, Leg, Request, Start, Within, decompose, solve,
+};
+use crate::plan::fingers::looks::Looks;
 use crate::plan::fingers::tables::{Bits, Layer, Tables};
 use crate::plan::search::Budget;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// Numbers from a seed (SplitMix64).
@@ -124,7 +128,7 @@ pub fn case(seed: u64) -> Request {
         false => Start::At(some(random, fingers, first, 0)),
     };
     let costs = random.pick(&[(20, 180), (1, 9), (7, 30), (3, 1), (2, 0)]);
-    Request { fingers, start, routes, costs: Costs { roll: costs.0, gait: costs.1 } }
+    Request { fingers, start, routes, costs: Costs { roll: costs.0, gait: costs.1 }, within: Within::default() }
 }
 
 /// Any grasp, mostly one that holds.
@@ -157,7 +161,7 @@ fn route(random: &mut Random, fingers: usize, turn: usize, sections: &[Arc<Table
         let entry = if crosses { Entry::Across { old: half(before), new: half(at) } } else { Entry::Same };
         let (lowest, highest) = if random.chance(50) { (0, turn as i32) } else { (-(turn as i32), 0) };
         let steps = random.below(turn + 1) as i32 * if lowest < 0 { -1 } else { 1 };
-        let mut leg = Leg { tables: sections[at].clone(), steps, lowest, highest, entry, end: None };
+        let mut leg = Leg { tables: sections[at].clone(), steps, lowest, highest, entry, end: None, lazy: None };
         if random.chance(30) {
             leg.end = Some(some(random, fingers, &leg, steps));
         }
@@ -166,27 +170,85 @@ fn route(random: &mut Random, fingers: usize, turn: usize, sections: &[Arc<Table
     legs
 }
 
+/// The least cost, its reconfigurations and its route; the farthest leg that a route begins, and the first route that does.
+type Best = (Option<(u64, u32, usize)>, (usize, usize));
+
+fn best(request: &Request) -> Best {
+    let oracle: Vec<(Option<(u64, u32)>, usize)> =
+        request.routes.iter().map(|route| dijkstra(request, route)).collect();
+    let ways = oracle.iter().enumerate().filter_map(|(at, (way, _))| way.map(|(cost, gaits)| (cost, gaits, at)));
+    let farthest = oracle.iter().map(|(_, leg)| *leg).max().expect("a case has routes");
+    let first = oracle.iter().position(|(_, leg)| *leg == farthest).expect("it is one of them");
+    (ways.min(), (farthest, first))
+}
+
 fn agrees(seed: u64) -> Option<u64> {
-    let request = case(seed);
-    let oracle: Vec<(Option<u64>, usize)> = request.routes.iter().map(|route| dijkstra(&request, route)).collect();
-    let best = oracle.iter().enumerate().filter_map(|(at, (cost, _))| cost.map(|cost| (cost, at))).min();
+    let mut request = case(seed);
+    let way = agrees_within(seed, &request);
+    // With fewer reconfigurations than the cheapest way has, as few as there may be.
+    let mut most = way.map_or(0, |(_, gaits)| gaits);
+    while let Some(fewer) = most.checked_sub(1) {
+        request.within.gaits = Some(fewer);
+        most = agrees_within(seed, &request).map_or(0, |(_, gaits)| gaits);
+    }
+    way.map(|(cost, _)| cost)
+}
+
+/// Cost and reconfigurations of the best way within the limit of a request.
+fn agrees_within(seed: u64, request: &Request) -> Option<(u64, u32)> {
+    let (best, farthest) = best(request);
     for estimator in [Estimator::Published, Estimator::Layers] {
-        match solve(&request, estimator, Budget::DEFAULT) {
+        match solve(request, estimator, Budget::DEFAULT) {
             Answer::Found(way) => {
-                assert_eq!(Some((way.cost, way.route)), best, "case {seed}, {estimator:?}");
+                assert_eq!(Some((way.cost, gaits(&way), way.route)), best, "case {seed}, {estimator:?}");
                 assert_eq!(way.bound, way.cost);
-                judge(&request, &way);
+                judge(request, &way);
             }
             Answer::Impossible(blocked) => {
                 assert_eq!(best, None, "case {seed}, {estimator:?}");
-                let farthest = oracle.iter().map(|(_, leg)| *leg).max().expect("a case has routes");
-                let first = oracle.iter().position(|(_, leg)| *leg == farthest).expect("it is one of them");
-                assert_eq!((blocked.leg, blocked.route), (farthest, first), "case {seed}");
+                let is_said = request.within.gaits.is_some() || (blocked.leg, blocked.route) == farthest;
+                assert!(is_said, "case {seed}: {blocked:?}, {farthest:?}");
             }
             other => panic!("case {seed}, {estimator:?}: {other:?}"),
         }
     }
-    best.map(|(cost, _)| cost)
+    best.map(|(cost, gaits, _)| (cost, gaits))
+}
+
+/// However few looks there are, what is said with them is so.
+#[test]
+fn what_is_said_when_looks_run_out_is_so() {
+    let (mut ended, mut found) = (0, 0);
+    for seed in 2000..2120 {
+        let mut request = case(seed);
+        let best = best(&request).0;
+        for looks in [1, 30, 300, 3000, 30_000] {
+            request.within.looks = Rc::new(Looks::of(looks));
+            match solve(&request, Estimator::Layers, Budget::DEFAULT) {
+                Answer::Found(way) => {
+                    assert_eq!(Some((way.cost, gaits(&way), way.route)), best, "case {seed}, {looks} looks");
+                    found += 1;
+                }
+                Answer::Impossible(_) => assert_eq!(best, None, "case {seed}, {looks} looks"),
+                Answer::LooksSpent { bound } => {
+                    assert!(
+                        best.is_none_or(|(cost, ..)| bound <= cost),
+                        "case {seed}, {looks} looks: {bound}, {best:?}"
+                    );
+                    ended += 1;
+                }
+                other => panic!("case {seed}, {looks} looks: {other:?}"),
+            }
+            request.within.looks = Rc::new(Looks::of(looks));
+            if let Answer::Found(way) = decompose(&request, Estimator::Layers, Budget::DEFAULT) {
+                assert!(
+                    best.is_some_and(|(cost, ..)| way.bound <= cost),
+                    "case {seed}, {looks} looks: {way:?}, {best:?}"
+                );
+            }
+        }
+    }
+    assert!(ended > 100 && found > 50, "{ended} ended, {found} found");
 }
 
 #[test]

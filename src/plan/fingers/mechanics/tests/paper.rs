@@ -1,7 +1,7 @@
 //! The paper's own cases, found by the search over these tables.
 
 use super::*;
-use crate::plan::fingers::graph::{Answer, Costs, Entry, Estimator, Grasp, Leg, Request, Start, solve};
+use crate::plan::fingers::graph::{Answer, Costs, Entry, Estimator, Grasp, Leg, Request, Start, Within, solve};
 use crate::plan::search::Budget;
 use std::sync::Arc;
 
@@ -24,12 +24,14 @@ fn turned(tables: &Arc<Tables>, steps: i32, from: [u32; 3], goals: &[Option<Gras
         highest: 18,
         entry: Entry::Same,
         end: *goal,
+        lazy: None,
     };
     let request = Request {
         fingers: 3,
         start: Start::At(Grasp::of(&from).expect("a grasp")),
         routes: goals.iter().map(|goal| vec![leg(goal)]).collect(),
         costs: Costs { roll: 20, gait: 180 },
+        within: Within::default(),
     };
     match solve(&request, Estimator::Layers, Budget::DEFAULT) {
         Answer::Found(way) => {
@@ -37,7 +39,9 @@ fn turned(tables: &Arc<Tables>, steps: i32, from: [u32; 3], goals: &[Option<Gras
             Some((way.cost, changes.count()))
         }
         Answer::Impossible(_) => None,
-        Answer::GaveUp(_) | Answer::TooLarge { .. } => panic!("a graph of this size is searched to its end"),
+        Answer::GaveUp(_) | Answer::LooksSpent { .. } | Answer::TooLarge { .. } => {
+            panic!("a graph of this size is searched to its end")
+        }
     }
 }
 

@@ -1,0 +1,63 @@
+//! Fingers are alike but for those that a task names: a request with fewer of them has ways of the same cost.
+//!
+//! At most three fingers hold at the same time, and a finger comes only where two hold. So of the fingers that neither the beginning nor a
+//! grasp that is asked for names, three stand for all: whichever comes, one of the three is free.
+
+use super::{Answer, Grasp, Request, Start, Way};
+use crate::device::fingers::{MAX_FINGERS, MAX_HOLDING};
+
+/// The answer to a request, searched with the fewest fingers that it needs.
+pub fn by_few(request: &Request, solve: impl Fn(&Request) -> Answer) -> Answer {
+    let kept = kept(request);
+    if kept.len() == request.fingers {
+        return solve(request);
+    }
+    let few = |grasp: Grasp| moved(grasp, |to| kept.get(to).copied());
+    let mut fewer = request.clone();
+    fewer.fingers = kept.len();
+    if let Start::At(grasp) = request.start {
+        fewer.start = Start::At(few(grasp));
+    }
+    for leg in fewer.routes.iter_mut().flatten() {
+        leg.end = leg.end.map(few);
+    }
+    match solve(&fewer) {
+        Answer::Found(way) => Answer::Found(restored(way, &kept)),
+        other @ (Answer::Impossible(_) | Answer::GaveUp(_) | Answer::LooksSpent { .. } | Answer::TooLarge { .. }) => {
+            other
+        }
+    }
+}
+
+/// The fingers that are named, and three more if there are.
+fn kept(request: &Request) -> Vec<usize> {
+    let start = match request.start {
+        Start::At(grasp) => Some(grasp),
+        Start::Any => None,
+    };
+    let pins = request.routes.iter().flatten().filter_map(|leg| leg.end);
+    let named: Vec<Grasp> = start.into_iter().chain(pins).collect();
+    // A finger that the device does not have stays named, so that its grasp is found not to hold.
+    let is_named = |finger: &usize| named.iter().any(|grasp| grasp.contact(*finger).is_some());
+    let others = (0..request.fingers).filter(|finger| !is_named(finger)).take(MAX_HOLDING);
+    let all = 0..MAX_FINGERS as usize;
+    let mut kept: Vec<usize> = all.filter(is_named).chain(others).collect();
+    kept.sort_unstable();
+    if kept.iter().any(|finger| *finger >= request.fingers) { (0..request.fingers).collect() } else { kept }
+}
+
+/// A grasp whose finger at each place is the one that held at another.
+fn moved(grasp: Grasp, from: impl Fn(usize) -> Option<usize>) -> Grasp {
+    let mut other = Grasp([0; MAX_FINGERS as usize]);
+    for (to, contact) in other.0.iter_mut().enumerate() {
+        *contact = from(to).map_or(0, |from| grasp.0[from]);
+    }
+    other
+}
+
+fn restored(mut way: Way, kept: &[usize]) -> Way {
+    for node in way.legs.iter_mut().flatten() {
+        node.grasp = moved(node.grasp, |to| kept.iter().position(|finger| *finger == to));
+    }
+    way
+}

@@ -1,0 +1,210 @@
+//! Plans within limits of reconfigurations and of time.
+//!
+//! Problem: the least effort of a task of which several stretches may have so many reconfigurations together. Method: for each stretch the
+//! ways of least effort with fewer and fewer reconfigurations (the ε-constraint method: Haimes, Lasdon, Wismer, IEEE Transactions on
+//! Systems, Man and Cybernetics 1, 1971), then one of them for each stretch. Guaranteed: where every way is proven, so is the choice.
+//!
+//! How long a plan takes depends on where free fingers wait, which is no part of a grasp. Plans that take too long are therefore searched
+//! anew with fewer and fewer reconfigurations, which take most of the time, until one is quick enough. Not guaranteed: that no other
+//! is, unless the limit is below [`least_s`].
+
+use super::Stance;
+use super::job::{Asked, Done, Stop, Stretch, carried_out, stretches};
+use super::routes::routes;
+use super::sections::Sections;
+use crate::check::claims::fingers::{Action, FingersOrder};
+use crate::check::claims::{Job, Relation};
+use crate::plan::requirements::{Kept, is_upper, keeps};
+use crate::plan::{Optimality, Plan};
+
+/// What came of a limit.
+pub enum Within {
+    /// A plan that keeps it; its bound is one of all plans that do.
+    Found(Box<Done>),
+    None {
+        is_proven: bool,
+    },
+}
+
+/// The most reconfigurations that the limits of a job allow, if there is one from above.
+pub fn most_gaits(job: &Job) -> Option<u32> {
+    let limits = job.requirements.iter().filter(|limit| limit.outcome == "reconfigurations");
+    let most = limits.filter_map(|limit| match limit.relation {
+        Relation::AtMost | Relation::Equal => Some(limit.limit.floor()),
+        Relation::Less => Some(limit.limit.ceil() - 1.0),
+        Relation::AtLeast | Relation::More => None,
+    });
+    most.min_by(f64::total_cmp).map(|most| most.clamp(0.0, f64::from(u32::MAX)) as u32)
+}
+
+/// What came of a limit of time.
+pub enum Sooner {
+    /// A plan that keeps all limits.
+    Kept(Box<Done>),
+    /// The quickest plan that was found besides.
+    Missed(Option<Box<Plan>>),
+}
+
+/// The most plans with fewer reconfigurations that are looked at for a limit of time.
+const MOST_TRIED: u32 = 16;
+
+fn is_kept(job: &Job, plan: &Plan, outcome: &str) -> bool {
+    let mut limits = job.requirements.iter().filter(|limit| limit.outcome == outcome && is_upper(limit));
+    limits.all(|limit| plan.outcomes.get(outcome).is_none_or(|reached| keeps(limit, *reached) == Kept::Yes))
+}
+
+/// Whether a plan takes longer than a limit.
+pub fn misses_time(job: &Job, plan: &Plan) -> bool {
+    !is_kept(job, plan, "time")
+}
+
+/// A plan that is quick enough, beside one that is not.
+pub fn sooner(sections: &mut Sections, asked: &Asked, done: &Done) -> Sooner {
+    let mut soonest: Option<Plan> = None;
+    let mut gaits = done.gaits();
+    for _ in 0..MOST_TRIED {
+        let Some(fewer) = gaits.checked_sub(1) else { break };
+        let Within::Found(mut next) = within(sections, asked, done, u32::try_from(fewer).unwrap_or(u32::MAX)) else {
+            break;
+        };
+        gaits = next.gaits();
+        if ["time", "effort"].iter().all(|outcome| is_kept(asked.job, &next.plan, outcome)) {
+            // Another plan with as few or more reconfigurations might be quick enough, of less effort.
+            next.plan.bound = done.plan.bound.min(next.plan.cost);
+            next.plan.proof = if next.plan.bound >= next.plan.cost { Optimality::Proven } else { Optimality::Open };
+            return Sooner::Kept(next);
+        }
+        let time_s = |plan: &Plan| plan.outcomes.get("time").copied().unwrap_or(f64::INFINITY);
+        if soonest.as_ref().is_none_or(|known| time_s(&next.plan) < time_s(known)) {
+            soonest = Some(next.plan);
+        }
+    }
+    Sooner::Missed(soonest.map(Box::new))
+}
+
+/// No plan takes less time, in seconds: what it waits, carries and rolls at least, and two fingers that come and leave where all do.
+pub fn least_s(sections: &Sections, order: &FingersOrder, stance: Option<&Stance>) -> f64 {
+    let facts = &order.facts;
+    let come_s = 2.0 * facts.slow_um() / facts.approach_um_per_s;
+    let mut is_held = stance.is_some_and(|stance| stance.hold.grasp.iter().any(|contact| *contact != 0));
+    let mut sum_s = 0.0;
+    for stretch in stretches(order) {
+        let mut takes = false;
+        for step in &order.steps[stretch.clone()] {
+            match &step.action {
+                Action::Wait(duration_ns) => sum_s += *duration_ns as f64 / 1e9,
+                Action::Translate(by_um) => {
+                    sum_s += nalgebra::Vector3::from(*by_um).norm() / facts.rolling_um_per_s;
+                    takes = true;
+                }
+                Action::Release => sum_s += if takes || is_held { come_s } else { 0.0 },
+                Action::Grasp(_) | Action::Rotate { .. } | Action::Orient { .. } => takes = true,
+            }
+        }
+        sum_s += if takes && !is_held { come_s } else { 0.0 };
+        let planned = routes(order, stretch, None);
+        let way_um = |route: &crate::plan::fingers::routes::Route| {
+            let ways = route.iter().map(|turning| {
+                f64::from(turning.turn.steps.unsigned_abs()) * sections.least_way_um(turning.turn.plane)
+            });
+            ways.sum::<f64>()
+        };
+        let searched_um = planned.routes.iter().map(way_um).fold(f64::INFINITY, f64::min);
+        // Of the ways that are not searched only the number of steps is known.
+        let left_out_um = planned.left_out.map_or(f64::INFINITY, |_| 0.0);
+        sum_s += searched_um.min(left_out_um) / facts.rolling_um_per_s;
+        is_held = false;
+    }
+    // Sums of floats.
+    sum_s * (1.0 - 1e-9)
+}
+
+/// The ways of one stretch.
+struct Front {
+    /// With fewer and fewer reconfigurations.
+    ways: Vec<Stretch>,
+    /// Whether each of them is proven, and that there are no others of any use.
+    is_whole: bool,
+}
+
+/// The plan of least effort with at most so many reconfigurations, beside one that has more.
+pub fn within(sections: &mut Sections, asked: &Asked, any: &Done, most: u32) -> Within {
+    let count = any.stretches.len();
+    let fronts: Vec<Front> = (0..count).map(|at| front(sections, asked, (any, at), most)).collect();
+    let is_whole = fronts.iter().all(|front| front.is_whole);
+    let Some((cost, gaits)) = choice(&fronts, most) else { return Within::None { is_proven: is_whole } };
+    let gaits = gaits.into_iter().map(Some).collect();
+    let Ok(mut done) = carried_out(sections, &Asked { gaits, ..asked.clone() }, None) else {
+        return Within::None { is_proven: false };
+    };
+    if done.gaits() > u64::from(most) {
+        return Within::None { is_proven: false };
+    }
+    let plan = &mut done.plan;
+    plan.proof = Optimality::Open;
+    if is_whole && done.stretches.iter().map(|stretch| stretch.cost).sum::<u64>() == cost {
+        plan.bound = plan.cost;
+        plan.proof = Optimality::Proven;
+    } else {
+        plan.bound = any.plan.bound.min(plan.cost);
+    }
+    Within::Found(Box::new(done))
+}
+
+/// The ways of a stretch that may matter.
+fn front(sections: &mut Sections, asked: &Asked, (any, at): (&Done, usize), most: u32) -> Front {
+    let mut front = Front { ways: vec![any.stretches[at]], is_whole: any.stretches[at].is_best };
+    let is_only = any.stretches.len() == 1;
+    loop {
+        let last = front.ways[front.ways.len() - 1].gaits;
+        if last == 0 || is_only && last <= u64::from(most) {
+            return front;
+        }
+        let fewer = u32::try_from(last - 1).unwrap_or(u32::MAX).min(most);
+        let mut gaits = vec![None; at];
+        gaits.push(Some(fewer));
+        match carried_out(sections, &Asked { gaits, ..asked.clone() }, None) {
+            // The greedy planner does not search for limits.
+            Ok(done) if done.stretches[at].gaits >= last => {
+                front.is_whole = false;
+                return front;
+            }
+            Ok(done) => {
+                let way = done.stretches[at];
+                front.is_whole &= way.is_best;
+                front.ways.push(way);
+            }
+            Err(Stop::Proven) => return front,
+            Err(Stop::Open) => {
+                front.is_whole = false;
+                return front;
+            }
+        }
+    }
+}
+
+/// The least cost of one way for each stretch, and how many reconfigurations each has; `None` where all of them have too many.
+fn choice(fronts: &[Front], most: u32) -> Option<(u64, Vec<u32>)> {
+    let most = u64::from(most);
+    // By how many reconfigurations are left: the least cost so far.
+    let mut chosen: Vec<(u64, u64, Vec<u32>)> = vec![(0, 0, Vec::new())];
+    for front in fronts {
+        let mut longer: Vec<(u64, u64, Vec<u32>)> = Vec::new();
+        for (gaits, cost, ways) in &chosen {
+            for way in front.ways.iter().filter(|way| gaits + way.gaits <= most) {
+                let own = u32::try_from(way.gaits).unwrap_or(u32::MAX);
+                let ways = ways.iter().copied().chain([own]).collect();
+                longer.push((gaits + way.gaits, cost + way.cost, ways));
+            }
+        }
+        longer.sort();
+        let mut least = u64::MAX;
+        longer.retain(|(_, cost, _)| {
+            let is_less = *cost < least;
+            least = least.min(*cost);
+            is_less
+        });
+        chosen = longer;
+    }
+    chosen.into_iter().min_by_key(|(gaits, cost, _)| (*cost, *gaits)).map(|(_, cost, ways)| (cost, ways))
+}

@@ -1,0 +1,121 @@
+//! What holds under a load, asked grasp by grasp.
+//!
+//! Under a load in the plane of a turn grasps differ from angle to angle, so that tables of all of them take seconds, of which a search
+//! looks at few. Input: a hand on the contacts of a section, and the load when a leg begins. Output: the same answers as those of
+//! [`super::tables`], each found out when it is asked for and kept. Promise: every answer that says yes is one for which the tables
+//! without the load say yes as well, if fingers may leave there wherever they may come; only those are to be asked for.
+
+use super::{Contact, Contacts, Grip, Load, PARTS_OF_STEP};
+use crate::device::fingers::Facts;
+use crate::plan::fingers::looks::Looks;
+use rustc_hash::FxHashMap;
+use std::cell::RefCell;
+use std::rc::Rc;
+
+/// Looks that one balance takes.
+const LOOKS: u64 = 30;
+
+/// Bits of a contact in a key.
+const DIGIT: u32 = 10;
+
+/// The answers of one leg.
+#[derive(Debug)]
+pub struct Lazy {
+    grip: Grip,
+    firm: Grip,
+    /// All contacts at each part of a step.
+    contacts: [Vec<Contact>; PARTS_OF_STEP],
+    step_rad: f64,
+    /// At angle 0 of the leg.
+    load: Load,
+    looks: Rc<Looks>,
+    /// By angle, question and contacts.
+    known: RefCell<FxHashMap<u64, bool>>,
+}
+
+/// What is asked of a grasp.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Question {
+    Holds,
+    Rolls,
+    Leaves,
+}
+
+impl Lazy {
+    /// Of a hand on the contacts of a section, under a load as it is at angle 0.
+    pub fn of(facts: &Facts, contacts: &Contacts, load: Load, looks: Rc<Looks>) -> Lazy {
+        let grip = Grip::of(facts, contacts.reach_um());
+        Lazy {
+            grip,
+            firm: grip.with_reserve(),
+            contacts: std::array::from_fn(|part| contacts.after(part as f64 / PARTS_OF_STEP as f64)),
+            step_rad: contacts.step_rad(),
+            load,
+            looks,
+            known: RefCell::default(),
+        }
+    }
+
+    /// Whether two or three contacts, from 0, hold at an angle of the leg.
+    pub fn holds(&self, angle: i32, held: &[usize]) -> bool {
+        self.answer(Question::Holds, angle, &sorted(held), || self.balances(angle, 0, held))
+    }
+
+    /// Whether they hold on from an angle to the next one.
+    pub fn rolls(&self, angle: i32, held: &[usize]) -> bool {
+        let next = || held.iter().map(|contact| (contact + self.contacts[0].len() - 1) % self.contacts[0].len());
+        self.answer(Question::Rolls, angle, &sorted(held), || {
+            self.holds(angle, held)
+                && self.holds(angle + 1, &next().collect::<Vec<usize>>())
+                && (1..PARTS_OF_STEP).all(|part| self.balances(angle, part, held))
+        })
+    }
+
+    /// Whether two contacts hold and resist that the finger on a third one is pulled off.
+    pub fn leaves(&self, angle: i32, stay: [usize; 2], leaves: usize) -> bool {
+        let [i, j] = [stay[0].min(stay[1]), stay[0].max(stay[1])];
+        self.answer(Question::Leaves, angle, &[i, j, leaves], || {
+            self.looks.take(LOOKS);
+            let [a, b, c] = [i, j, leaves].map(|contact| &self.contacts[0][contact]);
+            self.holds(angle, &[i, j]) && self.grip.resists([a, b], c, &self.at(angle, 0))
+        })
+    }
+
+    /// Does without the step of a grasp from an angle to the next.
+    pub fn forbid(&self, angle: i32, held: &[usize]) {
+        self.known.borrow_mut().insert(key(Question::Rolls, angle, &sorted(held)), false);
+    }
+
+    fn answer(&self, question: Question, angle: i32, held: &[usize], find: impl FnOnce() -> bool) -> bool {
+        let key = key(question, angle, held);
+        if let Some(known) = self.known.borrow().get(&key) {
+            return *known;
+        }
+        let found = find();
+        self.known.borrow_mut().insert(key, found);
+        found
+    }
+
+    fn balances(&self, angle: i32, part: usize, held: &[usize]) -> bool {
+        self.looks.take(LOOKS);
+        let grip = if part == 0 { &self.grip } else { &self.firm };
+        let touched: Vec<Contact> = held.iter().map(|contact| self.contacts[part][*contact]).collect();
+        grip.holds_under(&touched, &self.at(angle, part))
+    }
+
+    fn at(&self, angle: i32, part: usize) -> Load {
+        self.load.after_turn((f64::from(angle) + part as f64 / PARTS_OF_STEP as f64) * self.step_rad)
+    }
+}
+
+fn sorted(held: &[usize]) -> Vec<usize> {
+    let mut sorted = held.to_vec();
+    sorted.sort_unstable();
+    sorted
+}
+
+fn key(question: Question, angle: i32, held: &[usize]) -> u64 {
+    let held = held.iter().fold(0, |key, contact| key << DIGIT | (*contact as u64 + 1));
+    // Angles are between -512 and 511.
+    ((angle + 512) as u64) << (3 * DIGIT + 2) | (question as u64) << (3 * DIGIT) | held
+}
