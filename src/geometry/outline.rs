@@ -11,6 +11,7 @@ mod spline;
 #[cfg(test)]
 mod tests;
 
+use super::fault::{Fault, through};
 use boxes::Boxes;
 use follow::{Course, gauss, turn};
 use form::{Form, cross, dot, minus, norm};
@@ -156,12 +157,12 @@ impl Curve {
 
     /// Once round.
     pub fn perimeter_um(&self) -> f64 {
-        self.perimeter_um
+        through(Fault::Perimeter, self.perimeter_um)
     }
 
     /// How far from the origin it reaches.
     pub fn reach_um(&self) -> f64 {
-        self.reach_um
+        through(Fault::Reach, self.reach_um)
     }
 
     /// The area that it encloses, in square micrometres.
@@ -187,8 +188,8 @@ impl Curve {
         let jet = self.form.at(self.course.stretches[at].piece, t);
         let turned = turn(self.course.tangents[at], jet.first);
         Spot {
-            point_um: jet.point,
-            normal_rad: self.course.turns_rad[at] + turned + laps * TAU,
+            point_um: [through(Fault::Spot, jet.point[0]), jet.point[1]],
+            normal_rad: through(Fault::Normal, self.course.turns_rad[at] + turned + laps * TAU),
             curvature_per_um: jet.curvature(),
         }
     }
@@ -211,7 +212,7 @@ impl Curve {
                 found.square
             });
         }
-        Nearest { way_um: found.way_um, distance_um: found.square.sqrt() * found.sign }
+        Nearest { way_um: found.way_um, distance_um: through(Fault::Outline, found.square.sqrt() * found.sign) }
     }
 
     /// Whether the chord is near enough that the stretch may hold a nearer place.
@@ -249,7 +250,7 @@ impl Curve {
         }
         let found = self.foot(at, point_um).unwrap_or(Found { square: f64::NAN, way_um: 0.0, sign: 1.0 });
         let way_um = found.way_um + (laps + around) * self.perimeter_um;
-        Nearest { way_um, distance_um: found.square.sqrt() * found.sign }
+        Nearest { way_um, distance_um: through(Fault::Outline, found.square.sqrt() * found.sign) }
     }
 
     /// How half the square of the distance grows along the way at a node.
@@ -303,7 +304,7 @@ impl Curve {
     /// By how much the object turns while a tip rolls from way 0 to a way: the integral of κ + 1/l2, which is the turn of the normal
     /// and the way over the tip's radius.
     pub fn rolled_rad(&self, way_um: f64, tip_radius_um: f64) -> f64 {
-        self.spot(way_um).normal_rad - self.course.turns_rad[0] + way_um / tip_radius_um
+        through(Fault::Rolled, self.spot(way_um).normal_rad - self.course.turns_rad[0] + way_um / tip_radius_um)
     }
 
     /// The way at which a tip has rolled so far; the inverse of [`Curve::rolled_rad`], for tips that reach everywhere (κ > -1/l2). For
@@ -337,7 +338,7 @@ impl Curve {
                 break;
             }
         }
-        way_um + laps * self.perimeter_um
+        through(Fault::WayRolled, way_um + laps * self.perimeter_um)
     }
 
     /// The way to where the negative x axis meets it, farthest out.

@@ -23,7 +23,7 @@ impl Extent {
     }
 
     /// The same, wider on all sides.
-    pub fn grown(self, by: f64) -> Extent {
+    pub fn widened(self, by: f64) -> Extent {
         Extent { low: self.low.map(|value| value - by), high: self.high.map(|value| value + by) }
     }
 
@@ -35,6 +35,12 @@ impl Extent {
     /// Whether the two have a point in common.
     pub fn meets(&self, other: &Extent) -> bool {
         (0..2).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
+    }
+
+    /// How far the two are apart along the axis along which that is most; not above 0 where they meet.
+    pub fn gap_um(&self, other: &Extent) -> f64 {
+        let along = |axis: usize| (self.low[axis] - other.high[axis]).max(other.low[axis] - self.high[axis]);
+        along(0).max(along(1))
     }
 
     fn centre(&self, axis: usize) -> f64 {

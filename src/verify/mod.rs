@@ -17,6 +17,7 @@ mod dimibot;
 mod electrode_array;
 pub mod fingers;
 mod form;
+mod geometry;
 pub mod log;
 mod microrobots;
 mod premise;

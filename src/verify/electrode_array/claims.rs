@@ -4,7 +4,7 @@
 
 use super::super::Unfit;
 use crate::check::claims::electrode_array::{Action, Body, ElectrodeArrayOrder, Move};
-use crate::device::electrode_array::{Electrodes, Facts, MAX_PARTS, MAX_SIDE, Separation};
+use crate::device::electrode_array::{Cell, Electrodes, Facts, MAX_PARTS, MAX_SIDE, Separation};
 use std::collections::BTreeSet;
 
 /// The largest separation, in electrodes.
@@ -51,8 +51,16 @@ fn parts(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     demand(order.parts.len() <= MAX_PARTS, "hold too many parts")?;
     let names: BTreeSet<&str> = order.parts.iter().map(|part| part.name.as_str()).collect();
     demand(names.len() == order.parts.len(), "hold two parts of one name")?;
-    let reached = order.parts.iter().all(|part| order.facts.reaches(part.cell));
-    demand(reached, "hold a part where its electrodes are not on the board")
+    let on_board = |[column, row]: [i64; 2]| {
+        let sides = [order.facts.columns, order.facts.rows].map(i64::from);
+        (1..=sides[0]).contains(&column) && (1..=sides[1]).contains(&row)
+    };
+    let electrodes = |cell: Cell| {
+        let offsets = order.facts.layout.electrodes.offsets().iter();
+        offsets.map(move |[columns, rows]| [i64::from(cell.column) + columns, i64::from(cell.row) + rows])
+    };
+    let is_over_board = order.parts.iter().all(|part| electrodes(part.cell).all(on_board));
+    demand(is_over_board, "hold a part where its electrodes are not on the board")
 }
 
 fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {

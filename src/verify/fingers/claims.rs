@@ -83,10 +83,10 @@ fn section(section: &Section, facts: &Facts) -> Result<(), Unfit> {
     demand(off_rad <= STEP_TOLERANCE * round_rad, "hold steps that do not go once round an outline")?;
     let Some(opposite) = section.opposite else { return Ok(()) };
     demand((1..=contacts).contains(&opposite), "hold an opposite contact that is none")?;
-    let exact_rad = surface.rolled_rad(surface.curve.opposite_um());
-    let off_um = (f64::from(opposite - 1) * step_rad - exact_rad).abs() * facts.tip_radius_um;
+    let exact_rad = surface.contour.opposite().map(|foot| surface.turned_rad(&foot));
+    let off_um = |exact_rad: f64| (f64::from(opposite - 1) * step_rad - exact_rad).abs() * facts.tip_radius_um;
     let most_um = AXIS_TOLERANCE * facts.tolerance_um + AXIS_ROUNDING_UM;
-    demand(off_um <= most_um, "hold an opposite contact off the x axis")
+    demand(exact_rad.is_some_and(|rad| off_um(rad) <= most_um), "hold an opposite contact off the x axis")
 }
 
 fn action(order: &FingersOrder, action: &Action) -> Result<(), Unfit> {
