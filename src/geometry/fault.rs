@@ -59,26 +59,29 @@ pub(crate) const fn through(_: Fault, number: f64) -> f64 {
 }
 
 #[cfg(test)]
-pub(crate) use switch::{through, with};
+pub(crate) use switch::{Wrong, through, with};
 
 #[cfg(test)]
 mod switch {
     use super::Fault;
     use std::cell::Cell;
 
+    /// A factor, and what is added then.
+    pub(crate) type Wrong = [f64; 2];
+
     thread_local! {
-        static ON: Cell<Option<(Fault, fn(f64) -> f64)>> = const { Cell::new(None) };
+        static ON: Cell<Option<(Fault, Wrong)>> = const { Cell::new(None) };
     }
 
     pub(crate) fn through(fault: Fault, number: f64) -> f64 {
         match ON.get() {
-            Some((on, wrong)) if on == fault => wrong(number),
+            Some((on, [factor, more])) if on == fault => number * factor + more,
             Some(_) | None => number,
         }
     }
 
     /// Runs something while a measure of this thread is wrong.
-    pub(crate) fn with<T>(fault: Fault, wrong: fn(f64) -> f64, run: impl FnOnce() -> T) -> T {
+    pub(crate) fn with<T>(fault: Fault, wrong: Wrong, run: impl FnOnce() -> T) -> T {
         struct Off;
         impl Drop for Off {
             fn drop(&mut self) {

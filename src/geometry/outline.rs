@@ -225,34 +225,6 @@ impl Curve {
         dot(gap, gap) <= reach * reach
     }
 
-    /// The place nearest to a point in the neighbourhood of a way along the outline: downhill from there. Its way runs on from that way,
-    /// and is not brought back to the first lap.
-    pub fn nearest_from(&self, point_um: [f64; 2], way_um: f64) -> Nearest {
-        let laps = (way_um / self.perimeter_um).floor();
-        let (mut at, _) = self.place(way_um - laps * self.perimeter_um);
-        let (count, mut around) = (self.course.stretches.len(), 0.0);
-        let ahead = self.slope(at, point_um) < 0.0;
-        // Forwards until the distance grows at the end of the stretch, or backwards until it falls at its beginning.
-        for _ in 0..count {
-            if ahead && self.slope(at + 1, point_um) < 0.0 {
-                at += 1;
-                if at == count {
-                    (at, around) = (0, around + 1.0);
-                }
-            } else if !ahead && self.slope(at, point_um) > 0.0 {
-                if at == 0 {
-                    (at, around) = (count, around - 1.0);
-                }
-                at -= 1;
-            } else {
-                break;
-            }
-        }
-        let found = self.foot(at, point_um).unwrap_or(Found { square: f64::NAN, way_um: 0.0, sign: 1.0 });
-        let way_um = found.way_um + (laps + around) * self.perimeter_um;
-        Nearest { way_um, distance_um: through(Fault::Outline, found.square.sqrt() * found.sign) }
-    }
-
     /// How half the square of the distance grows along the way at a node.
     fn slope(&self, node: usize, point_um: [f64; 2]) -> f64 {
         dot(minus(self.course.points_um[node], point_um), self.course.tangents[node])

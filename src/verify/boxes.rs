@@ -28,8 +28,8 @@ impl Extent {
     }
 
     fn with(self, other: Extent) -> Extent {
-        let axis = |pick: fn(f64, f64) -> f64, a: [f64; 2], b: [f64; 2]| [pick(a[0], b[0]), pick(a[1], b[1])];
-        Extent { low: axis(f64::min, self.low, other.low), high: axis(f64::max, self.high, other.high) }
+        let both = |pick: fn(f64, f64) -> f64, a: [f64; 2], b: [f64; 2]| [pick(a[0], b[0]), pick(a[1], b[1])];
+        Extent { low: both(f64::min, self.low, other.low), high: both(f64::max, self.high, other.high) }
     }
 
     /// Whether the two have a point in common.

@@ -47,10 +47,15 @@ pub(in super::super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> 
         Action::Wait(_) => &[],
     });
     let start = order.start.as_ref().map(|start| start.value);
-    if !stops.map(|stop| stop.cell).chain(start).chain([facts.home]).all(|cell| facts.holds(cell)) {
+    if !stops.map(|stop| stop.cell).chain(start).chain([facts.home]).all(|cell| exists(facts, cell)) {
         return unfit("name a cell that it does not have");
     }
     Ok(())
+}
+
+/// Whether a cell needs no module but those that a robot has.
+fn exists(facts: &Facts, cell: Cell) -> bool {
+    cell.x >> facts.left == 0 && cell.y >> facts.right == 0
 }
 
 /// Nominal place of the end-effector in the frame R1.

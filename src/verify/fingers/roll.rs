@@ -55,8 +55,8 @@ impl Hand<'_, '_> {
 
     /// How many samples a stretch takes: an even number, so that its middle is one.
     fn samples(&self, stretch: &Stretch) -> u32 {
-        let way_um = |finger: usize| (stretch.to_um[finger] - stretch.from_um[finger]).norm();
-        let longest_um = self.grip.holds.iter().map(|hold| way_um(hold.finger)).fold(0.0, f64::max);
+        let line_um = |finger: usize| (stretch.to_um[finger] - stretch.from_um[finger]).norm();
+        let longest_um = self.grip.holds.iter().map(|hold| line_um(hold.finger)).fold(0.0, f64::max);
         let half = (longest_um / (2.0 * SAMPLE * self.order.facts.tip_radius_um)).ceil();
         2 * half.clamp(1.0, MAX_SAMPLES / 2.0) as u32
     }

@@ -13,7 +13,7 @@ mod tests;
 use crate::geometry::fault::{Fault, through};
 use crate::geometry::outline::Outline;
 use crate::real::Real;
-use piece::{Jet, Piece, pieces};
+use piece::{Jet, Piece};
 use std::f64::consts::{PI, TAU};
 
 /// How far the tangent turns from one node to the next.
@@ -28,6 +28,9 @@ const MAX_HALVINGS: u32 = 40;
 
 /// The most nodes, and how many more for each piece.
 const MAX_NODES: [usize; 2] = [1 << 13, 16];
+
+/// How often the way to the other end is halved in search of a sign beside a root.
+const MAX_HALVINGS_BESIDE: i32 = 30;
 
 /// The most steps towards a root.
 const MAX_STEPS: usize = 100;
@@ -110,7 +113,7 @@ impl Contour {
     }
 
     fn from_pieces(outline: &Outline) -> Option<Contour> {
-        let pieces = pieces(outline)?;
+        let pieces = piece::all(outline)?;
         let spans = begun_on_axis(&pieces, halved(&pieces)?)?;
         let nodes = nodes(&pieces, &spans)?;
         let mut contour = Contour { pieces, spans, nodes, farthest_um: 0.0 };
@@ -171,8 +174,8 @@ impl Contour {
         if !point_um.iter().all(|number| number.is_finite()) {
             return None;
         }
-        let distance_um = |node: usize| length(minus(point_um, self.nodes[node].point_um));
-        let mut best = (distance_um(0), 0, self.spans[0].from_t);
+        let to_node_um = |node: usize| length(minus(point_um, self.nodes[node].point_um));
+        let mut best = (to_node_um(0), 0, self.spans[0].from_t);
         let mut open = vec![(0, self.spans.len(), best.0, best.0)];
         while let Some((from, to, from_um, to_um)) = open.pop() {
             let least_um = (from_um + to_um - (self.nodes[to].way_um - self.nodes[from].way_um)) / 2.0;
@@ -188,7 +191,7 @@ impl Contour {
                 continue;
             }
             let middle = usize::midpoint(from, to);
-            let middle_um = distance_um(middle);
+            let middle_um = to_node_um(middle);
             if middle_um < best.0 {
                 best = (middle_um, middle, self.spans[middle].from_t);
             }
@@ -232,11 +235,11 @@ impl Contour {
     fn foot_in(&self, at: usize, point_um: [f64; 2]) -> f64 {
         let span = self.spans[at];
         let ends = [(span.from_t, self.offset_um(at, point_um)), (span.to_t, self.offset_um(at + 1, point_um))];
-        if ends[0].1 < 0.0 && ends[1].1 > 0.0 {
-            let offset_um = |t: f64| {
-                let jet = self.jet(at, t);
-                dot(minus(jet.point_um, point_um), jet.velocity) / jet.speed()
-            };
+        let offset_um = |t: f64| {
+            let jet = self.jet(at, t);
+            dot(minus(jet.point_um, point_um), jet.velocity) / jet.speed()
+        };
+        if let Some(ends) = rising(offset_um, ends) {
             return root(offset_um, ends);
         }
         let [from_um, to_um] = [at, at + 1].map(|node| length(minus(point_um, self.nodes[node].point_um)));
@@ -257,7 +260,7 @@ impl Contour {
         let gap_um = minus(point_um, jet.point_um);
         let sign = if gap_um[0] * y - gap_um[1] * x < 0.0 { -1.0 } else { 1.0 };
         Foot {
-            way_um: node.way_um + way_um(piece, [span.from_t, t]) + lap * self.round_um(),
+            way_um: node.way_um + arc_um(piece, [span.from_t, t]) + lap * self.round_um(),
             distance_um: through(Fault::JudgedOutline, sign * length(gap_um)),
             point_um: jet.point_um,
             normal_rad: through(Fault::JudgedNormal, (-x).arc_tangent_over(y)),
@@ -270,13 +273,12 @@ impl Contour {
     fn farthest_um(&self) -> f64 {
         let of_node = self.nodes.iter().map(|node| length(node.point_um)).fold(0.0, f64::max);
         let tops = (0..self.spans.len()).filter_map(|at| {
-            let ends = [at, at + 1].map(|node| -self.offset_um(node, [0.0, 0.0]));
-            let [from, to] = [self.spans[at].from_t, self.spans[at].to_t].map(|t| t);
-            let falling = |t: f64| {
+            let fall = |t: f64| {
                 let jet = self.jet(at, t);
                 -dot(jet.point_um, jet.velocity) / jet.speed()
             };
-            (ends[0] < 0.0 && ends[1] > 0.0).then(|| length(self.jet(at, root(falling, [(from, ends[0]), (to, ends[1])])).point_um))
+            let ends = [self.spans[at].from_t, self.spans[at].to_t].map(|t| (t, fall(t)));
+            rising(fall, ends).map(|ends| length(self.jet(at, root(fall, ends)).point_um))
         });
         tops.fold(of_node, f64::max)
     }
@@ -299,8 +301,8 @@ fn halved(pieces: &[Piece]) -> Option<Vec<Span>> {
             return None;
         }
         let turned = |one: usize| turn_rad(jets[one].velocity, jets[one + 1].velocity).abs();
-        let halves_um = way_um(piece, [span.from_t, middle_t]) + way_um(piece, [middle_t, span.to_t]);
-        let off_um = (way_um(piece, [span.from_t, span.to_t]) - halves_um).abs();
+        let halves_um = arc_um(piece, [span.from_t, middle_t]) + arc_um(piece, [middle_t, span.to_t]);
+        let off_um = (arc_um(piece, [span.from_t, span.to_t]) - halves_um).abs();
         let is_fine = turned(0) + turned(1) <= MAX_TURN_RAD && off_um <= WAY_UM.max(WAY_SHARE * length(jets[1].point_um));
         if is_fine || halvings == MAX_HALVINGS {
             spans.push(span);
@@ -363,7 +365,7 @@ fn nodes(pieces: &[Piece], spans: &[Span]) -> Option<Vec<Node>> {
         let before = nodes[nodes.len() - 1];
         let (point_um, tangent) = place(span, span.to_t);
         let normal_rad = before.normal_rad + turn_rad(before.tangent, tangent);
-        let way_um = before.way_um + way_um(&pieces[span.piece], [span.from_t, span.to_t]);
+        let way_um = before.way_um + arc_um(&pieces[span.piece], [span.from_t, span.to_t]);
         nodes.push(Node { way_um, point_um, tangent, normal_rad });
     }
     let (first, last) = (nodes[0], nodes.len() - 1);
@@ -372,13 +374,28 @@ fn nodes(pieces: &[Piece], spans: &[Span]) -> Option<Vec<Node>> {
 }
 
 /// The way along a piece between two parameters.
-fn way_um(piece: &Piece, [from_t, to_t]: [f64; 2]) -> f64 {
+fn arc_um(piece: &Piece, [from_t, to_t]: [f64; 2]) -> f64 {
     if from_t == to_t {
         return 0.0;
     }
     let (middle_t, half_t) = (f64::midpoint(from_t, to_t), (to_t - from_t) / 2.0);
     let sum = GAUSS.iter().map(|(node, weight)| weight * piece.at(middle_t + half_t * node).speed()).sum::<f64>();
     sum * half_t
+}
+
+/// Between what a function rises from below 0 to above it, if it does so between two ends. Where it is 0 at one of them, as on the axes of
+/// an outline, the sign beside that end counts, if the other end is on its right side.
+fn rising(function: impl Fn(f64) -> f64, [from, to]: [(f64, f64); 2]) -> Option<[(f64, f64); 2]> {
+    let beside = |end: (f64, f64), other: (f64, f64), sign: f64| {
+        if end.1 * sign > 0.0 {
+            return Some(end);
+        }
+        let nearer = |halving: i32| end.0 + (other.0 - end.0) * 0.5f64.whole_power(halving);
+        let found = (1..=MAX_HALVINGS_BESIDE).map(|halving| (nearer(halving), function(nearer(halving))));
+        let mut found = found.filter(|(_, value)| value * sign > 0.0);
+        if end.1 == 0.0 && other.1 * sign < 0.0 { found.next() } else { None }
+    };
+    Some([beside(from, to, -1.0)?, beside(to, from, 1.0)?])
 }
 
 /// Where a function is 0 that is below at one end and above at the other, or the other way round: regula falsi, in which an end that stays

@@ -17,3 +17,6 @@
 pub(super) mod contour;
 pub(super) mod convex;
 pub(super) mod solid;
+
+#[cfg(test)]
+mod tests;

@@ -140,7 +140,7 @@ fn octant(semi_um: [f64; 2], n: f64, number: u8, t: f64) -> Jet {
 }
 
 /// The pieces of an outline; `None` where its numbers make none.
-pub fn pieces(outline: &Outline) -> Option<Vec<Piece>> {
+pub fn all(outline: &Outline) -> Option<Vec<Piece>> {
     let is_size = |size_um: &f64| size_um.is_finite() && *size_um > 0.0;
     match outline {
         Outline::Ellipse { semi_um } => {
@@ -154,14 +154,14 @@ pub fn pieces(outline: &Outline) -> Option<Vec<Piece>> {
         }
         Outline::RoundedRectangle { half_um, radius_um } => {
             let is_sound = half_um.iter().chain([radius_um]).all(is_size) && half_um.iter().all(|half| half >= radius_um);
-            is_sound.then(|| rounded(*half_um, *radius_um))
+            is_sound.then(|| rounded_rectangle(*half_um, *radius_um))
         }
         Outline::Spline { points_um } => spline(points_um),
     }
 }
 
 /// Sides and corners in turn, from the middle of the right side; both upright sides are two lines.
-fn rounded([x_um, y_um]: [f64; 2], radius_um: f64) -> Vec<Piece> {
+fn rounded_rectangle([x_um, y_um]: [f64; 2], radius_um: f64) -> Vec<Piece> {
     let [a_um, b_um] = [x_um - radius_um, y_um - radius_um];
     let stops_um = [
         [x_um, 0.0],
