@@ -242,13 +242,10 @@ fn what_planners_and_verifier_share_is_listed() {
     let own: BTreeSet<String> =
         verify.match_indices("fn ").map(|(at, _)| word_at(&verify[at + "fn ".len()..])).collect();
     let open = open_functions(&room_code("device"));
-    let both: BTreeSet<String> =
-        open.into_iter().filter(|name| calls(&plan, name) && calls(&verify, name)).collect();
+    let both: BTreeSet<String> = open.into_iter().filter(|name| calls(&plan, name) && calls(&verify, name)).collect();
     let listed: BTreeSet<String> = SHARED.iter().map(|(name, _)| (*name).to_owned()).collect();
-    let unlisted: Vec<_> = both
-        .iter()
-        .filter(|n| !listed.contains(*n) && !own.contains(*n) && !COMMON.contains(&n.as_str()))
-        .collect();
+    let unlisted: Vec<_> =
+        both.iter().filter(|n| !listed.contains(*n) && !own.contains(*n) && !COMMON.contains(&n.as_str())).collect();
     assert!(unlisted.is_empty(), "planners and verifier share {unlisted:?}: say in `SHARED` why that deceives nobody");
     let gone: Vec<_> = listed.difference(&both).collect();
     assert!(gone.is_empty(), "{gone:?} are shared no more");

@@ -158,8 +158,7 @@ impl Facts {
     pub fn sphere_um(&self, finger: usize, reach_um: f64) -> f64 {
         let beyond_um = (2.0 * (self.tip_radius_um + self.clearance_um)).max(self.slow_um());
         let apart_um = 2.0 * self.tip_radius_um + self.clearance_um + self.tolerance_um;
-        let radius_um = reach_um + self.tip_radius_um + beyond_um + self.tolerance_um + finger as f64 * apart_um;
-        through(Fault::Sphere, radius_um)
+        reach_um + self.tip_radius_um + beyond_um + self.tolerance_um + finger as f64 * apart_um
     }
 
     /// The names of the channels, without the device's name: finger 1's x, y and z, then finger 2's.

@@ -23,8 +23,6 @@ pub(crate) enum Fault {
     Normal,
     /// `geometry::outline`: the way once round.
     Perimeter,
-    /// `geometry::outline`: how far an outline reaches.
-    Reach,
     /// `geometry::outline`: by how much a part turns while a tip rolls along a way.
     Rolled,
     /// `geometry::outline`: how far a tip rolls while a part turns.
@@ -35,8 +33,6 @@ pub(crate) enum Fault {
     Slow,
     /// `device::fingers`: the nominal step of rotation.
     Step,
-    /// `device::fingers`: the sphere on which free tips travel.
-    Sphere,
     /// `device::microrobots`: how far a stroke carries a robot.
     Stroke,
     /// Of the verifier: between bodies.

@@ -162,7 +162,7 @@ impl Curve {
 
     /// How far from the origin it reaches.
     pub fn reach_um(&self) -> f64 {
-        through(Fault::Reach, self.reach_um)
+        self.reach_um
     }
 
     /// The area that it encloses, in square micrometres.
@@ -323,20 +323,27 @@ impl Curve {
         self.least_curvature_per_um
     }
 
-    /// The least value along the curve: that of the best node, improved by the golden section on both sides.
+    /// The least value along the curve: that of a node that is less than its neighbours, improved by the golden section on both sides.
     fn least(&self, value: impl Fn(&Spot) -> f64) -> f64 {
         let ways_um = &self.course.ways_um;
         let count = self.course.stretches.len();
         let at = |way_um: f64| value(&self.spot(way_um));
-        let best = (0..count).map(|node| (at(ways_um[node]), node)).min_by(|a, b| a.0.total_cmp(&b.0));
-        let (mut least, node) = best.unwrap_or((f64::NAN, 0));
-        let before = if node == 0 { ways_um[count - 1] - self.perimeter_um } else { ways_um[node - 1] };
-        for (mut low, mut high) in [(before, ways_um[node]), (ways_um[node], ways_um[node + 1])] {
-            for _ in 0..SECTIONS {
-                let inner = [low + (high - low) * GOLDEN, high - (high - low) * GOLDEN];
-                let values = inner.map(at);
-                least = least.min(values[0]).min(values[1]);
-                if values[0] < values[1] { high = inner[1] } else { low = inner[0] }
+        let values: Vec<f64> = ways_um[..count].iter().map(|way_um| at(*way_um)).collect();
+        let before = |node: usize| if node == 0 { count - 1 } else { node - 1 };
+        let best = (0..count).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
+        let is_low = |node: usize| values[node] < values[before(node)] && values[node] <= values[(node + 1) % count];
+        let mut least = values.get(best).copied().unwrap_or(f64::NAN);
+        for node in (0..count).filter(|node| *node == best || is_low(*node)) {
+            let around_um = if node == 0 { self.perimeter_um } else { 0.0 };
+            for (mut low, mut high) in
+                [(ways_um[before(node)] - around_um, ways_um[node]), (ways_um[node], ways_um[node + 1])]
+            {
+                for _ in 0..SECTIONS {
+                    let inner = [low + (high - low) * GOLDEN, high - (high - low) * GOLDEN];
+                    let values = inner.map(at);
+                    least = least.min(values[0]).min(values[1]);
+                    if values[0] < values[1] { high = inner[1] } else { low = inner[0] }
+                }
             }
         }
         least

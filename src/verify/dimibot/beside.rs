@@ -79,8 +79,12 @@ fn trace<'a>(runs: &'a [Run], own: &[usize], stand: &Stand) -> Option<Trace<'a>>
     let facts = &order.facts;
     let mut cell = order.start.as_ref().map_or(facts.home, |start| start.value);
     let (mut at_ns, mut at_run, mut stretches) = (0, own[0], Vec::new());
-    let at = |area: [Cell; 2], times: [u64; 2], run, step| {
-        Stretch { start_ns: times[0], end_ns: times[1], swept: swept(facts, stand, area), run, step }
+    let at = |area: [Cell; 2], times: [u64; 2], run, step| Stretch {
+        start_ns: times[0],
+        end_ns: times[1],
+        swept: swept(facts, stand, area),
+        run,
+        step,
     };
     for index in own {
         let Some(order) = runs[*index].job.order.dimibot() else { continue };
@@ -115,8 +119,7 @@ fn first_touch<'a>(one: &'a Trace, other: &'a Trace) -> Option<(&'a Stretch, &'a
             from += 1;
         }
         for beside in other.stretches[from..].iter().take_while(|beside| beside.start_ns <= stretch.end_ns) {
-            let near =
-                Extent::of(&stretch.swept).widened(needed_um + BOX_MARGIN_UM).meets(&Extent::of(&beside.swept));
+            let near = Extent::of(&stretch.swept).widened(needed_um + BOX_MARGIN_UM).meets(&Extent::of(&beside.swept));
             if !near || beside.end_ns < stretch.start_ns {
                 continue;
             }

@@ -55,7 +55,8 @@ fn parts(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
         let offsets = order.facts.layout.electrodes.offsets().iter();
         offsets.map(move |[columns, rows]| [i64::from(cell.column) + columns, i64::from(cell.row) + rows])
     };
-    let is_over_board = order.parts.iter().all(|part| electrodes(part.cell).all(|place| is_on_board(&order.facts, place)));
+    let is_over_board =
+        order.parts.iter().all(|part| electrodes(part.cell).all(|place| is_on_board(&order.facts, place)));
     demand(is_over_board, "hold a part where its electrodes are not on the board")
 }
 
@@ -81,7 +82,10 @@ fn goals(order: &ElectrodeArrayOrder, moves: &[Move]) -> Result<(), Unfit> {
             demand(met.insert(part), "move a part twice in one step")?;
         }
         demand(!action.stops.is_empty(), "move a part to no goal")?;
-        demand(action.stops.iter().all(|stop| is_on_board(&order.facts, stop.cell.pair().map(i64::from))), "name a cell that it does not have")?;
+        demand(
+            action.stops.iter().all(|stop| is_on_board(&order.facts, stop.cell.pair().map(i64::from))),
+            "name a cell that it does not have",
+        )?;
         if action.with.is_some() {
             demand(action.stops.len() == 1, "merge parts that have stops on their way")?;
             demand(order.facts.layout.electrodes == Electrodes::Single, "merge parts that are no droplets")?;

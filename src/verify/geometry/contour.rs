@@ -155,7 +155,8 @@ impl Contour {
         let once_rad = turn_to(self.last());
         let laps = (turn_rad / once_rad).floor();
         let rest_rad = turn_rad - laps * once_rad;
-        let at = self.nodes.partition_point(|node| turn_to(node) <= rest_rad).saturating_sub(1).min(self.spans.len() - 1);
+        let at =
+            self.nodes.partition_point(|node| turn_to(node) <= rest_rad).saturating_sub(1).min(self.spans.len() - 1);
         let span = self.spans[at];
         // As a length, for the sake of the root's tolerance.
         let off_um = |t: f64| {
@@ -303,7 +304,8 @@ fn halved(pieces: &[Piece]) -> Option<Vec<Span>> {
         let turned = |one: usize| turn_rad(jets[one].velocity, jets[one + 1].velocity).abs();
         let halves_um = arc_um(piece, [span.from_t, middle_t]) + arc_um(piece, [middle_t, span.to_t]);
         let off_um = (arc_um(piece, [span.from_t, span.to_t]) - halves_um).abs();
-        let is_fine = turned(0) + turned(1) <= MAX_TURN_RAD && off_um <= WAY_UM.max(WAY_SHARE * length(jets[1].point_um));
+        let is_fine =
+            turned(0) + turned(1) <= MAX_TURN_RAD && off_um <= WAY_UM.max(WAY_SHARE * length(jets[1].point_um));
         if is_fine || halvings == MAX_HALVINGS {
             spans.push(span);
         } else {
@@ -345,7 +347,8 @@ fn axis_roots(pieces: &[Piece], span: Span) -> impl Iterator<Item = f64> + use<>
     }
     stops.push(span.to_t);
     let on_axis: Vec<f64> = stops.iter().copied().filter(|t| height_um(*t) == 0.0).collect();
-    let pairs: Vec<[(f64, f64); 2]> = stops.windows(2).map(|pair| [pair[0], pair[1]].map(|t| (t, height_um(t)))).collect();
+    let pairs: Vec<[(f64, f64); 2]> =
+        stops.windows(2).map(|pair| [pair[0], pair[1]].map(|t| (t, height_um(t)))).collect();
     let crossed = pairs.into_iter().filter(|[from, to]| from.1 * to.1 < 0.0);
     let between: Vec<f64> = crossed.map(|ends| root(height_um, ends)).collect();
     on_axis.into_iter().chain(between)

@@ -153,7 +153,8 @@ pub fn all(outline: &Outline) -> Option<Vec<Piece>> {
             is_sound.then(|| (0..8).map(octant).collect())
         }
         Outline::RoundedRectangle { half_um, radius_um } => {
-            let is_sound = half_um.iter().chain([radius_um]).all(is_size) && half_um.iter().all(|half| half >= radius_um);
+            let is_sound =
+                half_um.iter().chain([radius_um]).all(is_size) && half_um.iter().all(|half| half >= radius_um);
             is_sound.then(|| rounded_rectangle(*half_um, *radius_um))
         }
         Outline::Spline { points_um } => spline(points_um),

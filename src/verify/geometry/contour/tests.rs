@@ -25,18 +25,19 @@ fn outline() -> impl Strategy<Value = Outline> {
         Outline::RoundedRectangle { half_um, radius_um: share * half_um[0].min(half_um[1]) }
     });
     let wave = (2..4u8, 0.0..0.12f64, 0.0..7.0f64);
-    let spline = (size(), 12..90usize, wave, any::<bool>()).prop_map(|(size, count, (waves, depth, phase), is_reversed)| {
-        let point = |at: usize| {
-            let angle = TAU * at as f64 / count as f64 + 0.3;
-            let radius = size * (1.0 + depth * (f64::from(waves) * angle + phase).sin());
-            [radius * angle.cos(), 0.8 * radius * angle.sin()]
-        };
-        let mut points_um: Vec<[f64; 2]> = (0..count).map(point).collect();
-        if is_reversed {
-            points_um.reverse();
-        }
-        Outline::Spline { points_um }
-    });
+    let spline =
+        (size(), 12..90usize, wave, any::<bool>()).prop_map(|(size, count, (waves, depth, phase), is_reversed)| {
+            let point = |at: usize| {
+                let angle = TAU * at as f64 / count as f64 + 0.3;
+                let radius = size * (1.0 + depth * (f64::from(waves) * angle + phase).sin());
+                [radius * angle.cos(), 0.8 * radius * angle.sin()]
+            };
+            let mut points_um: Vec<[f64; 2]> = (0..count).map(point).collect();
+            if is_reversed {
+                points_um.reverse();
+            }
+            Outline::Spline { points_um }
+        });
     prop_oneof![ellipse, lame, rounded, spline]
 }
 
@@ -173,7 +174,8 @@ fn nonsense_is_no_outline() {
     for semi_um in [[1e-300, 1e300], [1e300, 1e300], [1e-308, 1e-308], [1.0, 1e12]] {
         for outline in [Outline::Ellipse { semi_um }, Outline::Superellipse { semi_um, exponent: 9.5 }] {
             if let Some(contour) = Contour::of(&outline) {
-                let _ = (contour.foot([1.0, 1.0]), contour.foot_near([1.0, 1.0], 1e300), contour.rolled_to(1e300, 1e-9));
+                let _ =
+                    (contour.foot([1.0, 1.0]), contour.foot_near([1.0, 1.0], 1e300), contour.rolled_to(1e300, 1e-9));
                 assert_eq!(contour.foot([f64::NAN, 0.0]), None);
             }
         }
