@@ -469,6 +469,40 @@ fn nothing_tells_of_the_machine() {
     }
 }
 
+/// The faults of `tests/faults/faults.txt`: file, old text and new text of each.
+fn faults(text: &str) -> Vec<(String, String, String)> {
+    let mut faults: Vec<(String, String, String)> = Vec::new();
+    for line in text.lines() {
+        let head = line.split_once(' ').filter(|(number, _)| number.parse::<usize>().is_ok());
+        if let Some((number, rest)) = head {
+            faults.push((rest.split(':').next().unwrap_or_default().to_owned(), String::new(), String::new()));
+            assert_eq!(number.parse(), Ok(faults.len()), "faults are numbered one after the other");
+        }
+        let Some(last) = faults.last_mut() else { continue };
+        if let Some(old) = line.strip_prefix("- ") {
+            old.clone_into(&mut last.1);
+        }
+        if let Some(new) = line.strip_prefix("+ ") {
+            new.clone_into(&mut last.2);
+        }
+    }
+    faults
+}
+
+/// A fault whose text is gone is put in nowhere: `tests/faults/run.py` would say nothing of what it stands for.
+#[test]
+fn faults_have_a_place() {
+    let text = std::fs::read_to_string(root().join("tests/faults/faults.txt")).expect("it is there");
+    let faults = faults(&text);
+    assert!(faults.len() >= 40, "only {} faults", faults.len());
+    for (number, (path, old, new)) in (1..).zip(&faults) {
+        let source = std::fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"));
+        let count = source.matches(old.as_str()).count();
+        assert!(!old.is_empty() && !new.is_empty() && old != new, "fault {number} changes nothing");
+        assert_eq!(count, 1, "fault {number} of tests/faults/faults.txt: `{old}` stands {count} times in {path}");
+    }
+}
+
 #[test]
 fn the_rules_can_fail() {
     assert_eq!(

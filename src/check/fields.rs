@@ -207,7 +207,7 @@ impl Checker<'_> {
         let owner = Owner { name: shape.form.with_article(), declared: None };
         let given: Vec<Given> = fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
         shape.fields.extend(self.read_fields(&owner, &given, shape.form.fields()));
-        if shape.form.is_of_space() && !self.counts_as_turns(SOLID_TURNS, span) {
+        if shape.form.is_of_space() && !self.counts_as_outline(SOLID_TURNS, span) {
             return Value::Unknown;
         }
         let missing = Self::missing(&shape.fields, shape.form.fields());
@@ -222,6 +222,8 @@ impl Checker<'_> {
             return Value::Unknown;
         }
         match super::shapes::impossible(&shape, span) {
+            // An outline that is too rough is followed for long before that is known.
+            Some(_) if shape.form.is_of_space() && !self.counts_as_outline(REFUSED_TURNS, span) => Value::Unknown,
             Some(diagnostic) => self.unknown(diagnostic),
             None => Value::Shape(shape),
         }
@@ -230,6 +232,9 @@ impl Checker<'_> {
 
 /// How many turns of a loop a shape in space counts: to judge it takes as long.
 const SOLID_TURNS: usize = 2_000;
+
+/// How many turns of a loop a shape in space counts besides, where it is refused.
+const REFUSED_TURNS: usize = 10_000;
 
 /// How many pairs of sides of a polygon are compared in the time that a part of an expression takes.
 const SIDES_AT_ONCE: u64 = 16;

@@ -342,14 +342,15 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Counts work as turns of a loop, so that loops of it have their end; whether the limit is kept.
-    fn counts_as_turns(&mut self, turns: usize, span: Span) -> bool {
-        self.repetitions += turns;
-        let is_kept = self.repetitions <= MAX_REPETITIONS;
-        if !is_kept {
-            self.sink.push(errors::too_many_repetitions(span, MAX_REPETITIONS));
+    /// Counts what curves and solids cost, as turns of a loop that takes as long; `false` once there were too many, which is reported
+    /// where it came to that.
+    fn counts_as_outline(&mut self, turns: usize, span: Span) -> bool {
+        let before = self.repetitions;
+        self.repetitions = before.saturating_add(turns);
+        if before <= MAX_REPETITIONS && self.repetitions > MAX_REPETITIONS {
+            self.sink.push(errors::too_many_outlines(span));
         }
-        is_kept
+        self.repetitions <= MAX_REPETITIONS
     }
 
     /// What a `for` runs over; once over the unknown value if that cannot be said.

@@ -1,5 +1,6 @@
 //! The rules of the language: just inside passes, just outside fails with exactly that code.
 
+use super::claims::Timeline;
 use super::imports::{self, Library};
 use super::{Checked, Options, check};
 use crate::diagnostic::Sink;
@@ -236,4 +237,23 @@ fn a_repeated_mistake_is_said_once() {
 fn warnings_of_unused_names_wait_until_there_is_no_error() {
     assert_codes(&format!("let spare = 3\n{GO}"), &["W0201"]);
     assert_codes("let spare = 3\ntask t on bot { mvoe to (spare, 1) }", &["E0208"]);
+}
+
+/// The clock counts whole nanoseconds, and loses none.
+#[test]
+fn times_are_rounded_to_nanoseconds_and_no_further() {
+    for (written, expected_ns) in [
+        ("1 ns", 1),
+        ("23 ns", 23),
+        ("2.6 ns", 3),
+        ("1.001 us", 1001),
+        ("1.000001 ms", 1_000_001),
+        ("1 s", 1_000_000_000),
+    ] {
+        let text = format!("{HEAD}{GO}program p {{ run fetch, wait {written} }}");
+        let (checked, codes) = checked(&text, &[], &Options::default());
+        let claims = &checked.unwrap_or_else(|| panic!("{codes:?}")).claims[0];
+        let Timeline::Sequence(parts) = &claims.timeline else { panic!("a run and a wait: {:?}", claims.timeline) };
+        assert_eq!(parts[1], Timeline::Wait(expected_ns), "{written}");
+    }
 }

@@ -4,17 +4,19 @@ use super::arguments::{BuildArguments, ReportFormat};
 use super::disk::{self, Destination};
 use super::loaded::Loaded;
 use super::waiting::Waiting;
-use super::{Exit, errors, report, terminal, verify};
+use super::{Exit, errors, report, signals, terminal, verify};
 use crate::check::Options;
 use crate::compile::{self, Compiled, Outcome};
 use crate::diagnostic::Sink;
 use crate::emit::{self, Format, OutputFile, Provenance};
 use crate::source::{Origin, Sources};
+use crate::verify::Verified;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Builds a program and writes the whole set of its files, or nothing.
 pub fn run(arguments: &BuildArguments) -> Exit {
+    signals::catch();
     let format = arguments.report.format;
     let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
     let loaded = match Loaded::read(&arguments.file, options, &arguments.report) {
@@ -32,7 +34,7 @@ pub fn run(arguments: &BuildArguments) -> Exit {
     match outcome {
         Outcome::Errors => Exit::Errors,
         Outcome::Refused => Exit::Refused,
-        Outcome::Compiled(compiled) => write(arguments, &compiled, &provenance(&sources, &loaded.options)),
+        Outcome::Compiled(compiled) => write(arguments, compiled, &provenance(&sources, &loaded.options)),
     }
 }
 
@@ -43,50 +45,51 @@ pub fn provenance(sources: &Sources, options: &Options) -> Provenance {
     Provenance { files, settings: options.settings.clone() }
 }
 
-fn write(arguments: &BuildArguments, compiled: &Compiled, provenance: &Provenance) -> Exit {
+fn write(arguments: &BuildArguments, compiled: Compiled, provenance: &Provenance) -> Exit {
     let formats: BTreeSet<Format> = arguments.emit.iter().copied().collect();
     let mut files: Vec<OutputFile> = Vec::new();
     let mut written: Vec<Vec<String>> = Vec::new();
-    for verified in &compiled.schedules {
-        let mut names = Vec::new();
+    let mut schedules = Vec::with_capacity(compiled.schedules.len());
+    for verified in compiled.schedules {
+        let mut own: Vec<OutputFile> = Vec::new();
         for format in &formats {
-            match emit::emit(*format, verified, provenance) {
-                Ok(set) => {
-                    if let Err(exit) = read_back(*format, &set, arguments.report.format) {
-                        return exit;
-                    }
-                    names.extend(set.iter().map(|file| shown(&arguments.output, &file.name)));
-                    files.extend(set);
-                }
+            match emit::emit(*format, &verified, provenance) {
+                Ok(set) => own.extend(set),
                 Err(error) => {
                     terminal::report_one(error.diagnostic(), arguments.report.format);
                     return Exit::Errors;
                 }
             }
         }
-        written.push(names);
+        match read_back(verified, &own, arguments.report.format) {
+            Ok(verified) => schedules.push(verified),
+            Err(exit) => return exit,
+        }
+        written.push(own.iter().map(|file| shown(&arguments.output, &file.name)).collect());
+        files.extend(own);
     }
+    let compiled = Compiled { tally: compiled.tally, schedules };
     let to = Destination { folder: &arguments.output, program: &arguments.file, force: arguments.force };
     if let Err(diagnostic) = disk::write_all(&to, &files) {
         terminal::report_one(*diagnostic, arguments.report.format);
         return Exit::Files;
     }
-    terminal::answer(&report::build(&arguments.file, compiled, &arguments.settings.set, &written))
+    terminal::answer(&report::build(&arguments.file, &compiled, &arguments.settings.set, &written))
 }
 
-/// Verifies logs from their bytes, as `tweeze verify` would: whatever is written can be read.
-fn read_back(format: Format, set: &[OutputFile], report: ReportFormat) -> Result<(), Exit> {
-    if format != Format::Mcap {
-        return Ok(());
-    }
-    for file in set {
-        if let Err(refusal) = verify::judge_bytes(Path::new(&file.name), &file.bytes) {
+/// Verifies the log of a schedule from its bytes, as `tweeze verify` would: whatever is written can be read. What was read takes the
+/// place of what was written, so that there is one of them at a time.
+fn read_back(verified: Verified, set: &[OutputFile], report: ReportFormat) -> Result<Verified, Exit> {
+    let Some(file) = set.iter().find(|file| file.name.ends_with(".mcap")) else { return Ok(verified) };
+    drop(verified);
+    match verify::judge_bytes(Path::new(&file.name), &file.bytes) {
+        Ok(judged) => Ok(judged.verified),
+        Err(refusal) => {
             terminal::report(&refusal.sink, &refusal.sources, report);
             terminal::report_one(errors::unverifiable(&file.name), report);
-            return Err(Exit::Fault);
+            Err(Exit::Fault)
         }
     }
-    Ok(())
 }
 
 /// Where a file stands, as the user would write it.

@@ -3,11 +3,11 @@
 mod commit;
 mod manifest;
 
-use super::errors;
+use super::{errors, signals};
 use crate::diagnostic::Diagnostic;
 use crate::emit::OutputFile;
 use crate::source::MAX_FILE_BYTES;
-use commit::{Fault, Folder, Real};
+use commit::{Fault, Folder, JOURNAL, Real};
 use manifest::Manifest;
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -70,6 +70,7 @@ pub fn write_all(to: &Destination, files: &[OutputFile]) -> Result<(), Box<Diagn
     if let Some(name) = commit::twice(files.iter().map(|file| file.name.as_str())) {
         return Err(Box::new(errors::written_twice(name)));
     }
+    let mut in_place = signals::changing_files();
     let made = !folder.exists();
     if folder.is_file() {
         let in_the_way = io::Error::new(io::ErrorKind::NotADirectory, "it is a file, and no folder");
@@ -81,11 +82,39 @@ pub fn write_all(to: &Destination, files: &[OutputFile]) -> Result<(), Box<Diagn
         // Only succeeds while it is empty, which is what is wanted.
         let _ = fs::remove_dir(folder);
     }
+    *in_place = written.is_ok();
+    drop(in_place);
+    if signals::is_asked() {
+        signals::wait_for_end();
+    }
     written
 }
 
+/// Finishes a build into the folder of a file that was ended half way, so that what is read there is of one build.
+///
+/// # Errors
+/// A diagnostic: the build cannot be finished, or is none of this folder.
+pub fn settle(file: &Path) -> Result<(), Box<Diagnostic>> {
+    let folder = file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    if folder.join(JOURNAL).symlink_metadata().is_err() {
+        return Ok(());
+    }
+    let unfinished = |why: &io::Error| Box::new(errors::unfinished(folder, JOURNAL, why));
+    if !commit::KNOWS_FILES {
+        let why = io::Error::new(io::ErrorKind::Unsupported, "this system does not tell whose journal it is");
+        return Err(unfinished(&why));
+    }
+    Folder::open(folder, &Real).map(drop).map_err(|fault| unfinished(&fault.error))
+}
+
 fn write_set(to: &Destination, files: &[OutputFile]) -> Result<(), Box<Diagnostic>> {
-    let fail = |fault: Fault| Box::new(errors::unwritable(&fault.path, &fault.error));
+    let fail = |fault: Fault| {
+        let is_foreign = fault.path.ends_with(JOURNAL) && fault.error.kind() == io::ErrorKind::InvalidData;
+        Box::new(match is_foreign {
+            true => errors::unfinished(to.folder, JOURNAL, &fault.error),
+            false => errors::unwritable(&fault.path, &fault.error),
+        })
+    };
     let folder = Folder::open(to.folder, &Real).map_err(fail)?;
     let mut manifest = Manifest::read(to.folder)?;
     let changed = manifest.enter(to, files)?;

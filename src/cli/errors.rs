@@ -48,6 +48,13 @@ pub fn bad_manifest(path: &Path, why: &str) -> Diagnostic {
     .help("delete it; the next build writes a new one")
 }
 
+pub fn unfinished(folder: &Path, journal: &str, why: &io::Error) -> Diagnostic {
+    let title =
+        format!("`{}` holds a build that was interrupted and cannot be finished: {}", folder.display(), reason(why));
+    Diagnostic::new(Code::E0808, title)
+        .help(format!("files there may be of two builds: delete `{journal}` in that folder and build again"))
+}
+
 pub fn unverifiable(file: &str) -> Diagnostic {
     Diagnostic::new(Code::E0850, format!("`{file}` would be a log that `tweeze verify` refuses, for the reason above"))
         .help("nothing was written; this is a fault of tweeze and not of the program: report it as a bug with the program")

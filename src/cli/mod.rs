@@ -10,6 +10,7 @@ mod explain;
 mod library;
 mod loaded;
 mod report;
+mod signals;
 mod simulate;
 mod terminal;
 mod verify;
@@ -55,6 +56,9 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         Ok(Err(_)) => terminal::fault("an internal error, which the lines above describe"),
         Err(error) => terminal::fault(&format!("no thread could be started: {error}")),
     };
+    if signals::is_asked() {
+        signals::wait_for_end();
+    }
     ExitCode::from(exit as u8)
 }
 

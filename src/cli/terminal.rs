@@ -64,7 +64,8 @@ fn columns() -> Option<usize> {
     from_environment.or_else(|| console::Term::stderr().size_checked().map(|(_, columns)| usize::from(columns)))
 }
 
-fn to_stderr(text: &str) {
+/// Writes a text to standard error.
+pub fn to_stderr(text: &str) {
     // Nobody is left to be told when standard error is gone.
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }

@@ -9,7 +9,7 @@ use crate::check::claims::Claims;
 use crate::compile::{self, Program};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::emit::{Provenance, mcap};
-use crate::schedule::source_ref;
+use crate::schedule::{Schedule, source_ref};
 use crate::source::Sources;
 use crate::verify::log::{self, Log};
 use crate::verify::{self, Verdict, Verified};
@@ -43,27 +43,49 @@ pub fn run(arguments: &VerifyArguments) -> Exit {
 
 fn judge(arguments: &VerifyArguments) -> Result<String, Box<Refusal>> {
     let path = &arguments.file;
+    disk::settle(path).map_err(|error| Refusal::one(*error, Exit::Files))?;
     let bytes = disk::read_bytes(path, MAX_LOG_BYTES).map_err(|error| Refusal::one(*error, Exit::Files))?;
-    let (log, own) = judge_bytes(path, &bytes)?;
+    let judged = judge_bytes(path, &bytes)?;
+    drop(bytes);
     if let Some(trusted) = &arguments.against {
-        against(arguments, trusted, &log, &own)?;
+        against(arguments, trusted, &judged)?;
     }
-    Ok(report(arguments, &log))
+    Ok(report(arguments, &judged))
 }
 
-fn not_ours(log: &Log) -> Box<Refusal> {
-    Refusal::one(log::other_version(Some(&log.version), None), Exit::Files)
+/// A log that was accepted.
+pub struct Judged {
+    /// What it does.
+    pub verified: Verified,
+    provenance: Provenance,
+    /// Of the Tweeze that wrote it.
+    version: String,
+}
+
+fn not_ours(version: &str) -> Box<Refusal> {
+    Refusal::one(log::other_version(Some(version), None), Exit::Files)
 }
 
 /// Judges a log by itself: it is whole, its program claims what it says, its schedule keeps the claims, and it shows its schedule.
-pub fn judge_bytes(path: &Path, bytes: &[u8]) -> Result<(Log, Claims), Box<Refusal>> {
+/// What is no longer needed of it goes at once: all of it together may take more memory than there is.
+pub fn judge_bytes(path: &Path, bytes: &[u8]) -> Result<Judged, Box<Refusal>> {
     let log = log::read(bytes).map_err(|error| Refusal::one(error.diagnostic(), Exit::Files))?;
+    let version = log.version.clone();
     // Another version may derive something else from the same program: that is no sign of an edit.
-    let of_its_version = |refusal| if log.version == env!("CARGO_PKG_VERSION") { refusal } else { not_ours(&log) };
+    let of_its_version = |refusal| if version == env!("CARGO_PKG_VERSION") { refusal } else { not_ours(&version) };
     let own = own_claims(path, &log).map_err(of_its_version)?;
-    let verified = replay(&log, &own)?;
-    shows_the_same(bytes, &log, &verified).map_err(of_its_version)?;
-    Ok((log, own.claims))
+    let Log { schedule, claims, files, settings, voltages, version: _ } = log;
+    drop(claims);
+    let verified = replay(schedule, own)?;
+    if let Some(fault) = log::voltage_fault(verified.schedule(), &voltages) {
+        return Err(of_its_version(Refusal::one(fault.diagnostic(), Exit::Refused)));
+    }
+    drop(voltages);
+    let provenance = Provenance { files, settings };
+    match mcap::difference(bytes, &verified, &provenance) {
+        Some(difference) => Err(of_its_version(Refusal::one(mcap::difference_diagnostic(&difference), Exit::Refused))),
+        None => Ok(Judged { verified, provenance, version }),
+    }
 }
 
 /// The claims of a program, and its files for messages to point into.
@@ -75,7 +97,8 @@ struct Derived {
 /// The claims of the program in the log, derived again; what the log says of itself must agree.
 fn own_claims(path: &Path, log: &Log) -> Result<Derived, Box<Refusal>> {
     let (name, text) = &log.files[0];
-    let own = derive(&Program { name, text, library: &Embedded(&log.files), options: &options(log, &log.settings) });
+    let options = options(&log.schedule, &log.settings);
+    let own = derive(&Program { name, text, library: &Embedded(&log.files), options: &options });
     let own = own.map_err(|mut refusal| {
         refusal.sink.push(errors::program_in_log_has_errors(path));
         Box::new(Refusal { exit: Exit::Refused, ..*refusal })
@@ -83,19 +106,20 @@ fn own_claims(path: &Path, log: &Log) -> Result<Derived, Box<Refusal>> {
     if log.schedule.source != source_ref(name, text) {
         return Err(Refusal::one(errors::parts_disagree(path, "the fingerprint"), Exit::Refused));
     }
-    if as_json(&own.claims).as_ref() != Some(&log.claims_json) {
+    if written(&own.claims).as_ref() != Some(&log.claims) {
         return Err(Refusal::one(errors::parts_disagree(path, "a claim"), Exit::Refused));
     }
     Ok(own)
 }
 
-fn as_json(claims: &Claims) -> Option<serde_json::Value> {
-    serde_json::to_value(claims).ok()
+/// Claims in the form in which they are compared.
+fn written(claims: &Claims) -> Option<Vec<u8>> {
+    log::write_claims(claims).ok()
 }
 
 /// What is asked of a program: the schedule of the log's name, with some settings.
-fn options(log: &Log, settings: &[String]) -> Options {
-    Options { settings: settings.to_vec(), only: Some(log.schedule.name.clone()) }
+fn options(schedule: &Schedule, settings: &[String]) -> Options {
+    Options { settings: settings.to_vec(), only: Some(schedule.name.clone()) }
 }
 
 /// The claims of a program.
@@ -109,20 +133,20 @@ fn derive(program: &Program) -> Result<Derived, Box<Refusal>> {
     }
 }
 
-fn replay(log: &Log, derived: &Derived) -> Result<Verified, Box<Refusal>> {
+fn replay(schedule: Schedule, derived: Derived) -> Result<Verified, Box<Refusal>> {
     let mut sink = Sink::default();
-    match verify::verify_program(log.schedule.clone(), &derived.claims, &derived.sources) {
+    match verify::verify_program(schedule, &derived.claims, &derived.sources) {
         Verdict::Accepted(verified) => return Ok(verified),
         Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
         Verdict::Inconclusive { why } => sink.push(verify::inconclusive(&why)),
     }
-    Err(Box::new(Refusal { sources: derived.sources.clone(), sink, exit: Exit::Refused }))
+    Err(Box::new(Refusal { sources: derived.sources, sink, exit: Exit::Refused }))
 }
 
 /// Refuses a log whose schedule breaks the claims of a trusted program.
-fn keeps_the_claims_of(log: &Log, derived: &Derived) -> Result<(), Box<Refusal>> {
+fn keeps_the_claims_of(schedule: &Schedule, derived: &Derived) -> Result<(), Box<Refusal>> {
     let mut sink = Sink::default();
-    match verify::violations(&log.schedule, &derived.claims) {
+    match verify::violations(schedule, &derived.claims) {
         Ok(violations) if violations.is_empty() => return Ok(()),
         Ok(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
         Err(why) => sink.push(verify::inconclusive(&why)),
@@ -130,29 +154,19 @@ fn keeps_the_claims_of(log: &Log, derived: &Derived) -> Result<(), Box<Refusal>>
     Err(Box::new(Refusal { sources: derived.sources.clone(), sink, exit: Exit::Refused }))
 }
 
-/// Every voltage, picture and line of the log must be that of its schedule.
-fn shows_the_same(bytes: &[u8], log: &Log, verified: &Verified) -> Result<(), Box<Refusal>> {
-    if let Some(fault) = log.voltage_fault() {
-        return Err(Refusal::one(fault.diagnostic(), Exit::Refused));
-    }
-    let provenance = Provenance { files: log.files.clone(), settings: log.settings.clone() };
-    match mcap::difference(bytes, verified, &provenance) {
-        Some(difference) => Err(Refusal::one(mcap::difference_diagnostic(&difference), Exit::Refused)),
-        None => Ok(()),
-    }
-}
-
 /// Holds the log against a program that the user trusts. Nothing of the log reaches that program: its settings are those of the
 /// command line, and where the log has others, that is said before anything that follows from it.
-fn against(arguments: &VerifyArguments, trusted: &Path, log: &Log, own: &Claims) -> Result<(), Box<Refusal>> {
+fn against(arguments: &VerifyArguments, trusted: &Path, judged: &Judged) -> Result<(), Box<Refusal>> {
     let text = disk::read_program(trusted).map_err(|error| Refusal::one(*error, Exit::Files))?;
     let disk = Disk::round(trusted);
     let name = disk.program_name();
-    let options = options(log, &arguments.set);
-    let unlike = errors::other_settings(&arguments.file, trusted, &log.settings, &arguments.set);
+    let schedule = judged.verified.schedule();
+    let own = written(judged.verified.claims());
+    let options = options(schedule, &arguments.set);
+    let unlike = errors::other_settings(&arguments.file, trusted, &judged.provenance.settings, &arguments.set);
     let derived = match (derive(&Program { name: &name, text: &text, library: &disk, options: &options }), unlike) {
         (Ok(derived), None) => derived,
-        (Ok(derived), Some(unlike)) => match as_json(&derived.claims) == as_json(own) {
+        (Ok(derived), Some(unlike)) => match written(&derived.claims) == own {
             // Settings that say what the program says anyway.
             true => derived,
             false => return Err(Refusal::one(unlike, Exit::Refused)),
@@ -162,37 +176,38 @@ fn against(arguments: &VerifyArguments, trusted: &Path, log: &Log, own: &Claims)
             return Err(refusal);
         }
     };
-    keeps_the_claims_of(log, &derived)?;
-    if as_json(&derived.claims) != as_json(own) {
+    keeps_the_claims_of(schedule, &derived)?;
+    if written(&derived.claims) != own {
         return Err(Refusal::one(errors::other_program(&arguments.file, trusted), Exit::Refused));
     }
     Ok(())
 }
 
-fn report(arguments: &VerifyArguments, log: &Log) -> String {
+fn report(arguments: &VerifyArguments, judged: &Judged) -> String {
+    let (schedule, settings) = (judged.verified.schedule(), &judged.provenance.settings);
     let file = arguments.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let trusted = arguments.against.as_ref().map(|path| path.to_string_lossy().into_owned());
-    let settings = log.settings.iter().map(|setting| format!("--set {setting}"));
-    let names: Vec<String> = [file.clone(), log.schedule.name.clone()].into_iter().chain(trusted.clone()).collect();
-    let width = report::width(names.into_iter().chain(settings));
-    let origin = format!("written by tweeze {} from {}", log.version, terminal::name(&log.files[0].0));
+    let names: Vec<String> = [file.clone(), schedule.name.clone()].into_iter().chain(trusted.clone()).collect();
+    let width = report::width(names.into_iter().chain(settings.iter().map(|setting| format!("--set {setting}"))));
+    let program = terminal::name(&judged.provenance.files[0].0);
+    let origin = format!("written by tweeze {} from {program}", judged.version);
     let mut text = terminal::line("Read", &file, width, &origin);
-    text.push_str(&report::settings(&log.settings, width));
-    let replayed = format!("{} actuations replayed, 0 violations", log.schedule.actuations.len());
-    text.push_str(&terminal::line("Verified", &log.schedule.name, width, &replayed));
+    text.push_str(&report::settings(settings, width));
+    let replayed = format!("{} actuations replayed, 0 violations", schedule.actuations.len());
+    text.push_str(&terminal::line("Verified", &schedule.name, width, &replayed));
     if let Some(trusted) = trusted {
         let with = if arguments.set.is_empty() { "" } else { " with the settings above" };
         let matches = format!("the log does what this program claims{with}");
         text.push_str(&terminal::line("Matches", &trusted, width, &matches));
     }
-    text.push_str(&terminal::line("Unchecked", &log.schedule.name, width, &hearsay(log)));
+    text.push_str(&terminal::line("Unchecked", &schedule.name, width, &hearsay(schedule)));
     text
 }
 
 /// What a log says of its plans that no replay can show.
-fn hearsay(log: &Log) -> String {
-    let optimal = log.schedule.plans.iter().filter(|plan| plan.optimal).count();
-    let optima = match (optimal, log.schedule.plans.len()) {
+fn hearsay(schedule: &Schedule) -> String {
+    let optimal = schedule.plans.iter().filter(|plan| plan.optimal).count();
+    let optima = match (optimal, schedule.plans.len()) {
         (0, _) => String::new(),
         (1, 1) => ", and that the plan is optimal".to_owned(),
         (optimal, plans) => format!(", and that {optimal} of {plans} plans are optimal"),

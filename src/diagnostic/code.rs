@@ -264,6 +264,7 @@ ledger! {
     E0804 "a file that cannot be written"
     E0806 "a file that was built from another program"
     E0807 "two files of one name"
+    E0808 "a build that was interrupted"
     E0820 "a value of the schedule is not a finite number"
     E0821 "a format that only holds voltages meets one that changes steadily"
     E0822 "a file would be larger than its readers take"

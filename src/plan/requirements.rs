@@ -180,6 +180,29 @@ fn read_back(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::source::Span;
+
+    /// Equality is exact at 0, where rounding has no room.
+    #[test]
+    fn a_limit_takes_equality_where_its_sign_says_so() {
+        let kept = |relation: Relation, limit: f64, reached: f64| {
+            let requirement = Requirement { outcome: "time".into(), relation, limit, span: Span::default() };
+            keeps(&requirement, reached) == Kept::Yes
+        };
+        let relations = [Relation::Less, Relation::AtMost, Relation::Equal, Relation::AtLeast, Relation::More];
+        for (limit, reached, expected) in [
+            (0.0, 0.0, [false, true, true, true, false]),
+            (0.0, 1e-30, [false, false, false, true, true]),
+            (0.0, -1e-30, [true, true, false, false, false]),
+            (3.0, 3.0, [false, true, true, true, false]),
+            (3.0, 3.0 + 1e-12, [false, true, true, true, false]),
+            (3.0, 3.0 - 1e-12, [false, true, true, true, false]),
+            (3.0, 3.0 + 1e-6, [false, false, false, true, true]),
+            (3.0, 3.0 - 1e-6, [true, true, false, false, false]),
+        ] {
+            assert_eq!(relations.map(|relation| kept(relation, limit, reached)), expected, "{reached} and {limit}");
+        }
+    }
 
     #[test]
     fn a_limit_that_is_advised_is_kept() {

@@ -164,7 +164,8 @@ impl<'a> Builder<'a> {
             });
         }
         for (nth, (span, at_ns, duration_ns)) in run.steps.iter().enumerate() {
-            let end = run.states.iter().rev().find(|state| state.t_ns <= at_ns + duration_ns);
+            let over = run.states.partition_point(|state| state.t_ns <= at_ns + duration_ns);
+            let end = over.checked_sub(1).map(|last| &run.states[last]);
             let reached = end.map_or_else(Vec::new, |end| reached(&task.order, nth, &end.state));
             let step = self.step(job, (*span, start_ns + at_ns, *duration_ns), reached);
             self.steps.push(step);

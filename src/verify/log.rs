@@ -12,7 +12,7 @@ mod records;
 mod series;
 
 pub use error::{LogError, other_version};
-pub use series::{Bound, Column, Series, VoltageFault};
+pub use series::{Bound, Column, Samples, Series, VoltageFault, fault as voltage_fault};
 
 use crate::check::claims::Claims;
 use crate::schedule::{Schedule, Unit, json};
@@ -91,8 +91,8 @@ pub const PERIOD_SUFFIX: &str = ".period_ns";
 #[derive(Debug, Clone, PartialEq)]
 pub struct Log {
     pub schedule: Schedule,
-    /// The claims as they were recorded; those that count are derived again from `files`.
-    pub claims_json: serde_json::Value,
+    /// The claims as they were recorded, in the form of [`write_claims`]; those that count are derived again from `files`.
+    pub claims: Vec<u8>,
     /// Name and text of every source file, the program's own first.
     pub files: Vec<(String, String)>,
     /// The `--set` values.
@@ -122,7 +122,7 @@ pub fn read_with<'v>(bytes: &[u8], visit: &'v mut (dyn FnMut(&str, u64, &[u8]) +
     let schedule = attached(&contents, SCHEDULE, MAX_SCHEDULE_BYTES)?;
     let schedule = json::read(schedule).map_err(|error| LogError::content(SCHEDULE, error.to_string()))?;
     let claims = attached(&contents, CLAIMS, MAX_CLAIMS_BYTES)?;
-    let claims_json = read_claims(claims).map_err(|what| LogError::content(CLAIMS, what))?;
+    check_form(claims).map_err(|what| LogError::content(CLAIMS, what))?;
     let version = provenance(&contents, "version")?.to_owned();
     let settings = serde_json::from_str(provenance(&contents, "settings")?)
         .map_err(|error| LogError::content(format!("metadata `{METADATA}`, entry `settings`"), error.to_string()))?;
@@ -132,7 +132,7 @@ pub fn read_with<'v>(bytes: &[u8], visit: &'v mut (dyn FnMut(&str, u64, &[u8]) +
         return Err(LogError::content(SCHEDULE, what));
     }
     let files = files(&contents)?;
-    Ok(Log { schedule, claims_json, files, settings, version, voltages: contents.voltages })
+    Ok(Log { schedule, claims: claims.to_vec(), files, settings, version, voltages: contents.voltages })
 }
 
 /// Refuses a log of another schema, before anything in it is taken for what it is not.
@@ -146,13 +146,16 @@ fn of_this_schema(contents: &Contents) -> Result<(), LogError> {
     }
 }
 
-/// The claims without what says their form.
-fn read_claims(bytes: &[u8]) -> Result<serde_json::Value, String> {
-    let mut value: serde_json::Value = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
-    let mut entry = |key: &str| value.as_object_mut().and_then(|claims| claims.remove(key));
-    let form = (entry("format"), entry("version"));
-    match form == (Some(CLAIMS_FORMAT.into()), Some(SCHEMA.into())) {
-        true => Ok(value),
+/// Whether claims say the form that is read. What they claim is compared as it is written, and never taken apart.
+fn check_form(bytes: &[u8]) -> Result<(), String> {
+    #[derive(serde::Deserialize)]
+    struct Form {
+        format: Option<String>,
+        version: Option<u64>,
+    }
+    let form: Form = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+    match form.format.as_deref() == Some(CLAIMS_FORMAT) && form.version == Some(SCHEMA) {
+        true => Ok(()),
         false => Err(format!("is not of the format `{CLAIMS_FORMAT}`, version {SCHEMA}")),
     }
 }

@@ -133,12 +133,13 @@ fn nearness(run: &Run, replay: &Replay, findings: &mut Findings) {
     for nth in 0..run.steps.len() {
         let step = run.step(nth);
         let end_ns = step.start_ns + step.duration_ns;
-        let end = replay.states.iter().rev().find(|timed| timed.t_ns <= end_ns);
-        let due = end.map_or_else(Vec::new, |end| reached(&run.job.order, nth, &end.state));
-        let agree = |(recorded, due): (&Reached, &Reached)| recorded.is_near(due, REACHED_TOLERANCE);
         if step.reached.is_empty() {
             continue;
         }
+        let over = replay.states.partition_point(|timed| timed.t_ns <= end_ns);
+        let end = over.checked_sub(1).map(|last| &replay.states[last]);
+        let due = end.map_or_else(Vec::new, |end| reached(&run.job.order, nth, &end.state));
+        let agree = |(recorded, due): (&Reached, &Reached)| recorded.is_near(due, REACHED_TOLERANCE);
         if step.reached.len() == due.len() && step.reached.iter().zip(&due).all(agree) {
             continue;
         }

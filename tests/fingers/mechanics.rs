@@ -95,6 +95,19 @@ fn what_cannot_be_planned_with_is_refused_by_the_check() {
     assert!(!said(&coarser).iter().any(|said| said.contains("E0541")));
 }
 
+/// Outlines that are nearly too rough take longest to refuse; there is an end to them.
+#[test]
+fn curves_and_solids_have_a_budget() {
+    let wavy = "profile { x: (14 + i/1000) * 1 um * cos(t) - 0.6 um * cos(190 * t), y: 13 um * sin(t) }";
+    let scene = |number: usize| format!("scene cell{number} {{ for i in 0..64 {{ part bean[i] : {wavy} }} }}\n");
+    let scenes: String = (0..12).map(scene).collect();
+    let text = format!("use std.fingers\ndevice hand : fingers.three_fingers {{ tip_radius: 20 um }}\n{scenes}");
+    let task = "task t on hand in cell0 { rotate bean[0] by 80 deg about z }\n";
+    let said = said(&format!("{text}{task}"));
+    let of_budget = said.iter().filter(|said| said.contains("E0308")).count();
+    assert!(of_budget == 1 && said.iter().any(|said| said.contains("more curves and solids")), "{said:?}");
+}
+
 #[test]
 fn a_torque_that_no_contact_bears_is_named() {
     let text = found("fingers-load-across");

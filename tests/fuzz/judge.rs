@@ -143,7 +143,7 @@ pub fn verify(bytes: &[u8]) -> Result<(), String> {
     if log.schedule.source != source_ref(name, text) {
         return Err("another fingerprint".to_owned());
     }
-    if serde_json::to_value(&claims).ok().as_ref() != Some(&log.claims_json) {
+    if log::write_claims(&claims).ok().as_ref() != Some(&log.claims) {
         return Err("other claims".to_owned());
     }
     let verified = match verify::verify_program(log.schedule.clone(), &claims, &sources) {

@@ -6,4 +6,6 @@ mod figures;
 mod mathematics;
 mod outputs;
 mod paths;
+#[path = "../support/system.rs"]
+mod system;
 mod versions;

@@ -3,22 +3,13 @@
 
 use super::bench::{done, root, tweeze};
 use super::outputs::fingerprints;
+use super::system::is_there;
 use std::path::Path;
 use std::process::Command;
 
 /// What dependencies still ask for: `microlp` the logarithms that it rounds to powers of two, by which the judge of hands has rows and
 /// columns scaled; `indicatif` the speed of a progress line, which goes to the terminal only.
 const ASKED_BY_OTHERS: [&str; 2] = ["log2", "pow"];
-
-/// Whether a command of the system is there; says aloud where it is not.
-fn is_there(command: &str) -> bool {
-    let there = Command::new(command).arg("--version").output().is_ok_and(|output| output.status.success());
-    assert!(there || std::env::var_os("TWEEZE_REQUIRE_ORACLES").is_none(), "there is no `{command}`");
-    if !there {
-        println!("SKIPPED: there is no `{command}`");
-    }
-    there
-}
 
 /// The functions that the other mathematics replaces, by its own text.
 fn replaced() -> Vec<String> {

@@ -22,6 +22,8 @@ pub fn found(name: &str) -> String {
 pub struct Ended {
     /// Of the program; none after a signal.
     pub code: Option<i32>,
+    /// The signal that ended it.
+    pub signal: Option<i32>,
     pub out: String,
     pub err: String,
 }
@@ -55,7 +57,14 @@ impl Bench {
     }
 
     pub fn run(&self, arguments: &[&str]) -> Ended {
-        self.ended(Command::new(env!("CARGO_BIN_EXE_tweeze")), arguments)
+        self.run_with(&[], arguments)
+    }
+
+    /// As [`Bench::run`], with more variables of the environment.
+    pub fn run_with(&self, variables: &[(&str, &str)], arguments: &[&str]) -> Ended {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_tweeze"));
+        command.envs(variables.iter().copied());
+        self.ended(command, arguments)
     }
 
     /// As [`Bench::run`], in so much memory, where a shell can say so.
@@ -77,7 +86,11 @@ impl Bench {
         let output = command.current_dir(self.folder.path()).env("COLUMNS", "1000").args(arguments).output();
         let output = output.expect("the program starts");
         let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-        Ended { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
+        #[cfg(unix)]
+        let signal = std::os::unix::process::ExitStatusExt::signal(&output.status);
+        #[cfg(not(unix))]
+        let signal = None;
+        Ended { code: output.status.code(), signal, out: text(output.stdout), err: text(output.stderr) }
     }
 }
 

@@ -4,5 +4,11 @@
 
 mod bench;
 mod files;
+#[cfg(target_os = "linux")]
+mod kills;
 mod logs;
+#[cfg(unix)]
+mod signals;
+#[path = "../support/system.rs"]
+mod system;
 mod texts;

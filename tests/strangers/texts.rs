@@ -103,3 +103,16 @@ fn a_loop_that_works_out_a_long_expression_has_an_end() {
     );
     says(&check(&text).code(ERRORS).err, &["E0314"]);
 }
+
+/// A long experiment has a log: 129 bytes that ask for 100,000 moves, each of one module.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_hundred_thousand_moves_have_a_log_in_little_memory() {
+    let bench = Bench::new();
+    let moves = "for i in 0..50000 { move to (1, 0)\n move to (0, 0) }";
+    bench.write("long.twz", format!("use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot {{ {moves} }}\n"));
+    for arguments in [["build", "long.twz"], ["verify", "go.mcap"]] {
+        let done = bench.run_in_mib(500, &arguments).code(DONE);
+        says(&done.out, &["100000 actuations replayed, 0 violations"]);
+    }
+}

@@ -238,6 +238,12 @@ pub fn too_many_repetitions(span: Span, limit: usize) -> Diagnostic {
         .help("a scene this large is better made of larger shapes, as `cells { from: …, to: … }`")
 }
 
+pub fn too_many_outlines(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0308, "more curves and solids than are worked out in one program")
+        .label(span, "the limit is passed here")
+        .help("leave out parts that no task holds, or make several programs of it")
+}
+
 pub fn repeats_nothing(span: Span) -> Diagnostic {
     Diagnostic::new(Code::W0301, "a `for` that repeats nothing")
         .label(span, "holds no element")

@@ -15,6 +15,9 @@ use std::sync::Arc;
 /// The most parts of one scene.
 pub const MAX_PARTS: usize = 64;
 
+/// How many turns of a loop a part counts for each hand that meets it.
+const PART_TURNS: usize = 4_000;
+
 /// A part of a scene.
 #[derive(Debug, Clone)]
 pub struct Lying {
@@ -37,18 +40,29 @@ impl Checker<'_> {
         if let Some(known) = self.benches.get(&key) {
             return known.clone();
         }
-        let bench = judged(scene, &site.device, facts, self.sink);
+        // Each scene is worked out again for each hand.
+        let solids = scene.objects.iter().filter(|one| one.shape.as_ref().is_some_and(|s| s.value.form.is_of_space()));
+        let solids: Vec<Span> = solids.map(|object| object.span).collect();
+        let is_too_much = solids.first().is_some_and(|span| !self.counts_as_outline(solids.len() * PART_TURNS, *span));
+        let bench = match is_too_much {
+            true => broken(scene),
+            false => judged(scene, &site.device, facts, self.sink),
+        };
         self.benches.insert(key, bench.clone());
         bench
     }
 }
 
+/// A scene of which nothing more is said.
+fn broken(scene: &Scene) -> Bench {
+    let broken = scene.objects.iter().map(|object| (object.name.clone(), Lying { judged: None, span: object.span }));
+    Bench { parts: Rc::new(broken.collect()) }
+}
+
 fn judged(scene: &Scene, device: &Device, facts: &Facts, sink: &mut Sink) -> Bench {
     if let Some(crowd) = scene.crowd(&[("part", MAX_PARTS)]) {
         sink.push(crowd);
-        let broken =
-            scene.objects.iter().map(|object| (object.name.clone(), Lying { judged: None, span: object.span }));
-        return Bench { parts: Rc::new(broken.collect()) };
+        return broken(scene);
     }
     let mut parts = BTreeMap::new();
     for object in &scene.objects {

@@ -6,15 +6,18 @@
 //!    as the new one.
 //! 3. Each file is renamed over its target, which a reader therefore never finds missing; then the journal goes.
 //!
-//! Whoever builds into the folder next first carries out a journal that was left, and clears what has no journal. A set of one file
-//! needs none: its one rename is the commit. A rename that fails is answered by a journal of the old files, which were kept by hard
-//! links. The folder is locked all the while.
+//! Whoever builds into the folder or verifies a log in it next first carries out a journal that was left; the next build clears what has
+//! no journal. A set of one file needs none: its one rename is the commit. A rename that fails is answered by a journal of the old
+//! files, which were kept by hard links. The folder is locked all the while. Where the process is asked to end, it clears what it staged
+//! before the journal counts, and carries the journal out after that.
 
+use super::signals;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// What the names of all files begin with that no set leaves behind.
 const PREFIX: &str = ".tweeze-";
@@ -24,6 +27,12 @@ pub const JOURNAL: &str = ".tweeze-journal";
 
 /// The journal before it counts.
 const DRAFT: &str = ".tweeze-draft";
+
+/// How often a folder that another build has locked is looked at.
+const PAUSE: Duration = Duration::from_millis(10);
+
+/// Whether a journal tells its own files from others of their names.
+pub const KNOWS_FILES: bool = cfg!(unix);
 
 /// What could not be done, and to which file.
 #[derive(Debug)]
@@ -41,6 +50,11 @@ pub trait Acts {
         let mut file = options.open(path)?;
         file.write_all(bytes)?;
         file.sync_all()
+    }
+
+    /// An error once the process is asked to end. What must be finished does not ask.
+    fn go_on(&self) -> io::Result<()> {
+        Ok(())
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
@@ -64,24 +78,61 @@ pub trait Acts {
 /// The disk as it is.
 pub struct Real;
 
-impl Acts for Real {}
+impl Acts for Real {
+    fn go_on(&self) -> io::Result<()> {
+        if signals::is_asked() { Err(io::ErrorKind::Interrupted.into()) } else { Ok(()) }
+    }
+}
 
 /// What is still to be done, by names in the folder.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Journal {
-    /// From a name to a name; those that are gone were moved already.
-    moves: Vec<(String, String)>,
-    remove: Vec<String>,
+    /// Those whose files are gone were made already.
+    moves: Vec<Move>,
+    remove: Vec<Removal>,
+}
+
+/// From a name to a name.
+#[derive(Debug, Serialize, Deserialize)]
+struct Move {
+    from: String,
+    to: String,
+    /// The file's number on the disk, as [`number`] tells it: a journal that came with a folder from elsewhere moves nothing.
+    number: Option<u64>,
+}
+
+/// A file that was put where none was.
+#[derive(Debug, Serialize, Deserialize)]
+struct Removal {
+    name: String,
+    number: Option<u64>,
 }
 
 impl Journal {
     /// Whether it only names files of the folder, and moves only what a build left there. A folder may come from anywhere.
     fn is_sound(&self) -> bool {
-        let is_name = |name: &String| Path::new(name).file_name().is_some_and(|plain| plain == name.as_str());
-        let targets = self.moves.iter().map(|(_, to)| to).chain(&self.remove);
-        self.moves.iter().all(|(from, _)| is_name(from) && from.starts_with(PREFIX))
-            && targets.into_iter().all(|to| is_name(to) && !to.starts_with(PREFIX))
+        let is_name = |name: &str| Path::new(name).file_name().is_some_and(|plain| plain == name);
+        let removed = self.remove.iter().map(|removal| &removal.name);
+        self.moves.iter().all(|step| is_name(&step.from) && step.from.starts_with(PREFIX))
+            && self.moves.iter().map(|step| &step.to).chain(removed).all(|to| is_name(to) && !to.starts_with(PREFIX))
     }
+
+    /// Whether the files that it moves are those that it was written for.
+    fn is_of(&self, folder: &Path) -> bool {
+        let is_own = |step: &Move| {
+            let from = folder.join(&step.from);
+            from.symlink_metadata().is_err() || number(&from) == step.number
+        };
+        self.moves.iter().all(is_own)
+    }
+}
+
+/// The number of a file on its disk, where the system tells one; none where there is no such file.
+fn number(path: &Path) -> Option<u64> {
+    #[cfg(unix)]
+    return path.symlink_metadata().ok().map(|about| std::os::unix::fs::MetadataExt::ino(&about));
+    #[cfg(not(unix))]
+    return None;
 }
 
 /// A folder that nobody else builds into.
@@ -95,7 +146,7 @@ pub struct Folder<'a> {
 impl<'a> Folder<'a> {
     /// Waits until nobody builds into the folder, and finishes what a build that was killed has left.
     pub fn open(path: &'a Path, acts: &'a dyn Acts) -> Result<Folder<'a>, Fault> {
-        let lock = lock(path).map_err(|error| Fault { path: path.to_owned(), error })?;
+        let lock = lock(path, acts).map_err(|error| Fault { path: path.to_owned(), error })?;
         let folder = Folder { path, acts, _lock: lock };
         folder.finish()?;
         Ok(folder)
@@ -112,8 +163,10 @@ impl<'a> Folder<'a> {
         match fs::read(&path) {
             Ok(bytes) => {
                 let journal: Option<Journal> = serde_json::from_slice(&bytes).ok();
-                let unsound = || io::Error::new(io::ErrorKind::InvalidData, "it is no journal of a build; delete it");
-                let journal = journal.filter(Journal::is_sound).ok_or_else(unsound).map_err(self.fault(JOURNAL))?;
+                let unsound =
+                    || io::Error::new(io::ErrorKind::InvalidData, "the journal is not of a build into this folder");
+                let is_own = |journal: &Journal| journal.is_sound() && journal.is_of(self.path);
+                let journal = journal.filter(is_own).ok_or_else(unsound).map_err(self.fault(JOURNAL))?;
                 self.carry_out(&journal)?;
                 self.acts.remove(&path).map_err(self.fault(JOURNAL))?;
                 self.acts.sync(self.path).map_err(self.fault(""))?;
@@ -126,15 +179,15 @@ impl<'a> Folder<'a> {
     }
 
     fn carry_out(&self, journal: &Journal) -> Result<(), Fault> {
-        for (from, to) in &journal.moves {
+        for Move { from, to, .. } in &journal.moves {
             if self.path.join(from).symlink_metadata().is_ok() {
                 self.acts.rename(&self.path.join(from), &self.path.join(to)).map_err(self.fault(to))?;
             }
         }
-        for name in &journal.remove {
-            match self.acts.remove(&self.path.join(name)) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(self.fault(name)(error)),
-                Ok(()) | Err(_) => {}
+        for removal in &journal.remove {
+            let path = self.path.join(&removal.name);
+            if path.symlink_metadata().is_ok() && number(&path) == removal.number {
+                self.acts.remove(&path).map_err(self.fault(&removal.name))?;
             }
         }
         self.acts.sync(self.path).map_err(self.fault(""))
@@ -156,7 +209,7 @@ impl<'a> Folder<'a> {
     /// Puts all files in place, or leaves all as they were.
     pub fn replace(&self, files: &[(&str, &[u8])]) -> Result<(), Fault> {
         let replaced = self.stage(files).and_then(|journal| match journal.moves.as_slice() {
-            [(from, to)] => {
+            [Move { from, to, .. }] => {
                 self.acts.rename(&self.path.join(from), &self.path.join(to)).map_err(self.fault(to))?;
                 self.acts.sync(self.path).map_err(self.fault(""))
             }
@@ -169,14 +222,17 @@ impl<'a> Folder<'a> {
     fn stage(&self, files: &[(&str, &[u8])]) -> Result<Journal, Fault> {
         let mut journal = Journal::default();
         for (index, (name, bytes)) in files.iter().enumerate() {
+            self.acts.go_on().map_err(self.fault(name))?;
             if self.path.join(name).is_dir() {
                 let in_the_way = io::Error::new(io::ErrorKind::IsADirectory, "a folder of that name is in the way");
                 return Err(self.fault(name)(in_the_way));
             }
             let staged = format!("{PREFIX}new-{index}");
             self.acts.write(&self.path.join(&staged), bytes).map_err(self.fault(name))?;
-            journal.moves.push((staged, (*name).to_owned()));
+            let number = number(&self.path.join(&staged));
+            journal.moves.push(Move { from: staged, to: (*name).to_owned(), number });
         }
+        self.acts.go_on().map_err(self.fault(""))?;
         Ok(journal)
     }
 
@@ -196,18 +252,22 @@ impl<'a> Folder<'a> {
     /// What would bring the old files back, which are kept under second names.
     fn way_back(&self, journal: &Journal) -> Result<Journal, Fault> {
         let mut back = Journal::default();
-        for (index, (_, name)) in journal.moves.iter().enumerate() {
-            let (target, kept) = (self.path.join(name), format!("{PREFIX}old-{index}"));
-            match self.acts.link(&target, &self.path.join(&kept)) {
-                Ok(()) => back.moves.push((kept, name.clone())),
-                Err(error) if error.kind() == io::ErrorKind::NotFound => back.remove.push(name.clone()),
+        for (index, Move { to: name, number: of_new, .. }) in journal.moves.iter().enumerate() {
+            let kept = format!("{PREFIX}old-{index}");
+            let (target, copy) = (self.path.join(name), self.path.join(&kept));
+            match self.acts.link(&target, &copy) {
+                Ok(()) => {}
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                    back.remove.push(Removal { name: name.clone(), number: *of_new });
+                    continue;
+                }
                 // Some disks have no hard links: the old file is copied.
                 Err(_) => {
                     let bytes = fs::read(&target).map_err(self.fault(name))?;
-                    self.acts.write(&self.path.join(&kept), &bytes).map_err(self.fault(name))?;
-                    back.moves.push((kept, name.clone()));
+                    self.acts.write(&copy, &bytes).map_err(self.fault(name))?;
                 }
             }
+            back.moves.push(Move { from: kept, to: name.clone(), number: number(&copy) });
         }
         Ok(back)
     }
@@ -229,15 +289,20 @@ pub fn twice<'n>(names: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
 }
 
 /// Locks a folder against other builds and waits for them. The system gives the lock back when the process ends, however it does.
-fn lock(folder: &Path) -> io::Result<File> {
+fn lock(folder: &Path, acts: &dyn Acts) -> io::Result<File> {
     let file = match cfg!(unix) {
         true => File::open(folder)?,
         false => OpenOptions::new().create(true).truncate(false).write(true).open(folder.join(".tweeze.lock"))?,
     };
-    match file.lock() {
-        // Some disks of networks have no locks; two builds at once are then nobody's to tell apart.
-        Err(error) if error.kind() == io::ErrorKind::Unsupported => Ok(file),
-        locked => locked.map(|()| file),
+    loop {
+        match file.try_lock() {
+            Ok(()) => return Ok(file),
+            Err(TryLockError::WouldBlock) => acts.go_on()?,
+            // Some disks of networks have no locks; two builds at once are then nobody's to tell apart.
+            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => return Ok(file),
+            Err(TryLockError::Error(error)) => return Err(error),
+        }
+        std::thread::sleep(PAUSE);
     }
 }
 

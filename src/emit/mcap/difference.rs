@@ -3,15 +3,19 @@
 use super::{LIBRARY, Provenance, Signals, Topic};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::verify::{Verified, log};
+use std::io::{self, Write};
 
 /// What differs between a log and the one written from a schedule, or nothing if they are the same byte for byte.
 ///
 /// Names the first message that differs, is missing or is one too many, by topic and time; or else the part that differs. The
 /// log may be anything: what cannot be read differs too.
 pub fn difference(log_bytes: &[u8], verified: &Verified, provenance: &Provenance) -> Option<String> {
-    match super::write(verified, provenance) {
-        Ok(bytes) if bytes == log_bytes => None,
-        Ok(_) => {
+    let mut comparison = Comparison { rest: log_bytes, differs: false };
+    let written = super::write_to(&mut comparison, verified, provenance);
+    match written {
+        Ok(()) if comparison.rest.is_empty() => None,
+        Err(error) if !comparison.differs => Some(error.diagnostic().title),
+        Ok(()) | Err(_) => {
             let mut search = Search::new(super::topics(verified, &Signals::new(verified.schedule())));
             let read = log::read_with(log_bytes, &mut |topic, t_ns, data| search.compare(topic, t_ns, data));
             Some(match read {
@@ -19,7 +23,32 @@ pub fn difference(log_bytes: &[u8], verified: &Verified, provenance: &Provenance
                 Err(error) => error.diagnostic().title,
             })
         }
-        Err(error) => Some(error.diagnostic().title),
+    }
+}
+
+/// Takes what is written and compares it with what should come, so that no second log is held in memory.
+struct Comparison<'a> {
+    /// What of the log was not met yet.
+    rest: &'a [u8],
+    differs: bool,
+}
+
+impl Write for Comparison<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self.rest.strip_prefix(bytes).filter(|_| !self.differs) {
+            Some(rest) => {
+                self.rest = rest;
+                Ok(bytes.len())
+            }
+            None => {
+                self.differs = true;
+                Err(io::Error::other("the logs differ"))
+            }
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 
@@ -78,10 +107,10 @@ fn missing(topic: &str, t_ns: u64) -> String {
 
 /// What differs besides the messages.
 fn part(log: &log::Log, verified: &Verified, provenance: &Provenance) -> String {
-    let claims = serde_json::to_value(verified.claims()).ok();
+    let claims = log::write_claims(verified.claims()).ok();
     let parts = [
         (log.schedule != *verified.schedule(), "the attached schedule is another"),
-        (Some(&log.claims_json) != claims.as_ref(), "the attached claims are others"),
+        (Some(&log.claims) != claims.as_ref(), "the attached claims are others"),
         (log.files != provenance.files, "the attached source files are others"),
         (log.settings != provenance.settings, "the recorded settings are others"),
     ];

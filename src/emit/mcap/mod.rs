@@ -31,11 +31,12 @@ use crate::schedule::{Reached, json};
 use crate::source::MAX_FILE_BYTES;
 use crate::verify::Verified;
 use crate::verify::log::{self, CLAIMS, METADATA, SCHEDULE, SOURCE_PREFIX};
-use ::mcap::{Attachment, Compression, McapError, WriteOptions, records};
+use ::mcap::write::NoSeek;
+use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer, records};
 use bench::Bench;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::io::Cursor;
+use std::io::{Seek, Write};
 
 /// What the scale of pictures is, as the metadata record says it.
 pub const SCALE: &str = "1 unit of a picture is 1 um";
@@ -78,17 +79,39 @@ impl Topic {
 /// # Errors
 /// [`EmitError::TooLarge`] past what the log's reader takes; [`EmitError::Failed`] if the library gives up.
 pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
-    let signals = Signals::new(verified.schedule());
-    EmitError::refuse_size(Format::Mcap, voltages::estimated_bytes(&signals), log::MAX_DATA_BYTES)?;
-    let topics = topics(verified, &signals);
-    let attachments = attachments(verified, provenance);
-    refuse_what_is_not_read(&topics, &attachments)?;
-    compose(&topics, &attachments, metadata(verified, provenance))
-        .map_err(|error| EmitError::Failed { format: Format::Mcap, detail: error.to_string() })
+    let mut bytes = Vec::new();
+    write_to(&mut bytes, verified, provenance)?;
+    bytes.shrink_to_fit();
+    Ok(bytes)
 }
 
-/// An error if the log's reader would refuse the log for its size.
-fn refuse_what_is_not_read(topics: &[Topic], attachments: &[Attachment]) -> Result<(), EmitError> {
+/// Writes the log. Its messages together, and the schedule that it carries, may each take several hundred megabytes: the former are
+/// gone before the latter is made.
+fn write_to(to: &mut dyn Write, verified: &Verified, provenance: &Provenance) -> Result<(), EmitError> {
+    let failed = |error: McapError| EmitError::Failed { format: Format::Mcap, detail: error.to_string() };
+    let topics = {
+        let signals = Signals::new(verified.schedule());
+        EmitError::refuse_size(Format::Mcap, voltages::estimated_bytes(&signals), log::MAX_DATA_BYTES)?;
+        topics(verified, &signals)
+    };
+    refuse_what_is_not_read(&topics)?;
+    let mut writer = options().create(NoSeek::new(to)).map_err(failed)?;
+    write_messages(&mut writer, topics).map_err(failed)?;
+    let schedule = json::write(verified.schedule());
+    attach(&mut writer, SCHEDULE, "application/json", (&schedule, log::MAX_SCHEDULE_BYTES))?;
+    drop(schedule);
+    let claims = log::write_claims(verified.claims()).expect("claims have string keys only");
+    attach(&mut writer, CLAIMS, "application/json", (&claims, log::MAX_CLAIMS_BYTES))?;
+    for (name, text) in &provenance.files {
+        let text = (text.as_bytes(), MAX_FILE_BYTES as u64);
+        attach(&mut writer, &format!("{SOURCE_PREFIX}{name}"), "text/plain", text)?;
+    }
+    writer.write_metadata(&metadata(verified, provenance)).map_err(failed)?;
+    writer.finish().map(drop).map_err(failed)
+}
+
+/// An error if the log's reader would refuse the messages for their size.
+fn refuse_what_is_not_read(topics: &[Topic]) -> Result<(), EmitError> {
     let lengths =
         || topics.iter().flat_map(|topic| &topic.messages).map(|(_, data)| data.len() as u64 + MESSAGE_HEAD_BYTES);
     let refuse = |bytes, limit| EmitError::refuse_size(Format::Mcap, bytes, limit);
@@ -96,16 +119,21 @@ fn refuse_what_is_not_read(topics: &[Topic], attachments: &[Attachment]) -> Resu
     refuse(lengths().max().unwrap_or(0), log::MAX_MESSAGE_BYTES)?;
     refuse(lengths().sum::<u64>() + definitions, log::MAX_DATA_BYTES)?;
     refuse(lengths().count() as u64, log::MAX_MESSAGES)?;
-    refuse(topics.iter().filter(|topic| log::is_topic(&topic.name)).count() as u64, log::MAX_DEVICES)?;
-    for attachment in attachments {
-        let limit = match attachment.name.as_str() {
-            SCHEDULE => log::MAX_SCHEDULE_BYTES,
-            CLAIMS => log::MAX_CLAIMS_BYTES,
-            _ => MAX_FILE_BYTES as u64,
-        };
-        refuse(attachment.data.len() as u64, limit)?;
-    }
-    Ok(())
+    refuse(topics.iter().filter(|topic| log::is_topic(&topic.name)).count() as u64, log::MAX_DEVICES)
+}
+
+/// Writes an attachment of at most so many bytes.
+fn attach<W: Write + Seek>(
+    writer: &mut Writer<W>,
+    name: &str,
+    media_type: &str,
+    (data, limit): (&[u8], u64),
+) -> Result<(), EmitError> {
+    EmitError::refuse_size(Format::Mcap, data.len() as u64, limit)?;
+    let (name, media_type) = (name.to_owned(), media_type.to_owned());
+    let attachment = Attachment { log_time: 0, create_time: 0, name, media_type, data: Cow::Borrowed(data) };
+    let failed = |error: McapError| EmitError::Failed { format: Format::Mcap, detail: error.to_string() };
+    writer.attach(&attachment).map_err(failed)
 }
 
 fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
@@ -151,27 +179,6 @@ fn lines(verified: &Verified) -> Topic {
     Topic::new::<foxglove::Log>("/log", messages)
 }
 
-fn attachments<'a>(verified: &Verified, provenance: &'a Provenance) -> Vec<Attachment<'a>> {
-    let attach = |name: String, media_type: &str, data| Attachment {
-        log_time: 0,
-        create_time: 0,
-        name,
-        media_type: media_type.to_owned(),
-        data,
-    };
-    let schedule = json::write(verified.schedule());
-    let claims = log::write_claims(verified.claims()).expect("claims have string keys only");
-    let own = [
-        attach(SCHEDULE.to_owned(), "application/json", Cow::Owned(schedule)),
-        attach(CLAIMS.to_owned(), "application/json", Cow::Owned(claims)),
-    ];
-    let sources = provenance
-        .files
-        .iter()
-        .map(|(name, text)| attach(format!("{SOURCE_PREFIX}{name}"), "text/plain", Cow::Borrowed(text.as_bytes())));
-    own.into_iter().chain(sources).collect()
-}
-
 fn metadata(verified: &Verified, provenance: &Provenance) -> records::Metadata {
     let settings = serde_json::to_string(&provenance.settings).expect("strings are JSON");
     let entries = [
@@ -185,36 +192,36 @@ fn metadata(verified: &Verified, provenance: &Provenance) -> records::Metadata {
     records::Metadata { name: METADATA.to_owned(), metadata }
 }
 
-fn compose(topics: &[Topic], attachments: &[Attachment], metadata: records::Metadata) -> Result<Vec<u8>, McapError> {
-    let options = WriteOptions::new()
+/// How the file is packed. It is written from its beginning to its end, so that whoever takes it can be anything.
+fn options() -> WriteOptions {
+    WriteOptions::new()
         .profile("")
         .library(LIBRARY)
         .compression(Some(Compression::Zstd))
         .compression_level(ZSTD_LEVEL)
         .compression_threads(0)
-        .chunk_size(Some(CHUNK_BYTES));
-    let mut writer = options.create(Cursor::new(Vec::new()))?;
+        .chunk_size(Some(CHUNK_BYTES))
+        .disable_seeking(true)
+}
+
+/// Writes all messages in order of time; each is gone when it is written.
+fn write_messages<W: Write + Seek>(writer: &mut Writer<W>, mut topics: Vec<Topic>) -> Result<(), McapError> {
     let mut ids = Vec::new();
-    for topic in topics {
+    for topic in &topics {
         let schema = writer.add_schema(&topic.schema.name, "protobuf", &topic.schema.descriptor)?;
         ids.push(writer.add_channel(schema, &topic.name, "protobuf", &topic.metadata)?);
     }
-    for (topic, sequence) in in_order(topics) {
-        let (log_time, data) = &topics[topic].messages[sequence];
+    for (topic, sequence) in in_order(&topics) {
+        let (log_time, data) = std::mem::take(&mut topics[topic].messages[sequence]);
         let header = records::MessageHeader {
             channel_id: ids[topic],
             sequence: u32::try_from(sequence).unwrap_or(u32::MAX),
-            log_time: *log_time,
-            publish_time: *log_time,
+            log_time,
+            publish_time: log_time,
         };
-        writer.write_to_known_channel(&header, data)?;
+        writer.write_to_known_channel(&header, &data)?;
     }
-    for attachment in attachments {
-        writer.attach(attachment)?;
-    }
-    writer.write_metadata(&metadata)?;
-    writer.finish()?;
-    Ok(writer.into_inner().into_inner())
+    Ok(())
 }
 
 /// Index of the topic and of its message, for all messages in order of time, then of topic.

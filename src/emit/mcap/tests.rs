@@ -1,6 +1,7 @@
 use super::*;
 use crate::emit::fixture;
 use prost::Message as _;
+use std::io::Cursor;
 
 type Edit<'a> = &'a mut dyn FnMut(&str, u64, Vec<u8>) -> Vec<Vec<u8>>;
 

@@ -26,6 +26,9 @@ const MAX_STRETCHES: usize = 1 << 12;
 /// The most stretches of each piece, where there are many: smooth outlines take two or three of them.
 const STRETCHES_PER_PIECE: usize = 8;
 
+/// At how many places of a piece its direction is looked at before it is followed.
+const LOOKS: u32 = 4;
+
 /// The upper half of the nodes and weights of Gauss' rule with eight points.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
@@ -120,10 +123,12 @@ impl Course {
     pub fn of(form: &Form, begin: (usize, f64)) -> Result<Course, OutlineError> {
         let mut course = Course::default();
         let most = MAX_STRETCHES + STRETCHES_PER_PIECE * form.pieces();
-        let mut open: Vec<(usize, f64, f64, u32)> = Vec::new();
-        for (piece, from, to) in spans(form, begin).into_iter().rev() {
-            open.push((piece, from, to, 0));
+        let spans = spans(form, begin);
+        if let Some(point_um) = too_rough(form, &spans, most) {
+            return Err(OutlineError::Rough { point_um });
         }
+        let mut open: Vec<(usize, f64, f64, u32)> =
+            spans.into_iter().rev().map(|(piece, from, to)| (piece, from, to, 0)).collect();
         while let Some((piece, from, to, depth)) = open.pop() {
             let ends = [form.at(piece, from), form.at(piece, to)];
             if course.stretches.len() >= most || ends.iter().any(|end| !is_sound(end)) {
@@ -185,6 +190,24 @@ fn spans(form: &Form, (first, begin): (usize, f64)) -> Vec<(usize, f64, f64)> {
     (1..pieces).for_each(|step| add((first + step) % pieces, f64::NEG_INFINITY, f64::INFINITY));
     add(first, f64::NEG_INFINITY, begin);
     spans
+}
+
+/// Where a curve turns most, if it surely turns more than that many stretches may: to follow such a one to the last of them takes long.
+fn too_rough(form: &Form, spans: &[(usize, f64, f64)], most: usize) -> Option<[f64; 2]> {
+    let (mut all_rad, mut sharpest) = (0.0, (0.0, None));
+    for &(piece, from, to) in spans {
+        let mut before = form.at(piece, from);
+        for look in 1..=LOOKS {
+            let here = form.at(piece, from + (to - from) * f64::from(look) / f64::from(LOOKS));
+            let turned_rad = turn(before.first, here.first).abs();
+            all_rad += turned_rad;
+            if turned_rad > sharpest.0 {
+                sharpest = (turned_rad, Some(before.point));
+            }
+            before = here;
+        }
+    }
+    sharpest.1.filter(|_| all_rad > MAX_TURN_RAD * most as f64)
 }
 
 /// The stretch between two parameters, unless it has to be halved.

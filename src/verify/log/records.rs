@@ -1,7 +1,7 @@
 //! The records of an MCAP file, taken apart with a check before every step.
 
 use super::error::LogError;
-use super::series::{self, Decoder, Series};
+use super::series::{self, Decoder, Samples, Series};
 use super::{
     MAX_DATA_BYTES, MAX_DEFINITION_BYTES, MAX_DEVICES, MAX_MAP_BYTES, MAX_MESSAGE_BYTES, MAX_MESSAGES, METADATA,
 };
@@ -264,7 +264,7 @@ fn topic(record: &Record, contents: &mut Contents, state: &mut State) -> Result<
             return Err(LogError::TooLarge { offset: record.offset(), what, bytes: devices, limit });
         }
         series = Some((contents.voltages.len(), decoder));
-        contents.voltages.push(Series { topic: name.clone(), columns, samples: Vec::new() });
+        contents.voltages.push(Series { topic: name.clone(), columns, samples: Samples::default() });
     }
     state.topics.insert(id, Topic { name, definition: record.body.to_vec(), series });
     Ok(())
@@ -294,10 +294,10 @@ fn message(record: &Record, contents: &mut Contents, state: &mut State) -> Resul
     let series = &mut contents.voltages[*index];
     let place = || format!("topic `{}` at {t_ns} ns", topic.name);
     let values = decoder.decode(&record.body[fields.at..]).map_err(|what| LogError::content(place(), what))?;
-    if series.samples.last().is_some_and(|(last_ns, _)| *last_ns >= t_ns) {
+    if series.samples.times_ns().last().is_some_and(|last_ns| *last_ns >= t_ns) {
         return Err(LogError::content(place(), "does not come after the message before it"));
     }
-    series.samples.push((t_ns, values));
+    series.samples.push(t_ns, &values);
     Ok(())
 }
 

@@ -19,8 +19,39 @@ pub struct Series {
     /// The topic that it stands in.
     pub topic: String,
     pub columns: Vec<Column>,
-    /// Instants in rising order, with a value for each column.
-    pub samples: Vec<(u64, Vec<f64>)>,
+    pub samples: Samples,
+}
+
+/// Instants in rising order, with a value for each column. A log may hold millions, so they lie in two lists.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Samples {
+    times_ns: Vec<u64>,
+    /// Those of the first instant, then those of the next.
+    values: Vec<f64>,
+}
+
+impl Samples {
+    /// Adds an instant with its values, as many as every other one has.
+    pub fn push(&mut self, t_ns: u64, values: &[f64]) {
+        self.times_ns.push(t_ns);
+        self.values.extend_from_slice(values);
+    }
+
+    /// The instants.
+    pub fn times_ns(&self) -> &[u64] {
+        &self.times_ns
+    }
+
+    /// The values of an instant.
+    pub fn at(&self, index: usize) -> &[f64] {
+        let width = self.values.len() / self.times_ns.len().max(1);
+        &self.values[index * width..(index + 1) * width]
+    }
+
+    /// Every instant with its values.
+    pub fn iter(&self) -> impl Iterator<Item = (u64, &[f64])> {
+        self.times_ns.iter().enumerate().map(|(index, t_ns)| (*t_ns, self.at(index)))
+    }
 }
 
 /// What a number of each message is.
@@ -262,17 +293,17 @@ fn column_fault(
         return Some(fault);
     }
     let mut next = 0;
-    for (t_ns, values) in &series.samples {
-        while actuations.get(next).is_some_and(|actuation| actuation.end_ns() <= *t_ns) {
+    for (t_ns, values) in series.samples.iter() {
+        while actuations.get(next).is_some_and(|actuation| actuation.end_ns() <= t_ns) {
             next += 1;
         }
-        let running = actuations.get(next).filter(|actuation| actuation.start_ns <= *t_ns);
+        let running = actuations.get(next).filter(|actuation| actuation.start_ns <= t_ns);
         let scheduled = running
-            .map_or_else(|| (rest(*unit, actuations, next), 0.0), |actuation| value(actuation, column.bound, *t_ns));
+            .map_or_else(|| (rest(*unit, actuations, next), 0.0), |actuation| value(actuation, column.bound, t_ns));
         let recorded = values[index];
         let agrees = (recorded - scheduled.0).abs() <= scheduled.1;
         if !agrees {
-            let (channel, unit, t_ns, scheduled) = (column.channel.clone(), *unit, *t_ns, scheduled.0);
+            let (channel, unit, scheduled) = (column.channel.clone(), *unit, scheduled.0);
             return Some(VoltageFault::Value { channel, unit, t_ns, recorded, scheduled });
         }
     }
@@ -309,7 +340,7 @@ fn value(actuation: &Actuation, bound: Bound, t_ns: u64) -> (f64, f64) {
 fn gap(duration_ns: u64, series: &Series, actuations: &[&Actuation]) -> Option<VoltageFault> {
     let edges = actuations.iter().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);
     let times = edges.flat_map(|t_ns| [t_ns.saturating_sub(1), t_ns]).chain([0, duration_ns]);
-    let recorded = |t_ns: &u64| series.samples.binary_search_by_key(t_ns, |(t_ns, _)| *t_ns).is_ok();
+    let recorded = |t_ns: &u64| series.samples.times_ns().binary_search(t_ns).is_ok();
     let missing = times.into_iter().find(|t_ns| !recorded(t_ns));
     missing.map(|t_ns| VoltageFault::Gap { topic: series.topic.clone(), t_ns })
 }

@@ -129,20 +129,77 @@ fn an_act_that_fails_leaves_the_old_set_and_nothing_else() {
 }
 
 #[test]
-fn a_journal_from_a_stranger_moves_nothing_out_of_the_folder() {
+fn a_journal_from_a_stranger_changes_nothing() {
     for journal in [
-        r#"{"moves":[[".tweeze-new-0","../x"]],"remove":[]}"#,
-        r#"{"moves":[["a","b"]],"remove":[]}"#,
-        r#"{"moves":[],"remove":["../a"]}"#,
-        r#"{"moves":[],"remove":["/etc/passwd"]}"#,
+        r#"{"moves":[{"from":".tweeze-new-0","to":"../x","number":1}],"remove":[]}"#,
+        r#"{"moves":[{"from":"a","to":"b","number":1}],"remove":[]}"#,
+        r#"{"moves":[],"remove":[{"name":"../a","number":1}]}"#,
+        r#"{"moves":[],"remove":[{"name":"/etc/passwd","number":1}]}"#,
+        r#"{"moves":[{"from":".tweeze-new-0","to":"a","number":1}],"remove":[]}"#,
+        r#"{"moves":[{"from":".tweeze-new-0","to":"a","number":null}],"remove":[{"name":"b","number":null}]}"#,
         "nonsense",
     ] {
         let folder = tempfile::tempdir().expect("a folder");
         write(folder.path(), &Real, &OLD).expect("the old set");
+        fs::write(folder.path().join(".tweeze-new-0"), "not of this folder").expect("written");
         fs::write(folder.path().join(JOURNAL), journal).expect("written");
-        let refused = Folder::open(folder.path(), &Real).map(drop).expect_err("it is refused");
-        assert!(refused.error.to_string().contains("delete it"), "{journal}");
+        let before = set(folder.path());
+        if KNOWS_FILES || !journal.contains("\"a\",\"number") {
+            let refused = Folder::open(folder.path(), &Real).map(drop).expect_err("it is refused");
+            assert!(refused.error.to_string().contains("not of a build into this folder"), "{journal}");
+            assert_eq!(set(folder.path()), before, "{journal}");
+        }
     }
+}
+
+/// Only the file that a build put there is removed, and no other of its name.
+#[cfg(unix)]
+#[test]
+fn a_removal_is_of_one_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write(folder.path(), &Real, &OLD).expect("the old set");
+    let own = number(&folder.path().join("b")).expect("it has a number");
+    for (number, left) in [(own + 1, 2), (own, 1)] {
+        let journal = format!(r#"{{"moves":[],"remove":[{{"name":"b","number":{number}}}]}}"#);
+        fs::write(folder.path().join(JOURNAL), journal).expect("written");
+        drop(Folder::open(folder.path(), &Real).expect("it is carried out"));
+        assert_eq!(set(folder.path()).len(), left);
+    }
+}
+
+/// A disk on which the process is asked to end after so many questions.
+struct Asked {
+    after: Cell<usize>,
+}
+
+impl Acts for Asked {
+    fn go_on(&self) -> io::Result<()> {
+        let left = self.after.get();
+        self.after.set(left.saturating_sub(1));
+        if left == 0 { Err(io::ErrorKind::Interrupted.into()) } else { Ok(()) }
+    }
+}
+
+#[test]
+fn a_build_that_is_asked_to_end_leaves_the_old_set_and_nothing_else() {
+    for after in 0..4 {
+        let folder = tempfile::tempdir().expect("a folder");
+        write(folder.path(), &Real, &OLD).expect("the old set");
+        let fault = write(folder.path(), &Asked { after: Cell::new(after) }, &NEW).expect_err("it is interrupted");
+        assert_eq!(fault.error.kind(), io::ErrorKind::Interrupted);
+        assert_eq!(set(folder.path()), of(&OLD), "asked after {after} files");
+    }
+}
+
+/// Who waits for another build can be asked to end as well.
+#[test]
+fn waiting_for_a_folder_can_be_interrupted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let held = Folder::open(folder.path(), &Real).expect("the folder is free");
+    let fault = Folder::open(folder.path(), &Asked { after: Cell::new(3) }).map(drop).expect_err("it is held");
+    assert_eq!(fault.error.kind(), io::ErrorKind::Interrupted);
+    drop(held);
+    drop(Folder::open(folder.path(), &Asked { after: Cell::new(0) }).expect("the folder is free again"));
 }
 
 #[test]

@@ -34,8 +34,8 @@ fn plan_strokes(order: &DimibotOrder, plan: &PlanRecord) -> Vec<Stroke> {
         let [x, y, _] = motion::place(state);
         Point2::new(x, y)
     });
-    let stops = scene::stops(order).map(|stop| {
-        let centre = Point2::from(order.facts.place_um(stop.cell));
+    let stops = scene::stops(order).into_iter().map(|cell| {
+        let centre = Point2::from(order.facts.place_um(cell));
         Stroke { corners: circle(centre, scene::STOP_UM / 2.0, CIRCLE_CORNERS), color: color::STOP }
     });
     std::iter::once(Stroke { corners: path.collect(), color: color::PATH }).chain(stops).collect()

@@ -36,7 +36,7 @@ const CELL_PART: f64 = 0.8;
 /// The most stops and obstacles that get a label each.
 const MAX_LABELS: usize = 200;
 
-/// The most obstacles that are drawn.
+/// The most obstacles and stops that are drawn.
 const MAX_DRAWN: usize = 20_000;
 
 /// The cell of all modules at 1.
@@ -48,12 +48,14 @@ pub fn extent_um(facts: &Facts) -> [f64; 2] {
     facts.place_um(last_cell(facts))
 }
 
-/// The places that a task asks for, in the order of writing.
-pub fn stops(order: &DimibotOrder) -> impl Iterator<Item = &Stop> {
-    order.steps.iter().flat_map(|step| match &step.action {
+/// The cells that a task asks for, each once, in the order of writing; of very many the first.
+pub fn stops(order: &DimibotOrder) -> Vec<Cell> {
+    let all = order.steps.iter().flat_map(|step| match &step.action {
         Action::Move(stops) | Action::Visit(stops) => stops.as_slice(),
         Action::Wait(_) => &[],
-    })
+    });
+    let mut met = BTreeSet::new();
+    all.map(|stop: &Stop| stop.cell).filter(|cell| met.insert(cell.pair())).take(MAX_DRAWN).collect()
 }
 
 /// The lower and the upper corner of a block of cells, each cell being a tile.
@@ -178,11 +180,11 @@ fn tip(device: &str, t_ns: u64, facts: &Facts) -> SceneEntity {
 }
 
 fn mark_stops(mut entity: SceneEntity, order: &DimibotOrder) -> SceneEntity {
-    for (index, stop) in stops(order).enumerate() {
-        let [x, y] = order.facts.place_um(stop.cell);
+    for (index, cell) in stops(order).into_iter().enumerate() {
+        let [x, y] = order.facts.place_um(cell);
         drawing::sphere(&mut entity, [x, y, PATH_HEIGHT_UM], STOP_UM, color::STOP);
         if index < MAX_LABELS {
-            drawing::text(&mut entity, [x, y + LABEL_GAP_UM, LABEL_HEIGHT_UM], stop.cell.to_string(), color::STOP);
+            drawing::text(&mut entity, [x, y + LABEL_GAP_UM, LABEL_HEIGHT_UM], cell.to_string(), color::STOP);
         }
     }
     entity

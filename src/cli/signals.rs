@@ -1,0 +1,90 @@
+//! Signals that end a build: Ctrl-C, a closed terminal, a request to terminate. What is staged is removed, or a commit that has begun
+//! is finished; then the process ends as the signal alone would have ended it.
+
+use super::terminal;
+use std::io::{self, IsTerminal};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Whether the process is asked to end.
+static ASKED: AtomicBool = AtomicBool::new(false);
+
+/// Whether the build's files are in place. Held while a folder is changed: who ends the process waits for it.
+static FILES_IN_PLACE: Mutex<bool> = Mutex::new(false);
+
+/// Whether the process is asked to end. True at the latest when the handler of the signal returns.
+pub fn is_asked() -> bool {
+    ASKED.load(Ordering::SeqCst)
+}
+
+/// Keeps the process alive until dropped; to be set to true once the files are in place.
+pub fn changing_files() -> MutexGuard<'static, bool> {
+    // A thread that panicked has left a folder as a kill would have left it.
+    FILES_IN_PLACE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Waits for the end, after [`is_asked`].
+pub fn wait_for_end() -> ! {
+    loop {
+        std::thread::park();
+    }
+}
+
+/// Says what was written, once no folder is being changed. The guard is held until the process ends: nothing is begun any more.
+fn say_goodbye() -> MutexGuard<'static, bool> {
+    let in_place = changing_files();
+    let line = if io::stderr().is_terminal() { "\n" } else { "" };
+    let written = if *in_place { "after its files were written" } else { "nothing was written" };
+    terminal::to_stderr(&format!("{line}tweeze: interrupted, {written}\n"));
+    in_place
+}
+
+/// From here on, signals that ask the process to end wait for [`changing_files`]. Where they cannot be caught, they end the process at
+/// once, and the next build into the folder clears up.
+#[cfg(unix)]
+pub fn catch() {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::{flag, iterator::Signals, low_level};
+    let ignored = ignored_signals();
+    let wanted = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
+    let wanted: Vec<i32> = wanted.collect();
+    let Ok(mut signals) = Signals::new(&wanted) else { return };
+    let watch = move || {
+        if let Some(signal) = signals.forever().next() {
+            let _alive = say_goodbye();
+            // Whoever waits for this process learns that a signal ended it: a shell shows 128 and the signal's number.
+            let _ = low_level::emulate_default_handler(signal);
+            std::process::exit(128 + signal);
+        }
+    };
+    if std::thread::Builder::new().spawn(watch).is_ok() {
+        for signal in wanted {
+            // Without it, a set is finished that could have been given up.
+            let _ = flag::register(signal, &ASKED);
+        }
+    }
+}
+
+/// The signals that the parent has this process ignore, as bits: `nohup` and shells do so for what is to outlive them. Empty where the
+/// system does not tell.
+#[cfg(unix)]
+fn ignored_signals() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
+}
+
+/// From here on, Ctrl-C and a closed window wait for [`changing_files`].
+#[cfg(windows)]
+pub fn catch() {
+    // Where they cannot be caught, they end the process at once, and the next build into the folder clears up.
+    let _ = ctrlc::set_handler(|| {
+        ASKED.store(true, Ordering::SeqCst);
+        let _alive = say_goodbye();
+        std::process::exit(130);
+    });
+}
+
+/// Other systems end the process at once.
+#[cfg(not(any(unix, windows)))]
+pub fn catch() {}

@@ -1,0 +1,95 @@
+//! Signals to a build: how it ends, and what it leaves.
+
+use super::bench::{Bench, found};
+use std::os::unix::process::ExitStatusExt;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+pub const SIGHUP: i32 = 1;
+pub const SIGINT: i32 = 2;
+pub const SIGTERM: i32 = 15;
+
+/// Whether this test was started with a signal ignored, as background jobs of some shells are with SIGINT: so is then all that it
+/// starts.
+pub fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let is_ignored = mask(&status, "SigIgn:") >> (signal - 1) & 1 == 1;
+    if is_ignored {
+        println!("SKIPPED: signal {signal} is ignored here");
+    }
+    is_ignored
+}
+
+/// A line of signals as the system tells them of a process.
+fn mask(status: &str, name: &str) -> u64 {
+    let mask = status.lines().find_map(|line| line.strip_prefix(name));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
+}
+
+/// A build that takes long, started in a folder.
+fn start(bench: &Bench, wrap: &str) -> Child {
+    bench.write("slow.twz", found("ea_400_parts_gave_up.twz"));
+    let line = format!("{wrap} '{}' build slow.twz -o out", env!("CARGO_BIN_EXE_tweeze"));
+    let mut command = Command::new("sh");
+    command.args(["-c", &line]).current_dir(bench.path("")).stdout(Stdio::null()).stderr(Stdio::piped());
+    command.spawn().expect("the shell starts")
+}
+
+fn send(signal: &str, child: &Child) {
+    let status = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status();
+    assert!(status.expect("`kill` is there").success());
+}
+
+/// Waits until the build has caught its signals, which the system tells.
+#[cfg(target_os = "linux")]
+fn is_ready(child: &mut Child) -> bool {
+    for _ in 0..3000 {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        if mask(&status, "SigCgt:") >> (SIGTERM - 1) & 1 == 1 {
+            return true;
+        }
+        assert_eq!(child.try_wait().expect("it can be asked"), None, "it ended by itself");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    false
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_signal_ends_a_build_as_it_ends_any_program() {
+    let signals = [("INT", SIGINT), ("TERM", SIGTERM), ("HUP", SIGHUP)];
+    for (signal, number) in signals.into_iter().filter(|(_, number)| !is_ignored(*number)) {
+        let bench = Bench::new();
+        let mut child = start(&bench, "exec");
+        assert!(is_ready(&mut child), "no signal is caught");
+        send(signal, &child);
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(output.status.signal(), Some(number), "{output:?}");
+        assert_eq!(String::from_utf8_lossy(&output.stderr), "tweeze: interrupted, nothing was written\n");
+        assert_eq!(bench.names(), ["slow.twz"]);
+    }
+}
+
+/// What its parent has it ignore, as `nohup` does, it goes on ignoring.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_signal_that_is_ignored_stays_ignored() {
+    let bench = Bench::new();
+    let mut child = start(&bench, "trap '' HUP; exec");
+    assert!(is_ready(&mut child), "no signal is caught");
+    send("HUP", &child);
+    send("TERM", &child);
+    assert_eq!(child.wait().expect("it ends").signal(), Some(SIGTERM));
+}
+
+/// A shell shows 128 and the number of the signal.
+#[test]
+fn a_shell_sees_the_usual_status() {
+    let bench = Bench::new();
+    let text = "\"$0\" build slow.twz -o out & sleep 0.3; kill -s TERM $!; wait $!";
+    bench.write("slow.twz", found("ea_400_parts_gave_up.twz"));
+    let mut command = Command::new("sh");
+    command.args(["-c", text, env!("CARGO_BIN_EXE_tweeze")]).current_dir(bench.path("")).stderr(Stdio::null());
+    assert_eq!(command.status().expect("the shell starts").code(), Some(143));
+    assert_eq!(bench.names(), ["slow.twz"]);
+}
