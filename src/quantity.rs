@@ -7,14 +7,15 @@ use crate::real::Real;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// The exponents of the base units metre, kilogram, second, ampere, kelvin and radian.
+/// The exponents of the base units metre, kilogram, second, ampere, kelvin, radian and pixel.
 ///
-/// An angle is a dimension of its own here, so that `90` cannot pass for `90 deg`.
+/// An angle is a dimension of its own here, so that `90` cannot pass for `90 deg`; and so is what is read off an image, so that no pixel
+/// passes for a length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
-pub struct Dimension([i8; 6]);
+pub struct Dimension([i8; 7]);
 
 const fn dimension(metre: i8, kilogram: i8, second: i8, ampere: i8, kelvin: i8, radian: i8) -> Dimension {
-    Dimension([metre, kilogram, second, ampere, kelvin, radian])
+    Dimension([metre, kilogram, second, ampere, kelvin, radian, 0])
 }
 
 /// The largest exponent that a base unit may reach in either direction.
@@ -41,6 +42,10 @@ impl Dimension {
     pub const VISCOSITY: Dimension = dimension(-1, 1, -1, 0, 0, 0);
     /// Angle over length.
     pub const TURNING: Dimension = dimension(-1, 0, 0, 0, 0, 1);
+    /// Along a row or a column of an image.
+    pub const PIXELS: Dimension = Dimension([0, 0, 0, 0, 0, 0, 1]);
+    /// Length over pixels.
+    pub const SCALE: Dimension = Dimension([1, 0, 0, 0, 0, 0, -1]);
     /// Force over speed.
     pub const DAMPING: Dimension = dimension(0, 1, -1, 0, 0, 0);
 
@@ -65,7 +70,7 @@ impl Dimension {
     }
 
     fn zip(self, other: Dimension, join: impl Fn(i32, i32) -> i32) -> Option<Dimension> {
-        let mut result = [0; 6];
+        let mut result = [0; 7];
         for (slot, (a, b)) in result.iter_mut().zip(self.0.into_iter().zip(other.0)) {
             *slot = within(join(i32::from(a), i32::from(b)))?;
         }
@@ -73,7 +78,7 @@ impl Dimension {
     }
 
     fn map(self, change: impl Fn(i8) -> Option<i32>) -> Option<Dimension> {
-        let mut result = [0; 6];
+        let mut result = [0; 7];
         for (slot, a) in result.iter_mut().zip(self.0) {
             *slot = within(change(a)?)?;
         }
@@ -105,7 +110,7 @@ impl Dimension {
 
     fn base_units(self) -> String {
         let mut text = String::new();
-        for (exponent, unit) in self.0.into_iter().zip(["m", "kg", "s", "A", "K", "rad"]) {
+        for (exponent, unit) in self.0.into_iter().zip(["m", "kg", "s", "A", "K", "rad", "px"]) {
             if exponent == 0 {
                 continue;
             }
@@ -154,6 +159,8 @@ const NAMED: &[Named] = &[
     named(Dimension::DENSITY, "a density", "kg/m^3", "kg/m^3"),
     named(Dimension::VISCOSITY, "a viscosity", "Pa*s", "Pa*s"),
     named(Dimension::TURNING, "a turning rate", "deg/mm", "deg/mm"),
+    named(Dimension::PIXELS, "a number of pixels", "px", "px"),
+    named(Dimension::SCALE, "a scale", "um/px", "um/px"),
     named(Dimension::DAMPING, "a damping", "N*s/m", "uN*s/m"),
 ];
 
@@ -207,6 +214,7 @@ const PLAIN: &[(&str, i32, f64, Dimension)] = &[
     ("deg", 0, std::f64::consts::PI / 180.0, Dimension::ANGLE),
     ("rad", 0, 1.0, Dimension::ANGLE),
     ("turn", 0, std::f64::consts::TAU, Dimension::ANGLE),
+    ("px", 0, 1.0, Dimension::PIXELS),
     ("min", 0, 60.0, Dimension::TIME),
     ("h", 0, 3600.0, Dimension::TIME),
     ("%", -2, 1.0, Dimension::NUMBER),
@@ -358,6 +366,9 @@ impl fmt::Display for Quantity {
         }
         match self.dimension.named().map(|named| named.symbol) {
             Some("") => f.write_str(&digits(self.si)),
+            // Nobody counts in kilopixels.
+            Some("px") => write!(f, "{} px", digits(self.si)),
+            Some("um/px") => write!(f, "{} um/px", digits(self.in_unit("um/px"))),
             // It has its prefix.
             Some(symbol) if symbol.starts_with("kg") => write!(f, "{} {symbol}", digits(self.si)),
             Some(symbol) => prefixed(f, self.si, symbol),

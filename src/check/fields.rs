@@ -96,6 +96,10 @@ impl Checker<'_> {
         if value.is_unknown() || !self.spend(elements(&value) as u64, expr.span) {
             return None;
         }
+        let value = if is_of_scene(sort) { self.in_scene(value, expr.span, scope) } else { value };
+        if value.is_unknown() {
+            return None;
+        }
         let wanted = &self.with_origin(wanted, expr, scope);
         match judge(sort, &value, expr.span, wanted) {
             Ok(()) => Some(value),
@@ -150,6 +154,7 @@ impl Checker<'_> {
             | Sort::Targets
             | Sort::Cell
             | Sort::Size
+            | Sort::Pixel
             | Sort::Places
             | Sort::Shape(_)
             | Sort::Table(_)
@@ -287,6 +292,8 @@ pub fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(
         Sort::Cell => wrong("a cell", "(20, 23)"),
         Sort::Size if is_point(value, Dimension::LENGTH) => Ok(()),
         Sort::Size => wrong("a width and a height", "(4 um, 0.5 um)"),
+        Sort::Pixel if is_point(value, Dimension::PIXELS) => Ok(()),
+        Sort::Pixel => wrong("a place in pixels", "(640 px, 512 px)"),
         Sort::Places => match value {
             Value::List(list) => list.iter().try_for_each(|element| match &element.value {
                 Value::Unknown => Ok(()),
@@ -332,6 +339,31 @@ fn judge_table(
         }
     }
     Ok(())
+}
+
+/// Whether values of a sort are places and poses of a scene, which may be read off its image.
+fn is_of_scene(sort: Sort) -> bool {
+    match sort {
+        Sort::State | Sort::Target | Sort::Targets | Sort::Pose | Sort::Places => true,
+        Sort::Count { .. }
+        | Sort::Quantity { .. }
+        | Sort::Word(_)
+        | Sort::Cell
+        | Sort::Size
+        | Sort::Pixel
+        | Sort::CountOrWord { .. }
+        | Sort::Flag
+        | Sort::Shape(_)
+        | Sort::Table(_)
+        | Sort::Object(_)
+        | Sort::Name
+        | Sort::Control
+        | Sort::Vector { .. }
+        | Sort::Contacts
+        | Sort::Orientation
+        | Sort::Curve
+        | Sort::Text => false,
+    }
 }
 
 fn is_point(value: &Value, dimension: Dimension) -> bool {

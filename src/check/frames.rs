@@ -1,6 +1,7 @@
 //! Frames: where devices stand in a scene, and which robots of a program are held against one another.
 //!
-//! `frame left at pose(…)` in a scene puts the frame of the device `left` there. Promise: a device has one place in all scenes of a
+//! `frame left at pose(…)` in a scene puts the frame of the device `left` there; a frame with a shape is that of an image
+//! ([`super::camera`]). Promise: a device has one place in all scenes of a
 //! program, so that any two with a place in the same scene know where they are to each other.
 
 use super::claims::dimibot::{Body, Obstacle, in_scene_um};
@@ -8,7 +9,7 @@ use super::claims::{Job, Order, SharedScene, Timeline};
 use super::devices::Facts;
 use super::scenes::Scene;
 use super::scope::{DeclarationSort, Place, Scope};
-use super::{Checker, errors, shapes};
+use super::{Checker, errors};
 use crate::device::{Kind, dimibot};
 use crate::geometry::shape::{Pose, Shape};
 use crate::source::Span;
@@ -45,12 +46,8 @@ pub struct Neighbours {
 }
 
 impl Checker<'_> {
-    /// A frame of a scene; `None` after an error.
+    /// The frame of a device in a scene; `None` after an error.
     pub fn frame(&mut self, object: &tree::Object, scope: &Scope) -> Option<Frame> {
-        if let Some(shape) = &object.shape {
-            self.sink.push(errors::frame_with_shape(shape.span));
-            return None;
-        }
         let name = &object.name;
         let text = self.joined(&name.name.text, &name.indices, scope)?;
         let segment = IndexedName { name: Ident { text, span: name.span }, indices: Vec::new(), span: name.span };
@@ -68,18 +65,8 @@ impl Checker<'_> {
     fn pose_of_frame(&mut self, object: &tree::Object, scope: &Scope) -> Option<Pose> {
         let Some(at) = &object.at else { return Some(Pose::at(0.0, 0.0)) };
         let value = self.evaluate(at, scope);
-        if value.is_unknown() {
-            return None;
-        }
-        let Some(pose) = shapes::pose_of(&value) else {
-            self.sink.push(errors::wrong_place(at.span, &value, "a place or a pose for a frame"));
-            return None;
-        };
-        let is_near = [pose.x_um, pose.y_um, pose.heading_rad].iter().all(|value| value.abs() <= dimibot::MAX_REACH_UM);
-        if !is_near {
-            self.sink.push(errors::frame_too_far(at.span, "100 mm"));
-        }
-        is_near.then_some(pose)
+        let value = self.in_scene(value, at.span, scope);
+        self.frame_pose(&value, at.span)
     }
 
     /// The other placed robots of a scene, with their facts; those with errors in them are left out.

@@ -236,9 +236,11 @@ fn pose(x: &Spanned<Value>, y: &Spanned<Value>, heading: Option<&Spanned<Value>>
         other => Err(Box::new(errors::bad_pose(a.span, other, dimension))),
     };
     let zero = Ok(Quantity::new(0.0, Dimension::ANGLE));
+    let in_pixels = matches!(&x.value, Value::Quantity(quantity) if quantity.dimension == Dimension::PIXELS);
+    let along = if in_pixels { Dimension::PIXELS } else { Dimension::LENGTH };
     Ok(Value::Pose(PoseValue {
-        x: coordinate(x, Dimension::LENGTH)?,
-        y: coordinate(y, Dimension::LENGTH)?,
+        x: coordinate(x, along)?,
+        y: coordinate(y, along)?,
         heading: heading.map_or(zero, |heading| coordinate(heading, Dimension::ANGLE))?,
     }))
 }

@@ -5,6 +5,7 @@
 //! meet no unresolved name and no bare number.
 
 mod budget;
+mod camera;
 pub mod claims;
 pub mod devices;
 mod dimibot;

@@ -520,7 +520,7 @@ impl ParameterSort {
         match self {
             ParameterSort::Quantity(dimension) => matches!(value, Value::Quantity(q) if q.dimension == dimension),
             ParameterSort::Cell => point_of(Dimension::NUMBER),
-            ParameterSort::Place => point_of(Dimension::LENGTH),
+            ParameterSort::Place => point_of(Dimension::LENGTH) || point_of(Dimension::PIXELS),
             ParameterSort::Pose => matches!(value, Value::Pose(_)),
             ParameterSort::Word => matches!(value, Value::Word(_)),
             ParameterSort::Object(noun) => matches!(value, Value::Object(object) if object.noun == noun),

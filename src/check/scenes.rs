@@ -1,5 +1,6 @@
 //! Scenes: their objects, unrolled and inherited. What an object means is for the kind of a task's device to say.
 
+use super::camera::{Camera, View};
 use super::frames::{self, Frame};
 use super::lets::Origin;
 use super::lineage::Base;
@@ -36,11 +37,18 @@ pub struct Scene {
     pub objects: Vec<Rc<Object>>,
     /// Where devices stand, by device.
     pub frames: BTreeMap<Place, Frame>,
+    /// Where the image lies that places are read off, if there is one.
+    pub camera: Option<Camera>,
     /// How many scenes it stands on.
     depth: usize,
 }
 
 impl Scene {
+    /// What is known of its image.
+    pub fn view(&self) -> View {
+        self.camera.map_or(View::None, View::Image)
+    }
+
     /// What is said of a scene with more objects of a noun than its device takes; `most` holds the nouns with their limits.
     pub fn crowd(&self, most: &[(&str, usize)]) -> Option<Diagnostic> {
         most.iter().find_map(|&(noun, most)| {
@@ -108,11 +116,18 @@ impl Checker<'_> {
         }
         let mut collected = base.as_deref().map(Collected::on).unwrap_or_default();
         let mut scope = self.top(place);
+        let image = self.image(&item.entries, &scope);
+        let camera = image.map(|own| own.or(base.as_ref().and_then(|base| base.camera)));
+        scope.view = match (camera, &base) {
+            (Ok(Some(camera)), _) => View::Image(camera),
+            (Ok(None), Some(_)) => View::None,
+            (Err(()), _) | (Ok(None), None) => View::Unknown,
+        };
         self.scene_entries(&item.entries, &mut scope, &mut collected);
         self.variables_apart(&item.entries, &collected);
-        let is_whole = base.is_some() && collected.is_whole && !is_too_deep;
+        let is_whole = base.is_some() && collected.is_whole && !is_too_deep && camera.is_ok();
         let frames = collected.frames.into_iter().map(|(device, (frame, _))| (device, frame)).collect();
-        is_whole.then_some(Scene { objects: collected.objects, frames, depth })
+        is_whole.then_some(Scene { objects: collected.objects, frames, camera: camera.ok().flatten(), depth })
     }
 
     /// An object stands in all of its scene, so no loop variable of the scene may have its name.
@@ -132,6 +147,12 @@ impl Checker<'_> {
     fn scene_entries(&mut self, entries: &'_ [SceneEntry], scope: &mut Scope, collected: &mut Collected) {
         for entry in entries {
             match entry {
+                SceneEntry::Object(object) if is_image(object) => {
+                    if !scope.is_top() {
+                        self.sink.push(errors::image_in_loop(object.name.span));
+                        collected.is_whole = false;
+                    }
+                }
                 SceneEntry::Object(object) if object.noun.text == frames::NOUN => match self.frame(object, scope) {
                     Some(frame) => self.collect_frame(frame, collected),
                     None => collected.is_whole = false,
@@ -189,8 +210,14 @@ impl Checker<'_> {
     fn object(&mut self, object: &tree::Object, scope: &Scope) -> Option<Object> {
         let is_known = self.known_noun(&object.noun);
         let name = self.object_name(&object.name, scope);
-        let shape = object.shape.as_ref().map(|expr| self.shape_expr(expr, scope));
-        let at = object.at.as_ref().map(|expr| self.evaluate_spanned(expr, scope));
+        let shape = object.shape.as_ref().map(|expr| match &object.at {
+            Some(_) => self.shape_expr(expr, &scope.seeing(View::Shifted)),
+            None => self.shape_expr(expr, scope),
+        });
+        let at = object.at.as_ref().map(|expr| {
+            let at = self.evaluate(expr, scope);
+            Spanned::new(self.in_scene(at, expr.span, scope), expr.span)
+        });
         let origin = object.at.as_ref().and_then(|expr| self.origin(expr, scope));
         let is_whole = is_known && !at.as_ref().is_some_and(|at| at.value.is_unknown());
         let shape = match shape {
@@ -229,7 +256,7 @@ impl Checker<'_> {
     }
 
     /// The name of an object, its indices joined: `d[3]` is `d3`, `e[5, 2]` is `e5_2`.
-    fn object_name(&mut self, name: &tree::IndexedName, scope: &Scope) -> Option<String> {
+    pub fn object_name(&mut self, name: &tree::IndexedName, scope: &Scope) -> Option<String> {
         let joined = self.joined(&name.name.text, &name.indices, scope)?;
         if let Some(earlier) = self.taken(&joined, scope) {
             self.sink.push(errors::declared_twice(&joined, name.span, earlier));
@@ -241,6 +268,11 @@ impl Checker<'_> {
         }
         Some(joined)
     }
+}
+
+/// Whether an entry puts an image into its scene, which is done before all others.
+fn is_image(object: &tree::Object) -> bool {
+    object.noun.text == frames::NOUN && object.shape.is_some()
 }
 
 impl Collected {

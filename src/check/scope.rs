@@ -1,5 +1,6 @@
 //! What a name means where it stands: the files of a program, their declarations, and the names of a block.
 
+use super::camera::View;
 use super::errors;
 use super::value::Value;
 use crate::device::{Kind, shape::Form};
@@ -152,6 +153,8 @@ pub fn keeper(name: &str) -> Option<&'static str> {
 pub struct Scope {
     pub module: usize,
     pub file: FileId,
+    /// What places in pixels are read off here.
+    pub view: View,
     locals: Vec<Local>,
 }
 
@@ -168,7 +171,17 @@ pub struct Local {
 impl Scope {
     /// The top of a file.
     pub fn top(module: usize, file: FileId) -> Scope {
-        Scope { module, file, locals: Vec::new() }
+        Scope { module, file, view: View::None, locals: Vec::new() }
+    }
+
+    /// The same with another view.
+    pub fn seeing(&self, view: View) -> Scope {
+        Scope { view, ..self.clone() }
+    }
+
+    /// Whether it has no loop variables and no parameters.
+    pub fn is_top(&self) -> bool {
+        self.locals.is_empty()
     }
 
     /// The local of a name.

@@ -18,7 +18,7 @@ pub const MAX_CORNERS: usize = 2_000;
 /// What makes a shape impossible, if anything does.
 pub fn impossible(shape: &ShapeValue, span: Span) -> Option<Diagnostic> {
     match shape.form {
-        Form::Disc | Form::Capsule | Form::Cells | Form::Layout => None,
+        Form::Disc | Form::Capsule | Form::Cells | Form::Layout | Form::Image => None,
         Form::Ellipsoid | Form::Superellipsoid | Form::RoundedBox | Form::Profile | Form::Sections | Form::Mesh => {
             solid::of(shape, span).err().map(|wrong| *wrong)
         }
@@ -104,7 +104,7 @@ pub fn in_plane(shape: &ShapeValue) -> Option<Shape> {
         Form::Capsule => {
             Some(Shape::Capsule { length_um: length_um(shape, "length"), radius_um: length_um(shape, "radius") })
         }
-        Form::Cells | Form::Layout => None,
+        Form::Cells | Form::Layout | Form::Image => None,
         Form::Ellipsoid | Form::Superellipsoid | Form::RoundedBox => None,
         Form::Profile | Form::Sections | Form::Mesh => None,
     }
@@ -116,7 +116,7 @@ pub const MAX_HEADING_RAD: f64 = 1e6 * TAU;
 /// Where something stands: `None` where the value is neither a place nor a pose.
 pub fn pose_of(at: &Value) -> Option<Pose> {
     let pose = match at {
-        Value::Pose(pose) => *pose,
+        Value::Pose(pose) if pose.x.dimension == Dimension::LENGTH => *pose,
         Value::Point(point) if point.len() == 2 && point[0].dimension == Dimension::LENGTH => {
             unturned(point[0], point[1])
         }

@@ -118,12 +118,13 @@ impl<'a> Checker<'a> {
 
     fn job_of(&mut self, run: &Run) -> Option<Job> {
         let Item::Task(item) = self.item(run.task) else { return None };
-        let scope = self.task_scope(run.task, item, &run.arguments);
+        let mut scope = self.task_scope(run.task, item, &run.arguments);
         let top = self.top(run.task);
         let place = self.resolve(&item.device, &top, DeclarationSort::Device);
         let scene = item.scene.as_ref().map(|path| self.resolve(path, &top, DeclarationSort::Scene));
         let place = place?;
         let device = self.device(place)?;
+        scope.view = self.view_of(scene);
         // The words are checked even where the device's own figures cannot be made out.
         let mut parts = self.parts(item, device.kind.vocabulary(), scope);
         let is_whole = parts.is_whole;

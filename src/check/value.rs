@@ -15,7 +15,7 @@ pub enum Value {
     Bool(bool),
     Text(String),
     Word(ModuleWord),
-    /// Two or three coordinates of one dimension: numbers make a cell, lengths a place.
+    /// Two or three coordinates of one dimension: numbers make a cell, lengths a place, pixels a place in an image.
     Point(Vec<Quantity>),
     Pose(PoseValue),
     List(Rc<ListValue>),
@@ -42,7 +42,7 @@ pub struct ModuleWord {
     pub width: u32,
 }
 
-/// A place and a heading.
+/// A place and a heading; the place in lengths, or in pixels until it is known in which image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseValue {
     pub x: Quantity,
@@ -174,6 +174,7 @@ fn describe_point(coordinates: &[Quantity]) -> String {
         (Dimension::NUMBER, 2) => "a cell".to_owned(),
         (Dimension::LENGTH, 2) => "a place".to_owned(),
         (Dimension::LENGTH, 3) => "a place in space".to_owned(),
+        (Dimension::PIXELS, 2) => "a place in pixels".to_owned(),
         (_, count) => format!("a point of {count} {}s", dimension.name()),
     }
 }

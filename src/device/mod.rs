@@ -172,6 +172,8 @@ pub enum Sort {
     Cell,
     /// A width and a height.
     Size,
+    /// A place in an image.
+    Pixel,
     /// The corners of a polygon.
     Places,
     /// A whole number, or one of these words.

@@ -18,6 +18,7 @@ pub enum Form {
     Profile,
     Sections,
     Mesh,
+    Image,
 }
 
 impl Form {
@@ -35,6 +36,7 @@ impl Form {
         Form::Profile,
         Form::Sections,
         Form::Mesh,
+        Form::Image,
     ];
 
     /// The forms that take up room wherever they are put.
@@ -46,7 +48,7 @@ impl Form {
             Form::Ellipsoid | Form::Superellipsoid | Form::RoundedBox | Form::Profile | Form::Sections | Form::Mesh => {
                 true
             }
-            Form::Disc | Form::Box | Form::Polygon | Form::Capsule | Form::Cells | Form::Layout => false,
+            Form::Disc | Form::Box | Form::Polygon | Form::Capsule | Form::Cells | Form::Layout | Form::Image => false,
         }
     }
 
@@ -65,13 +67,14 @@ impl Form {
             Form::Profile => "profile",
             Form::Sections => "sections",
             Form::Mesh => "mesh",
+            Form::Image => "image",
         }
     }
 
     /// Its word with an article: `a disc`, `an ellipsoid`.
     pub fn with_article(self) -> String {
         match self {
-            Form::Ellipsoid => format!("an {}", self.name()),
+            Form::Ellipsoid | Form::Image => format!("an {}", self.name()),
             Form::Cells | Form::Sections => format!("a shape of {}", self.name()),
             Form::Disc
             | Form::Box
@@ -105,6 +108,7 @@ impl Form {
             Form::Profile => &PROFILE,
             Form::Sections => &SECTIONS,
             Form::Mesh => &MESH,
+            Form::Image => &IMAGE,
         }
     }
 
@@ -125,6 +129,7 @@ impl Form {
             Form::Profile => "a flat part: its outline in the plane xy, by points or by a curve; it turns about z only",
             Form::Sections => "a solid by its outlines in the planes xy and xz, which meet on the x axis",
             Form::Mesh => "a solid of triangles from an STL file, whose sections through the origin are taken",
+            Form::Image => "what a camera shows of a scene: x along its rows, y down its columns, in pixels",
         }
     }
 }
@@ -198,4 +203,14 @@ const MESH: [Field; 3] = [
     required("file", Sort::Text, "an STL file beside the program, ASCII or binary; a closed surface"),
     length("unit", Range::Positive, "what 1 stands for in the file, as `1 um`"),
     MATERIAL,
+];
+const IMAGE: [Field; 3] = [
+    Field {
+        name: "scale",
+        sort: Sort::Quantity { dimension: Dimension::SCALE, range: Range::Positive },
+        need: Need::Required,
+        doc: "what a pixel is wide and high in the scene, as `0.32 um/px`",
+    },
+    optional("origin", Sort::Pixel, "(0 px, 0 px)", "the pixel that lies at the place where the image is put"),
+    optional("mirrored", Sort::Flag, "false", "whether the camera shows the scene from behind, or by one mirror"),
 ];

@@ -183,6 +183,8 @@ ledger! {
     E0561 "a frame of a device that has none"
     E0562 "an obstacle on cells in a scene that places a robot"
     E0563 "a device at two places in one program"
+    E0570 "a place in pixels without an image"
+    E0571 "more than one image in a scene"
     W0501 "an obstacle outside the workspace"
     W0502 "a task that is never run"
     W0503 "nothing to build"

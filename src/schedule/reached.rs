@@ -26,7 +26,7 @@ pub enum Reached {
     Turn { axis: String, asked_deg: f64, reached_deg: f64, off_deg: f64 },
     /// An orientation of a hand's part in the hand's frame, as unit quaternions w, x, y, z; for a turn about x that which it leads to.
     Orientation { asked: [f64; 4], reached: [f64; 4], off_deg: f64 },
-    /// A place of a DiMiBot's end-effector, and the nominal place of the cell that was taken for it.
+    /// A place of a DiMiBot's end-effector, and the nominal place of the cell that was taken for it; both in the scene's coordinates.
     Place { asked_um: [f64; 2], reached_um: [f64; 2], off_um: f64 },
     /// A pose of a microrobot by the nominal motion, at the end of the step.
     Pose {
@@ -123,7 +123,7 @@ fn places(order: &DimibotOrder, nth: usize) -> Vec<Reached> {
     };
     let place = |stop: &dimibot::Stop| {
         let Asked::Place(asked_um) = stop.asked else { return None };
-        let reached_um = order.facts.place_um(stop.cell);
+        let reached_um = order.in_scene_um(order.facts.place_um(stop.cell));
         let off_um = (reached_um[0] - asked_um[0]).hypotenuse(reached_um[1] - asked_um[1]);
         Some(Reached::Place { asked_um, reached_um, off_um })
     };

@@ -4,7 +4,7 @@
 //! pitch, switches, pulses.
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 pub type Cell = [u32; 2];
 
@@ -48,6 +48,18 @@ impl Lattice {
         (0..1 << left).flat_map(|x| (0..1 << right).map(move |y| [x, y])).collect()
     }
 
+    /// From each cell the cells that one pulse leads to.
+    fn moves(&self, with_pulses: bool) -> BTreeMap<Cell, Vec<(Cell, Figures)>> {
+        let cells = self.cells();
+        let mut next: BTreeMap<Cell, Vec<(Cell, Figures)>> = BTreeMap::new();
+        for cell in &cells {
+            let is_move = |to: &&Cell| **to != *cell && (with_pulses || self.figures(*cell, **to)[1] == 1);
+            let moves = cells.iter().filter(is_move).filter(|to| self.is_free(*cell, **to));
+            next.insert(*cell, moves.map(|to| (*to, self.figures(*cell, *to))).collect());
+        }
+        next
+    }
+
     /// What switching from one cell to the other takes.
     fn figures(&self, a: Cell, b: Cell) -> Figures {
         let finest = self.modules[0].max(self.modules[1]);
@@ -62,37 +74,29 @@ type Progress = (usize, u32);
 
 /// All plans of a task of which none is better in every figure, by their figures.
 pub fn front(lattice: &Lattice, start: Cell, parts: &[Part], with_pulses: bool) -> Vec<Figures> {
-    let cells = lattice.cells();
-    let mut next: BTreeMap<Cell, Vec<(Cell, Figures)>> = BTreeMap::new();
-    for cell in &cells {
-        let is_move = |to: &&Cell| **to != *cell && (with_pulses || lattice.figures(*cell, **to)[1] == 1);
-        let moves = cells.iter().filter(is_move).filter(|to| lattice.is_free(*cell, **to));
-        next.insert(*cell, moves.map(|to| (*to, lattice.figures(*cell, *to))).collect());
+    let mut all = Vec::new();
+    for figures in fronts(lattice, start, parts, with_pulses).into_values().flatten() {
+        add(&mut all, figures);
     }
+    all
+}
+
+/// The same for each cell in which a plan ends.
+pub fn fronts(lattice: &Lattice, start: Cell, parts: &[Part], with_pulses: bool) -> BTreeMap<Cell, Vec<Figures>> {
+    let next = lattice.moves(with_pulses);
     let mut known: BTreeMap<(Progress, Cell), Vec<Figures>> = BTreeMap::new();
-    let mut ends = Vec::new();
+    let mut ends: BTreeMap<Cell, Vec<Figures>> = BTreeMap::new();
     let mut queue = BinaryHeap::from([Reverse(([0; 3], (0, 0), start))]);
     while let Some(Reverse((figures, progress, cell))) = queue.pop() {
         if !add(known.entry((progress, cell)).or_default(), figures) {
             continue;
         }
         if progress.0 == parts.len() {
-            add(&mut ends, figures);
+            add(ends.entry(cell).or_default(), figures);
             continue;
         }
-        let mut visit = |progress| queue.push(Reverse((figures, progress, cell)));
-        match &parts[progress.0] {
-            Part::To(goal) if *goal == cell => visit((progress.0 + 1, 0)),
-            Part::To(_) => {}
-            Part::All(places) => {
-                let here = places.iter().enumerate().filter(|(_, place)| **place == cell);
-                let seen = here.fold(progress.1, |seen, (index, _)| seen | 1 << index);
-                if seen == (1 << places.len()) - 1 {
-                    visit((progress.0 + 1, 0));
-                } else if seen != progress.1 {
-                    visit((progress.0, seen));
-                }
-            }
+        if let Some(progress) = advanced(parts, progress, cell) {
+            queue.push(Reverse((figures, progress, cell)));
         }
         for (to, more) in &next[&cell] {
             let sum = [0, 1, 2].map(|k| figures[k] + more[k]);
@@ -100,6 +104,44 @@ pub fn front(lattice: &Lattice, start: Cell, parts: &[Part], with_pulses: bool) 
         }
     }
     ends
+}
+
+/// How much of a task is done once the tip stands on a cell, if that is more than before.
+fn advanced(parts: &[Part], (part, before): Progress, cell: Cell) -> Option<Progress> {
+    match &parts[part] {
+        Part::To(goal) => (*goal == cell).then_some((part + 1, 0)),
+        Part::All(places) => {
+            let here = places.iter().enumerate().filter(|(_, place)| **place == cell);
+            let seen = here.fold(before, |seen, (index, _)| seen | 1 << index);
+            let is_done = seen == (1 << places.len()) - 1;
+            (seen != before).then_some(if is_done { (part + 1, 0) } else { (part, seen) })
+        }
+    }
+}
+
+/// The least figures in the order of a key, which must grow with each figure; for tasks too long for a front.
+pub fn least(lattice: &Lattice, start: Cell, parts: &[Part], key: impl Fn(Figures) -> Figures) -> Option<Figures> {
+    let next = lattice.moves(false);
+    let mut done: BTreeSet<(Progress, Cell)> = BTreeSet::new();
+    let mut queue = BinaryHeap::from([Reverse((key([0; 3]), [0; 3], (0, 0), start))]);
+    while let Some(Reverse((_, figures, progress, cell))) = queue.pop() {
+        if progress.0 == parts.len() {
+            return Some(figures);
+        }
+        if !done.insert((progress, cell)) {
+            continue;
+        }
+        if let Some(progress) = advanced(parts, progress, cell) {
+            queue.push(Reverse((key(figures), figures, progress, cell)));
+            // Whoever stands on a place has visited it.
+            continue;
+        }
+        for (to, more) in &next[&cell] {
+            let sum = [0, 1, 2].map(|k| figures[k] + more[k]);
+            queue.push(Reverse((key(sum), sum, progress, *to)));
+        }
+    }
+    None
 }
 
 /// Adds figures that none of the known is within; `false` if there is one.

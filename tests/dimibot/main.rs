@@ -7,6 +7,7 @@ mod brute;
 #[path = "../support/case.rs"]
 mod case;
 mod found;
+mod programs;
 mod scene;
 
 use brute::Figures;
@@ -14,7 +15,7 @@ use case::Case;
 use scene::{Limit, OUTCOMES, Random, Scene};
 use tweeze::compile::{Outcome, Program, compile};
 use tweeze::diagnostic::{Diagnostic, Sink};
-use tweeze::schedule::PlanRecord;
+use tweeze::schedule::{PlanRecord, Schedule};
 use tweeze::source::Sources;
 
 const UNITS: [f64; 4] = [1e6, 1.0, 1e3, 1e3];
@@ -28,13 +29,17 @@ fn answer(text: &str) -> Answer {
 
 /// The first plan of each schedule.
 fn answers(text: &str) -> Result<Vec<PlanRecord>, Vec<Diagnostic>> {
+    schedules(text).map(|schedules| schedules.into_iter().map(|mut schedule| schedule.plans.remove(0)).collect())
+}
+
+fn schedules(text: &str) -> Result<Vec<Schedule>, Vec<Diagnostic>> {
     let case = Case { name: "test.twz".to_owned(), text: text.to_owned(), ..Case::default() };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let library = case::Shelf(&case);
     let program = Program { name: &case.name, text: &case.text, library: &library, options: &case.options };
     match compile(&program, &mut sources, &mut sink, &mut |_, _, _| {}) {
         Outcome::Compiled(compiled) => {
-            Ok(compiled.schedules.iter().map(|verified| verified.schedule().plans[0].clone()).collect())
+            Ok(compiled.schedules.iter().map(|verified| verified.schedule().clone()).collect())
         }
         Outcome::Errors => Err(sink.sorted().into_iter().filter(|told| told.is_error()).cloned().collect()),
         Outcome::Refused => panic!("the verifier refuses it: {:?}\n{text}", sink.sorted()),
@@ -99,9 +104,10 @@ fn judge(
             assert!(told.iter().all(|told| told.code.name() == "E0603"), "{told:?}\n{text}");
             let proven = told.iter().any(|told| told.title.starts_with("no plan keeps"));
             assert!(!proven || best.is_none(), "there is a plan {best:?}: {told:?}\n{text}");
-            if searches && best.is_some() {
+            if let Some(best) = best.filter(|_| searches) {
                 // Limits from below are only held against the plan that was found.
-                assert!(has_lower, "a plan was missed: {best:?} {told:?}\n{text}");
+                let misses = |limit: &Limit| !limit.holds(scene.outcome(limit.outcome, *best));
+                assert!(limits.iter().any(misses), "a plan was missed: {best:?} {told:?}\n{text}");
             }
             if searches && best.is_none() && !has_lower {
                 assert!(proven, "{told:?}\n{text}");
@@ -194,7 +200,50 @@ fn plans_with_several_modules_in_a_pulse_agree_with_brute_force() {
             let limits = scene.limits(&front, &mut random);
             judge(&scene, &front, 2, &limits, &scene.text(settings, &limits), true, &mut seen);
         }
+        // With any other objective the setting changes nothing.
+        let single = brute::front(&scene.lattice, scene.start, &scene.parts, false);
+        let objective = [0, 1, 3][round % 3];
+        let settings = settings.replace("time", OUTCOMES[objective]);
+        let limits = scene.limits(&single, &mut random);
+        for limits in [&[], limits.as_slice()] {
+            judge(&scene, &single, objective, limits, &scene.text(&settings, limits), true, &mut seen);
+        }
     }
     assert!(seen.plans > 40 && seen.limited > 1 && seen.impossible > 10, "{seen:?}");
     println!("{seen:?}");
+}
+
+#[test]
+fn long_visits_agree_with_brute_force() {
+    let mut random = Random(43);
+    let (mut proven, mut open) = (0, 0);
+    for round in 0..cases(8) {
+        let places = if round % 8 == 7 { 13 } else { 5 + random.below(6) };
+        let scene = Scene::long_visit(&mut random, places);
+        let objective = round % 4;
+        let key = |figures| scene.key(objective, figures);
+        let best = brute::least(&scene.lattice, scene.start, &scene.parts, key);
+        let text = scene.text(&format!("  minimize {}\n", OUTCOMES[objective]), &[]);
+        match (answer(&text), best) {
+            (Ok(plan), Some(best)) => {
+                let cost = scene.outcome(objective, best);
+                assert!(
+                    plan.bound <= cost * (1.0 + 1e-9) && plan.cost >= cost * (1.0 - 1e-9),
+                    "{plan:?} {cost}\n{text}"
+                );
+                assert!(places > 12 || plan.optimal, "{plan:?}\n{text}");
+                assert!(!plan.optimal || close(plan.cost, cost), "{plan:?} {cost}\n{text}");
+                for (outcome, name) in OUTCOMES.iter().enumerate().filter(|_| places <= 12) {
+                    let (told, truth) = (plan.outcomes[*name] * UNITS[outcome], scene.outcome(outcome, best));
+                    assert!(close(told, truth), "{name}: {told} for {truth}\n{text}");
+                }
+                proven += usize::from(plan.optimal);
+                open += usize::from(!plan.optimal);
+            }
+            (Err(told), None) => assert!(told.iter().any(|told| told.code.name() == "E0601"), "{told:?}\n{text}"),
+            (answer, best) => panic!("{answer:?} for {best:?}\n{text}"),
+        }
+    }
+    println!("{proven} proven, {open} open");
+    assert!(proven > 3, "{proven} proven, {open} open");
 }

@@ -19,6 +19,8 @@ pub struct Scene {
     pulse_ms: u32,
     rest_ms: u32,
     wait_ms: u32,
+    /// The device says where it starts, and not the task.
+    starts_at_home: bool,
     objects: String,
     steps: String,
 }
@@ -39,7 +41,7 @@ impl Limit {
 
     /// Whether a value keeps it from above; limits from below are not searched for.
     pub fn allows(&self, value: f64) -> bool {
-        self.relation == ">=" || value < self.value || self.holds(value)
+        self.relation.starts_with('>') || self.holds(value) || (self.relation == "==" && value < self.value)
     }
 
     pub fn holds(&self, value: f64) -> bool {
@@ -49,6 +51,7 @@ impl Limit {
             "<=" => value <= self.value + slack,
             "==" => (value - self.value).abs() <= slack,
             ">=" => value >= self.value - slack,
+            ">" => value > self.value + slack,
             other => panic!("{other}"),
         }
     }
@@ -66,6 +69,7 @@ impl Scene {
             pulse_ms: 10 + random.below(10),
             rest_ms: random.below(4),
             wait_ms: 0,
+            starts_at_home: random.below(4) == 0,
             objects: String::new(),
             steps: String::new(),
         };
@@ -74,10 +78,49 @@ impl Scene {
             scene.add_obstacle(number, random);
         }
         scene.start = scene.free_cell(random);
-        for _ in 0..1 + random.below(3) {
-            scene.add_step(random);
-        }
+        scene.set_steps(random);
         scene
+    }
+
+    fn set_steps(&mut self, random: &mut Random) {
+        for _ in 0..1 + random.below(3) {
+            self.add_step(random);
+        }
+    }
+
+    /// Another task of the same robot among the same obstacles.
+    pub fn another(&self, random: &mut Random) -> Scene {
+        let mut other = Scene { parts: Vec::new(), wait_ms: 0, steps: String::new(), ..self.clone() };
+        other.set_steps(random);
+        other
+    }
+
+    /// A task of one visit to so many places.
+    pub fn long_visit(random: &mut Random, places: u32) -> Scene {
+        let mut scene = Scene::random(random, true);
+        let places: Vec<Cell> = (0..places).map(|_| scene.free_cell(random)).collect();
+        let texts: Vec<String> = places.iter().map(|cell| format!("({}, {})", cell[0], cell[1])).collect();
+        scene.steps = format!("  visit [{}]\n", texts.join(", "));
+        scene.parts = vec![Part::All(places)];
+        scene.wait_ms = 0;
+        scene
+    }
+
+    /// A cell as a cell, as a word, or as a place of which it is the nearest.
+    fn target(&self, cell: Cell, random: &mut Random) -> String {
+        let [left, right] = self.lattice.modules.map(|modules| modules as usize);
+        match random.below(4) {
+            0 => format!("0b{:0left$b}_{:0right$b}", cell[0], cell[1]),
+            1 => {
+                let near = |axis: usize, random: &mut Random| {
+                    let last = f64::from((1_u32 << self.lattice.modules[axis]) - 1);
+                    let at = f64::from(cell[axis]) + random.thousandths(-0.3, 0.3);
+                    at.clamp(0.0, last) * self.pitch_um(axis)
+                };
+                format!("({} um, {} um)", near(0, random), near(1, random))
+            }
+            _ => format!("({}, {})", cell[0], cell[1]),
+        }
     }
 
     fn free_cell(&self, random: &mut Random) -> Cell {
@@ -115,7 +158,6 @@ impl Scene {
     }
 
     fn add_step(&mut self, random: &mut Random) {
-        let name = |cell: Cell| format!("({}, {})", cell[0], cell[1]);
         match random.below(5) {
             0 => {
                 let wait_ms = 1 + random.below(20);
@@ -125,13 +167,13 @@ impl Scene {
             1 | 2 => {
                 let via: Vec<Cell> = (0..random.below(3)).map(|_| self.free_cell(random)).collect();
                 let goal = self.free_cell(random);
-                let text: String = via.iter().map(|cell| format!(" via {}", name(*cell))).collect();
-                let _ = writeln!(self.steps, "  move to {}{text}", name(goal));
+                let text: String = via.iter().map(|cell| format!(" via {}", self.target(*cell, random))).collect();
+                let _ = writeln!(self.steps, "  move to {}{text}", self.target(goal, random));
                 self.parts.extend(via.into_iter().chain([goal]).map(Part::To));
             }
             _ => {
                 let places: Vec<Cell> = (0..1 + random.below(4)).map(|_| self.free_cell(random)).collect();
-                let text: Vec<String> = places.iter().map(|cell| name(*cell)).collect();
+                let text: Vec<String> = places.iter().map(|cell| self.target(*cell, random)).collect();
                 let _ = writeln!(self.steps, "  visit [{}]", text.join(", "));
                 self.parts.push(Part::All(places));
             }
@@ -163,7 +205,7 @@ impl Scene {
         let count = 1 + random.below(3);
         let mut limit = |_| {
             let outcome = random.below(4) as usize;
-            let relation = ["<=", "<=", "<=", "<", "<", ">=", "=="][random.below(7) as usize];
+            let relation = ["<=", "<=", "<=", "<", "<", ">=", "==", ">"][random.below(8) as usize];
             let near = front.get(random.below(front.len().max(1) as u32) as usize).copied().unwrap_or([5, 5, 5]);
             let off = [0.0, 0.0, 0.5, 1.0, -1.0][random.below(5) as usize] * unit(outcome);
             Limit { outcome, relation, value: (self.outcome(outcome, near) + off).max(0.0) }
@@ -173,6 +215,27 @@ impl Scene {
 
     /// A program with one task.
     pub fn text(&self, settings: &str, limits: &[Limit]) -> String {
+        format!(
+            "use std.dimibot\n{}{}",
+            self.robot("bot"),
+            self.task("go", "bot", settings, limits, !self.starts_at_home)
+        )
+    }
+
+    /// The robot and what stands in its way.
+    pub fn robot(&self, name: &str) -> String {
+        let [left, right] = self.lattice.modules;
+        let home =
+            if self.starts_at_home { format!(", home: ({}, {})", self.start[0], self.start[1]) } else { String::new() };
+        format!(
+            "device {name} : dimibot.femto_st {{ left: {left}, right: {right}, stroke: {} um, pulse_duration: {} ms, \
+             rest: {} ms, tip_radius: 0 um, repeatability: 0 nm{home} }}\nscene bench_{name} {{\n{}}}\n",
+            self.stroke_um, self.pulse_ms, self.rest_ms, self.objects,
+        )
+    }
+
+    /// A task of a robot.
+    pub fn task(&self, name: &str, robot: &str, settings: &str, limits: &[Limit], says_start: bool) -> String {
         let unit = [" um", "", " ms", " mJ"];
         let limits: String = limits
             .iter()
@@ -181,19 +244,13 @@ impl Scene {
                 format!("  require {name} {} {}{unit}\n", limit.relation, limit.value)
             })
             .collect();
-        format!(
-            "use std.dimibot\ndevice bot : dimibot.femto_st {{ left: {}, right: {}, stroke: {} um, pulse_duration: {} ms, \
-             rest: {} ms, tip_radius: 0 um, repeatability: 0 nm }}\nscene bench {{\n{}}}\ntask go on bot in bench {{\n\
-             {settings}{limits}  start at ({}, {})\n{}}}\n",
-            self.lattice.modules[0],
-            self.lattice.modules[1],
-            self.stroke_um,
-            self.pulse_ms,
-            self.rest_ms,
-            self.objects,
-            self.start[0],
-            self.start[1],
-            self.steps,
-        )
+        let start =
+            if says_start { format!("  start at ({}, {})\n", self.start[0], self.start[1]) } else { String::new() };
+        format!("task {name} on {robot} in bench_{robot} {{\n{settings}{limits}{start}{}}}\n", self.steps)
+    }
+
+    /// Whether a robot starts where its device says.
+    pub fn starts_at_home(&self) -> bool {
+        self.starts_at_home
     }
 }

@@ -9,13 +9,14 @@ mod support;
 #[path = "../support/random.rs"]
 mod random;
 
+mod camera;
 mod oracle;
 
 use oracle::least_gap_um;
 use random::Random;
 use support::{Built, build};
 use tweeze::check::claims::{Claims, Order};
-use tweeze::schedule::Schedule;
+use tweeze::schedule::{Reached, Schedule};
 use tweeze::verify::{Rule, violations};
 
 /// Two tips that come nearer than this to touching are not asked about: the oracle rounds in its own way.
@@ -86,6 +87,20 @@ fn a_robot_that_never_runs_stands_in_the_way() {
     };
     assert_eq!(at("(14, 14)"), ["E0601"]);
     assert_eq!(at("(20, 20)"), [""; 0]);
+}
+
+#[test]
+fn the_heading_of_a_frame_has_a_limit_of_its_own() {
+    let turned = |turns: u32| {
+        let scene = format!("scene bench {{ frame left at pose(1 um, 2 um, {turns} turn) }}\n");
+        let left = "use std.dimibot\ndevice left : dimibot.femto_st { left: 5, right: 5 }\n";
+        build(&format!("{left}{scene}task fetch on left in bench {{ move to (14, 14) }}\n"))
+    };
+    // More radians than a frame may be micrometres away.
+    assert_eq!(turned(20_000).codes, [""; 0]);
+    let refused = turned(1_000_001);
+    assert_eq!(refused.codes, ["E0560"]);
+    assert_eq!(refused.titles, ["a frame with a heading of more than 360000000 deg"]);
 }
 
 /// A random program of two robots, goals in cells: `left` and `right` on their own frames, with a few steps each.
@@ -253,6 +268,15 @@ fn work_costs_the_same_wherever_the_robot_stands() {
             "{}",
             placed.1
         );
+        // Both stop as far from the goal, also where asked and reached are places of the scene.
+        let [off, off_there] = [own, there].map(|schedule| match &schedule.steps[0].reached[..] {
+            [Reached::Place { asked_um, reached_um, off_um }] => {
+                assert!(((reached_um[0] - asked_um[0]).hypot(reached_um[1] - asked_um[1]) - off_um).abs() < 1e-9);
+                *off_um
+            }
+            other => panic!("{other:?}"),
+        });
+        assert!((off - off_there).abs() < 1e-6, "{off} {off_there}\n{}", placed.1);
         planned += 1;
     }
     println!("{planned} planned, {refused} refused, alike");

@@ -78,6 +78,7 @@ fn value(field: &Field, random: &mut Random) -> String {
             let [x, y, z] = [(); 3].map(|()| quantity(dimension, (random.unit() - 0.5) * 1e-6));
             format!("({x}, {y}, {z})")
         }
+        Sort::Pixel => one_of(random, &["(3 px, 4 px)", "(1e9 px, -2.5 px)"]).to_owned(),
         Sort::State
         | Sort::Target
         | Sort::Targets
@@ -115,7 +116,8 @@ fn flat(form: Form, size_um: f64, random: &mut Random) -> String {
         | Form::RoundedBox
         | Form::Profile
         | Form::Sections
-        | Form::Mesh => "cells { from: (2, 2), to: (3, 2) }".to_owned(),
+        | Form::Mesh
+        | Form::Image => "cells { from: (2, 2), to: (3, 2) }".to_owned(),
     }
 }
 

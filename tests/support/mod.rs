@@ -19,6 +19,8 @@ pub struct Built {
     pub schedules: Vec<Verified>,
     /// The codes of everything that was reported, warnings too, by place.
     pub codes: Vec<&'static str>,
+    /// Their titles, in the same order.
+    pub titles: Vec<String>,
     /// Whether the verifier, and not the checker or a planner, stopped it.
     pub refused: bool,
     provenance: Provenance,
@@ -46,9 +48,10 @@ pub fn build_in(folder: &Path, text: &str) -> Built {
         Outcome::Refused => (Vec::new(), true),
     };
     let codes = sink.sorted().into_iter().map(|diagnostic| diagnostic.code.name()).collect();
+    let titles = sink.sorted().into_iter().map(|diagnostic| diagnostic.title.clone()).collect();
     let own = sources.files().filter(|(_, file)| file.origin == Origin::User);
     let files = own.map(|(_, file)| (file.name.clone(), file.text.to_string())).collect();
-    Built { schedules, codes, refused, provenance: Provenance { files, settings: Vec::new() } }
+    Built { schedules, codes, titles, refused, provenance: Provenance { files, settings: Vec::new() } }
 }
 
 /// Compiles a text that uses no file beside it.

@@ -2,18 +2,61 @@
 
 use super::with_article;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::digits;
 use crate::source::Span;
 
 pub fn frame_with_shape(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0560, "a frame has no shape")
+    Diagnostic::new(Code::E0560, "a frame has no shape, but for that of an image")
         .label(span, "does not belong here")
-        .help("a frame is a place and a heading: `frame left at pose(8 um, 3 um, 90 deg)`")
+        .help(
+            "a device is put by its name, `frame left at pose(8 um, 3 um, 90 deg)`, and what a camera shows by a name of its own, \
+             `frame top : image { scale: 0.32 um/px } at (8 um, 3 um)`",
+        )
 }
 
 pub fn frame_too_far(span: Span, limit: &str) -> Diagnostic {
     Diagnostic::new(Code::E0560, format!("a frame farther than {limit} from the origin of its scene"))
         .label(span, "too far")
         .help("check the unit: frames are placed in micrometres, as `pose(8 um, 3 um, 90 deg)`")
+}
+
+pub fn frame_turned_too_far(span: Span, most_deg: f64) -> Diagnostic {
+    Diagnostic::new(Code::E0560, format!("a frame with a heading of more than {} deg", digits(most_deg)))
+        .label(span, "so many turns cannot be told apart")
+        .help("write a heading between -180 deg and 180 deg")
+}
+
+pub fn image_in_itself(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0560, "an image is put by lengths, this is in its own pixels")
+        .label(span, "in pixels")
+        .help("say where in the scene one pixel lies: `image { scale: 0.32 um/px, origin: (640 px, 512 px) } at (6 um, 4 um)`")
+}
+
+pub fn image_in_loop(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0571, "an image in a loop")
+        .label(span, "a scene has one image at most")
+        .help("put the image outside of the `for`")
+}
+
+pub fn two_images(second: Span, first: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0571, "two images in one scene")
+        .label(second, "pixels would be of this one or of the other")
+        .label_elsewhere(first, second, "the first image")
+        .help(
+            "make a scene of its own for the second image: `scene other : bench { frame … }` replaces that of `bench`",
+        )
+}
+
+pub fn no_image(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0570, "a place in pixels, and no image that it is read off")
+        .label(span, "in pixels of what?")
+        .help("put an image into the scene of the task: `frame top : image { scale: 0.32 um/px } at (0 um, 0 um)`")
+}
+
+pub fn pixels_in_shifted_shape(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0570, "a shape in pixels of the image that is put somewhere else by its `at`")
+        .label(span, "says already where it is")
+        .help("leave `at` out, or give the points in lengths from the origin of the shape")
 }
 
 pub fn frame_of_other_kind(span: Span, device: &str, kind: &str) -> Diagnostic {

@@ -53,7 +53,7 @@ pub fn of(shape: &ShapeValue, span: Span) -> Told<Solid> {
         Form::Profile => flat(profile(shape, Plane::Xy, span)?),
         Form::Sections => sections(shape, span)?,
         Form::Mesh => mesh(shape, span)?,
-        Form::Disc | Form::Box | Form::Polygon | Form::Capsule | Form::Cells | Form::Layout => {
+        Form::Disc | Form::Box | Form::Polygon | Form::Capsule | Form::Cells | Form::Layout | Form::Image => {
             let known = [Form::Ellipsoid, Form::Profile].map(Form::name);
             return Err(Box::new(errors::shape_of_other_kind(span, shape.form.name(), "part", "fingers", &known)));
         }
@@ -72,7 +72,8 @@ pub fn of(shape: &ShapeValue, span: Span) -> Told<Solid> {
         | Form::Polygon
         | Form::Capsule
         | Form::Cells
-        | Form::Layout => field("axes"),
+        | Form::Layout
+        | Form::Image => field("axes"),
     };
     for outline in std::iter::once(&solid.xy).chain(&solid.xz) {
         Curve::of(outline).map_err(|fault| Box::new(told(&fault, outline, size)))?;

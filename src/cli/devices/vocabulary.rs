@@ -132,6 +132,7 @@ fn sort(sort: Sort) -> String {
         Sort::Targets => "list of cells and places".to_owned(),
         Sort::Cell => "cell".to_owned(),
         Sort::Size => "(length, length)".to_owned(),
+        Sort::Pixel => "(x, y) [px]".to_owned(),
         Sort::Places => "list of places".to_owned(),
         Sort::CountOrWord { least, most, words } => {
             let words: Vec<&str> = words.iter().map(|choice| choice.name).collect();

@@ -9,6 +9,7 @@ use super::labels::{Figures, Limits};
 use super::limited::{self, Asked, Front, UNLIMITED};
 use super::limits;
 use super::published::{self, Check, Heuristic, Outcome, Reading, Ties, Zero};
+use super::remedy::Shut;
 use super::stage::{self, Blocker, Ground, Stage};
 use super::{portfolio, why};
 use crate::check::claims::Job;
@@ -76,10 +77,20 @@ impl Standing {
 /// A plan for a job; without one an error was pushed.
 pub fn plan(job: &Job, order: &ElectrodeArrayOrder, standing: &mut Standing, sink: &mut Sink) -> Option<Plan> {
     let start = standing.of(job, order);
-    let (plan, end) = planned(job, order, start, sink);
+    let (plan, end) = planned(job, order, start, true, sink);
     let names = order.parts.iter().map(|part| part.name.clone());
     standing.cells.entry(job.device.clone()).or_default().extend(names.zip(end));
     plan
+}
+
+/// A plan of a job whose order was changed to see whether that mends it; no further mend is looked for.
+pub fn without_remedies(
+    job: &Job,
+    order: &ElectrodeArrayOrder,
+    start: Vec<Option<Cell>>,
+    sink: &mut Sink,
+) -> Option<Plan> {
+    planned(job, order, start, false, sink).0
 }
 
 /// A plan, and where the parts stand after it.
@@ -87,10 +98,12 @@ fn planned(
     job: &Job,
     order: &ElectrodeArrayOrder,
     start: Vec<Option<Cell>>,
+    may_remedy: bool,
     sink: &mut Sink,
 ) -> (Option<Plan>, Vec<Option<Cell>>) {
     let ground = Ground::new(order);
-    let mut tasks = Tasks { job, order, ground: &ground, cells: start.clone(), known: vec![], sink };
+    let cells = start.clone();
+    let mut tasks = Tasks { job, order, ground: &ground, start: &start, cells, known: vec![], may_remedy, sink };
     let steps: Vec<Option<StepMotion>> = order.steps.iter().map(|step| tasks.step(step)).collect();
     let (known, end) = (tasks.known, tasks.cells);
     let Some(steps) = steps.into_iter().collect::<Option<Vec<StepMotion>>>() else { return (None, end) };
@@ -220,10 +233,14 @@ struct Tasks<'a> {
     job: &'a Job,
     order: &'a ElectrodeArrayOrder,
     ground: &'a Ground<'a>,
+    /// Where the parts stand before the job.
+    start: &'a [Option<Cell>],
     /// Where the parts stand by now.
     cells: Vec<Option<Cell>>,
     /// The plans of the steps with moves, and their bounds.
     known: Vec<(Paths, Costs)>,
+    /// Whether what would open a way may still be tried, which takes as long as planning: once for each job.
+    may_remedy: bool,
     sink: &'a mut Sink,
 }
 
@@ -347,17 +364,30 @@ impl Tasks<'_> {
         let from = if stop == 0 { asked.start } else { asked.stops[stop - 1] };
         let to = asked.stops[stop];
         let (blamed, removal) = why::why(stage, from, to);
+        let part = &self.order.parts[actor.part];
+        let shut = Shut {
+            job: self.job,
+            order: self.order,
+            start: self.start,
+            stage,
+            blamed: &blamed,
+            removal,
+            part: &part.name,
+        };
+        let help = shut.help(std::mem::replace(&mut self.may_remedy, false));
         let blockers: Vec<&Blocker> = stage.blockers().collect();
         let blamed: Vec<(String, Span)> =
-            blamed.into_iter().map(|index| (blockers[index].name(), blockers[index].span)).collect();
+            blamed.iter().map(|index| (blockers[*index].name(), blockers[*index].span)).collect();
         let blamed: Vec<(&str, Span)> = blamed.iter().map(|(name, span)| (name.as_str(), *span)).collect();
-        let part = &self.order.parts[actor.part];
         let span = actor.asked.map_or(part.span, |action| action.span);
         let text = |cell| stage::cell(self.order, cell).to_string();
         let proof = format!("no cell that `{}` can come to lies beside {}", part.name, text(to));
         let proof = if blamed.is_empty() { proof } else { format!("`{}` is shut off from {}", part.name, text(to)) };
-        let removal = if blamed.is_empty() { Removal::Unknown } else { removal };
-        self.sink.push(errors::impossible((span, &text(from), &text(to)), &proof, &blamed, removal));
+        let told = errors::impossible((span, &text(from), &text(to)), &proof, &blamed, Removal::Unknown);
+        self.sink.push(match help {
+            Some(help) => told.help(help),
+            None => told,
+        });
     }
 
     fn add(&mut self, paths: &Paths, bounds: Costs) {

@@ -4,7 +4,7 @@
 //! several, in this order:
 //! - By turns, each longer than the one before, [`fast::first`] looks for a plan, then [`lacam::first`] and, one part moving at a
 //!   time, [`joint`]; then [`exact::prove`] for a reason why there is none (small joint spaces, parts that block each other)
-//!   until one of them has found something.
+//!   until one of them has found something. Where that is a plan of many parts by configurations, [`fast::first`] gets a longer turn.
 //! - A small joint space is searched as a whole.
 //! - Until the objective meets its bound or their share of the budget is spent: [`fast::improve`] in rounds and, where a round leaves
 //!   the makespan as it was, [`fast::first`] within one step less. Where the bound is not met, the same again from the same first plan
@@ -37,6 +37,9 @@ const HARD_SHARE: u64 = 4;
 const IMPROVE_SHARE: u64 = 4;
 const OTHER_SHARE: u64 = 8;
 
+/// The part of what is left for repaired paths where a search of configurations has found a plan of many parts first.
+const REPAIR_SHARE: u64 = 4;
+
 /// With more parts a proof is hardly to be had, and better plans get all but one of the shares.
 const CROWD: usize = 50;
 
@@ -62,7 +65,7 @@ pub fn solve(instance: &Instance, objective: Objective, limit: Option<u64>, budg
         Ok(bounds) => bounds,
         Err(why) => return Answer::Impossible(why),
     };
-    let mut search = Search { instance, objective, limit, bounds, meter: Meter::new(budget) };
+    let mut search = Search { instance, objective, limit, bounds, is_crowded: false, meter: Meter::new(budget) };
     match search.first() {
         Some(Answer::Found { paths, .. }) => search.better(paths),
         Some(decided) => decided,
@@ -93,6 +96,8 @@ struct Search<'a> {
     limit: Option<u64>,
     /// Those of the parts each by itself.
     bounds: Costs,
+    /// Many parts, of which short searches found no plan: they are not asked for a plan with a step less either.
+    is_crowded: bool,
     meter: Meter,
 }
 
@@ -106,7 +111,8 @@ impl Search<'_> {
             let most = self.meter.left().steps - reserve;
             let mut plan = self.within(limit, seed, steps.min(most));
             if plan.is_none() {
-                plan = self.crowded(seed, steps.min(most)).and_then(|paths| self.shortened(paths));
+                let crowded = self.crowded(seed, steps.min(most)).and_then(|paths| self.shortened(paths));
+                plan = crowded.map(|paths| self.or_repaired(paths, seed));
             }
             if let Some(paths) = plan {
                 return Some(Answer::Found { paths, bounds });
@@ -130,6 +136,18 @@ impl Search<'_> {
         let fewest = any.as_ref().and_then(|_| self.searched(steps, |share| in_turns(instance, Aim::Moves, share)));
         let plans = quick.into_iter().chain(any).chain(fewest);
         plans.min_by_key(|paths| Costs::of(paths).key(self.objective))
+    }
+
+    /// A plan of a crowded board, or a better one that repair finds with more time: configurations are searched one step at a time, and
+    /// with many agents their plans are about twice as long as those of paths that are repaired, and are hardly bettered afterwards.
+    fn or_repaired(&mut self, paths: Paths, seed: u64) -> Paths {
+        if self.instance.agents.len() <= CROWD {
+            return paths;
+        }
+        self.is_crowded = true;
+        let repaired = self.within(self.limit, seed, self.meter.left().steps / REPAIR_SHARE);
+        let key = |paths: &Paths| Costs::of(paths).key(self.objective);
+        repaired.filter(|repaired| key(repaired) < key(&paths)).unwrap_or(paths)
     }
 
     /// A plan made to keep the limit, if that is found.
@@ -194,6 +212,7 @@ impl Search<'_> {
             let before = Costs::of(&best).makespan;
             best = self.round(best, seed, ROUND_STEPS + more);
             if self.objective == Objective::Makespan
+                && !self.is_crowded
                 && Costs::of(&best).makespan == before
                 && before > self.bounds.makespan
             {

@@ -163,7 +163,7 @@ fn a_part_in_a_corridor_yields_only_where_it_may() {
     order.steps = vec![together(vec![go(0, &[(9, 2)])])];
     let (code, told) = refused(order.clone());
     assert_eq!(code, Code::E0601);
-    assert!(told.contains("m2 at (5, 2)"), "{told}");
+    assert!(told.contains("without `m2 at (5, 2)` `m1` has a way; but then the task has no plan either"), "{told}");
     order.bystanders = Bystanders::Yield;
     let (code, told) = refused(order.clone());
     assert_eq!(code, Code::E0601, "the bay is too low for two droplets: {told}");
@@ -183,7 +183,36 @@ fn the_wall_that_closes_the_way_is_named_and_no_other() {
     order.steps = vec![together(vec![go(0, &[(17, 3)])])];
     let (code, told) = refused(order);
     assert_eq!(code, Code::E0601);
-    assert!(told.contains("without `fence` there is a way") && !told.contains("dust"), "{told}");
+    assert!(told.contains("without `fence` there is a plan") && !told.contains("dust"), "{told}");
+}
+
+#[test]
+fn a_help_is_tried_on_the_whole_task() {
+    // Behind the fence the two parts would have to pass one another in a corridor.
+    let mut order = order(droplets(11, 1), &[(1, 1), (11, 1)]);
+    order.obstacles = Arc::new(vec![wall("fence", (6, 1), (6, 1))]);
+    order.steps = vec![together(vec![go(0, &[(11, 1)]), go(1, &[(1, 1)])])];
+    let (code, told) = refused(order.clone());
+    assert_eq!(code, Code::E0601);
+    assert!(told.contains("without `fence` `m1` has a way; but then the task has no plan either"), "{told}");
+    order.facts.rows = 3;
+    order.obstacles = Arc::new(vec![wall("fence", (6, 1), (6, 3))]);
+    let (_, told) = refused(order.clone());
+    assert!(told.contains("without `fence` there is a plan"), "{told}");
+    order.planner.expansions = 4;
+    let (_, told) = refused(order);
+    assert!(told.contains("no plan of the task was found then within 1 expansions a step"), "{told}");
+}
+
+#[test]
+fn a_part_that_stays_in_the_way_may_be_told_to_yield() {
+    let mut order = order(droplets(9, 5), &[(1, 2), (5, 2)]);
+    order.obstacles =
+        Arc::new(vec![wall("low", (1, 1), (9, 1)), wall("left", (1, 3), (4, 5)), wall("right", (6, 3), (9, 5))]);
+    order.steps = vec![together(vec![go(0, &[(9, 2)])])];
+    let (code, told) = refused(order);
+    assert_eq!(code, Code::E0601);
+    assert!(told.contains("with `may_yield: true` there is a plan"), "{told}");
 }
 
 #[test]

@@ -1,0 +1,119 @@
+//! What would open the way of a part that is shut off: tried on the whole task before it is advised.
+//!
+//! Input: a task, where its parts stand at first, and the blockers without which the part alone has a way. Method: the task is planned
+//! once more without the obstacles among them and, where a part that stays is one of them, with `may_yield: true`; all its steps and
+//! limits count. Promise: a plan is only spoken of where one was found; otherwise the help says what is known of the part alone. Cost:
+//! each step of the task may expand one [`SHARE`]th of its budget again.
+
+use super::job;
+use super::stage::Stage;
+use crate::check::claims::Job;
+use crate::check::claims::electrode_array::{Bystanders, ElectrodeArrayOrder, Method, Planner};
+use crate::device::electrode_array::Cell;
+use crate::diagnostic::{Code, Sink};
+use crate::plan::errors::Removal;
+use std::sync::Arc;
+
+/// The part of a step's budget for trying a remedy.
+const SHARE: u64 = 4;
+
+/// Most blockers that a help names.
+const MAX_NAMED: usize = 6;
+
+/// A task with a part that blockers shut off.
+pub struct Shut<'a> {
+    pub job: &'a Job,
+    pub order: &'a ElectrodeArrayOrder,
+    /// Where the parts stand before the task.
+    pub start: &'a [Option<Cell>],
+    pub stage: &'a Stage<'a>,
+    /// Indices of the stage's blockers.
+    pub blamed: &'a [usize],
+    pub removal: Removal,
+    /// The part that they shut off.
+    pub part: &'a str,
+}
+
+/// What became of the task with a remedy.
+enum Tried {
+    Planned,
+    /// Proven: it has no plan then either.
+    Impossible,
+    /// With so many expansions for each step.
+    NotFound(u64),
+    /// Its planner proves nothing.
+    LeftOut,
+}
+
+impl Shut<'_> {
+    /// The help of the report; none where nothing is blamed.
+    pub fn help(&self, may_try: bool) -> Option<String> {
+        if self.blamed.is_empty() {
+            return None;
+        }
+        let tried = if may_try { self.tried() } else { Tried::LeftOut };
+        let alone = format!("without {} `{}` has a way", self.names(self.blamed), self.part);
+        Some(match tried {
+            Tried::Planned => format!("{} there is a plan{}", self.remedy(), self.extent()),
+            Tried::Impossible => format!("{alone}{}; but then the task has no plan either", self.extent()),
+            Tried::NotFound(budget) => {
+                let within = format!("within {budget} expansions a step");
+                format!("{alone}{}; no plan of the task was found then {within}", self.extent())
+            }
+            Tried::LeftOut => format!("{alone}{}; the others were not looked at", self.extent()),
+        })
+    }
+
+    fn obstacles(&self) -> Vec<usize> {
+        self.blamed.iter().copied().filter(|index| *index < self.order.obstacles.len()).collect()
+    }
+
+    fn has_part(&self) -> bool {
+        self.obstacles().len() < self.blamed.len()
+    }
+
+    /// What the task was tried with.
+    fn remedy(&self) -> String {
+        let obstacles = self.obstacles();
+        let without = (!obstacles.is_empty()).then(|| format!("without {}", self.names(&obstacles)));
+        let yields = self.has_part().then(|| "with `may_yield: true`".to_owned());
+        without.into_iter().chain(yields).collect::<Vec<_>>().join(" and ")
+    }
+
+    fn names(&self, blamed: &[usize]) -> String {
+        let names: Vec<String> = self.stage.blockers().map(|blocker| blocker.name()).collect();
+        let named: Vec<String> = blamed.iter().take(MAX_NAMED).map(|index| format!("`{}`", names[*index])).collect();
+        let more = blamed.len().saturating_sub(MAX_NAMED);
+        let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+        format!("{}{rest}", named.join(", "))
+    }
+
+    fn extent(&self) -> &'static str {
+        match self.removal {
+            Removal::OpensAndIsSmallest | Removal::Unknown => "",
+            Removal::Opens => " (the smallest set that was found)",
+        }
+    }
+
+    /// Plans the task with the remedy.
+    fn tried(&self) -> Tried {
+        if self.order.planner.method != Method::Portfolio {
+            return Tried::LeftOut;
+        }
+        let gone = self.obstacles();
+        let kept = self.order.obstacles.iter().enumerate().filter(|(index, _)| !gone.contains(index));
+        let expansions = self.order.planner.expansions / SHARE;
+        let order = ElectrodeArrayOrder {
+            obstacles: Arc::new(kept.map(|(_, obstacle)| obstacle.clone()).collect()),
+            bystanders: if self.has_part() { Bystanders::Yield } else { self.order.bystanders },
+            planner: Planner { expansions, ..self.order.planner.clone() },
+            ..self.order.clone()
+        };
+        let mut sink = Sink::default();
+        if job::without_remedies(self.job, &order, self.start.to_vec(), &mut sink).is_some() {
+            return Tried::Planned;
+        }
+        let is_proven = sink.sorted().iter().any(|told| told.code == Code::E0601);
+        if is_proven { Tried::Impossible } else { Tried::NotFound(expansions) }
+    }
+}
