@@ -3,8 +3,8 @@
 use crate::check::imports::{self, Library};
 use crate::check::{self, Checked, Options, Tally};
 use crate::diagnostic::Sink;
+use crate::lower::lower;
 use crate::plan::{self, Progress};
-use crate::schedule;
 use crate::source::Sources;
 use crate::verify::{self, Verdict, Verified};
 
@@ -45,9 +45,7 @@ pub fn compile(program: &Program, sources: &mut Sources, sink: &mut Sink, progre
     let mut drafts = Vec::with_capacity(checked.claims.len());
     for claims in &checked.claims {
         let plans = plan::plan(claims, sink, progress);
-        drafts.extend(
-            plans.and_then(|plans| schedule::schedule(claims, &plans, sources, sink)).map(|draft| (draft, claims)),
-        );
+        drafts.extend(plans.and_then(|plans| lower(claims, &plans, sources, sink)).map(|draft| (draft, claims)));
     }
     if drafts.len() < checked.claims.len() {
         return Outcome::Errors;

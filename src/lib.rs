@@ -10,11 +10,14 @@
 //! | module | turns | into |
 //! |---|---|---|
 //! | [`syntax`] | text | a [tree](syntax::tree::Tree) per file; it cannot fail, broken parts are error nodes |
-//! | [`check`] | trees | [`Claims`](check::claims::Claims): every name, dimension and value made out; devices, scenes and goals judged |
+//! | [`check`] | trees | [`Claims`](claims::Claims): every name, dimension and value resolved; devices, scenes and goals judged |
 //! | [`plan`] | claims | a [`Plan`](plan::Plan) for each job, or a proof that there is none, or the budget that ran out |
-//! | [`schedule`] | plans | one [`Schedule`](schedule::Schedule): channels and actuations in integer nanoseconds |
+//! | [`lower`] | plans | one [`Schedule`](schedule::Schedule): channels and actuations in integer nanoseconds |
 //! | [`verify`] | a schedule and the claims | a [`Verified`](verify::Verified) schedule, replayed by geometry of its own |
 //! | [`emit`] | a verified schedule | MCAP, JSON, CSV, VCD, SPICE, SCPI and G-code files |
+//!
+//! [`claims`] and [`schedule`] are the contract: data that the stages hand to one another. `check`, `plan`, `verify` and [`log`], which
+//! reads MCAP logs back, stand side by side on it, and none of them sees another.
 //!
 //! Beside them [`simulate`] carries plans out with imperfect devices, where a kind says its errors.
 //!
@@ -31,8 +34,8 @@
 //!   roll on and hold is worked out twice, by two geometries. The verifier's own is `verify::geometry`; planners and the checker measure
 //!   with [`geometry`]. `tests/tidy.rs` lists what the verifier names of it, and tests put faults into each of the two and see the build
 //!   refuse. Elementary functions ([`real`]) and plain figures of [`device`] are shared.
-//! - **A device kind is vocabulary.** It is one file of facts in `device`, of claims and of judgements in `check`, a planner in `plan`, a
-//!   lowering in `schedule`, a judge in `verify`, its pictures in `emit/mcap`, its line of the report in `cli/report`, and a file of
+//! - **A device kind is vocabulary.** It is one file of facts in `device`, of `claims`, of judgements in `check`, a planner in `plan`, a
+//!   lowering in `lower`, a judge in `verify`, its pictures in `emit/mcap`, its line of the report in `cli/report`, and a file of
 //!   published devices in `stdlib/`, all of one name. It adds no syntax; exhaustive matches say where else it is asked for.
 //! - **Nothing is silent.** All errors of a stage are reported in one run, each with a code, the user's own text labelled, and the
 //!   mend. "No plan" is a proof; a search that gave up says so.
@@ -44,12 +47,15 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod check;
+pub mod claims;
 pub mod cli;
 pub mod compile;
 pub mod device;
 pub mod diagnostic;
 pub mod emit;
 pub mod geometry;
+pub mod log;
+pub mod lower;
 pub mod plan;
 pub mod quantity;
 pub mod real;

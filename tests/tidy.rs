@@ -17,14 +17,23 @@ const BASE: [&str; 6] = ["source", "real", "quantity", "geometry", "diagnostic",
 const SIGHT: &[(&str, &[&str])] = &[
     ("stdlib", &[]),
     ("syntax", &[]),
-    ("check", &["syntax", "stdlib"]),
-    ("plan", &["check"]),
-    ("simulate", &["check", "plan"]),
-    ("schedule", &["check", "plan"]),
-    ("verify", &["check", "schedule"]),
-    ("emit", &["check", "schedule", "verify"]),
-    ("compile", &["syntax", "check", "plan", "schedule", "verify"]),
-    ("cli", &["syntax", "check", "plan", "schedule", "verify", "emit", "compile", "stdlib", "simulate"]),
+    // The contract: what the stages hand to one another.
+    ("claims", &[]),
+    ("schedule", &["claims"]),
+    // Side by side on it; none of them sees another.
+    ("check", &["syntax", "stdlib", "claims"]),
+    ("plan", &["claims"]),
+    ("verify", &["claims", "schedule"]),
+    ("log", &["claims", "schedule"]),
+    // What joins them.
+    ("simulate", &["claims", "plan"]),
+    ("lower", &["claims", "plan", "schedule"]),
+    ("emit", &["claims", "schedule", "verify", "log"]),
+    ("compile", &["syntax", "check", "plan", "lower", "verify"]),
+    (
+        "cli",
+        &["syntax", "stdlib", "claims", "schedule", "check", "plan", "verify", "log", "simulate", "emit", "compile"],
+    ),
 ];
 
 /// The kinds of device; each has the same file name in every stage.
@@ -353,7 +362,7 @@ fn every_file_says_what_it_is() {
 #[test]
 fn a_kind_has_the_same_name_in_every_stage() {
     for kind in KINDS {
-        for stage in ["device", "check", "check/claims", "plan", "schedule", "verify", "emit/mcap", "cli/report"] {
+        for stage in ["device", "claims", "check", "plan", "lower", "verify", "emit/mcap", "cli/report"] {
             let file = root().join(format!("src/{stage}/{kind}.rs"));
             let folder = root().join(format!("src/{stage}/{kind}/mod.rs"));
             assert!(file.exists() || folder.exists(), "`{stage}` has nothing named `{kind}`");

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use tweeze::check::claims::fingers::Section;
+use tweeze::claims::fingers::Section;
 use tweeze::device::fingers::{Adhesion, Facts};
 use tweeze::geometry::outline::{Curve, Outline};
 use tweeze::plan::fingers::graph::{Costs, Entry, Grasp, Leg, Request, Start, Within};

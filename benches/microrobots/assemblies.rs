@@ -4,12 +4,12 @@
 use crate::clock::timed;
 use std::fmt::Write;
 use tweeze::check::Options;
-use tweeze::check::claims::Claims;
 use tweeze::check::imports::Library;
+use tweeze::claims::Claims;
 use tweeze::compile::{self, Program};
 use tweeze::diagnostic::Sink;
 use tweeze::plan::{self, Motion, Plan};
-use tweeze::simulate::simulate;
+use tweeze::simulate::microrobots::simulate;
 use tweeze::source::Sources;
 
 /// Trials of one simulation.

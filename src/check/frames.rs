@@ -4,12 +4,12 @@
 //! ([`super::camera`]). Promise: a device has one place in all scenes of a
 //! program, so that any two with a place in the same scene know where they are to each other.
 
-use super::claims::dimibot::{Body, Obstacle, in_scene_um};
-use super::claims::{Job, Order, SharedScene, Timeline};
 use super::devices::Facts;
 use super::scenes::Scene;
 use super::scope::{DeclarationSort, Place, Scope};
 use super::{Checker, errors};
+use crate::claims::dimibot::{Body, Obstacle, in_scene_um};
+use crate::claims::{Job, Order, SharedScene, Timeline};
 use crate::device::{Kind, dimibot};
 use crate::geometry::shape::{Pose, Shape};
 use crate::source::Span;

@@ -1,12 +1,11 @@
 //! Names → dimensions → values → is this device possible, is this scene possible.
 //!
-//! Input: the files of a program as trees. Output: [`Checked`], the schedules to be built as [`claims::Claims`]. Promise: all
+//! Input: the files of a program as trees. Output: [`Checked`], the schedules to be built as [`Claims`]. Promise: all
 //! that is wrong is reported, each thing once; a checked program comes back exactly if no error was pushed, so later stages
 //! meet no unresolved name and no bare number.
 
 mod budget;
 mod camera;
-pub mod claims;
 pub mod devices;
 mod dimibot;
 mod electrode_array;
@@ -32,13 +31,11 @@ pub mod value;
 mod verbs;
 mod wiring;
 
-pub use dimibot::start_disagrees;
-
+use crate::claims::{Claims, Job};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity};
 use crate::source::{Sources, Span, Spanned};
 use crate::syntax::tree::{Expr, For, Item, Path};
-use claims::Claims;
 use lets::LetState;
 use scope::{Declaration, DeclarationSort, Import, Module, Place, Scope};
 use std::collections::{BTreeMap, BTreeSet};
@@ -127,7 +124,7 @@ pub(crate) struct Checker<'a> {
     run: BTreeSet<Place>,
     /// The programs that run themselves, which was said.
     circular: BTreeSet<Place>,
-    jobs: BTreeMap<Place, Option<Rc<claims::Job>>>,
+    jobs: BTreeMap<Place, Option<Rc<Job>>>,
     /// What scenes are to devices, each scene judged once with each device.
     covers: BTreeMap<(Place, Place), dimibot::Judged>,
     trays: BTreeMap<(Place, Place), electrode_array::Judged>,

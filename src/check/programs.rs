@@ -1,6 +1,5 @@
 //! Programs: runs of tasks on one clock, and what may not happen at once.
 
-use super::claims::{Claims, Job, MAX_TIMELINE_DEPTH, Timeline};
 use super::errors::{self, Wanted};
 use super::frames::{Neighbours, Site};
 use super::lets::Argument;
@@ -8,6 +7,7 @@ use super::scope::{Declaration, DeclarationSort, Place, Scope, nearest};
 use super::tasks::Run;
 use super::value::Value;
 use super::{Checker, dimibot, electrode_array, fingers, microrobots};
+use crate::claims::{Claims, Job, MAX_TIMELINE_DEPTH, Timeline};
 use crate::device::Kind;
 use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};

@@ -1,7 +1,6 @@
 //! Tasks: settings and steps, in the words of the kind of their device.
 
 use super::Checker;
-use super::claims::{Job, Order, Relation, Requirement};
 use super::devices::{Device, Facts};
 use super::errors::{self, Wanted};
 use super::fields::{Accepted, Given, Owner};
@@ -9,6 +8,7 @@ use super::lets::Argument;
 use super::scenes::Scene;
 use super::scope::{DeclarationSort, Place, Scope, nearest, path_text};
 use super::value::{Value, whole};
+use crate::claims::{Job, Order, Relation, Requirement};
 use crate::device::{self, Together, Vocabulary};
 use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};

@@ -1,8 +1,8 @@
 //! The rules of the language: just inside passes, just outside fails with exactly that code.
 
-use super::claims::Timeline;
 use super::imports::{self, Library};
 use super::{Checked, Options, check};
+use crate::claims::Timeline;
 use crate::diagnostic::Sink;
 use crate::source::Sources;
 

@@ -5,12 +5,13 @@ use super::devices::aligned;
 use super::loaded::Loaded;
 use super::{Exit, terminal};
 use crate::check::Options;
-use crate::check::claims::Job;
+use crate::claims::Job;
 use crate::compile::{self, Program};
 use crate::diagnostic::Sink;
 use crate::plan::{self, Plan};
 use crate::quantity::digits;
-use crate::simulate::{self, Dockings, Reason, Report, Spread};
+use crate::simulate::microrobots::{Dockings, Failures, Reason, Report, Spread};
+use crate::simulate::simulate;
 use crate::source::Sources;
 
 /// Runs the assemblies of a program against robots and measurements with errors.
@@ -57,10 +58,9 @@ fn told(
 /// What came of one assembly; `None` where there is none, or where the device does not say its errors.
 fn one(job: &Job, plan: &Plan, arguments: &SimulateArguments) -> Option<String> {
     let order = job.order.microrobots()?;
-    let motion = plan.motion.microrobots()?;
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let (trials, seed) = (u64::from(arguments.trials), arguments.seed);
-    let report = simulate::simulate(order, motion, trials, seed, threads)?;
+    let report = simulate(&job.order, &plan.motion, trials, seed, threads)?;
     let name = |robot: usize| order.robot(robot).name.clone();
     Some(format!("{}{}{}", summary(&job.task, seed, &report), dockings(&report, &name), failures(&report, &name)))
 }
@@ -105,9 +105,8 @@ fn dockings(report: &Report, name: &impl Fn(usize) -> String) -> String {
 }
 
 fn failures(report: &Report, name: &impl Fn(usize) -> String) -> String {
-    let line = |failure: &simulate::Failures| {
-        format!("  {} of {}: {}\n", failure.count, name(failure.robot), reason(&failure.reason))
-    };
+    let line =
+        |failure: &Failures| format!("  {} of {}: {}\n", failure.count, name(failure.robot), reason(&failure.reason));
     let lines: Vec<String> = report.failures.iter().map(line).collect();
     if lines.is_empty() { String::new() } else { format!("\n  failures\n{}", lines.concat()) }
 }

@@ -5,13 +5,13 @@ use super::disk::{self, MAX_LOG_BYTES};
 use super::library::{Disk, Embedded};
 use super::{Exit, errors, report, terminal};
 use crate::check::Options;
-use crate::check::claims::Claims;
+use crate::claims::Claims;
 use crate::compile::{self, Program};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::emit::{Provenance, mcap};
-use crate::schedule::{Schedule, source_ref};
+use crate::log::{self, Log};
+use crate::schedule::{Schedule, SourceRef};
 use crate::source::Sources;
-use crate::verify::log::{self, Log};
 use crate::verify::{self, Verdict, Verified};
 use std::path::Path;
 
@@ -103,7 +103,7 @@ fn own_claims(path: &Path, log: &Log) -> Result<Derived, Box<Refusal>> {
         refusal.sink.push(errors::program_in_log_has_errors(path));
         Box::new(Refusal { exit: Exit::Refused, ..*refusal })
     })?;
-    if log.schedule.source != source_ref(name, text) {
+    if log.schedule.source != SourceRef::of(name, text) {
         return Err(Refusal::one(errors::parts_disagree(path, "the fingerprint"), Exit::Refused));
     }
     if written(&own.claims).as_ref() != Some(&log.claims) {

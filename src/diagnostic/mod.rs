@@ -94,6 +94,13 @@ impl Diagnostic {
     }
 }
 
+/// A line of a report: what it is about, and what is said.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Remark {
+    pub subject: String,
+    pub text: String,
+}
+
 /// The most diagnostics that are kept; a file with more mistakes than this is not a Tweeze file.
 pub const MAX_DIAGNOSTICS: usize = 200;
 

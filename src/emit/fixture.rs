@@ -1,11 +1,11 @@
 //! Small schedules made by hand, for the tests of the formats.
 
 use super::Provenance;
-use crate::check::claims::dimibot::{
+use crate::claims::dimibot::{
     Action, Asked, Body, DimibotOrder, Method, Objective, Obstacle, Planner, Step as Claim, Stop,
 };
-use crate::check::claims::fingers::{self, FingersOrder, Part, Section};
-use crate::check::claims::{Claims, Job, Order, Timeline};
+use crate::claims::fingers::{self, FingersOrder, Part, Section};
+use crate::claims::{Claims, Job, Order, Timeline};
 use crate::device::Kind;
 use crate::device::dimibot::tests::femto_st;
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous, Switch};
@@ -264,8 +264,8 @@ pub fn crowd() -> (Verified, Provenance) {
 
 /// A bed of microrobots: five drive trains with the levels between them, and a rest.
 pub fn bed() -> (Verified, Provenance) {
-    let (claims, schedule) = crate::schedule::microrobots::tests::bed();
-    let files = vec![("bed.twz".to_owned(), crate::schedule::microrobots::tests::SOURCE.to_owned())];
+    let (claims, schedule) = crate::lower::microrobots::tests::bed();
+    let files = vec![("bed.twz".to_owned(), crate::lower::microrobots::tests::SOURCE.to_owned())];
     (Verified::assume(schedule, claims), Provenance { files, settings: Vec::new() })
 }
 

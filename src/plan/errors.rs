@@ -1,7 +1,7 @@
 //! What planning says: E06xx.
 
 use super::requirements::{Texts, Verdict};
-use crate::check::claims::{Relation, Requirement};
+use crate::claims::{Relation, Requirement};
 use crate::device::MAX_EXPANSIONS;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;

@@ -12,9 +12,8 @@ pub mod microrobots;
 mod requirements;
 pub mod search;
 
-use crate::check::claims::{Claims, Order};
-use crate::diagnostic::Sink;
-use serde::{Deserialize, Serialize};
+use crate::claims::{Claims, Order};
+use crate::diagnostic::{Remark, Sink};
 use std::collections::BTreeMap;
 
 /// How a job is done.
@@ -35,13 +34,6 @@ pub struct Plan {
     /// What the planner has to say of it besides, for reports.
     pub remarks: Vec<Remark>,
     pub motion: Motion,
-}
-
-/// A line of a report: what it is about, and what is said.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Remark {
-    pub subject: String,
-    pub text: String,
 }
 
 /// Whether a plan is known to be the best.

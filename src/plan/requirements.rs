@@ -5,7 +5,7 @@
 //! limit that would do.
 
 use super::{Plan, errors};
-use crate::check::claims::{Job, Relation, Requirement};
+use crate::claims::{Job, Relation, Requirement};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity, Unit};
 

@@ -1,23 +1,18 @@
 //! The one timed form of all kinds: channels, actuations in integer nanoseconds, the steps that caused them.
 //!
-//! Input: the plans of a program's jobs. Output: a [`Schedule`]. Promise: actuations are sorted by start, then channel; a
+//! Data only: `lower` makes it, `verify` judges it, `emit` writes it, `log` reads it. Promise: actuations are sorted by start, then channel; a
 //! channel has at most one value at a time; every actuation knows its step, every step its source span. There are no floats
 //! but the values of actuations and the figures of plans.
 
-pub mod clock;
-mod dimibot;
-pub(crate) mod electrode_array;
-pub(crate) mod fingers;
-pub(crate) mod microrobots;
-
-pub use clock::{schedule, source_ref};
-pub use reached::Reached;
 pub mod json;
 pub mod reached;
 
-use crate::plan::Remark;
+pub use reached::Reached;
+
+use crate::diagnostic::Remark;
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 /// What a program does, when.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,6 +35,15 @@ pub struct SourceRef {
     pub file: String,
     /// Of the file's bytes, in lower-case hexadecimal.
     pub sha256: String,
+}
+
+impl SourceRef {
+    /// Names a text.
+    pub fn of(name: &str, text: &str) -> SourceRef {
+        let digest = Sha256::digest(text.as_bytes());
+        let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+        SourceRef { file: name.to_owned(), sha256 }
+    }
 }
 
 /// One output of an instrument.

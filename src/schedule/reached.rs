@@ -5,10 +5,10 @@
 //! numbers that need not be met exactly. Cells, electrodes and contacts are met or not, and have none.
 
 use super::State;
-use crate::check::claims::Order;
-use crate::check::claims::dimibot::{self, Asked, DimibotOrder};
-use crate::check::claims::fingers::{self, FingersOrder};
-use crate::check::claims::microrobots::{self, MicrorobotsOrder};
+use crate::claims::Order;
+use crate::claims::dimibot::{self, Asked, DimibotOrder};
+use crate::claims::fingers::{self, FingersOrder};
+use crate::claims::microrobots::{self, MicrorobotsOrder};
 use crate::device::fingers::Plane;
 use crate::geometry::Pose;
 use crate::quantity::digits;

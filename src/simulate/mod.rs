@@ -1,82 +1,20 @@
-//! Closes the loop: carries a plan's assemblies out with robots and measurements that are not what they should be.
+//! Simulation: carries plans out with devices and measurements that are not what they should be.
 //!
-//! Input: an order, its plan, how many trials, a seed. Output: a [`Report`]. Every trial draws for each robot what departs from its
-//! figures, always within the bounds of the device (`facts.errors`): a part that stays for the trial and a part that
-//! changes from interval to interval; a quarter of the trials keep extreme errors throughout, another quarter change between
-//! extremes. Robots are then brought to their goals by the closed loop of [`strategy`](crate::plan::microrobots::strategy).
-//!
-//! What is simulated: measurement, gross motion, fine motion by whole cycles of its primitives, contact of a corner, alignment,
-//! collisions of the true bodies. What is not: single strokes (ways are continuous); robots that orbit keep their nominal centres, and
-//! a body that comes into the disc that they sweep, grown by what a centre may creep in one turn, has collided; other steps than
-//! `assemble` are taken as carried out exactly. Where the first two robots stick together is where the structure is: what docks
-//! later has its goal and approach moved along with it, and is measured relative to it.
-//!
-//! Where all errors are 0, measuring changes nothing: the legs of the plan are carried out as they are written (`written`).
-//!
-//! The same seed gives the same report, whatever the number of threads: a trial depends on the seed and its own index alone.
-//! Cost grows with trials times the length of the way over the interval.
+//! Input: an order, its plan, how many trials, a seed. Output: a report of its kind. Promise: the same seed gives the same report,
+//! whatever the number of threads. Only microrobots state their errors so far.
 
-mod pair;
-mod random;
-mod report;
-mod single;
-mod trial;
-mod written;
+pub mod microrobots;
 
-pub use report::{Dockings, Failures, Report, Spread, wilson};
-pub use trial::Reason;
+use crate::claims::Order;
+use crate::plan::Motion;
+use microrobots::Report;
 
-use crate::check::claims::microrobots::MicrorobotsOrder;
-use crate::plan::microrobots::strategy::{Episode, episodes, obstacles};
-use crate::plan::microrobots::{Motion, Stage};
-use single::Task;
-use trial::{Ended, Failure, Trial};
-
-/// The most trials of one call.
-pub const MAX_TRIALS: u64 = 10_000_000;
-
-/// What came of so many trials (at most [`MAX_TRIALS`]) of a plan; `None` where the device does not say its errors, or nothing is
-/// assembled.
-pub fn simulate(order: &MicrorobotsOrder, motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<Report> {
-    let errors = order.facts.errors?;
-    let episodes = episodes(order, motion);
-    let first = episodes.first()?;
-    let solids = obstacles(order);
-    let start = (&first.poses[..], &first.docked[..]);
-    let one = |index: u64| run(Trial::new(order, errors, &solids, start, (seed, index)), &episodes);
-    Some(Report::new(&gathered(trials.min(MAX_TRIALS), threads.max(1) as u64, &one)))
-}
-
-/// All trials in their order, by several threads.
-fn gathered(trials: u64, threads: u64, one: &(impl Fn(u64) -> Ended + Sync)) -> Vec<Ended> {
-    let share = trials.div_ceil(threads);
-    std::thread::scope(|scope| {
-        let part = |thread: u64| (thread * share).min(trials)..((thread + 1) * share).min(trials);
-        let handles: Vec<_> =
-            (0..threads).map(|thread| scope.spawn(move || part(thread).map(one).collect::<Vec<Ended>>())).collect();
-        // A trial does not panic; were it to, its thread's share would be missing from the count.
-        handles.into_iter().flat_map(|handle| handle.join().unwrap_or_default()).collect()
-    })
-}
-
-fn run(mut trial: Trial, episodes: &[Episode]) -> Ended {
-    let failure = episodes.iter().try_for_each(|episode| stage(&mut trial, episode)).err();
-    trial.tick();
-    Ended { failure, time_ns: trial.time_ns(), met: trial.met }
-}
-
-fn stage(trial: &mut Trial, episode: &Episode) -> Result<(), Failure> {
-    trial.take(episode);
-    // Stages without legs are those of tests of the strategy alone.
-    if trial.errors.are_zero() && !episode.legs.is_empty() {
-        return written::run(trial, episode);
-    }
-    match *episode.stage {
-        Stage::Single { robot, states, approach, goal } => Task { robot, states, approach, goal }.run(trial, episode),
-        Stage::Escort { .. } => Ok(()),
-        Stage::Pair { .. } => pair::run(trial, episode),
+/// Report on so many trials of a plan; `None` where the kind or the device does not state its errors, or nothing is assembled.
+pub fn simulate(order: &Order, motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<Report> {
+    match (order, motion) {
+        (Order::Microrobots(order), Motion::Microrobots(motion)) => {
+            microrobots::simulate(order, motion, trials, seed, threads)
+        }
+        (Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Microrobots(_) | Order::Fingers(_), _) => None,
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -5,7 +5,7 @@
 //! from the run's start to its end, and hold all their actuations.
 
 use super::rule::{Findings, Rule, Violation, ms};
-use crate::check::claims::{Claims, Job, Timeline};
+use crate::claims::{Claims, Job, Timeline};
 use crate::schedule::{Actuation, PlanRecord, Schedule, Step};
 use std::collections::BTreeMap;
 

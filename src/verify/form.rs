@@ -5,7 +5,7 @@
 
 use super::rule::{Findings, Rule, Violation, ms};
 use super::{dimibot, electrode_array, fingers, microrobots};
-use crate::check::claims::{Claims, Order};
+use crate::claims::{Claims, Order};
 use crate::schedule::{Actuation, Reached, Schedule, Swing, Unit};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -19,7 +19,6 @@ mod electrode_array;
 pub mod fingers;
 mod form;
 mod geometry;
-pub mod log;
 mod microrobots;
 mod premise;
 mod record;
@@ -29,7 +28,7 @@ mod source_map;
 pub use fingers::forces as finger_forces;
 pub use rule::{MAX_VIOLATIONS, Rule, Violation};
 
-use crate::check::claims::{Claims, Order};
+use crate::claims::{Claims, Order};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::schedule::{Schedule, State, TimedState};
 use crate::source::Sources;

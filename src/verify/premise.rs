@@ -5,9 +5,9 @@
 
 use super::dimibot::is_frame;
 use super::{Unfit, dimibot, electrode_array, fingers, microrobots};
-use crate::check::claims::electrode_array::ElectrodeArrayOrder;
-use crate::check::claims::microrobots::MicrorobotsOrder;
-use crate::check::claims::{Claims, Job, Order, SharedScene, Timeline};
+use crate::claims::electrode_array::ElectrodeArrayOrder;
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::claims::{Claims, Job, Order, SharedScene, Timeline};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How deep a timeline may nest.

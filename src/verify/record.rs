@@ -6,7 +6,7 @@
 use super::clock::Run;
 use super::rule::{Findings, Rule, Violation, ms};
 use super::{Replay, Terms, dimibot, electrode_array, fingers, microrobots};
-use crate::check::claims::{Order, Relation, Requirement};
+use crate::claims::{Order, Relation, Requirement};
 use crate::device::Outcome;
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::schedule::reached::reached;

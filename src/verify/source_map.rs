@@ -4,7 +4,7 @@
 //! hold. A viewer's `/log` and every reader of `schedule.json` take these words for the program's own.
 
 use super::rule::{Findings, Rule, Violation};
-use crate::check::claims::{Claims, Job};
+use crate::claims::{Claims, Job};
 use crate::schedule::{Schedule, Step};
 use crate::source::{FileId, SourceFile, Sources, Span};
 

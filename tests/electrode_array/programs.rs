@@ -4,8 +4,8 @@ use tweeze::check::Options;
 use tweeze::check::imports::Library;
 use tweeze::compile::{self, Program};
 use tweeze::diagnostic::Sink;
+use tweeze::lower::lower;
 use tweeze::plan::{self, Plan};
-use tweeze::schedule;
 use tweeze::source::Sources;
 use tweeze::verify::{self, Verdict};
 
@@ -37,7 +37,7 @@ pub fn answered(text: &str) -> Answered {
     let plans = plan::plan(claims, &mut sink, &mut |_, _, _| {});
     match plans {
         Some(mut plans) => {
-            let schedule = schedule::schedule(claims, &plans, &sources, &mut sink).expect("a schedule");
+            let schedule = lower(claims, &plans, &sources, &mut sink).expect("a schedule");
             let verdict = verify::verify_program(schedule, claims, &sources);
             assert!(matches!(verdict, Verdict::Accepted(_)), "{verdict:?}\n{text}");
             Answered::Plan(Box::new(plans.remove(0)))

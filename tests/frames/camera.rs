@@ -2,14 +2,14 @@
 
 use crate::support::{Built, build};
 use crate::{Random, cases};
-use tweeze::check::claims::Order;
-use tweeze::check::claims::dimibot::{Action, Asked, Body};
+use tweeze::claims::Order;
+use tweeze::claims::dimibot::{Action, Asked, Body};
 use tweeze::geometry::shape::{Pose, Shape};
 
 const BOT: &str = "use std.dimibot\ndevice bot : dimibot.femto_st { left: 5, right: 5 }\n";
 
 /// The order of the only task.
-fn order(text: &str) -> tweeze::check::claims::dimibot::DimibotOrder {
+fn order(text: &str) -> tweeze::claims::dimibot::DimibotOrder {
     let built = build(text);
     assert_eq!(built.codes, [""; 0], "{:?}\n{text}", built.titles);
     let Order::Dimibot(order) = &built.schedules[0].claims().jobs[0].order else { panic!("a DiMiBot") };

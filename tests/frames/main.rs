@@ -15,7 +15,7 @@ mod oracle;
 use oracle::least_gap_um;
 use random::Random;
 use support::{Built, build};
-use tweeze::check::claims::{Claims, Order};
+use tweeze::claims::{Claims, Order};
 use tweeze::schedule::{Reached, Schedule};
 use tweeze::verify::{Rule, violations};
 

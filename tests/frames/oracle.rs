@@ -1,7 +1,7 @@
 //! Where tips are, by kinematics of its own: at every instant, everything that a robot may touch, and how near two robots come.
 
 use std::collections::BTreeMap;
-use tweeze::check::claims::Claims;
+use tweeze::claims::Claims;
 use tweeze::device::dimibot::Facts;
 use tweeze::schedule::Schedule;
 

@@ -5,9 +5,10 @@ use tweeze::check::imports::Library;
 use tweeze::compile::{self, Outcome, Program};
 use tweeze::diagnostic::{Sink, render};
 use tweeze::emit::{self, EmitError, Format, Provenance, mcap};
-use tweeze::schedule::source_ref;
+use tweeze::log;
+use tweeze::schedule::SourceRef;
 use tweeze::source::{Origin, Sources, beside};
-use tweeze::verify::{self, Verdict, Verified, log};
+use tweeze::verify::{self, Verdict, Verified};
 
 /// The name of every program of the attack.
 const NAME: &str = "fuzz.twz";
@@ -140,7 +141,7 @@ pub fn verify(bytes: &[u8]) -> Result<(), String> {
     let checked = compile::check(&program, &mut sources, &mut sink);
     draw(&sink, &sources);
     let claims = checked.and_then(|checked| checked.claims.into_iter().next()).ok_or("its program has errors")?;
-    if log.schedule.source != source_ref(name, text) {
+    if log.schedule.source != SourceRef::of(name, text) {
         return Err("another fingerprint".to_owned());
     }
     if log::write_claims(&claims).ok().as_ref() != Some(&log.claims) {

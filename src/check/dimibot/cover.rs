@@ -4,7 +4,7 @@
 //! at most; a cell is looked up once in each level. The answer is exact: boxes only choose the candidates.
 
 use super::{Obstacle, bounds_um, clearance_um};
-use crate::check::claims::dimibot::Body;
+use crate::claims::dimibot::Body;
 use crate::device::dimibot::{Cell, Facts, MAX_MODULES};
 use crate::geometry::shape::Pose;
 use rustc_hash::FxHashMap;

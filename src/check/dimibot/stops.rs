@@ -1,9 +1,9 @@
 //! Goals and starts: within the workspace, on the lattice, clear of obstacles.
 
 use super::*;
-use crate::check::claims::dimibot::{in_robot_um, in_scene_um};
 use crate::check::lets::Origin;
 use crate::check::tasks::Call;
+use crate::claims::dimibot::{in_robot_um, in_scene_um};
 use crate::diagnostic::Code;
 use crate::real::Real;
 

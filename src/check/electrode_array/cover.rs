@@ -4,7 +4,7 @@
 //! over from then on, so that many large obstacles cost no more than the board and their rows. Places lie in squares as wide as
 //! the distance that they keep, so that one is asked for in nine squares.
 
-use crate::check::claims::electrode_array::{Body, Obstacle};
+use crate::claims::electrode_array::{Body, Obstacle};
 use crate::device::electrode_array::{Cell, Facts};
 use rustc_hash::FxHashMap;
 

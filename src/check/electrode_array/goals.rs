@@ -4,14 +4,14 @@ use super::cover::{Spread, nearest_cell};
 use super::default_expansions;
 use super::places::Origins;
 use super::tray::{Blocked, Judged, on_board, on_obstacle, whole_cell};
-use crate::check::claims::electrode_array::{
-    Action, Bystanders, ElectrodeArrayOrder, Method, Move, Objective, Planner, Step, Stop,
-};
 use crate::check::lets::Argument;
 use crate::check::scope::nearest;
 use crate::check::tasks::{self, Call, Parts, Site};
 use crate::check::value::Value;
 use crate::check::{Checker, errors};
+use crate::claims::electrode_array::{
+    Action, Bystanders, ElectrodeArrayOrder, Method, Move, Objective, Planner, Step, Stop,
+};
 use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Separation};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::source::Span;

@@ -5,10 +5,10 @@
 
 use super::cover::{Cover, Spread, nearest_cell};
 use super::tray::distance_to;
-use crate::check::claims::Job;
-use crate::check::claims::electrode_array::{Action, Bystanders, ElectrodeArrayOrder, Move, Obstacle, Part, Stop};
 use crate::check::errors;
 use crate::check::lets::Origin;
+use crate::claims::Job;
+use crate::claims::electrode_array::{Action, Bystanders, ElectrodeArrayOrder, Move, Obstacle, Part, Stop};
 use crate::device::electrode_array::Cell;
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::Span;

@@ -3,11 +3,9 @@
 
 use super::cover::{Cover, Spread, nearest_cell};
 use super::motion::{Glide, Pull};
-use crate::check::claims::electrode_array::{
-    Action, Body, Bystanders, ElectrodeArrayOrder, Method, Objective, Obstacle,
-};
 use crate::check::imports::{self, Library};
 use crate::check::{Checked, Options, check};
+use crate::claims::electrode_array::{Action, Body, Bystanders, ElectrodeArrayOrder, Method, Objective, Obstacle};
 use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Layout, Separation};
 use crate::diagnostic::Sink;
 use crate::source::{Sources, Span};

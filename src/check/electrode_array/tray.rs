@@ -2,7 +2,6 @@
 
 use super::board;
 use super::cover::{Cover, Spread, nearest_cell};
-use crate::check::claims::electrode_array::{Body, Obstacle, Part};
 use crate::check::devices::Device;
 use crate::check::fields::Accepted;
 use crate::check::lets::Argument;
@@ -10,6 +9,7 @@ use crate::check::scenes::{Object, Scene};
 use crate::check::tasks::Site;
 use crate::check::value::{ShapeValue, Value, whole};
 use crate::check::{Checker, errors};
+use crate::claims::electrode_array::{Body, Obstacle, Part};
 use crate::device::electrode_array::{Cell, Facts, MAX_OBSTACLES, MAX_PARTS, VOCABULARY};
 use crate::device::shape::Form;
 use crate::diagnostic::{Code, Diagnostic, Sink};

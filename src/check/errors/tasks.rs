@@ -59,14 +59,6 @@ pub fn precision_beyond_robot(span: Span, precision: &str, repeatability: &str) 
         .help(format!("ask for {repeatability} or more, or give the device the repeatability that was measured"))
 }
 
-/// Of a start, and of the run that it is part of.
-pub fn start_disagrees((start, run): (Span, Span), asked: &str, stands: &str, device: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0507, format!("the task starts at {asked}, but `{device}` stands at {stands} by then"))
-        .label(start, "not where the robot stands")
-        .label_elsewhere(run, start, "run here")
-        .help(format!("leave `start at` out, or start where the last task of `{device}` ended: {stands}"))
-}
-
 pub fn two_things_at_once(device: &str, first: Span, second: Span) -> Diagnostic {
     let diagnostic = Diagnostic::new(Code::E0508, format!("device `{device}` is asked for two things at once"));
     diagnostic

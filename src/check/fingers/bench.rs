@@ -22,7 +22,7 @@ const PART_TURNS: usize = 4_000;
 #[derive(Debug, Clone)]
 pub struct Lying {
     /// `None` if something is wrong with it, which was said.
-    pub judged: Option<(Arc<crate::check::claims::fingers::Part>, f64)>,
+    pub judged: Option<(Arc<crate::claims::fingers::Part>, f64)>,
     pub span: Span,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A turn of a part is about its own axis, so that turns in their order multiply from the left to the right.
 
-use crate::check::claims::fingers::{Part, Turn};
+use crate::claims::fingers::{Part, Turn};
 use crate::device::fingers::Plane;
 use crate::real::Real;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};

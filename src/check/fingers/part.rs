@@ -1,11 +1,11 @@
 //! A part as one hand meets it: its contacts in both planes, and whether tips reach them.
 
 use super::solid::{self, Solid};
-use crate::check::claims::fingers::{Part, Section};
 use crate::check::devices::Device;
 use crate::check::errors;
 use crate::check::scenes::Object;
 use crate::check::value::Value;
+use crate::claims::fingers::{Part, Section};
 use crate::device::fingers::{Facts, MAX_CONTACTS, Plane, VOCABULARY};
 use crate::diagnostic::Sink;
 use crate::geometry::outline::{Curve, Outline};

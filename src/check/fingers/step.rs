@@ -2,7 +2,7 @@
 
 use super::orientation::{self, Orientation};
 use super::part::{contacts, junction_fault, once_round_rad};
-use crate::check::claims::fingers::{Part, Section};
+use crate::claims::fingers::{Part, Section};
 use crate::device::fingers::{Facts, MAX_CONTACTS, MAX_STEPS_PER_TURN, Plane};
 use crate::geometry::outline::Curve;
 use std::f64::consts::TAU;

@@ -6,9 +6,9 @@
 use super::orientation::{self, MAX_WAYS, Orientation};
 use super::part;
 use super::step;
-use crate::check::claims::fingers::{Action, FingersOrder, Part, Turn};
-use crate::check::claims::{Job, Order};
 use crate::check::errors;
+use crate::claims::fingers::{Action, FingersOrder, Part, Turn};
+use crate::claims::{Job, Order};
 use crate::device::fingers::{MAX_GRASPS, Plane};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::Span;

@@ -1,6 +1,6 @@
 //! Bodies of robots, and obstacles: how far they lie from each other.
 
-use crate::check::claims::microrobots::Obstacle;
+use crate::claims::microrobots::Obstacle;
 use crate::device::microrobots::Robot;
 use crate::geometry::{Core, Pose, Rounded, distance};
 use crate::real::Real;

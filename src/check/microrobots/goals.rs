@@ -3,7 +3,6 @@
 use super::bodies::{Body, Solid};
 use super::ground::{Ground, first_near, is_near};
 use super::{Bed, DEFAULT_EXPANSIONS};
-use crate::check::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Precision, Step, Stop};
 use crate::check::fields::Accepted;
 use crate::check::lets::{Argument, Origin};
 use crate::check::scope::nearest;
@@ -11,6 +10,7 @@ use crate::check::shapes::{self, MAX_HEADING_RAD};
 use crate::check::tasks::{self, Call, Parts, Site};
 use crate::check::value::{ModuleWord, Value, whole};
 use crate::check::{Checker, errors};
+use crate::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Precision, Step, Stop};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::geometry::Pose;
 use crate::geometry::shape::MAX_EXTENT_UM;

@@ -2,7 +2,6 @@
 
 use super::Bed;
 use super::bodies::{Body, Solid, is_too_near};
-use crate::check::claims::microrobots::{Obstacle, Placed};
 use crate::check::devices::Device;
 use crate::check::lets::Argument;
 use crate::check::scenes::{Object, Scene};
@@ -11,6 +10,7 @@ use crate::check::shapes::{self, MAX_HEADING_RAD};
 use crate::check::tasks::Site;
 use crate::check::value::Value;
 use crate::check::{Checker, errors};
+use crate::claims::microrobots::{Obstacle, Placed};
 use crate::device::microrobots::{Facts, MAX_OBSTACLES, MAX_ROBOTS, VOCABULARY};
 use crate::device::shape::Form;
 use crate::diagnostic::{Code, Sink};

@@ -2,9 +2,9 @@
 
 use super::bodies::{Body, Solid};
 use super::docking::{Docked, HeadOn, incidence_rad};
-use crate::check::claims::microrobots::{Action, Assurance, MicrorobotsOrder, Obstacle};
 use crate::check::imports::{self, Library};
 use crate::check::{Checked, Options, check};
+use crate::claims::microrobots::{Action, Assurance, MicrorobotsOrder, Obstacle};
 use crate::device::microrobots::{Docking, MAX_ROBOTS, Robot, Turning};
 use crate::diagnostic::Sink;
 use crate::geometry::{Pose, Shape};

@@ -1,7 +1,7 @@
 //! What is told of a hand: its figures, and the contacts of the parts that its tasks turn.
 
 use super::program::length;
-use crate::check::claims::{Claims, Order};
+use crate::claims::{Claims, Order};
 use crate::device::fingers::{Adhesion, Facts, Plane};
 use crate::quantity::{Dimension, Quantity, digits};
 use std::collections::BTreeMap;

@@ -2,8 +2,8 @@
 
 use super::{beds, hands};
 use crate::check::Options;
-use crate::check::claims::Claims;
 use crate::check::devices::Facts;
+use crate::claims::Claims;
 use crate::cli::arguments::DevicesArguments;
 use crate::cli::loaded::Loaded;
 use crate::cli::{Exit, terminal};

@@ -1,7 +1,7 @@
 //! What a build tells of a DiMiBot's plan.
 
 use super::{Note, Told, Topic, count, proof, rounded};
-use crate::check::claims::dimibot::{Action, Asked, DimibotOrder, Stop};
+use crate::claims::dimibot::{Action, Asked, DimibotOrder, Stop};
 use crate::device::dimibot::{Cell, Side};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::real::Real;

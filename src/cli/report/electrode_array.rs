@@ -1,7 +1,7 @@
 //! What a build tells of an electrode array's plan.
 
 use super::{count, proof};
-use crate::check::claims::electrode_array::{ElectrodeArrayOrder, Objective};
+use crate::claims::electrode_array::{ElectrodeArrayOrder, Objective};
 use crate::quantity::digits;
 use crate::schedule::PlanRecord;
 

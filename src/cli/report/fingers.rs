@@ -1,7 +1,7 @@
 //! What a build tells of a plan for a hand.
 
 use super::{Note, Told, Topic, count, proof, reached, rounded};
-use crate::check::claims::fingers::{FingersOrder, Section};
+use crate::claims::fingers::{FingersOrder, Section};
 use crate::device::fingers::Plane;
 use crate::schedule::PlanRecord;
 

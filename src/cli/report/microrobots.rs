@@ -1,7 +1,7 @@
 //! What a build tells of a plan for microrobots.
 
 use super::{Note, Told, Topic, count, proof, reached, rounded};
-use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::claims::microrobots::MicrorobotsOrder;
 use crate::schedule::PlanRecord;
 
 /// `12.3 s in 9 switches, optimal (bound 12.3 s)`.

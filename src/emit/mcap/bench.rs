@@ -2,8 +2,8 @@
 
 use super::frames::Stand;
 use super::{dimibot, electrode_array, fingers, microrobots};
-use crate::check::claims::dimibot::in_scene_um;
-use crate::check::claims::{Claims, Job, Order};
+use crate::claims::dimibot::in_scene_um;
+use crate::claims::{Claims, Job, Order};
 use crate::schedule::PlanRecord;
 use crate::verify::Verified;
 use std::collections::BTreeMap;

@@ -2,7 +2,8 @@
 
 use super::{LIBRARY, Provenance, Signals, Topic};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::verify::{Verified, log};
+use crate::log;
+use crate::verify::Verified;
 use std::io::{self, Write};
 
 /// What differs between a log and the one written from a schedule, or nothing if they are the same byte for byte.

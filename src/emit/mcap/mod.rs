@@ -26,11 +26,11 @@ mod voltages;
 pub use difference::{difference, difference_diagnostic};
 
 use super::{EmitError, Format, Provenance, Signals};
-use crate::check::claims::Order;
+use crate::claims::Order;
+use crate::log::{self, CLAIMS, METADATA, SCHEDULE, SOURCE_PREFIX};
 use crate::schedule::{Reached, json};
 use crate::source::MAX_FILE_BYTES;
 use crate::verify::Verified;
-use crate::verify::log::{self, CLAIMS, METADATA, SCHEDULE, SOURCE_PREFIX};
 use ::mcap::write::NoSeek;
 use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer, records};
 use bench::Bench;

@@ -141,11 +141,11 @@ fn the_scene_shows_every_obstacle_twice_and_takes_away_what_is_gone() {
 }
 
 /// A second run of the same task, with other obstacles.
-fn twice(change: impl FnOnce(&mut Vec<crate::check::claims::dimibot::Obstacle>)) -> Verified {
+fn twice(change: impl FnOnce(&mut Vec<crate::claims::dimibot::Obstacle>)) -> Verified {
     let (verified, _) = fixture::fetch();
     let (mut schedule, mut claims) = (verified.schedule().clone(), verified.claims().clone());
     let mut job = claims.jobs[0].clone();
-    let crate::check::claims::Order::Dimibot(order) = &mut job.order else { panic!("an order of a DiMiBot") };
+    let crate::claims::Order::Dimibot(order) = &mut job.order else { panic!("an order of a DiMiBot") };
     change(std::sync::Arc::make_mut(&mut order.obstacles));
     claims.jobs.push(job);
     let mut plan = schedule.plans[0].clone();

@@ -13,8 +13,8 @@
 
 use super::{Signals, Topic, foxglove};
 use crate::emit::identifier;
+use crate::log::{self, BOUND_SUFFIX, Bound, PERIOD_SUFFIX};
 use crate::schedule::Unit;
-use crate::verify::log::{self, BOUND_SUFFIX, Bound, PERIOD_SUFFIX};
 use prost::Message;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};

@@ -7,9 +7,8 @@ use super::{
     Cell, Failure, Field, Impossible, Lattice, NoLeg, Obstacle, Opening, Proof, Pulse, Request, Route, Router, Side,
     Stage, Tally, Within, why,
 };
-use crate::check::claims::dimibot::{Action, Body, DimibotOrder, Method, Objective, Step, Stop};
-use crate::check::claims::{self, Job, Relation, Requirement};
-use crate::check::start_disagrees;
+use crate::claims::dimibot::{Action, Body, DimibotOrder, Method, Objective, Step, Stop};
+use crate::claims::{self, Job, Relation, Requirement};
 use crate::device::dimibot::{Facts, Simultaneous};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
@@ -139,7 +138,7 @@ fn planned(
 fn start(job: &Job, order: &DimibotOrder, stands: Option<Cell>, sink: &mut Sink) -> Option<Cell> {
     match (order.start, stands) {
         (Some(start), Some(stands)) if start.value != stands => {
-            sink.push(start_disagrees(order, start, stands, job));
+            sink.push(order.start_disagrees(start, stands, job));
             None
         }
         (Some(start), _) => Some(start.value),

@@ -10,7 +10,7 @@ use super::outcome::{Impossible, Outcome, Path};
 use super::pulses::{self, Pulse, Train};
 use super::tally::Tally;
 use super::{published, shortest};
-use crate::check::claims::dimibot::{Method, Objective};
+use crate::claims::dimibot::{Method, Objective};
 use crate::plan::search::{Budget, GaveUp, Meter};
 use rustc_hash::FxHashMap;
 

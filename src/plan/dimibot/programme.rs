@@ -7,7 +7,7 @@ use super::pulses::Pulse;
 use super::route::{Failure, Stage};
 use super::tally::{Tally, add_to_front};
 use super::tour::{Table, ascent, improved};
-use crate::check::claims::dimibot::Objective;
+use crate::claims::dimibot::Objective;
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 

@@ -12,7 +12,7 @@ use super::legs::{Legs, Meters, NoLeg};
 use super::programme::{Mode, NONE, Programme, State};
 use super::pulses::Pulse;
 use super::tally::Tally;
-use crate::check::claims::dimibot::{Method, Objective};
+use crate::claims::dimibot::{Method, Objective};
 use crate::plan::search::{Budget, Meter};
 use rustc_hash::FxHashMap;
 

@@ -5,7 +5,7 @@
 
 use super::lattice::{Lattice, Side};
 use super::pulses::Pulse;
-use crate::check::claims::dimibot::Objective;
+use crate::claims::dimibot::Objective;
 
 /// The figures of a motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

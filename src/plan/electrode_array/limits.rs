@@ -3,8 +3,8 @@
 use super::board::Paths;
 use super::labels::{Figures, Limits};
 use super::limited::{self, Front, UNLIMITED, exceeds};
-use crate::check::claims::electrode_array::{Action, ElectrodeArrayOrder};
-use crate::check::claims::{Relation, Requirement};
+use crate::claims::electrode_array::{Action, ElectrodeArrayOrder};
+use crate::claims::{Relation, Requirement};
 use crate::device::Kind;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::requirements::{Kept, enough, keeps};

@@ -7,8 +7,8 @@
 
 use super::job;
 use super::stage::Stage;
-use crate::check::claims::Job;
-use crate::check::claims::electrode_array::{Bystanders, ElectrodeArrayOrder, Method, Planner};
+use crate::claims::Job;
+use crate::claims::electrode_array::{Bystanders, ElectrodeArrayOrder, Method, Planner};
 use crate::device::electrode_array::Cell;
 use crate::diagnostic::{Code, Sink};
 use crate::plan::errors::Removal;

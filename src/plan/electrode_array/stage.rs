@@ -5,7 +5,7 @@
 //! as the model says, or a part that stays where it is.
 
 use super::board::{self, Agent, Board, Instance};
-use crate::check::claims::electrode_array::{Body, Bystanders, ElectrodeArrayOrder, Move, Obstacle};
+use crate::claims::electrode_array::{Body, Bystanders, ElectrodeArrayOrder, Move, Obstacle};
 use crate::device::electrode_array::{Cell, Facts};
 use crate::source::Span;
 use std::ops::RangeInclusive;

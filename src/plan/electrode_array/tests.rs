@@ -1,10 +1,10 @@
 //! Jobs planned as a whole: what stands in the way, what moves on, what is said when nothing can.
 
 use super::*;
-use crate::check::claims::electrode_array::{
+use crate::claims::electrode_array::{
     Action, Body, Bystanders, ElectrodeArrayOrder, Method, Move, Objective, Obstacle, Part, Planner, Step, Stop,
 };
-use crate::check::claims::{Job, Order, Relation, Requirement};
+use crate::claims::{Job, Order, Relation, Requirement};
 use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Layout, Separation};
 use crate::diagnostic::{Code, Sink};
 use crate::plan::{Motion as AnyMotion, Optimality, Plan};

@@ -12,8 +12,8 @@ use super::Stance;
 use super::job::{Asked, Done, Stop, Stretch, carried_out, stretches};
 use super::routes::routes;
 use super::sections::Sections;
-use crate::check::claims::fingers::{Action, FingersOrder};
-use crate::check::claims::{Job, Relation};
+use crate::claims::fingers::{Action, FingersOrder};
+use crate::claims::{Job, Relation};
 use crate::plan::requirements::{Kept, is_upper, keeps};
 use crate::plan::{Optimality, Plan};
 

@@ -4,7 +4,7 @@
 //! its `orient` steps, cheapest estimate first. Promise: every route has at least one turn, each knows the step that it is of.
 
 use super::graph::Grasp;
-use crate::check::claims::fingers::{Action, FingersOrder, Turn};
+use crate::claims::fingers::{Action, FingersOrder, Turn};
 use crate::device::fingers::Plane;
 use std::ops::Range;
 

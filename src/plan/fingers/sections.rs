@@ -6,7 +6,7 @@ use super::mechanics::{self, Asked, Closer, Contacts, Lazy, Load, NoTables, forb
 use super::routes::{Holding, Route, Turning};
 use super::tables::Tables;
 use super::ways::{Hand, Reach, Side};
-use crate::check::claims::fingers::{FingersOrder, Section, Turn};
+use crate::claims::fingers::{FingersOrder, Section, Turn};
 use crate::device::fingers::{Facts, Plane};
 use crate::geometry::outline::{Curve, OutlineError};
 use crate::real::Real;

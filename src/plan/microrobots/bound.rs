@@ -11,7 +11,7 @@
 
 use super::free;
 use super::{Crew, Leg, leg_ns};
-use crate::check::claims::microrobots::{Action, MicrorobotsOrder, Precision, Stop};
+use crate::claims::microrobots::{Action, MicrorobotsOrder, Precision, Stop};
 use crate::geometry::Pose;
 
 /// To so many earlier poses of its robot a stop is related: the latest ones.

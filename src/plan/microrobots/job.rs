@@ -11,14 +11,14 @@ use super::strategy::{driven, episodes};
 use super::why::Why;
 use super::world::{Bed, World};
 use super::{Docking, Leg, Motion, Stage, StepMotion};
-use crate::check::claims::Job;
-use crate::check::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Step, Stop};
+use crate::claims::Job;
+use crate::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Step, Stop};
 use crate::device::microrobots::Arm;
-use crate::diagnostic::Sink;
+use crate::diagnostic::{Remark, Sink};
 use crate::geometry::Pose;
 use crate::plan::requirements::{Kept, Known, require};
 use crate::plan::search::Budget;
-use crate::plan::{Motion as AnyMotion, Optimality, Plan, Remark};
+use crate::plan::{Motion as AnyMotion, Optimality, Plan};
 use std::collections::BTreeMap;
 
 /// Where the robots of a bed are, one entry for each robot of its orders.

@@ -16,7 +16,7 @@ pub mod world;
 
 pub use job::{Crew, Standing, leg_ns, plan};
 
-use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 
 /// What the bed does.

@@ -3,7 +3,7 @@
 use super::assembly::{Blocker, Stuck};
 use super::drive::{self, Reason, Thing};
 use super::world::{Hit, Meeting};
-use crate::check::claims::microrobots::{MicrorobotsOrder, Step, Stop};
+use crate::claims::microrobots::{MicrorobotsOrder, Step, Stop};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::source::Span;

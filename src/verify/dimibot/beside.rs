@@ -11,7 +11,7 @@ use super::super::geometry::convex::apart_um;
 use super::super::rule::{Findings, Rule, Violation, ms};
 use super::scene::{Stand, room_um, swept};
 use super::{Pulse, pulses};
-use crate::check::claims::{Claims, SharedScene};
+use crate::claims::{Claims, SharedScene};
 use crate::device::dimibot::{Cell, Facts, Switch};
 use crate::quantity::digits;
 use crate::source::Span;

@@ -7,7 +7,7 @@
 use super::super::Unfit;
 use super::super::boxes::{Boxes, Extent};
 use super::super::geometry::solid::Solid;
-use crate::check::claims::dimibot::{Action, Asked, Body, DimibotOrder, Stop};
+use crate::claims::dimibot::{Action, Asked, Body, DimibotOrder, Stop};
 use crate::device::dimibot::{Cell, Facts, MAX_MODULES};
 use crate::geometry::shape::{MAX_EXTENT_UM, Pose};
 use crate::quantity::digits;

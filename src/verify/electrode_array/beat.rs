@@ -6,7 +6,7 @@ use super::Board;
 use super::bodies::{Way, first_touch, needed};
 use super::pull::{Pull, acting, explained, merging, range};
 use super::stage::Stage;
-use crate::check::claims::electrode_array::Bystanders;
+use crate::claims::electrode_array::Bystanders;
 use crate::device::electrode_array::{Cell, Electrodes, Hold};
 use crate::verify::Violation;
 use crate::verify::rule::{Rule, ms};

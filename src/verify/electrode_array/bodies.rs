@@ -5,7 +5,7 @@
 //! With the distances of whole cells that is as strict as asking all four combinations of starts and ends.
 
 use super::super::boxes::{Boxes, Extent};
-use crate::check::claims::electrode_array::{Body, ElectrodeArrayOrder};
+use crate::claims::electrode_array::{Body, ElectrodeArrayOrder};
 use crate::device::electrode_array::{Cell, Facts};
 use nalgebra::Point2;
 use rustc_hash::FxHashMap;

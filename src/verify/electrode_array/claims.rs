@@ -3,7 +3,7 @@
 //! Input: an order. Output: nothing, or why no run can be held against it. Claims that the checker made always pass.
 
 use super::super::Unfit;
-use crate::check::claims::electrode_array::{Action, Body, ElectrodeArrayOrder, Move};
+use crate::claims::electrode_array::{Action, Body, ElectrodeArrayOrder, Move};
 use crate::device::electrode_array::{Cell, Electrodes, Facts, MAX_PARTS, MAX_SIDE, Separation};
 use std::collections::BTreeSet;
 

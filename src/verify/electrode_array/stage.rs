@@ -1,7 +1,7 @@
 //! What one step of a task asks of the parts, and how far they have come.
 
 use super::pull::Pull;
-use crate::check::claims::electrode_array::{Move, Stop};
+use crate::claims::electrode_array::{Move, Stop};
 use crate::device::electrode_array::Cell;
 use std::collections::BTreeMap;
 

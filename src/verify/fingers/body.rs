@@ -5,7 +5,7 @@
 
 use super::super::geometry::contour::{Contour, Foot};
 use super::Point;
-use crate::check::claims::fingers::{Part, Section};
+use crate::claims::fingers::{Part, Section};
 use crate::device::fingers::Plane;
 use nalgebra::UnitQuaternion;
 use std::f64::consts::TAU;

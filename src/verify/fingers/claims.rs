@@ -5,7 +5,7 @@
 use super::super::Unfit;
 use super::body::Surface;
 use super::hand::nominal_step_rad;
-use crate::check::claims::fingers::{Action, FingersOrder, Section, Turn};
+use crate::claims::fingers::{Action, FingersOrder, Section, Turn};
 use crate::device::fingers::{
     Facts, MAX_CONTACTS, MAX_FINGERS, MAX_HOLDING, MAX_RESERVE, MAX_STEPS_PER_TURN, MIN_FINGERS, Plane,
 };

@@ -4,7 +4,7 @@ use super::super::rule::{Findings, Rule, ms};
 use super::Point;
 use super::body::Pose;
 use super::hand::{Hand, nominal_step_rad};
-use crate::check::claims::fingers::{Action, FingersOrder, Turn};
+use crate::claims::fingers::{Action, FingersOrder, Turn};
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
 use crate::schedule::Reached;

@@ -15,7 +15,7 @@ use super::states::{Due, Spans, chosen};
 use super::statics::{Statics, Touch, pull_off_un};
 use super::track::{Stretch, Tracks};
 use super::{Point, orientation_of};
-use crate::check::claims::fingers::{Action, FingersOrder};
+use crate::claims::fingers::{Action, FingersOrder};
 use crate::device::fingers::{Facts, MAX_HOLDING, Plane};
 use crate::quantity::digits;
 use crate::schedule::{State, TimedState};

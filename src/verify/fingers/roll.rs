@@ -10,7 +10,7 @@ use super::grip::Misfit;
 use super::hand::{Hand, nominal_step_rad};
 use super::states::Due;
 use super::track::Stretch;
-use crate::check::claims::fingers::Action;
+use crate::claims::fingers::Action;
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
 

@@ -10,7 +10,7 @@
 use super::super::geometry::contour::Foot;
 use super::Point;
 use super::body::Pose;
-use crate::check::claims::fingers::FingersOrder;
+use crate::claims::fingers::FingersOrder;
 use crate::device::fingers::{Adhesion, Facts, Plane};
 use crate::real::Real;
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};

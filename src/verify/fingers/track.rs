@@ -7,7 +7,7 @@
 use super::super::clock::Run;
 use super::super::rule::{Rule, Violation, ms};
 use super::Point;
-use crate::check::claims::fingers::FingersOrder;
+use crate::claims::fingers::FingersOrder;
 use crate::device::fingers::{AXES, channel, finger_axis};
 use crate::quantity::digits;
 use crate::schedule::Actuation;

@@ -4,7 +4,7 @@
 
 use super::super::Unfit;
 use super::super::geometry::solid::Solid;
-use crate::check::claims::microrobots::{Action, MicrorobotsOrder, Stop};
+use crate::claims::microrobots::{Action, MicrorobotsOrder, Stop};
 use crate::device::microrobots::{Arm, Facts, MAX_LEVELS, MAX_OBSTACLES, MAX_ROBOTS, Robot};
 use crate::geometry::Pose;
 use crate::geometry::shape::MAX_EXTENT_UM;

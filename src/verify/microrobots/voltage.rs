@@ -7,7 +7,7 @@
 use super::super::clock::Run;
 use super::super::rule::{Findings, Rule, Violation, ms};
 use super::relay::Relays;
-use crate::check::claims::microrobots::{Action, MicrorobotsOrder};
+use crate::claims::microrobots::{Action, MicrorobotsOrder};
 use crate::device::microrobots::Arm;
 use crate::schedule::{Actuation, Swing};
 use rustc_hash::FxHashMap;

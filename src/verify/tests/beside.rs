@@ -1,6 +1,6 @@
 use super::*;
-use crate::check::claims::dimibot::Action;
-use crate::check::claims::{SharedScene, Timeline};
+use crate::claims::dimibot::Action;
+use crate::claims::{SharedScene, Timeline};
 use crate::device::dimibot::Simultaneous;
 use crate::geometry::shape::Pose;
 use std::collections::BTreeMap;

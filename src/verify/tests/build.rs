@@ -1,9 +1,7 @@
 //! Makes schedules from claims and lists of pulses, with records by a simulator of its own.
 
-use crate::check::claims::dimibot::{
-    Action, Asked, Body, DimibotOrder, Method, Objective, Obstacle, Planner, Step, Stop,
-};
-use crate::check::claims::{Claims, Job, Order, Timeline};
+use crate::claims::dimibot::{Action, Asked, Body, DimibotOrder, Method, Objective, Obstacle, Planner, Step, Stop};
+use crate::claims::{Claims, Job, Order, Timeline};
 use crate::device::Kind;
 use crate::device::dimibot::tests::femto_st;
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous};

@@ -1,6 +1,6 @@
 use super::*;
-use crate::check::claims::Timeline;
-use crate::check::claims::dimibot::{Action, Asked, Obstacle, Stop};
+use crate::claims::Timeline;
+use crate::claims::dimibot::{Action, Asked, Obstacle, Stop};
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous};
 use crate::geometry::shape::{Pose, Shape};
 use crate::source::{Span, Spanned};
@@ -150,7 +150,7 @@ fn among(from: (u32, u32), to: (u32, u32), obstacles: Vec<Obstacle>) -> Claims {
 fn turned(shape: Shape, x_um: f64, y_um: f64, degrees: f64) -> Obstacle {
     let mut obstacle = solid("bead", shape, 0.0, 0.0);
     let pose = Pose { x_um, y_um, heading_rad: degrees.to_radians() };
-    if let crate::check::claims::dimibot::Body::Solid { pose: own, .. } = &mut obstacle.body {
+    if let crate::claims::dimibot::Body::Solid { pose: own, .. } = &mut obstacle.body {
         *own = pose;
     }
     obstacle

@@ -9,8 +9,8 @@ use crate::check::imports::Library;
 use crate::compile::{Program, check};
 use crate::diagnostic::Sink;
 use crate::geometry::fault::{Fault, Wrong, with};
+use crate::lower::lower;
 use crate::plan::plan;
-use crate::schedule::schedule;
 use crate::source::Sources;
 
 struct Nothing;
@@ -41,7 +41,7 @@ fn built(text: &str) -> Built {
     let planned = checked.and_then(|checked| {
         let claims = checked.claims.into_iter().next()?;
         let plans = plan(&claims, &mut sink, &mut |_, _, _| {})?;
-        Some((schedule(&claims, &plans, &sources, &mut sink)?, claims))
+        Some((lower(&claims, &plans, &sources, &mut sink)?, claims))
     });
     let Some((schedule, claims)) = planned else {
         return Built::Stopped(sink.sorted().iter().map(|diagnostic| diagnostic.code.name()).collect());

@@ -1,8 +1,8 @@
 //! Nothing that can be read makes the verifier panic.
 
 use super::*;
-use crate::check::claims::Timeline;
-use crate::check::claims::dimibot::{Action, Body};
+use crate::claims::Timeline;
+use crate::claims::dimibot::{Action, Body};
 use crate::device::dimibot::Cell;
 use crate::geometry::shape::Shape;
 use crate::schedule::Actuation;

@@ -1,6 +1,6 @@
 use super::*;
-use crate::check::claims::dimibot::{Action, Method, Objective};
-use crate::check::claims::{Job, Relation, Requirement, Timeline};
+use crate::claims::dimibot::{Action, Method, Objective};
+use crate::claims::{Job, Relation, Requirement, Timeline};
 use crate::device::dimibot::PLANNERS;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::schedule::{Actuation, Swing};

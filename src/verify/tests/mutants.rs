@@ -1,7 +1,7 @@
 //! Sound schedules of random scenes, changed in one place: each mutant is refused, or the very same schedule.
 
 use super::*;
-use crate::check::claims::dimibot::{Action, Body, Obstacle};
+use crate::claims::dimibot::{Action, Body, Obstacle};
 use crate::device::dimibot::{Cell, Facts, Side, Simultaneous};
 use crate::geometry::shape::Shape;
 use proptest::prelude::*;
@@ -57,7 +57,7 @@ fn scenario() -> impl Strategy<Value = Scenario> {
         order.obstacles = std::sync::Arc::new(bodies.filter(clear).collect());
         order.steps = actions
             .into_iter()
-            .map(|action| crate::check::claims::dimibot::Step { action, span: Default::default() })
+            .map(|action| crate::claims::dimibot::Step { action, span: Default::default() })
             .collect();
         Scenario { claims: alone(order), pulses }
     })

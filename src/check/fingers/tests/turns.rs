@@ -2,7 +2,7 @@
 
 use super::super::orientation::{self, Orientation};
 use super::{BEAD, order};
-use crate::check::claims::fingers::{Part, Turn};
+use crate::claims::fingers::{Part, Turn};
 use crate::device::fingers::Plane;
 
 /// Every sequence of three turns that comes as near to a goal, none of them empty.

@@ -1,7 +1,7 @@
 //! The scene once more as coloured points: path, stops and the true outlines of obstacles.
 
 use super::{motion, scene};
-use crate::check::claims::dimibot::{Body, DimibotOrder};
+use crate::claims::dimibot::{Body, DimibotOrder};
 use crate::emit::mcap::Topic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, cloud, outlines, rectangle};
 use crate::emit::mcap::drawing::{self, color};

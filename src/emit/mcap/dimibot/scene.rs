@@ -4,7 +4,7 @@
 //! message of each topic only: every message shows all there is to show. Scenery is said again when a job brings another.
 
 use super::motion;
-use crate::check::claims::dimibot::{Action, Body, DimibotOrder, Obstacle, Stop};
+use crate::claims::dimibot::{Action, Body, DimibotOrder, Obstacle, Stop};
 use crate::device::dimibot::Side;
 use crate::device::dimibot::{Cell, Facts};
 use crate::emit::mcap::Topic;

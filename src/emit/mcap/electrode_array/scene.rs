@@ -4,7 +4,7 @@
 //! planned (`plan`), and what is on (`active`). The first two come once more as points for viewers that show no scenes.
 
 use super::{frame, place};
-use crate::check::claims::electrode_array::{Action, Body, ElectrodeArrayOrder, Obstacle};
+use crate::claims::electrode_array::{Action, Body, ElectrodeArrayOrder, Obstacle};
 use crate::device::electrode_array::{Cell, Electrodes, Facts};
 use crate::emit::mcap::Topic;
 use crate::emit::mcap::bench;

@@ -1,7 +1,7 @@
 use super::foxglove::{FrameTransforms, SceneUpdate};
 use super::*;
 use crate::device::electrode_array::Electrodes;
-use crate::schedule::electrode_array::tests::{carried, facts};
+use crate::lower::electrode_array::tests::{carried, facts};
 use prost::Message as _;
 
 /// Two microparts: one moves at once, the other after a wait.

@@ -4,7 +4,7 @@
 //! that it is rolled; between two of them it moves while a finger that holds does, steadily. How many moments are told is bounded,
 //! whatever the plan.
 
-use crate::check::claims::fingers::FingersOrder;
+use crate::claims::fingers::FingersOrder;
 use crate::device::fingers::{AXES, Plane, finger_axis};
 use crate::emit::Signals;
 use crate::emit::mcap::bench;

@@ -6,7 +6,7 @@
 use super::course::{Course, Grasp, PlanCourse};
 use super::solid;
 use super::{part_frame, stand, tip_frame};
-use crate::check::claims::fingers::{FingersOrder, Part};
+use crate::claims::fingers::{FingersOrder, Part};
 use crate::device::fingers::Plane;
 use crate::emit::mcap::Topic;
 use crate::emit::mcap::cloud::{SpaceStroke, space_cloud};

@@ -1,6 +1,6 @@
 //! The part of a hand as it is drawn, in its own frame: its sections, and between them what is known of it.
 
-use crate::check::claims::fingers::{Part, Section};
+use crate::claims::fingers::{Part, Section};
 use crate::device::fingers::Plane;
 use crate::emit::mcap::drawing;
 use crate::emit::mcap::foxglove::{

@@ -62,9 +62,9 @@ fn tips_are_where_the_schedule_has_them() {
 #[test]
 fn a_ball_a_flat_part_and_another_are_drawn_with_their_sections() {
     let (hand, _) = fixture::hand();
-    let drawn = |change: &dyn Fn(&mut crate::check::claims::fingers::Part)| {
+    let drawn = |change: &dyn Fn(&mut crate::claims::fingers::Part)| {
         let (schedule, mut claims) = (hand.schedule().clone(), hand.claims().clone());
-        let crate::check::claims::Order::Fingers(order) = &mut claims.jobs[0].order else { panic!("a hand") };
+        let crate::claims::Order::Fingers(order) = &mut claims.jobs[0].order else { panic!("a hand") };
         change(std::sync::Arc::make_mut(&mut order.part));
         let (topics, _) = topics(&Verified::assume(schedule, claims), "hand");
         let body = scene(topic(&topics, "/hand/scene"), 0).entities[0].clone();

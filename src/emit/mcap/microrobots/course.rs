@@ -3,7 +3,7 @@
 //! The recorded states are the poses at the start of each leg; between them the robots follow their circles and lines while the
 //! drive train lasts, and stand still else. How many poses are told is bounded, whatever the plan.
 
-use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::Arm;
 use crate::emit::mcap::bench;
 use crate::geometry::Pose;

@@ -5,7 +5,7 @@
 
 use super::course::{Course, Leg, Orbit, PlanCourse};
 use super::{frame, stand};
-use crate::check::claims::microrobots::{Action, MicrorobotsOrder, Stop};
+use crate::claims::microrobots::{Action, MicrorobotsOrder, Stop};
 use crate::device::microrobots::{Arm, Robot};
 use crate::emit::mcap::Topic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, outlines, spaced_cloud};

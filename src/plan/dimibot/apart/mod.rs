@@ -11,7 +11,7 @@ mod timing;
 mod tips;
 mod tries;
 
-use crate::check::claims::{Claims, Job};
+use crate::claims::{Claims, Job};
 use crate::diagnostic::Sink;
 use crate::plan::{Optimality, Plan, errors};
 use crate::quantity::digits;

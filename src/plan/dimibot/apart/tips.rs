@@ -4,7 +4,7 @@
 //! distance of some two points of them is no larger than the gap asked for. An area is a rectangle, a segment or a point; its
 //! distance from another is measured between corners and edges, after a search for a line between the two.
 
-use crate::check::claims::dimibot::in_scene_um;
+use crate::claims::dimibot::in_scene_um;
 use crate::device::dimibot::{Cell, Facts};
 use crate::geometry::shape::{Pose, Shape};
 

@@ -3,8 +3,8 @@
 use super::delayed;
 use super::timing::{Act, Other, Stretch, Stuck, Way};
 use super::tips::Robot;
-use crate::check::claims::dimibot::{Body, DimibotOrder, Obstacle};
-use crate::check::claims::{Claims, Job, Order, Timeline};
+use crate::claims::dimibot::{Body, DimibotOrder, Obstacle};
+use crate::claims::{Claims, Job, Order, Timeline};
 use crate::device::dimibot::Cell;
 use crate::diagnostic::Sink;
 use crate::plan::Plan;

@@ -2,7 +2,7 @@
 
 use super::oracle::{Oracle, Random};
 use super::scenes::{scene, some_cell};
-use crate::check::claims::dimibot::{Method, Objective};
+use crate::claims::dimibot::{Method, Objective};
 use crate::plan::dimibot::*;
 use crate::plan::search::Budget;
 

@@ -3,7 +3,7 @@
 //! Input: an outline ready for questions, its contacts, and a tip's radius. Output: points, normals and tip centres at any
 //! instant of a rolling step.
 
-use crate::check::claims::fingers::Section;
+use crate::claims::fingers::Section;
 use crate::geometry::outline::{Curve, PRECISION_UM};
 use crate::real::Real;
 

@@ -20,7 +20,7 @@ mod sphere;
 pub use reach::{Reach, Way};
 
 use super::{Hold, Motion, Stance};
-use crate::check::claims::fingers::Section;
+use crate::claims::fingers::Section;
 use crate::device::fingers::{Facts, Plane};
 use crate::geometry::outline::Curve;
 use crate::real::Real;

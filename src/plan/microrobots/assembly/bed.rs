@@ -1,7 +1,7 @@
 //! The bed in the course of an assembly: where the robots are, what has been driven, and what states steer whom.
 
 use super::track::Track;
-use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
 use crate::plan::microrobots::{Docking, Leg, Stage};

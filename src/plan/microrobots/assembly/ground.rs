@@ -2,7 +2,7 @@
 
 use super::bed::{Bed, Stretch};
 use super::{Blocker, Stuck, recognition};
-use crate::check::claims::microrobots::Dock;
+use crate::claims::microrobots::Dock;
 use crate::geometry::Pose;
 use crate::plan::microrobots::free::Segment;
 use crate::plan::microrobots::ways::{NoWay, Task};

@@ -21,7 +21,7 @@ mod track;
 
 use super::world::Hit;
 use super::{Docking, Leg, Stage, bound};
-use crate::check::claims::microrobots::{Dock, MicrorobotsOrder, Precision};
+use crate::claims::microrobots::{Dock, MicrorobotsOrder, Precision};
 use crate::geometry::Pose;
 use crate::plan::search::{Budget, Meter};
 use bed::{Bed, Stretch};

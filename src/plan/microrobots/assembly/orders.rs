@@ -8,7 +8,7 @@
 use super::Stuck;
 use super::bed::Bed;
 use super::pair::{Roles, roles};
-use crate::check::claims::microrobots::{Dock, Precision};
+use crate::claims::microrobots::{Dock, Precision};
 use crate::device::microrobots::Arm;
 use crate::geometry::{Core, Pose, distance};
 use crate::plan::microrobots::free;

@@ -16,7 +16,7 @@ use super::bed::{Bed, Stretch, joined, legs_of_two};
 use super::closing::{Asked, closings, detours, stretches};
 use super::ground::Ground;
 use super::track::{Aim, Track, whole};
-use crate::check::claims::microrobots::Dock;
+use crate::claims::microrobots::Dock;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
 use crate::plan::microrobots::fine::Cycles;

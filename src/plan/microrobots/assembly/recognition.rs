@@ -8,7 +8,7 @@ use super::Stuck;
 use super::bed::{Bed, Stretch};
 use super::orders::gap_um;
 use super::track::miss;
-use crate::check::claims::microrobots::{Dock, Precision};
+use crate::claims::microrobots::{Dock, Precision};
 use crate::geometry::Pose;
 use crate::plan::microrobots::Leg;
 

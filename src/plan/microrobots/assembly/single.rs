@@ -6,7 +6,7 @@ use super::closing::{detours, stretches};
 use super::ground::Ground;
 use super::pair::FINE_SHARES;
 use super::track::{Aim, Track, whole};
-use crate::check::claims::microrobots::Dock;
+use crate::claims::microrobots::Dock;
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::Stage;

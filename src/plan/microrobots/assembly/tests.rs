@@ -1,7 +1,7 @@
 //! Assemblies on made-up beds, with a direct simulation as their oracle.
 
 use super::*;
-use crate::check::claims::microrobots::{Assurance, Obstacle, Placed, Precision, Stop};
+use crate::claims::microrobots::{Assurance, Obstacle, Placed, Precision, Stop};
 use crate::device::microrobots::{Arm, ControlState, Docking as Limits, Facts, Fine, Robot, Turning, wrapped_rad};
 use crate::geometry::Shape;
 use crate::plan::microrobots::world::World;

@@ -4,7 +4,7 @@
 //! number in all where one is asked for. Promise: what is returned ends within the precision; the way's pieces change by a few
 //! strokes each.
 
-use crate::check::claims::microrobots::Precision;
+use crate::claims::microrobots::Precision;
 use crate::device::microrobots::{Arm, Robot, wrapped_rad};
 use crate::geometry::Pose;
 use crate::plan::microrobots::free::Segment;

@@ -1,7 +1,7 @@
 //! Drives end to end: every plan is integrated and looked at again.
 
 use super::*;
-use crate::check::claims::microrobots::Obstacle;
+use crate::claims::microrobots::Obstacle;
 use crate::device::microrobots::Robot;
 use crate::geometry::Shape;
 use crate::plan::microrobots::world::fixture::{bed, obstacle, pose, robot};

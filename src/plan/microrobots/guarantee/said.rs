@@ -1,7 +1,7 @@
 //! Containments in words.
 
 use super::{Check, Containment};
-use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::claims::microrobots::MicrorobotsOrder;
 
 impl Containment {
     /// What is needed and what there is, as a clause that begins with what is meant.

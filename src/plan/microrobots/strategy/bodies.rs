@@ -1,6 +1,6 @@
 //! What a robot may run into.
 
-use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::Robot;
 use crate::geometry::distance::quadrilateral_core;
 use crate::geometry::{Core, Pose};
@@ -88,7 +88,7 @@ impl Solid {
 
 /// The obstacles of an order.
 pub fn obstacles(order: &MicrorobotsOrder) -> Vec<Solid> {
-    let solid = |obstacle: &crate::check::claims::microrobots::Obstacle| {
+    let solid = |obstacle: &crate::claims::microrobots::Obstacle| {
         let grown = obstacle.shape.grown(&obstacle.pose, 0.0).ok()?;
         Some(Solid::new(obstacle.name.clone(), grown.core, grown.radius_um))
     };

@@ -1,7 +1,7 @@
 //! The first two robots: how their ways are brought to end at once, and how one cycle steers both.
 
 use super::{Driver, Frame, Phase, Pursuit, steered};
-use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 use crate::real::Real;
 use std::f64::consts::{FRAC_PI_2, TAU};

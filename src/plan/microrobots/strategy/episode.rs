@@ -1,7 +1,7 @@
 //! The stages of a plan, each with where everything nominally is when it begins, and the ways that its robots take.
 
 use super::SAME_UM;
-use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, wrapped_rad};
 use crate::geometry::Pose;
 use crate::plan::microrobots::{Docking, Leg, Motion, Stage, StepMotion};

@@ -1,6 +1,6 @@
 //! Beds for tests.
 
-use crate::check::claims::microrobots::{Assurance, MicrorobotsOrder, Obstacle, Placed, Precision};
+use crate::claims::microrobots::{Assurance, MicrorobotsOrder, Obstacle, Placed, Precision};
 use crate::device::microrobots::{Arm, ControlState, Docking, Facts, Fine, Robot, Turning};
 use crate::geometry::{Pose, Shape};
 use crate::source::Span;

@@ -1,9 +1,9 @@
 //! Makes claims on a board, and schedules from the words that its parts follow, with a lowering and records of its own.
 
-use crate::check::claims::electrode_array::{
+use crate::claims::electrode_array::{
     Action, Body, Bystanders, ElectrodeArrayOrder, Method, Move, Objective, Obstacle, Part, Planner, Step, Stop,
 };
-use crate::check::claims::{Claims, Job, Order};
+use crate::claims::{Claims, Job, Order};
 use crate::device::Kind;
 use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Layout, Separation};
 use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, State, TimedState, Unit};

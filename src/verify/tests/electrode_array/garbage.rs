@@ -147,8 +147,8 @@ fn claims_that_no_program_has_are_inconclusive() {
         ("not on the board", |order| Arc::make_mut(&mut order.parts)[1].cell = cell(0, 5)),
         ("too many parts", |order| {
             let part = order.parts[0].clone();
-            let many = (0..=MAX_PARTS)
-                .map(|at| crate::check::claims::electrode_array::Part { name: at.to_string(), ..part.clone() });
+            let many =
+                (0..=MAX_PARTS).map(|at| crate::claims::electrode_array::Part { name: at.to_string(), ..part.clone() });
             order.parts = Arc::new(many.collect());
         }),
         ("obstacle of no electrodes", |order| {

@@ -1,7 +1,7 @@
 //! Makes claims on a hand, and schedules of its tips by the law of rolling, with records of its own.
 
-use crate::check::claims::fingers::{Action, FingersOrder, Part, Planner, Section, Step};
-use crate::check::claims::{Claims, Job, Order};
+use crate::claims::fingers::{Action, FingersOrder, Part, Planner, Section, Step};
+use crate::claims::{Claims, Job, Order};
 use crate::device::Kind;
 use crate::device::fingers::{AXES, Facts, Plane, channel, fixture};
 use crate::geometry::outline::{Curve, Outline};

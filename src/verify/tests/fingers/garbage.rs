@@ -1,8 +1,8 @@
 //! Nothing that can be read makes the verifier panic.
 
 use super::*;
-use crate::check::claims::Claims;
-use crate::check::claims::fingers::Section;
+use crate::claims::Claims;
+use crate::claims::fingers::Section;
 use crate::geometry::outline::Outline;
 use proptest::prelude::*;
 
@@ -140,7 +140,7 @@ fn facts_of(order: &mut FingersOrder) -> &mut Facts {
     Arc::make_mut(&mut order.facts)
 }
 
-fn part_of(order: &mut FingersOrder) -> &mut crate::check::claims::fingers::Part {
+fn part_of(order: &mut FingersOrder) -> &mut crate::claims::fingers::Part {
     Arc::make_mut(&mut order.part)
 }
 

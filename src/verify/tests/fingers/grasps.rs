@@ -1,7 +1,7 @@
 //! Which grasps hold, and which fingers may come and leave.
 
 use super::*;
-use crate::check::claims::fingers::{Part, Section};
+use crate::claims::fingers::{Part, Section};
 use crate::verify::fingers::forces;
 
 /// A round bead of 72 contacts, at which every quarter is a contact, between fingers of other facts.

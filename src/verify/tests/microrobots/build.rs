@@ -1,9 +1,7 @@
 //! Makes claims on a bed, and schedules from legs, with a lowering, a motion in tiny steps and records of its own.
 
-use crate::check::claims::microrobots::{
-    Action, Assurance, Dock, MicrorobotsOrder, Obstacle, Placed, Precision, Step, Stop,
-};
-use crate::check::claims::{Claims, Job, Order};
+use crate::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Obstacle, Placed, Precision, Step, Stop};
+use crate::claims::{Claims, Job, Order};
 use crate::device::Kind;
 use crate::device::microrobots::{Arm, ControlState, Docking, Facts, Fine, Robot, Turning};
 use crate::geometry::{Pose, Shape};

@@ -1,7 +1,7 @@
 //! How near bodies and orbits may come, to a thousandth of a micrometre.
 
 use super::*;
-use crate::check::claims::microrobots::Obstacle;
+use crate::claims::microrobots::Obstacle;
 use crate::geometry::Shape;
 
 /// Half of what must be found.

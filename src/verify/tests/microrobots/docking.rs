@@ -1,7 +1,7 @@
 //! Robots that come to stick in a structure.
 
 use super::*;
-use crate::check::claims::microrobots::Dock;
+use crate::claims::microrobots::Dock;
 
 fn docking(state: usize, strokes: u64, docks: &[usize]) -> Leg {
     Leg { docks: docks.to_vec(), ..leg(state, strokes) }

@@ -1,7 +1,7 @@
 //! Nothing that can be read makes the verifier panic, and no claim takes it long.
 
 use super::*;
-use crate::check::claims::microrobots::MicrorobotsOrder;
+use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Facts, MAX_ROBOTS};
 use crate::geometry::Shape;
 use proptest::prelude::*;

@@ -1,7 +1,7 @@
 //! Random trains of strokes against tiny steps of every robot, and random changes against every extreme of the relays.
 
 use super::*;
-use crate::check::claims::microrobots::{MicrorobotsOrder, Obstacle};
+use crate::claims::microrobots::{MicrorobotsOrder, Obstacle};
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::distance::{point_segment, quadrilateral_core, segment_core};
 use crate::geometry::shape::Core;
@@ -246,7 +246,7 @@ fn spread(legs: &[(usize, u64)]) -> (Schedule, Claims) {
 
 /// Whether the arms are those of the record in each train, at every extreme of every transition voltage.
 fn is_certain(schedule: &Schedule, claims: &Claims) -> bool {
-    let crate::check::claims::Order::Microrobots(order) = &claims.jobs[0].order else { panic!("an order of a bed") };
+    let crate::claims::Order::Microrobots(order) = &claims.jobs[0].order else { panic!("an order of a bed") };
     let margin_v = order.facts.margin_v;
     let is_wait = |timed: &&crate::schedule::TimedState| {
         schedule.actuations.iter().any(|actuation| actuation.start_ns == timed.t_ns)

@@ -1,0 +1,465 @@
+//! Is this DiMiBot possible, is this scene possible for it, are these goals?
+
+use super::devices::Device;
+use super::fields::Accepted;
+use super::frames::Frame;
+use super::lets::Argument;
+use super::scenes::{Object, Scene};
+use super::scope::Place;
+use super::tasks::{self, Parts, Site};
+use super::value::{ModuleWord, Value, whole};
+use super::{Checker, errors, shapes};
+use crate::claims::Job;
+use crate::claims::dimibot::{Action, Asked, Body, DimibotOrder, Method, Objective, Obstacle, Planner, Step, Stop};
+use crate::device::dimibot::{self, Cell, Side, Simultaneous};
+use crate::device::shape::Form;
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::geometry::distance;
+use crate::geometry::shape::{Core, MAX_EXTENT_UM, Pose, Shape};
+use crate::quantity::{Dimension, Quantity};
+use crate::source::{Span, Spanned};
+use nalgebra::Point2;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+mod cover;
+mod stops;
+
+pub use cover::Cover;
+
+/// States that one search may expand where the task does not say.
+pub const DEFAULT_EXPANSIONS: u64 = 20_000_000;
+
+/// The facts of a complete device.
+pub fn facts(device: &Device, sink: &mut Sink) -> Option<dimibot::Facts> {
+    let fields = &device.fields;
+    if fields.values().any(|field| field.value.is_unknown()) {
+        return None;
+    }
+    let mut facts = dimibot::Facts {
+        left: count(fields, "left"),
+        right: count(fields, "right"),
+        stroke_um: quantity(fields, "stroke").in_unit("um"),
+        gain: quantity(fields, "gain").si,
+        pulse_voltage_v: quantity(fields, "pulse_voltage").si,
+        pulse_current_a: quantity(fields, "pulse_current").si,
+        pulse_duration_ns: time_ns(fields, "pulse_duration", sink)?,
+        rest_ns: time_ns(fields, "rest", sink)?,
+        repeatability_um: quantity(fields, "repeatability").in_unit("um"),
+        tip_radius_um: quantity(fields, "tip_radius").in_unit("um"),
+        home: Cell::default(),
+        simultaneous: simultaneous(fields).unwrap_or_default(),
+    };
+    if !fits(&facts, device, sink) {
+        return None;
+    }
+    if let Some(home) = fields.get("home") {
+        facts.home = stops::state(&Argument::plain(home), &facts, &device.name, sink)?;
+    }
+    warn_of_coarseness(&facts, device, sink);
+    Some(facts)
+}
+
+fn quantity(fields: &Accepted, name: &str) -> Quantity {
+    match fields.get(name).map(|field| &field.value) {
+        Some(Value::Quantity(quantity)) => *quantity,
+        _ => Quantity::number(0.0),
+    }
+}
+
+fn count(fields: &Accepted, name: &str) -> u32 {
+    whole(quantity(fields, name)).and_then(|number| u32::try_from(number).ok()).unwrap_or(1)
+}
+
+fn time_ns(fields: &Accepted, name: &str, sink: &mut Sink) -> Option<u64> {
+    let field = fields.get(name)?;
+    super::clock_ns(quantity(fields, name), field.span, &format!("`{name}`"), sink)
+}
+
+fn simultaneous(fields: &Accepted) -> Option<Simultaneous> {
+    match &fields.get("simultaneous")?.value {
+        Value::Text(word) if word == "safe" => Some(Simultaneous::Safe),
+        _ => Some(Simultaneous::Never),
+    }
+}
+
+/// Whether the workspace is of a size that is counted with exactly.
+fn fits(facts: &dimibot::Facts, device: &Device, sink: &mut Sink) -> bool {
+    let extent_um = 2.0 * facts.gain * facts.stroke_um * std::f64::consts::SQRT_2;
+    let fits = extent_um <= dimibot::MAX_REACH_UM && facts.growth_um() <= dimibot::MAX_REACH_UM;
+    if !fits {
+        let limit = length(dimibot::MAX_REACH_UM);
+        sink.push(errors::workspace_too_large(device.span, &length(extent_um.max(facts.growth_um())), &limit));
+    }
+    fits
+}
+
+fn warn_of_coarseness(facts: &dimibot::Facts, device: &Device, sink: &mut Sink) {
+    let pitch_um = facts.pitch_um(Side::Left).min(facts.pitch_um(Side::Right));
+    if facts.repeatability_um > pitch_um / 2.0 {
+        let at = device.fields.get("repeatability").map_or(device.span, |field| field.span);
+        let at = if at.file == device.span.file { at } else { device.span };
+        sink.push(errors::cells_indistinguishable(at, &length(facts.repeatability_um), &length(pitch_um)));
+    }
+}
+
+/// A length for a message.
+fn length(um: f64) -> String {
+    if um == 0.0 {
+        return "0 um".to_owned();
+    }
+    Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
+}
+
+impl Checker<'_> {
+    /// A task's body in the kind's own terms; `None` after an error.
+    pub fn dimibot_order(&mut self, site: &Site, facts: &dimibot::Facts, parts: Parts) -> Option<DimibotOrder> {
+        let judged = self.obstacles((site.place, &site.device.name), site.scene.as_ref(), facts);
+        let order = order(facts, &judged.cover, parts, &site.device.name, self.sink);
+        order.filter(|_| judged.is_whole)
+    }
+
+    fn obstacles(
+        &mut self,
+        device: (Place, &str),
+        scene: Option<&(Place, Rc<Scene>)>,
+        facts: &dimibot::Facts,
+    ) -> Judged {
+        let Some((place, scene)) = scene else {
+            return Judged { cover: Cover::of(Vec::new(), facts, None), is_whole: true };
+        };
+        if let Some(known) = self.covers.get(&(*place, device.0)) {
+            return known.clone();
+        }
+        let before = self.sink.errors();
+        let frame = scene.frames.get(&device.0).cloned();
+        let others = match frame {
+            Some(_) => self.placed_beside(scene, device.0),
+            None => Vec::new(),
+        };
+        let robot = Robot { facts, name: device.1, frame: frame.as_ref(), others: &others };
+        let obstacles = scene.objects.iter().filter_map(|object| obstacle(object, &robot, self.sink));
+        let cover = Cover::of(obstacles.collect(), facts, frame.map(|frame| frame.pose));
+        let judged = Judged { cover, is_whole: self.sink.errors() == before };
+        self.covers.insert((*place, device.0), judged.clone());
+        judged
+    }
+}
+
+/// A scene as one device meets it.
+#[derive(Clone)]
+pub struct Judged {
+    pub cover: Cover,
+    /// Whether none of its objects is impossible.
+    pub is_whole: bool,
+}
+
+/// The robot that a scene is judged with.
+struct Robot<'a> {
+    facts: &'a dimibot::Facts,
+    name: &'a str,
+    frame: Option<&'a Frame>,
+    /// The other robots that the scene places.
+    others: &'a [(Rc<dimibot::Facts>, Pose)],
+}
+
+impl Robot<'_> {
+    fn pose(&self) -> Option<&Pose> {
+        self.frame.map(|frame| &frame.pose)
+    }
+
+    /// Whether a body can touch neither the tip nor that of any other robot of the scene.
+    fn is_out_of_all_reach(&self, body: &Body) -> bool {
+        let is_outside_of = |(facts, pose): &(Rc<dimibot::Facts>, Pose)| is_outside(&body.seen_from(Some(pose)), facts);
+        self.others.iter().all(is_outside_of)
+    }
+}
+
+fn obstacle(object: &Object, robot: &Robot, sink: &mut Sink) -> Option<Obstacle> {
+    let facts = robot.facts;
+    let nouns: Vec<&str> = dimibot::VOCABULARY.nouns.iter().map(|noun| noun.name).collect();
+    if !nouns.contains(&object.noun.as_str()) {
+        sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, "dimibot", &nouns));
+        return None;
+    }
+    if let Some(shape) = object.shape.as_ref().filter(|shape| !Form::SOLID.contains(&shape.value.form)) {
+        let known: Vec<&str> = Form::SOLID.iter().map(|form| form.name()).collect();
+        sink.push(errors::shape_of_other_kind(shape.span, shape.value.form.name(), &object.noun, "dimibot", &known));
+        return None;
+    }
+    if let Some(frame) = robot.frame.filter(|_| stands_on_cells(object)) {
+        let at = object.at.as_ref().map_or(object.span, |at| at.span);
+        sink.push(errors::cell_beside_frame(at, &object.name, robot.name, frame.span));
+        return None;
+    }
+    let body = match &object.shape {
+        Some(shape) if shape.value.form == Form::Cells => block(object, &shape.value.fields, facts, sink)?,
+        Some(shape) => solid(object, shapes::in_plane(&shape.value)?, robot, sink)?,
+        None => point(object, robot, sink)?,
+    };
+    let obstacle = Obstacle { name: object.name.clone(), body, span: object.span };
+    if is_outside(&obstacle.body.seen_from(robot.pose()), facts) {
+        match robot.frame {
+            Some(_) if robot.is_out_of_all_reach(&obstacle.body) => {
+                sink.push(errors::obstacle_out_of_all_reach(object.span, &object.name));
+            }
+            Some(_) => {}
+            None => sink.push(errors::obstacle_outside(object.span, &object.name, robot.name)),
+        }
+        return None;
+    }
+    Some(obstacle)
+}
+
+/// Whether an object's place is told in cells.
+fn stands_on_cells(object: &Object) -> bool {
+    let is_block = object.shape.as_ref().is_some_and(|shape| shape.value.form == Form::Cells);
+    is_block || object.at.as_ref().is_some_and(|at| whole_cell(&at.value).is_some())
+}
+
+/// The whole numbers of a cell, which may lie outside the lattice.
+fn whole_cell(value: &Value) -> Option<[i64; 2]> {
+    match value {
+        Value::Point(point) if point.len() == 2 => Some([whole(point[0])?, whole(point[1])?]),
+        _ => None,
+    }
+}
+
+fn point(object: &Object, robot: &Robot, sink: &mut Sink) -> Option<Body> {
+    match &object.at {
+        Some(at) => match whole_cell(&at.value) {
+            Some([x, y]) => Some(clipped([x, y], [x, y], robot.facts)),
+            None => solid(object, Shape::Point, robot, sink),
+        },
+        None => Some(Body::Solid { shape: Shape::Point, pose: Pose::at(0.0, 0.0) }),
+    }
+}
+
+fn block(object: &Object, fields: &Accepted, facts: &dimibot::Facts, sink: &mut Sink) -> Option<Body> {
+    let corner = |name: &str| fields.get(name).and_then(|field| whole_cell(&field.value));
+    let (Some(from), Some(to)) = (corner("from"), corner("to")) else {
+        let at = fields.values().next()?;
+        sink.push(errors::wrong_place(at.span, &at.value, "whole cells"));
+        return None;
+    };
+    let shift = match &object.at {
+        None => [0, 0],
+        Some(at) => match whole_cell(&at.value) {
+            Some(shift) => shift,
+            None => {
+                sink.push(errors::wrong_place(at.span, &at.value, "a cell for a block of cells"));
+                return None;
+            }
+        },
+    };
+    let low = [0, 1].map(|axis| from[axis].min(to[axis]).saturating_add(shift[axis]));
+    let high = [0, 1].map(|axis| from[axis].max(to[axis]).saturating_add(shift[axis]));
+    Some(clipped(low, high, facts))
+}
+
+/// The part of a block that lies on the lattice; a block that misses it altogether keeps `from` above `to`.
+fn clipped(low: [i64; 2], high: [i64; 2], facts: &dimibot::Facts) -> Body {
+    let last = [facts.cells(Side::Left), facts.cells(Side::Right)].map(|cells| i64::from(cells) - 1);
+    let missed = (0..2).any(|axis| high[axis] < 0 || low[axis] > last[axis]);
+    if missed {
+        return Body::Cells { from: Cell { x: 1, y: 1 }, to: Cell { x: 0, y: 0 } };
+    }
+    let clip = |at: [i64; 2]| Cell { x: at[0].clamp(0, last[0]) as u32, y: at[1].clamp(0, last[1]) as u32 };
+    Body::Cells { from: clip(low), to: clip(high) }
+}
+
+fn solid(object: &Object, shape: Shape, robot: &Robot, sink: &mut Sink) -> Option<Body> {
+    let facts = robot.facts;
+    let pose = match &object.at {
+        None => Pose::at(0.0, 0.0),
+        Some(at) => match (shapes::pose_of(&at.value), whole_cell(&at.value)) {
+            (Some(pose), _) => pose,
+            (None, Some([x, y])) => {
+                Pose::at(x as f64 * facts.pitch_um(Side::Left), y as f64 * facts.pitch_um(Side::Right))
+            }
+            (None, None) => {
+                sink.push(errors::wrong_place(at.span, &at.value, "a cell, a place or a pose"));
+                return None;
+            }
+        },
+    };
+    let own = robot.pose().map_or(pose, |frame| pose.seen_from(frame));
+    if !shapes::within_extent(&shape, &pose) || !shapes::within_extent(&shape, &own) {
+        sink.push(errors::shape_too_large(object.span, &length(MAX_EXTENT_UM)));
+        return None;
+    }
+    Some(Body::Solid { shape, pose })
+}
+
+/// Whether a body can never touch the tip, by its bounding box.
+fn is_outside(body: &Body, facts: &dimibot::Facts) -> bool {
+    match body {
+        Body::Cells { from, to } => from.x > to.x,
+        Body::Solid { shape, pose } => {
+            let Some([low_um, high_um]) = bounds_um(shape, pose, facts.growth_um()) else { return false };
+            let last_um = facts.place_um(last_cell(facts));
+            (0..2).any(|axis| low_um[axis] > last_um[axis] || high_um[axis] < 0.0)
+        }
+    }
+}
+
+/// The cell of all modules at 1.
+fn last_cell(facts: &dimibot::Facts) -> Cell {
+    Cell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 }
+}
+
+/// The lower and the upper corner of the box round a grown body; `None` for a shape that cannot be.
+fn bounds_um(shape: &Shape, pose: &Pose, growth_um: f64) -> Option<[[f64; 2]; 2]> {
+    let grown = shape.grown(pose, growth_um).ok()?;
+    let corners = match &grown.core {
+        Core::Point(point) => std::slice::from_ref(point),
+        Core::Segment(ends) => ends.as_slice(),
+        Core::Polygon(corners) => corners.as_slice(),
+    };
+    let axis = |axis: usize| corners.iter().map(move |corner| corner[axis]);
+    let low_um = [0, 1].map(|at| axis(at).fold(f64::INFINITY, f64::min) - grown.radius_um);
+    let high_um = [0, 1].map(|at| axis(at).fold(f64::NEG_INFINITY, f64::max) + grown.radius_um);
+    Some([low_um, high_um])
+}
+
+/// How far the place of a cell lies from a body's rim; negative inside.
+fn clearance_um(shape: &Shape, pose: &Pose, cell: Cell, facts: &dimibot::Facts) -> f64 {
+    let [x_um, y_um] = facts.place_um(cell);
+    let at = Point2::new(x_um, y_um);
+    let body = shape.grown(pose, 0.0);
+    body.map_or(f64::INFINITY, |body| distance::segment_core([at, at], &body.core) - body.radius_um)
+}
+
+fn order(facts: &dimibot::Facts, cover: &Cover, parts: Parts, device: &str, sink: &mut Sink) -> Option<DimibotOrder> {
+    let precision = precision(&parts.settings, facts, sink);
+    let objective = objective(parts.objective);
+    let simultaneous = simultaneous(&parts.settings).unwrap_or(facts.simultaneous);
+    let planner = planner(&parts, (objective, simultaneous), sink);
+    warn_of_simultaneous(&parts.settings, objective, sink);
+    let mut judge = stops::Judge::new(facts, cover, device, precision.flatten(), sink);
+    let start = parts.start.as_ref().map(|start| judge.start(start));
+    let steps: Vec<Option<Step>> = parts.steps.into_iter().map(|step| judge.step(step)).collect();
+    let steps: Option<Vec<Step>> = steps.into_iter().collect();
+    Some(DimibotOrder {
+        facts: facts.clone(),
+        frame: cover.frame,
+        obstacles: Arc::clone(&cover.obstacles),
+        objective,
+        planner: planner?,
+        simultaneous,
+        precision_um: precision?,
+        start: match start {
+            None => None,
+            Some(start) => Some(start?),
+        },
+        steps: steps?,
+    })
+}
+
+/// The precision of a task: `None` after an error.
+fn precision(settings: &Accepted, facts: &dimibot::Facts, sink: &mut Sink) -> Option<Option<f64>> {
+    let Some(field) = settings.get("precision") else { return Some(None) };
+    let Value::Quantity(asked) = field.value else { return None };
+    let precision_um = asked.in_unit("um");
+    if precision_um < facts.repeatability_um {
+        sink.push(errors::precision_beyond_robot(field.span, &length(precision_um), &length(facts.repeatability_um)));
+        return None;
+    }
+    Some(Some(precision_um))
+}
+
+fn objective(name: Option<&str>) -> Objective {
+    match name {
+        Some("switches") => Objective::Switches,
+        Some("time") => Objective::Time,
+        Some("energy") => Objective::Energy,
+        _ => Objective::Distance,
+    }
+}
+
+/// Only time is saved by switching several modules at once.
+fn warn_of_simultaneous(settings: &Accepted, objective: Objective, sink: &mut Sink) {
+    let is_safe = simultaneous(settings) == Some(Simultaneous::Safe);
+    if let Some(field) = settings.get("simultaneous").filter(|_| is_safe && objective != Objective::Time) {
+        sink.push(errors::simultaneous_in_vain(field.span, objective.name()));
+    }
+}
+
+/// The method and budget of a task; `None` where a published method is asked for what it does not know.
+fn planner(parts: &Parts, asked: (Objective, Simultaneous), sink: &mut Sink) -> Option<Planner> {
+    let Some((planner, _)) = &parts.planner else {
+        return Some(Planner { method: Method::StagedAstar, expansions: DEFAULT_EXPANSIONS });
+    };
+    let method = method(planner.value.name);
+    if let Some((what, span)) = beyond(method, parts, asked, planner.span) {
+        sink.push(errors::planner_cannot(planner.span, planner.value.name, what, span));
+        return None;
+    }
+    Some(Planner { method, expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS) })
+}
+
+/// What a published method is asked for that it does not know, and where; Tweeze's own knows all.
+fn beyond(
+    method: Method,
+    parts: &Parts,
+    asked: (Objective, Simultaneous),
+    chosen: Span,
+) -> Option<(&'static str, Span)> {
+    if method == Method::StagedAstar {
+        return None;
+    }
+    let is_visit = |step: &&tasks::Step| matches!(&step.action, tasks::Action::Verb(call) if call.verb.name == "visit");
+    if let Some(visit) = parts.steps.iter().find(is_visit) {
+        return Some(("order the places of a `visit`", visit.span));
+    }
+    let span = parts.settings.get("simultaneous").map_or(chosen, |setting| setting.span);
+    (asked == (Objective::Time, Simultaneous::Safe)).then_some(("switch several modules in one pulse", span))
+}
+
+fn method(name: &str) -> Method {
+    match name {
+        "dijkstra" => Method::Dijkstra,
+        "bidirectional_dijkstra" => Method::BidirectionalDijkstra,
+        "astar" => Method::Astar,
+        "hypercube_astar" => Method::HypercubeAstar,
+        _ => Method::StagedAstar,
+    }
+}
+
+/// Where a robot stands after a task, as far as that is known before planning.
+#[derive(Clone, Copy)]
+enum Stand {
+    At(Cell),
+    /// After a `visit`, whose order the planner chooses.
+    Unknown,
+}
+
+/// Each `start at` must be where the device's last task left it, as far as that is known before planning.
+pub fn starts_agree(jobs: &[Job], sink: &mut Sink) {
+    let mut stands: BTreeMap<&str, Stand> = BTreeMap::new();
+    for job in jobs {
+        let Some(order) = job.order.dimibot() else { continue };
+        let before = stands.get(job.device.as_str()).copied();
+        if let (Some(start), Some(Stand::At(cell))) = (order.start, before)
+            && start.value != cell
+        {
+            sink.push(order.start_disagrees(start, cell, job));
+        }
+        let begins = order.start.map(|start| Stand::At(start.value)).or(before);
+        let ends = end_of(order).or(begins).unwrap_or(Stand::At(order.facts.home));
+        stands.insert(&job.device, ends);
+    }
+}
+
+/// Where a task's steps end; `None` if they move nothing.
+fn end_of(order: &DimibotOrder) -> Option<Stand> {
+    order.steps.iter().rev().find_map(|step| match &step.action {
+        Action::Move(stops) => stops.last().map(|stop| Stand::At(stop.cell)),
+        Action::Visit(_) => Some(Stand::Unknown),
+        Action::Wait(_) => None,
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,314 @@
+//! Each check just inside and just outside, what an order says, and turns against all turns.
+
+mod turns;
+
+use super::orientation;
+use super::solid;
+use crate::check::imports::{self, Library};
+use crate::check::{Checked, Options, check};
+use crate::claims::Claims;
+use crate::claims::fingers::{Action, FingersOrder, Planner, Turn};
+use crate::device::fingers::{Adhesion, Plane};
+use crate::diagnostic::Sink;
+use crate::source::Sources;
+use std::f64::consts::PI;
+
+struct Nothing;
+
+impl Library for Nothing {
+    fn read(&self, _from: &str, path: &str) -> Result<(String, String), String> {
+        let text = (path == "bead.stl").then(|| ball(16.0, 24));
+        text.map(|text| (path.to_owned(), text)).ok_or_else(|| "there is none".to_owned())
+    }
+}
+
+/// A ball of triangles.
+fn ball(radius: f64, count: usize) -> String {
+    let place = |i: usize, j: usize| {
+        let (polar, round) = (PI * i as f64 / count as f64, PI * (j % (2 * count)) as f64 / count as f64);
+        let [x, y, z] = [polar.sin() * round.cos(), polar.sin() * round.sin(), polar.cos()];
+        let on_axis = i == 0 || i == count;
+        [if on_axis { 0.0 } else { x }, if on_axis { 0.0 } else { y }, z].map(|unit| format!("{:.6}", radius * unit))
+    };
+    let mut text = "solid ball\n".to_owned();
+    for j in 0..2 * count {
+        for i in 0..count {
+            let corners = [place(i, j), place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)];
+            for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
+                if corners[a] != corners[b] && corners[b] != corners[c] && corners[a] != corners[c] {
+                    let vertices = [a, b, c].map(|at| format!("vertex {}", corners[at].join(" "))).join("\n");
+                    text.push_str(&format!("facet normal 0 0 0\nouter loop\n{vertices}\nendloop\nendfacet\n"));
+                }
+            }
+        }
+    }
+    text + "endsolid ball\n"
+}
+
+const BEAD: &str = "ellipsoid { axes: (16 um, 11.845 um, 11.845 um), material: f.silicon }";
+
+/// What is checked, and the codes.
+fn told(text: &str) -> (Option<Checked>, Vec<String>) {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let text = format!("use std.fingers as f\n{text}");
+    let modules = imports::load(&mut sources, "main.twz", &text, &Nothing, &mut sink);
+    let checked = check(&mut sources, &modules, &Options::default(), &mut sink);
+    let codes = sink.sorted().iter().map(|diagnostic| diagnostic.code.to_string()).collect();
+    (checked, codes)
+}
+
+fn program(fields: &str, shape: &str, steps: &str) -> String {
+    format!(
+        "device hand : f.three_fingers {{ {fields} }}\nscene cell {{ part bead : {shape} }}\n\
+         task turn on hand in cell {{ {steps} }}"
+    )
+}
+
+fn assert_codes(text: &str, expected: &[&str]) {
+    assert_eq!(told(text).1, expected, "{text}");
+}
+
+fn shape(shape: &str, expected: &[&str]) {
+    assert_codes(&program("", shape, "precision: 10 deg, rotate bead by 80 deg about z"), expected);
+}
+
+fn steps(steps: &str, expected: &[&str]) {
+    assert_codes(&program("", BEAD, steps), expected);
+}
+
+fn orders(claims: &Claims) -> Vec<&FingersOrder> {
+    claims.jobs.iter().filter_map(|job| job.order.fingers()).collect()
+}
+
+fn order(fields: &str, shape: &str, steps: &str) -> FingersOrder {
+    let (checked, codes) = told(&program(fields, shape, steps));
+    let checked = checked.unwrap_or_else(|| panic!("{codes:?}"));
+    orders(&checked.claims[0])[0].clone()
+}
+
+#[test]
+fn the_papers_case_has_its_contacts_and_its_turns() {
+    let turns = "rotate bead by 80 deg about z, rotate bead by 220 deg about y, rotate bead by 100 deg about z";
+    let order = order("", BEAD, turns);
+    for section in [&order.part.xy, order.part.xz.as_ref().expect("a solid has two")] {
+        assert_eq!((section.contacts, section.opposite), (74, Some(38)));
+        assert!((section.step_rad.to_degrees() - 20.0).abs() < 1e-3);
+    }
+    let of = |step: &crate::claims::fingers::Step| match step.action {
+        Action::Rotate { plane, steps, .. } => Some((plane, steps)),
+        _ => None,
+    };
+    let turned: Vec<_> = order.steps.iter().filter_map(of).collect();
+    assert_eq!(turned, [(Plane::Xy, 4), (Plane::Xz, 11), (Plane::Xy, 5)]);
+    assert_eq!((order.planner, order.facts.adhesion), (Planner::JointAstar, Adhesion::Sticking));
+    // 4/3 π 16 · 11.845² um³ of 2330 kg/m³.
+    assert!((order.load_un[2] + 2.1486e-4).abs() < 1e-8, "{:?}", order.load_un);
+}
+
+#[test]
+fn an_orientation_stands_for_the_same_turns() {
+    let order = order("", BEAD, "orient bead to euler(80 deg, 220 deg, 100 deg)");
+    let Action::Orient { goal, turns, .. } = &order.steps[0].action else { panic!("an orientation") };
+    let whole = |plane, steps| Turn { plane, steps };
+    assert!(turns.contains(&vec![whole(Plane::Xy, 4), whole(Plane::Xz, 11), whole(Plane::Xy, 5)]));
+    // The second solution, and the long ways.
+    assert!(turns.contains(&vec![whole(Plane::Xy, -5), whole(Plane::Xz, 7), whole(Plane::Xy, -4)]));
+    assert!(turns.contains(&vec![whole(Plane::Xy, 4), whole(Plane::Xz, -7), whole(Plane::Xy, 5)]));
+    for turns in turns {
+        let off = orientation::after(turns, &order.part).angle_to(&orientation::read(*goal));
+        assert!(off <= order.precision_rad);
+    }
+}
+
+#[test]
+fn an_orientation_counts_from_where_the_part_is() {
+    let order = order("", BEAD, "rotate bead by 80 deg about z, orient bead to euler(120 deg, 0 deg, 0 deg)");
+    let Action::Orient { turns, .. } = &order.steps[1].action else { panic!("an orientation") };
+    assert_eq!(turns[0], [Turn { plane: Plane::Xy, steps: 2 }]);
+}
+
+#[test]
+fn a_part_that_is_there_needs_no_turn() {
+    let order = order("", BEAD, "orient bead to quaternion(1, 0, 0, 0)");
+    let Action::Orient { turns, .. } = &order.steps[0].action else { panic!("an orientation") };
+    assert_eq!(turns[0], []);
+}
+
+#[test]
+fn a_turn_about_x_needs_a_step_that_divides_90_deg() {
+    steps("rotate bead by 80 deg about x", &["E0545"]);
+    let order = order("step: 10 deg", BEAD, "precision: 1 deg, rotate bead by 80 deg about x");
+    let Action::Orient { goal, turns, .. } = &order.steps[0].action else { panic!("an orientation") };
+    assert!((goal[1] - 40f64.to_radians().sin()).abs() < 1e-9 && goal[2].abs() + goal[3].abs() < 1e-9);
+    let whole = |plane, steps| Turn { plane, steps };
+    assert!(turns.contains(&vec![whole(Plane::Xy, -9), whole(Plane::Xz, 8), whole(Plane::Xy, 9)]), "{turns:?}");
+}
+
+#[test]
+fn steps_of_a_full_turn() {
+    for (step, codes) in [("20 deg", &[][..]), ("20.1 deg", &["E0425"]), ("90 deg", &[]), ("120 deg", &["E0425"])] {
+        assert_codes(
+            &program(&format!("step: {step}"), BEAD, "precision: 40 deg, rotate bead by 80 deg about z"),
+            codes,
+        );
+    }
+    assert_codes(&program("step: 51.4286 deg", BEAD, "precision: 40 deg, rotate bead by 80 deg about z"), &[]);
+    assert_codes(&program("gaiting_cost: 0.5 deg", BEAD, "grasp bead"), &["E0403"]);
+    assert_codes(&program("gaiting_cost: 1 deg", BEAD, "grasp bead"), &[]);
+}
+
+#[test]
+fn angles_are_whole_steps_within_the_precision() {
+    steps("rotate bead by 80.49 deg about z", &[]);
+    steps("rotate bead by 80.51 deg about z", &["E0543"]);
+    steps("rotate bead by -80.49 deg about y", &[]);
+    steps("precision: 0.1 deg, rotate bead by 80.49 deg about z", &["E0543"]);
+    steps("rotate bead by 360 deg about z", &[]);
+    steps("rotate bead by -360.1 deg about z", &["E0544"]);
+    steps("rotate bead by 0 deg about z", &[]);
+}
+
+#[test]
+fn hollows_take_the_tips_that_fit() {
+    // At t = 0 it is hollow with a radius of 13² / (24 - 14) um.
+    let bean = "profile { x: 14 um * cos(t) - 6 um * cos(2 * t), y: 13 um * sin(t) }";
+    let turn = "precision: 10 deg, rotate bead by 80 deg about z";
+    assert_codes(&program("tip_radius: 16.8 um, range: (200 um, 200 um, 200 um)", bean, turn), &[]);
+    assert_codes(&program("tip_radius: 17 um, range: (200 um, 200 um, 200 um)", bean, turn), &["E0540"]);
+}
+
+#[test]
+fn shapes_just_possible_and_just_not() {
+    shape("rounded_box { size: (30 um, 20 um, 10 um), radius: 5 um }", &[]);
+    shape("rounded_box { size: (30 um, 20 um, 10 um), radius: 5.01 um }", &["E0514"]);
+    shape("superellipsoid { axes: (16 um, 12 um, 12 um), exponent: 10 }", &[]);
+    shape("superellipsoid { axes: (16 um, 12 um, 12 um), exponent: 10.01 }", &["E0514"]);
+    shape("profile { points: [(9 um, 0 um), (0 um, 7 um), (-9 um, 0 um), (0 um, -7 um)] }", &[]);
+    shape("profile { points: [(9 um, 0 um), (0 um, 7 um), (-9 um, 0 um)] }", &["E0514"]);
+    shape("profile { points: [(9 um, 0 um), (-9 um, 0 um), (0 um, 7 um), (0 um, -7 um)] }", &["E0514"]);
+    shape("ellipsoid { axes: (16 um, 12 um, 0 um) }", &["E0403"]);
+    shape("mesh { file: \"bead.stl\", unit: 1 um }", &[]);
+    shape("mesh { file: \"none.stl\", unit: 1 um }", &["E0204"]);
+}
+
+#[test]
+fn points_may_go_round_either_way() {
+    let order = |points: &str| order("", &format!("profile {{ points: [{points}] }}"), "grasp bead");
+    let one = order("(16 um, 0 um), (0 um, 12 um), (-16 um, 0 um), (0 um, -12 um)");
+    let other = order("(0 um, -12 um), (-16 um, 0 um), (0 um, 12 um), (16 um, 0 um)");
+    assert_eq!(one.part.xy, other.part.xy);
+    assert_eq!(one.part.xz, None);
+}
+
+#[test]
+fn the_second_section_is_written_by_x_and_z() {
+    // It reaches further up than down.
+    let lifted = "sections { xy: profile { x: 16 um * cos(t), y: 12 um * sin(t) },
+        xz: profile { x: 16 um * cos(t), y: 12 um * sin(t) + 2 um * (1 - cos(2 * t)) } }";
+    let order = order("", lifted, "precision: 9 deg, rotate bead by 80 deg about z");
+    let section = order.part.xz.clone().expect("it is given");
+    let curve = crate::geometry::outline::Curve::of(&section.outline).expect("it can be followed");
+    let up = -curve.nearest([0.0, -100.0]).distance_um + 100.0;
+    assert!((up - 16.0).abs() < 1e-3, "z is up, the plane's second axis is down: {up}");
+}
+
+#[test]
+fn volumes_agree_with_sums() {
+    let volume = |text: &str| {
+        let order = order("range: (1 mm, 1 mm, 1 mm)", &format!("{text}, material: 1e6 kg/m^3 }}"), "grasp bead");
+        -order.load_un[2] / (1e6 * 1e-18 * 9.806_65 * 1e6)
+    };
+    let near = |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 1e-9, "{found} is not {exact}");
+    near(volume("superellipsoid { axes: (16 um, 12 um, 11 um), exponent: 2"), 4.0 / 3.0 * PI * 16.0 * 12.0 * 11.0);
+    near(volume("rounded_box { size: (20 um, 20 um, 20 um), radius: 10 um"), 4.0 / 3.0 * PI * 1000.0);
+    let found = volume("superellipsoid { axes: (16 um, 12 um, 11 um), exponent: 4");
+    let (count, mut share) = (2000, 0.0);
+    for i in 0..count {
+        for j in 0..count {
+            let [x, y] = [i, j].map(|k| (f64::from(k) + 0.5) / f64::from(count));
+            share += (1.0 - x.powi(4) - y.powi(4)).max(0.0).powf(0.25) / f64::from(count).powi(2);
+        }
+    }
+    assert!((found / (8.0 * 16.0 * 12.0 * 11.0 * share) - 1.0).abs() < 1e-4);
+}
+
+#[test]
+fn a_mesh_is_its_ball() {
+    let order = order("", "mesh { file: \"bead.stl\", unit: 1 um, material: 1e6 kg/m^3 }", "grasp bead");
+    let found = -order.load_un[2] / (1e6 * 1e-18 * 9.806_65 * 1e6);
+    assert!((found / (4.0 / 3.0 * PI * 16f64.powi(3)) - 1.0).abs() < 0.02, "{found}");
+    assert!(order.part.centre_um.iter().all(|um| um.abs() < 0.01));
+    // A circle of 16 um: 18 (1 + 16/4.5) = 82.
+    assert_eq!((order.part.xy.contacts, order.part.xy.opposite), (82, Some(42)));
+}
+
+#[test]
+fn sections_that_meet_hand_over() {
+    let of = |x: f64| {
+        format!(
+            "sections {{ xy: profile {{ x: 16 um * cos(t), y: 12 um * sin(t) }}, \
+             xz: profile {{ x: {x} um * cos(t), y: 12 um * sin(t) }} }}"
+        )
+    };
+    let both = "precision: 9 deg, rotate bead by 80 deg about z, rotate bead by 80 deg about y";
+    assert_codes(&program("", &of(16.01), both), &[]);
+    assert_codes(&program("", &of(16.02), both), &["E0542"]);
+    assert_codes(&program("", &of(16.02), "precision: 9 deg, rotate bead by 80 deg about y"), &[]);
+}
+
+#[test]
+fn tips_keep_apart() {
+    steps("grasp bead at (1, 7)", &[]);
+    steps("grasp bead at (1, 6)", &["E0547"]);
+    steps("grasp bead at (74, 6)", &[]);
+    steps("grasp bead at [0, 74, 38]", &[]);
+    steps("grasp bead at (0, 75, 38)", &["E0547"]);
+    steps("grasp bead at (0, 0, 38)", &["E0547"]);
+    steps("grasp bead at (1, 38, 38)", &["E0547"]);
+}
+
+#[test]
+fn stages_reach_round_the_part() {
+    // 16 um, and 32.05 um to the sphere of the third finger; 9.15 um more to that of a fourth.
+    steps("grasp bead, translate bead by (51.94 um, 0 um, 0 um)", &[]);
+    steps("grasp bead, translate bead by (51.96 um, 0 um, 0 um)", &["E0550"]);
+    steps("grasp bead, translate bead by (41 um, 0 um, 0 um), translate bead by (11 um, 0 um, 0 um)", &["E0550"]);
+    assert_codes(&program("fingers: 4", BEAD, "grasp bead, translate bead by (42.79 um, 0 um, 0 um)"), &[]);
+    assert_codes(&program("fingers: 4", BEAD, "grasp bead, translate bead by (42.81 um, 0 um, 0 um)"), &["E0550"]);
+}
+
+#[test]
+fn a_release_needs_its_support() {
+    assert_codes(&program("support: 2.7 uN", BEAD, "grasp bead, release"), &[]);
+    assert_codes(&program("support: 2.69 uN", BEAD, "grasp bead, release"), &["E0549"]);
+    assert_codes(&program("adhesion: false", BEAD, "grasp bead, release"), &[]);
+    assert_codes(&program("adhesion: false", BEAD, "grasp bead, release, release"), &["E0548"]);
+}
+
+#[test]
+fn loops_of_shapes_have_their_end() {
+    let text = "let row = [1, 2]\nscene cell { for i in 0..1000 { part p[i] : profile { x: 9 um * cos(t), y: 7 um * sin(t) } } }";
+    assert!(told(text).1.contains(&"E0308".to_owned()));
+}
+
+#[test]
+fn reaches_agree_with_samples() {
+    let text = program(
+        "range: (1 mm, 1 mm, 1 mm)",
+        "superellipsoid { axes: (16 um, 12 um, 11 um), exponent: 5 }",
+        "grasp bead",
+    );
+    assert!(told(&text).0.is_some());
+    let reach = solid::super_reach([16.0, 12.0, 11.0], 5.0);
+    let mut most: f64 = 0.0;
+    for i in 0..=400 {
+        for j in 0..=400 {
+            let [a, b] = [i, j].map(|k| f64::from(k) / 400.0 * PI / 2.0);
+            let unit = [a.cos() * b.cos(), a.cos() * b.sin(), a.sin()];
+            let length =
+                [16.0, 12.0, 11.0].iter().zip(unit).map(|(axis, u)| (u / axis).abs().powi(5)).sum::<f64>().powf(-0.2);
+            most = most.max(length);
+        }
+    }
+    assert!(most <= reach && reach < most * (1.0 + 1e-4), "{most} {reach}");
+}

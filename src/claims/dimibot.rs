@@ -1,0 +1,201 @@
+//! What a task claims of a DiMiBot.
+
+use super::Job;
+use crate::device::dimibot;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::geometry::shape::{Pose, Shape};
+use crate::source::{Span, Spanned};
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// A task of a DiMiBot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DimibotOrder {
+    pub facts: dimibot::Facts,
+    /// Where the robot's frame R1 stands in its scene; without it the scene is in the robot's own coordinates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<Pose>,
+    /// In the scene's coordinates. Shared by all tasks of one device in one scene.
+    pub obstacles: Arc<Vec<Obstacle>>,
+    pub objective: Objective,
+    pub planner: Planner,
+    pub simultaneous: dimibot::Simultaneous,
+    /// How far the cell taken for a place may lie from it; without it any nearest cell will do.
+    pub precision_um: Option<f64>,
+    /// `start at`, where the task says it; else the robot stands where its last task left it, or at home.
+    pub start: Option<Spanned<dimibot::Cell>>,
+    pub steps: Vec<Step>,
+}
+
+impl DimibotOrder {
+    /// E0507: the task says to start at one cell, and its robot stands at another. The checker finds it where the task before ends
+    /// at a known cell, the planner after a `visit`.
+    pub fn start_disagrees(&self, start: Spanned<dimibot::Cell>, stands: dimibot::Cell, job: &Job) -> Diagnostic {
+        let show = |cell: dimibot::Cell| format!("{cell}, {}", self.facts.word_text(cell));
+        let (asked, stands, device) = (show(start.value), show(stands), &job.device);
+        Diagnostic::new(Code::E0507, format!("the task starts at {asked}, but `{device}` stands at {stands} by then"))
+            .label(start.span, "not where the robot stands")
+            .label_elsewhere(job.run_span, start.span, "run here")
+            .help(format!("leave `start at` out, or start where the last task of `{device}` ended: {stands}"))
+    }
+}
+
+impl DimibotOrder {
+    /// The scene's coordinates of a place in the robot's own frame.
+    pub fn in_scene_um(&self, own_um: [f64; 2]) -> [f64; 2] {
+        in_scene_um(own_um, self.frame.as_ref())
+    }
+}
+
+/// The scene's coordinates of a place in the frame of a robot that stands there.
+pub fn in_scene_um(own_um: [f64; 2], frame: Option<&Pose>) -> [f64; 2] {
+    match frame {
+        Some(frame) => (frame.isometry() * Point2::from(own_um)).coords.into(),
+        None => own_um,
+    }
+}
+
+/// The coordinates of a place of the scene in the frame of a robot that stands there.
+pub fn in_robot_um(scene_um: [f64; 2], frame: Option<&Pose>) -> [f64; 2] {
+    match frame {
+        Some(frame) => frame.isometry().inverse_transform_point(&Point2::from(scene_um)).coords.into(),
+        None => scene_um,
+    }
+}
+
+/// What is minimised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Objective {
+    Distance,
+    Switches,
+    Time,
+    Energy,
+}
+
+impl Objective {
+    /// Its word in the language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Objective::Distance => "distance",
+            Objective::Switches => "switches",
+            Objective::Time => "time",
+            Objective::Energy => "energy",
+        }
+    }
+
+    /// The unit of its cost in schedules and reports; a count has none.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Objective::Distance => "um",
+            Objective::Switches => "",
+            Objective::Time => "ms",
+            Objective::Energy => "mJ",
+        }
+    }
+}
+
+/// How the plan is searched; all agree on its cost.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Planner {
+    pub method: Method,
+    /// States that one search may expand.
+    pub expansions: u64,
+}
+
+/// The search methods, by the names of [`dimibot::PLANNERS`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    StagedAstar,
+    Dijkstra,
+    BidirectionalDijkstra,
+    Astar,
+    HypercubeAstar,
+}
+
+impl Method {
+    /// Its word in the language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::StagedAstar => "staged_astar",
+            Method::Dijkstra => "dijkstra",
+            Method::BidirectionalDijkstra => "bidirectional_dijkstra",
+            Method::Astar => "astar",
+            Method::HypercubeAstar => "hypercube_astar",
+        }
+    }
+}
+
+/// What the tip must not touch.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Obstacle {
+    /// The name in the scene.
+    pub name: String,
+    pub body: Body,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// The extent of an obstacle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Body {
+    /// Lattice cells, corners included, as in the paper: not grown. `from` is the lower corner in both axes.
+    Cells { from: dimibot::Cell, to: dimibot::Cell },
+    /// A body in the workspace, to be grown by tip radius and repeatability.
+    Solid { shape: Shape, pose: Pose },
+}
+
+impl Body {
+    /// The body of a scene in the coordinates of a robot that stands there. Cells are the robot's own in any case.
+    pub fn seen_from(&self, frame: Option<&Pose>) -> Cow<'_, Body> {
+        match (self, frame) {
+            (Body::Solid { shape, pose }, Some(frame)) => {
+                Cow::Owned(Body::Solid { shape: shape.clone(), pose: pose.seen_from(frame) })
+            }
+            (Body::Solid { .. }, None) | (Body::Cells { .. }, Some(_) | None) => Cow::Borrowed(self),
+        }
+    }
+}
+
+/// One step of a DiMiBot's task.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    pub action: Action,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// What a step does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Action {
+    /// Through the stops in their order; the last one is the goal.
+    Move(Vec<Stop>),
+    /// Through all stops, in whatever order is best.
+    Visit(Vec<Stop>),
+    /// Nothing is switched for so long.
+    Wait(u64),
+}
+
+/// A place to be reached.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stop {
+    pub asked: Asked,
+    /// The cell that stands for it.
+    pub cell: dimibot::Cell,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// What the program asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Asked {
+    Cell,
+    /// A place in the scene's coordinates; without a frame these are the robot's own, from word 0 along the axes of R1.
+    Place([f64; 2]),
+}

@@ -1,0 +1,241 @@
+//! What a build tells of each stage: one line for what was checked, planned, verified and written.
+//!
+//! What a plan's line says is the kind's own; it stands in a file of the kind's name.
+
+mod dimibot;
+mod electrode_array;
+mod fingers;
+mod microrobots;
+
+use super::terminal;
+use crate::check::Tally;
+use crate::claims::{Job, Order};
+use crate::compile::Compiled;
+use crate::quantity::{Dimension, Quantity, digits};
+use crate::schedule::{PlanRecord, Schedule, Step};
+use crate::verify::Verified;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Runs of one schedule that the report shows; the rest is counted. Of each sort of note it shows as many.
+const MAX_PLAN_LINES: usize = 20;
+
+/// One run of a schedule.
+struct Told<'a> {
+    job: &'a Job,
+    plan: &'a PlanRecord,
+    /// In the order of the task.
+    steps: Vec<&'a Step>,
+}
+
+/// More that a kind has to tell of a run: what it is about, and the line.
+type Note = (Topic, String);
+
+/// What a note is about, in the order of the report.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Topic {
+    Visits,
+    Nearest,
+    Waits,
+    Guaranteed,
+    Contacts,
+    Remarked,
+    Absent,
+    Idle,
+}
+
+impl Topic {
+    const ALL: [Topic; 8] = [
+        Topic::Visits,
+        Topic::Nearest,
+        Topic::Waits,
+        Topic::Guaranteed,
+        Topic::Contacts,
+        Topic::Remarked,
+        Topic::Absent,
+        Topic::Idle,
+    ];
+
+    fn label(self) -> &'static str {
+        match self {
+            Topic::Visits => "Visits",
+            Topic::Nearest => "Nearest",
+            Topic::Waits => "Waits",
+            Topic::Guaranteed => "Assured",
+            Topic::Contacts => "Contacts",
+            Topic::Remarked => "Chosen",
+            Topic::Absent => "Absent",
+            Topic::Idle => "Idle",
+        }
+    }
+}
+
+/// The report of a whole build, each of its schedules written to some paths.
+pub fn build(file: &Path, compiled: &Compiled, settings_in_force: &[String], written: &[Vec<String>]) -> String {
+    let file = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let paths = written.iter().flatten().cloned();
+    let subjects = compiled.schedules.iter().flat_map(subjects).chain(paths).chain([file.clone()]);
+    let width = width(subjects.chain(settings_in_force.iter().map(|setting| format!("--set {setting}"))));
+    let mut text = terminal::line("Checked", &file, width, &tally(compiled.tally));
+    text.push_str(&settings(settings_in_force, width));
+    for verified in &compiled.schedules {
+        planned(verified, width, &mut text);
+    }
+    for verified in &compiled.schedules {
+        let schedule = verified.schedule();
+        let replayed = format!("{} replayed, 0 violations", count(schedule.actuations.len(), "actuation"));
+        text.push_str(&terminal::line("Verified", &schedule.name, width, &replayed));
+    }
+    for (verified, paths) in compiled.schedules.iter().zip(written) {
+        let mut figures = figures(verified.schedule());
+        for path in paths {
+            text.push_str(&terminal::line("Wrote", path, width, &figures));
+            figures.clear();
+        }
+    }
+    text
+}
+
+/// The columns that the names of a report take.
+pub fn width(names: impl Iterator<Item = String>) -> usize {
+    names.map(|name| terminal::name(&name).chars().count()).max().unwrap_or(0)
+}
+
+/// A line for each setting in force: with it the program is another one than its text alone.
+pub fn settings(settings: &[String], width: usize) -> String {
+    let line =
+        |setting: &String| terminal::line("With", &format!("--set {setting}"), width, "instead of its own value");
+    settings.iter().map(line).collect()
+}
+
+/// The names that the lines of a schedule begin with: its runs, where they are not all of it, with its own name before.
+fn subjects(verified: &Verified) -> Vec<String> {
+    let schedule = verified.schedule();
+    let subject = |plan: &PlanRecord| match plan.task == schedule.name {
+        true => plan.task.clone(),
+        false => format!("{}: {}", schedule.name, plan.task),
+    };
+    schedule.plans.iter().take(MAX_PLAN_LINES).map(subject).collect()
+}
+
+fn planned(verified: &Verified, width: usize, text: &mut String) {
+    let runs = runs(verified);
+    for (run, subject) in runs.iter().zip(subjects(verified)) {
+        text.push_str(&terminal::line("Planned", &subject, width, &cost(run)));
+    }
+    let more = runs.len().saturating_sub(MAX_PLAN_LINES);
+    if more > 0 {
+        text.push_str(&terminal::line("", "", width, &format!("and {} more", count(more, "run"))));
+    }
+    let notes: Vec<Note> = runs.iter().flat_map(notes).chain(idle(verified)).collect();
+    for topic in Topic::ALL {
+        let mut lines: Vec<&str> = Vec::new();
+        for (_, line) in notes.iter().filter(|(other, _)| *other == topic) {
+            if topic == Topic::Visits || !lines.contains(&line.as_str()) {
+                lines.push(line);
+            }
+        }
+        for line in lines.iter().take(MAX_PLAN_LINES) {
+            text.push_str(&terminal::line(topic.label(), "", width, line));
+        }
+        if lines.len() > MAX_PLAN_LINES {
+            let more = count(lines.len() - MAX_PLAN_LINES, "line");
+            text.push_str(&terminal::line(
+                "",
+                "",
+                width,
+                &format!("and {more} more, all of them in the JSON schedule"),
+            ));
+        }
+    }
+    for [one, other] in &verified.claims().not_held {
+        let line = format!("`{one}` and `{other}` are not: no scene says where both stand");
+        text.push_str(&terminal::line("Apart", "", width, &line));
+    }
+}
+
+fn runs(verified: &Verified) -> Vec<Told<'_>> {
+    let (schedule, claims) = (verified.schedule(), verified.claims());
+    let told = |(plan, job)| Told { job, plan, steps: Vec::new() };
+    let mut runs: Vec<Told> = schedule.plans.iter().zip(&claims.jobs).map(told).collect();
+    for step in &schedule.steps {
+        runs[step.plan as usize].steps.push(step);
+    }
+    runs
+}
+
+/// The runs in which nothing is switched and nothing moves.
+fn idle(verified: &Verified) -> Vec<Note> {
+    let schedule = verified.schedule();
+    let busy: BTreeSet<u32> =
+        schedule.actuations.iter().map(|actuation| schedule.steps[actuation.step as usize].plan).collect();
+    let is_idle = |(index, _): &(u32, &PlanRecord)| !busy.contains(index);
+    let line = |(_, plan): (u32, &PlanRecord)| (Topic::Idle, format!("{}: 0 actuations, nothing is done", plan.task));
+    (0..).zip(&schedule.plans).filter(is_idle).map(line).collect()
+}
+
+/// What a run costs and how good that is.
+fn cost(run: &Told) -> String {
+    match &run.job.order {
+        Order::Dimibot(order) => dimibot::cost(run.plan, order),
+        Order::ElectrodeArray(order) => electrode_array::cost(run.plan, order),
+        Order::Microrobots(_) => microrobots::cost(run.plan),
+        Order::Fingers(_) => fingers::cost(run.plan),
+    }
+}
+
+fn notes(run: &Told) -> Vec<Note> {
+    match &run.job.order {
+        Order::Dimibot(order) => dimibot::notes(run, order),
+        Order::ElectrodeArray(_) => Vec::new(),
+        Order::Microrobots(order) => microrobots::notes(run, order),
+        Order::Fingers(order) => fingers::notes(run, order),
+    }
+}
+
+/// What steps reach, where that is not what they ask for.
+fn reached<'a>(run: &'a Told) -> impl Iterator<Item = Note> + 'a {
+    let all = run.steps.iter().flat_map(|step| &step.reached);
+    all.filter(|reached| reached.is_off()).map(|reached| (Topic::Nearest, reached.to_string()))
+}
+
+/// `optimal (bound 29.88 um)`.
+fn proof(plan: &PlanRecord, figure: impl Fn(f64) -> String) -> String {
+    match plan.optimal {
+        true => format!("optimal (bound {})", figure(plan.bound)),
+        false => format!("not proven optimal (bound {})", figure(plan.bound)),
+    }
+}
+
+/// `20 channels, 9 actuations, 135 ms, 270 mJ`; the energy where a kind counts it.
+fn figures(schedule: &Schedule) -> String {
+    let energies: Vec<f64> = schedule.plans.iter().filter_map(|plan| plan.outcomes.get("energy")).copied().collect();
+    let mut figures = format!(
+        "{}, {}, {}",
+        count(schedule.channels.len(), "channel"),
+        count(schedule.actuations.len(), "actuation"),
+        Quantity::new(schedule.duration_ns as f64 / 1e9, Dimension::TIME),
+    );
+    if !energies.is_empty() {
+        figures.push_str(&format!(", {}", Quantity::new(energies.iter().sum(), Dimension::ENERGY)));
+    }
+    figures
+}
+
+/// A figure for the report: two decimals, more where the value is small.
+fn rounded(value: f64) -> String {
+    if value.abs() >= 1.0 { digits((value * 100.0).round() / 100.0) } else { digits(value) }
+}
+
+/// `1 device, 1 scene, 2 tasks`.
+pub fn tally(tally: Tally) -> String {
+    let parts =
+        [(tally.devices, "device"), (tally.scenes, "scene"), (tally.tasks, "task"), (tally.programs, "program")];
+    let parts: Vec<String> = parts.into_iter().filter(|part| part.0 > 0).map(|(n, noun)| count(n, noun)).collect();
+    if parts.is_empty() { "nothing declared".to_owned() } else { parts.join(", ") }
+}
+
+fn count(number: usize, noun: &str) -> String {
+    let plural = if noun.ends_with("ch") { "es" } else { "s" };
+    format!("{number} {noun}{}", if number == 1 { "" } else { plural })
+}

@@ -1,0 +1,124 @@
+//! What a log shows of microrobots: the bed with its obstacles, each robot where it is and its frame, its way, its orbit, and the
+//! arms as numbers to be plotted. One unit of its pictures is one micrometre.
+
+mod course;
+mod scene;
+
+use super::foxglove::{self, PosesInFrame};
+use super::frames::{Mover, Stand};
+use super::voltages::{Shape, encode_fields, schema};
+use super::{Topic, drawing};
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::emit::identifier;
+use crate::geometry::Pose;
+use crate::verify::Verified;
+use course::{Course, Moment};
+use std::collections::BTreeMap;
+
+/// The name of the field that tells which control state the bed is in.
+const CONTROL: &str = "control";
+
+/// From where to where the picture reaches along x.
+pub fn reach_um(order: &MicrorobotsOrder) -> [f64; 2] {
+    let starts = (0..order.robots.len()).map(|robot| (order.robots[robot].pose, orbit_um(order, robot)));
+    let goals = scene::goals(order).map(|(robot, stop)| (stop.pose, orbit_um(order, robot)));
+    let obstacles = order.obstacles.iter().map(|obstacle| (obstacle.pose, 0.0));
+    let ends =
+        starts.chain(goals).chain(obstacles).map(|(pose, reach_um)| [pose.x_um - reach_um, pose.x_um + reach_um]);
+    ends.fold([0.0; 2], |[low, high], [left, right]| [f64::min(low, left), f64::max(high, right)])
+}
+
+/// How far from its place the orbit of a robot reaches.
+fn orbit_um(order: &MicrorobotsOrder, robot: usize) -> f64 {
+    let facts = order.robot(robot);
+    facts.turning_radius_um + facts.orbit_reach_um()
+}
+
+/// The frame that goes with a robot.
+fn frame(device: &str, robot: &str) -> String {
+    format!("{device}/{robot}")
+}
+
+/// The nearest pose whose numbers are the same on every machine.
+fn stand(pose: &Pose) -> Stand {
+    let place = drawing::snap(nalgebra::Point2::new(pose.x_um, pose.y_um));
+    Stand::turned([place.x, place.y, 0.0], pose.heading_rad)
+}
+
+/// All topics of a device but its voltages, and its robots, which move.
+pub fn topics(verified: &Verified, device: &str) -> (Vec<Topic>, Vec<Mover>) {
+    let course = Course::new(verified, device);
+    let mut topics = vec![poses(&course, device)];
+    topics.extend((0..course.robots.len()).map(|robot| path(&course, device, robot)));
+    topics.extend(arms(&course, device));
+    topics.extend(scene::topics(&course, device));
+    (topics, movers(&course, device))
+}
+
+/// `/<device>/poses`: all robots, in the order of the table, which the metadata list.
+fn poses(course: &Course, device: &str) -> Topic {
+    let message = |moment: &Moment| {
+        let poses = moment.poses.iter().filter_map(|pose| stand(pose).pose()).collect();
+        let (timestamp, frame_id) = (foxglove::timestamp(moment.t_ns), device.to_owned());
+        (moment.t_ns, foxglove::encode(&PosesInFrame { timestamp, frame_id, poses }))
+    };
+    let moments = course.plans.iter().flat_map(|plan| &plan.moments);
+    let mut topic = Topic::new::<PosesInFrame>(format!("/{device}/poses"), moments.map(message).collect());
+    topic.metadata.insert("robots".to_owned(), course.robots.join(" "));
+    topic
+}
+
+/// `/<device>/path/<robot>`: where a robot goes in each plan.
+fn path(course: &Course, device: &str, robot: usize) -> Topic {
+    let messages = course.plans.iter().map(|plan| {
+        let poses = plan.moments.iter().filter_map(|moment| stand(&moment.poses[robot]).pose()).collect();
+        let (timestamp, frame_id) = (foxglove::timestamp(plan.start_ns), device.to_owned());
+        (plan.start_ns, foxglove::encode(&PosesInFrame { timestamp, frame_id, poses }))
+    });
+    Topic::new::<PosesInFrame>(format!("/{device}/path/{}", course.robots[robot]), messages.collect())
+}
+
+/// `/<device>/arms`: the control state and every arm, 1 for down, as numbers; the old ones once more before each change, so that
+/// a plot does not show a slope.
+fn arms(course: &Course, device: &str) -> Option<Topic> {
+    let facts = &course.plans.first()?.order.facts;
+    let rows = facts.robots.iter().map(|robot| robot.name.as_str());
+    let names = identifier::distinct(std::iter::once(CONTROL).chain(rows.clone()));
+    let mut said: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+    for leg in course.plans.iter().flat_map(|plan| &plan.legs) {
+        let before =
+            leg.start_ns.checked_sub(1).and_then(|before_ns| Some((before_ns, said.values().next_back()?.clone())));
+        if let Some((before_ns, last)) = before {
+            said.entry(before_ns).or_insert(last);
+        }
+        let arms = leg.arms.iter().map(|arm| f64::from(*arm));
+        said.insert(leg.start_ns, std::iter::once(leg.control as f64).chain(arms).collect());
+    }
+    let package = format!("tweeze.{}", identifier::distinct([device])[0]);
+    let metadata = names.iter().cloned().zip(
+        std::iter::once("index of the control state".to_owned())
+            .chain(rows.map(|name| format!("steering arm of {name}: 0 up, 1 down"))),
+    );
+    Some(Topic {
+        name: format!("/{device}/arms"),
+        schema: schema(&package, "Arms", Shape::Fields(&names)),
+        metadata: metadata.collect(),
+        messages: said.into_iter().map(|(t_ns, values)| (t_ns, encode_fields(&values))).collect(),
+    })
+}
+
+/// The frame of each robot, told whenever it has moved, and once more before it moves.
+fn movers(course: &Course, device: &str) -> Vec<Mover> {
+    let moments: Vec<&Moment> = course.plans.iter().flat_map(|plan| &plan.moments).collect();
+    let of_robot = |(robot, name): (usize, &String)| {
+        let moved = |a: usize, b: usize| moments[a].poses[robot] != moments[b].poses[robot];
+        let told = |at: &usize| *at == 0 || moved(at - 1, *at) || (at + 1 < moments.len() && moved(*at, at + 1));
+        let places = (0..moments.len()).filter(told);
+        let places = places.map(|at| (moments[at].t_ns, Some(stand(&moments[at].poses[robot])))).collect();
+        Mover { frame: frame(device, name), device: device.to_owned(), places }
+    };
+    course.robots.iter().enumerate().map(of_robot).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,398 @@
+use super::{EmitError, Format, Provenance, emit, fixture};
+use crate::diagnostic::Code;
+use crate::schedule::{Unit, json};
+use crate::verify::Verified;
+
+mod positions;
+
+fn one(format: Format, (verified, provenance): &(Verified, Provenance)) -> Vec<u8> {
+    let mut files = emit(format, verified, provenance).expect("the fixture can be written");
+    files.remove(0).bytes
+}
+
+fn text(format: Format, fixture: &(Verified, Provenance)) -> String {
+    String::from_utf8(one(format, fixture)).expect("the format is text")
+}
+
+fn code(format: Format, verified: &Verified) -> Code {
+    let error = emit(format, verified, &Provenance::default()).expect_err("the schedule cannot be written");
+    error.diagnostic().code
+}
+
+/// The formats that a fixture can be written in: G-code is of stages only.
+fn formats(verified: &Verified) -> impl Iterator<Item = Format> {
+    let all_stages = verified.schedule().channels.iter().all(|channel| channel.unit == Unit::Micrometre);
+    Format::ALL.iter().copied().filter(move |format| all_stages || *format != Format::Gcode)
+}
+
+#[test]
+fn names_find_their_formats() {
+    for format in Format::ALL {
+        assert_eq!(Format::find(format.name()), Some(*format));
+    }
+    assert_eq!(Format::find("MCAP"), None);
+}
+
+#[test]
+fn the_same_schedule_gives_the_same_bytes() {
+    for make in [fixture::fetch, fixture::pair, fixture::idle, fixture::bed, fixture::paces, fixture::hand] {
+        let (verified, provenance) = make();
+        for format in formats(&verified) {
+            let (again, _) = make();
+            let files = emit(format, &verified, &provenance).unwrap();
+            assert_eq!(files, emit(format, &again, &provenance).unwrap());
+            assert!(!files.is_empty());
+            assert!(
+                files.iter().all(|file| file.name.starts_with(&verified.schedule().name) && !file.bytes.is_empty())
+            );
+        }
+    }
+}
+
+#[test]
+fn json_comes_back_as_it_was() {
+    for make in
+        [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::bed, fixture::paces, fixture::hand]
+    {
+        let fixture = make();
+        let bytes = one(Format::Json, &fixture);
+        let back = json::read(&bytes).unwrap();
+        assert_eq!(&back, fixture.0.schedule());
+        assert_eq!(json::write(&back), bytes);
+    }
+}
+
+#[test]
+fn csv_has_a_row_for_each_change_and_units_and_wires_in_the_header() {
+    let text = text(Format::Csv, &fixture::fetch());
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    assert_eq!(header[..2], ["time [ns]", "bot.bl0.set [V] @ Dev1/port0/line0"]);
+    assert_eq!(header.len(), 21);
+    let rows: Vec<&str> = lines.collect();
+    assert_eq!(rows[0], "0,20,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0");
+    assert_eq!(rows.len(), 1 + fixture::fetch().0.schedule().actuations.len());
+    assert!(rows.last().unwrap().ends_with(",0,0,0,0"));
+    assert!(super::fixture::pair().0.schedule().channels.last().unwrap().wire.is_none());
+    assert!(self::text(Format::Csv, &fixture::pair()).lines().next().unwrap().ends_with(",Aid.br1.reset [V]"));
+}
+
+#[test]
+fn a_ramp_is_refused_where_voltages_are_held() {
+    let (flat, _) = fixture::fetch();
+    let ramp = fixture::changed(&flat, |schedule| schedule.actuations[3].to = 10.0);
+    for format in [Format::Csv, Format::Vcd, Format::Scpi] {
+        assert_eq!(code(format, &ramp), Code::E0821);
+        assert!(emit(format, &flat, &Provenance::default()).is_ok());
+    }
+    for format in [Format::Mcap, Format::Json, Format::Pwl] {
+        assert!(emit(format, &ramp, &Provenance::default()).is_ok());
+    }
+}
+
+#[test]
+fn what_is_not_finite_is_refused() {
+    let (good, _) = fixture::fetch();
+    let voltage = fixture::changed(&good, |schedule| schedule.actuations[0].from = f64::INFINITY);
+    let cost = fixture::changed(&good, |schedule| schedule.plans[0].cost = f64::NAN);
+    for format in Format::ALL {
+        assert_eq!(code(*format, &voltage), Code::E0820);
+        assert_eq!(emit(*format, &cost, &Provenance::default()), Err(EmitError::NotFinite));
+    }
+}
+
+/// Writes every format of every fixture into the folder that `TWEEZE_FIXTURES` names, for `tests/oracles/run.py`; what runs on
+/// slopes, and so cannot be written in every format, into its folder `slopes`, and a long drive train into `trains`.
+#[test]
+#[ignore = "writes files: for the judges under tests/oracles"]
+fn write_fixtures() {
+    let folder = std::env::var_os("TWEEZE_FIXTURES").expect("TWEEZE_FIXTURES names a folder");
+    let folder = std::path::PathBuf::from(folder);
+    let (slopes, trains) = (folder.join("slopes"), folder.join("trains"));
+    std::fs::create_dir_all(&trains).unwrap();
+    std::fs::create_dir_all(&slopes).unwrap();
+    let write = |folder: &std::path::Path, format: Format, (verified, provenance): (Verified, Provenance)| {
+        for file in emit(format, &verified, &provenance).unwrap() {
+            std::fs::write(folder.join(file.name), file.bytes).unwrap();
+        }
+    };
+    for make in [
+        fixture::fetch,
+        fixture::pair,
+        fixture::large,
+        fixture::idle,
+        fixture::bed,
+        fixture::paces,
+        fixture::hand,
+        fixture::mixed,
+    ] {
+        formats(&make().0).for_each(|format| write(&folder, format, make()));
+    }
+    for format in [Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi] {
+        // Longer than the deck goes on.
+        let long = fixture::changed(&fixture::train(12_000), |schedule| schedule.name = "long".to_owned());
+        write(&trains, format, (long, Provenance::default()));
+    }
+    for format in [Format::Mcap, Format::Json, Format::Pwl] {
+        write(&slopes, format, fixture::crowd());
+    }
+}
+
+/// A change of a document.
+type Edit = fn(&mut serde_json::Value);
+
+/// The JSON of the pair, and whether the schema and the reader take it.
+fn judged(change: impl FnOnce(&mut serde_json::Value)) -> (bool, bool) {
+    judged_of(fixture::pair(), change)
+}
+
+fn judged_of(fixture: (Verified, Provenance), change: impl FnOnce(&mut serde_json::Value)) -> (bool, bool) {
+    let schema: serde_json::Value =
+        serde_json::from_str(include_str!("../../../schema/schedule.schema.json")).expect("the schema is JSON");
+    let validator = jsonschema::validator_for(&schema).expect("the schema is a schema");
+    let mut value = serde_json::from_slice(&one(Format::Json, &fixture)).unwrap();
+    change(&mut value);
+    let read = json::read(&serde_json::to_vec(&value).unwrap());
+    (validator.is_valid(&value), read.is_ok())
+}
+
+#[test]
+fn json_keeps_to_its_schema() {
+    assert_eq!(judged(|_| ()), (true, true));
+    let changes: &[fn(&mut serde_json::Value)] = &[
+        |value| value["version"] = 2.into(),
+        |value| value["format"] = "schedule".into(),
+        |value| value["duration_ns"] = (-1).into(),
+        |value| value["duration_ns"] = u64::MAX.into(),
+        |value| value["duration_ns"] = 1.5.into(),
+        |value| value["channels"][0]["unit"] = "A".into(),
+        |value| value["channels"][0]["wire"] = 7.into(),
+        |value| value["actuations"][0]["duration_ns"] = 0.into(),
+        |value| value["actuations"][0]["from"] = serde_json::Value::Null,
+        |value| value["actuations"][0]["channel"] = (-1).into(),
+        |value| value["plans"][0]["kind"] = "snail".into(),
+        |value| value["plans"][0]["states"][0]["cell"] = serde_json::json!([1]),
+        |value| value["plans"][0]["states"][0]["position_um"] = serde_json::json!([1.0, 2.0, 3.0]),
+        |value| drop(value.as_object_mut().unwrap().remove("steps")),
+        |value| drop(value["plans"][0]["states"][0].as_object_mut().unwrap().remove("word")),
+    ];
+    for (index, change) in changes.iter().enumerate() {
+        assert_eq!(judged(change), (false, false), "change {index}");
+    }
+    let stricter: &[fn(&mut serde_json::Value)] = &[
+        |value| value["actuations"][0]["colour"] = "red".into(),
+        |value| value["source"]["sha256"] = "0f".into(),
+        |value| value["extra"] = 1.into(),
+        |value| value["steps"][0]["line"] = 0.into(),
+    ];
+    for (index, change) in stricter.iter().enumerate() {
+        assert_eq!(judged(change), (false, true), "change {index}");
+    }
+}
+
+#[test]
+fn json_with_indices_out_of_range_is_refused() {
+    let last = fixture::pair().0.schedule().channels.len();
+    assert_eq!(judged(|value| value["actuations"][0]["channel"] = (last - 1).into()), (true, true));
+    assert_eq!(judged(|value| value["actuations"][0]["channel"] = last.into()), (true, false));
+    assert_eq!(judged(|value| value["actuations"][0]["step"] = 3.into()), (true, false));
+    assert_eq!(judged(|value| value["steps"][0]["plan"] = 2.into()), (true, false));
+    assert_eq!(judged(|value| value["actuations"][0]["start_ns"] = json::MAX_DURATION_NS.into()), (true, true));
+}
+
+#[test]
+fn vcd_finds_channels_under_their_names_and_their_wires() {
+    let text = text(Format::Vcd, &fixture::pair());
+    assert!(text.contains("$comment bot.bl0.set [V] wire: Dev1/port0/line0 $end\n"));
+    assert!(
+        text.contains("$scope module bl0 $end\n$var real 64 a set $end\n$var real 64 b reset $end\n$upscope $end\n")
+    );
+    assert!(text.contains("$scope module wires $end\n$var real 64 a Dev1/port0/line0 $end\n"));
+    assert!(text.contains("#0\n$dumpvars\nr20 a\nr0 b\n"));
+    assert!(text.ends_with("\n#112500000\n"));
+}
+
+#[test]
+fn pwl_steps_rise_in_a_nanosecond_and_slopes_are_exact() {
+    let (crowd, _) = fixture::crowd();
+    let files = emit(Format::Pwl, &crowd, &Provenance::default()).unwrap();
+    assert_eq!(files.iter().map(|file| file.name.as_str()).collect::<Vec<_>>(), ["crowd.pwl.inc", "crowd.cir"]);
+    let text = String::from_utf8(files[0].bytes.clone()).unwrap();
+    let source = text.split("Vbot_e0 bot_e0 0 PWL(\n").nth(1).unwrap().split("+ )").next().unwrap();
+    let points: Vec<(f64, f64)> = source
+        .lines()
+        .map(|line| line.trim_start_matches("+ ").split_once(' ').unwrap())
+        .map(|(t, v)| ((t.parse::<f64>().unwrap() * 1e9).round(), v.parse().unwrap()))
+        .collect();
+    assert!(points.windows(2).all(|pair| pair[0].0 < pair[1].0));
+    let after = 1.0 + 1.0 / 300.0;
+    let expected = [(0.0, 0.0), (1.0, after), (300.0, 2.0), (301.0, 2.01), (600.0, 5.0), (601.0, 0.0), (602.0, 3.0)];
+    assert_eq!(points[..7], expected);
+    assert_eq!(points[7..], [(901.0, 3.0), (902.0, 0.0), (1000.0, 0.0)]);
+}
+
+#[test]
+fn scpi_begins_and_ends_at_zero_and_puts_every_edge_on_a_sample() {
+    let script = one(Format::Scpi, &fixture::fetch());
+    let head = b":SOUR1:DATA:ARB:DAC CH1,#224";
+    let at = script.windows(head.len()).position(|window| window == head).unwrap() + head.len();
+    let codes: Vec<i16> = script[at..at + 24].chunks(2).map(|pair| i16::from_be_bytes([pair[0], pair[1]])).collect();
+    assert_eq!(codes, [0, i16::MAX, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
+    let text = String::from_utf8_lossy(&script).into_owned();
+    assert!(text.contains("\n:SOUR1:FUNC:ARB:PER 0.180000000\n"));
+    assert!(text.contains("\n:OUTP1:LOAD INF\n:SOUR1:VOLT 40\n"));
+    assert!(text.starts_with("*RST\n*CLS\n") && text.ends_with(":OUTP20 ON\n:SYST:ERR?\n*TRG\n"));
+    let notes = emit(Format::Scpi, &fixture::fetch().0, &Provenance::default()).unwrap().remove(1);
+    assert_eq!(notes.name, "fetch.scpi.txt");
+    assert!(String::from_utf8(notes.bytes).unwrap().contains("1\tCH1\t20\tbot.bl0.set\tDev1/port0/line0\n"));
+}
+
+#[test]
+fn scpi_is_refused_past_the_memory_and_the_outputs_of_the_instrument() {
+    let (fetch, _) = fixture::fetch();
+    let signals = super::Signals::new(fetch.schedule());
+    let profile = |most_points, outputs| super::scpi::Profile { most_points, outputs, ..super::scpi::GENERIC };
+    assert!(super::scpi::write(&signals, &profile(12, 20)).is_ok());
+    let Err(error) = super::scpi::write(&signals, &profile(11, 20)) else { panic!("12 points are too many") };
+    assert_eq!(error.diagnostic().code, Code::E0823);
+    assert_eq!(
+        error.diagnostic().title,
+        "12 points of 15000000 ns make up the 150000000 ns of the schedule, the instrument takes 11"
+    );
+    let Err(error) = super::scpi::write(&signals, &profile(12, 19)) else { panic!("20 channels are too many") };
+    assert_eq!(error.diagnostic().code, Code::E0824);
+    let one_ns = fixture::changed(&fetch, |schedule| schedule.duration_ns += 1);
+    assert_eq!(code(Format::Scpi, &one_ns), Code::E0823);
+}
+
+#[test]
+fn text_that_its_readers_could_not_hold_is_refused() {
+    let limit = super::error::MAX_TEXT_BYTES;
+    assert_eq!(EmitError::refuse_size(Format::Csv, limit, limit), Ok(()));
+    let Err(error) = EmitError::refuse_size(Format::Csv, limit + 1, limit) else { panic!("a byte too many") };
+    assert_eq!(error.diagnostic().code, Code::E0822);
+}
+
+#[test]
+fn json_of_swings_keeps_to_its_schema_and_its_sense() {
+    let bed = |change: Edit| judged_of(fixture::bed(), change);
+    assert_eq!(bed(|_| ()), (true, true));
+    let changes: &[(Edit, (bool, bool))] = &[
+        (|value| value["actuations"][2]["swing"]["period_ns"] = 0.into(), (false, false)),
+        (|value| value["actuations"][2]["swing"]["period_ns"] = 15.into(), (false, false)),
+        (|value| value["actuations"][2]["swing"]["period_ns"] = 200_000.into(), (true, true)),
+        (|value| value["actuations"][2]["swing"]["period_ns"] = 70_000.into(), (true, false)),
+        (|value| value["actuations"][2]["swing"]["levels"][0] = 131.into(), (true, false)),
+        (|value| value["actuations"][2]["to"] = 114.into(), (true, false)),
+        (|value| value["actuations"][2]["swing"]["levels"] = serde_json::json!([130.0]), (false, false)),
+        (|value| value["plans"][0]["states"][0]["arms"][0] = 2.into(), (false, true)),
+        (|value| value["plans"][0]["states"][0]["poses"]["D1"] = serde_json::json!([1.0, 2.0]), (false, false)),
+        (|value| value["plans"][0]["states"][0]["docked"] = serde_json::json!(["D1", "D1"]), (false, true)),
+    ];
+    for (index, (change, expected)) in changes.iter().enumerate() {
+        assert_eq!(bed(*change), *expected, "change {index}");
+    }
+    let place = |change: fn(&mut crate::schedule::Schedule)| {
+        let bytes = json::write(fixture::changed(&fixture::bed().0, change).schedule());
+        json::read(&bytes).expect_err("a contradiction").to_string()
+    };
+    let odd = place(|schedule| schedule.actuations[2].swing.as_mut().unwrap().period_ns = 15);
+    assert_eq!(odd, "`actuations[2].swing.period_ns` is zero or odd, and so has no halves");
+    let part = place(|schedule| schedule.actuations[2].duration_ns += 1);
+    assert_eq!(part, "`actuations[2].duration_ns` is no whole number of its swing's periods");
+    let levels = place(|schedule| schedule.actuations[2].from = 1.0);
+    assert_eq!(levels, "`actuations[2].swing.levels` are not `from` and `to`");
+}
+
+#[test]
+fn signals_tell_every_edge_of_swings_once() {
+    let (paces, _) = fixture::paces();
+    let signals = super::Signals::new(paces.schedule());
+    let at = |channel, instants: [u64; 6]| instants.map(|t_ns| signals.value(channel, t_ns));
+    assert_eq!(at(0, [0, 2, 3, 6, 29, 30]), [5.0, 5.0, -2.5, 5.0, -2.5, 2.0]);
+    assert_eq!([3, 6, 30, 50, 61].map(|t_ns| signals.value_before(0, t_ns)), [5.0, -2.5, -2.5, 2.0, 0.0]);
+    assert_eq!(
+        [0, 7, 12, 45, 52].map(|t_ns| signals.envelope(1, t_ns)),
+        [[4.0; 2], [0.0; 2], [1.0, 3.0], [6.0, 8.0], [0.0; 2]]
+    );
+    for channels in [0..3, 0..1, 1..2, 2..3] {
+        // By looking at every nanosecond.
+        let jumps = |t_ns: &u64| {
+            channels.clone().any(|channel| signals.value_before(channel, *t_ns) != signals.value(channel, *t_ns))
+        };
+        let jumps: Vec<u64> = (0..=100).filter(jumps).collect();
+        let edges: Vec<u64> = signals.edges(channels.clone()).collect();
+        assert!(jumps.iter().all(|t_ns| edges.contains(t_ns)), "{channels:?}: {jumps:?} {edges:?}");
+        assert!(edges.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!(signals.count_edges(channels) >= edges.len() as u64);
+    }
+    assert_eq!(signals.edges([0]).take(12).collect::<Vec<_>>(), [0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 30, 50]);
+}
+
+#[test]
+fn a_minute_of_strokes_is_written_and_an_hour_is_refused_where_it_is_too_long() {
+    let minute = fixture::train(1_200_000);
+    let rows = one(Format::Csv, &(minute.clone(), Provenance::default()));
+    assert_eq!(rows.iter().filter(|byte| **byte == b'\n').count(), 1 + 2 + 2 * 1_200_000 + 1);
+    assert!(rows.ends_with(b"\n60001950000,130\n60001975000,115\n60002000000,0\n"));
+    let changes = one(Format::Vcd, &(minute.clone(), Provenance::default()));
+    assert!(changes.ends_with(b"\n#60001975000\nr115 a\n#60002000000\nr0 a\n"));
+    let hour = fixture::train(72_000_000);
+    for format in [Format::Csv, Format::Vcd] {
+        let error = emit(format, &hour, &Provenance::default()).expect_err("two gigabytes").diagnostic();
+        assert_eq!(error.code, Code::E0822);
+        assert!(error.help.iter().any(|help| help.contains("`--emit json`")));
+    }
+    for (format, most_bytes) in
+        [(Format::Json, 10_000), (Format::Mcap, 20 << 20), (Format::Pwl, 10_000), (Format::Scpi, 10_000)]
+    {
+        let files = emit(format, &hour, &Provenance::default()).unwrap();
+        let bytes: usize = files.iter().map(|file| file.bytes.len()).sum();
+        assert!(bytes < most_bytes, "{format:?} takes {bytes} bytes");
+    }
+}
+
+#[test]
+fn pwl_puts_a_pulse_source_in_series_for_each_train() {
+    let files = emit(Format::Pwl, &fixture::bed().0, &Provenance::default()).unwrap();
+    let text = String::from_utf8(files[0].bytes.clone()).unwrap();
+    assert!(text.contains("\nVm_bed m_bed m_bed_train1 PWL(\n+ 0 0\n"));
+    assert!(text.contains(
+        "\nVm_bed_train1 m_bed_train1 m_bed_train2 PULSE(0 15 0.002 0.000000001 0.000000001 0.000024999 0.00005 600)\n"
+    ));
+    assert!(text.contains("\nVm_bed_train5 m_bed_train5 0 PULSE(0 15 "));
+    let paces = emit(Format::Pwl, &fixture::paces().0, &Provenance::default()).unwrap();
+    let text = String::from_utf8(paces[0].bytes.clone()).unwrap();
+    assert!(text.contains("\nVbot_e1 bot_e1 0 PWL(\n"), "levels of a nanosecond are written out");
+    assert!(text.contains("\nVbot_e0_train1 bot_e0_train1 bot_e0_train2 PULSE(0 7.5 0 "));
+    let deck = |strokes| {
+        String::from_utf8(emit(Format::Pwl, &fixture::train(strokes), &Provenance::default()).unwrap().remove(1).bytes)
+            .unwrap()
+    };
+    assert!(deck(9_990).contains("\n.tran 0.0005015 0.5015\n"));
+    assert!(deck(1_200_000).contains("\n.tran 0.00050195 0.50195\n"));
+    assert!(
+        deck(1_200_000).contains("* stops after 20000 edges; to run all, make 60.002 the second number of .tran\n")
+    );
+}
+
+#[test]
+fn scpi_repeats_a_train_as_a_step_of_a_sequence() {
+    let files = emit(Format::Scpi, &fixture::train(1_200_000), &Provenance::default()).unwrap();
+    let script = String::from_utf8_lossy(&files[0].bytes).into_owned();
+    let steps = "\"CH1\",\"CH1_1\",1,onceWaitTrig,lowAtStart,4,\"CH1_1\",5,repeat,lowAtStart,4,\"CH1_2\",5,repeat,lowAtStart,4,\
+                 \"CH1_3\",300000,repeat,lowAtStart,4,\"CH1_1\",1,repeatInf,lowAtStart,4";
+    assert!(script.contains(&format!("\n:SOUR1:DATA:SEQ #3{}{steps}\n", steps.len())), "{script}");
+    assert!(script.contains("\n:SOUR1:FUNC:ARB CH1\n:SOUR1:FUNC:ARB:SRAT 40000\n"));
+    let notes = String::from_utf8(files[1].bytes.clone()).unwrap();
+    assert!(notes.contains("\n1\t4\tCH1_3\t8\t300000\trepeat\t80\n"), "{notes}");
+    let (bed, _) = fixture::bed();
+    let signals = super::Signals::new(bed.schedule());
+    let sequencer = super::scpi::Sequencer { most_steps: 3, ..super::scpi::GENERIC.sequencer.clone() };
+    let profile =
+        |most_points| super::scpi::Profile { most_points, sequencer: sequencer.clone(), ..super::scpi::GENERIC };
+    assert!(super::scpi::write(&signals, &profile(10_000)).is_ok(), "all of it written out");
+    let Err(error) = super::scpi::write(&signals, &profile(1_000)) else { panic!("too long to be written out") };
+    assert_eq!(error.diagnostic().code, Code::E0823);
+    assert!(error.diagnostic().title.contains("in at most 3 steps"));
+}

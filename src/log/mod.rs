@@ -1,0 +1,230 @@
+//! Reads a written log back, trusting nothing in it.
+//!
+//! Input: the bytes of an MCAP file. Output: a [`Log`] with what the verifier needs, or a [`LogError`] that says what is wrong
+//! and where. Promise: every checksum is there and right; no input makes it panic or hang; memory stays within a small multiple
+//! of the limits below and of the file's own size. What the log says is not judged here, but for [`Log::voltage_fault`], which
+//! holds the recorded voltages and positions against the recorded schedule.
+//!
+//! The records are taken apart by hand (MCAP specification, version 0): the usual reader takes lengths on trust.
+
+mod error;
+mod records;
+mod series;
+
+pub use error::{LogError, other_version};
+pub use series::{Bound, Column, Samples, Series, VoltageFault, fault as voltage_fault};
+
+use crate::claims::Claims;
+use crate::schedule::{Schedule, Unit, json};
+use crate::source::MAX_FILE_BYTES;
+use records::{Attachment, Contents};
+
+/// The largest sum of uncompressed messages that a log may hold, in bytes.
+pub const MAX_DATA_BYTES: u64 = 512 * 1024 * 1024;
+
+/// The largest message that a log may hold, in bytes.
+pub const MAX_MESSAGE_BYTES: u64 = 64 * 1024 * 1024;
+
+/// The most messages that a log may hold.
+pub const MAX_MESSAGES: u64 = 4_000_000;
+
+/// The most bytes that the message types and topics of a log may take together, each counted once; what is made of them takes some
+/// ten times as much memory.
+pub const MAX_DEFINITION_BYTES: u64 = 16 * 1024 * 1024;
+
+/// The largest map of names to texts in one record, in bytes.
+pub const MAX_MAP_BYTES: u64 = 8 * 1024 * 1024;
+
+/// The most topics of channels that a log may hold.
+pub const MAX_DEVICES: u64 = 1000;
+
+/// The largest schedule that a log may carry, in bytes of JSON.
+pub const MAX_SCHEDULE_BYTES: u64 = 256 * 1024 * 1024;
+
+/// The largest claims that a log may carry, in bytes of JSON.
+pub const MAX_CLAIMS_BYTES: u64 = 64 * 1024 * 1024;
+
+/// Name of the attachment that holds the schedule.
+pub const SCHEDULE: &str = "schedule.json";
+
+/// Name of the attachment that holds the claims.
+pub const CLAIMS: &str = "claims.json";
+
+/// What the names of attached source files begin with.
+pub const SOURCE_PREFIX: &str = "source/";
+
+/// The version of what a log holds; it goes up when a log of the version before would be misjudged, because its records, its claims,
+/// or what follows from a program are others now. Logs that do not say it are of version 1.
+pub const SCHEMA: u64 = 2;
+
+/// The word in `format` of the attached claims.
+pub const CLAIMS_FORMAT: &str = "tweeze-claims";
+
+/// Name of the metadata record that says where the log comes from.
+pub const METADATA: &str = "tweeze";
+
+/// The topic of a device that holds its channels of a unit.
+pub fn topic(device: &str, unit: Unit) -> String {
+    format!("/{device}{}", suffix(unit))
+}
+
+/// Whether a topic holds channels.
+pub fn is_topic(name: &str) -> bool {
+    name.starts_with('/') && [Unit::Volt, Unit::Micrometre].iter().any(|unit| name.ends_with(suffix(*unit)))
+}
+
+/// What the topics of channels end with; the device stands before it.
+fn suffix(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Volt => "/voltages",
+        Unit::Micrometre => "/positions",
+    }
+}
+
+/// What stands behind the path of a field in the metadata of a topic of channels, for the entry that says which [`Bound`] it is.
+pub const BOUND_SUFFIX: &str = ".bound";
+
+/// As [`BOUND_SUFFIX`], for the periods of the drive trains in nanoseconds, with blanks between them.
+pub const PERIOD_SUFFIX: &str = ".period_ns";
+
+/// What a log says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Log {
+    pub schedule: Schedule,
+    /// The claims as they were recorded, in the form of [`write_claims`]; those that count are derived again from `files`.
+    pub claims: Vec<u8>,
+    /// Name and text of every source file, the program's own first.
+    pub files: Vec<(String, String)>,
+    /// The `--set` values.
+    pub settings: Vec<String>,
+    /// The version of Tweeze that wrote it.
+    pub version: String,
+    /// What the recorded plots show of the channels, one series for each device and unit.
+    pub voltages: Vec<Series>,
+}
+
+/// Takes a log apart.
+///
+/// # Errors
+/// See [`LogError`].
+pub fn read(bytes: &[u8]) -> Result<Log, LogError> {
+    read_with(bytes, &mut |_, _, _| ())
+}
+
+/// Takes a log apart, and calls `visit` with the topic, the instant in nanoseconds and the bytes of every message, in the order
+/// of the file.
+///
+/// # Errors
+/// See [`LogError`]; messages before the fault were visited.
+pub fn read_with<'v>(bytes: &[u8], visit: &'v mut (dyn FnMut(&str, u64, &[u8]) + 'v)) -> Result<Log, LogError> {
+    let contents = records::read(bytes, visit)?;
+    of_this_schema(&contents)?;
+    let schedule = attached(&contents, SCHEDULE, MAX_SCHEDULE_BYTES)?;
+    let schedule = json::read(schedule).map_err(|error| LogError::content(SCHEDULE, error.to_string()))?;
+    let claims = attached(&contents, CLAIMS, MAX_CLAIMS_BYTES)?;
+    check_form(claims).map_err(|what| LogError::content(CLAIMS, what))?;
+    let version = provenance(&contents, "version")?.to_owned();
+    let settings = serde_json::from_str(provenance(&contents, "settings")?)
+        .map_err(|error| LogError::content(format!("metadata `{METADATA}`, entry `settings`"), error.to_string()))?;
+    let program = provenance(&contents, "program")?;
+    if program != schedule.name {
+        let what = format!("is of `{}`, the metadata say `{program}`", schedule.name);
+        return Err(LogError::content(SCHEDULE, what));
+    }
+    let files = files(&contents)?;
+    Ok(Log { schedule, claims: claims.to_vec(), files, settings, version, voltages: contents.voltages })
+}
+
+/// Refuses a log of another schema, before anything in it is taken for what it is not.
+fn of_this_schema(contents: &Contents) -> Result<(), LogError> {
+    let Some(metadata) = &contents.metadata else { return Ok(()) };
+    let entry = |key: &str| metadata.get(key).cloned();
+    let schema = entry("schema").unwrap_or_else(|| "1".to_owned());
+    match schema == SCHEMA.to_string() {
+        true => Ok(()),
+        false => Err(LogError::OtherSchema { schema, version: entry("version") }),
+    }
+}
+
+/// Whether claims say the form that is read. What they claim is compared as it is written, and never taken apart.
+fn check_form(bytes: &[u8]) -> Result<(), String> {
+    #[derive(serde::Deserialize)]
+    struct Form {
+        format: Option<String>,
+        version: Option<u64>,
+    }
+    let form: Form = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+    match form.format.as_deref() == Some(CLAIMS_FORMAT) && form.version == Some(SCHEMA) {
+        true => Ok(()),
+        false => Err(format!("is not of the format `{CLAIMS_FORMAT}`, version {SCHEMA}")),
+    }
+}
+
+/// The claims as a log carries them.
+///
+/// # Errors
+/// That of the serializer, which claims give no cause for: their keys are strings.
+pub fn write_claims(claims: &Claims) -> Result<Vec<u8>, serde_json::Error> {
+    #[derive(serde::Serialize)]
+    struct Document<'a> {
+        format: &'static str,
+        version: u64,
+        #[serde(flatten)]
+        claims: &'a Claims,
+    }
+    serde_json::to_vec(&Document { format: CLAIMS_FORMAT, version: SCHEMA, claims })
+}
+
+/// The data of the one attachment of a name.
+fn attached<'a>(contents: &Contents<'a>, name: &str, limit: u64) -> Result<&'a [u8], LogError> {
+    let mut found = contents.attachments.iter().filter(|attachment| attachment.name == name);
+    match (found.next(), found.next()) {
+        (None, _) => Err(LogError::Missing { what: format!("attachment `{name}`") }),
+        (Some(_), Some(second)) => Err(LogError::damaged(second.offset, format!("a second attachment `{name}`"))),
+        (Some(attachment), None) => within(attachment, limit),
+    }
+}
+
+fn within<'a>(attachment: &Attachment<'a>, limit: u64) -> Result<&'a [u8], LogError> {
+    let bytes = attachment.data.len() as u64;
+    if bytes > limit {
+        let what = format!("attachment `{}`", attachment.name);
+        return Err(LogError::TooLarge { offset: attachment.offset, what, bytes, limit });
+    }
+    Ok(attachment.data)
+}
+
+fn provenance<'a>(contents: &'a Contents, key: &str) -> Result<&'a str, LogError> {
+    let missing = || LogError::Missing { what: format!("entry `{key}` of the metadata record `{METADATA}`") };
+    let metadata = contents.metadata.as_ref().ok_or_else(missing)?;
+    metadata.get(key).map(String::as_str).ok_or_else(missing)
+}
+
+fn files(contents: &Contents) -> Result<Vec<(String, String)>, LogError> {
+    let mut names = std::collections::BTreeSet::new();
+    let mut files = Vec::new();
+    for attachment in &contents.attachments {
+        let Some(name) = attachment.name.strip_prefix(SOURCE_PREFIX) else { continue };
+        let data = within(attachment, MAX_FILE_BYTES as u64)?;
+        let text = std::str::from_utf8(data)
+            .map_err(|error| LogError::content(attachment.name.clone(), format!("is no UTF-8: {error}")))?;
+        if !names.insert(name) {
+            return Err(LogError::damaged(attachment.offset, format!("a second attachment `{}`", attachment.name)));
+        }
+        files.push((name.to_owned(), text.to_owned()));
+    }
+    match files.is_empty() {
+        true => Err(LogError::Missing { what: format!("attachment `{SOURCE_PREFIX}…` with the program's source") }),
+        false => Ok(files),
+    }
+}
+
+impl Log {
+    /// The first place at which the recorded voltages and positions are not those of the recorded schedule.
+    pub fn voltage_fault(&self) -> Option<VoltageFault> {
+        series::fault(&self.schedule, &self.voltages)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,224 @@
+//! Puts the plans of a program on one clock.
+
+use super::{dimibot, electrode_array, fingers, microrobots};
+use crate::claims::{Claims, Job, Order, Timeline};
+use crate::diagnostic::{Code, Diagnostic, Sink};
+use crate::plan::{Motion, Optimality, Plan};
+use crate::schedule::reached::{Reached, reached};
+use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, Step, Swing, TimedState, Unit};
+use crate::source::{FileId, Sources, Span};
+use std::collections::BTreeMap;
+
+/// The longest schedule, in nanoseconds: a little over eleven days.
+pub const MAX_DURATION_NS: u64 = 1_000_000_000_000_000;
+
+/// A job by itself, from its own instant 0.
+pub struct Run {
+    pub duration_ns: u64,
+    /// Channels are named without the device.
+    pub actuations: Vec<(String, RunActuation)>,
+    /// Start and duration of each step of the order, in order, with the step's place.
+    pub steps: Vec<(Span, u64, u64)>,
+    pub states: Vec<TimedState>,
+}
+
+/// A value on a channel within a run; `step` is an index of the run's steps.
+pub struct RunActuation {
+    pub start_ns: u64,
+    pub duration_ns: u64,
+    pub from: f64,
+    pub to: f64,
+    pub swing: Option<Swing>,
+    pub step: usize,
+}
+
+/// The schedule of a program, from a plan for each of its jobs.
+///
+/// `None` after an error: the whole would last longer than [`MAX_DURATION_NS`].
+pub fn lower(claims: &Claims, plans: &[Plan], sources: &Sources, sink: &mut Sink) -> Option<Schedule> {
+    let runs: Vec<Option<Run>> =
+        claims.jobs.iter().zip(plans).map(|(job, plan)| run(&job.order, &plan.motion)).collect();
+    let Some(runs) = runs.into_iter().collect::<Option<Vec<Run>>>() else { return too_long(claims, sink) };
+    let mut starts = vec![0; runs.len()];
+    let Some(duration_ns) = place(&claims.timeline, 0, &runs, &mut starts) else { return too_long(claims, sink) };
+    let mut builder = Builder::new(claims, &runs, sources);
+    for (job, (run, start_ns)) in runs.into_iter().zip(starts).enumerate() {
+        builder.add(job, &plans[job], run, start_ns);
+    }
+    Some(builder.finish(duration_ns))
+}
+
+/// A plan on a clock of its own; `None` if it lasts longer than a `u64` counts.
+fn run(order: &Order, motion: &Motion) -> Option<Run> {
+    let of_its_kind = "the planner answers an order with a motion of its kind";
+    match order {
+        Order::Dimibot(order) => dimibot::run(order, motion.dimibot().expect(of_its_kind)),
+        Order::ElectrodeArray(order) => electrode_array::run(order, motion.electrode_array().expect(of_its_kind)),
+        Order::Microrobots(order) => microrobots::run(order, motion.microrobots().expect(of_its_kind)),
+        Order::Fingers(order) => fingers::run(order, motion.fingers().expect(of_its_kind)),
+    }
+}
+
+fn too_long(claims: &Claims, sink: &mut Sink) -> Option<Schedule> {
+    let title = format!("a schedule of more than {} h", MAX_DURATION_NS / 3_600_000_000_000);
+    let diagnostic = Diagnostic::new(Code::E0604, title).label(claims.span, "lasts too long");
+    sink.push(diagnostic.help("shorten its waits, or split the program into several"));
+    None
+}
+
+/// The channels of a job's device that the schedule lists, without the device's name: of a few all, of very many those
+/// that some run of the device uses.
+fn channels(job: &Job, claims: &Claims, runs: &[Run]) -> Vec<(String, Unit)> {
+    match &job.order {
+        Order::Dimibot(order) => order.facts.channels().into_iter().map(|name| (name, Unit::Volt)).collect(),
+        Order::ElectrodeArray(order) => {
+            let own = claims.jobs.iter().zip(runs).filter(|(other, _)| other.device == job.device).map(|(_, run)| run);
+            electrode_array::channels(&order.facts, own)
+        }
+        Order::Microrobots(_) => vec![(crate::device::microrobots::CHANNEL.to_owned(), Unit::Volt)],
+        Order::Fingers(order) => order.facts.channels().into_iter().map(|name| (name, Unit::Micrometre)).collect(),
+    }
+}
+
+/// Where each run of a timeline begins; returns where the timeline ends.
+fn place(timeline: &Timeline, at_ns: u64, runs: &[Run], starts: &mut [u64]) -> Option<u64> {
+    let end = match timeline {
+        Timeline::Run(job) => {
+            starts[*job] = at_ns;
+            at_ns.checked_add(runs[*job].duration_ns)?
+        }
+        Timeline::Wait(duration_ns) => at_ns.checked_add(*duration_ns)?,
+        Timeline::Sequence(parts) => {
+            let mut end = at_ns;
+            for part in parts {
+                end = place(part, end, runs, starts)?;
+            }
+            end
+        }
+        Timeline::Together(parts) => {
+            let mut end = at_ns;
+            for part in parts {
+                end = end.max(place(part, at_ns, runs, starts)?);
+            }
+            end
+        }
+    };
+    (end <= MAX_DURATION_NS).then_some(end)
+}
+
+/// Gathers the runs of a program into one schedule.
+struct Builder<'a> {
+    claims: &'a Claims,
+    sources: &'a Sources,
+    channels: Vec<Channel>,
+    index: BTreeMap<String, u32>,
+    actuations: Vec<Actuation>,
+    steps: Vec<Step>,
+    plans: Vec<PlanRecord>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(claims: &'a Claims, runs: &[Run], sources: &'a Sources) -> Self {
+        let mut builder = Builder {
+            claims,
+            sources,
+            channels: Vec::new(),
+            index: BTreeMap::new(),
+            actuations: Vec::new(),
+            steps: Vec::new(),
+            plans: Vec::new(),
+        };
+        for job in &claims.jobs {
+            for (channel, unit) in channels(job, claims, runs) {
+                builder.channel(&job.device, &channel, unit);
+            }
+        }
+        builder
+    }
+
+    fn channel(&mut self, device: &str, channel: &str, unit: Unit) {
+        let name = format!("{device}.{channel}");
+        if self.index.contains_key(&name) {
+            return;
+        }
+        self.index.insert(name.clone(), self.channels.len() as u32);
+        let wire = self.claims.wires.get(&name).cloned();
+        self.channels.push(Channel { name, device: device.to_owned(), unit, wire });
+    }
+
+    fn add(&mut self, job: usize, plan: &Plan, run: Run, start_ns: u64) {
+        let task = &self.claims.jobs[job];
+        let first_step = self.steps.len();
+        for (channel, actuation) in &run.actuations {
+            self.actuations.push(Actuation {
+                channel: self.index[&format!("{}.{channel}", task.device)],
+                start_ns: start_ns + actuation.start_ns,
+                duration_ns: actuation.duration_ns,
+                from: actuation.from,
+                to: actuation.to,
+                swing: actuation.swing,
+                step: (first_step + actuation.step) as u32,
+            });
+        }
+        for (nth, (span, at_ns, duration_ns)) in run.steps.iter().enumerate() {
+            let over = run.states.partition_point(|state| state.t_ns <= at_ns + duration_ns);
+            let end = over.checked_sub(1).map(|last| &run.states[last]);
+            let reached = end.map_or_else(Vec::new, |end| reached(&task.order, nth, &end.state));
+            let step = self.step(job, (*span, start_ns + at_ns, *duration_ns), reached);
+            self.steps.push(step);
+        }
+        self.plans.push(self.record(job, plan, run, start_ns));
+    }
+
+    fn step(&self, job: usize, (span, start_ns, duration_ns): (Span, u64, u64), reached: Vec<Reached>) -> Step {
+        let position = self.sources.position(span);
+        Step {
+            task: self.claims.jobs[job].task.clone(),
+            plan: job as u32,
+            text: self.sources.text(span).split_whitespace().collect::<Vec<_>>().join(" "),
+            file: self.sources.file(span.file).name.clone(),
+            line: position.line,
+            column: position.column,
+            start_ns,
+            duration_ns,
+            reached,
+            span,
+        }
+    }
+
+    fn record(&self, job: usize, plan: &Plan, run: Run, start_ns: u64) -> PlanRecord {
+        let task = &self.claims.jobs[job];
+        let on_clock = |state: TimedState| TimedState { t_ns: start_ns + state.t_ns, ..state };
+        PlanRecord {
+            task: task.task.clone(),
+            device: task.device.clone(),
+            kind: task.kind(),
+            planner: plan.planner.to_owned(),
+            objective: plan.objective.to_owned(),
+            unit: plan.unit.to_owned(),
+            cost: plan.cost,
+            bound: plan.bound,
+            optimal: plan.proof == Optimality::Proven,
+            outcomes: plan.outcomes.clone(),
+            bounds: plan.bounds.clone(),
+            start_ns,
+            duration_ns: run.duration_ns,
+            states: run.states.into_iter().map(on_clock).collect(),
+            remarks: plan.remarks.clone(),
+        }
+    }
+
+    fn finish(mut self, duration_ns: u64) -> Schedule {
+        self.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+        let own = self.sources.file(FileId(0));
+        Schedule {
+            name: self.claims.name.clone(),
+            source: SourceRef::of(&own.name, &own.text),
+            duration_ns,
+            channels: self.channels,
+            actuations: self.actuations,
+            steps: self.steps,
+            plans: self.plans,
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! An electrode array's plan as electrodes that are on, on a clock of its own.
+//!
+//! Each step of the board lasts as long as the device's step does, and the electrodes of Table 2 of the paper are on for all of
+//! it: two before a micropart that moves, the target itself for a droplet. Where the device holds its parts, the electrodes
+//! that brought one to its cell stay on while it rests. An electrode that is on in one step and in the next is not switched
+//! between them.
+
+use super::clock::{Run, RunActuation};
+use crate::claims::electrode_array::{Action, ElectrodeArrayOrder};
+use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold};
+use crate::plan::electrode_array::{Motion, StepMotion};
+use crate::schedule::{State, TimedState, Unit};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The channels that runs of one device use, by row and column.
+pub fn channels<'a>(facts: &Facts, runs: impl Iterator<Item = &'a Run>) -> Vec<(String, Unit)> {
+    let names: BTreeSet<&str> = runs.flat_map(|run| &run.actuations).map(|(name, _)| name.as_str()).collect();
+    let mut cells: Vec<Cell> = names.into_iter().filter_map(|name| facts.electrode(name)).collect();
+    cells.sort_by_key(|cell| (cell.row, cell.column));
+    cells.into_iter().map(|cell| (Facts::channel(cell), Unit::Volt)).collect()
+}
+
+/// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
+pub fn run(order: &ElectrodeArrayOrder, motion: &Motion) -> Option<Run> {
+    let mut board = Board {
+        order,
+        run: Run { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
+        cells: motion.start.clone(),
+    };
+    board.record(0);
+    for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
+        let start_ns = board.run.duration_ns;
+        match motion {
+            StepMotion::Wait(duration_ns) => board.wait(*duration_ns, index)?,
+            StepMotion::Paths(paths) => {
+                board.follow(paths, index)?;
+                if let Action::Move(moves) = &step.action {
+                    board.merge(moves.iter().filter_map(|action| action.with));
+                }
+            }
+        }
+        board.run.steps.push((step.span, start_ns, board.run.duration_ns - start_ns));
+    }
+    Some(board.run)
+}
+
+/// The board while its plan is carried out.
+struct Board<'a> {
+    order: &'a ElectrodeArrayOrder,
+    run: Run,
+    /// Where each part stands; `None` for one that has merged.
+    cells: Vec<Option<Cell>>,
+}
+
+impl Board<'_> {
+    /// All parts through their cells, one step of the board after the other.
+    fn follow(&mut self, paths: &[Vec<Cell>], step: usize) -> Option<()> {
+        let facts = &self.order.facts;
+        let instants = paths.iter().map(|path| path.len().saturating_sub(1)).max().unwrap_or(0);
+        // Electrodes that are on, with the instant since when.
+        let mut on: BTreeMap<Cell, u64> = BTreeMap::new();
+        for instant in 0..instants {
+            let start_ns = self.run.duration_ns;
+            let next: Vec<Option<Cell>> =
+                paths.iter().map(|path| path.get(instant + 1).or(path.last()).copied()).collect();
+            let wanted = self.wanted(&next);
+            self.switch(&mut on, &wanted, start_ns, step);
+            self.run.duration_ns = start_ns.checked_add(facts.step_ns)?;
+            self.cells = next;
+            self.record(self.run.duration_ns);
+        }
+        self.switch(&mut on, &BTreeSet::new(), self.run.duration_ns, step);
+        Some(())
+    }
+
+    /// Nothing moves; held parts stay held.
+    fn wait(&mut self, duration_ns: u64, step: usize) -> Option<()> {
+        let start_ns = self.run.duration_ns;
+        self.run.duration_ns = start_ns.checked_add(duration_ns)?;
+        if duration_ns > 0 {
+            let mut on = self.wanted(&self.cells).into_iter().map(|cell| (cell, start_ns)).collect();
+            self.switch(&mut on, &BTreeSet::new(), self.run.duration_ns, step);
+        }
+        Some(())
+    }
+
+    /// The electrodes that bring the parts to their next cells, and hold those that rest there.
+    fn wanted(&self, next: &[Option<Cell>]) -> BTreeSet<Cell> {
+        let facts = &self.order.facts;
+        let both = self.cells.iter().zip(next).filter_map(|(from, to)| Some(((*from)?, (*to)?)));
+        both.flat_map(|(from, to)| electrodes(facts, from, to)).collect()
+    }
+
+    /// Ends what is no longer wanted and begins what was not on.
+    fn switch(&mut self, on: &mut BTreeMap<Cell, u64>, wanted: &BTreeSet<Cell>, now_ns: u64, step: usize) {
+        let volts = self.order.facts.potential_v;
+        on.retain(|cell, since_ns| {
+            let stays = wanted.contains(cell);
+            if !stays {
+                let (start_ns, duration_ns) = (*since_ns, now_ns - *since_ns);
+                let actuation = RunActuation { start_ns, duration_ns, from: volts, to: volts, swing: None, step };
+                self.run.actuations.push((Facts::channel(*cell), actuation));
+            }
+            stays
+        });
+        for cell in wanted {
+            on.entry(*cell).or_insert(now_ns);
+        }
+    }
+
+    /// Parts that have merged are gone.
+    fn merge(&mut self, gone: impl Iterator<Item = usize>) {
+        let mut merged = false;
+        for part in gone {
+            self.cells[part] = None;
+            merged = true;
+        }
+        if merged {
+            self.run.states.pop();
+            self.record(self.run.duration_ns);
+        }
+    }
+
+    fn record(&mut self, t_ns: u64) {
+        let parts = self.order.parts.iter().zip(&self.cells);
+        let parts = parts.filter_map(|(part, cell)| Some((part.name.clone(), (*cell)?.pair()))).collect();
+        self.run.states.push(TimedState { t_ns, state: State::ElectrodeArray { parts } });
+    }
+}
+
+/// The electrodes of one part in one step (Table 2 of the paper).
+fn electrodes(facts: &Facts, from: Cell, to: Cell) -> Vec<Cell> {
+    if from == to && facts.hold == Hold::Off {
+        return Vec::new();
+    }
+    match facts.layout.electrodes {
+        Electrodes::Single => vec![to],
+        Electrodes::Quad => leading(from, to),
+    }
+}
+
+/// The two electrodes where the leading electrodes of a micropart are at the end of its move; none if it rests, since it
+/// rests by itself.
+fn leading(from: Cell, to: Cell) -> Vec<Cell> {
+    let (column, row) = (to.column, to.row);
+    let pair = match (to.column.cmp(&from.column), to.row.cmp(&from.row)) {
+        (std::cmp::Ordering::Greater, _) => [(column + 1, row - 1), (column + 1, row + 1)],
+        (std::cmp::Ordering::Less, _) => [(column - 1, row - 1), (column - 1, row + 1)],
+        (_, std::cmp::Ordering::Less) => [(column - 1, row - 1), (column + 1, row - 1)],
+        (_, std::cmp::Ordering::Greater) => [(column - 1, row + 1), (column + 1, row + 1)],
+        (std::cmp::Ordering::Equal, std::cmp::Ordering::Equal) => return Vec::new(),
+    };
+    pair.map(|(column, row)| Cell::new(column, row)).to_vec()
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

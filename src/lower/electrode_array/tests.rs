@@ -1,0 +1,166 @@
+//! Lowering against Table 2 of the paper, and a schedule for the tests of later stages.
+
+use super::*;
+use crate::claims::electrode_array::{Bystanders, Method, Move, Objective, Part, Planner, Step as TaskStep, Stop};
+use crate::claims::{Claims, Job, Order, Timeline};
+use crate::device::electrode_array::{Layout, Separation};
+use crate::diagnostic::Sink;
+use crate::lower::lower;
+use crate::plan::{Motion as AnyMotion, Optimality, Plan};
+use crate::schedule::Schedule;
+use crate::source::{Sources, Span};
+use std::sync::Arc;
+
+/// A board for four-electrode parts, or for droplets.
+pub(crate) fn facts(electrodes: Electrodes) -> Facts {
+    let (half_width_pitches, hold, separation) = match electrodes {
+        Electrodes::Quad => (1.5, Hold::Off, 4),
+        Electrodes::Single => (0.5, Hold::On, 2),
+    };
+    Facts {
+        columns: 20,
+        rows: 12,
+        radius_um: 35.0,
+        pitch_ratio: 0.7,
+        potential_v: 100.0,
+        step_ns: 5_000_000,
+        layout: Layout { electrodes, half_width_pitches },
+        hold,
+        separation: Separation::Apart(separation),
+        clearance: 1,
+    }
+}
+
+/// The claims and the schedule of a task whose parts take these ways in its steps; a step without ways is a wait of 1 ms.
+/// Parts are called a, b, …; a pair of parts that end on one cell merges.
+pub(crate) fn carried(facts: &Facts, steps: &[Vec<Vec<(u32, u32)>>]) -> (Claims, Schedule) {
+    let cells = |way: &Vec<(u32, u32)>| way.iter().map(|(column, row)| Cell::new(*column, *row)).collect::<Vec<_>>();
+    let ways: Vec<Vec<Vec<Cell>>> = steps.iter().map(|step| step.iter().map(cells).collect()).collect();
+    let first = ways.iter().find(|step| !step.is_empty()).expect("a step of moves");
+    let start: Vec<Option<Cell>> = first.iter().map(|way| way.first().copied()).collect();
+    let name = |index: usize| char::from(b'a' + index as u8).to_string();
+    let part = |(index, cell): (usize, &Option<Cell>)| Part {
+        name: name(index),
+        cell: cell.expect("all parts are there at first"),
+        span: Span::default(),
+    };
+    let order = ElectrodeArrayOrder {
+        facts: facts.clone(),
+        obstacles: Arc::new(Vec::new()),
+        parts: Arc::new(start.iter().enumerate().map(part).collect()),
+        objective: Objective::Makespan,
+        planner: Planner { method: Method::Portfolio, expansions: 1 },
+        bystanders: Bystanders::Stay,
+        steps: ways.iter().map(|ways| asked(ways)).collect(),
+    };
+    let motion = |ways: &Vec<Vec<Cell>>| match ways.is_empty() {
+        true => StepMotion::Wait(1_000_000),
+        false => StepMotion::Paths(ways.clone()),
+    };
+    let plan = Plan {
+        planner: "portfolio",
+        objective: "makespan",
+        unit: "",
+        cost: 0.0,
+        bound: 0.0,
+        proof: Optimality::Open,
+        bounds: Default::default(),
+        outcomes: Default::default(),
+        remarks: Vec::new(),
+        motion: AnyMotion::ElectrodeArray(Motion { start, steps: ways.iter().map(motion).collect() }),
+    };
+    let job = Job {
+        task: "carry".to_owned(),
+        device: "plate".to_owned(),
+        requirements: Vec::new(),
+        order: Order::ElectrodeArray(order),
+        span: Span::default(),
+        run_span: Span::default(),
+    };
+    let claims = Claims {
+        name: "carry".to_owned(),
+        timeline: Timeline::Run(0),
+        jobs: vec![job],
+        wires: Default::default(),
+        shared: Vec::new(),
+        not_held: Vec::new(),
+        span: Span::default(),
+    };
+    let mut sources = Sources::default();
+    sources.add("carry.twz", "task carry on plate {}\n");
+    let schedule = lower(&claims, &[plan], &sources, &mut Sink::default()).expect("a short schedule");
+    (claims, schedule)
+}
+
+/// The step that asks for what ways lead to.
+fn asked(ways: &[Vec<Cell>]) -> TaskStep {
+    if ways.is_empty() {
+        return TaskStep { action: Action::Wait(1_000_000), span: Span::default() };
+    }
+    let mut moves: Vec<Move> = Vec::new();
+    for (part, way) in ways.iter().enumerate() {
+        let Some(&goal) = way.last() else { continue };
+        if let Some(first) = moves.iter_mut().find(|action| action.goal().cell == goal) {
+            first.with = Some(part);
+        } else if way.len() > 1 {
+            let stops = vec![Stop { cell: goal, span: Span::default() }];
+            moves.push(Move { part, with: None, stops, span: Span::default() });
+        }
+    }
+    TaskStep { action: Action::Move(moves), span: Span::default() }
+}
+
+/// Channel, start and end in steps of the board, of every actuation.
+fn lit(schedule: &Schedule) -> Vec<(String, u64, u64)> {
+    let beat_ns = 5_000_000;
+    let lit = schedule.actuations.iter().map(|actuation| {
+        let name = schedule.channels[actuation.channel as usize].name.clone();
+        (name, actuation.start_ns / beat_ns, actuation.end_ns() / beat_ns)
+    });
+    lit.collect()
+}
+
+#[test]
+fn a_micropart_follows_the_pairs_of_table_2_and_rests_by_itself() {
+    let ways = vec![vec![vec![(5, 5), (6, 5), (6, 6), (6, 6), (5, 6), (5, 5)]]];
+    let (_, schedule) = carried(&facts(Electrodes::Quad), &ways);
+    let mut lit = lit(&schedule);
+    lit.sort_by_key(|(name, start, _)| (*start, name.clone()));
+    let expected = [
+        ("plate.e7_4", 0, 1),
+        ("plate.e7_6", 0, 1),
+        ("plate.e5_7", 1, 2),
+        ("plate.e7_7", 1, 2),
+        ("plate.e4_5", 3, 4),
+        ("plate.e4_7", 3, 4),
+        ("plate.e4_4", 4, 5),
+        ("plate.e6_4", 4, 5),
+    ];
+    assert_eq!(lit, expected.map(|(name, start, end)| (name.to_owned(), start, end)));
+    assert!(schedule.actuations.iter().all(|actuation| (actuation.from, actuation.to) == (100.0, 100.0)));
+}
+
+#[test]
+fn a_droplet_is_held_without_a_break_and_its_channels_are_those_that_are_used() {
+    let ways = vec![vec![vec![(3, 3), (4, 3), (4, 3), (4, 4)], vec![(9, 9)]], vec![]];
+    let (_, schedule) = carried(&facts(Electrodes::Single), &ways);
+    let names: Vec<&str> = schedule.channels.iter().map(|channel| channel.name.as_str()).collect();
+    assert_eq!(names, ["plate.e4_3", "plate.e4_4", "plate.e9_9"]);
+    let mut of_rest = lit(&schedule);
+    of_rest.retain(|(name, ..)| name == "plate.e9_9" || name == "plate.e4_3");
+    assert_eq!(of_rest[0], ("plate.e4_3".to_owned(), 0, 2));
+    assert_eq!(of_rest[1], ("plate.e9_9".to_owned(), 0, 3));
+    assert_eq!(schedule.duration_ns, 16_000_000);
+    let last = schedule.actuations.last().expect("the droplets are held while nothing moves");
+    assert_eq!((last.start_ns, last.duration_ns), (15_000_000, 1_000_000));
+}
+
+#[test]
+fn merged_droplets_are_one_in_the_last_state() {
+    let ways = vec![vec![vec![(3, 3), (4, 3)], vec![(6, 3), (5, 3), (4, 3)]]];
+    let (_, schedule) = carried(&facts(Electrodes::Single), &ways);
+    let states = &schedule.plans[0].states;
+    assert_eq!(states.len(), 3);
+    let State::ElectrodeArray { parts } = &states[2].state else { panic!("a state of a board") };
+    assert_eq!(parts.iter().collect::<Vec<_>>(), [(&"a".to_owned(), &[4, 3])]);
+}

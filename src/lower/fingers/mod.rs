@@ -1,0 +1,117 @@
+//! A plan of a hand as the positions of its stages, on a clock of its own.
+//!
+//! Each axis of each finger has a value at every instant of a run: ramps while it moves, and one stretch as long as it stays, both
+//! within their steps. A step in which nothing happens takes no time, and has none.
+
+use super::clock::{Run, RunActuation};
+use crate::claims::fingers::FingersOrder;
+use crate::device::fingers::{AXES, channel};
+use crate::plan::fingers::{Hold, Motion, Move};
+use crate::schedule::{State, TimedState};
+
+/// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
+pub fn run(order: &FingersOrder, motion: &Motion) -> Option<Run> {
+    let start = &motion.start;
+    let mut hand = Lowering {
+        run: Run { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
+        tips_um: start.tips_um.clone(),
+    };
+    hand.record(&start.hold);
+    for (index, (step, moves)) in order.steps.iter().zip(&motion.steps).enumerate() {
+        let start_ns = hand.run.duration_ns;
+        hand.follow(moves, index)?;
+        hand.run.steps.push((step.span, start_ns, hand.run.duration_ns - start_ns));
+    }
+    Some(hand.run)
+}
+
+/// The hand while its plan is carried out.
+struct Lowering {
+    run: Run,
+    /// Where each tip is now.
+    tips_um: Vec<[f64; 3]>,
+}
+
+/// A stretch of a channel within a step.
+struct Stretch {
+    start_ns: u64,
+    end_ns: u64,
+    from_um: f64,
+    to_um: f64,
+}
+
+impl Lowering {
+    /// The moves of a step.
+    fn follow(&mut self, moves: &[Move], step: usize) -> Option<()> {
+        let mut channels: Vec<Vec<Stretch>> = (0..self.tips_um.len() * AXES.len()).map(|_| Vec::new()).collect();
+        for stretch in moves {
+            let start_ns = self.run.duration_ns;
+            let end_ns = start_ns.checked_add(stretch.duration_ns)?;
+            for (index, stretches) in channels.iter_mut().enumerate() {
+                let (finger, axis) = (index / AXES.len(), index % AXES.len());
+                let (from_um, to_um) = (self.tips_um[finger][axis], stretch.tips_um[finger][axis]);
+                extend(stretches, Stretch { start_ns, end_ns, from_um, to_um });
+            }
+            self.run.duration_ns = end_ns;
+            self.tips_um.clone_from(&stretch.tips_um);
+            if let Some(hold) = &stretch.state {
+                self.record(hold);
+            }
+        }
+        self.add(channels, step);
+        Some(())
+    }
+
+    /// The stretches of all channels as actuations, by their start and then in the order of the channels.
+    fn add(&mut self, channels: Vec<Vec<Stretch>>, step: usize) {
+        let named = channels.into_iter().enumerate().flat_map(|(index, stretches)| {
+            let name = channel(index / AXES.len(), index % AXES.len());
+            stretches.into_iter().map(move |stretch| (name.clone(), stretch.actuation(step)))
+        });
+        let mut actuations: Vec<(String, RunActuation)> = named.collect();
+        actuations.sort_by_key(|(_, actuation)| actuation.start_ns);
+        self.run.actuations.append(&mut actuations);
+    }
+
+    /// A state that begins now, with the tips where they are.
+    fn record(&mut self, hold: &Hold) {
+        let held = |(finger, contact): (usize, &u32)| (*contact != 0).then(|| self.tips_um[finger]);
+        let state = State::Fingers {
+            grasp: hold.grasp.clone(),
+            angle_index: hold.angle_index,
+            plane: hold.plane,
+            tips_um: hold.grasp.iter().enumerate().map(held).collect(),
+            position_um: hold.position_um,
+            orientation: hold.orientation,
+        };
+        self.run.states.push(TimedState { t_ns: self.run.duration_ns, state });
+    }
+}
+
+impl Stretch {
+    fn is_rest(&self) -> bool {
+        self.from_um == self.to_um
+    }
+
+    fn actuation(&self, step: usize) -> RunActuation {
+        RunActuation {
+            start_ns: self.start_ns,
+            duration_ns: self.end_ns - self.start_ns,
+            from: self.from_um,
+            to: self.to_um,
+            swing: None,
+            step,
+        }
+    }
+}
+
+/// Appends a stretch, or makes the last one longer where both stay.
+fn extend(stretches: &mut Vec<Stretch>, next: Stretch) {
+    match stretches.last_mut() {
+        Some(last) if last.is_rest() && next.is_rest() => last.end_ns = next.end_ns,
+        Some(_) | None => stretches.push(next),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,92 @@
+//! A plan of microrobots as the voltage of the bed, on a clock of its own.
+//!
+//! Each leg is the control cycle of its state, level after level, and then one actuation that swings between the flex and the relax
+//! level, stroke after stroke, however long it is. At 0 V all arms go up, so nothing is left out between the levels.
+
+use super::clock::{Run, RunActuation};
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::{Arm, CHANNEL};
+use crate::geometry::Pose;
+use crate::plan::microrobots::{Crew, Docking, Leg, Motion, StepMotion};
+use crate::schedule::{State, Swing, TimedState};
+
+/// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
+pub fn run(order: &MicrorobotsOrder, motion: &Motion) -> Option<Run> {
+    let mut bed = Bed {
+        order,
+        run: Run { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
+        crew: motion.start.clone(),
+    };
+    for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
+        let start_ns = bed.run.duration_ns;
+        match motion {
+            StepMotion::Wait(duration_ns) => {
+                bed.record_rest();
+                bed.run.duration_ns = start_ns.checked_add(*duration_ns)?;
+            }
+            StepMotion::Legs { legs, docks, .. } => bed.follow(legs, docks, index)?,
+        }
+        bed.run.steps.push((step.span, start_ns, bed.run.duration_ns - start_ns));
+    }
+    bed.record_rest();
+    Some(bed.run)
+}
+
+/// The bed while its plan is carried out.
+struct Bed<'a> {
+    order: &'a MicrorobotsOrder,
+    run: Run,
+    crew: Crew,
+}
+
+impl Bed<'_> {
+    fn follow(&mut self, legs: &[Leg], docks: &[Docking], step: usize) -> Option<()> {
+        for (index, leg) in legs.iter().enumerate() {
+            self.record(leg.state);
+            self.drive(leg, step)?;
+            self.crew.follow(self.order, (index, leg), docks);
+        }
+        Some(())
+    }
+
+    /// The control cycle and the drive train of a leg.
+    fn drive(&mut self, leg: &Leg, step: usize) -> Option<()> {
+        let facts = &self.order.facts;
+        for &level_v in &self.order.states[leg.state].levels_v {
+            self.add(facts.dwell_ns, [level_v; 2], None, step)?;
+        }
+        let levels = [facts.flex_v, facts.relax_v];
+        let swing = Swing { period_ns: facts.period_ns, levels };
+        self.add(leg.strokes.checked_mul(facts.period_ns)?, levels, Some(swing), step)
+    }
+
+    fn add(&mut self, duration_ns: u64, [from, to]: [f64; 2], swing: Option<Swing>, step: usize) -> Option<()> {
+        let start_ns = self.run.duration_ns;
+        let actuation = RunActuation { start_ns, duration_ns, from, to, swing, step };
+        self.run.actuations.push((CHANNEL.to_owned(), actuation));
+        self.run.duration_ns = start_ns.checked_add(duration_ns)?;
+        Some(())
+    }
+
+    /// The state of a leg that begins now.
+    fn record(&mut self, control: usize) {
+        let arms: Vec<u8> = self.order.states[control].arms.iter().map(|arm| arm.digit()).collect();
+        let name = |robot: usize| self.order.robot(robot).name.clone();
+        let place = |pose: &Pose| [pose.x_um, pose.y_um, pose.heading_rad];
+        let mut docked: Vec<String> =
+            (0..self.crew.docked.len()).filter(|robot| self.crew.docked[*robot]).map(name).collect();
+        docked.sort_unstable();
+        let poses = self.crew.poses.iter().enumerate().map(|(robot, pose)| (name(robot), place(pose))).collect();
+        let state = State::Microrobots { control, arms, docked, poses };
+        self.run.states.push(TimedState { t_ns: self.run.duration_ns, state });
+    }
+
+    /// The state of a bed without voltage: all arms are up.
+    fn record_rest(&mut self) {
+        let up = self.order.states.iter().position(|state| state.arms.iter().all(|arm| *arm == Arm::Up));
+        self.record(up.unwrap_or(0));
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,186 @@
+//! Lowering of legs, and a schedule for the tests of later stages.
+
+use super::*;
+use crate::claims::microrobots::{Action, Assurance, Dock, Obstacle, Placed, Precision, Step, Stop};
+use crate::claims::{Claims, Job, Order, Timeline};
+use crate::device::microrobots::{ControlState, Docking as Meeting, Facts, Fine, Robot, Turning};
+use crate::diagnostic::Sink;
+use crate::geometry::Shape;
+use crate::lower::lower;
+use crate::plan::{Motion as AnyMotion, Optimality, Plan};
+use crate::schedule::Schedule;
+use crate::source::{Sources, Span};
+use std::sync::Arc;
+
+/// Three robots, the last of which turns the other way; a stroke of 50 us carries them by 2 um.
+pub(crate) fn facts() -> Facts {
+    let robot = |name: &str, snap_down_v: f64, turning| Robot {
+        name: name.to_owned(),
+        snap_down_v,
+        release_v: 250.0 - snap_down_v,
+        turning_radius_um: 150.0,
+        step_um: 2.0,
+        turning,
+        length_um: 120.0,
+        width_um: 60.0,
+    };
+    let robots = vec![
+        robot("D1", 140.0, Turning::Clockwise),
+        robot("D2", 160.0, Turning::Clockwise),
+        robot("D3", 180.0, Turning::Counterclockwise),
+    ];
+    Facts {
+        robots,
+        margin_v: 3.0,
+        max_v: 200.0,
+        relax_v: 115.0,
+        flex_v: 130.0,
+        period_ns: 50_000,
+        dwell_ns: 1_000_000,
+        clearance_um: 20.0,
+        orbit_clearance_um: 40.0,
+        docking: Meeting { self_aligning_rad: 1.0, self_aligning_um: 80.0, sticking_rad: 0.75, tolerance_um: 2.0 },
+        fine: Fine { length_um: 300.0, cycle_um: 30.0 },
+        errors: None,
+    }
+}
+
+/// The states that lower the robots that snap first.
+fn states() -> Vec<ControlState> {
+    let state = |down: usize, levels_v: &[f64]| ControlState {
+        arms: (0..3).map(|row| if row < down { Arm::Down } else { Arm::Up }).collect(),
+        levels_v: levels_v.to_vec(),
+        slack_v: 2.0,
+    };
+    vec![state(0, &[0.0]), state(1, &[0.0, 150.0]), state(2, &[0.0, 170.0]), state(3, &[200.0])]
+}
+
+/// The claims and the schedule of a task on the bed `m` whose steps are these; where robots dock, that is what was asked for.
+pub(crate) fn carried(steps: Vec<StepMotion>) -> (Claims, Schedule) {
+    let start = [(0.0, 0.0, 0.0), (600.0, 0.0, 1.5), (0.0, -500.0, -3.0)];
+    let start = start.map(|(x_um, y_um, heading_rad)| Pose { x_um, y_um, heading_rad });
+    let post = Obstacle {
+        name: "post".to_owned(),
+        shape: Shape::Box { size_um: [80.0, 40.0] },
+        pose: Pose { x_um: -400.0, y_um: 300.0, heading_rad: 0.5 },
+        span: Span::default(),
+    };
+    let placed = |(row, pose): (usize, Pose)| Placed { row, pose, span: Span::default() };
+    let order = MicrorobotsOrder {
+        facts: Arc::new(facts()),
+        states: Arc::new(states()),
+        obstacles: Arc::new(vec![post]),
+        robots: Arc::new(start.into_iter().enumerate().map(placed).collect()),
+        expansions: 1,
+        precision: Precision { place_um: 0.5, heading_rad: 0.01 },
+        assurance: Assurance::Told,
+        steps: steps.iter().map(asked).collect(),
+    };
+    let plan = Plan {
+        planner: "one_way_dubins",
+        objective: "time",
+        unit: "s",
+        cost: 0.0,
+        bound: 0.0,
+        proof: Optimality::Open,
+        bounds: Default::default(),
+        outcomes: Default::default(),
+        remarks: Vec::new(),
+        motion: AnyMotion::Microrobots(Motion { start: Crew { poses: start.to_vec(), docked: vec![false; 3] }, steps }),
+    };
+    let job = Job {
+        task: "assemble".to_owned(),
+        device: "m".to_owned(),
+        requirements: Vec::new(),
+        order: Order::Microrobots(order),
+        span: Span::default(),
+        run_span: Span::default(),
+    };
+    let mut claims = Claims {
+        name: "bed".to_owned(),
+        timeline: Timeline::Run(0),
+        jobs: vec![job],
+        wires: [("m.bed".to_owned(), "Dev2/ao0".to_owned())].into(),
+        shared: Vec::new(),
+        not_held: Vec::new(),
+        span: Span::default(),
+    };
+    let mut sources = Sources::default();
+    sources.add("bed.twz", SOURCE);
+    let schedule = lower(&claims, &[plan], &sources, &mut Sink::default()).expect("a short schedule");
+    let last = schedule.plans[0].states.last().expect("the state at the end");
+    let State::Microrobots { poses, .. } = &last.state else { panic!("a state of microrobots") };
+    let ends: Vec<Pose> = poses.values().map(|&[x_um, y_um, heading_rad]| Pose { x_um, y_um, heading_rad }).collect();
+    if let Order::Microrobots(order) = &mut claims.jobs[0].order {
+        order.steps.iter_mut().for_each(|step| aim(step, &ends));
+    }
+    (claims, schedule)
+}
+
+/// The text that the schedule says it is from.
+pub(crate) const SOURCE: &str = "task assemble on m { }\n";
+
+/// The step that asks for a motion, from its robots' places to be filled in.
+fn asked(motion: &StepMotion) -> Step {
+    let goal = || Stop { pose: Pose::at(0.0, 0.0), span: Span::default() };
+    let action = match motion {
+        StepMotion::Wait(duration_ns) => Action::Wait(*duration_ns),
+        StepMotion::Legs { docks, .. } if docks.is_empty() => Action::Drive { robot: 0, stops: vec![goal()] },
+        StepMotion::Legs { docks, .. } => {
+            Action::Assemble(docks.iter().map(|dock| Dock { robot: dock.robot, goal: goal() }).collect())
+        }
+    };
+    Step { action, span: Span::default() }
+}
+
+/// Asks for the poses that the robots end at.
+fn aim(step: &mut Step, ends: &[Pose]) {
+    match &mut step.action {
+        Action::Assemble(docks) => docks.iter_mut().for_each(|dock| dock.goal.pose = ends[dock.robot]),
+        Action::Drive { robot, stops } => stops.iter_mut().for_each(|stop| stop.pose = ends[*robot]),
+        Action::Apply { .. } | Action::Wait(_) => {}
+    }
+}
+
+/// Two robots turn by more than a circle; all run straight; after a rest, one turns, and then two of them dock.
+pub(crate) fn bed() -> (Claims, Schedule) {
+    let leg = |state, strokes| Leg { state, strokes };
+    let legs = |legs: Vec<Leg>, docks| StepMotion::Legs { legs, docks, stages: Vec::new() };
+    let docks = vec![Docking { robot: 1, leg: 1 }, Docking { robot: 2, leg: 1 }];
+    carried(vec![
+        legs(vec![leg(2, 600), leg(0, 200)], Vec::new()),
+        StepMotion::Wait(5_000_000),
+        legs(vec![leg(1, 100), leg(0, 150), leg(3, 50)], docks),
+    ])
+}
+
+#[test]
+fn a_leg_is_its_control_cycle_and_one_swing() {
+    let (_, schedule) = bed();
+    let said: Vec<_> = schedule
+        .actuations
+        .iter()
+        .map(|actuation| {
+            (actuation.start_ns / 1000, actuation.duration_ns / 1000, actuation.from, actuation.swing.is_some())
+        })
+        .collect();
+    let first =
+        [(0, 1000, 0.0, false), (1000, 1000, 170.0, false), (2000, 30_000, 130.0, true), (32_000, 1000, 0.0, false)];
+    assert_eq!(said[..4], first);
+    let swing = Swing { period_ns: 50_000, levels: [130.0, 115.0] };
+    assert!(schedule.actuations.iter().filter_map(|actuation| actuation.swing).all(|found| found == swing));
+    assert_eq!(schedule.duration_ns, said.iter().map(|said| said.1 * 1000).sum::<u64>() + 5_000_000);
+}
+
+#[test]
+fn robots_that_dock_stay_where_they_are() {
+    let (_, schedule) = bed();
+    let states: Vec<_> = schedule.plans[0].states.iter().map(|timed| &timed.state).collect();
+    let [.., before, after] = states[..] else { panic!("two states at least") };
+    let (State::Microrobots { poses: old, docked, .. }, State::Microrobots { poses: new, .. }) = (before, after) else {
+        panic!("states of microrobots")
+    };
+    assert_eq!(docked, &["D2", "D3"]);
+    assert_eq!((old["D2"], old["D3"]), (new["D2"], new["D3"]));
+    assert_ne!(old["D1"], new["D1"]);
+}

@@ -1,0 +1,324 @@
+use super::*;
+use crate::claims::fingers::Section;
+use crate::device::fingers::{Adhesion, Facts, fixture};
+use crate::geometry::outline::{Curve, Outline};
+use crate::plan::fingers::looks::Looks;
+use crate::plan::fingers::tables::{Bits, Tables};
+use std::f64::consts::TAU;
+
+mod oracle;
+mod paper;
+
+/// The paper's hand, with κ as it imitates the paper.
+fn hand(friction: f64, adhesion: Adhesion) -> Facts {
+    Facts {
+        adhesion,
+        friction,
+        removal_safety: 1.8,
+        clearance_um: 0.0,
+        retract_um: 2.0,
+        support_un: 10.0,
+        range_um: [100.0; 3],
+        tolerance_um: 0.1,
+        ..fixture::hand()
+    }
+}
+
+/// An ellipse with so many contacts.
+fn ellipse(semi_um: [f64; 2], contacts: u32) -> (Section, Curve) {
+    section(Outline::Ellipse { semi_um }, contacts)
+}
+
+fn section(outline: Outline, contacts: u32) -> (Section, Curve) {
+    let curve = Curve::of(&outline).expect("an outline");
+    let once_round_rad = TAU + curve.perimeter_um() / 4.5;
+    let opposite = Some(1 + contacts / 2);
+    (Section { outline, contacts, opposite, step_rad: once_round_rad / f64::from(contacts) }, curve)
+}
+
+fn tabulated(facts: &Facts, (section, curve): &(Section, Curve), load: Load, angles: usize) -> Tables {
+    let contacts = Contacts::of(section, curve, facts.tip_radius_um);
+    tables(&Asked { facts, contacts, load, lowest: 0, angles }, &Looks::default(), &mut |_, _, _| true)
+        .expect("few grasps")
+}
+
+fn count(bits: &Bits) -> u32 {
+    bits.words().iter().map(|word| word.count_ones()).sum()
+}
+
+/// Of three fingers: ordered grasps of two or three of them.
+fn grasps(tables: &Tables) -> u32 {
+    3 * count(&tables.layers[0].pair) + count(&tables.layers[0].triple)
+}
+
+/// Whole numbers that look random, the same ones every time (splitmix64).
+struct Dice(u64);
+
+impl Dice {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end as u64) as usize
+    }
+
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (self.next() >> 11) as f64 / (1_u64 << 53) as f64 * (high - low)
+    }
+}
+
+const PAPER: [f64; 2] = [16.0, 11.845];
+
+#[test]
+fn the_papers_ellipse_has_its_grasps() {
+    let part = ellipse(PAPER, 74);
+    assert!((part.0.step_rad.to_degrees() - 20.0).abs() < 0.001);
+    for friction in [0.1, 0.3, 0.5] {
+        let tables = tabulated(&hand(friction, Adhesion::Sticking), &part, Load::NONE, 19);
+        assert_eq!((tables.layers.len(), grasps(&tables)), (1, 258_630), "friction does not matter where tips stick");
+        assert_eq!(
+            tables.layers[0].roll_triple, tables.layers[0].triple,
+            "a tip that has room has room while it rolls"
+        );
+    }
+}
+
+#[test]
+fn tips_have_room_from_six_contacts_on() {
+    for semi_um in [PAPER, [15.5, 12.41], [14.0, 14.0], [17.0, 10.6]] {
+        let layer = tabulated(&hand(0.3, Adhesion::Sticking), &ellipse(semi_um, 74), Load::NONE, 1).layers.remove(0);
+        for (i, j) in (0..74).flat_map(|i| (0..74).map(move |j| (i, j))) {
+            let gap = (74 + i - j) % 74;
+            assert_eq!(layer.pair.has(i * 74 + j), gap.min(74 - gap) >= 6, "{semi_um:?}: {i} {j}");
+        }
+    }
+}
+
+#[test]
+fn without_adhesion_grasps_grow_with_friction_as_in_table_2() {
+    for (semi_um, shares) in [(PAPER, [0.16, 0.47, 0.65]), ([15.5, 12.41], [0.22, 0.53, 0.69])] {
+        for (friction, share) in [0.1, 0.3, 0.5].into_iter().zip(shares) {
+            let tables = tabulated(&hand(friction, Adhesion::Absent), &ellipse(semi_um, 74), Load::NONE, 1);
+            let found = f64::from(grasps(&tables)) / 258_630.0;
+            assert!((found - share).abs() < 0.02, "{semi_um:?}, {friction}: {found:.3}");
+        }
+    }
+}
+
+/// Every bit of the tables, told again from single grasps: what `holds` says of contacts at an instant, and room between tips.
+fn assert_told_by_single_grasps(facts: &Facts, part: &(Section, Curve), load: Load, angles: usize) {
+    let tables = tabulated(facts, part, load, angles);
+    let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
+    let grip = Grip::of(facts, contacts.reach_um());
+    let size = contacts.number();
+    let firm = grip.with_reserve();
+    let is_single = tables.layers.len() == 1;
+    for (at, layer) in tables.layers.iter().enumerate() {
+        let told = |hand, part: usize, of: usize| Told::at(hand, &contacts, load, [at as f64, part as f64 / of as f64]);
+        let now = told(&grip, 0, 1);
+        let next = told(&grip, 1, 1);
+        let between: Vec<Told> = (1..PARTS_OF_STEP).map(|part| told(&firm, part, PARTS_OF_STEP)).collect();
+        let passing: Vec<Told> = (1..PARTS_OF_ROLLING).map(|part| told(&grip, part, PARTS_OF_ROLLING)).collect();
+        let on = |grasp: &[usize]| {
+            (is_single || at + 1 < angles)
+                && next.holds(grasp)
+                && between.iter().all(|part| part.holds(grasp))
+                && passing.iter().all(|part| part.has_room(grasp))
+        };
+        for (i, j) in (0..size).flat_map(|i| (0..size).map(move |j| (i, j))) {
+            let held = i != j && now.holds(&[i, j]);
+            assert_eq!(layer.pair.has(i * size + j), held, "{at}: {i} {j}");
+            assert_eq!(layer.roll_pair.has(i * size + j), held && on(&[i, j]), "{at}: {i} {j} roll");
+            for k in (0..size).step_by(3) {
+                let bit = tables.three(i, j, k);
+                let all = i != j && i != k && j != k && now.holds(&[i, j, k]);
+                assert_eq!(layer.triple.has(bit), all, "{at}: {i} {j} {k}");
+                assert_eq!(layer.roll_triple.has(bit), all && on(&[i, j, k]), "{at}: {i} {j} {k} roll");
+                assert_eq!(layer.place.has(bit), all && held, "{at}: {i} {j} {k} comes");
+                let lets_go =
+                    all && held && grip.resists([&now.contacts[i], &now.contacts[j]], &now.contacts[k], &now.load);
+                assert_eq!(layer.leave.has(bit), lets_go, "{at}: {i} {j} {k} leaves");
+            }
+        }
+    }
+}
+
+/// Contacts and load at an angle, and a part of a step after it.
+struct Told<'a> {
+    grip: &'a Grip,
+    contacts: Vec<Contact>,
+    load: Load,
+}
+
+impl<'a> Told<'a> {
+    fn at(grip: &'a Grip, contacts: &Contacts, load: Load, [angle, part]: [f64; 2]) -> Told<'a> {
+        let load = load.after_turn((angle + part) * contacts.step_rad());
+        Told { grip, contacts: contacts.after(part), load }
+    }
+
+    fn held(&self, grasp: &[usize]) -> Vec<Contact> {
+        grasp.iter().map(|contact| self.contacts[*contact]).collect()
+    }
+
+    fn has_room(&self, grasp: &[usize]) -> bool {
+        let held = self.held(grasp);
+        (0..held.len()).all(|a| held[a].usable && (0..a).all(|b| held[a].tips_apart_um(&held[b]) >= 9.0))
+    }
+
+    fn holds(&self, grasp: &[usize]) -> bool {
+        self.has_room(grasp) && self.grip.holds(&self.held(grasp), &self.load)
+    }
+}
+
+#[test]
+fn tables_say_what_single_grasps_say() {
+    let round = ellipse([8.0, 6.1], 28);
+    let waist = peanut(30);
+    let weight = Load { force_un: [0.4, -0.9], at_um: [0.5, 0.2], ..Load::NONE };
+    let oblique = Load { across_un: 0.7, height_um: 0.3, ..weight };
+    for adhesion in [Adhesion::Sticking, Adhesion::Absent] {
+        for part in [&round, &waist] {
+            assert_told_by_single_grasps(&hand(0.4, adhesion), part, Load::NONE, 5);
+        }
+        for load in [weight, oblique] {
+            assert_told_by_single_grasps(&hand(0.4, adhesion), &round, load, 3);
+        }
+    }
+}
+
+/// Slimmer in the middle: a tip in the waist may cut the outline elsewhere.
+fn peanut(contacts: u32) -> (Section, Curve) {
+    let round = |k: usize| {
+        let (sin, cos) = (k as f64 * TAU / 32.0).sin_cos();
+        let radius_um = 7.0 + 4.0 * (2.0 * cos * cos - 1.0);
+        [radius_um * cos, radius_um * sin]
+    };
+    section(Outline::Spline { points_um: (0..32).map(round).collect() }, contacts)
+}
+
+/// A contact every 10 deg round a circle, exactly.
+fn circle() -> Vec<Contact> {
+    let at = |index: u32| {
+        let (sin, cos) = (f64::from(index) * TAU / 36.0).sin_cos();
+        let out = |radius_um: f64| [radius_um * cos, radius_um * sin];
+        Contact { point_um: out(9.0), normal: [cos, sin], tip_um: out(13.5), usable: true }
+    };
+    (0..36).map(at).collect()
+}
+
+#[test]
+fn what_is_exactly_balanced_holds() {
+    // Two fingers at the ends of a right angle seen from the middle: the chord is 45 deg off both normals.
+    let contacts = circle();
+    let grip = |friction: f64| Grip::of(&hand(friction, Adhesion::Absent), 9.0);
+    let right_angle = [contacts[0], contacts[9]];
+    assert!(grip(1.0).holds(&right_angle, &Load::NONE));
+    assert!(!grip(1.0 - 1e-8).holds(&right_angle, &Load::NONE));
+    // Three at 0, 90 and 180 deg: the third one is of no use without friction, and not needed.
+    let three = [contacts[0], contacts[9], contacts[18]];
+    assert!(grip(1e-3).holds(&three, &Load::NONE));
+    // Three on one half of a circle have nothing to push against.
+    assert!(!grip(1e-3).holds(&[contacts[0], contacts[4], contacts[9]], &Load::NONE));
+}
+
+#[test]
+fn a_removal_in_balance_holds_up_to_its_safety() {
+    // Without a moment two opposite fingers resist across their chord as far as friction goes with all that presses and sticks.
+    let contacts = circle();
+    let resists = |safety: f64| {
+        let facts = Facts { removal_safety: safety, ..hand(0.3, Adhesion::Sticking) };
+        Grip::of(&facts, 9.0).resists([&contacts[0], &contacts[18]], &contacts[9], &Load::NONE)
+    };
+    // Both press with all they have: 2 × 0.3 × (30 + 1.5) μN over 1.5 μN.
+    assert!(resists(12.6) && !resists(12.6 + 1e-6));
+}
+
+#[test]
+fn a_load_across_is_borne_by_levers_and_torsion() {
+    let contacts = circle();
+    let holds = |grasp: &[usize], torsion_um: f64, load: Load| {
+        let held: Vec<Contact> = grasp.iter().map(|contact| contacts[*contact]).collect();
+        Grip::of(&Facts { torsion_um, ..hand(0.3, Adhesion::Sticking) }, 9.0).holds(&held, &load)
+    };
+    let across = |across_un: f64| Load { across_un, ..Load::NONE };
+    // Through the chord: each of two that press with 30 uN bears 0.3 × (30 + 1.5) uN.
+    assert!(holds(&[0, 18], 0.0, across(18.9)) && !holds(&[0, 18], 0.0, across(18.9 + 1e-6)));
+    assert!(holds(&[0, 12, 24], 0.0, across(-28.35)) && !holds(&[0, 12, 24], 0.0, across(-28.35 - 1e-6)));
+    // Off the chord: what two bear there is the torque about their normals, 2 × 31.5 uN × 0.1 um.
+    let beside = |across_un: f64| Load { across_un, at_um: [0.0, 3.0], ..Load::NONE };
+    assert!(!holds(&[0, 18], 0.0, beside(1e-3)));
+    assert!(holds(&[0, 18], 0.1, beside(2.1)) && !holds(&[0, 18], 0.1, beside(2.1 + 1e-6)));
+    // A third finger behind the chord is a lever: the load off it is borne, for tips that stick pull as well.
+    assert!(holds(&[0, 18, 27], 0.0, beside(1.0)));
+    // In the plane, but before it.
+    let before = |height_um: f64| Load { force_un: [0.0, 1.0], height_um, ..Load::NONE };
+    assert!(
+        holds(&[0, 18], 0.0, before(0.0)) && !holds(&[0, 18], 0.0, before(0.1)) && holds(&[0, 18], 0.1, before(0.1))
+    );
+}
+
+#[test]
+fn a_load_turns_against_the_part() {
+    let load = Load { force_un: [0.0, -2.0], across_un: 0.5, at_um: [1.0, 0.0], height_um: 0.0 };
+    let [x_un, y_un] = load.after_turn(TAU / 4.0).force_un;
+    assert!((x_un + 2.0).abs() < 1e-12 && y_un.abs() < 1e-12, "what is down lies along -x of a part turned by 90 deg");
+    let quarter = nalgebra::UnitQuaternion::from_euler_angles(0.0, 0.0, TAU / 4.0);
+    let seen = Load::seen(crate::device::fingers::Plane::Xy, &quarter, [0.0, -2.0, -0.5], [1.0, 0.0, 0.0]);
+    assert!((seen.force_un[0] + 2.0).abs() < 1e-12 && seen.across_un == -0.5 && seen.at_um == [1.0, 0.0]);
+}
+
+#[test]
+fn tables_have_a_size_that_is_not_passed() {
+    let part = ellipse([120.0, 90.0], 512);
+    let facts = hand(0.3, Adhesion::Sticking);
+    let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
+    let load = Load { force_un: [0.1, 0.0], ..Load::NONE };
+    let asked = Asked { facts: &facts, contacts, load, lowest: 0, angles: 5 };
+    let refused = tables(&asked, &Looks::default(), &mut |_, _, _| true);
+    assert_eq!(refused.err(), Some(NoTables::TooManyGrasps { contacts: 512, layers: 5 }));
+}
+
+#[test]
+fn a_contact_that_is_out_of_reach_is_neither_come_to_nor_left() {
+    let part = ellipse([8.0, 6.1], 28);
+    let facts = hand(0.3, Adhesion::Sticking);
+    let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
+    let asked = Asked { facts: &facts, contacts, load: Load::NONE, lowest: 0, angles: 1 };
+    let found = tables(&asked, &Looks::default(), &mut |i, j, k| i < j && k != 5).expect("few grasps");
+    let free = tabulated(&facts, &part, Load::NONE, 1);
+    for (i, j) in (0..28).flat_map(|i| (0..28).map(move |j| (i, j))) {
+        for k in 0..28 {
+            let bit = found.three(i, j, k);
+            let (now, was) = (&found.layers[0], &free.layers[0]);
+            assert_eq!(
+                [now.place.has(bit), now.leave.has(bit)],
+                [was.place.has(bit), was.leave.has(bit)].map(|was| was && k != 5)
+            );
+            assert_eq!(now.triple.has(bit), was.triple.has(bit));
+        }
+    }
+}
+
+#[test]
+fn rows_of_bits_go_in_and_out_anywhere() {
+    let mut dice = Dice(1);
+    for length in [1, 28, 63, 64, 65, 74, 128, 200] {
+        let start = dice.below(200);
+        let mut bits = Bits::new(start + length + 70);
+        let mut row = vec![0_u64; usize::div_ceil(length, 64)];
+        (0..length).filter(|_| dice.below(2) == 0).for_each(|bit| row[bit / 64] |= 1 << (bit % 64));
+        bits.put_row(start, &row);
+        (start + length..start + length + 70).for_each(|bit| bits.put(bit));
+        let mut back = vec![u64::MAX; row.len()];
+        bits.read_row(start, length, &mut back);
+        assert_eq!(back, row, "{start} {length}");
+        let mut stepped = row.clone();
+        rows::step(&row, length, &mut stepped);
+        let has = |row: &[u64], bit: usize| row[bit / 64] >> (bit % 64) & 1 == 1;
+        assert!((0..length).all(|bit| has(&stepped, (bit + 1) % length) == has(&row, bit)));
+    }
+}

@@ -1,0 +1,336 @@
+//! One robot through its stops, while all others move along with every stroke.
+//!
+//! Input: the bed, the robot, the stops. Output: legs of the whole bed under which the robot meets every stop at the end of a leg, and
+//! nothing meets that must not; or why none were found.
+//!
+//! Method: the way of the driven robot first, as if it were alone (`ways`), in whole strokes (`strokes`). Any control state that has its arm
+//! where a leg needs it serves this leg; they are tried leg by leg, depth first, those first under which the others run the least, since robots
+//! that turn stay where they are (`choice`). If under no choice the bed stays clear, what the driven robot met is put in its way: the body of
+//! a robot where they met, or the disc of one that orbits; and the way is sought again.
+//!
+//! Promise: the legs are free of collisions by `World::first_hit`, and the stops are met within the precision. Not promised: that legs are
+//! found where there are some, or that none are shorter: the stops themselves are aimed at, and drives that spare strokes by stopping
+//! short within the precision are not looked for. What no drive is below, `bound` says.
+
+mod choice;
+
+use super::Leg;
+use super::free::{self, Segment};
+use super::strokes::{self, Train};
+use super::ways::{NoWay, Task};
+use super::world::{Bed, Fixtures, Hit, Meeting, Obstruction, World};
+use crate::claims::microrobots::{MicrorobotsOrder, Precision};
+use crate::device::microrobots::Arm;
+use crate::geometry::Pose;
+use crate::plan::search::{Budget, Meter};
+use crate::real::Real;
+use choice::Choice;
+
+/// How often what was met is put in the way of one stop.
+const MAX_ROUNDS: usize = 8;
+
+/// Who drives where.
+#[derive(Clone, Copy)]
+pub struct Drive<'a> {
+    pub order: &'a MicrorobotsOrder,
+    pub world: &'a World,
+    pub bed: &'a Bed,
+    pub robot: usize,
+    /// In their order; the last one is the goal.
+    pub stops: &'a [Pose],
+}
+
+impl Drive<'_> {
+    /// The control states that keep the arms of docked robots up.
+    fn states(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.world.state_count()).filter(|state| self.world.spares(*state, &self.bed.docked))
+    }
+}
+
+/// A drive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Driven {
+    /// Neighbours have different states, but for legs between which a stop lies. Empty if the robot is there.
+    pub legs: Vec<Leg>,
+    /// How many legs each stop takes to be met; ascending.
+    pub met: Vec<usize>,
+    pub strokes: u64,
+    /// Of the shortest way to the stops themselves, without obstacles. Drives that stop short within the precision may have fewer.
+    pub exact_strokes: u64,
+    /// Whether it has no more than `exact_strokes` and one for each leg.
+    pub direct: bool,
+    /// Steps of the budget that were taken.
+    pub spent: u64,
+}
+
+/// Why a robot does not come to a stop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stuck {
+    /// Index of the stops.
+    pub stop: usize,
+    pub reason: Reason,
+    /// Steps of the budget that were taken.
+    pub spent: u64,
+    /// How many ways were tried with every choice of control states.
+    pub ways: usize,
+}
+
+/// What stands in the way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Thing {
+    /// Index of the order's obstacles.
+    Obstacle(usize),
+    /// The body of a robot.
+    Robot(usize),
+    /// The disc that a robot sweeps.
+    Orbit(usize),
+}
+
+/// Why.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reason {
+    /// A proof: the robot sticks in a structure.
+    Docked,
+    /// A proof if every plan has the robot here before this stop: it has to turn, and no control state lowers its arm and keeps those of docked robots up.
+    NeverTurns,
+    /// A proof if every plan has the robot here before this stop: it has to run straight, and no control state raises its arm and keeps those of docked robots up.
+    NeverRuns,
+    /// A proof if every plan has the robot here before this stop: where it stands it is too near to this to move.
+    Start(Thing),
+    /// At the stop it is too near to this. No proof: it may stop elsewhere within the precision.
+    Goal(Thing),
+    /// No way around this was found. No proof.
+    Blocked(Thing),
+    /// The budget ran out; this is in the way of the shortest way. No proof.
+    GaveUp(Thing),
+    /// The precision is below what whole strokes can do. No proof.
+    TooFine,
+    /// The budget ran out over the choice of control states. No proof.
+    OutOfBudget,
+    /// It has a way, but with every choice of control states that was tried something meets; this is what happened last. No proof.
+    Meets(Hit),
+}
+
+impl Reason {
+    /// Whether there is no drive at all from where the robot is.
+    pub fn is_proof(&self) -> bool {
+        match self {
+            Reason::Docked | Reason::NeverTurns | Reason::NeverRuns | Reason::Start(_) => true,
+            Reason::Goal(_) | Reason::Blocked(_) | Reason::GaveUp(_) | Reason::TooFine => false,
+            Reason::OutOfBudget | Reason::Meets(_) => false,
+        }
+    }
+}
+
+/// Drives a robot through its stops.
+///
+/// # Errors
+/// See [`Reason`].
+pub fn drive(request: &Drive, budget: Budget) -> Result<Driven, Stuck> {
+    let mut progress = Progress { request, meter: Meter::new(budget), legs: Vec::new(), met: Vec::new(), ways: 0 };
+    for (stop, goal) in request.stops.iter().enumerate() {
+        let stuck =
+            |reason, progress: &Progress| Stuck { stop, reason, spent: progress.meter.spent(), ways: progress.ways };
+        progress.reach(*goal).map_err(|reason| stuck(reason, &progress))?;
+        progress.met.push(progress.legs.len());
+    }
+    Ok(progress.driven())
+}
+
+/// Legs up to a stop.
+struct Progress<'a> {
+    request: &'a Drive<'a>,
+    meter: Meter,
+    legs: Vec<Leg>,
+    met: Vec<usize>,
+    ways: usize,
+}
+
+impl Progress<'_> {
+    fn pose(&self) -> Pose {
+        let mut poses = self.request.bed.poses.clone();
+        self.legs.iter().for_each(|leg| self.request.world.advance(&mut poses, &self.request.bed.docked, *leg));
+        poses[self.request.robot]
+    }
+
+    /// Adds the legs to a stop.
+    fn reach(&mut self, goal: Pose) -> Result<(), Reason> {
+        let Drive { order, world, bed, robot, .. } = *self.request;
+        let from = self.pose();
+        if strokes::is_within(from, goal, order.precision) {
+            return Ok(());
+        }
+        if bed.docked[robot] {
+            return Err(Reason::Docked);
+        }
+        self.can_steer(from, goal)?;
+        let mut around = Around::docked(world, bed, robot);
+        let mut last = None;
+        for _ in 0..MAX_ROUNDS {
+            let found = match self.find(from, goal, &around) {
+                Ok(way) => way,
+                // What was put in the way closes it: what was met before says more.
+                Err(reason) => return Err(last.map_or(reason, Reason::Meets)),
+            };
+            let trains = strokes::whole(&world.body(robot).robot, from, goal, &found, order.precision);
+            match self.choose(&trains.ok_or(Reason::TooFine)?) {
+                Ok(legs) => {
+                    self.legs = legs;
+                    return Ok(());
+                }
+                Err(Reason::Meets(hit)) => {
+                    last = Some(hit);
+                    if !around.add(self.request, &self.legs, hit) {
+                        break;
+                    }
+                }
+                Err(reason) => return Err(reason),
+            }
+        }
+        self.other_word(from, goal, last)
+    }
+
+    /// A way of the robot alone. Unless the free optimum is clear, it keeps room for the rounding to whole strokes where there is room.
+    fn find(&mut self, from: Pose, to: Pose, around: &Around) -> Result<Vec<Segment>, Reason> {
+        let Drive { order, world, robot, .. } = *self.request;
+        let exact = Task { world, robot, from, to, fixtures: &around.fixtures };
+        if let Ok(found) = exact.direct() {
+            return Ok(found.way);
+        }
+        let wide = world.widened(strokes::ASTRAY * order.precision.place_um);
+        let found = Task { world: &wide, ..exact }.find(&mut self.meter);
+        let found = found.or_else(|no_way| match no_way {
+            NoWay::GaveUp(_) => Err(no_way),
+            NoWay::Start(_) | NoWay::Goal(_) | NoWay::Blocked(_) => exact.find(&mut self.meter),
+        });
+        found.map(|found| found.way).map_err(|no_way| around.reason(no_way))
+    }
+
+    /// The other free way, which lets the others move otherwise.
+    fn other_word(&mut self, from: Pose, goal: Pose, last: Option<Hit>) -> Result<(), Reason> {
+        let Drive { order, world, bed, robot, .. } = *self.request;
+        let around = Around::docked(world, bed, robot);
+        let facts = &world.body(robot).robot;
+        let way = free::words(facts, from, goal)[1].segments(facts.turning_radius_um);
+        let meets = last.map_or(Reason::TooFine, Reason::Meets);
+        if world.obstruction_on(robot, from, &way, &around.fixtures).is_some() {
+            return Err(meets);
+        }
+        let trains = strokes::whole(facts, from, goal, &way, order.precision).ok_or(meets)?;
+        self.legs = self.choose(&trains).map_err(|_| meets)?;
+        Ok(())
+    }
+
+    fn choose(&mut self, trains: &[Train]) -> Result<Vec<Leg>, Reason> {
+        self.ways += 1;
+        Choice::new(self.request, &self.legs, trains).run(&mut self.meter)
+    }
+
+    /// Whether control states have the arm where every way needs it.
+    fn can_steer(&self, from: Pose, goal: Pose) -> Result<(), Reason> {
+        let Drive { order, world, robot, .. } = *self.request;
+        let has = |arm: Arm| self.request.states().any(|state| world.arm(state, robot) == arm);
+        let facts = &world.body(robot).robot;
+        // Without a turn the heading stays, and without a run the middle does.
+        let Precision { place_um, heading_rad } = order.precision;
+        let turn_rad = free::turn_rad(facts, from.heading_rad, goal.heading_rad);
+        let (sin, cos) = from.heading_rad.sine_cosine();
+        let [dx, dy] = [goal.x_um - from.x_um, goal.y_um - from.y_um];
+        let ahead = (dy * cos - dx * sin).abs() <= place_um && dx * cos + dy * sin >= -place_um;
+        let straight = turn_rad.min(std::f64::consts::TAU - turn_rad) <= heading_rad && ahead;
+        let [a, b] = [from, goal].map(|pose| facts.orbit_centre_um(pose));
+        let about = (a[0] - b[0]).hypotenuse(a[1] - b[1]) <= place_um + facts.turning_radius_um * heading_rad;
+        match () {
+            () if !straight && !has(Arm::Down) => Err(Reason::NeverTurns),
+            () if !about && !has(Arm::Up) => Err(Reason::NeverRuns),
+            () => Ok(()),
+        }
+    }
+
+    fn driven(self) -> Driven {
+        let Drive { world, bed, robot, stops, .. } = *self.request;
+        let facts = &world.body(robot).robot;
+        let start = std::iter::once(&bed.poses[robot]);
+        let exact_um: f64 = start.chain(stops).zip(stops).map(|(from, to)| free::distance_um(facts, *from, *to)).sum();
+        let strokes = self.legs.iter().map(|leg| leg.strokes).sum();
+        let exact_strokes = (exact_um / facts.step_um - ROUNDING).ceil().max(0.0) as u64;
+        Driven {
+            met: self.met,
+            strokes,
+            exact_strokes,
+            direct: strokes <= exact_strokes + self.legs.len() as u64,
+            spent: self.meter.spent(),
+            legs: self.legs,
+        }
+    }
+}
+
+/// What a number of strokes gives away to roundings.
+const ROUNDING: f64 = 1e-3;
+
+/// What rests or is taken to rest, and whose it is.
+struct Around {
+    fixtures: Fixtures,
+    /// Of the fixtures' bodies and discs: which robot's.
+    bodies: Vec<usize>,
+    discs: Vec<usize>,
+}
+
+impl Around {
+    /// The bodies that are docked.
+    fn docked(world: &World, bed: &Bed, robot: usize) -> Self {
+        let bodies: Vec<usize> = (0..world.count()).filter(|other| bed.docked[*other] && *other != robot).collect();
+        let rectangles = bodies.iter().map(|other| world.rectangle(*other, bed.poses[*other])).collect();
+        Around { fixtures: Fixtures { discs: Vec::new(), bodies: rectangles }, bodies, discs: Vec::new() }
+    }
+
+    fn thing(&self, obstruction: Obstruction) -> Thing {
+        match obstruction {
+            Obstruction::Obstacle(obstacle) => Thing::Obstacle(obstacle),
+            Obstruction::Disc(disc) => Thing::Orbit(self.discs[disc]),
+            Obstruction::Body(body) => Thing::Robot(self.bodies[body]),
+        }
+    }
+
+    fn reason(&self, no_way: NoWay) -> Reason {
+        match no_way {
+            NoWay::Start(found) => Reason::Start(self.thing(found)),
+            NoWay::Goal(found) => Reason::Goal(self.thing(found)),
+            NoWay::Blocked(found) => Reason::Blocked(self.thing(found)),
+            NoWay::GaveUp(found) => Reason::GaveUp(self.thing(found)),
+        }
+    }
+
+    /// Puts what the driven robot met in its way; `false` if it is not the driven robot that met, or is there already.
+    fn add(&mut self, request: &Drive, legs: &[Leg], hit: Hit) -> bool {
+        let Drive { world, bed, robot, .. } = *request;
+        let (other, with) = match hit.meeting {
+            Meeting::Robots { robot: one, other } if one == robot => (other, hit.with),
+            Meeting::Robots { robot: other, other: one } if one == robot => (other, hit.at),
+            Meeting::OrbitRobot { robot: other, other: one } if one == robot => (other, hit.at),
+            Meeting::Robots { .. }
+            | Meeting::OrbitRobot { .. }
+            | Meeting::Obstacle { .. }
+            | Meeting::OrbitObstacle { .. }
+            | Meeting::Orbits { .. } => return false,
+        };
+        let mut poses = bed.poses.clone();
+        legs.iter().for_each(|leg| world.advance(&mut poses, &bed.docked, *leg));
+        let here = world.disc(other, poses[other]);
+        let there = world.disc(other, with);
+        let stays = here.to_disc_um(&there) < 1e-3 - 2.0 * here.radius_um;
+        if stays && !self.discs.contains(&other) {
+            self.fixtures.discs.push(here);
+            self.discs.push(other);
+            return true;
+        }
+        let body = world.rectangle(other, with);
+        let is_new = !self.fixtures.bodies.contains(&body);
+        self.fixtures.bodies.push(body);
+        self.bodies.push(other);
+        is_new
+    }
+}
+
+#[cfg(test)]
+mod tests;

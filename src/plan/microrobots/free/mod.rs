@@ -1,0 +1,229 @@
+//! The shortest way of one robot from pose to pose where nothing is in its way.
+//!
+//! The problem: a robot runs straight (arm up) or turns to one side, always the same, on a circle of radius r (arm down).
+//!
+//! Method: look at the middle of the circle that it turns on. While it turns, the middle rests; while it runs straight, the middle
+//! runs along with the heading. So a way is a polyline from the first middle c0 to the last one c1; its edges are run with the
+//! heading at that time, the turns happen at its corners, and it costs its length + r × the angle T turned in all. Headings only go
+//! round one way, so that T = T0 + 2πk with T0 = (the angle from the first heading round to the last one) in [0, 2π). Let d = c1 − c0.
+//!
+//! For given T the edges are d as a sum of vectors whose directions lie in the arc of headings that the turn passes, and every order
+//! of headings along the arc is one way. The least sum of lengths is the gauge of d with respect to the convex hull of
+//! that arc of the unit circle and the origin:
+//! - d points into the arc: |d| by one edge, and nothing is below |d|. That is turn–straight–turn.
+//! - d points beside the arc, and T0 > π: the hull is bounded there by the chord between the first and the last heading,
+//!   and the least sum takes these two alone. That is straight–turn–straight.
+//! - d points beside the arc, and T0 ≤ π: d is no such sum. (At T0 = π the arc is a closed half-circle, and d points to its other side.)
+//! - k ≥ 1: the arc is the whole circle, |d| by one edge; k = 1 is the cheapest of these.
+//!
+//! So the optimum is turn–straight–turn with T = T0 if d points into the arc, and else the better of straight–turn–straight with T0 (where
+//! T0 > π) and turn–straight–turn with T0 + 2π. Shorter words are these with zeros in them. Everything is in closed form.
+//!
+//! Promise: the way ends at the goal up to [`SLACK_UM`] and [`SLACK_RAD`]. These slacks are there because a goal exactly ahead must not
+//! cost a whole circle for the sake of a rounding.
+
+use crate::claims::microrobots::Precision;
+use crate::device::microrobots::{Arm, Robot};
+use crate::geometry::Pose;
+use crate::real::Real;
+use std::f64::consts::{PI, TAU};
+
+/// By how much a way may miss its goal to the side for the sake of a turn less.
+pub const SLACK_UM: f64 = 1e-6;
+
+/// The same for headings.
+pub const SLACK_RAD: f64 = 1e-9;
+
+/// A stretch of a robot's way with its arm in one place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    pub arm: Arm,
+    /// Of its centre, at least 0.
+    pub way_um: f64,
+}
+
+/// A way in at most five stretches: turn, run, turn, run, turn.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Word {
+    pub turns_rad: [f64; 3],
+    pub runs_um: [f64; 2],
+}
+
+impl Word {
+    /// The way of the centre of a robot with this turning radius.
+    pub fn length_um(&self, radius_um: f64) -> f64 {
+        self.runs_um[0] + self.runs_um[1] + radius_um * (self.turns_rad[0] + self.turns_rad[1] + self.turns_rad[2])
+    }
+
+    /// The stretches that are not empty, neighbours of the same arm as one.
+    pub fn segments(&self, radius_um: f64) -> Vec<Segment> {
+        let turn = |index: usize| Segment { arm: Arm::Down, way_um: radius_um * self.turns_rad[index] };
+        let run = |index: usize| Segment { arm: Arm::Up, way_um: self.runs_um[index] };
+        joined([turn(0), run(0), turn(1), run(1), turn(2)])
+    }
+}
+
+/// The same way without empty stretches, neighbours of the same arm as one.
+pub fn joined(segments: impl IntoIterator<Item = Segment>) -> Vec<Segment> {
+    let mut kept: Vec<Segment> = Vec::new();
+    for segment in segments.into_iter().filter(|segment| segment.way_um > 0.0) {
+        match kept.last_mut() {
+            Some(last) if last.arm == segment.arm => last.way_um += segment.way_um,
+            Some(_) | None => kept.push(segment),
+        }
+    }
+    kept
+}
+
+/// Length of a way.
+pub fn length_um(way: &[Segment]) -> f64 {
+    way.iter().map(|segment| segment.way_um).sum()
+}
+
+/// A shortest way.
+pub fn shortest(robot: &Robot, from: Pose, to: Pose) -> Vec<Segment> {
+    best(robot, from, to).segments(robot.turning_radius_um)
+}
+
+/// Length of a shortest way.
+pub fn distance_um(robot: &Robot, from: Pose, to: Pose) -> f64 {
+    best(robot, from, to).length_um(robot.turning_radius_um)
+}
+
+fn best(robot: &Robot, from: Pose, to: Pose) -> Word {
+    words(robot, from, to)[0]
+}
+
+/// The ways without a needless edge, the shortest first: turn–straight–turn, and straight–turn–straight where there is one. If there is none,
+/// both are the same.
+pub fn words(robot: &Robot, from: Pose, to: Pose) -> [Word; 2] {
+    let journey = Journey::new(robot, from, to);
+    let one = journey.turn_run_turn();
+    match journey.run_turn_run() {
+        None => [one, one],
+        Some(other) if other.length_um(robot.turning_radius_um) < one.length_um(robot.turning_radius_um) => {
+            [other, one]
+        }
+        Some(other) => [one, other],
+    }
+}
+
+/// The angle from one heading round to another to the side to which the robot turns, in [0, 2π); nearly 2π counts as 0.
+pub fn turn_rad(robot: &Robot, from_rad: f64, to_rad: f64) -> f64 {
+    snapped((robot.turning.sign() * (to_rad - from_rad)).rem_euclid(TAU), SLACK_RAD)
+}
+
+fn snapped(turn_rad: f64, slack_rad: f64) -> f64 {
+    if turn_rad >= TAU - slack_rad { 0.0 } else { turn_rad }
+}
+
+/// A start and a goal in terms of the middles, mirrored so that headings rise while the robot turns.
+struct Journey {
+    radius_um: f64,
+    /// From the first middle to the last one, in the frame of the first heading.
+    along_um: [f64; 2],
+    distance_um: f64,
+    /// From the first heading to the direction of the last middle.
+    aim_rad: f64,
+    /// T0 of the module's documentation.
+    turn_rad: f64,
+}
+
+impl Journey {
+    fn new(robot: &Robot, from: Pose, to: Pose) -> Self {
+        let ([ax, ay], [bx, by]) = (robot.orbit_centre_um(from), robot.orbit_centre_um(to));
+        let (sin, cos) = from.heading_rad.sine_cosine();
+        let (dx, dy) = (bx - ax, by - ay);
+        let along_um = [dx * cos + dy * sin, robot.turning.sign() * (dy * cos - dx * sin)];
+        let distance_um = along_um[0].hypotenuse(along_um[1]);
+        let aim_rad = along_um[1].arc_tangent_over(along_um[0]).rem_euclid(TAU);
+        let turn_rad = turn_rad(robot, from.heading_rad, to.heading_rad);
+        Journey { radius_um: robot.turning_radius_um, along_um, distance_um, aim_rad, turn_rad }
+    }
+
+    fn turn_run_turn(&self) -> Word {
+        if self.distance_um <= SLACK_UM {
+            return Word { turns_rad: [self.turn_rad, 0.0, 0.0], runs_um: [0.0; 2] };
+        }
+        let slack_rad = SLACK_RAD.max(SLACK_UM / self.distance_um);
+        let aim_rad = snapped(self.aim_rad, slack_rad);
+        let (first_rad, all_rad) = if aim_rad <= self.turn_rad + slack_rad {
+            (aim_rad.min(self.turn_rad), self.turn_rad)
+        } else {
+            (aim_rad, self.turn_rad + TAU)
+        };
+        Word { turns_rad: [first_rad, all_rad - first_rad, 0.0], runs_um: [self.distance_um, 0.0] }
+    }
+
+    fn run_turn_run(&self) -> Option<Word> {
+        let (sin, cos) = self.turn_rad.sine_cosine();
+        let last_um = self.along_um[1] / sin;
+        let first_um = self.along_um[0] - last_um * cos;
+        let holds = sin.abs() > SLACK_RAD && first_um >= 0.0 && last_um >= 0.0;
+        holds.then_some(Word { turns_rad: [0.0, self.turn_rad, 0.0], runs_um: [first_um, last_um] })
+    }
+}
+
+/// A length that no way is below from a pose within a slack of the first one to a pose within a slack of the second one.
+///
+/// The optimum of the module's documentation with every quantity taken at its cheapest within the slacks: each middle lies within
+/// place + r × heading of the pose's own, and the frame of the first heading is turned by as much as that is off.
+pub fn least_um(robot: &Robot, (from, before): (Pose, Precision), (to, after): (Pose, Precision)) -> f64 {
+    let journey = Journey::new(robot, from, to);
+    let off_rad = before.heading_rad + after.heading_rad + SLACK_RAD;
+    let off_um = before.place_um + after.place_um + journey.radius_um * off_rad + SLACK_UM;
+    let turn_rad = journey.turn_rad;
+    let wraps = turn_rad <= off_rad || turn_rad >= TAU - off_rad;
+    let least_rad = if wraps { 0.0 } else { turn_rad - off_rad };
+    let near_um = (journey.distance_um - off_um).max(0.0);
+    let direct_um = near_um + journey.radius_um * least_rad;
+    if near_um == 0.0 {
+        return direct_um;
+    }
+    let spread_rad = (off_um / journey.distance_um).arc_sine() + before.heading_rad;
+    let ahead = journey.aim_rad - spread_rad <= turn_rad + off_rad || journey.aim_rad + spread_rad >= TAU;
+    if ahead {
+        return direct_um;
+    }
+    // With a circle more the turn is no shorter than that; it may be less than a whole one.
+    let circled_um = near_um + journey.radius_um * (TAU + turn_rad - off_rad);
+    if turn_rad + off_rad <= PI {
+        return circled_um;
+    }
+    let chord_um = journey.chord_um(off_um, off_rad, before.heading_rad);
+    circled_um.min(chord_um.max(near_um) + journey.radius_um * least_rad)
+}
+
+impl Journey {
+    /// The least sum of two edges along the first and the last heading, no more than this off, in a frame that may be turned. The chord's
+    /// normal points to the middle of the gap between the two headings, and the sum is the part of d along it / the cosine of half the gap.
+    fn chord_um(&self, off_um: f64, off_rad: f64, tilt_rad: f64) -> f64 {
+        let middle_rad = (self.turn_rad + TAU) / 2.0;
+        let (sin, cos) = middle_rad.sine_cosine();
+        let swing_um = self.distance_um * (off_rad / 2.0 + tilt_rad);
+        let part_um = self.along_um[0] * cos + self.along_um[1] * sin - off_um - swing_um;
+        let gap_rad = (TAU - self.turn_rad - off_rad).max(0.0);
+        part_um / (gap_rad / 2.0).cosine()
+    }
+}
+
+/// How many stretches every way has at least that ends within `slack` of the goal.
+pub fn fewest_segments(robot: &Robot, from: Pose, to: Pose, slack: Precision) -> usize {
+    let journey = Journey::new(robot, from, to);
+    let off_um = slack.place_um + journey.radius_um * slack.heading_rad;
+    let straight = journey.turn_rad <= slack.heading_rad || journey.turn_rad >= TAU - slack.heading_rad;
+    let (sin, cos) = journey.turn_rad.sine_cosine();
+    let [along_um, aside_um] = journey.along_um;
+    let on_first = aside_um.abs() <= off_um;
+    let on_last = (aside_um * cos - along_um * sin).abs() <= off_um + journey.distance_um * slack.heading_rad;
+    let there = (from.x_um - to.x_um).hypotenuse(from.y_um - to.y_um) <= slack.place_um;
+    match () {
+        () if straight && there => 0,
+        () if journey.distance_um <= off_um || (straight && on_first) => 1,
+        () if on_first || on_last => 2,
+        () => 3,
+    }
+}
+
+#[cfg(test)]
+mod tests;

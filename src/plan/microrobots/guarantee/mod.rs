@@ -1,0 +1,201 @@
+//! What is likely to keep the closed-loop strategy from bringing robots to their goals, with the errors at their bounds.
+//!
+//! Input: an order whose device says its errors, and a plan. Output: for each stage of an assembly the containments on which success
+//! rests, each with what is needed and what there is. No promise: these are estimates. Of 76 tasks of which all containments held, trials of
+//! `simulate` failed in 14 (up to 4.5 % of the trials), so that a stage is never said to be guaranteed by them; they say what to look at
+//! first. A stage of which one does not hold may well succeed nearly always.
+//!
+//! Method: the forward projection of the gross motion is the cylinder about the approach ([`Driver::cylinder`]); it has to lie in
+//! the preimage of the goal under the fine motion (`fine`), that is within the reach of its curvatures on both sides, less
+//! what the errors of all intervals may use up of it. The error at contact is that of the last measurement and of the way after
+//! it. The goal region is enlarged by compliance: any angle within the docking limits will do. The ways themselves, with all that
+//! robots may stray from them, have to stay clear of everything (`room`); the paper's C_O is replaced by that test. Source: the
+//! paper's section 3.4, with the ranges of the three primitives put to the right robots.
+
+mod fine;
+mod pair;
+mod room;
+mod said;
+
+use super::strategy::{Driver, Episode, Frame, Solid, edge_gap_um, episodes, obstacles};
+use super::{Motion, Stage};
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::geometry::Pose;
+use crate::real::Real;
+use room::{Surroundings, Way};
+
+/// What has to lie within what.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Check {
+    /// The cylinder about the approach in the preimage of the fine motion: its radius, and what can be corrected; in micrometres.
+    Cone,
+    /// How far from its place the robot may come to lie, and the docking tolerance; in micrometres.
+    Place,
+    /// Between heading and the normal of the edge at contact, and the limit; in radians.
+    Angle,
+    /// Between the axes of two robots that meet, and up to which distance they align themselves; in micrometres.
+    Axes,
+    /// Between the directions of two robots that meet, and up to which angle they align themselves; in radians.
+    Directions,
+    /// How far the robot may stray in gross motion, and the room to the thing of this name; in micrometres.
+    Gross(String),
+    /// The same in fine motion.
+    Fine(String),
+    /// There has to be an edge before the robot at its goal: 1 is needed, and there are so many.
+    Edge,
+    /// The angle that a turn of a robot has to have, so that no circle is driven, and what it has; in radians.
+    Turn,
+    /// By how much two robots may miss one another in time, as a way, and what is accepted; in micrometres.
+    Meeting,
+}
+
+/// A containment: it holds if no more is needed than there is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Containment {
+    /// Index of the order's robots.
+    pub robot: usize,
+    pub check: Check,
+    pub needs: f64,
+    pub has: f64,
+}
+
+/// What the success of a stage rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Assured {
+    /// Index of the order's steps.
+    pub step: usize,
+    /// Indices of the order's robots that are driven.
+    pub robots: Vec<usize>,
+    pub containments: Vec<Containment>,
+}
+
+impl Containment {
+    /// What is left, in micrometres or radians; negative when it does not hold.
+    pub fn margin(&self) -> f64 {
+        self.has - self.needs
+    }
+
+    fn is_angle(&self) -> bool {
+        match self.check {
+            Check::Angle | Check::Directions | Check::Turn => true,
+            Check::Cone | Check::Place | Check::Axes | Check::Gross(_) | Check::Fine(_) | Check::Edge => false,
+            Check::Meeting => false,
+        }
+    }
+}
+
+impl Assured {
+    /// The first containment that does not hold; without one the stage is guaranteed.
+    pub fn violated(&self) -> Option<&Containment> {
+        // What is not a number does not hold.
+        self.containments.iter().find(|containment| containment.margin().is_nan() || containment.margin() < 0.0)
+    }
+
+    /// The containment of lengths with the smallest margin.
+    pub fn tightest_um(&self) -> Option<&Containment> {
+        self.containments
+            .iter()
+            .filter(|containment| !containment.is_angle() && containment.check != Check::Edge)
+            .min_by(|a, b| a.margin().total_cmp(&b.margin()))
+    }
+
+    /// The containment of angles with the smallest margin.
+    pub fn tightest_rad(&self) -> Option<&Containment> {
+        let angles = self.containments.iter().filter(|containment| containment.is_angle());
+        angles.min_by(|a, b| a.margin().total_cmp(&b.margin()))
+    }
+}
+
+/// The stages of a plan in order of time; `None` where the device does not say its errors.
+pub fn guarantees(order: &MicrorobotsOrder, motion: &Motion) -> Option<Vec<Assured>> {
+    order.facts.errors?;
+    let solids = obstacles(order);
+    let mut structure = Displaced::default();
+    let mut found = Vec::new();
+    let mut last_step = None;
+    for episode in &episodes(order, motion) {
+        let is_first = last_step.replace(episode.step) != Some(episode.step);
+        let bed = Bed { order, episode, obstacles: &solids, is_first, structure };
+        let containments = match episode.stage {
+            Stage::Pair { .. } => pair::containments(&bed, &mut structure),
+            Stage::Escort { .. } => continue,
+            Stage::Single { robot, approach, goal, .. } => single(&bed, *robot, *approach, *goal),
+        };
+        let robots = super::strategy::driven(episode.stage).into_iter().map(|(robot, _)| robot).collect();
+        found.push(Assured { step: episode.step, robots, containments: containments.unwrap_or_default() });
+    }
+    Some(found)
+}
+
+/// How far the structure may be from where it should be.
+#[derive(Debug, Clone, Copy, Default)]
+struct Displaced {
+    middle_um: [f64; 2],
+    place_um: f64,
+    heading_rad: f64,
+}
+
+impl Displaced {
+    /// How far a point may be displaced that moves with the structure.
+    fn of_um(&self, pose: Pose) -> f64 {
+        let arm_um = (pose.x_um - self.middle_um[0]).hypotenuse(pose.y_um - self.middle_um[1]);
+        self.place_um + self.heading_rad * arm_um
+    }
+}
+
+/// A stage with all that matters to it.
+struct Bed<'a> {
+    order: &'a MicrorobotsOrder,
+    episode: &'a Episode<'a>,
+    obstacles: &'a [Solid],
+    /// Its step begins with it: where robots are on their orbits is known.
+    is_first: bool,
+    structure: Displaced,
+}
+
+impl Bed<'_> {
+    /// What the robots other than these are to them: the docked ones, and the discs of those that orbit.
+    fn surroundings(&self, driven: &[usize]) -> Surroundings {
+        let order = self.order;
+        let mut around = Surroundings { free: self.obstacles.to_vec(), docked: Vec::new() };
+        for (robot, &pose) in self.episode.poses.iter().enumerate().filter(|(robot, _)| !driven.contains(robot)) {
+            let facts = order.robot(robot);
+            if self.episode.docked[robot] {
+                let stray_um = self.structure.of_um(pose)
+                    + self.structure.heading_rad * facts.length_um.hypotenuse(facts.width_um) / 2.0
+                    + order.facts.docking.tolerance_um;
+                around.docked.push((Solid::standing(facts, pose), stray_um));
+            } else if let Some(driver) = Driver::new(order, robot) {
+                around.free.push(Solid::orbit(facts, pose, driver.orbit_error_um()));
+            }
+        }
+        around
+    }
+
+    fn gap_um(&self, robot: usize, goal: Pose) -> Option<f64> {
+        let docked = (0..self.episode.poses.len()).filter(|other| self.episode.docked[*other]);
+        let bodies: Vec<_> = docked.map(|other| (self.order.robot(other), self.episode.poses[other])).collect();
+        edge_gap_um(self.order.robot(robot), goal, &bodies, self.order.facts.docking.tolerance_um + 1e-6)
+    }
+}
+
+fn single(bed: &Bed, robot: usize, approach: Pose, goal: Pose) -> Option<Vec<Containment>> {
+    let driver = Driver::new(bed.order, robot)?;
+    let cylinder = driver.cylinder();
+    let docking = bed.order.facts.docking;
+    let held = |check: Check, needs: f64, has: f64| Containment { robot, check, needs, has };
+    let gap_um = bed.gap_um(robot, goal);
+    let mut found = vec![held(Check::Edge, 1.0, f64::from(u8::from(gap_um.is_some())))];
+    let frame = Frame::new(driver.robot, goal, gap_um.unwrap_or(0.0));
+    let region = fine::Region { cylinder, along_um: cylinder.radius_um };
+    let last = fine::Last::new(&driver, &frame, approach, region, [0.0, 1.0]);
+    found.push(held(Check::Cone, cylinder.radius_um, last.reach_um));
+    found.push(held(Check::Angle, last.incidence_rad, docking.sticking_rad));
+    found.push(held(Check::Place, last.across_um, docking.tolerance_um));
+    let around = bed.surroundings(&[robot]);
+    let way = Way::new(bed, &driver, robot, &bed.episode.via_um[0], approach);
+    found.extend(way.tightest(&around).map(|(name, needs, has)| held(Check::Gross(name), needs, has)));
+    let stretch = room::Stretch { driver: &driver, frame: &frame, last: &last, approach, shift_um: way.shift_um };
+    found.extend(stretch.tightest(&around).map(|(name, needs, has)| held(Check::Fine(name), needs, has)));
+    Some(found)
+}

@@ -1,0 +1,201 @@
+//! A way in whole strokes.
+//!
+//! The problem: a stroke carries a robot by some nanometres and turns it by step / radius; a heading that is off by half of that is
+//! off by micrometres at the end of a long leg.
+//!
+//! Method: as in `free`, the way is the polyline of the middles of the robot's circle, and its headings are counted in strokes of turning.
+//! Edge by edge, the polyline's next corner is aimed at from where the robot exactly is; so errors do not add up. An edge whose
+//! rounded heading would miss its corner by too much is run in two parts with one stroke of turning between them:
+//! the two neighbouring headings span every direction between them, so that only the rounding of their lengths is left. The last
+//! corner is that of the rounded last heading.
+//!
+//! Promise: the end is within the given precision of the goal, or nothing is returned; it is computed by the robot's own exact steps. The way
+//! differs from the given one by less than [`ASTRAY`] of the precision at its corners, roundings of single strokes aside.
+
+use super::free::Segment;
+use crate::claims::microrobots::Precision;
+use crate::device::microrobots::{Arm, Robot, wrapped_rad};
+use crate::geometry::Pose;
+use crate::real::Real;
+use std::f64::consts::FRAC_PI_2;
+
+/// The share of the precision that one rounded heading may cost at the goal.
+const AT_GOAL: f64 = 0.08;
+
+/// The share of the precision at which no better rounding is looked for.
+const GOOD: f64 = 0.15;
+
+/// The same at a corner on the way.
+pub const ASTRAY: f64 = 0.5;
+
+/// By how many strokes of turning an edge may be turned to make good for the one before it.
+const MOST_CORRECTION: f64 = 200.0;
+
+/// Strokes with the arm in one place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Train {
+    pub arm: Arm,
+    /// At least 1.
+    pub strokes: u64,
+}
+
+/// Where a robot is after its trains.
+pub fn end(robot: &Robot, from: Pose, trains: &[Train]) -> Pose {
+    let way_um = |train: &Train| robot.step_um * train.strokes as f64;
+    trains.iter().fold(from, |pose, train| robot.moved(pose, train.arm, way_um(train)))
+}
+
+/// Whether a pose is within the precision of another.
+pub fn is_within(pose: Pose, goal: Pose, precision: Precision) -> bool {
+    (pose.x_um - goal.x_um).hypotenuse(pose.y_um - goal.y_um) <= precision.place_um
+        && wrapped_rad(pose.heading_rad - goal.heading_rad).abs() <= precision.heading_rad
+}
+
+/// A way to a goal in whole strokes; `None` if its end is not within the precision, as with a precision below a stroke.
+pub fn whole(robot: &Robot, from: Pose, goal: Pose, way: &[Segment], precision: Precision) -> Option<Vec<Train>> {
+    let edges = edges(robot, way);
+    let turned = edges.turned.round();
+    // An edge may want one stroke of turning more than the last heading when it is rounded.
+    let choices = [(ASTRAY, turned), (ASTRAY, turned + 1.0), (0.0, turned), (0.0, turned + 1.0)];
+    let mut best: Option<(f64, Vec<Train>)> = None;
+    for (astray, turned) in choices {
+        let mut rounding = Rounding::new(robot, from, turned);
+        let tolerances_um = [AT_GOAL, astray].map(|share| share * precision.place_um);
+        rounding.follow(&edges, rounding.middle_of(goal, turned), tolerances_um);
+        rounding.turn_to(turned);
+        let end = end(robot, from, &rounding.trains);
+        let missed_um = (end.x_um - goal.x_um).hypotenuse(end.y_um - goal.y_um);
+        if is_within(end, goal, precision) && best.as_ref().is_none_or(|(least_um, _)| missed_um < *least_um) {
+            best = Some((missed_um, rounding.trains));
+        }
+        if best.as_ref().is_some_and(|(least_um, _)| *least_um <= GOOD * precision.place_um) {
+            break;
+        }
+    }
+    best.map(|(_, trains)| trains)
+}
+
+/// A way as a polyline of middles.
+struct Edges {
+    /// The strokes of turning before each edge, and its length.
+    edges: Vec<(f64, f64)>,
+    /// The strokes of turning in all.
+    turned: f64,
+}
+
+fn edges(robot: &Robot, way: &[Segment]) -> Edges {
+    let mut found = Edges { edges: Vec::new(), turned: 0.0 };
+    for segment in way {
+        match segment.arm {
+            Arm::Down => found.turned += segment.way_um / robot.step_um,
+            Arm::Up => found.edges.push((found.turned, segment.way_um)),
+        }
+    }
+    found
+}
+
+/// A way that is being rounded.
+struct Rounding<'a> {
+    robot: &'a Robot,
+    from: Pose,
+    /// Where the middle is now.
+    middle_um: [f64; 2],
+    /// The strokes of turning so far: a whole number.
+    turned: f64,
+    /// No edge is turned further than this.
+    most: f64,
+    trains: Vec<Train>,
+}
+
+impl<'a> Rounding<'a> {
+    fn new(robot: &'a Robot, from: Pose, most: f64) -> Self {
+        let middle_um = robot.orbit_centre_um(from);
+        Rounding { robot, from, middle_um, turned: 0.0, most, trains: Vec::new() }
+    }
+
+    fn heading_rad(&self, turned: f64) -> f64 {
+        self.from.heading_rad + self.robot.turning.sign() * turned * self.robot.step_um / self.robot.turning_radius_um
+    }
+
+    fn unit(&self, turned: f64) -> [f64; 2] {
+        let (sin, cos) = self.heading_rad(turned).sine_cosine();
+        [cos, sin]
+    }
+
+    /// The middle at a goal that is met with a rounded heading.
+    fn middle_of(&self, goal: Pose, turned: f64) -> [f64; 2] {
+        self.robot.orbit_centre_um(Pose { heading_rad: self.heading_rad(turned), ..goal })
+    }
+
+    /// Follows the edges to the last middle; the tolerances are that of the last corner and that of the others.
+    fn follow(&mut self, edges: &Edges, goal_um: [f64; 2], [goal_tolerance_um, tolerance_um]: [f64; 2]) {
+        let mut corner_um = self.middle_um;
+        for (index, (turned, length_um)) in edges.edges.iter().enumerate() {
+            let unit = self.unit(*turned);
+            corner_um = [0, 1].map(|axis| corner_um[axis] + length_um * unit[axis]);
+            match edges.edges.get(index + 1) {
+                None => self.run_to(goal_um, *turned, goal_tolerance_um),
+                // What is missed at a corner must not turn the next edge about.
+                Some((later, next_um)) => {
+                    let room = (later - turned).clamp(1.0, MOST_CORRECTION) / 4.0;
+                    let swing_um = next_um * room * self.robot.step_um / self.robot.turning_radius_um;
+                    self.run_to(corner_um, *turned, tolerance_um.min(swing_um));
+                }
+            }
+        }
+    }
+
+    /// Runs to a corner, its heading near to what was planned.
+    fn run_to(&mut self, corner_um: [f64; 2], planned: f64, tolerance_um: f64) {
+        let [dx, dy] = [0, 1].map(|axis| corner_um[axis] - self.middle_um[axis]);
+        let stroke_rad = self.robot.step_um / self.robot.turning_radius_um;
+        let off_rad = wrapped_rad(self.robot.turning.sign() * (dy.arc_tangent_over(dx) - self.heading_rad(planned)));
+        if off_rad.abs() > FRAC_PI_2 || dx.hypotenuse(dy) < self.robot.step_um / 2.0 {
+            return;
+        }
+        let aim = (planned + off_rad / stroke_rad).min(self.most).max(self.turned);
+        let nearest = aim.round();
+        let unit = self.unit(nearest);
+        let missed_um = (dx * unit[1] - dy * unit[0]).abs();
+        if missed_um <= tolerance_um || aim == self.turned || aim == self.most {
+            return self.run(nearest, dx * unit[0] + dy * unit[1]);
+        }
+        let [low, high] = [self.unit(aim.floor()), self.unit(aim.floor() + 1.0)];
+        let second_um = (low[0] * dy - low[1] * dx) / (low[0] * high[1] - low[1] * high[0]);
+        let second_um = (second_um / self.robot.step_um).round().max(0.0) * self.robot.step_um;
+        let first_um = (dx - second_um * high[0]) * low[0] + (dy - second_um * high[1]) * low[1];
+        self.run(aim.floor(), first_um);
+        self.run(aim.floor() + 1.0, second_um);
+    }
+
+    /// Runs straight with a heading.
+    fn run(&mut self, turned: f64, way_um: f64) {
+        let strokes = (way_um / self.robot.step_um).round();
+        if strokes >= 1.0 {
+            self.turn_to(turned);
+            let unit = self.unit(turned);
+            let way_um = strokes * self.robot.step_um;
+            self.middle_um = [0, 1].map(|axis| self.middle_um[axis] + way_um * unit[axis]);
+            self.push(Arm::Up, strokes);
+        }
+    }
+
+    fn turn_to(&mut self, turned: f64) {
+        if turned > self.turned {
+            self.push(Arm::Down, turned - self.turned);
+            self.turned = turned;
+        }
+    }
+
+    fn push(&mut self, arm: Arm, strokes: f64) {
+        // The most strokes of a way of a metre are far below 2^53.
+        let strokes = strokes as u64;
+        match self.trains.last_mut() {
+            Some(last) if last.arm == arm => last.strokes += strokes,
+            Some(_) | None => self.trains.push(Train { arm, strokes }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

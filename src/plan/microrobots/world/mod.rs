@@ -1,0 +1,304 @@
+//! The bed while it is planned: what stands on it, and what the legs of a plan would bring together.
+//!
+//! Input: the robots, obstacles and control states of an order; where the robots stand; legs. Output: the first meeting that the rules
+//! of collision forbid, or none. The rules: a body that moves keeps the clearance from obstacles and other bodies; the disc of a robot that
+//! turns by a whole turn or more keeps the orbit clearance from everything; a robot that docks may come to the structure in the last stretch.
+//!
+//! Method: conservative advancement (Mirtich, 1996): the distance at an instant, divided by the greatest speed of the two, is time in which
+//! nothing can happen. Two bodies that both run straight need no such steps: their distance is convex in time. A body that runs straight past
+//! something that rests sweeps a rectangle.
+//!
+//! Promise: stricter than the rules by [`MARGIN_UM`], so that roundings decide nothing. What is not told apart within `MAX_SAMPLES` instants
+//! of one pair in one leg counts as a meeting. Cost: pairs of robots + robots × obstacles for each leg, most of them by their bounds alone.
+
+mod bed;
+mod pairs;
+mod rectangle;
+mod statics;
+mod tracks;
+
+pub use bed::Bed;
+pub use rectangle::Rectangle;
+pub use statics::{Disc, Fixtures, Obstruction};
+
+use super::{Docking, Leg};
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::{Arm, Robot};
+use crate::geometry::{Pose, Rounded};
+use crate::real::Real;
+use std::f64::consts::TAU;
+use tracks::Track;
+
+/// By how much the planner is stricter than the rules.
+pub const MARGIN_UM: f64 = 1e-3;
+
+/// By how much less than a whole turn counts as one.
+const MARGIN_RAD: f64 = 1e-6;
+
+/// The most instants at which one pair is looked at during one leg.
+const MAX_SAMPLES: u32 = 200_000;
+
+/// The bed of an order.
+#[derive(Debug, Clone)]
+pub struct World {
+    bodies: Vec<Body>,
+    obstacles: Vec<Obstacle>,
+    /// By control state, then by robot of the order.
+    arms: Vec<Arm>,
+    keep_um: f64,
+    orbit_keep_um: f64,
+    /// How far docked bodies may overlap.
+    overlap_um: f64,
+    /// The last stretch before docking.
+    fine_um: f64,
+}
+
+/// What is in the way.
+#[derive(Debug, Clone)]
+struct Obstacle {
+    body: Rounded,
+    /// It lies within this.
+    bound: Disc,
+}
+
+/// A robot's measures.
+#[derive(Debug, Clone)]
+pub struct Body {
+    pub robot: Robot,
+    pub half_um: [f64; 2],
+    /// From its centre to its corners.
+    pub corner_um: f64,
+    /// Of the disc that it sweeps when it orbits.
+    pub reach_um: f64,
+}
+
+/// What is forbidden to meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Meeting {
+    /// A body and an obstacle.
+    Obstacle { robot: usize, obstacle: usize },
+    /// Two bodies.
+    Robots { robot: usize, other: usize },
+    /// The disc of a robot that orbits, and an obstacle.
+    OrbitObstacle { robot: usize, obstacle: usize },
+    /// The disc of a robot that orbits, and a body.
+    OrbitRobot { robot: usize, other: usize },
+    /// Two such discs.
+    Orbits { robot: usize, other: usize },
+}
+
+/// The first forbidden meeting.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    pub meeting: Meeting,
+    /// Index of the legs.
+    pub leg: usize,
+    /// How many strokes of the leg are done by then.
+    pub strokes: f64,
+    /// Where the first robot of the meeting is then.
+    pub at: Pose,
+    /// Where the other robot is then; the first one, if there is none.
+    pub with: Pose,
+}
+
+impl World {
+    /// The bed of an order. Obstacles whose shape cannot be placed are left out: the check refuses them.
+    pub fn new(order: &MicrorobotsOrder) -> Self {
+        let facts = &order.facts;
+        let bodies: Vec<Body> = order.robots.iter().map(|placed| Body::new(&facts.robots[placed.row])).collect();
+        let obstacles = order.obstacles.iter().filter_map(|obstacle| obstacle.shape.grown(&obstacle.pose, 0.0).ok());
+        let arms_of = |state: usize| order.robots.iter().map(move |placed| order.states[state].arms[placed.row]);
+        World {
+            bodies,
+            obstacles: obstacles.map(Obstacle::new).collect(),
+            arms: (0..order.states.len()).flat_map(arms_of).collect(),
+            keep_um: facts.clearance_um,
+            orbit_keep_um: facts.orbit_clearance_um,
+            overlap_um: facts.docking.tolerance_um,
+            fine_um: facts.fine.length_um + facts.fine.cycle_um,
+        }
+    }
+
+    /// How many robots there are.
+    pub fn count(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// How many control states there are.
+    pub fn state_count(&self) -> usize {
+        self.arms.len().checked_div(self.bodies.len()).unwrap_or(0)
+    }
+
+    /// The measures of a robot.
+    pub fn body(&self, robot: usize) -> &Body {
+        &self.bodies[robot]
+    }
+
+    /// The bodies of the obstacles.
+    pub fn obstacles(&self) -> impl Iterator<Item = &Rounded> {
+        self.obstacles.iter().map(|obstacle| &obstacle.body)
+    }
+
+    /// The same bed with larger clearances: what is free there stays free when it is moved by this.
+    pub fn widened(&self, room_um: f64) -> Self {
+        World { keep_um: self.keep_um + room_um, orbit_keep_um: self.orbit_keep_um + room_um, ..self.clone() }
+    }
+
+    /// The clearances of bodies and of discs.
+    pub fn keeps_um(&self) -> [f64; 2] {
+        [self.keep_um, self.orbit_keep_um]
+    }
+
+    /// Where a robot's arm is in a control state.
+    pub fn arm(&self, state: usize, robot: usize) -> Arm {
+        self.arms[state * self.bodies.len() + robot]
+    }
+
+    /// Whether a control state keeps the arms of all docked robots up: strokes with such an arm down would turn the structure.
+    pub fn spares(&self, state: usize, docked: &[bool]) -> bool {
+        (0..self.count()).all(|robot| !docked[robot] || self.arm(state, robot) == Arm::Up)
+    }
+
+    /// The rectangle of a robot at a pose.
+    pub fn rectangle(&self, robot: usize, pose: Pose) -> Rectangle {
+        Rectangle::new(pose, self.bodies[robot].half_um)
+    }
+
+    /// The disc that a robot at a pose sweeps when it orbits.
+    pub fn disc(&self, robot: usize, pose: Pose) -> Disc {
+        let body = &self.bodies[robot];
+        Disc { centre_um: body.robot.orbit_centre_um(pose), radius_um: body.reach_um }
+    }
+
+    /// The way of a robot's centre in so many strokes.
+    pub fn way_um(&self, robot: usize, strokes: u64) -> f64 {
+        self.bodies[robot].robot.step_um * strokes as f64
+    }
+
+    /// Moves all robots that are not docked by a leg.
+    pub fn advance(&self, poses: &mut [Pose], docked: &[bool], leg: Leg) {
+        for (robot, pose) in poses.iter_mut().enumerate().filter(|(robot, _)| !docked[*robot]) {
+            *pose = self.bodies[robot].robot.moved(*pose, self.arm(leg.state, robot), self.way_um(robot, leg.strokes));
+        }
+    }
+
+    /// The first forbidden meeting of legs, without what happened before them.
+    pub fn first_hit(&self, start: &[Pose], docked: &[bool], legs: &[Leg], docks: &[Docking]) -> Option<Hit> {
+        let mut course = Course::new(self, start, docked, legs, docks);
+        (0..legs.len()).find_map(|leg| course.follow(leg))
+    }
+}
+
+impl Obstacle {
+    fn new(body: Rounded) -> Self {
+        let [min_um, max_um] = [body.bounds().min_um, body.bounds().max_um];
+        let centre_um = [0, 1].map(|axis| (min_um[axis] + max_um[axis]) / 2.0);
+        let radius_um = (max_um[0] - min_um[0]).hypotenuse(max_um[1] - min_um[1]) / 2.0;
+        Obstacle { body, bound: Disc { centre_um, radius_um } }
+    }
+}
+
+impl Body {
+    fn new(robot: &Robot) -> Self {
+        let half_um = [robot.length_um / 2.0, robot.width_um / 2.0];
+        let (corner_um, reach_um) = (half_um[0].hypotenuse(half_um[1]), robot.orbit_reach_um());
+        Body { robot: robot.clone(), half_um, corner_um, reach_um }
+    }
+
+    /// The turning angle of a way.
+    pub fn turn_rad(&self, way_um: f64) -> f64 {
+        way_um / self.robot.turning_radius_um
+    }
+}
+
+/// Legs while they are followed.
+struct Course<'a> {
+    world: &'a World,
+    legs: &'a [Leg],
+    docks: &'a [Docking],
+    poses: Vec<Pose>,
+    docked: Vec<bool>,
+    /// By leg, then by robot: whether its arm stays down for a whole turn in all.
+    orbits: Vec<bool>,
+    tracks: Vec<Track>,
+    /// For each robot, the instant of this leg from which on it may come near to the structure.
+    fine_from: Vec<f64>,
+}
+
+impl<'a> Course<'a> {
+    fn new(world: &'a World, start: &[Pose], docked: &[bool], legs: &'a [Leg], docks: &'a [Docking]) -> Self {
+        let count = world.count();
+        let mut course = Course {
+            world,
+            legs,
+            docks,
+            poses: start.to_vec(),
+            docked: docked.to_vec(),
+            orbits: vec![false; legs.len() * count],
+            tracks: Vec::with_capacity(count),
+            fine_from: vec![f64::INFINITY; count],
+        };
+        (0..count).filter(|robot| !docked[*robot]).for_each(|robot| course.mark_orbits(robot));
+        course
+    }
+
+    /// The leg after which a robot rests.
+    fn last_leg(&self, robot: usize) -> usize {
+        self.docks.iter().find(|dock| dock.robot == robot).map_or(usize::MAX, |dock| dock.leg)
+    }
+
+    fn mark_orbits(&mut self, robot: usize) {
+        let (count, last) = (self.world.count(), self.last_leg(robot));
+        let moving = self.legs.len().min(last.saturating_add(1));
+        let is_down = |leg: usize| self.world.arm(self.legs[leg].state, robot) == Arm::Down;
+        let mut leg = 0;
+        while leg < moving {
+            let stretch = (leg..moving).take_while(|leg| is_down(*leg)).count();
+            let strokes = self.legs[leg..leg + stretch].iter().map(|leg| leg.strokes).fold(0, u64::saturating_add);
+            let turn_rad = self.world.bodies[robot].turn_rad(self.world.way_um(robot, strokes));
+            if turn_rad >= TAU - MARGIN_RAD {
+                (leg..leg + stretch).for_each(|leg| self.orbits[leg * count + robot] = true);
+            }
+            leg += stretch.max(1);
+        }
+    }
+
+    /// The first meeting of a leg; without one, everything stands at its end then.
+    fn follow(&mut self, leg: usize) -> Option<Hit> {
+        let Leg { state, strokes } = self.legs[leg];
+        self.tracks.clear();
+        for robot in 0..self.world.count() {
+            let arm = (!self.docked[robot]).then(|| self.world.arm(state, robot));
+            self.tracks.push(Track::new(&self.world.bodies[robot], self.poses[robot], arm, strokes as f64));
+        }
+        (0..self.world.count()).for_each(|robot| self.fine_from[robot] = self.fine_from(leg, robot));
+        let hit = self.meeting(leg);
+        self.world.advance(&mut self.poses, &self.docked, self.legs[leg]);
+        self.docks.iter().filter(|dock| dock.leg == leg).for_each(|dock| self.docked[dock.robot] = true);
+        hit
+    }
+
+    /// From which instant of a leg on a robot is in the last stretch of its way; docked robots are there always.
+    fn fine_from(&self, leg: usize, robot: usize) -> f64 {
+        if self.docked[robot] {
+            return f64::NEG_INFINITY;
+        }
+        let last = self.last_leg(robot);
+        if last >= self.legs.len() || last < leg {
+            return f64::INFINITY;
+        }
+        let left: u64 = self.legs[leg..=last].iter().map(|leg| leg.strokes).fold(0, u64::saturating_add);
+        left as f64 - (self.world.fine_um - MARGIN_UM) / self.world.bodies[robot].robot.step_um
+    }
+
+    /// From which instant on two robots may come as near as docked ones, infinite if never.
+    fn near_from(&self, one: usize, other: usize) -> f64 {
+        let together = self.last_leg(one) == self.last_leg(other) || self.docked[one] || self.docked[other];
+        if together { self.fine_from[one].max(self.fine_from[other]) } else { f64::INFINITY }
+    }
+}
+
+#[cfg(test)]
+pub mod fixture;
+#[cfg(test)]
+mod tests;

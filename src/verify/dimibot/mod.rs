@@ -1,0 +1,505 @@
+//! Replays the run of a DiMiBot: pulses into module states, states into places, moves into sweeps.
+//!
+//! Input: a [`Run`] whose steps and channels are sound, and where the device stands. Output: its states and outcomes;
+//! one function per rule. A pulse is what begins at one instant on the device; it takes the pulse duration of the facts and then
+//! the rest, in which nothing is switched. A step of moves is pulse after pulse without idle time; its end is that of its last rest.
+
+mod beside;
+mod scene;
+
+use super::clock::Run;
+use super::rule::{Findings, Rule, Violation, ms};
+use super::{Replay, Standing, Terms, Unfit};
+use crate::claims::dimibot::{Action, DimibotOrder, Method, Objective, Stop};
+use crate::device::dimibot::{Cell, Facts, Side, Simultaneous, Switch};
+use crate::schedule::{Actuation, State, TimedState, Unit};
+use scene::{Scene, Touch, place};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+pub(super) use beside::tips_apart;
+pub(super) use scene::{check_claims, is_frame};
+
+/// Whether a robot may let time pass between its pulses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Patience {
+    /// It is alone in its scene, and every pulse follows at once.
+    None,
+    /// It may have to let another robot pass.
+    ForOthers,
+}
+
+/// What a channel acts on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Actuator {
+    side: Side,
+    module: u32,
+    switch: Switch,
+}
+
+impl Actuator {
+    fn state(self, cell: Cell) -> bool {
+        let bits = match self.side {
+            Side::Left => cell.x,
+            Side::Right => cell.y,
+        };
+        bits >> self.module & 1 == 1
+    }
+
+    /// The cell with the module where this actuator brings it.
+    fn applied(self, cell: Cell) -> Cell {
+        let bit = 1 << self.module;
+        let bits = |old: u32| match self.switch {
+            Switch::Set => old | bit,
+            Switch::Reset => old & !bit,
+        };
+        match self.side {
+            Side::Left => Cell { x: bits(cell.x), ..cell },
+            Side::Right => Cell { y: bits(cell.y), ..cell },
+        }
+    }
+
+    /// The cell in which its module alone is at 1.
+    fn own_cell(self) -> Cell {
+        Actuator { switch: Switch::Set, ..self }.applied(Cell { x: 0, y: 0 })
+    }
+
+    fn is_opposite(self, other: Actuator) -> bool {
+        (self.side, self.module) == (other.side, other.module) && self.switch != other.switch
+    }
+
+    fn name(self) -> String {
+        Facts::channel(self.side, self.module, self.switch)
+    }
+}
+
+/// The actuators of a device by the full names of their channels.
+pub(super) fn actuators(device: &str, facts: &Facts) -> BTreeMap<String, Actuator> {
+    let sides = [(Side::Left, facts.left), (Side::Right, facts.right)].into_iter();
+    let modules = sides.flat_map(|(side, count)| (0..count).map(move |module| (side, module)));
+    let both =
+        modules.flat_map(|(side, module)| [Switch::Set, Switch::Reset].map(|switch| Actuator { side, module, switch }));
+    both.map(|actuator| (format!("{device}.{}", actuator.name()), actuator)).collect()
+}
+
+/// What the numbers of a channel are, if the device has one of that name.
+pub(super) fn unit(channel: &str, order: &DimibotOrder) -> Option<Unit> {
+    actuators("", &order.facts).contains_key(&format!(".{channel}")).then_some(Unit::Volt)
+}
+
+/// What the claims say of a plan's record.
+pub(super) fn terms(order: &DimibotOrder) -> Terms {
+    let (objective, unit, scale) = match order.objective {
+        Objective::Distance => ("distance", "um", 1e6),
+        Objective::Switches => ("switches", "", 1.0),
+        Objective::Time => ("time", "ms", 1e3),
+        Objective::Energy => ("energy", "mJ", 1e3),
+    };
+    let planner = match order.planner.method {
+        Method::StagedAstar => "staged_astar",
+        Method::Dijkstra => "dijkstra",
+        Method::BidirectionalDijkstra => "bidirectional_dijkstra",
+        Method::Astar => "astar",
+        Method::HypercubeAstar => "hypercube_astar",
+    };
+    Terms { planner, objective, outcome: objective, unit, scale }
+}
+
+/// What `minimize` takes to bring an outcome down: its own name.
+pub(super) fn minimized_as(outcome: &'static str) -> Option<&'static str> {
+    Some(outcome)
+}
+
+/// What begins at one instant.
+#[derive(Debug)]
+struct Pulse<'a> {
+    start_ns: u64,
+    /// Place of its step in the run.
+    nth: usize,
+    /// Index of its step in the schedule.
+    step: usize,
+    parts: Vec<(&'a Actuation, Actuator)>,
+    before: Cell,
+    after: Cell,
+    /// What really changes.
+    strokes: Vec<Actuator>,
+}
+
+/// A run in the kind's own terms.
+struct Task<'a> {
+    run: &'a Run<'a>,
+    order: &'a DimibotOrder,
+    /// Where it stands at first.
+    start: Cell,
+    pulses: Vec<Pulse<'a>>,
+}
+
+/// Holds a run against its order.
+///
+/// # Errors
+/// When a body of the claims cannot be placed.
+pub(super) fn replay<'a>(
+    run: &Run<'a>,
+    (order, patience): (&DimibotOrder, Patience),
+    standing: &mut Standing<'a>,
+    findings: &mut Findings,
+) -> Result<Replay<'a>, Unfit> {
+    let scene = Scene::new(order)?;
+    let start = start(run, order, standing, findings);
+    let task = Task { run, order, start, pulses: pulses(run, order, start) };
+    shapes(&task, findings);
+    rests(&task, findings);
+    if patience == Patience::None {
+        idle(&task, findings);
+    }
+    waits(&task, findings);
+    opposed(&task, findings);
+    switches(&task, findings);
+    simultaneous(&task, findings);
+    standing_clear(&task, &scene, findings);
+    sweeps(&task, &scene, findings);
+    mixtures(&task, &scene, findings);
+    goals(&task, findings);
+    places(&task, findings);
+    standing.insert(&run.job.device, state(&order.facts, task.end()));
+    Ok(Replay { states: task.states().into_iter().map(Cow::Owned).collect(), outcomes: task.outcomes() })
+}
+
+fn state(facts: &Facts, cell: Cell) -> State {
+    let position = place(facts, cell);
+    State::Dimibot { word: facts.word(cell), cell: [cell.x, cell.y], position_um: [position.x, position.y] }
+}
+
+/// Where a run starts: where the device stands, or for its first run where the task says, or at home.
+fn start(run: &Run, order: &DimibotOrder, standing: &Standing, findings: &mut Findings) -> Cell {
+    let claimed = order.start.as_ref();
+    let Some(State::Dimibot { cell: [x, y], .. }) = standing.get(run.job.device.as_str()) else {
+        return claimed.map_or(order.facts.home, |start| start.value);
+    };
+    let stands = Cell { x: *x, y: *y };
+    if let Some(start) = claimed.filter(|start| start.value != stands) {
+        let title = format!(
+            "`{}` is to start at cell {}, but `{}` stands at {stands} by then",
+            run.job.task, start.value, run.job.device
+        );
+        let violation = Violation::new(Rule::Start, run.plan.start_ns, title).label(start.span, "this start");
+        findings
+            .push(violation.label(run.job.run_span, "in this run").help(format!("start at {stands}, or leave it out")));
+    }
+    stands
+}
+
+/// Gathers actuations into pulses, and follows the modules through them. A module that is set and reset at once stays.
+fn pulses<'a>(run: &Run<'a>, order: &DimibotOrder, start: Cell) -> Vec<Pulse<'a>> {
+    let actuators = actuators(&run.job.device, &order.facts);
+    let nth: BTreeMap<usize, usize> = run.steps.iter().enumerate().map(|(nth, step)| (*step, nth)).collect();
+    let mut cell = start;
+    let together = run.actuations.chunk_by(|one, other| one.start_ns == other.start_ns);
+    let pulse = |parts: &[&'a Actuation]| {
+        let (start_ns, step) = (parts[0].start_ns, parts[0].step as usize);
+        let actuator = |part: &Actuation| actuators[&run.schedule.channels[part.channel as usize].name];
+        let parts: Vec<_> = parts.iter().map(|part| (*part, actuator(part))).collect();
+        let (before, strokes) = (cell, strokes(cell, &parts));
+        cell = strokes.iter().fold(cell, |cell, stroke| stroke.applied(cell));
+        Pulse { start_ns, nth: nth[&step], step, parts, before, after: cell, strokes }
+    };
+    together.map(pulse).collect()
+}
+
+/// The parts of a pulse that change their module.
+fn strokes(cell: Cell, parts: &[(&Actuation, Actuator)]) -> Vec<Actuator> {
+    let moves = |actuator: &Actuator| {
+        actuator.applied(cell) != cell && !parts.iter().any(|(_, other)| other.is_opposite(*actuator))
+    };
+    parts.iter().map(|(_, actuator)| *actuator).filter(moves).collect()
+}
+
+impl Task<'_> {
+    fn facts(&self) -> &Facts {
+        &self.order.facts
+    }
+
+    /// From the beginning of a pulse to the end of its rest.
+    fn slot_ns(&self) -> u64 {
+        self.facts().pulse_duration_ns + self.facts().rest_ns
+    }
+
+    fn end(&self) -> Cell {
+        self.pulses.last().map_or(self.start, |pulse| pulse.after)
+    }
+
+    /// The cells in which the tip rests during a step, the one before its first pulse included.
+    fn rests_at(&self, nth: usize) -> Vec<Cell> {
+        let before = self.pulses.partition_point(|pulse| pulse.nth < nth);
+        let first = self.pulses[..before].last().map_or(self.start, |pulse| pulse.after);
+        std::iter::once(first).chain(self.of_step(nth).map(|pulse| pulse.after)).collect()
+    }
+
+    fn of_step(&self, nth: usize) -> impl DoubleEndedIterator<Item = &Pulse<'_>> {
+        let first = self.pulses.partition_point(|pulse| pulse.nth < nth);
+        let end = self.pulses.partition_point(|pulse| pulse.nth <= nth);
+        self.pulses[first..end].iter()
+    }
+
+    /// A violation at a pulse, with its step.
+    fn at(&self, rule: Rule, pulse: &Pulse, title: String) -> Violation {
+        let span = self.order.steps[pulse.nth].span;
+        Violation::new(rule, pulse.start_ns, title).step(pulse.step).label(span, "in this step")
+    }
+
+    /// A violation of a step as a whole.
+    fn of(&self, rule: Rule, nth: usize, time_ns: u64, title: String) -> Violation {
+        let span = self.order.steps[nth].span;
+        Violation::new(rule, time_ns, title).step(self.run.steps[nth]).label(span, "this step")
+    }
+
+    /// A state holds from the end of its pulse, when the module has surely snapped.
+    fn states(&self) -> Vec<TimedState> {
+        let facts = self.facts();
+        let first = TimedState { t_ns: self.run.plan.start_ns, state: state(facts, self.start) };
+        let changes = self.pulses.iter().filter(|pulse| pulse.after != pulse.before);
+        let later = changes.map(|pulse| TimedState {
+            t_ns: pulse.start_ns.saturating_add(facts.pulse_duration_ns),
+            state: state(facts, pulse.after),
+        });
+        std::iter::once(first).chain(later).collect()
+    }
+
+    /// Every module that snaps carries the tip along its own axis by its own column of the matrix, in whatever order they do.
+    fn outcomes(&self) -> BTreeMap<&'static str, f64> {
+        let facts = self.facts();
+        let strokes = || self.pulses.iter().flat_map(|pulse| &pulse.strokes);
+        let way = |stroke: &Actuator| facts.displacement_um(stroke.own_cell()).norm();
+        let parts: usize = self.pulses.iter().map(|pulse| pulse.parts.len()).sum();
+        let pulse_j = facts.pulse_voltage_v * facts.pulse_current_a * (facts.pulse_duration_ns as f64 * 1e-9);
+        BTreeMap::from([
+            ("distance", strokes().map(way).sum::<f64>() * 1e-6),
+            ("switches", strokes().count() as f64),
+            ("time", self.run.plan.duration_ns as f64 / 1e9),
+            ("energy", parts as f64 * pulse_j),
+        ])
+    }
+}
+
+/// Voltage and duration of every pulse are those of the device.
+fn shapes(task: &Task, findings: &mut Findings) {
+    let Facts { pulse_voltage_v: volts, pulse_duration_ns, .. } = *task.facts();
+    for pulse in &task.pulses {
+        for (part, actuator) in &pulse.parts {
+            let name = actuator.name();
+            if part.from != volts || part.to != volts {
+                let title =
+                    format!("pulse on `{name}` goes from {} V to {} V, {volts} V is needed", part.from, part.to);
+                findings.push(task.at(Rule::Pulse, pulse, title));
+            }
+            if part.duration_ns != pulse_duration_ns {
+                let (lasts, due) = (ms(part.duration_ns), ms(pulse_duration_ns));
+                let title = format!("pulse on `{name}` lasts {lasts}, {due} is needed");
+                findings.push(task.at(Rule::Pulse, pulse, title));
+            }
+        }
+    }
+}
+
+/// The rest after a pulse is over before the next pulse, and before the run ends.
+fn rests(task: &Task, findings: &mut Findings) {
+    let next = task.pulses.iter().skip(1).map(|pulse| pulse.start_ns);
+    for (pulse, next_ns) in task.pulses.iter().zip(next) {
+        let since_ns = next_ns - pulse.start_ns;
+        if since_ns < task.slot_ns() {
+            let (since, due) = (ms(since_ns), ms(task.slot_ns()));
+            let title = format!("next pulse {since} after the beginning of one, pulse and rest need {due}");
+            findings.push(task.at(Rule::Rest, pulse, title));
+        }
+    }
+    for nth in 0..task.run.steps.len() {
+        let step = task.run.step(nth);
+        let Some(pulse) = task.of_step(nth).next_back() else { continue };
+        let left_ns = step.start_ns + step.duration_ns - pulse.start_ns;
+        if left_ns < task.slot_ns() {
+            let (left, due) = (ms(left_ns), ms(task.slot_ns()));
+            let title = format!("step ends {left} after the beginning of its last pulse, pulse and rest need {due}");
+            findings.push(task.at(Rule::Rest, pulse, title));
+        }
+    }
+}
+
+/// A step of moves is pulse after pulse, from its beginning to its end. Not asked of robots that may have to wait for another:
+/// their idle time counts as time of the plan.
+fn idle(task: &Task, findings: &mut Findings) {
+    for (nth, claimed) in task.order.steps.iter().enumerate() {
+        match claimed.action {
+            Action::Wait(_) => continue,
+            Action::Move(_) | Action::Visit(_) => (),
+        }
+        let step = task.run.step(nth);
+        let mut due_ns = step.start_ns;
+        let ends = task.of_step(nth).map(|pulse| pulse.start_ns).chain([step.start_ns + step.duration_ns]);
+        for at_ns in ends {
+            if at_ns > due_ns {
+                let title = format!("nothing happens from {} to {} in a step of moves", ms(due_ns), ms(at_ns));
+                findings.push(task.of(Rule::Idle, nth, due_ns, title));
+            }
+            due_ns = at_ns.saturating_add(task.slot_ns());
+        }
+    }
+}
+
+/// A wait lasts as long as claimed, and nothing is switched in it.
+fn waits(task: &Task, findings: &mut Findings) {
+    for (nth, claimed) in task.order.steps.iter().enumerate() {
+        let duration_ns = match claimed.action {
+            Action::Wait(duration_ns) => duration_ns,
+            Action::Move(_) | Action::Visit(_) => continue,
+        };
+        let step = task.run.step(nth);
+        if step.duration_ns != duration_ns {
+            let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));
+            findings.push(task.of(Rule::Wait, nth, step.start_ns, title));
+        }
+        for pulse in task.of_step(nth) {
+            let title = format!("pulse at {} in a wait", ms(pulse.start_ns));
+            findings.push(task.at(Rule::Wait, pulse, title));
+        }
+    }
+}
+
+/// A module is not set and reset in one pulse.
+fn opposed(task: &Task, findings: &mut Findings) {
+    for pulse in &task.pulses {
+        let set = pulse.parts.iter().filter(|(_, actuator)| actuator.switch == Switch::Set);
+        for (_, actuator) in set {
+            if pulse.parts.iter().any(|(_, other)| other.is_opposite(*actuator)) {
+                let (name, at) = (actuator.name(), ms(pulse.start_ns));
+                let title = format!("`{name}` at {at} together with the reset of the same module");
+                findings.push(task.at(Rule::Opposed, pulse, title));
+            }
+        }
+    }
+}
+
+/// A pulse sets a module that is 0 or resets one that is 1.
+fn switches(task: &Task, findings: &mut Findings) {
+    for pulse in &task.pulses {
+        for (_, actuator) in &pulse.parts {
+            let twisted = pulse.parts.iter().any(|(_, other)| other.is_opposite(*actuator));
+            if !twisted && !pulse.strokes.contains(actuator) {
+                let (name, at, bit) = (actuator.name(), ms(pulse.start_ns), u8::from(actuator.state(pulse.before)));
+                let title = format!("`{name}` at {at} does nothing, its module is at {bit} already");
+                findings.push(task.at(Rule::Switch, pulse, title));
+            }
+        }
+    }
+}
+
+/// Several modules are switched in one pulse only where the task allows it.
+fn simultaneous(task: &Task, findings: &mut Findings) {
+    match task.order.simultaneous {
+        Simultaneous::Safe => return,
+        Simultaneous::Never => (),
+    }
+    for pulse in task.pulses.iter().filter(|pulse| pulse.strokes.len() > 1) {
+        let (count, at) = (pulse.strokes.len(), ms(pulse.start_ns));
+        let title = format!("{count} modules switched at {at}, 1 at a time is allowed");
+        findings.push(task.at(Rule::Simultaneous, pulse, title));
+    }
+}
+
+/// The tip stands clear before the first pulse.
+fn standing_clear(task: &Task, scene: &Scene, findings: &mut Findings) {
+    if let Some(touch) = scene.touch(task.start, task.start) {
+        let title = format!("tip stands at cell {} at the start, {}", task.start, touch.told(task.order));
+        let violation = Violation::new(Rule::Sweep, task.run.plan.start_ns, title);
+        findings.push(touched(task, violation, &touch).label(task.run.job.run_span, "in this run"));
+    }
+}
+
+/// The way that a single module carries the tip is clear.
+fn sweeps(task: &Task, scene: &Scene, findings: &mut Findings) {
+    for pulse in &task.pulses {
+        let [stroke] = pulse.strokes[..] else { continue };
+        let Cell { x: x0, y: y0 } = pulse.before;
+        let Cell { x: x1, y: y1 } = pulse.after;
+        let (low, high) = (Cell { x: x0.min(x1), y: y0.min(y1) }, Cell { x: x0.max(x1), y: y0.max(y1) });
+        if let Some(touch) = scene.touch(low, high) {
+            let (name, at, told) = (stroke.name(), ms(pulse.start_ns), touch.told(task.order));
+            let title = format!("`{name}` at {at} moves the tip from {} to {}, {told}", pulse.before, pulse.after);
+            findings.push(touched(task, task.at(Rule::Sweep, pulse, title), &touch));
+        }
+    }
+}
+
+/// Everywhere that modules switched at once can carry the tip, in any order and by any part of their strokes, is clear.
+fn mixtures(task: &Task, scene: &Scene, findings: &mut Findings) {
+    for pulse in task.pulses.iter().filter(|pulse| pulse.strokes.len() > 1) {
+        let all = |switch| {
+            let strokes = pulse.strokes.iter().filter(move |stroke| stroke.switch == switch);
+            strokes.fold(pulse.before, |cell, stroke| stroke.applied(cell))
+        };
+        if let Some(touch) = scene.touch(all(Switch::Reset), all(Switch::Set)) {
+            let (count, at, told) = (pulse.strokes.len(), ms(pulse.start_ns), touch.told(task.order));
+            let title = format!("{count} modules switched together at {at} may move the tip, {told}");
+            findings.push(touched(task, task.at(Rule::Mixture, pulse, title), &touch));
+        }
+    }
+}
+
+fn touched(task: &Task, violation: Violation, touch: &Touch) -> Violation {
+    violation.label(task.order.obstacles[touch.obstacle].span, "this obstacle")
+}
+
+/// Stops are reached: those of a move in their order, those of a visit in any; and the step ends at the last, or at one.
+fn goals(task: &Task, findings: &mut Findings) {
+    for (nth, claimed) in task.order.steps.iter().enumerate() {
+        let cells = task.rests_at(nth);
+        let missed = match &claimed.action {
+            Action::Wait(_) => None,
+            Action::Move(stops) => missed_in_order(stops, &cells),
+            Action::Visit(stops) => missed_of_all(stops, &cells),
+        };
+        let step = task.run.step(nth);
+        let end_ns = step.start_ns + step.duration_ns;
+        if let Some((stop, why)) = missed {
+            findings.push(task.of(Rule::Goal, nth, end_ns, why).label(stop.span, "this stop"));
+        }
+    }
+}
+
+fn missed_in_order<'a>(stops: &'a [Stop], cells: &[Cell]) -> Option<(&'a Stop, String)> {
+    let mut left = stops;
+    for cell in cells {
+        while left.first().is_some_and(|stop| stop.cell == *cell) {
+            left = &left[1..];
+        }
+    }
+    let (goal, end) = (stops.last()?, cells.last()?);
+    if let Some(stop) = left.first() {
+        return Some((stop, format!("cell {} is not reached in its turn, the step ends at {end}", stop.cell)));
+    }
+    (goal.cell != *end).then(|| (goal, format!("step goes to cell {} but ends at {end}", goal.cell)))
+}
+
+fn missed_of_all<'a>(stops: &'a [Stop], cells: &[Cell]) -> Option<(&'a Stop, String)> {
+    let (first, end) = (stops.first()?, cells.last()?);
+    if let Some(stop) = stops.iter().find(|stop| !cells.contains(&stop.cell)) {
+        return Some((stop, format!("cell {} is not visited, the step ends at {end}", stop.cell)));
+    }
+    let ends_at_stop = stops.iter().any(|stop| stop.cell == *end);
+    (!ends_at_stop).then(|| (first, format!("visit ends at cell {end}, which is none of its stops")))
+}
+
+/// The cell taken for a place is the nearest one, and as near as the task demands.
+fn places(task: &Task, findings: &mut Findings) {
+    for (nth, claimed) in task.order.steps.iter().enumerate() {
+        let stops: &[Stop] = match &claimed.action {
+            Action::Wait(_) => &[],
+            Action::Move(stops) | Action::Visit(stops) => stops,
+        };
+        let start_ns = task.run.step(nth).start_ns;
+        for stop in stops {
+            if let Some(why) = scene::misplaced(task.order, stop) {
+                findings.push(task.of(Rule::Place, nth, start_ns, why).label(stop.span, "this place"));
+            }
+        }
+    }
+}

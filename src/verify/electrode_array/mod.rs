@@ -1,0 +1,358 @@
+//! Replays the run of an electrode array: which electrodes are on into pulls, pulls into moves, moves into what parts sweep.
+//!
+//! Input: a [`Run`] whose steps and channels are sound, and where the parts stand. Output: their states and the outcomes. A step
+//! of parts is made of steps of the board, here called beats, in which no electrode is switched; a wait is one long beat. Promise:
+//! a part moves only where electrodes pull it, and the first beat that breaks a rule ends the replay of its device, since where
+//! parts are after it nobody knows. Cost: for each beat the parts and the electrodes that are on, but no more beats than the
+//! record has states.
+
+mod beat;
+mod bodies;
+mod claims;
+mod pull;
+mod stage;
+mod switching;
+
+use super::clock::Run;
+use super::record;
+use super::rule::{Findings, Rule, Violation, ms};
+use super::{Halt, Replay, Standing, Terms};
+use crate::claims::electrode_array::{Action, ElectrodeArrayOrder, Method, Move, Objective};
+use crate::device::electrode_array::Cell;
+use crate::schedule::{Actuation, State, TimedState, Unit};
+use beat::Moment;
+use bodies::Scene;
+use rustc_hash::FxHashMap;
+use stage::Stage;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use switching::{Pulse, Switching};
+
+pub(super) use claims::check_claims;
+
+/// What the numbers of a channel are, if the device has one of that name.
+pub(super) fn unit(channel: &str, order: &ElectrodeArrayOrder) -> Option<Unit> {
+    order.facts.electrode(channel).map(|_| Unit::Volt)
+}
+
+/// What the claims say of a plan's record.
+pub(super) fn terms(order: &ElectrodeArrayOrder) -> Terms {
+    let (objective, outcome) = match order.objective {
+        Objective::Makespan => ("makespan", "steps"),
+        Objective::SumOfCosts => ("sum_of_costs", "sum_of_costs"),
+    };
+    let planner = match order.planner.method {
+        Method::Portfolio => "portfolio",
+        Method::CooperativeAstar => "cooperative_astar",
+        Method::PlainCooperativeAstar => "plain_cooperative_astar",
+    };
+    Terms { planner, objective, outcome, unit: "", scale: 1.0 }
+}
+
+/// What `minimize` takes to bring an outcome down, if anything.
+pub(super) fn minimized_as(outcome: &'static str) -> Option<&'static str> {
+    match outcome {
+        "steps" | "time" => Some("makespan"),
+        "sum_of_costs" | "moves" => Some("sum_of_costs"),
+        _ => None,
+    }
+}
+
+/// A state in words.
+pub(super) fn shown(parts: &BTreeMap<String, [u32; 2]>) -> String {
+    let parts: Vec<String> = parts.iter().map(|(name, [column, row])| format!("{name} ({column}, {row})")).collect();
+    parts.join(", ")
+}
+
+/// Holds a run against its order.
+///
+/// # Errors
+/// At the first beat that breaks a rule, or the first state that is not the recorded one.
+pub(super) fn replay<'a>(
+    run: &Run<'a>,
+    order: &ElectrodeArrayOrder,
+    standing: &mut Standing<'a>,
+    findings: &mut Findings,
+) -> Result<Replay<'a>, Halt> {
+    let mut board = Board::new(run, order, standing)?;
+    board.potentials(findings);
+    board.record(run.plan.start_ns)?;
+    board.stands_clear()?;
+    for (nth, step) in order.steps.iter().enumerate() {
+        match &step.action {
+            Action::Wait(duration_ns) => board.wait(nth, *duration_ns, findings)?,
+            Action::Move(moves) => board.follow(nth, moves, findings)?,
+        }
+    }
+    standing.insert(&run.job.device, board.state());
+    let outcomes = board.outcomes();
+    Ok(Replay { states: board.states, outcomes })
+}
+
+/// A board in the course of a run.
+struct Board<'r, 'a> {
+    run: &'r Run<'a>,
+    order: &'r ElectrodeArrayOrder,
+    scene: Scene,
+    /// The actuations of each step of the run, with their electrodes.
+    pulses: Vec<Vec<(Cell, &'a Actuation)>>,
+    /// Indices of the parts, by name.
+    by_name: Vec<usize>,
+    /// Where each part is; `None` for one that has merged with another.
+    cells: Vec<Option<Cell>>,
+    states: Vec<Cow<'a, TimedState>>,
+    beats: u64,
+    sum_of_costs: u64,
+    moves: u64,
+}
+
+impl<'r, 'a> Board<'r, 'a> {
+    fn new(run: &'r Run<'a>, order: &'r ElectrodeArrayOrder, standing: &Standing) -> Result<Self, Halt> {
+        let mut by_name: Vec<usize> = (0..order.parts.len()).collect();
+        by_name.sort_unstable_by_key(|part| &order.parts[*part].name);
+        Ok(Board {
+            run,
+            order,
+            scene: Scene::new(order),
+            pulses: pulses(run, order)?,
+            by_name,
+            cells: start(run, order, standing),
+            states: Vec::new(),
+            beats: 0,
+            sum_of_costs: 0,
+            moves: 0,
+        })
+    }
+
+    /// A violation in a step of the run.
+    fn within(&self, rule: Rule, nth: usize, time_ns: u64, title: String) -> Violation {
+        let span = self.order.steps[nth].span;
+        Violation::new(rule, time_ns, title).step(self.run.steps[nth]).label(span, "in this step")
+    }
+
+    /// Every electrode is on at the potential of the device.
+    fn potentials(&self, findings: &mut Findings) {
+        let volts = self.order.facts.potential_v;
+        for (nth, pulses) in self.pulses.iter().enumerate() {
+            for (cell, part) in pulses.iter().filter(|(_, part)| part.from != volts || part.to != volts) {
+                let (from, to, at) = (part.from, part.to, ms(part.start_ns));
+                let title = format!("electrode {cell} goes from {from} V to {to} V at {at}, {volts} V is needed");
+                findings.push(self.within(Rule::Potential, nth, part.start_ns, title));
+            }
+        }
+    }
+
+    /// Nothing moves for as long as claimed; what holds the parts stays on.
+    fn wait(&mut self, nth: usize, duration_ns: u64, findings: &mut Findings) -> Result<(), Halt> {
+        let step = self.run.step(nth);
+        if step.duration_ns != duration_ns {
+            let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));
+            findings.push(self.within(Rule::Wait, nth, step.start_ns, title));
+        }
+        if step.duration_ns == 0 {
+            return Ok(());
+        }
+        let mut switching = self.switching(nth, step.duration_ns)?;
+        switching.advance(0);
+        let moment = Moment { nth, at_ns: step.start_ns, stage: &Stage::default(), on: &switching.on };
+        let pulls = self.pulled(&moment)?;
+        if let Some((part, pull)) = pulls.iter().find(|(_, pull)| pull.moves()) {
+            let (name, at) = (&self.order.parts[*part].name, ms(step.start_ns));
+            let title = format!("`{name}` moves from {} to {} in a wait at {at}", pull.from, pull.to);
+            return Err(self.within(Rule::Wait, nth, step.start_ns, title).into());
+        }
+        Ok(())
+    }
+
+    /// Parts move to their goals, beat by beat.
+    fn follow(&mut self, nth: usize, moves: &[Move], findings: &mut Findings) -> Result<(), Halt> {
+        let step = self.run.step(nth);
+        let step_ns = self.order.facts.step_ns;
+        let beats = self.whole_beats(nth)?;
+        let mut switching = self.switching(nth, step_ns)?;
+        let mut stage = Stage::new(moves, &self.cells);
+        let mut moved = 0;
+        for beat in 0..beats {
+            let at_ns = step.start_ns + beat * step_ns;
+            if beat > 0 {
+                self.record(at_ns)?;
+            }
+            switching.advance(beat);
+            let moment = Moment { nth, at_ns, stage: &stage, on: &switching.on };
+            let pulls = self.pulled(&moment)?;
+            self.bystanders(&moment, &pulls)?;
+            self.sweeps(&moment, &pulls)?;
+            moved = 0;
+            for (part, pull) in pulls.iter().filter(|(_, pull)| pull.moves()) {
+                self.cells[*part] = Some(pull.to);
+                stage.arrive(*part, pull, beat + 1);
+                moved += 1;
+            }
+            self.moves += moved;
+        }
+        self.beats = self.beats.saturating_add(beats);
+        self.sum_of_costs = self.sum_of_costs.saturating_add(stage.cost());
+        self.goals(nth, &stage, findings);
+        self.returns(nth, &stage, findings);
+        stage.gone().for_each(|part| self.cells[part] = None);
+        if beats > 0 {
+            self.idle(nth, moved, findings);
+            self.record(step.start_ns + step.duration_ns)?;
+        }
+        Ok(())
+    }
+
+    /// A step of parts lasts for a whole number of beats.
+    fn whole_beats(&self, nth: usize) -> Result<u64, Violation> {
+        let (step, step_ns) = (self.run.step(nth), self.order.facts.step_ns);
+        if step.duration_ns.is_multiple_of(step_ns) {
+            return Ok(step.duration_ns / step_ns);
+        }
+        let (lasts, due) = (ms(step.duration_ns), ms(step_ns));
+        let title = format!("step lasts {lasts}, which is no multiple of the {due} of a step of the board");
+        Err(self.within(Rule::Beat, nth, step.start_ns, title))
+    }
+
+    /// What is switched in a step, if that is between beats, and pulls no part that is stuck.
+    fn switching(&self, nth: usize, beat_ns: u64) -> Result<Switching, Violation> {
+        let step = self.run.step(nth);
+        let mut pulses = Vec::with_capacity(self.pulses[nth].len());
+        for (cell, part) in &self.pulses[nth] {
+            let after_ns = part.start_ns - step.start_ns;
+            if !after_ns.is_multiple_of(beat_ns) || !part.duration_ns.is_multiple_of(beat_ns) {
+                let (from, to, beat) = (ms(part.start_ns), ms(part.end_ns()), ms(beat_ns));
+                let begins = ms(step.start_ns);
+                let title = format!(
+                    "electrode {cell} is on from {from} to {to}, whole steps of {beat} from {begins} on are needed"
+                );
+                return Err(self.within(Rule::Beat, nth, part.start_ns, title));
+            }
+            self.leaves_stuck_parts(nth, *cell, part.start_ns)?;
+            let (from, beats) = (after_ns / beat_ns, part.duration_ns / beat_ns);
+            pulses.push(Pulse { cell: *cell, from, to: from + beats });
+        }
+        Ok(Switching::new(&pulses))
+    }
+
+    /// A step of parts ends with the last arrival.
+    fn idle(&self, nth: usize, moved: u64, findings: &mut Findings) {
+        let step = self.run.step(nth);
+        if moved == 0 {
+            let end_ns = step.start_ns + step.duration_ns;
+            let from_ns = end_ns - self.order.facts.step_ns;
+            let title = format!("no part moves from {} to {}, the end of the step", ms(from_ns), ms(end_ns));
+            findings.push(self.within(Rule::Idle, nth, from_ns, title));
+        }
+    }
+
+    /// Parts come by their stops in order, and end at their goals.
+    fn goals(&self, nth: usize, stage: &Stage, findings: &mut Findings) {
+        let step = self.run.step(nth);
+        let end_ns = step.start_ns + step.duration_ns;
+        for (part, stop, is_goal) in stage.missed(&self.cells) {
+            let name = &self.order.parts[part].name;
+            let title = match (self.cells[part], is_goal) {
+                (None, _) => format!("`{name}` is to move to {}, but has merged with another part before", stop.cell),
+                (Some(end), true) => format!("`{name}` is to end at {}, but ends at {end}", stop.cell),
+                (Some(end), false) => format!("`{name}` does not come by {} in its turn, it ends at {end}", stop.cell),
+            };
+            findings.push(self.within(Rule::Goal, nth, end_ns, title).label(stop.span, "this stop"));
+        }
+    }
+
+    /// Parts that yielded are back where they were.
+    fn returns(&self, nth: usize, stage: &Stage, findings: &mut Findings) {
+        let step = self.run.step(nth);
+        let end_ns = step.start_ns + step.duration_ns;
+        for (part, home) in &stage.homes {
+            let Some(end) = self.cells[*part].filter(|cell| cell != home) else { continue };
+            let part = &self.order.parts[*part];
+            let title = format!("`{}` steps aside from {home} and ends at {end}, it has to come back", part.name);
+            findings.push(self.within(Rule::Bystander, nth, end_ns, title).label(part.span, "this part"));
+        }
+    }
+
+    fn state(&self) -> State {
+        let here = self.order.parts.iter().zip(&self.cells);
+        State::ElectrodeArray { parts: here.filter_map(|(p, cell)| Some((p.name.clone(), (*cell)?.pair()))).collect() }
+    }
+
+    /// Holds the state at an instant against the record's next one.
+    fn record(&mut self, t_ns: u64) -> Result<(), Halt> {
+        let Some(recorded) = self.run.plan.states.get(self.states.len()) else {
+            return Err(record::miscounted(self.run, self.due_states()).into());
+        };
+        if recorded.t_ns == t_ns && self.is_state(&recorded.state) {
+            self.states.push(Cow::Borrowed(recorded));
+            return Ok(());
+        }
+        self.states.push(Cow::Owned(TimedState { t_ns, state: self.state() }));
+        match record::difference(self.run, &self.states) {
+            Some(violation) => Err(violation.into()),
+            None => Ok(()),
+        }
+    }
+
+    fn is_state(&self, state: &State) -> bool {
+        let State::ElectrodeArray { parts } = state else { return false };
+        let here = self.by_name.iter().filter_map(|part| {
+            let name = self.order.parts[*part].name.as_str();
+            self.cells[*part].map(|cell| (name, cell.pair()))
+        });
+        here.eq(parts.iter().map(|(name, cell)| (name.as_str(), *cell)))
+    }
+
+    /// How many states a record of this run has: one at first and one after each beat of its steps.
+    fn due_states(&self) -> u64 {
+        let beats = self.order.steps.iter().enumerate().map(|(nth, step)| match step.action {
+            Action::Wait(_) => 0,
+            Action::Move(_) => self.run.step(nth).duration_ns / self.order.facts.step_ns,
+        });
+        beats.fold(1, u64::saturating_add)
+    }
+
+    fn outcomes(&self) -> BTreeMap<&'static str, f64> {
+        BTreeMap::from([
+            ("steps", self.beats as f64),
+            ("sum_of_costs", self.sum_of_costs as f64),
+            ("moves", self.moves as f64),
+            ("time", self.run.plan.duration_ns as f64 / 1e9),
+        ])
+    }
+}
+
+/// Where the parts stand at first: where the last run of the device left them, or where the scene has them.
+fn start(run: &Run, order: &ElectrodeArrayOrder, standing: &Standing) -> Vec<Option<Cell>> {
+    let stands = match standing.get(run.job.device.as_str()) {
+        Some(State::ElectrodeArray { parts }) => Some(parts),
+        Some(State::Dimibot { .. } | State::Microrobots { .. } | State::Fingers { .. }) | None => None,
+    };
+    let cell = |[column, row]: [u32; 2]| Cell::new(column, row);
+    let place = |parts: &BTreeMap<String, [u32; 2]>, name: &String| parts.get(name).copied().map(cell);
+    order.parts.iter().map(|part| stands.map_or(Some(part.cell), |stands| place(stands, &part.name))).collect()
+}
+
+/// The actuations of each step of a run, with their electrodes.
+fn pulses<'a>(run: &Run<'a>, order: &ElectrodeArrayOrder) -> Result<Vec<Vec<(Cell, &'a Actuation)>>, Violation> {
+    let mut electrodes: FxHashMap<u32, Cell> = FxHashMap::default();
+    let mut pulses = vec![Vec::new(); run.steps.len()];
+    for actuation in &run.actuations {
+        let cell = match electrodes.get(&actuation.channel) {
+            Some(cell) => *cell,
+            None => {
+                let name = &run.schedule.channels[actuation.channel as usize].name;
+                let own = name.strip_prefix(&run.job.device).and_then(|name| name.strip_prefix('.'));
+                let cell = own.and_then(|name| order.facts.electrode(name)).ok_or_else(|| {
+                    let title = format!("channel `{name}` is none of the device `{}`", run.job.device);
+                    Violation::new(Rule::Channel, actuation.start_ns, title)
+                })?;
+                electrodes.insert(actuation.channel, cell);
+                cell
+            }
+        };
+        if let Ok(nth) = run.steps.binary_search(&(actuation.step as usize)) {
+            pulses[nth].push((cell, *actuation));
+        }
+    }
+    Ok(pulses)
+}

@@ -1,0 +1,388 @@
+//! Replays the run of microrobots from the voltage of the bed alone: levels into arms, strokes into ways, ways into what is swept.
+//!
+//! Input: a [`Run`] whose steps and channels are sound, and where the robots stand. Output: their states and the outcomes. `voltage`
+//! makes legs of the actuations, this file follows them and holds stops and dockings against the steps, and `clearance` looks at how near
+//! bodies and orbits come. Promise: nothing is read of the record but to be compared; the first leg whose arms or poses are not certain ends
+//! the replay of its device. Cost: for each leg the levels times the table's rows, the pairs of robots, and the obstacles near
+//! each robot.
+
+mod bodies;
+mod claims;
+mod clearance;
+mod motion;
+mod relay;
+mod sweep;
+mod voltage;
+
+use super::clock::Run;
+use super::record;
+use super::rule::{Findings, Rule, Violation, ms};
+use super::{Halt, Replay, Standing, Terms};
+use crate::claims::microrobots::{Action, Dock, MicrorobotsOrder, Stop};
+use crate::device::microrobots::{Arm, CHANNEL, Robot, Turning};
+use crate::geometry::Pose;
+use crate::quantity::digits;
+use crate::real::Real;
+use crate::schedule::{State, TimedState, Unit};
+use motion::{Place, Ride, turn_between};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use sweep::ROUNDING_UM;
+use voltage::{Leg, within};
+
+pub(super) use claims::check_claims;
+
+/// How far a recorded place may be off.
+const PLACE_TOLERANCE_UM: f64 = 1e-4;
+
+/// How far a recorded heading may be off.
+const HEADING_TOLERANCE_RAD: f64 = 1e-6;
+
+/// Rounding of a heading that is no breach of a precision.
+const ROUNDING_RAD: f64 = 1e-9;
+
+/// How many robots a state in words names.
+const SHOWN: usize = 4;
+
+/// What a channel's numbers are, if the bed has it.
+pub(super) fn unit(channel: &str) -> Option<Unit> {
+    (channel == CHANNEL).then_some(Unit::Volt)
+}
+
+/// What the claims say of a plan's record.
+pub(super) fn terms() -> Terms {
+    Terms { planner: "one_way_dubins", objective: "time", outcome: "time", unit: "s", scale: 1.0 }
+}
+
+/// The objective that minimises an outcome.
+pub(super) fn minimized_as(outcome: &'static str) -> Option<&'static str> {
+    (outcome == "time").then_some("time")
+}
+
+/// Whether a recorded pose is the replayed one, but for rounding.
+pub(super) fn near(recorded: &[f64; 3], replayed: &[f64; 3]) -> bool {
+    let off_um = (recorded[0] - replayed[0]).hypotenuse(recorded[1] - replayed[1]);
+    off_um <= PLACE_TOLERANCE_UM && turn_between(recorded[2], replayed[2]).abs() <= HEADING_TOLERANCE_RAD
+}
+
+/// A state in words.
+pub(super) fn shown(control: usize, docked: &[String], poses: &BTreeMap<String, [f64; 3]>) -> String {
+    let pose = |(name, [x_um, y_um, heading_rad]): (&String, &[f64; 3])| {
+        let (x, y, heading) = (digits(*x_um), digits(*y_um), digits(heading_rad.to_degrees()));
+        let stuck = if docked.contains(name) { ", docked" } else { "" };
+        format!("`{name}` at ({x} um, {y} um, {heading} deg{stuck})")
+    };
+    let more = match poses.len().saturating_sub(SHOWN) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let poses: Vec<String> = poses.iter().take(SHOWN).map(pose).collect();
+    format!("control state {control} with {}{more}", poses.join(", "))
+}
+
+/// Holds a run against its order.
+///
+/// # Errors
+/// At the first voltage that leaves an arm uncertain, or the first state that is not the recorded one.
+pub(super) fn replay<'a>(
+    run: &Run<'a>,
+    order: &MicrorobotsOrder,
+    standing: &mut Standing<'a>,
+    findings: &mut Findings,
+) -> Result<Replay<'a>, Halt> {
+    let legs = voltage::legs(run, order, findings)?;
+    let mut bed = Bed::new(run, order, standing);
+    bed.due_states = due_states(order, &legs);
+    for (nth, step) in order.steps.iter().enumerate() {
+        let ends_from = bed.trains.len();
+        match &step.action {
+            Action::Wait(duration_ns) => bed.wait(run.step(nth).start_ns, *duration_ns)?,
+            Action::Apply { state, duration_ns } => {
+                bed.follow(nth, &legs[nth], &[], findings)?;
+                bed.applied(nth, &legs[nth], (*state, *duration_ns), findings);
+            }
+            Action::Drive { robot, stops } => {
+                bed.follow(nth, &legs[nth], &[], findings)?;
+                bed.stops(nth, ends_from, (*robot, stops), findings);
+            }
+            Action::Assemble(docks) => {
+                bed.follow(nth, &legs[nth], docks, findings)?;
+                bed.assembled(nth, docks, findings);
+            }
+        }
+    }
+    bed.record_rest(run.end_ns())?;
+    clearance::check(&bed, findings)?;
+    standing.insert(&run.job.device, bed.state(bed.rest));
+    let outcomes = bed.outcomes();
+    Ok(Replay { states: bed.states, outcomes })
+}
+
+/// The strokes of a leg, with what every robot does in them.
+#[derive(Debug)]
+struct Train {
+    nth: usize,
+    leg: Leg,
+    /// One for each robot of the order.
+    rides: Vec<Ride>,
+    /// How many waits come before it: an arm that goes up in one begins a new turn.
+    waits: usize,
+    /// Before this train, in the run.
+    strokes_before: u64,
+}
+
+/// A bed in the course of a run.
+struct Bed<'r, 'a> {
+    run: &'r Run<'a>,
+    order: &'r MicrorobotsOrder,
+    /// The control state with all arms up.
+    rest: usize,
+    /// One for each robot of the order, like `docked`.
+    places: Vec<Place>,
+    /// After how many trains of the run the robot docks, 0 if it is docked before; `None` if it is not.
+    docked: Vec<Option<usize>>,
+    trains: Vec<Train>,
+    waits: usize,
+    strokes: u64,
+    states: Vec<Cow<'a, TimedState>>,
+    /// How many there are in the end.
+    due_states: u64,
+}
+
+impl<'r, 'a> Bed<'r, 'a> {
+    /// Where the robots stand at first: where the last run of the device left them, or where the scene has them.
+    fn new(run: &'r Run<'a>, order: &'r MicrorobotsOrder, standing: &Standing) -> Self {
+        let left = match standing.get(run.job.device.as_str()) {
+            Some(State::Microrobots { poses, docked, .. }) => Some((poses, docked)),
+            Some(State::Dimibot { .. } | State::ElectrodeArray { .. } | State::Fingers { .. }) | None => None,
+        };
+        let names = || (0..order.robots.len()).map(|robot| &order.robot(robot).name);
+        let stands = |name: &String| left.and_then(|(poses, _)| poses.get(name)).map(|pose| Place::new(*pose));
+        let sticks = |name: &String| left.is_some_and(|(_, docked)| docked.contains(name)).then_some(0);
+        let places = names().zip(order.robots.iter());
+        Bed {
+            run,
+            order,
+            rest: claims::rest(order).unwrap_or(0),
+            places: places.map(|(name, placed)| stands(name).unwrap_or(Place::of(&placed.pose))).collect(),
+            docked: names().map(sticks).collect(),
+            trains: Vec::new(),
+            waits: 0,
+            strokes: 0,
+            states: Vec::new(),
+            due_states: 0,
+        }
+    }
+
+    fn within(&self, rule: Rule, nth: usize, time_ns: u64, title: String) -> Violation {
+        within(self.run, self.order, rule, nth, time_ns, title)
+    }
+
+    fn name(&self, robot: usize) -> &str {
+        &self.order.robot(robot).name
+    }
+
+    /// When a step ends.
+    fn end_ns(&self, nth: usize) -> u64 {
+        let step = self.run.step(nth);
+        step.start_ns + step.duration_ns
+    }
+
+    fn wait(&mut self, start_ns: u64, duration_ns: u64) -> Result<(), Halt> {
+        self.record_rest(start_ns)?;
+        self.waits += usize::from(duration_ns > 0);
+        Ok(())
+    }
+
+    /// Robots move with the strokes of some legs; after each, those that are to dock may do so.
+    fn follow(&mut self, nth: usize, legs: &[Leg], docks: &[Dock], findings: &mut Findings) -> Result<(), Halt> {
+        for leg in legs {
+            self.record(leg.start_ns, leg.control)?;
+            self.twist(nth, leg).into_iter().for_each(|violation| findings.push(violation));
+            let rides: Vec<Ride> = (0..self.places.len()).map(|robot| self.ride(robot, leg)).collect();
+            for (place, ride) in self.places.iter_mut().zip(&rides).filter(|(_, ride)| ride.way_um > 0.0) {
+                *place = place.driven(ride.curve_um, ride.way_um);
+            }
+            let strokes_before = self.strokes;
+            self.strokes = self.strokes.saturating_add(leg.strokes);
+            self.trains.push(Train { nth, leg: *leg, rides, waits: self.waits, strokes_before });
+            self.dock(docks);
+        }
+        Ok(())
+    }
+
+    /// Strokes that are driven with the arm of a docked robot down: the friction of the arm would turn the structure about it.
+    fn twist(&self, nth: usize, leg: &Leg) -> Option<Violation> {
+        let arm = |robot: usize| self.order.states[leg.control].arms[self.order.robots[robot].row];
+        let robot = (0..self.places.len()).find(|robot| self.docked[*robot].is_some() && arm(*robot) == Arm::Down)?;
+        let title = format!(
+            "strokes at {} are driven with the arm of `{}` down, which has docked",
+            ms(leg.train_ns),
+            self.name(robot)
+        );
+        Some(self.within(Rule::Twist, nth, leg.train_ns, title))
+    }
+
+    fn ride(&self, robot: usize, leg: &Leg) -> Ride {
+        let facts = self.order.robot(robot);
+        let is_docked = self.docked[robot].is_some();
+        Ride {
+            start: self.places[robot],
+            curve_um: match self.order.states[leg.control].arms[self.order.robots[robot].row] {
+                Arm::Up => None,
+                Arm::Down => Some(curve_um(facts)),
+            },
+            way_um: if is_docked { 0.0 } else { leg.strokes as f64 * facts.step_um },
+            half_um: [facts.length_um / 2.0, facts.width_um / 2.0],
+        }
+    }
+
+    /// Whether a robot is as near to a pose as the task wants it.
+    fn is_at(&self, place: Place, pose: &Pose) -> bool {
+        let [off_um, off_rad] = place.off(pose);
+        let precision = self.order.precision;
+        off_um <= precision.place_um + ROUNDING_UM && off_rad <= precision.heading_rad + ROUNDING_RAD
+    }
+
+    /// Robots that are at their goals dock if they touch a docked one, or one another.
+    fn dock(&mut self, docks: &[Dock]) {
+        let body = |robot: usize| {
+            let facts = self.order.robot(robot);
+            let half_um = [facts.length_um / 2.0, facts.width_um / 2.0];
+            Ride { start: self.places[robot], curve_um: None, way_um: 0.0, half_um }.body(0.0)
+        };
+        let arrives =
+            |dock: &&Dock| self.docked[dock.robot].is_none() && self.is_at(self.places[dock.robot], &dock.goal.pose);
+        let arrived: Vec<usize> = docks.iter().filter(arrives).map(|dock| dock.robot).collect();
+        let holds = |robot: usize| self.docked[robot].is_some() || arrived.contains(&robot);
+        let tolerance_um = self.order.facts.docking.tolerance_um + ROUNDING_UM;
+        let touches = |robot: &usize| {
+            let others = (0..self.places.len()).filter(|other| other != robot && holds(*other));
+            others.into_iter().any(|other| body(*robot).gap_um(&body(other)) <= tolerance_um)
+        };
+        let docking: Vec<usize> = arrived.iter().copied().filter(touches).collect();
+        docking.into_iter().for_each(|robot| self.docked[robot] = Some(self.trains.len()));
+    }
+
+    /// An `apply` is one leg of its state, for as many strokes as its duration takes.
+    fn applied(&self, nth: usize, legs: &[Leg], (state, duration_ns): (usize, u64), findings: &mut Findings) {
+        let step = self.run.step(nth);
+        let strokes = duration_ns.div_ceil(self.order.facts.period_ns);
+        let title = match legs {
+            [leg] if leg.control != state => {
+                format!("control state {} is applied, {state} is claimed", leg.control)
+            }
+            [leg] if leg.strokes != strokes => {
+                let (driven, due) = (leg.strokes, ms(duration_ns));
+                format!("{driven} strokes are driven in `apply`, {strokes} are needed for {due}")
+            }
+            [_] => return,
+            [] | [_, ..] => format!("`apply` has {} legs, 1 is needed", legs.len()),
+        };
+        findings.push(self.within(Rule::Apply, nth, step.start_ns, title));
+    }
+
+    /// A robot comes by its stops in order, at ends of legs, and ends at the last one.
+    fn stops(&self, nth: usize, from: usize, (robot, stops): (usize, &[Stop]), findings: &mut Findings) {
+        let starts = self.trains[from..].iter().map(|train| train.rides[robot].start);
+        let instants = starts.chain([self.places[robot]]);
+        let Some((goal, mut left)) = stops.split_last() else { return };
+        for place in instants {
+            let reached = left.iter().take_while(|stop| self.is_at(place, &stop.pose)).count();
+            left = &left[reached..];
+        }
+        let (name, end_ns) = (self.name(robot), self.end_ns(nth));
+        let (missed, title) = match left.first() {
+            Some(stop) => {
+                (stop, format!("`{name}` does not come by a stop in its turn, {}", self.off(robot, &stop.pose)))
+            }
+            None if self.is_at(self.places[robot], &goal.pose) => return,
+            None => (goal, format!("`{name}` misses its goal, {}", self.off(robot, &goal.pose))),
+        };
+        findings.push(self.within(Rule::Goal, nth, end_ns, title).label(missed.span, "this stop"));
+    }
+
+    /// How far a robot is off, in words.
+    fn off(&self, robot: usize, pose: &Pose) -> String {
+        let [off_um, off_rad] = self.places[robot].off(pose);
+        let precision = self.order.precision;
+        format!(
+            "it ends {} um and {} deg from there, {} um and {} deg are allowed",
+            digits(off_um),
+            digits(off_rad.to_degrees()),
+            digits(precision.place_um),
+            digits(precision.heading_rad.to_degrees())
+        )
+    }
+
+    /// The robots of an assembly are docked in the end, at their goals.
+    fn assembled(&self, nth: usize, docks: &[Dock], findings: &mut Findings) {
+        for Dock { robot, goal } in docks {
+            let (name, is_there) = (self.name(*robot), self.is_at(self.places[*robot], &goal.pose));
+            let title = match (self.docked[*robot], is_there) {
+                (Some(_), true) => continue,
+                (Some(_) | None, false) => format!("`{name}` is to dock, {}", self.off(*robot, &goal.pose)),
+                (None, true) => {
+                    let tolerance = digits(self.order.facts.docking.tolerance_um);
+                    format!("`{name}` is to dock, but is farther than {tolerance} um from every robot that is docked")
+                }
+            };
+            let violation = self.within(Rule::Dock, nth, self.end_ns(nth), title);
+            findings.push(violation.label(goal.span, "this goal"));
+        }
+    }
+
+    fn state(&self, control: usize) -> State {
+        let arms = self.order.states[control].arms.iter().map(|arm| arm.digit()).collect();
+        let robots = 0..self.places.len();
+        let mut docked: Vec<String> =
+            robots.clone().filter(|r| self.docked[*r].is_some()).map(|r| self.name(r).to_owned()).collect();
+        docked.sort_unstable();
+        let poses = robots.map(|robot| (self.name(robot).to_owned(), self.places[robot].told())).collect();
+        State::Microrobots { control, arms, docked, poses }
+    }
+
+    /// Holds the state at an instant against the record's next one.
+    fn record(&mut self, t_ns: u64, control: usize) -> Result<(), Halt> {
+        let replayed = TimedState { t_ns, state: self.state(control) };
+        match self.run.plan.states.get(self.states.len()) {
+            None => return Err(record::miscounted(self.run, self.due_states).into()),
+            Some(recorded) if record::agrees(recorded, &replayed) => self.states.push(Cow::Borrowed(recorded)),
+            Some(_) => self.states.push(Cow::Owned(replayed)),
+        }
+        match self.states.last() {
+            Some(Cow::Owned(_)) => record::difference(self.run, &self.states).map_or(Ok(()), |v| Err(v.into())),
+            Some(Cow::Borrowed(_)) | None => Ok(()),
+        }
+    }
+
+    /// The state of a bed without voltage: all arms are up.
+    fn record_rest(&mut self, t_ns: u64) -> Result<(), Halt> {
+        self.record(t_ns, self.rest)
+    }
+
+    fn outcomes(&self) -> BTreeMap<&'static str, f64> {
+        BTreeMap::from([
+            ("time", self.run.plan.duration_ns as f64 / 1e9),
+            ("switches", self.trains.len() as f64),
+            ("strokes", self.strokes as f64),
+        ])
+    }
+}
+
+/// One for each leg, one for each wait, and one for the end.
+fn due_states(order: &MicrorobotsOrder, legs: &[Vec<Leg>]) -> u64 {
+    let waits = order.steps.iter().filter(|step| matches!(step.action, Action::Wait(_))).count();
+    (waits + 1 + legs.iter().map(Vec::len).sum::<usize>()) as u64
+}
+
+/// The radius of a robot's turn, positive to the right.
+fn curve_um(robot: &Robot) -> f64 {
+    match robot.turning {
+        Turning::Clockwise => robot.turning_radius_um,
+        Turning::Counterclockwise => -robot.turning_radius_um,
+    }
+}
+
+#[cfg(test)]
+mod tests;

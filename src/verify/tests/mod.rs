@@ -1,0 +1,91 @@
+//! The sceptic: every rule is broken by hand in a way that it alone catches, and nearly broken in a way that passes.
+
+mod beside;
+mod build;
+mod dimibot;
+mod electrode_array;
+mod faults;
+mod fingers;
+mod garbage;
+mod general;
+mod microrobots;
+mod mutants;
+
+use super::*;
+use crate::claims::Job;
+use crate::schedule::{SourceRef, Step};
+use crate::source::Span;
+use build::*;
+
+/// The rules that a schedule breaks, each once, in the order of the ledger.
+fn rules(schedule: &Schedule, claims: &Claims) -> Vec<Rule> {
+    match verify(schedule.clone(), claims) {
+        Verdict::Accepted(_) => Vec::new(),
+        Verdict::Rejected(violations) => {
+            let mut rules: Vec<Rule> = violations.into_iter().map(|violation| violation.rule).collect();
+            rules.sort_unstable();
+            rules.dedup();
+            rules
+        }
+        Verdict::Inconclusive { why } => panic!("inconclusive: {why}"),
+    }
+}
+
+/// Asserts that exactly one rule is broken.
+#[track_caller]
+fn only(rule: Rule, schedule: &Schedule, claims: &Claims) {
+    assert_eq!(rules(schedule, claims), [rule]);
+}
+
+/// An edit that breaks something.
+type Edit = fn(&mut Schedule);
+
+/// Asserts that each edit of a sound schedule breaks its rule and no other.
+#[track_caller]
+fn each_alone(sound: &Schedule, claims: &Claims, broken: &[(&str, Rule, Edit)]) {
+    let found = broken.iter().map(|(name, _, edit)| {
+        let mut broken = sound.clone();
+        edit(&mut broken);
+        (*name, rules(&broken, claims))
+    });
+    let expected: Vec<_> = broken.iter().map(|(name, rule, _)| (*name, vec![*rule])).collect();
+    assert_eq!(found.collect::<Vec<_>>(), expected);
+}
+
+/// Asserts that nothing is broken.
+#[track_caller]
+fn passes(schedule: &Schedule, claims: &Claims) {
+    if let Verdict::Rejected(violations) = verify(schedule.clone(), claims) {
+        panic!("{violations:#?}");
+    }
+    assert!(rules(schedule, claims).is_empty());
+}
+
+/// A schedule of some claims in which nothing happens.
+fn bare(claims: &Claims) -> Schedule {
+    Schedule {
+        name: claims.name.clone(),
+        source: SourceRef { file: "day.twz".into(), sha256: "00".into() },
+        duration_ns: 0,
+        channels: Vec::new(),
+        actuations: Vec::new(),
+        steps: Vec::new(),
+        plans: Vec::new(),
+    }
+}
+
+/// A step of a job, from an instant to another.
+fn step_of(job: &Job, plan: usize, [start_ns, end_ns]: [u64; 2]) -> Step {
+    Step {
+        task: job.task.clone(),
+        plan: plan as u32,
+        text: "step".into(),
+        file: "day.twz".into(),
+        line: 1,
+        column: 1,
+        start_ns,
+        duration_ns: end_ns - start_ns,
+        reached: Vec::new(),
+        span: Span::default(),
+    }
+}
