@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::time::Instant;
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
-use tweeze::compile::{Program, check};
+use tweeze::compile::{CompileRequest, check};
 use tweeze::diagnostic::render::{Characters, Colour, Look, human};
 use tweeze::diagnostic::{Code, Diagnostic, Sink};
 use tweeze::source::{FileId, Sources, Span};
@@ -33,13 +33,13 @@ fn main() {
     });
     let checking = median_ms(|| {
         let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
-        let program = Program { name: "steps.twz", text: &text, library: &Nothing, options: &options };
+        let program = CompileRequest { name: "steps.twz", text: &text, library: &Nothing, options: &options };
         assert!(check(&program, &mut sources, &mut sink).is_some(), "the program has no errors");
     });
     let crowded = crowded();
     let judging = median_ms(|| {
         let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
-        let program = Program { name: "crowd.twz", text: &crowded, library: &Nothing, options: &options };
+        let program = CompileRequest { name: "crowd.twz", text: &crowded, library: &Nothing, options: &options };
         check(&program, &mut sources, &mut sink);
     });
     let mut sources = Sources::default();

@@ -1,7 +1,7 @@
 //! From a program's text to verified schedules: the stages in their order.
 
 use crate::check::imports::{self, Library};
-use crate::check::{self, Checked, Options, Tally};
+use crate::check::{self, Checked, DeclarationTally, Options};
 use crate::diagnostic::Sink;
 use crate::lower::lower;
 use crate::plan::{self, Progress};
@@ -9,7 +9,7 @@ use crate::source::Sources;
 use crate::verify::{self, Verdict, Verified};
 
 /// A program as it is handed to the compiler.
-pub struct Program<'a> {
+pub struct CompileRequest<'a> {
     /// The name that outputs carry, without a folder; used files are looked up from it, and the library says what messages call it.
     pub name: &'a str,
     pub text: &'a str,
@@ -19,13 +19,13 @@ pub struct Program<'a> {
 
 /// What became of a program.
 pub struct Compiled {
-    pub tally: Tally,
+    pub tally: DeclarationTally,
     /// In the order of declaration.
     pub schedules: Vec<Verified>,
 }
 
 /// How far a program came.
-pub enum Outcome {
+pub enum CompileOutcome {
     Compiled(Compiled),
     /// The program has errors, which were pushed.
     Errors,
@@ -34,21 +34,21 @@ pub enum Outcome {
 }
 
 /// Reads and checks a program; `None` after an error.
-pub fn check(program: &Program, sources: &mut Sources, sink: &mut Sink) -> Option<Checked> {
+pub fn check(program: &CompileRequest, sources: &mut Sources, sink: &mut Sink) -> Option<Checked> {
     let modules = imports::load(sources, program.name, program.text, program.library, sink);
     check::check(sources, &modules, program.options, sink)
 }
 
 /// Reads, checks, plans, schedules and verifies a program.
-pub fn compile(program: &Program, sources: &mut Sources, sink: &mut Sink, progress: Progress) -> Outcome {
-    let Some(checked) = check(program, sources, sink) else { return Outcome::Errors };
+pub fn compile(program: &CompileRequest, sources: &mut Sources, sink: &mut Sink, progress: Progress) -> CompileOutcome {
+    let Some(checked) = check(program, sources, sink) else { return CompileOutcome::Errors };
     let mut drafts = Vec::with_capacity(checked.claims.len());
     for claims in &checked.claims {
         let plans = plan::plan(claims, sink, progress);
         drafts.extend(plans.and_then(|plans| lower(claims, &plans, sources, sink)).map(|draft| (draft, claims)));
     }
     if drafts.len() < checked.claims.len() {
-        return Outcome::Errors;
+        return CompileOutcome::Errors;
     }
     let mut schedules = Vec::with_capacity(drafts.len());
     for (schedule, claims) in drafts {
@@ -59,7 +59,7 @@ pub fn compile(program: &Program, sources: &mut Sources, sink: &mut Sink, progre
         }
     }
     if schedules.len() < checked.claims.len() {
-        return Outcome::Refused;
+        return CompileOutcome::Refused;
     }
-    Outcome::Compiled(Compiled { tally: checked.tally, schedules })
+    CompileOutcome::Compiled(Compiled { tally: checked.tally, schedules })
 }

@@ -4,7 +4,7 @@ mod support;
 
 use std::path::{Path, PathBuf};
 use support::{build, build_in};
-use tweeze::schedule::{Schedule, State, Unit};
+use tweeze::schedule::{ChannelUnit, Schedule, State};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")
@@ -40,7 +40,8 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
         assert!(built.codes.is_empty() && !built.schedules.is_empty(), "{name}: {:?}", built.codes);
         let files = built.files();
         // G-code is of stages only.
-        let are_stages = |schedule: &Schedule| schedule.channels.iter().all(|channel| channel.unit == Unit::Micrometre);
+        let are_stages =
+            |schedule: &Schedule| schedule.channels.iter().all(|channel| channel.unit == ChannelUnit::Micrometre);
         let due = built.schedules.iter().map(|verified| 8 + usize::from(are_stages(verified.schedule())));
         assert_eq!(files.len(), due.sum::<usize>(), "{name}");
         assert!(files.iter().all(|file| !file.bytes.is_empty()), "{name}");

@@ -9,8 +9,8 @@ mod table;
 use rivals::Rivals;
 use scenes::Scene;
 use std::time::Instant;
-use tweeze::plan::dimibot::{Outcome, Path, shortest};
-use tweeze::plan::search::Budget;
+use tweeze::plan::dimibot::{DimibotSearchOutcome, FlipPath, shortest};
+use tweeze::plan::search::SearchBudget;
 
 fn main() {
     let filter = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_default();
@@ -55,9 +55,9 @@ fn shut() {
             scene.field.prepare();
             for (start, goal) in scene.queries(100, 77) {
                 let begun = Instant::now();
-                let outcome = shortest(&scene.field, start, goal, &scene.weights, Budget::DEFAULT);
+                let outcome = shortest(&scene.field, start, goal, &scene.weights, SearchBudget::DEFAULT);
                 let time = begun.elapsed().as_secs_f64() * 1e6;
-                if matches!(outcome, Outcome::Impossible(_)) {
+                if matches!(outcome, DimibotSearchOutcome::Impossible(_)) {
                     proofs.push(time);
                 }
             }
@@ -75,14 +75,14 @@ fn set_up_us(scene: &Scene) -> f64 {
 }
 
 /// Cost of the path, if there is one.
-pub fn cost(outcome: &Outcome<Path>) -> Option<u64> {
+pub fn cost(outcome: &DimibotSearchOutcome<FlipPath>) -> Option<u64> {
     match outcome {
-        Outcome::Found(path) => {
+        DimibotSearchOutcome::Found(path) => {
             assert_eq!(path.cost, path.bound, "a benchmark must be solved to the optimum");
             Some(path.cost)
         }
-        Outcome::Impossible(_) => None,
-        Outcome::GaveUp(report) => panic!("a benchmark must fit its budget: {report:?}"),
+        DimibotSearchOutcome::Impossible(_) => None,
+        DimibotSearchOutcome::GaveUp(report) => panic!("a benchmark must fit its budget: {report:?}"),
     }
 }
 

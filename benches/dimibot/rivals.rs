@@ -4,7 +4,7 @@
 
 use crate::scenes::Scene;
 use petgraph::graph::{NodeIndex, UnGraph};
-use tweeze::plan::dimibot::Cell;
+use tweeze::plan::dimibot::LatticeCell;
 
 pub struct Rivals<'a> {
     scene: &'a Scene,
@@ -49,19 +49,21 @@ impl<'a> Rivals<'a> {
         line.get(next).is_none_or(|&o| o > a.max(b))
     }
 
-    fn moves(&self, cell: Cell) -> impl Iterator<Item = (Cell, u64)> + '_ {
-        let Cell { x, y } = cell;
+    fn moves(&self, cell: LatticeCell) -> impl Iterator<Item = (LatticeCell, u64)> + '_ {
+        let LatticeCell { x, y } = cell;
         (0..self.scene.modules).flat_map(move |i| {
             let bit = 1 << i;
-            let along = Rivals::free(self.line(0, y), x, x ^ bit).then_some((Cell::new(x ^ bit, y), u64::from(bit)));
-            let across = Rivals::free(self.line(1, x), y, y ^ bit).then_some((Cell::new(x, y ^ bit), u64::from(bit)));
+            let along =
+                Rivals::free(self.line(0, y), x, x ^ bit).then_some((LatticeCell::new(x ^ bit, y), u64::from(bit)));
+            let across =
+                Rivals::free(self.line(1, x), y, y ^ bit).then_some((LatticeCell::new(x, y ^ bit), u64::from(bit)));
             along.into_iter().chain(across)
         })
     }
 
-    pub fn pathfinding_astar(&self, start: Cell, goal: Cell) -> Option<u64> {
-        let estimate = |c: &Cell| u64::from(c.x ^ goal.x) + u64::from(c.y ^ goal.y);
-        let moves = |c: &Cell| self.moves(*c).collect::<Vec<_>>();
+    pub fn pathfinding_astar(&self, start: LatticeCell, goal: LatticeCell) -> Option<u64> {
+        let estimate = |c: &LatticeCell| u64::from(c.x ^ goal.x) + u64::from(c.y ^ goal.y);
+        let moves = |c: &LatticeCell| self.moves(*c).collect::<Vec<_>>();
         pathfinding::prelude::astar(&start, moves, estimate, |c| *c == goal).map(|(_, cost)| cost)
     }
 
@@ -72,7 +74,7 @@ impl<'a> Rivals<'a> {
             graph.add_node(());
         });
         for index in 0..1_u32 << (2 * n) {
-            let cell = Cell::new(index >> n, index & ((1 << n) - 1));
+            let cell = LatticeCell::new(index >> n, index & ((1 << n) - 1));
             for (next, cost) in self.moves(cell) {
                 let other = next.x << n | next.y;
                 if other > index {
@@ -83,9 +85,9 @@ impl<'a> Rivals<'a> {
         graph
     }
 
-    pub fn petgraph_astar(&self, graph: &UnGraph<(), u32, u32>, start: Cell, goal: Cell) -> Option<u64> {
+    pub fn petgraph_astar(&self, graph: &UnGraph<(), u32, u32>, start: LatticeCell, goal: LatticeCell) -> Option<u64> {
         let n = self.scene.modules;
-        let node = |c: Cell| NodeIndex::new((c.x << n | c.y) as usize);
+        let node = |c: LatticeCell| NodeIndex::new((c.x << n | c.y) as usize);
         let end = node(goal).index() as u32;
         let low = (1 << n) - 1;
         let estimate = |v: NodeIndex<u32>| {

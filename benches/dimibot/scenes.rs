@@ -4,13 +4,13 @@
 mod random;
 
 pub use random::Random;
-use tweeze::plan::dimibot::{Cell, Field, Lattice, Obstacle, Weights};
+use tweeze::plan::dimibot::{FieldObstacle, Lattice, LatticeCell, LatticeField, SwitchWeights};
 
 pub struct Scene {
     pub modules: u32,
-    pub field: Field,
+    pub field: LatticeField,
     pub cells: Vec<[u32; 2]>,
-    pub weights: Weights,
+    pub weights: SwitchWeights,
     pub seed: u64,
 }
 
@@ -39,18 +39,18 @@ impl Scene {
 
     fn of(modules: u32, cells: Vec<[u32; 2]>, seed: u64) -> Self {
         let lattice = Lattice::new([modules; 2], [1e-3; 2]).expect("a valid lattice");
-        let obstacles: Vec<Obstacle> = cells.iter().map(|&c| Obstacle::Cells { from: c, to: c }).collect();
-        let field = Field::new(lattice, &obstacles).expect("a valid scene");
-        let weights = Weights::distance(&lattice);
+        let obstacles: Vec<FieldObstacle> = cells.iter().map(|&c| FieldObstacle::Cells { from: c, to: c }).collect();
+        let field = LatticeField::new(lattice, &obstacles).expect("a valid scene");
+        let weights = SwitchWeights::distance(&lattice);
         Scene { modules, field, cells, weights, seed }
     }
 
     /// Pairs of free cells.
-    pub fn queries(&self, count: usize, seed: u64) -> Vec<(Cell, Cell)> {
+    pub fn queries(&self, count: usize, seed: u64) -> Vec<(LatticeCell, LatticeCell)> {
         let mut random = Random(seed ^ (self.seed << 20));
         let side = 1 << self.modules;
         let mut free = || loop {
-            let cell = Cell::new(random.below(side), random.below(side));
+            let cell = LatticeCell::new(random.below(side), random.below(side));
             if self.field.legal(cell).is_some() {
                 return cell;
             }

@@ -4,8 +4,8 @@ use crate::scenes::Scene;
 use crate::{cost, rivals};
 use std::hint::black_box;
 use std::time::Instant;
-use tweeze::plan::dimibot::{Cell, shortest};
-use tweeze::plan::search::Budget;
+use tweeze::plan::dimibot::{LatticeCell, shortest};
+use tweeze::plan::search::SearchBudget;
 
 pub fn sparse_header() {
     println!(" N   tweeze  pathfinding A*  ratio   petgraph A*  ratio  (build ms)");
@@ -17,7 +17,7 @@ pub fn sparse_row(modules: u32, scenes: &[Scene]) {
     for scene in scenes {
         let (start, goal) = scene.queries(1, 5)[0];
         let rivals = rivals(scene);
-        let search = || shortest(&scene.field, start, goal, &scene.weights, Budget::DEFAULT);
+        let search = || shortest(&scene.field, start, goal, &scene.weights, SearchBudget::DEFAULT);
         let truth = cost(&search());
         mine.push(time_us(200, || cost(&search())));
         assert_eq!(rivals.pathfinding_astar(start, goal), truth);
@@ -54,12 +54,12 @@ pub fn dense_row(modules: u32, crowd: u32) {
     for seed in 0..5 {
         let scene = Scene::dense(modules, crowd, seed);
         let rivals = rivals(&scene);
-        let queries: Vec<(Cell, Cell)> = scene.queries(per_scene, 9);
+        let queries: Vec<(LatticeCell, LatticeCell)> = scene.queries(per_scene, 9);
         // The first query computes the lines of the scene; it is repeated among the measured ones.
-        shortest(&scene.field, queries[0].0, queries[0].1, &scene.weights, Budget::DEFAULT);
+        shortest(&scene.field, queries[0].0, queries[0].1, &scene.weights, SearchBudget::DEFAULT);
         for (start, goal) in queries {
             let begun = Instant::now();
-            let found = shortest(&scene.field, start, goal, &scene.weights, Budget::DEFAULT);
+            let found = shortest(&scene.field, start, goal, &scene.weights, SearchBudget::DEFAULT);
             mine.push(begun.elapsed().as_secs_f64() * 1e6);
             let truth = cost(&found);
             shut += usize::from(truth.is_none());

@@ -10,13 +10,13 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 use std::time::Duration;
-use tweeze::plan::electrode_array::board::{Cell, Costs, Instance, Objective, Paths, position};
+use tweeze::plan::electrode_array::board::{BoardCosts, BoardObjective, CellIndex, Instance, Paths, position};
 
 /// Failures until the order is shuffled.
 const PATIENCE: u32 = 50;
 
 /// A cell at an instant.
-type Node = (Cell, u32);
+type Node = (CellIndex, u32);
 
 /// What it found within its time.
 pub struct Found {
@@ -41,14 +41,14 @@ pub enum Until {
 }
 
 /// The first plan and the best one (makespan, then sum of costs) within a time; ends early where both bounds are met.
-pub fn run(instance: &Instance, bounds: Costs, until: Until, time: Duration) -> Option<Found> {
+pub fn run(instance: &Instance, bounds: BoardCosts, until: Until, time: Duration) -> Option<Found> {
     let distances = instance.agents.iter().map(|agent| distances(instance, agent.goal())).collect();
     let horizon = bounds.makespan as u32 * 2 + 64;
     let baseline = Baseline { instance, distances, horizon, deadline: running() + time };
     let mut chance = Random(1);
     let mut order: Vec<usize> = (0..instance.agents.len()).collect();
     let mut found: Option<Found> = None;
-    let is_enough = |found: &Found| until == Until::First || Costs::of(&found.best) == bounds;
+    let is_enough = |found: &Found| until == Until::First || BoardCosts::of(&found.best) == bounds;
     let mut failures = 0;
     while running() < baseline.deadline && !found.as_ref().is_some_and(is_enough) {
         match baseline.plan(&order) {
@@ -80,11 +80,11 @@ fn shuffle(order: &mut [usize], chance: &mut Random) {
 }
 
 fn key(paths: &Paths) -> (u64, u64) {
-    Costs::of(paths).key(Objective::Makespan)
+    BoardCosts::of(paths).key(BoardObjective::Makespan)
 }
 
 /// Breadth-first from a goal.
-fn distances(instance: &Instance, goal: Cell) -> Vec<u32> {
+fn distances(instance: &Instance, goal: CellIndex) -> Vec<u32> {
     let mut distances = vec![u32::MAX; instance.board.cells()];
     distances[goal as usize] = 0;
     let mut open = VecDeque::from([goal]);
@@ -104,7 +104,7 @@ impl Baseline<'_> {
     fn plan(&self, order: &[usize]) -> Result<Paths, usize> {
         let mut paths: Paths = vec![vec![]; order.len()];
         for (at, part) in order.iter().enumerate() {
-            let others: Vec<&[Cell]> = order[..at].iter().map(|other| paths[*other].as_slice()).collect();
+            let others: Vec<&[CellIndex]> = order[..at].iter().map(|other| paths[*other].as_slice()).collect();
             let path = self.search(*part, &others).ok_or(at)?;
             paths[*part] = path;
         }
@@ -112,11 +112,11 @@ impl Baseline<'_> {
     }
 
     /// A* over cells and instants to the goal, from where nobody comes by any more.
-    fn search(&self, part: usize, others: &[&[Cell]]) -> Option<Vec<Cell>> {
+    fn search(&self, part: usize, others: &[&[CellIndex]]) -> Option<Vec<CellIndex>> {
         let (start, goal) = (self.instance.agents[part].start, self.instance.agents[part].goal());
-        let ahead = |cell: Cell| self.distances[part][cell as usize];
+        let ahead = |cell: CellIndex| self.distances[part][cell as usize];
         let stays_from = self.stays_from(goal, others);
-        let mut from: FxHashMap<Node, Cell> = FxHashMap::default();
+        let mut from: FxHashMap<Node, CellIndex> = FxHashMap::default();
         let mut closed: FxHashSet<Node> = FxHashSet::default();
         let mut open = BinaryHeap::from([(Reverse(ahead(start)), 0, start)]);
         if !self.is_free(start, 0, others) {
@@ -145,7 +145,7 @@ impl Baseline<'_> {
     }
 
     /// Whether nobody is too near at the instants before, at and after.
-    fn is_free(&self, cell: Cell, instant: u32, others: &[&[Cell]]) -> bool {
+    fn is_free(&self, cell: CellIndex, instant: u32, others: &[&[CellIndex]]) -> bool {
         let instants = instant.saturating_sub(1) as usize..=instant as usize + 1;
         others.iter().all(|path| {
             instants.clone().all(|at| self.instance.board.apart(cell, position(path, at)) >= self.instance.separation)
@@ -153,13 +153,13 @@ impl Baseline<'_> {
     }
 
     /// The first instant from which a goal is free for ever.
-    fn stays_from(&self, goal: Cell, others: &[&[Cell]]) -> u32 {
-        let near = |cell: &Cell| self.instance.board.apart(goal, *cell) < self.instance.separation;
+    fn stays_from(&self, goal: CellIndex, others: &[&[CellIndex]]) -> u32 {
+        let near = |cell: &CellIndex| self.instance.board.apart(goal, *cell) < self.instance.separation;
         others.iter().filter_map(|path| path.iter().rposition(near)).map(|last| last as u32 + 2).max().unwrap_or(0)
     }
 }
 
-fn trace(mut node: Node, from: &FxHashMap<Node, Cell>) -> Vec<Cell> {
+fn trace(mut node: Node, from: &FxHashMap<Node, CellIndex>) -> Vec<CellIndex> {
     let mut path = vec![node.0];
     while node.1 > 0 {
         node = (from[&node], node.1 - 1);

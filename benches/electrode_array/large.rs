@@ -4,9 +4,9 @@ use crate::clock::timed;
 use crate::sample::{self, costs, mean, ratios, spread};
 use crate::scenes::{Random, Shape};
 use std::process::Command;
-use tweeze::plan::electrode_array::board::{Answer, Objective};
+use tweeze::plan::electrode_array::board::{BoardAnswer, BoardObjective};
 use tweeze::plan::electrode_array::{fast, solve};
-use tweeze::plan::search::Budget;
+use tweeze::plan::search::SearchBudget;
 
 /// The argument that makes this program measure one instance.
 pub const CHILD: &str = "measure-large";
@@ -16,7 +16,7 @@ const COUNT: u64 = 5;
 
 const SHAPE: Shape = Shape { size: (400, 400), rim: 1, separation: 4, agents: 400, obstacles: 0 };
 
-const BUDGET: Budget = Budget::of(8_000_000);
+const BUDGET: SearchBudget = SearchBudget::of(8_000_000);
 
 /// All instances, one process each.
 pub fn table() {
@@ -57,10 +57,10 @@ pub fn measure(seed: u64) {
     let [makespan, sum] = ratios(costs(&instance, &first), bounds);
     println!("{ms} {makespan} {sum} {first_peak}");
     drop(first);
-    let (time, answer) = timed(|| solve(&instance, Objective::Makespan, None, BUDGET));
+    let (time, answer) = timed(|| solve(&instance, BoardObjective::Makespan, None, BUDGET));
     let seconds = time.as_secs_f64();
     let last_peak = peak_mb();
-    let Answer::Found { paths, .. } = answer else { panic!("a plan was found before") };
+    let BoardAnswer::Found { paths, .. } = answer else { panic!("a plan was found before") };
     let [makespan, sum] = ratios(costs(&instance, &paths), bounds);
     println!("{seconds} {makespan} {sum} {last_peak}");
 }

@@ -17,15 +17,15 @@ use rival::Rival;
 use sample::{Sample, ours, plain};
 use scenes::{Random, Shape};
 use std::time::Duration;
-use tweeze::plan::electrode_array::board::{Costs, Instance, Objective};
+use tweeze::plan::electrode_array::board::{BoardCosts, BoardObjective, Instance};
 use tweeze::plan::electrode_array::{fast, solve};
-use tweeze::plan::search::Budget;
+use tweeze::plan::search::SearchBudget;
 
 /// What the baseline (of the time that it really runs) and the rival (on the wall) get for an instance.
 const TIME: Duration = Duration::from_secs(1);
 
 /// What ours gets, first plan and all; a fraction of that time.
-const BUDGET: Budget = Budget::of(2_000_000);
+const BUDGET: SearchBudget = SearchBudget::of(2_000_000);
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
@@ -55,7 +55,7 @@ fn microparts() {
     }
     println!("with the default budget:");
     let samples: Vec<Sample> =
-        instances(micropart_shape(50), 20).iter().map(|instance| ours(instance, Budget::DEFAULT)).collect();
+        instances(micropart_shape(50), 20).iter().map(|instance| ours(instance, SearchBudget::DEFAULT)).collect();
     sample::row("tweeze", 50, &samples);
 }
 
@@ -104,13 +104,13 @@ fn droplets() {
 fn droplet_row(name: &str, instance: &Instance) -> [f64; 3] {
     let first = sample::first(instance).expect("every case has a plan");
     let latest = sample::costs(instance, &first.1).makespan;
-    let solved = |budget: Budget| {
-        let (time, answer) = clock::timed(|| solve(instance, Objective::Makespan, None, budget));
+    let solved = |budget: SearchBudget| {
+        let (time, answer) = clock::timed(|| solve(instance, BoardObjective::Makespan, None, budget));
         check::judged(instance, &answer).map(|(costs, bounds)| (sample::milliseconds(time), costs, bounds))
     };
-    let whole = solved(Budget::DEFAULT).expect("every case has a plan");
-    let budgets = (10..24).map(|power| Budget::of(1 << power));
-    let is_proven = |(_, costs, bounds): &(f64, Costs, Costs)| costs.makespan == bounds.makespan;
+    let whole = solved(SearchBudget::DEFAULT).expect("every case has a plan");
+    let budgets = (10..24).map(|power| SearchBudget::of(1 << power));
+    let is_proven = |(_, costs, bounds): &(f64, BoardCosts, BoardCosts)| costs.makespan == bounds.makespan;
     let quick = budgets.filter_map(solved).find(is_proven).unwrap_or(whole);
     let plain = plain(instance, TIME).last.map_or("none".to_owned(), |(_, costs)| costs.makespan.to_string());
     print!("{name:17} {:5} {:6.1} {:6}", instance.agents.len(), first.0, latest);

@@ -6,7 +6,7 @@ use crate::clock::timed;
 use mapf_rs::algorithms::lacam;
 use mapf_rs::base::{AgentId, Deadline, Graph, Instance as Theirs, Solution, VertexId};
 use std::time::Duration;
-use tweeze::plan::electrode_array::board::{Cell, Costs, Instance};
+use tweeze::plan::electrode_array::board::{BoardCosts, CellIndex, Instance};
 
 /// The same instance for the rival, and its graph.
 pub struct Rival<'a> {
@@ -18,9 +18,9 @@ impl<'a> Rival<'a> {
     /// Converts an instance.
     pub fn new(instance: &'a Instance) -> Self {
         let board = &instance.board;
-        let free: Vec<bool> = (0..board.cells() as Cell).map(|cell| !board.is_blocked(cell)).collect();
+        let free: Vec<bool> = (0..board.cells() as CellIndex).map(|cell| !board.is_blocked(cell)).collect();
         let graph = Graph::from_grid(board.width() as usize, board.height() as usize, &free);
-        let vertex = |cell: Cell| {
+        let vertex = |cell: CellIndex| {
             let (column, row) = board.place(cell);
             graph.vertex_at(column as usize, row as usize).expect("starts and goals are free")
         };
@@ -31,18 +31,18 @@ impl<'a> Rival<'a> {
     }
 
     /// LaCAM up to its first plan: the time and the costs.
-    pub fn first(&self, limit: Duration) -> Option<(Duration, Costs)> {
+    pub fn first(&self, limit: Duration) -> Option<(Duration, BoardCosts)> {
         let (time, solution) = timed(|| lacam::solve(&self.theirs, 0, &Deadline::new(limit)));
         solution.map(|solution| (time, self.costs(&solution)))
     }
 
     /// LaCAM*, which betters its plan until the time is over.
-    pub fn bettered(&self, time: Duration) -> Option<Costs> {
+    pub fn bettered(&self, time: Duration) -> Option<BoardCosts> {
         lacam::solve_star(&self.theirs, 0, &Deadline::new(time)).map(|solution| self.costs(&solution))
     }
 
     /// Checks the plan under the rival's own rule, with its check and with one of ours; and counts the costs as we do.
-    fn costs(&self, solution: &Solution) -> Costs {
+    fn costs(&self, solution: &Solution) -> BoardCosts {
         assert!(solution.validate(&self.theirs).is_ok(), "the rival's plan does not pass its own check");
         let agents = 0..self.instance.agents.len();
         let paths: Vec<Vec<VertexId>> = agents.map(|agent| solution.path_of(AgentId(agent as u32)).collect()).collect();
@@ -57,6 +57,6 @@ impl<'a> Rival<'a> {
         let arrival =
             |path: &Vec<VertexId>| path.iter().rposition(|at| Some(at) != path.last()).map_or(0, |at| at as u64 + 1);
         let arrivals = paths.iter().map(arrival);
-        Costs { makespan: arrivals.clone().max().unwrap_or(0), sum_of_costs: arrivals.sum() }
+        BoardCosts { makespan: arrivals.clone().max().unwrap_or(0), sum_of_costs: arrivals.sum() }
     }
 }

@@ -4,32 +4,32 @@ use crate::baseline::{self, Until};
 use crate::check::{fault, judged};
 use crate::clock::{running, timed};
 use std::time::Duration;
-use tweeze::plan::electrode_array::board::{Answer, Costs, Instance, Objective, Paths};
+use tweeze::plan::electrode_array::board::{BoardAnswer, BoardCosts, BoardObjective, Instance, Paths};
 use tweeze::plan::electrode_array::{fast, solve};
-use tweeze::plan::search::{Budget, Meter};
+use tweeze::plan::search::{Meter, SearchBudget};
 
 /// A first plan by itself gets half of the default budget.
-const FIRST: Budget = Budget::of(Budget::DEFAULT.steps / 2);
+const FIRST: SearchBudget = SearchBudget::of(SearchBudget::DEFAULT.steps / 2);
 
 /// What a planner did on one instance.
 #[derive(Default)]
 pub struct Sample {
     /// Milliseconds to the first plan, and its costs.
-    pub first: Option<(f64, Costs)>,
+    pub first: Option<(f64, BoardCosts)>,
     /// Seconds until it ended, and the costs then.
-    pub last: Option<(f64, Costs)>,
+    pub last: Option<(f64, BoardCosts)>,
     /// The costs that alone are below every plan.
-    pub simple: Costs,
+    pub simple: BoardCosts,
     /// The bounds that were proven in the end.
-    pub proven: Costs,
+    pub proven: BoardCosts,
 }
 
 /// Ours: the first plan alone, then the whole portfolio from the beginning with a budget.
-pub fn ours(instance: &Instance, budget: Budget) -> Sample {
+pub fn ours(instance: &Instance, budget: SearchBudget) -> Sample {
     let simple = fast::bounds(instance).expect("no part is walled in");
     let first = first(instance).map(|(ms, paths)| (ms, costs(instance, &paths)));
-    let (time, answer) = timed(|| solve(instance, Objective::Makespan, None, budget));
-    assert!(!matches!(answer, Answer::Impossible(_)), "none of these instances is impossible");
+    let (time, answer) = timed(|| solve(instance, BoardObjective::Makespan, None, budget));
+    assert!(!matches!(answer, BoardAnswer::Impossible(_)), "none of these instances is impossible");
     let judged = judged(instance, &answer);
     let last = judged.map(|(costs, _)| (time.as_secs_f64(), costs));
     Sample { first, last, simple, proven: judged.map_or(simple, |(_, bounds)| bounds) }
@@ -37,7 +37,7 @@ pub fn ours(instance: &Instance, budget: Budget) -> Sample {
 
 /// The first plan and the milliseconds to it.
 pub fn first(instance: &Instance) -> Option<(f64, Paths)> {
-    let (time, first) = timed(|| fast::first(instance, fast::Terms::default(), &mut Meter::new(FIRST)));
+    let (time, first) = timed(|| fast::first(instance, fast::FirstPlanTerms::default(), &mut Meter::new(FIRST)));
     first.map(|paths| (milliseconds(time), paths))
 }
 
@@ -54,9 +54,9 @@ pub fn plain(instance: &Instance, time: Duration) -> Sample {
 }
 
 /// The costs of a plan that the judge has passed.
-pub fn costs(instance: &Instance, paths: &Paths) -> Costs {
+pub fn costs(instance: &Instance, paths: &Paths) -> BoardCosts {
     assert_eq!(fault(instance, paths), None);
-    Costs::of(paths)
+    BoardCosts::of(paths)
 }
 
 pub fn milliseconds(time: Duration) -> f64 {
@@ -64,7 +64,7 @@ pub fn milliseconds(time: Duration) -> f64 {
 }
 
 /// Costs over their bounds.
-pub fn ratios(costs: Costs, bounds: Costs) -> [f64; 2] {
+pub fn ratios(costs: BoardCosts, bounds: BoardCosts) -> [f64; 2] {
     let ratio = |cost: u64, bound: u64| cost as f64 / bound.max(1) as f64;
     [ratio(costs.makespan, bounds.makespan), ratio(costs.sum_of_costs, bounds.sum_of_costs)]
 }
@@ -92,7 +92,7 @@ pub fn header() {
 
 /// One row: how many have a plan, times to it, ratios to the bounds at first and in the end, how many are proven best.
 pub fn row(name: &str, agents: usize, samples: &[Sample]) {
-    let over = |it: &Sample, (time, costs): (f64, Costs)| (time, ratios(costs, it.simple));
+    let over = |it: &Sample, (time, costs): (f64, BoardCosts)| (time, ratios(costs, it.simple));
     let first: Vec<(f64, [f64; 2])> = samples.iter().filter_map(|it| it.first.map(|first| over(it, first))).collect();
     let last: Vec<(f64, [f64; 2])> = samples.iter().filter_map(|it| it.last.map(|last| over(it, last))).collect();
     let shortest = |it: &&Sample| it.last.is_some_and(|(_, costs)| costs.makespan == it.proven.makespan);

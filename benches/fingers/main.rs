@@ -14,9 +14,9 @@ use rival::Outcome;
 use std::sync::Arc;
 use std::time::Duration;
 use tweeze::device::fingers::Adhesion;
-use tweeze::plan::fingers::graph::{Answer, Estimator, Request, solve};
+use tweeze::plan::fingers::graph::{Estimator, GraspAnswer, GraspRequest, solve};
 use tweeze::plan::fingers::tables::Tables;
-use tweeze::plan::search::Budget;
+use tweeze::plan::search::SearchBudget;
 
 /// What the rival, and ours with the paper's estimate, may expand in one query.
 const MOST: u64 = 200_000;
@@ -42,19 +42,19 @@ struct Sample {
     expanded: u64,
 }
 
-fn ours(request: &Request, estimator: Estimator) -> Sample {
-    let (time, answer) = timed(|| solve(request, estimator, Budget::of(MOST)));
+fn ours(request: &GraspRequest, estimator: Estimator) -> Sample {
+    let (time, answer) = timed(|| solve(request, estimator, SearchBudget::of(MOST)));
     let (outcome, expanded) = match answer {
-        Answer::Found(way) => (Outcome::Cost(way.cost), way.expanded),
-        Answer::Impossible(_) => (Outcome::NoPath, 0),
-        Answer::GaveUp(_) => (Outcome::Open, MOST),
-        Answer::TooLarge { nodes } => unreachable!("{nodes} nodes are not too many"),
+        GraspAnswer::Found(way) => (Outcome::Cost(way.cost), way.expanded),
+        GraspAnswer::Impossible(_) => (Outcome::NoPath, 0),
+        GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } => (Outcome::Open, MOST),
+        GraspAnswer::TooLarge { nodes } => unreachable!("{nodes} nodes are not too many"),
     };
     Sample { milliseconds: milliseconds(time), outcome, expanded }
 }
 
 /// The rival's time, once; its answer must be ours.
-fn theirs(request: &Request, ours: Outcome) -> String {
+fn theirs(request: &GraspRequest, ours: Outcome) -> String {
     let start = std::time::Instant::now();
     let outcome = rival::cost(request, MOST);
     let time = milliseconds(start.elapsed());
@@ -128,7 +128,7 @@ fn queries() {
     }
 }
 
-fn summary(requests: &[Request], estimator: Estimator) {
+fn summary(requests: &[GraspRequest], estimator: Estimator) {
     let mut samples: Vec<Sample> = requests.iter().map(|request| ours(request, estimator)).collect();
     let count = |outcome: Outcome| samples.iter().filter(|sample| sample.outcome == outcome).count();
     let (none, stopped) = (count(Outcome::NoPath), count(Outcome::Open));

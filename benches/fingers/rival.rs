@@ -2,7 +2,7 @@
 
 use pathfinding::prelude::astar;
 use std::cell::Cell;
-use tweeze::plan::fingers::graph::{Request, Start};
+use tweeze::plan::fingers::graph::{GraspRequest, Start};
 use tweeze::plan::fingers::tables::Tables;
 
 /// The contact of each finger, from 1, and the angle.
@@ -18,7 +18,7 @@ pub enum Outcome {
 }
 
 /// The least cost of a request with one leg; stopped when it has expanded so many nodes.
-pub fn cost(request: &Request, most: u64) -> Outcome {
+pub fn cost(request: &GraspRequest, most: u64) -> Outcome {
     let leg = &request.routes[0][0];
     let Start::At(start) = request.start else { unreachable!("our queries begin with a grasp") };
     let end = leg.end.expect("our queries end with a grasp");
@@ -58,7 +58,7 @@ fn rolls(tables: &Tables, grasp: [u16; 3]) -> bool {
     }
 }
 
-fn neighbours(request: &Request, tables: &Tables, (grasp, angle): Node) -> Vec<(Node, u64)> {
+fn neighbours(request: &GraspRequest, tables: &Tables, (grasp, angle): Node) -> Vec<(Node, u64)> {
     let layer = &tables.layers[0];
     let contacts = tables.contacts as u16;
     let held = held(grasp);
@@ -100,7 +100,7 @@ fn neighbours(request: &Request, tables: &Tables, (grasp, angle): Node) -> Vec<(
     found
 }
 
-fn estimate(request: &Request, contacts: u16, now: Node, goal: Node) -> u64 {
+fn estimate(request: &GraspRequest, contacts: u16, now: Node, goal: Node) -> u64 {
     let (mut blocked, mut changing, mut unused) = (0, 0, 0);
     for finger in 0..3 {
         match (now.0[finger], goal.0[finger]) {

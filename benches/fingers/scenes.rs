@@ -3,22 +3,22 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use tweeze::claims::fingers::Section;
-use tweeze::device::fingers::{Adhesion, Facts};
+use tweeze::device::fingers::{Adhesion, FingersFacts};
 use tweeze::geometry::outline::{Curve, Outline};
-use tweeze::plan::fingers::graph::{Costs, Entry, Grasp, Leg, Request, Start, Within};
-use tweeze::plan::fingers::looks::Looks;
-use tweeze::plan::fingers::mechanics::{Asked, Contacts, Load, tables};
-use tweeze::plan::fingers::tables::{Bits, Layer, Tables};
+use tweeze::plan::fingers::graph::{Grasp, GraspCosts, GraspRequest, Regrasp, Start, TurnLeg, Within};
+use tweeze::plan::fingers::looks::LooksBudget;
+use tweeze::plan::fingers::mechanics::{Contacts, Load, TableRequest, tables};
+use tweeze::plan::fingers::tables::{AngleLayer, ContactBits, Tables};
 
 /// The angles of a leg: one turn in steps of 20 deg, and its end.
 pub const ANGLES: i32 = 19;
 
 /// Rolling by 20 deg with one finger, and a placement or removal, in degrees.
-pub const COSTS: Costs = Costs { roll: 20, gait: 180 };
+pub const COSTS: GraspCosts = GraspCosts { roll: 20, gait: 180 };
 
 /// The paper's hand, with the removal safety that imitates its results.
-pub fn hand(adhesion: Adhesion) -> Facts {
-    Facts {
+pub fn hand(adhesion: Adhesion) -> FingersFacts {
+    FingersFacts {
         fingers: 3,
         tip_radius_um: 4.5,
         adhesion,
@@ -42,21 +42,21 @@ pub fn hand(adhesion: Adhesion) -> Facts {
 }
 
 /// The tables of the paper's ellipsoid: 74 contacts.
-pub fn ellipsoid(facts: &Facts) -> Tables {
+pub fn ellipsoid(facts: &FingersFacts) -> Tables {
     let outline = Outline::Ellipse { semi_um: [16.0, 11.845] };
     let curve = Curve::of(&outline).expect("an ellipse has a curve");
     let once_round_rad = TAU + curve.perimeter_um() / facts.tip_radius_um;
     let section = Section { outline, contacts: 74, opposite: Some(38), step_rad: once_round_rad / 74.0 };
     let contacts = Contacts::of(&section, &curve, facts.tip_radius_um);
-    let asked = Asked { facts, contacts, load: Load::NONE, lowest: 0, angles: ANGLES as usize };
-    tables(&asked, &Looks::default(), &mut |_, _, _| true).expect("an ellipse has few grasps")
+    let asked = TableRequest { facts, contacts, load: Load::NONE, lowest: 0, angles: ANGLES as usize };
+    tables(&asked, &LooksBudget::default(), &mut |_, _, _| true).expect("an ellipse has few grasps")
 }
 
 /// All grasps with contacts so far apart; every placement and removal is allowed.
 pub fn circle(contacts: usize, gap: usize) -> Tables {
     let apart = |i: usize, j: usize| i.abs_diff(j).min(contacts - i.abs_diff(j)) >= gap;
     let mut tables = Tables { contacts, layers: Vec::new() };
-    let (mut pair, mut triple) = (Bits::new(contacts.pow(2)), Bits::new(contacts.pow(3)));
+    let (mut pair, mut triple) = (ContactBits::new(contacts.pow(2)), ContactBits::new(contacts.pow(3)));
     for i in 0..contacts {
         for j in (0..contacts).filter(|j| apart(i, *j)) {
             pair.put(tables.two(i, j));
@@ -64,7 +64,7 @@ pub fn circle(contacts: usize, gap: usize) -> Tables {
         }
     }
     let (place, leave) = (triple.clone(), triple.clone());
-    tables.layers.push(Layer { roll_pair: pair.clone(), roll_triple: triple.clone(), pair, triple, place, leave });
+    tables.layers.push(AngleLayer { roll_pair: pair.clone(), roll_triple: triple.clone(), pair, triple, place, leave });
     tables
 }
 
@@ -93,12 +93,19 @@ pub fn lonely(tables: &Tables, triple: [usize; 3]) -> Tables {
 }
 
 /// A turn with three fingers from one grasp to another.
-pub fn query(tables: &Arc<Tables>, start: [u32; 3], steps: i32, end: [u32; 3]) -> Request {
+pub fn query(tables: &Arc<Tables>, start: [u32; 3], steps: i32, end: [u32; 3]) -> GraspRequest {
     let grasp = |list: [u32; 3]| Grasp::of(&list).expect("three fingers");
     let (lowest, highest) = (0, ANGLES - 1);
-    let leg =
-        Leg { tables: tables.clone(), steps, lowest, highest, entry: Entry::Same, end: Some(grasp(end)), lazy: None };
-    Request {
+    let leg = TurnLeg {
+        tables: tables.clone(),
+        steps,
+        lowest,
+        highest,
+        entry: Regrasp::Same,
+        end: Some(grasp(end)),
+        lazy: None,
+    };
+    GraspRequest {
         fingers: 3,
         start: Start::At(grasp(start)),
         routes: vec![vec![leg]],
@@ -108,18 +115,18 @@ pub fn query(tables: &Arc<Tables>, start: [u32; 3], steps: i32, end: [u32; 3]) -
 }
 
 /// A turn that ends with any two fingers on contacts 1 and 38, where another one in the other plane begins.
-pub fn junction(tables: &Arc<Tables>, start: [u32; 3], steps: i32) -> Request {
+pub fn junction(tables: &Arc<Tables>, start: [u32; 3], steps: i32) -> GraspRequest {
     let mut request = query(tables, start, steps, start);
     let ends = [0, 37];
     let mut next = request.routes[0][0].clone();
     request.routes[0][0].end = None;
-    (next.steps, next.end, next.entry) = (0, None, Entry::Across { old: ends, new: ends });
+    (next.steps, next.end, next.entry) = (0, None, Regrasp::Across { old: ends, new: ends });
     request.routes[0].push(next);
     request
 }
 
 /// Queries between grasps that hold, with two and with three fingers, at random angles.
-pub fn random(tables: &Arc<Tables>, count: usize) -> Vec<Request> {
+pub fn random(tables: &Arc<Tables>, count: usize) -> Vec<GraspRequest> {
     let mut random = Random(7);
     let mut grasp = || loop {
         let mut list = [0, 1, 2].map(|_| 1 + random.below(tables.contacts as u64) as u32);

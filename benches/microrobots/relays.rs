@@ -3,7 +3,7 @@
 use crate::clock::timed;
 use crate::rival;
 use std::time::Duration;
-use tweeze::check::microrobots::relays::{Analysis, Gaps, Row, Source, analyse};
+use tweeze::check::microrobots::relays::{AllowedGaps, Analysis, RelayRow, Source, analyse};
 use tweeze::device::microrobots::ControlState;
 
 const SOURCE: Source = Source { margin_v: 0.5, relax_v: 250.0, flex_v: 290.0, max_v: 600.0, most_levels: 64 };
@@ -16,12 +16,12 @@ pub fn check() {
     check_row("random steps", &random(100, 7), SOURCE);
     check_row("cycles of three levels", &interleaved(100), SOURCE);
     check_row("only two levels allowed", &interleaved(100), Source { most_levels: 2, ..SOURCE });
-    check_row("all rows alike", &[Row { snap_down_v: 400.0, release_v: 100.0 }; 100], SOURCE);
+    check_row("all rows alike", &[RelayRow { snap_down_v: 400.0, release_v: 100.0 }; 100], SOURCE);
     check_row("all rows nested", &nested(100), SOURCE);
 }
 
-fn check_row(name: &str, table: &[Row], source: Source) {
-    let (time, analysis) = timed(|| analyse(table, source, Gaps::String));
+fn check_row(name: &str, table: &[RelayRow], source: Source) {
+    let (time, analysis) = timed(|| analyse(table, source, AllowedGaps::String));
     let faults = analysis.faults.len() + analysis.more_faults;
     let longest = analysis.states.iter().map(|state| state.levels_v.len()).max().unwrap_or(0);
     println!("{name:23} {:8} {faults:6} {longest:13} {:9.3}", analysis.states.len(), milliseconds(time));
@@ -41,8 +41,8 @@ pub fn states() {
     states_row("grid", &grid(6, 6));
 }
 
-fn states_row(name: &str, table: &[Row]) {
-    let (time, analysis) = timed(|| analyse(table, SOURCE, Gaps::Any));
+fn states_row(name: &str, table: &[RelayRow]) {
+    let (time, analysis) = timed(|| analyse(table, SOURCE, AllowedGaps::Any));
     let (plain, (found, nodes)) = timed(|| rival::patterns(table, SOURCE));
     assert_eq!(lengths(&analysis), found, "both find the same patterns, by as many levels");
     let times = [time, plain].map(milliseconds);
@@ -63,19 +63,21 @@ fn milliseconds(time: Duration) -> f64 {
 }
 
 /// Snap-down and release voltages rise by turns.
-fn even(robots: usize) -> Vec<Row> {
-    let row =
-        |at: usize| Row { snap_down_v: 300.0 + at.div_ceil(2) as f64 * 2.0, release_v: 10.0 + (at / 2) as f64 * 2.0 };
+fn even(robots: usize) -> Vec<RelayRow> {
+    let row = |at: usize| RelayRow {
+        snap_down_v: 300.0 + at.div_ceil(2) as f64 * 2.0,
+        release_v: 10.0 + (at / 2) as f64 * 2.0,
+    };
     (0..robots).map(row).collect()
 }
 
 /// One of the voltages rises by two margins or more, the other by less or more; shuffled.
-fn random(robots: usize, seed: u64) -> Vec<Row> {
+fn random(robots: usize, seed: u64) -> Vec<RelayRow> {
     let mut random = Random(seed);
     let (mut snap_down_v, mut release_v) = (300.0, 10.0);
-    let mut table: Vec<Row> = Vec::new();
+    let mut table: Vec<RelayRow> = Vec::new();
     for _ in 0..robots {
-        table.push(Row { snap_down_v, release_v });
+        table.push(RelayRow { snap_down_v, release_v });
         let (large_v, small_v) = (1.0 + random.share(), random.share());
         let is_snap_down = random.share() < 0.5;
         snap_down_v += if is_snap_down { large_v } else { small_v };
@@ -88,19 +90,19 @@ fn random(robots: usize, seed: u64) -> Vec<Row> {
 }
 
 /// Threes of rows which two levels do not tell apart: the example of the model, once after the other.
-fn interleaved(robots: usize) -> Vec<Row> {
+fn interleaved(robots: usize) -> Vec<RelayRow> {
     let three = [(0.0, 0.75), (1.25, 0.0), (1.125, 1.125)];
     let row = |at: usize| {
         let (snap_down_v, release_v) = three[at % 3];
         let base_v = (at / 3) as f64 * 4.0;
-        Row { snap_down_v: 300.0 + base_v + snap_down_v, release_v: 10.0 + base_v + release_v }
+        RelayRow { snap_down_v: 300.0 + base_v + snap_down_v, release_v: 10.0 + base_v + release_v }
     };
     (0..robots).map(row).collect()
 }
 
 /// Every pair of so many snap-down and so many release voltages.
-fn grid(snap_downs: usize, releases: usize) -> Vec<Row> {
-    let row = |at: usize| Row {
+fn grid(snap_downs: usize, releases: usize) -> Vec<RelayRow> {
+    let row = |at: usize| RelayRow {
         snap_down_v: 300.0 + (at % snap_downs) as f64 * 5.0,
         release_v: 10.0 + (at / snap_downs) as f64 * 5.0,
     };
@@ -108,8 +110,8 @@ fn grid(snap_downs: usize, releases: usize) -> Vec<Row> {
 }
 
 /// Each gap inside the next: every pattern can be set.
-fn nested(robots: usize) -> Vec<Row> {
-    let row = |at: usize| Row { snap_down_v: 300.0 + at as f64 * 2.0, release_v: 240.0 - at as f64 * 2.0 };
+fn nested(robots: usize) -> Vec<RelayRow> {
+    let row = |at: usize| RelayRow { snap_down_v: 300.0 + at as f64 * 2.0, release_v: 240.0 - at as f64 * 2.0 };
     (0..robots).map(row).collect()
 }
 

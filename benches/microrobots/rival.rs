@@ -3,7 +3,7 @@
 
 use pathfinding::prelude::bfs_reach;
 use std::hash::{Hash, Hasher};
-use tweeze::check::microrobots::relays::{Row, Source};
+use tweeze::check::microrobots::relays::{RelayRow, Source};
 
 /// What is known of the arms, and by how few levels.
 #[derive(Debug, Clone, Copy)]
@@ -37,8 +37,8 @@ struct Effect {
 }
 
 impl Effect {
-    fn of(level_v: f64, table: &[Row], margin_v: f64) -> Self {
-        let bits = |is_set: &dyn Fn(&Row) -> bool| {
+    fn of(level_v: f64, table: &[RelayRow], margin_v: f64) -> Self {
+        let bits = |is_set: &dyn Fn(&RelayRow) -> bool| {
             table.iter().enumerate().filter(|(_, row)| is_set(row)).fold(0, |bits, (at, _)| bits | 1 << at)
         };
         Effect {
@@ -59,7 +59,7 @@ impl Effect {
 }
 
 /// Each pattern that can be set, as bits by row, with how many levels; and how many nodes the search visits.
-pub fn patterns(table: &[Row], source: Source) -> (Vec<(u128, usize)>, usize) {
+pub fn patterns(table: &[RelayRow], source: Source) -> (Vec<(u128, usize)>, usize) {
     let margin_v = source.margin_v;
     let breaks = table.iter().flat_map(|row| [row.snap_down_v, row.release_v]);
     let mut breaks_v: Vec<f64> =

@@ -24,7 +24,7 @@ const WORK_OF_A_SOLID: u64 = 10_000;
 
 /// What was spent so far.
 #[derive(Debug, Default)]
-pub struct Budget {
+pub struct CheckBudget {
     work: u64,
     text_bytes: u64,
 }

@@ -8,11 +8,11 @@
 //! counter-clockwise as the image shows it: 90 deg faces up, towards smaller y. The heading of the frame is where the rows point in the
 //! scene; `mirrored` says that the image shows the scene from behind.
 
-use super::scope::{Place, Scope};
+use super::scope::{DeclarationPlace, Scope};
 use super::value::{ListValue, PoseValue, ShapeValue, Value};
 use super::{Checker, errors, shapes};
 use crate::device::dimibot::MAX_REACH_UM;
-use crate::device::shape::Form;
+use crate::device::shape::ShapeForm;
 use crate::geometry::shape::Pose;
 use crate::quantity::{Dimension, Quantity};
 use crate::source::{Span, Spanned};
@@ -143,7 +143,7 @@ impl Checker<'_> {
 
     fn camera(&mut self, object: &tree::Object, shape: &tree::Expr, scope: &Scope) -> Option<Camera> {
         let image = match self.evaluate(shape, scope) {
-            Value::Shape(image) if image.form == Form::Image => image,
+            Value::Shape(image) if image.form == ShapeForm::Image => image,
             Value::Unknown => return None,
             _ => {
                 self.sink.push(errors::frame_with_shape(shape.span));
@@ -186,7 +186,7 @@ impl Checker<'_> {
     }
 
     /// What a task sees of its scene.
-    pub fn view_of(&mut self, scene: Option<Option<Place>>) -> View {
+    pub fn view_of(&mut self, scene: Option<Option<DeclarationPlace>>) -> View {
         match scene {
             None => View::None,
             Some(None) => View::Unknown,

@@ -1,9 +1,9 @@
 //! Devices: bases, fields, and what the kind makes of them.
 
 use super::fields::{Accepted, Given, Owner};
-use super::lets::Origin;
+use super::lets::ValueOrigin;
 use super::lineage::Base;
-use super::scope::{DeclarationSort, Place, nearest, path_text};
+use super::scope::{DeclarationPlace, DeclarationSort, nearest, path_text};
 use super::{Checker, dimibot, electrode_array, errors, fingers, microrobots};
 use crate::device::{self, Kind};
 use crate::source::Span;
@@ -14,20 +14,20 @@ use std::sync::Arc;
 
 /// A device with its own fields and those of its bases.
 #[derive(Debug, Clone)]
-pub struct Device {
+pub struct CheckedDevice {
     pub kind: Kind,
     pub name: String,
     /// Its name where it is declared.
     pub span: Span,
     pub fields: Accepted,
     /// Where the value of a field was given, if a name stands in it.
-    pub origins: Origins,
+    pub origins: FieldOrigins,
 }
 
 /// Where values were given, by the names of their fields.
-pub type Origins = BTreeMap<&'static str, Origin>;
+pub type FieldOrigins = BTreeMap<&'static str, ValueOrigin>;
 
-impl Device {
+impl CheckedDevice {
     fn owner(&self) -> Owner {
         owner(self.kind, &self.name, self.span)
     }
@@ -40,34 +40,36 @@ fn owner(kind: Kind, name: &str, span: Span) -> Owner {
 
 /// The facts of a device in its kind's own type.
 #[derive(Debug, Clone)]
-pub enum Facts {
-    Dimibot(Rc<device::dimibot::Facts>),
-    ElectrodeArray(Rc<device::electrode_array::Facts>),
-    Microrobots(Rc<microrobots::Bed>),
-    Fingers(Arc<device::fingers::Facts>),
+pub enum KindFacts {
+    Dimibot(Rc<device::dimibot::DimibotFacts>),
+    ElectrodeArray(Rc<device::electrode_array::ElectrodeArrayFacts>),
+    Microrobots(Rc<microrobots::CheckedBed>),
+    Fingers(Arc<device::fingers::FingersFacts>),
 }
 
-impl Facts {
+impl KindFacts {
     /// Whether the device has a channel of a name.
     pub fn has_channel(&self, name: &str) -> bool {
         match self {
-            Facts::Dimibot(facts) => facts.channels().iter().any(|channel| channel == name),
-            Facts::ElectrodeArray(facts) => facts.electrode(name).is_some(),
-            Facts::Microrobots(_) => name == device::microrobots::CHANNEL,
-            Facts::Fingers(facts) => facts.channels().iter().any(|channel| channel == name),
+            KindFacts::Dimibot(facts) => facts.channels().iter().any(|channel| channel == name),
+            KindFacts::ElectrodeArray(facts) => facts.electrode(name).is_some(),
+            KindFacts::Microrobots(_) => name == device::microrobots::CHANNEL,
+            KindFacts::Fingers(facts) => facts.channels().iter().any(|channel| channel == name),
         }
     }
 
     /// The names of its channels, for a message: of very many only the first and the last.
     pub fn channel_examples(&self) -> Vec<String> {
         match self {
-            Facts::Dimibot(facts) => facts.channels(),
-            Facts::ElectrodeArray(facts) => {
-                let last = device::electrode_array::Cell::new(facts.columns, facts.rows);
-                [device::electrode_array::Cell::new(1, 1), last].map(device::electrode_array::Facts::channel).to_vec()
+            KindFacts::Dimibot(facts) => facts.channels(),
+            KindFacts::ElectrodeArray(facts) => {
+                let last = device::electrode_array::ElectrodeCell::new(facts.columns, facts.rows);
+                [device::electrode_array::ElectrodeCell::new(1, 1), last]
+                    .map(device::electrode_array::ElectrodeArrayFacts::channel)
+                    .to_vec()
             }
-            Facts::Microrobots(_) => vec![device::microrobots::CHANNEL.to_owned()],
-            Facts::Fingers(facts) => facts.channels(),
+            KindFacts::Microrobots(_) => vec![device::microrobots::CHANNEL.to_owned()],
+            KindFacts::Fingers(facts) => facts.channels(),
         }
     }
 }
@@ -76,7 +78,7 @@ impl Checker<'_> {
     /// Checks every device of the user's files; one that only serves as a base may lack fields.
     pub fn check_devices(&mut self) {
         let own = self.own_places(DeclarationSort::Device);
-        let mut bases: BTreeSet<Place> = BTreeSet::new();
+        let mut bases: BTreeSet<DeclarationPlace> = BTreeSet::new();
         for (place, _) in &own {
             let Item::Device(item) = self.item(*place) else { continue };
             let base = self.find(&item.base, &self.top(*place)).map(|(base, _)| base);
@@ -91,18 +93,18 @@ impl Checker<'_> {
     }
 
     /// The devices of the user's files whose facts are known, by name; one that only serves as a base may lack fields.
-    pub fn known_devices(&self) -> Vec<(String, Facts)> {
+    pub fn known_devices(&self) -> Vec<(String, KindFacts)> {
         let own = self.own_places(DeclarationSort::Device).into_iter();
         let known = |place| Some((self.named(place).0.to_owned(), self.facts.get(&place)?.clone()?));
         own.filter_map(|(place, _)| known(place)).collect()
     }
 
     /// A device with all that it inherits; `None` after an error.
-    pub fn device(&mut self, place: Place) -> Option<Rc<Device>> {
+    pub fn device(&mut self, place: DeclarationPlace) -> Option<Rc<CheckedDevice>> {
         let chain = self.lineage(place, &|checker, at| checker.devices.contains_key(&at), &Checker::base);
         for (at, base) in chain.into_iter().rev() {
             let inherited = match base {
-                Base::Root(kind) => Some((kind, Accepted::new(), Origins::new())),
+                Base::Root(kind) => Some((kind, Accepted::new(), FieldOrigins::new())),
                 Base::Of(base) => {
                     let known = self.devices.get(&base).and_then(Option::as_ref);
                     known.map(|device| (device.kind, device.fields.clone(), device.origins.clone()))
@@ -115,7 +117,11 @@ impl Checker<'_> {
         self.devices.get(&place).cloned().flatten()
     }
 
-    fn inherit(&mut self, place: Place, inherited: Option<(Kind, Accepted, Origins)>) -> Option<Device> {
+    fn inherit(
+        &mut self,
+        place: DeclarationPlace,
+        inherited: Option<(Kind, Accepted, FieldOrigins)>,
+    ) -> Option<CheckedDevice> {
         let Item::Device(item) = self.item(place) else { return None };
         let scope = self.top(place);
         let Some((kind, mut fields, mut origins)) = inherited else {
@@ -131,10 +137,10 @@ impl Checker<'_> {
             origins.extend(name.copied().zip(self.origin(&field.value, &scope)));
         }
         fields.extend(own);
-        Some(Device { kind, name: item.name.text.clone(), span: item.name.span, fields, origins })
+        Some(CheckedDevice { kind, name: item.name.text.clone(), span: item.name.span, fields, origins })
     }
 
-    fn base(&mut self, place: Place) -> Base<Kind> {
+    fn base(&mut self, place: DeclarationPlace) -> Base<Kind> {
         let Item::Device(item) = self.item(place) else { return Base::Broken };
         let is_plain_name = item.base.segments.len() == 1;
         if let Some(kind) = Kind::find(&path_text(&item.base)).filter(|_| is_plain_name) {
@@ -148,7 +154,7 @@ impl Checker<'_> {
         self.resolve(&item.base, &scope, DeclarationSort::Device).map_or(Base::Broken, Base::Of)
     }
 
-    fn report_unknown_base(&mut self, item: &tree::Device, place: Place) {
+    fn report_unknown_base(&mut self, item: &tree::Device, place: DeclarationPlace) {
         let text = path_text(&item.base);
         if self.modules[place.module].is_broken(&text) {
             return;
@@ -161,7 +167,7 @@ impl Checker<'_> {
     }
 
     /// The facts of a complete device; `None` after an error.
-    pub fn facts(&mut self, place: Place) -> Option<Facts> {
+    pub fn facts(&mut self, place: DeclarationPlace) -> Option<KindFacts> {
         if let Some(known) = self.facts.get(&place) {
             return known.clone();
         }
@@ -170,7 +176,7 @@ impl Checker<'_> {
         facts
     }
 
-    fn facts_of(&mut self, device: &Device) -> Option<Facts> {
+    fn facts_of(&mut self, device: &CheckedDevice) -> Option<KindFacts> {
         let missing = Self::missing(&device.fields, device.kind.vocabulary().fields);
         if !missing.is_empty() {
             let library = device.kind.vocabulary().library;
@@ -178,12 +184,12 @@ impl Checker<'_> {
             return None;
         }
         match device.kind {
-            Kind::Dimibot => dimibot::facts(device, self.sink).map(|facts| Facts::Dimibot(Rc::new(facts))),
+            Kind::Dimibot => dimibot::facts(device, self.sink).map(|facts| KindFacts::Dimibot(Rc::new(facts))),
             Kind::ElectrodeArray => {
-                electrode_array::facts(device, self.sink).map(|facts| Facts::ElectrodeArray(Rc::new(facts)))
+                electrode_array::facts(device, self.sink).map(|facts| KindFacts::ElectrodeArray(Rc::new(facts)))
             }
-            Kind::Microrobots => microrobots::bed(device, self.sink).map(|bed| Facts::Microrobots(Rc::new(bed))),
-            Kind::Fingers => fingers::facts(device, self.sink).map(|facts| Facts::Fingers(Arc::new(facts))),
+            Kind::Microrobots => microrobots::bed(device, self.sink).map(|bed| KindFacts::Microrobots(Rc::new(bed))),
+            Kind::Fingers => fingers::facts(device, self.sink).map(|facts| KindFacts::Fingers(Arc::new(facts))),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::fingers::ANGLE_NAME;
 use super::scope::{DeclarationSort, Scope, nearest, path_text};
 use super::value::{ListValue, ModuleWord, PoseValue, TableValue, Value, whole};
 use super::{Checker, errors, functions};
-use crate::device::shape::Form;
+use crate::device::shape::ShapeForm;
 use crate::quantity::{Dimension, Quantity, Unit, UnitError};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, ExprKind, Field, Ident, Operator, Path, Table, Text, TextPart};
@@ -136,7 +136,7 @@ impl Checker<'_> {
     }
 
     fn unknown_value_name(&mut self, path: &Path, scope: &Scope) -> Value {
-        match Form::find(&path_text(path)) {
+        match ShapeForm::find(&path_text(path)) {
             Some(form) => self.sink.push(errors::shape_without_fields(path.span, form)),
             None => self.report_unknown(path, scope, DeclarationSort::Let),
         }
@@ -271,7 +271,7 @@ impl Checker<'_> {
     }
 
     fn with_fields(&mut self, base: &Path, fields: &[Field], scope: &Scope) -> Value {
-        let shape = match Form::find(&path_text(base)).filter(|_| base.segments.len() == 1) {
+        let shape = match ShapeForm::find(&path_text(base)).filter(|_| base.segments.len() == 1) {
             Some(form) => super::value::ShapeValue { form, fields: Default::default() },
             None => match self.shape_base(base, scope) {
                 Some(shape) => shape,
@@ -287,7 +287,7 @@ impl Checker<'_> {
     fn shape_base(&mut self, base: &Path, scope: &Scope) -> Option<super::value::ShapeValue> {
         if !self.names_value(base, scope) && is_word(base) {
             let text = path_text(base);
-            let near = nearest(&text, Form::ALL.iter().map(|form| form.name()));
+            let near = nearest(&text, ShapeForm::ALL.iter().map(|form| form.name()));
             self.sink.push(errors::unknown_shape(base.span, &text, near));
             return None;
         }

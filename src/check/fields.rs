@@ -1,11 +1,11 @@
 //! Fields and arguments: each value held against the sort that its table wants.
 
 use super::Checker;
-use super::errors::{self, Wanted};
+use super::errors::{self, WantedName};
 use super::evaluate::elements;
 use super::scope::{Scope, nearest, path_text};
 use super::value::{ObjectName, ShapeValue, TableValue, Value, whole};
-use crate::device::shape::Form;
+use crate::device::shape::ShapeForm;
 use crate::device::{self, Need, Sort};
 use crate::diagnostic::Diagnostic;
 use crate::quantity::{Dimension, digits};
@@ -26,8 +26,8 @@ pub struct Owner {
 }
 
 impl Owner {
-    fn wanted(&self, field: &device::Field) -> Wanted {
-        Wanted {
+    fn wanted(&self, field: &device::VocabularyField) -> WantedName {
+        WantedName {
             name: format!("`{}` of {}", field.name, self.name),
             doc: field.doc.to_owned(),
             declared: self.declared.clone(),
@@ -43,7 +43,12 @@ pub struct Given<'a> {
 
 impl Checker<'_> {
     /// Reads fields against their table; unknown, repeated and unfit ones are reported. Missing ones are the caller's to judge.
-    pub fn read_fields(&mut self, owner: &Owner, given: &[Given], table: &'static [device::Field]) -> Accepted {
+    pub fn read_fields(
+        &mut self,
+        owner: &Owner,
+        given: &[Given],
+        table: &'static [device::VocabularyField],
+    ) -> Accepted {
         let mut accepted = Accepted::new();
         let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
         for Given { field, scope } in given {
@@ -64,13 +69,16 @@ impl Checker<'_> {
     }
 
     /// The required fields of a table that were not given.
-    pub fn missing(accepted: &Accepted, table: &'static [device::Field]) -> Vec<&'static device::Field> {
+    pub fn missing(
+        accepted: &Accepted,
+        table: &'static [device::VocabularyField],
+    ) -> Vec<&'static device::VocabularyField> {
         let required = table.iter().filter(|field| field.need == Need::Required);
         required.filter(|field| !accepted.contains_key(field.name)).collect()
     }
 
     /// The value of an expression, if it is of a sort; `None` after an error, which has then been pushed.
-    pub fn accept(&mut self, sort: Sort, expr: &Expr, scope: &Scope, wanted: &Wanted) -> Option<Value> {
+    pub fn accept(&mut self, sort: Sort, expr: &Expr, scope: &Scope, wanted: &WantedName) -> Option<Value> {
         if let Sort::Word(choices) = sort {
             return self.accept_word(choices, expr, wanted);
         }
@@ -110,7 +118,12 @@ impl Checker<'_> {
         }
     }
 
-    fn accept_word(&mut self, choices: &'static [device::Choice], expr: &Expr, wanted: &Wanted) -> Option<Value> {
+    fn accept_word(
+        &mut self,
+        choices: &'static [device::WordChoice],
+        expr: &Expr,
+        wanted: &WantedName,
+    ) -> Option<Value> {
         let text = match &expr.kind {
             ExprKind::Path(path) if path.segments.iter().all(|segment| segment.indices.is_empty()) => path_text(path),
             ExprKind::Error => return None,
@@ -125,7 +138,7 @@ impl Checker<'_> {
     }
 
     /// The word that a bare name is, where it names no value.
-    fn chosen(&self, words: &'static [device::Choice], expr: &Expr, scope: &Scope) -> Option<Value> {
+    fn chosen(&self, words: &'static [device::WordChoice], expr: &Expr, scope: &Scope) -> Option<Value> {
         let ExprKind::Path(path) = &expr.kind else { return None };
         let text = path_text(path);
         let choice = words.iter().find(|choice| choice.name == text)?;
@@ -133,7 +146,7 @@ impl Checker<'_> {
     }
 
     /// What is said of a bare name that is no value, where words or truth values belong.
-    fn unknown_word(&self, sort: Sort, expr: &Expr, scope: &Scope, wanted: &Wanted) -> Option<Diagnostic> {
+    fn unknown_word(&self, sort: Sort, expr: &Expr, scope: &Scope, wanted: &WantedName) -> Option<Diagnostic> {
         let ExprKind::Path(path) = &expr.kind else { return None };
         let text = path_text(path);
         if text.contains('.') || self.names_value(path, scope) {
@@ -171,7 +184,13 @@ impl Checker<'_> {
     }
 
     /// The name of something in the task's scene: `m1`, `m[i]`, or a parameter that stands for one.
-    pub fn accept_object(&mut self, noun: &'static str, expr: &Expr, scope: &Scope, wanted: &Wanted) -> Option<Value> {
+    pub fn accept_object(
+        &mut self,
+        noun: &'static str,
+        expr: &Expr,
+        scope: &Scope,
+        wanted: &WantedName,
+    ) -> Option<Value> {
         if let ExprKind::Path(path) = &expr.kind
             && let [segment] = path.segments.as_slice()
             && !self.names_value(path, scope)
@@ -199,9 +218,9 @@ impl Checker<'_> {
     }
 
     /// Where a value has a name, the place where it was given says more than the owner's declaration.
-    fn with_origin(&mut self, wanted: &Wanted, expr: &Expr, scope: &Scope) -> Wanted {
+    fn with_origin(&mut self, wanted: &WantedName, expr: &Expr, scope: &Scope) -> WantedName {
         match self.origin(expr, scope) {
-            Some(origin) => Wanted { declared: Some((origin.span, origin.text)), ..wanted.clone() },
+            Some(origin) => WantedName { declared: Some((origin.span, origin.text)), ..wanted.clone() },
             None => wanted.clone(),
         }
     }
@@ -223,7 +242,7 @@ impl Checker<'_> {
             return Value::Unknown;
         }
         let corners = shape.fields.values().map(|field| elements(&field.value)).max().unwrap_or(0) as u64;
-        if shape.form == Form::Polygon && !self.spend(corners * corners / SIDES_AT_ONCE, span) {
+        if shape.form == ShapeForm::Polygon && !self.spend(corners * corners / SIDES_AT_ONCE, span) {
             return Value::Unknown;
         }
         match super::shapes::impossible(&shape, span) {
@@ -245,7 +264,12 @@ const REFUSED_TURNS: usize = 10_000;
 const SIDES_AT_ONCE: u64 = 16;
 
 /// Whether a value is of a sort.
-pub fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
+pub fn judge(
+    sort: Sort,
+    value: &Value,
+    span: Span,
+    wanted: &WantedName,
+) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
     let wrong = |what: &str, example: &str| Err(Box::new(errors::wrong_value(wanted, what, example, span, value)));
     match sort {
         Sort::Count { least, most } => judge_count((least, most), value, span, wanted),
@@ -314,25 +338,26 @@ pub fn judge(sort: Sort, value: &Value, span: Span, wanted: &Wanted) -> Result<(
 
 /// Whether a table has the columns that are wanted, at least one row, and in each cell what its column holds.
 fn judge_table(
-    columns: &'static [device::Field],
+    columns: &'static [device::VocabularyField],
     table: &TableValue,
     span: Span,
-    wanted: &Wanted,
+    wanted: &WantedName,
 ) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
     let known: Vec<&str> = columns.iter().map(|column| column.name).collect();
     if let Some((name, at)) = table.columns.iter().find(|(name, _)| !known.contains(&name.as_str())) {
         let near = nearest(name, known.iter().copied());
         return Err(Box::new(errors::unknown_column(*at, name, wanted, near, &known)));
     }
-    let given = |column: &&device::Field| table.columns.iter().any(|(name, _)| name == column.name);
-    let missing: Vec<&device::Field> = columns.iter().filter(|c| c.need == Need::Required && !given(c)).collect();
+    let given = |column: &&device::VocabularyField| table.columns.iter().any(|(name, _)| name == column.name);
+    let missing: Vec<&device::VocabularyField> =
+        columns.iter().filter(|c| c.need == Need::Required && !given(c)).collect();
     if !missing.is_empty() || table.rows.is_empty() {
         return Err(Box::new(errors::incomplete_table(span, wanted, &missing)));
     }
     for row in &table.rows {
         for ((name, _), cell) in table.columns.iter().zip(row) {
             let Some(column) = columns.iter().find(|column| column.name == name) else { continue };
-            let wanted = Wanted { name: format!("column `{name}` of {}", wanted.name), ..wanted.clone() };
+            let wanted = WantedName { name: format!("column `{name}` of {}", wanted.name), ..wanted.clone() };
             if !cell.value.is_unknown() {
                 judge(column.sort, &cell.value, cell.span, &wanted)?;
             }
@@ -387,7 +412,7 @@ fn judge_vector(
     (dimension, range): (Dimension, device::Range),
     value: &Value,
     span: Span,
-    wanted: &Wanted,
+    wanted: &WantedName,
 ) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
     let unit = dimension.example_unit();
     let example = format!("(16 {unit}, 12 {unit}, 12 {unit})");
@@ -418,7 +443,7 @@ fn judge_count(
     (least, most): (u32, u32),
     value: &Value,
     span: Span,
-    wanted: &Wanted,
+    wanted: &WantedName,
 ) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
     let Value::Quantity(quantity) = value else {
         return Err(Box::new(errors::wrong_value(wanted, "a whole number", "5", span, value)));
@@ -436,7 +461,7 @@ fn judge_quantity(
     range: device::Range,
     value: &Value,
     span: Span,
-    wanted: &Wanted,
+    wanted: &WantedName,
 ) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
     match value {
         Value::Quantity(quantity) if quantity.dimension != dimension => {

@@ -4,11 +4,11 @@
 //! ([`super::camera`]). Promise: a device has one place in all scenes of a
 //! program, so that any two with a place in the same scene know where they are to each other.
 
-use super::devices::Facts;
-use super::scenes::Scene;
-use super::scope::{DeclarationSort, Place, Scope};
+use super::devices::KindFacts;
+use super::scenes::CheckedScene;
+use super::scope::{DeclarationPlace, DeclarationSort, Scope};
 use super::{Checker, errors};
-use crate::claims::dimibot::{Body, Obstacle, in_scene_um};
+use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, in_scene_um};
 use crate::claims::{Job, Order, SharedScene, Timeline};
 use crate::device::{Kind, dimibot};
 use crate::geometry::shape::{Pose, Shape};
@@ -23,8 +23,8 @@ pub const NOUN: &str = "frame";
 
 /// Where a device stands in a scene.
 #[derive(Debug, Clone)]
-pub struct Frame {
-    pub device: Place,
+pub struct DeviceFrame {
+    pub device: DeclarationPlace,
     pub pose: Pose,
     /// The name of the device where it is placed.
     pub span: Span,
@@ -32,9 +32,9 @@ pub struct Frame {
 
 /// One run of a task in a program: on what, where, and where it is written.
 #[derive(Debug, Clone, Copy)]
-pub struct Site {
-    pub device: Place,
-    pub scene: Option<Place>,
+pub struct RunSite {
+    pub device: DeclarationPlace,
+    pub scene: Option<DeclarationPlace>,
     pub span: Span,
 }
 
@@ -47,7 +47,7 @@ pub struct Neighbours {
 
 impl Checker<'_> {
     /// The frame of a device in a scene; `None` after an error.
-    pub fn frame(&mut self, object: &tree::Object, scope: &Scope) -> Option<Frame> {
+    pub fn frame(&mut self, object: &tree::Object, scope: &Scope) -> Option<DeviceFrame> {
         let name = &object.name;
         let text = self.joined(&name.name.text, &name.indices, scope)?;
         let segment = IndexedName { name: Ident { text, span: name.span }, indices: Vec::new(), span: name.span };
@@ -59,7 +59,7 @@ impl Checker<'_> {
             return None;
         }
         let pose = self.pose_of_frame(object, scope)?;
-        Some(Frame { device, pose, span: name.span })
+        Some(DeviceFrame { device, pose, span: name.span })
     }
 
     fn pose_of_frame(&mut self, object: &tree::Object, scope: &Scope) -> Option<Pose> {
@@ -70,19 +70,23 @@ impl Checker<'_> {
     }
 
     /// The other placed robots of a scene, with their facts; those with errors in them are left out.
-    pub fn placed_beside(&mut self, scene: &Scene, device: Place) -> Vec<(Rc<dimibot::Facts>, Pose)> {
+    pub fn placed_beside(
+        &mut self,
+        scene: &CheckedScene,
+        device: DeclarationPlace,
+    ) -> Vec<(Rc<dimibot::DimibotFacts>, Pose)> {
         let others = scene.frames.values().filter(|frame| frame.device != device);
         let facts = others.map(|frame| (self.facts(frame.device), frame.pose));
         facts.filter_map(|(facts, pose)| Some((dimibot_facts(facts?)?, pose))).collect()
     }
 
     /// What the robots of a program are to one another; those that never run stand at home, in the way of the others.
-    pub fn neighbours(&mut self, timeline: &Timeline, sites: &[Site], jobs: &mut [Job]) -> Neighbours {
-        let scenes: BTreeMap<Place, Rc<Scene>> = {
-            let places: BTreeSet<Place> = sites.iter().filter_map(|site| site.scene).collect();
+    pub fn neighbours(&mut self, timeline: &Timeline, sites: &[RunSite], jobs: &mut [Job]) -> Neighbours {
+        let scenes: BTreeMap<DeclarationPlace, Rc<CheckedScene>> = {
+            let places: BTreeSet<DeclarationPlace> = sites.iter().filter_map(|site| site.scene).collect();
             places.into_iter().filter_map(|place| Some((place, self.scene(place)?))).collect()
         };
-        let running: BTreeSet<Place> = sites.iter().map(|site| site.device).collect();
+        let running: BTreeSet<DeclarationPlace> = sites.iter().map(|site| site.device).collect();
         self.one_place_each(&scenes, &running);
         let shared = self.shared(&scenes, &running);
         self.put_idle_robots(&scenes, &running, sites, jobs);
@@ -91,8 +95,12 @@ impl Checker<'_> {
     }
 
     /// A device stands at one place in all scenes of a program.
-    fn one_place_each(&mut self, scenes: &BTreeMap<Place, Rc<Scene>>, running: &BTreeSet<Place>) {
-        let mut placed: BTreeMap<Place, &Frame> = BTreeMap::new();
+    fn one_place_each(
+        &mut self,
+        scenes: &BTreeMap<DeclarationPlace, Rc<CheckedScene>>,
+        running: &BTreeSet<DeclarationPlace>,
+    ) {
+        let mut placed: BTreeMap<DeclarationPlace, &DeviceFrame> = BTreeMap::new();
         for frame in scenes.values().flat_map(|scene| scene.frames.values()) {
             let first = *placed.entry(frame.device).or_insert(frame);
             if first.pose != frame.pose && running.contains(&frame.device) {
@@ -102,8 +110,12 @@ impl Checker<'_> {
         }
     }
 
-    fn shared(&self, scenes: &BTreeMap<Place, Rc<Scene>>, running: &BTreeSet<Place>) -> Vec<SharedScene> {
-        let frames = |scene: &Scene| {
+    fn shared(
+        &self,
+        scenes: &BTreeMap<DeclarationPlace, Rc<CheckedScene>>,
+        running: &BTreeSet<DeclarationPlace>,
+    ) -> Vec<SharedScene> {
+        let frames = |scene: &CheckedScene| {
             let placed = scene.frames.values().filter(|frame| running.contains(&frame.device));
             placed.map(|frame| (self.named(frame.device).0.to_owned(), frame.pose)).collect::<BTreeMap<_, _>>()
         };
@@ -114,12 +126,12 @@ impl Checker<'_> {
 
     fn put_idle_robots(
         &mut self,
-        scenes: &BTreeMap<Place, Rc<Scene>>,
-        running: &BTreeSet<Place>,
-        sites: &[Site],
+        scenes: &BTreeMap<DeclarationPlace, Rc<CheckedScene>>,
+        running: &BTreeSet<DeclarationPlace>,
+        sites: &[RunSite],
         jobs: &mut [Job],
     ) {
-        let mut known: BTreeMap<(Place, Place), Arc<Vec<Obstacle>>> = BTreeMap::new();
+        let mut known: BTreeMap<(DeclarationPlace, DeclarationPlace), Arc<Vec<DimibotObstacle>>> = BTreeMap::new();
         for (site, job) in sites.iter().zip(jobs) {
             let (Some(place), Order::Dimibot(order)) = (site.scene, &mut job.order) else { continue };
             let Some(scene) = scenes.get(&place).filter(|scene| scene.frames.contains_key(&site.device)) else {
@@ -127,7 +139,7 @@ impl Checker<'_> {
             };
             let obstacles = known.entry((place, site.device)).or_insert_with(|| {
                 let idle = scene.frames.values().filter(|frame| !running.contains(&frame.device));
-                let idle: Vec<Obstacle> = idle.filter_map(|frame| self.idle_robot(frame)).collect();
+                let idle: Vec<DimibotObstacle> = idle.filter_map(|frame| self.idle_robot(frame)).collect();
                 match idle.is_empty() {
                     true => Arc::clone(&order.obstacles),
                     false => Arc::new(order.obstacles.iter().cloned().chain(idle).collect()),
@@ -138,17 +150,17 @@ impl Checker<'_> {
     }
 
     /// The tip of a robot that stands at home.
-    fn idle_robot(&mut self, frame: &Frame) -> Option<Obstacle> {
+    fn idle_robot(&mut self, frame: &DeviceFrame) -> Option<DimibotObstacle> {
         let facts = dimibot_facts(self.facts(frame.device)?)?;
         let [x_um, y_um] = in_scene_um(facts.place_um(facts.home), Some(&frame.pose));
         let shape = Shape::Disc { radius_um: facts.growth_um() };
-        let body = Body::Solid { shape, pose: Pose::at(x_um, y_um) };
-        Some(Obstacle { name: self.named(frame.device).0.to_owned(), body, span: frame.span })
+        let body = DimibotObstacleBody::Solid { shape, pose: Pose::at(x_um, y_um) };
+        Some(DimibotObstacle { name: self.named(frame.device).0.to_owned(), body, span: frame.span })
     }
 
     /// Devices that run together in one scene without a place for each, which is warned of.
-    fn not_held(&mut self, timeline: &Timeline, sites: &[Site], shared: &[SharedScene]) -> Vec<[String; 2]> {
-        let mut pairs: BTreeMap<[Place; 2], [Span; 2]> = BTreeMap::new();
+    fn not_held(&mut self, timeline: &Timeline, sites: &[RunSite], shared: &[SharedScene]) -> Vec<[String; 2]> {
+        let mut pairs: BTreeMap<[DeclarationPlace; 2], [Span; 2]> = BTreeMap::new();
         concurrent(timeline, sites, &mut |one, other| {
             let (one, other) = (sites[one], sites[other]);
             if one.scene.is_some() && one.scene == other.scene {
@@ -169,18 +181,18 @@ impl Checker<'_> {
     }
 }
 
-fn dimibot_facts(facts: Facts) -> Option<Rc<dimibot::Facts>> {
+fn dimibot_facts(facts: KindFacts) -> Option<Rc<dimibot::DimibotFacts>> {
     match facts {
-        Facts::Dimibot(facts) => Some(facts),
-        Facts::ElectrodeArray(_) | Facts::Microrobots(_) | Facts::Fingers(_) => None,
+        KindFacts::Dimibot(facts) => Some(facts),
+        KindFacts::ElectrodeArray(_) | KindFacts::Microrobots(_) | KindFacts::Fingers(_) => None,
     }
 }
 
 /// A run of each device in each scene.
-type Firsts = BTreeMap<(Place, Option<Place>), usize>;
+type Firsts = BTreeMap<(DeclarationPlace, Option<DeclarationPlace>), usize>;
 
 /// Calls `each` with runs in two branches of one `together`: one for each device and scene. Returns those of the whole part.
-fn concurrent(timeline: &Timeline, sites: &[Site], each: &mut impl FnMut(usize, usize)) -> Firsts {
+fn concurrent(timeline: &Timeline, sites: &[RunSite], each: &mut impl FnMut(usize, usize)) -> Firsts {
     match timeline {
         Timeline::Run(job) => Firsts::from([((sites[*job].device, sites[*job].scene), *job)]),
         Timeline::Wait(_) => Firsts::new(),

@@ -1,6 +1,6 @@
 //! Values of `let`s, each made out once, those that it needs before it; and where the value of an expression was given.
 
-use super::scope::{Declaration, DeclarationSort, Place, Scope, path_text};
+use super::scope::{Declaration, DeclarationPlace, DeclarationSort, Scope, path_text};
 use super::value::Value;
 use super::{Checker, errors};
 use crate::source::{Span, Spanned};
@@ -14,11 +14,11 @@ pub enum LetState {
 }
 
 /// A `let` on the way to its value.
-enum Task {
+enum LetTask {
     /// See what it needs.
-    Begin(Place),
+    Begin(DeclarationPlace),
     /// All that it needs is known, or lies in a circle with it.
-    Evaluate(Place),
+    Evaluate(DeclarationPlace),
 }
 
 /// A value with its place, and where it was given if a name stands at that place.
@@ -26,12 +26,12 @@ enum Task {
 pub struct Argument {
     pub value: Value,
     pub span: Span,
-    pub origin: Option<Origin>,
+    pub origin: Option<ValueOrigin>,
 }
 
 /// Where the value of a name was given.
 #[derive(Debug, Clone)]
-pub struct Origin {
+pub struct ValueOrigin {
     pub span: Span,
     pub text: String,
 }
@@ -45,7 +45,7 @@ impl Argument {
 
 impl Checker<'_> {
     /// The value of a `let`; `asked` is where its name stands.
-    pub fn value_of_let(&mut self, place: Place, asked: Span) -> Value {
+    pub fn value_of_let(&mut self, place: DeclarationPlace, asked: Span) -> Value {
         if let Some(LetState::Open) = self.lets.get(&place) {
             let name = self.named(place);
             return self.unknown(errors::defined_by_itself(name, asked));
@@ -62,17 +62,17 @@ impl Checker<'_> {
     }
 
     /// Evaluates a `let` and those that it needs, on a stack of its own: a chain of them may be as long as the file.
-    fn make_out(&mut self, place: Place) {
-        let mut tasks = vec![Task::Begin(place)];
+    fn make_out(&mut self, place: DeclarationPlace) {
+        let mut tasks = vec![LetTask::Begin(place)];
         while let Some(task) = tasks.pop() {
             match task {
-                Task::Begin(place) if self.lets.contains_key(&place) => {}
-                Task::Begin(place) => {
+                LetTask::Begin(place) if self.lets.contains_key(&place) => {}
+                LetTask::Begin(place) => {
                     self.lets.insert(place, LetState::Open);
-                    tasks.push(Task::Evaluate(place));
-                    tasks.extend(self.lets_needed(place).into_iter().map(Task::Begin));
+                    tasks.push(LetTask::Evaluate(place));
+                    tasks.extend(self.lets_needed(place).into_iter().map(LetTask::Begin));
                 }
-                Task::Evaluate(place) => {
+                LetTask::Evaluate(place) => {
                     let Item::Let(item) = self.item(place) else { continue };
                     let value = self.evaluate(&item.value, &self.top(place));
                     self.lets.insert(place, LetState::Done(value));
@@ -82,7 +82,7 @@ impl Checker<'_> {
     }
 
     /// The `let`s that one names and that are not known yet.
-    fn lets_needed(&self, place: Place) -> Vec<Place> {
+    fn lets_needed(&self, place: DeclarationPlace) -> Vec<DeclarationPlace> {
         let Item::Let(item) = self.item(place) else { return Vec::new() };
         let mut named = Vec::new();
         paths(&item.value, &mut named);
@@ -98,16 +98,16 @@ impl Checker<'_> {
 
     /// Where the value of an expression was given, if a name stands in it: the value of a `let`, the element that a `for` took,
     /// the argument of a run.
-    pub fn origin(&mut self, expr: &Expr, scope: &Scope) -> Option<Origin> {
+    pub fn origin(&mut self, expr: &Expr, scope: &Scope) -> Option<ValueOrigin> {
         let mut named = Vec::new();
         paths(expr, &mut named);
         named.into_iter().find_map(|path| self.origin_of_name(path, scope))
     }
 
-    fn origin_of_name(&mut self, path: &Path, scope: &Scope) -> Option<Origin> {
+    fn origin_of_name(&mut self, path: &Path, scope: &Scope) -> Option<ValueOrigin> {
         let text = format!("`{}` is given here", path_text(path));
         if let Some(local) = scope.local(&path.segments[0].name.text) {
-            return Some(Origin { span: local.given, text });
+            return Some(ValueOrigin { span: local.given, text });
         }
         let (place, segment) = self.find(path, scope)?;
         let Declaration { sort: DeclarationSort::Let, .. } = self.declaration(place) else { return None };
@@ -120,7 +120,7 @@ impl Checker<'_> {
             }
             _ => item.value.span,
         };
-        Some(Origin { span, text })
+        Some(ValueOrigin { span, text })
     }
 }
 

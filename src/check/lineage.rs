@@ -1,6 +1,6 @@
 //! What devices and scenes stand on: their bases, theirs, and so on, followed without recursion.
 
-use super::scope::Place;
+use super::scope::DeclarationPlace;
 use super::{Checker, errors};
 use crate::syntax::tree::{self, Item};
 use std::collections::BTreeSet;
@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 pub enum Base<R> {
     /// Nothing further: a device's kind, or no other scene.
     Root(R),
-    Of(Place),
+    Of(DeclarationPlace),
     /// A diagnostic was pushed.
     Broken,
 }
@@ -18,12 +18,12 @@ impl Checker<'_> {
     /// From `place` down to the last declaration that is not known yet, each with its base. A circle is reported once and cut.
     pub fn lineage<R>(
         &mut self,
-        place: Place,
-        is_known: &dyn Fn(&Self, Place) -> bool,
-        base: &dyn Fn(&mut Self, Place) -> Base<R>,
-    ) -> Vec<(Place, Base<R>)> {
-        let mut chain: Vec<(Place, Base<R>)> = Vec::new();
-        let mut seen: BTreeSet<Place> = BTreeSet::new();
+        place: DeclarationPlace,
+        is_known: &dyn Fn(&Self, DeclarationPlace) -> bool,
+        base: &dyn Fn(&mut Self, DeclarationPlace) -> Base<R>,
+    ) -> Vec<(DeclarationPlace, Base<R>)> {
+        let mut chain: Vec<(DeclarationPlace, Base<R>)> = Vec::new();
+        let mut seen: BTreeSet<DeclarationPlace> = BTreeSet::new();
         let mut at = place;
         while !is_known(self, at) {
             if !seen.insert(at) {
@@ -44,7 +44,7 @@ impl Checker<'_> {
         chain
     }
 
-    fn cut<R>(&mut self, at: Place, chain: &mut [(Place, Base<R>)]) {
+    fn cut<R>(&mut self, at: DeclarationPlace, chain: &mut [(DeclarationPlace, Base<R>)]) {
         let Some((last, base)) = chain.last_mut() else { return };
         *base = Base::Broken;
         let path = match self.item(*last) {

@@ -37,7 +37,7 @@ use crate::quantity::{Dimension, Quantity};
 use crate::source::{Sources, Span, Spanned};
 use crate::syntax::tree::{Expr, For, Item, Path};
 use lets::LetState;
-use scope::{Declaration, DeclarationSort, Import, Module, Place, Scope};
+use scope::{Declaration, DeclarationPlace, DeclarationSort, Import, Module, Scope};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use value::Value;
@@ -60,13 +60,13 @@ pub struct Checked {
     /// One for each schedule to be built, in the order of declaration.
     pub claims: Vec<Claims>,
     /// The complete devices of the program's own files, in the order of declaration, by name.
-    pub devices: Vec<(String, devices::Facts)>,
-    pub tally: Tally,
+    pub devices: Vec<(String, devices::KindFacts)>,
+    pub tally: DeclarationTally,
 }
 
 /// What the program's own file declares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Tally {
+pub struct DeclarationTally {
     pub devices: usize,
     pub scenes: usize,
     pub tasks: usize,
@@ -114,28 +114,28 @@ fn clock_ns(time: Quantity, span: Span, what: &str, sink: &mut Sink) -> Option<u
 pub(crate) struct Checker<'a> {
     modules: &'a [Module],
     sink: &'a mut Sink,
-    lets: BTreeMap<Place, LetState>,
-    devices: BTreeMap<Place, Option<Rc<devices::Device>>>,
-    facts: BTreeMap<Place, Option<devices::Facts>>,
-    scenes: BTreeMap<Place, Option<Rc<scenes::Scene>>>,
-    used: BTreeSet<Place>,
+    lets: BTreeMap<DeclarationPlace, LetState>,
+    devices: BTreeMap<DeclarationPlace, Option<Rc<devices::CheckedDevice>>>,
+    facts: BTreeMap<DeclarationPlace, Option<devices::KindFacts>>,
+    scenes: BTreeMap<DeclarationPlace, Option<Rc<scenes::CheckedScene>>>,
+    used: BTreeSet<DeclarationPlace>,
     used_imports: BTreeSet<(usize, String)>,
     /// The tasks and programs that some schedule runs.
-    run: BTreeSet<Place>,
+    run: BTreeSet<DeclarationPlace>,
     /// The programs that run themselves, which was said.
-    circular: BTreeSet<Place>,
-    jobs: BTreeMap<Place, Option<Rc<Job>>>,
+    circular: BTreeSet<DeclarationPlace>,
+    jobs: BTreeMap<DeclarationPlace, Option<Rc<Job>>>,
     /// What scenes are to devices, each scene judged once with each device.
-    covers: BTreeMap<(Place, Place), dimibot::Judged>,
-    trays: BTreeMap<(Place, Place), electrode_array::Judged>,
-    origins: electrode_array::Origins,
-    grounds: BTreeMap<(Place, Place), microrobots::Ground>,
-    pose_origins: microrobots::Origins,
-    benches: BTreeMap<(Place, Place), fingers::Bench>,
+    covers: BTreeMap<(DeclarationPlace, DeclarationPlace), dimibot::DimibotScene>,
+    trays: BTreeMap<(DeclarationPlace, DeclarationPlace), electrode_array::BoardScene>,
+    origins: electrode_array::CellOrigins,
+    grounds: BTreeMap<(DeclarationPlace, DeclarationPlace), microrobots::BedScene>,
+    pose_origins: microrobots::PoseOrigins,
+    benches: BTreeMap<(DeclarationPlace, DeclarationPlace), fingers::HandScene>,
     /// Files of triangles that were read, by the module and the name written there; `None` after an error.
     meshes: BTreeMap<(usize, String), Option<Rc<value::MeshFile>>>,
     repetitions: usize,
-    budget: budget::Budget,
+    budget: budget::CheckBudget,
 }
 
 impl<'a> Checker<'a> {
@@ -154,23 +154,23 @@ impl<'a> Checker<'a> {
             jobs: BTreeMap::new(),
             covers: BTreeMap::new(),
             trays: BTreeMap::new(),
-            origins: electrode_array::Origins::new(),
+            origins: electrode_array::CellOrigins::new(),
             grounds: BTreeMap::new(),
-            pose_origins: microrobots::Origins::new(),
+            pose_origins: microrobots::PoseOrigins::new(),
             benches: BTreeMap::new(),
             meshes: BTreeMap::new(),
             repetitions: 0,
-            budget: budget::Budget::default(),
+            budget: budget::CheckBudget::default(),
         }
     }
 
     /// The declarations of the program's own file and the files beside it; the standard library is taken as it is.
-    fn own_places(&self, sort: DeclarationSort) -> Vec<(Place, Declaration)> {
+    fn own_places(&self, sort: DeclarationSort) -> Vec<(DeclarationPlace, Declaration)> {
         let own = self.modules.iter().enumerate().filter(|(_, module)| !module.is_library());
-        let mut places: Vec<(Place, Declaration)> = own
+        let mut places: Vec<(DeclarationPlace, Declaration)> = own
             .flat_map(|(module, file)| {
                 let declared = file.names.values().filter(move |declaration| declaration.sort == sort);
-                declared.map(move |declaration| (Place { module, item: declaration.item }, *declaration))
+                declared.map(move |declaration| (DeclarationPlace { module, item: declaration.item }, *declaration))
             })
             .collect();
         places.sort_by_key(|(place, _)| *place);
@@ -183,41 +183,41 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn item(&self, place: Place) -> &'a Item {
+    fn item(&self, place: DeclarationPlace) -> &'a Item {
         &self.modules[place.module].tree.items[place.item]
     }
 
-    fn top(&self, place: Place) -> Scope {
+    fn top(&self, place: DeclarationPlace) -> Scope {
         Scope::top(place.module, self.modules[place.module].tree.file)
     }
 
     /// The declaration at a place.
-    fn declaration(&self, place: Place) -> Declaration {
+    fn declaration(&self, place: DeclarationPlace) -> Declaration {
         let (name, sort) = scope::declared(self.item(place)).expect("every place comes from a declaration");
         Declaration { sort, item: place.item, span: name.span }
     }
 
     /// The name of a declaration and where it stands.
-    fn named(&self, place: Place) -> (&'a str, Span) {
+    fn named(&self, place: DeclarationPlace) -> (&'a str, Span) {
         scope::declared(self.item(place)).map_or(("", Span::default()), |(name, _)| (&name.text, name.span))
     }
 
-    fn use_place(&mut self, place: Place) {
+    fn use_place(&mut self, place: DeclarationPlace) {
         self.used.insert(place);
     }
 
     /// The declaration that a path names, and the path's segment that named it; without a diagnostic.
-    fn find(&self, path: &Path, scope: &Scope) -> Option<(Place, usize)> {
+    fn find(&self, path: &Path, scope: &Scope) -> Option<(DeclarationPlace, usize)> {
         let file = &self.modules[scope.module];
         let first = &path.segments[0].name.text;
         if let Some(declaration) = file.names.get(first) {
-            return Some((Place { module: scope.module, item: declaration.item }, 0));
+            return Some((DeclarationPlace { module: scope.module, item: declaration.item }, 0));
         }
         let import = file.imports.get(first)?;
         let second = &path.segments.get(1)?.name.text;
         let module = import.module?;
         let declaration = self.modules[module].names.get(second)?;
-        Some((Place { module, item: declaration.item }, 1))
+        Some((DeclarationPlace { module, item: declaration.item }, 1))
     }
 
     /// Whether a path names a local or a declaration, so that it is no bare word.
@@ -226,7 +226,7 @@ impl<'a> Checker<'a> {
     }
 
     /// The declaration of a sort that a path names; what is wrong with it is reported.
-    fn resolve(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort) -> Option<Place> {
+    fn resolve(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort) -> Option<DeclarationPlace> {
         if let Some(segment) = path.segments.iter().find(|segment| !segment.indices.is_empty()) {
             self.sink.push(errors::indexed_name(segment.span));
             return None;
@@ -377,9 +377,9 @@ impl<'a> Checker<'a> {
         local.or(file.names.get(name).map(|d| d.span)).or(file.imports.get(name).map(|import| import.span))
     }
 
-    fn tally(&self) -> Tally {
+    fn tally(&self) -> DeclarationTally {
         let count = |sort| self.modules[0].names.values().filter(|declaration| declaration.sort == sort).count();
-        Tally {
+        DeclarationTally {
             devices: count(DeclarationSort::Device),
             scenes: count(DeclarationSort::Scene),
             tasks: count(DeclarationSort::Task),

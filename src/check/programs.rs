@@ -1,10 +1,10 @@
 //! Programs: runs of tasks on one clock, and what may not happen at once.
 
-use super::errors::{self, Wanted};
-use super::frames::{Neighbours, Site};
+use super::errors::{self, WantedName};
+use super::frames::{Neighbours, RunSite};
 use super::lets::Argument;
-use super::scope::{Declaration, DeclarationSort, Place, Scope, nearest};
-use super::tasks::Run;
+use super::scope::{Declaration, DeclarationPlace, DeclarationSort, Scope, nearest};
+use super::tasks::TaskRun;
 use super::value::Value;
 use super::{Checker, dimibot, electrode_array, fingers, microrobots};
 use crate::claims::{Claims, Job, MAX_TIMELINE_DEPTH, Timeline};
@@ -24,7 +24,7 @@ pub const MAX_STEPS: usize = 1_000_000;
 pub const MAX_PROGRAM_DEPTH: usize = 64;
 
 /// The wires of each device, by channel.
-pub type Wires = BTreeMap<Place, BTreeMap<String, String>>;
+pub type Wires = BTreeMap<DeclarationPlace, BTreeMap<String, String>>;
 
 /// A schedule in the making.
 #[derive(Default)]
@@ -32,19 +32,19 @@ struct Draft {
     /// As many as `runs`, if the draft is whole.
     jobs: Vec<Job>,
     /// Each run of a task.
-    runs: Vec<Site>,
+    runs: Vec<RunSite>,
     /// The programs that are being read, the outermost first.
-    open: Vec<Place>,
+    open: Vec<DeclarationPlace>,
     /// Runs and waits so far.
     parts: usize,
     /// Steps of tasks so far.
     steps: usize,
-    state: State,
+    state: DraftState,
 }
 
 /// Whether a draft can still become a schedule.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-enum State {
+enum DraftState {
     #[default]
     Whole,
     /// There are errors; what follows is read for more of them.
@@ -54,7 +54,7 @@ enum State {
 }
 
 impl Draft {
-    fn become_at_least(&mut self, state: State) {
+    fn become_at_least(&mut self, state: DraftState) {
         self.state = self.state.max(state);
     }
 }
@@ -74,7 +74,7 @@ impl<'a> Checker<'a> {
         schedules
     }
 
-    fn roots(&mut self) -> Vec<Place> {
+    fn roots(&mut self) -> Vec<DeclarationPlace> {
         let programs = self.roots_of(DeclarationSort::Program);
         let roots = if programs.is_empty() { self.roots_of(DeclarationSort::Task) } else { programs };
         let declares_runs = self.declares(DeclarationSort::Task) || self.declares(DeclarationSort::Program);
@@ -88,7 +88,8 @@ impl<'a> Checker<'a> {
     /// Checks every task and program that no schedule runs, with unknown values for their parameters.
     pub fn check_unrun(&mut self) {
         let sorts = [DeclarationSort::Program, DeclarationSort::Task];
-        let unrun: Vec<(Place, Declaration)> = sorts.into_iter().flat_map(|sort| self.own_places(sort)).collect();
+        let unrun: Vec<(DeclarationPlace, Declaration)> =
+            sorts.into_iter().flat_map(|sort| self.own_places(sort)).collect();
         let mut told = Vec::new();
         for (place, declaration) in unrun {
             if self.run.contains(&place) {
@@ -106,7 +107,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn warn_of_unrun(&mut self, place: Place, declaration: Declaration) {
+    fn warn_of_unrun(&mut self, place: DeclarationPlace, declaration: Declaration) {
         let (name, _) = self.named(place);
         let diagnostic = if self.parameters(place).is_empty() {
             errors::never_run(declaration.span, declaration.sort, name)
@@ -122,12 +123,12 @@ impl<'a> Checker<'a> {
     }
 
     /// The programs or tasks of the program's own file that need no arguments.
-    fn roots_of(&self, sort: DeclarationSort) -> Vec<Place> {
+    fn roots_of(&self, sort: DeclarationSort) -> Vec<DeclarationPlace> {
         let own = self.own_places(sort).into_iter().map(|(place, _)| place);
         own.filter(|place| place.module == 0 && self.parameters(*place).is_empty()).collect()
     }
 
-    fn root_named(&mut self, name: &str) -> Option<Place> {
+    fn root_named(&mut self, name: &str) -> Option<DeclarationPlace> {
         let runnable = |sort| matches!(sort, DeclarationSort::Task | DeclarationSort::Program);
         let declared = self.modules[0].names.get(name).filter(|declaration| runnable(declaration.sort)).copied();
         let Some(declaration) = declared else {
@@ -136,7 +137,7 @@ impl<'a> Checker<'a> {
             self.sink.push(errors::no_such_task(name, nearest(name, names.iter().copied()), &names));
             return None;
         };
-        let place = Place { module: 0, item: declaration.item };
+        let place = DeclarationPlace { module: 0, item: declaration.item };
         if !self.parameters(place).is_empty() {
             self.sink.push(errors::task_needs_arguments(declaration.span, name));
             return None;
@@ -144,7 +145,7 @@ impl<'a> Checker<'a> {
         Some(place)
     }
 
-    fn parameters(&self, place: Place) -> &'a [tree::Parameter] {
+    fn parameters(&self, place: DeclarationPlace) -> &'a [tree::Parameter] {
         match self.item(place) {
             Item::Task(item) => &item.parameters,
             Item::Program(item) => &item.parameters,
@@ -152,7 +153,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn schedule(&mut self, root: Place, wires: &Wires) -> Option<Claims> {
+    fn schedule(&mut self, root: DeclarationPlace, wires: &Wires) -> Option<Claims> {
         let declaration = self.declaration(root);
         let (name, _) = self.named(root);
         let mut draft = Draft::default();
@@ -164,7 +165,7 @@ impl<'a> Checker<'a> {
             return None;
         }
         self.names_apart(&draft);
-        if draft.state != State::Whole {
+        if draft.state != DraftState::Whole {
             return None;
         }
         let errors = self.sink.errors();
@@ -186,10 +187,16 @@ impl<'a> Checker<'a> {
     }
 
     /// Runs a task or a program with its arguments; `span` is where it is run.
-    fn run(&mut self, place: Place, arguments: Vec<Spanned<Value>>, span: Span, draft: &mut Draft) -> Timeline {
+    fn run(
+        &mut self,
+        place: DeclarationPlace,
+        arguments: Vec<Spanned<Value>>,
+        span: Span,
+        draft: &mut Draft,
+    ) -> Timeline {
         self.run.insert(place);
         match self.item(place) {
-            Item::Task(item) => self.run_task(Run { task: place, arguments, span }, item, draft),
+            Item::Task(item) => self.run_task(TaskRun { task: place, arguments, span }, item, draft),
             Item::Program(item) => self.run_program(place, item, &arguments, span, draft),
             Item::Use(_) | Item::Let(_) | Item::Device(_) | Item::Scene(_) | Item::Wiring(_) | Item::Error(_) => {
                 Timeline::Sequence(Vec::new())
@@ -197,24 +204,24 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn run_task(&mut self, run: Run, item: &tree::Task, draft: &mut Draft) -> Timeline {
+    fn run_task(&mut self, run: TaskRun, item: &tree::Task, draft: &mut Draft) -> Timeline {
         let device = self.find(&item.device, &self.top(run.task)).map(|(device, _)| device);
         let job = self.job(&run);
         let Some(device) = device.filter(|device| matches!(self.item(*device), Item::Device(_))) else {
-            draft.become_at_least(State::Broken);
+            draft.become_at_least(DraftState::Broken);
             return Timeline::Sequence(Vec::new());
         };
         let scene = item.scene.as_ref().and_then(|path| self.find(path, &self.top(run.task)));
-        draft.runs.push(Site { device, scene: scene.map(|(scene, _)| scene), span: run.span });
+        draft.runs.push(RunSite { device, scene: scene.map(|(scene, _)| scene), span: run.span });
         let timeline = Timeline::Run(draft.runs.len() - 1);
         let Some(job) = job else {
-            draft.become_at_least(State::Broken);
+            draft.become_at_least(DraftState::Broken);
             return timeline;
         };
         draft.steps += job.steps();
         if draft.steps > MAX_STEPS {
             self.sink.push(errors::too_many_steps(run.span, MAX_STEPS));
-            draft.become_at_least(State::Full);
+            draft.become_at_least(DraftState::Full);
             return Timeline::Sequence(Vec::new());
         }
         draft.jobs.push(job);
@@ -223,7 +230,7 @@ impl<'a> Checker<'a> {
 
     fn run_program(
         &mut self,
-        place: Place,
+        place: DeclarationPlace,
         item: &'a tree::Program,
         arguments: &[Spanned<Value>],
         span: Span,
@@ -234,12 +241,12 @@ impl<'a> Checker<'a> {
                 self.sink.push(errors::defined_by_itself((&item.name.text, item.name.span), span));
             }
             self.circular.extend(&draft.open[first..]);
-            draft.become_at_least(State::Broken);
+            draft.become_at_least(DraftState::Broken);
             return Timeline::Sequence(Vec::new());
         }
         if draft.open.len() >= MAX_PROGRAM_DEPTH {
             self.sink.push(errors::too_deep(span, "programs", MAX_PROGRAM_DEPTH));
-            draft.become_at_least(State::Broken);
+            draft.become_at_least(DraftState::Broken);
             return Timeline::Sequence(Vec::new());
         }
         draft.open.push(place);
@@ -253,7 +260,7 @@ impl<'a> Checker<'a> {
     fn program_entries(&mut self, entries: &'a [Entry], scope: &mut Scope, draft: &mut Draft) -> Vec<Timeline> {
         let mut parts = Vec::new();
         for entry in entries {
-            if draft.state == State::Full {
+            if draft.state == DraftState::Full {
                 break;
             }
             match entry {
@@ -265,9 +272,9 @@ impl<'a> Checker<'a> {
                 }
                 Entry::Field(field) => {
                     self.sink.push(errors::field_in_program(&field.name));
-                    draft.become_at_least(State::Broken);
+                    draft.become_at_least(DraftState::Broken);
                 }
-                Entry::Error(_) => draft.become_at_least(State::Broken),
+                Entry::Error(_) => draft.become_at_least(DraftState::Broken),
             }
         }
         parts
@@ -277,7 +284,7 @@ impl<'a> Checker<'a> {
         draft.parts += 1;
         if draft.parts > MAX_RUNS {
             self.sink.push(errors::too_many_runs(step.span, MAX_RUNS));
-            draft.become_at_least(State::Full);
+            draft.become_at_least(DraftState::Full);
             return None;
         }
         let timeline = match step.head.text.as_str() {
@@ -291,7 +298,7 @@ impl<'a> Checker<'a> {
             }
         };
         if timeline.is_none() {
-            draft.become_at_least(State::Broken);
+            draft.become_at_least(DraftState::Broken);
         }
         timeline
     }
@@ -328,7 +335,7 @@ impl<'a> Checker<'a> {
 
     fn arguments(
         &mut self,
-        place: Place,
+        place: DeclarationPlace,
         span: Span,
         arguments: &[Expr],
         scope: &Scope,
@@ -344,7 +351,7 @@ impl<'a> Checker<'a> {
         for (parameter, argument) in parameters.iter().zip(arguments) {
             let value = match ParameterSort::find(&parameter.sort.text) {
                 Some(ParameterSort::Object(noun)) => {
-                    let wanted = Wanted {
+                    let wanted = WantedName {
                         name: format!("parameter `{}`", parameter.name.text),
                         doc: String::new(),
                         declared: Some((parameter.span, format!("declared as a {noun}"))),
@@ -361,7 +368,7 @@ impl<'a> Checker<'a> {
     }
 
     /// `go(goal: cell)`.
-    fn call_form(&self, place: Place) -> String {
+    fn call_form(&self, place: DeclarationPlace) -> String {
         let (name, _) = self.named(place);
         let parameters = self.parameters(place);
         if parameters.is_empty() {
@@ -376,7 +383,7 @@ impl<'a> Checker<'a> {
         if value.value.is_unknown() || sort.holds(&value.value) {
             return value.value;
         }
-        let wanted = Wanted {
+        let wanted = WantedName {
             name: format!("parameter `{}`", parameter.name.text),
             doc: String::new(),
             declared: Some((parameter.span, format!("declared as {}", sort.describe()))),
@@ -416,13 +423,13 @@ impl<'a> Checker<'a> {
     }
 
     /// A device in two runs at a time is an error at both places.
-    fn one_thing_at_a_time(&mut self, timeline: &Timeline, draft: &Draft) -> BTreeMap<Place, Span> {
+    fn one_thing_at_a_time(&mut self, timeline: &Timeline, draft: &Draft) -> BTreeMap<DeclarationPlace, Span> {
         match timeline {
             Timeline::Run(job) => BTreeMap::from([(draft.runs[*job].device, draft.runs[*job].span)]),
             Timeline::Wait(_) => BTreeMap::new(),
             Timeline::Sequence(parts) => parts.iter().flat_map(|part| self.one_thing_at_a_time(part, draft)).collect(),
             Timeline::Together(parts) => {
-                let mut busy: BTreeMap<Place, Span> = BTreeMap::new();
+                let mut busy: BTreeMap<DeclarationPlace, Span> = BTreeMap::new();
                 for part in parts {
                     for (device, span) in self.one_thing_at_a_time(part, draft) {
                         if let Some(earlier) = busy.insert(device, span) {
@@ -438,8 +445,8 @@ impl<'a> Checker<'a> {
 
     /// Channels carry the device's name alone, so two devices of one name cannot share a schedule.
     fn names_apart(&mut self, draft: &Draft) {
-        let mut seen: BTreeMap<&str, (Place, Span)> = BTreeMap::new();
-        for Site { device, span, .. } in draft.runs.iter().copied() {
+        let mut seen: BTreeMap<&str, (DeclarationPlace, Span)> = BTreeMap::new();
+        for RunSite { device, span, .. } in draft.runs.iter().copied() {
             let (name, _) = self.named(device);
             let (first, earlier) = *seen.entry(name).or_insert((device, span));
             if first != device {

@@ -1,10 +1,10 @@
 //! Scenes: their objects, unrolled and inherited. What an object means is for the kind of a task's device to say.
 
 use super::camera::{Camera, View};
-use super::frames::{self, Frame};
-use super::lets::Origin;
+use super::frames::{self, DeviceFrame};
+use super::lets::ValueOrigin;
 use super::lineage::Base;
-use super::scope::{DeclarationSort, Place, Scope, keeper, nearest};
+use super::scope::{DeclarationPlace, DeclarationSort, Scope, keeper, nearest};
 use super::value::{ShapeValue, Value};
 use super::{Checker, errors};
 use crate::device::Kind;
@@ -19,31 +19,31 @@ pub const MAX_BASES: usize = 32;
 
 /// Something that stands in a scene.
 #[derive(Debug, Clone)]
-pub struct Object {
+pub struct SceneObject {
     pub name: String,
     pub noun: String,
     pub noun_span: Span,
     pub shape: Option<Spanned<ShapeValue>>,
     pub at: Option<Spanned<Value>>,
     /// Where the value of `at` was given, if a name stands there.
-    pub origin: Option<Origin>,
+    pub origin: Option<ValueOrigin>,
     /// Its name where it is declared.
     pub span: Span,
 }
 
 /// What stands in a scene, its bases' objects first.
 #[derive(Debug, Clone, Default)]
-pub struct Scene {
-    pub objects: Vec<Rc<Object>>,
+pub struct CheckedScene {
+    pub objects: Vec<Rc<SceneObject>>,
     /// Where devices stand, by device.
-    pub frames: BTreeMap<Place, Frame>,
+    pub frames: BTreeMap<DeclarationPlace, DeviceFrame>,
     /// Where the image lies that places are read off, if there is one.
     pub camera: Option<Camera>,
     /// How many scenes it stands on.
     depth: usize,
 }
 
-impl Scene {
+impl CheckedScene {
     /// What is known of its image.
     pub fn view(&self) -> View {
         self.camera.map_or(View::None, View::Image)
@@ -61,16 +61,16 @@ impl Scene {
 
 /// The objects of a scene while it is being made out.
 struct Collected {
-    objects: Vec<Rc<Object>>,
+    objects: Vec<Rc<SceneObject>>,
     /// Index and origin of each name.
-    index: BTreeMap<String, (usize, Layer)>,
-    frames: BTreeMap<Place, (Frame, Layer)>,
+    index: BTreeMap<String, (usize, SceneLayer)>,
+    frames: BTreeMap<DeclarationPlace, (DeviceFrame, SceneLayer)>,
     is_whole: bool,
 }
 
 /// Where an object of a scene comes from.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Layer {
+enum SceneLayer {
     Base,
     Own,
 }
@@ -84,7 +84,7 @@ impl Checker<'_> {
     }
 
     /// The objects of a scene, its bases' first; `None` after an error.
-    pub fn scene(&mut self, place: Place) -> Option<Rc<Scene>> {
+    pub fn scene(&mut self, place: DeclarationPlace) -> Option<Rc<CheckedScene>> {
         let chain = self.lineage(place, &|checker, at| checker.scenes.contains_key(&at), &Checker::base_scene);
         for (at, base) in chain.into_iter().rev() {
             let base = match base {
@@ -98,7 +98,7 @@ impl Checker<'_> {
         self.scenes.get(&place).cloned().flatten()
     }
 
-    fn base_scene(&mut self, place: Place) -> Base<()> {
+    fn base_scene(&mut self, place: DeclarationPlace) -> Base<()> {
         let Item::Scene(item) = self.item(place) else { return Base::Broken };
         match &item.base {
             None => Base::Root(()),
@@ -107,7 +107,7 @@ impl Checker<'_> {
     }
 
     /// Puts a scene's own objects to those of its base.
-    fn furnish(&mut self, place: Place, base: Option<Rc<Scene>>) -> Option<Scene> {
+    fn furnish(&mut self, place: DeclarationPlace, base: Option<Rc<CheckedScene>>) -> Option<CheckedScene> {
         let Item::Scene(item) = self.item(place) else { return None };
         let depth = item.base.as_ref().and(base.as_ref()).map_or(0, |base| base.depth + 1);
         let is_too_deep = depth > MAX_BASES;
@@ -127,7 +127,7 @@ impl Checker<'_> {
         self.variables_apart(&item.entries, &collected);
         let is_whole = base.is_some() && collected.is_whole && !is_too_deep && camera.is_ok();
         let frames = collected.frames.into_iter().map(|(device, (frame, _))| (device, frame)).collect();
-        is_whole.then_some(Scene { objects: collected.objects, frames, camera: camera.ok().flatten(), depth })
+        is_whole.then_some(CheckedScene { objects: collected.objects, frames, camera: camera.ok().flatten(), depth })
     }
 
     /// An object stands in all of its scene, so no loop variable of the scene may have its name.
@@ -171,10 +171,10 @@ impl Checker<'_> {
         }
     }
 
-    fn collect(&mut self, object: Rc<Object>, collected: &mut Collected) {
+    fn collect(&mut self, object: Rc<SceneObject>, collected: &mut Collected) {
         match collected.index.get_mut(&object.name) {
-            Some((index, layer)) if *layer == Layer::Base => {
-                *layer = Layer::Own;
+            Some((index, layer)) if *layer == SceneLayer::Base => {
+                *layer = SceneLayer::Own;
                 collected.objects[*index] = object;
             }
             Some((index, _)) => {
@@ -187,14 +187,14 @@ impl Checker<'_> {
                 self.sink.push(diagnostic);
             }
             None => {
-                collected.index.insert(object.name.clone(), (collected.objects.len(), Layer::Own));
+                collected.index.insert(object.name.clone(), (collected.objects.len(), SceneLayer::Own));
                 collected.objects.push(object);
             }
         }
     }
 
-    fn collect_frame(&mut self, frame: Frame, collected: &mut Collected) {
-        let earlier = collected.frames.get(&frame.device).filter(|(_, layer)| *layer == Layer::Own);
+    fn collect_frame(&mut self, frame: DeviceFrame, collected: &mut Collected) {
+        let earlier = collected.frames.get(&frame.device).filter(|(_, layer)| *layer == SceneLayer::Own);
         if let Some((earlier, _)) = earlier {
             let name = self.named(frame.device).0;
             let diagnostic = match earlier.span == frame.span {
@@ -204,10 +204,10 @@ impl Checker<'_> {
             self.sink.push(diagnostic);
             return;
         }
-        collected.frames.insert(frame.device, (frame, Layer::Own));
+        collected.frames.insert(frame.device, (frame, SceneLayer::Own));
     }
 
-    fn object(&mut self, object: &tree::Object, scope: &Scope) -> Option<Object> {
+    fn object(&mut self, object: &tree::Object, scope: &Scope) -> Option<SceneObject> {
         let is_known = self.known_noun(&object.noun);
         let name = self.object_name(&object.name, scope);
         let shape = object.shape.as_ref().map(|expr| match &object.at {
@@ -226,7 +226,7 @@ impl Checker<'_> {
             None => None,
         };
         let (noun, noun_span) = (object.noun.text.clone(), object.noun.span);
-        is_whole.then_some(Object { name: name?, noun, noun_span, shape, at, origin, span: object.name.span })
+        is_whole.then_some(SceneObject { name: name?, noun, noun_span, shape, at, origin, span: object.name.span })
     }
 
     fn shape_expr(&mut self, expr: &tree::Expr, scope: &Scope) -> Option<Spanned<ShapeValue>> {
@@ -276,16 +276,16 @@ fn is_image(object: &tree::Object) -> bool {
 }
 
 impl Collected {
-    fn on(base: &Scene) -> Collected {
+    fn on(base: &CheckedScene) -> Collected {
         let objects = base.objects.iter().enumerate();
-        let index = objects.map(|(index, object)| (object.name.clone(), (index, Layer::Base))).collect();
-        let frames = base.frames.iter().map(|(device, frame)| (*device, (frame.clone(), Layer::Base))).collect();
+        let index = objects.map(|(index, object)| (object.name.clone(), (index, SceneLayer::Base))).collect();
+        let frames = base.frames.iter().map(|(device, frame)| (*device, (frame.clone(), SceneLayer::Base))).collect();
         Collected { objects: base.objects.clone(), index, frames, is_whole: true }
     }
 }
 
 impl Default for Collected {
     fn default() -> Collected {
-        Collected::on(&Scene::default())
+        Collected::on(&CheckedScene::default())
     }
 }

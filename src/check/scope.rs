@@ -3,7 +3,7 @@
 use super::camera::View;
 use super::errors;
 use super::value::Value;
-use crate::device::{Kind, shape::Form};
+use crate::device::{Kind, shape::ShapeForm};
 use crate::diagnostic::Sink;
 use crate::source::{FileId, Origin, Span, Spanned};
 use crate::syntax::tree::{self, Ident, Item, Tree};
@@ -80,7 +80,7 @@ impl DeclarationSort {
 
 /// A declaration and the file it stands in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Place {
+pub struct DeclarationPlace {
     pub module: usize,
     pub item: usize,
 }
@@ -138,7 +138,7 @@ pub fn keeper(name: &str) -> Option<&'static str> {
     if Kind::find(name).is_some() {
         return Some("a device kind");
     }
-    if Form::find(name).is_some() {
+    if ShapeForm::find(name).is_some() {
         return Some("a shape");
     }
     if FUNCTIONS.contains(&name) {

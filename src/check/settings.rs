@@ -1,7 +1,7 @@
 //! `--set name=value`: a top-level value replaced from the command line.
 
 use super::lets::LetState;
-use super::scope::{DeclarationSort, Place, Scope, nearest};
+use super::scope::{DeclarationPlace, DeclarationSort, Scope, nearest};
 use super::value::Value;
 use super::{Checker, errors};
 use crate::diagnostic::Sink;
@@ -35,7 +35,7 @@ fn parse_one(sources: &mut Sources, setting: &str, sink: &mut Sink) -> Option<Se
 impl Checker<'_> {
     /// Replaces the named values; each must be of the dimension that its declaration has.
     pub fn apply_settings(&mut self, settings: Vec<Setting>) {
-        let mut replaced: BTreeMap<Place, Value> = BTreeMap::new();
+        let mut replaced: BTreeMap<DeclarationPlace, Value> = BTreeMap::new();
         for setting in &settings {
             let Some(place) = self.setting_place(&setting.name) else { continue };
             let Some(value) = self.setting_value(setting, place) else { continue };
@@ -49,7 +49,7 @@ impl Checker<'_> {
         self.lets.extend(replaced.into_iter().map(|(place, value)| (place, LetState::Done(value))));
     }
 
-    fn setting_place(&mut self, name: &str) -> Option<Place> {
+    fn setting_place(&mut self, name: &str) -> Option<DeclarationPlace> {
         let own = &self.modules[0];
         let (module, word) = match name.split_once('.') {
             Some((alias, word)) => (own.imports.get(alias).and_then(|import| import.module), word),
@@ -57,7 +57,7 @@ impl Checker<'_> {
         };
         let declared = module.and_then(|module| Some((module, self.modules[module].names.get(word)?)));
         if let Some((module, declaration)) = declared.filter(|(_, d)| d.sort == DeclarationSort::Let) {
-            return Some(Place { module, item: declaration.item });
+            return Some(DeclarationPlace { module, item: declaration.item });
         }
         let known = self.names_in_reach(&Scope::top(0, own.tree.file), DeclarationSort::Let);
         let help = match nearest(name, known.iter().map(String::as_str)) {
@@ -69,7 +69,7 @@ impl Checker<'_> {
         None
     }
 
-    fn setting_value(&mut self, setting: &Setting, place: Place) -> Option<Value> {
+    fn setting_value(&mut self, setting: &Setting, place: DeclarationPlace) -> Option<Value> {
         let span = self.declaration(place).span;
         let declared = self.value_of_let(place, span);
         let value = self.evaluate(&setting.value, &Scope::top(0, self.modules[0].tree.file));

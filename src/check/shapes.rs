@@ -4,7 +4,7 @@ use super::errors;
 use super::evaluate::unturned;
 use super::fingers::solid;
 use super::value::{PoseValue, ShapeValue, Value};
-use crate::device::shape::Form;
+use crate::device::shape::ShapeForm;
 use crate::diagnostic::Diagnostic;
 use crate::geometry::polygon;
 use crate::geometry::shape::{MAX_EXTENT_UM, Pose, Shape};
@@ -18,17 +18,20 @@ pub const MAX_CORNERS: usize = 2_000;
 /// What makes a shape impossible, if anything does.
 pub fn impossible(shape: &ShapeValue, span: Span) -> Option<Diagnostic> {
     match shape.form {
-        Form::Disc | Form::Capsule | Form::Cells | Form::Layout | Form::Image => None,
-        Form::Ellipsoid | Form::Superellipsoid | Form::RoundedBox | Form::Profile | Form::Sections | Form::Mesh => {
-            solid::of(shape, span).err().map(|wrong| *wrong)
-        }
-        Form::Box => {
+        ShapeForm::Disc | ShapeForm::Capsule | ShapeForm::Cells | ShapeForm::Layout | ShapeForm::Image => None,
+        ShapeForm::Ellipsoid
+        | ShapeForm::Superellipsoid
+        | ShapeForm::RoundedBox
+        | ShapeForm::Profile
+        | ShapeForm::Sections
+        | ShapeForm::Mesh => solid::of(shape, span).err().map(|wrong| *wrong),
+        ShapeForm::Box => {
             let at = field_span(shape, "size", span);
             let is_flat = size_um(shape).iter().any(|side| *side <= 0.0);
             let help = "a wall without width is a `capsule` with a small radius";
             is_flat.then(|| errors::bad_shape(at, "a box without width or height", "both must be above 0", help))
         }
-        Form::Polygon => impossible_polygon(&corners_um(shape), field_span(shape, "points", span)),
+        ShapeForm::Polygon => impossible_polygon(&corners_um(shape), field_span(shape, "points", span)),
     }
 }
 
@@ -39,20 +42,20 @@ fn impossible_polygon(corners: &[[f64; 2]], at: Span) -> Option<Diagnostic> {
         return Some(errors::bad_shape(at, &count, &why, "make several polygons of it"));
     }
     Some(match polygon::fault(corners)? {
-        polygon::Fault::TooFewCorners => {
+        polygon::PolygonFault::TooFewCorners => {
             errors::bad_shape(at, &count, "at least 3 are needed", "a line is a `capsule` with a small radius")
         }
-        polygon::Fault::NoArea => errors::bad_shape(
+        polygon::PolygonFault::NoArea => errors::bad_shape(
             at,
             "a polygon without area",
             "its corners lie on one line",
             "a line is a `capsule` with a small radius",
         ),
-        polygon::Fault::RepeatedCorner(corner) => {
+        polygon::PolygonFault::RepeatedCorner(corner) => {
             let why = format!("corner {corner} and the next are one place");
             errors::bad_shape(at, "a polygon with a corner given twice", &why, "leave one of the two out")
         }
-        polygon::Fault::Crossing(a, b) => {
+        polygon::PolygonFault::Crossing(a, b) => {
             let why = format!("the sides from corners {a} and {b} meet");
             errors::bad_shape(at, "a polygon that crosses itself", &why, "give the corners in order round the outline")
         }
@@ -98,15 +101,15 @@ pub fn point_um(point: &[Quantity]) -> [f64; 2] {
 /// A shape of the plane; `None` for a block of cells, which has no size without a lattice.
 pub fn in_plane(shape: &ShapeValue) -> Option<Shape> {
     match shape.form {
-        Form::Disc => Some(Shape::Disc { radius_um: length_um(shape, "radius") }),
-        Form::Box => Some(Shape::Box { size_um: size_um(shape) }),
-        Form::Polygon => Some(Shape::Polygon { points_um: corners_um(shape) }),
-        Form::Capsule => {
+        ShapeForm::Disc => Some(Shape::Disc { radius_um: length_um(shape, "radius") }),
+        ShapeForm::Box => Some(Shape::Box { size_um: size_um(shape) }),
+        ShapeForm::Polygon => Some(Shape::Polygon { points_um: corners_um(shape) }),
+        ShapeForm::Capsule => {
             Some(Shape::Capsule { length_um: length_um(shape, "length"), radius_um: length_um(shape, "radius") })
         }
-        Form::Cells | Form::Layout | Form::Image => None,
-        Form::Ellipsoid | Form::Superellipsoid | Form::RoundedBox => None,
-        Form::Profile | Form::Sections | Form::Mesh => None,
+        ShapeForm::Cells | ShapeForm::Layout | ShapeForm::Image => None,
+        ShapeForm::Ellipsoid | ShapeForm::Superellipsoid | ShapeForm::RoundedBox => None,
+        ShapeForm::Profile | ShapeForm::Sections | ShapeForm::Mesh => None,
     }
 }
 

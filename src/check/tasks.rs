@@ -1,12 +1,12 @@
 //! Tasks: settings and steps, in the words of the kind of their device.
 
 use super::Checker;
-use super::devices::{Device, Facts};
-use super::errors::{self, Wanted};
+use super::devices::{CheckedDevice, KindFacts};
+use super::errors::{self, WantedName};
 use super::fields::{Accepted, Given, Owner};
 use super::lets::Argument;
-use super::scenes::Scene;
-use super::scope::{DeclarationSort, Place, Scope, nearest, path_text};
+use super::scenes::CheckedScene;
+use super::scope::{DeclarationPlace, DeclarationSort, Scope, nearest, path_text};
 use super::value::{Value, whole};
 use crate::claims::{Job, Order, Relation, Requirement};
 use crate::device::{self, Together, Vocabulary};
@@ -17,8 +17,8 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 /// A run of a task: what its parameters are worth, and where it is run.
-pub struct Run {
-    pub task: Place,
+pub struct TaskRun {
+    pub task: DeclarationPlace,
     pub arguments: Vec<Spanned<Value>>,
     pub span: Span,
 }
@@ -30,7 +30,7 @@ pub struct Parts {
     pub start: Option<Argument>,
     pub settings: Accepted,
     pub requirements: Vec<Requirement>,
-    pub steps: Vec<Step>,
+    pub steps: Vec<VocabularyStep>,
     /// Whether nothing had to be left out.
     pub is_whole: bool,
 }
@@ -47,13 +47,13 @@ impl Parts {
 }
 
 /// A step in the vocabulary's words.
-pub struct Step {
-    pub action: Action,
+pub struct VocabularyStep {
+    pub action: VocabularyAction,
     pub span: Span,
 }
 
 /// What a step does.
-pub enum Action {
+pub enum VocabularyAction {
     Verb(Call),
     /// Goals that are reached at the same time, in the order of writing.
     Together(Vec<Call>),
@@ -79,14 +79,14 @@ pub struct Entered {
 }
 
 /// What a task is checked against: its device with the facts of its kind, and its scene.
-pub struct Site {
-    pub place: Place,
-    pub device: Rc<Device>,
-    pub scene: Option<(Place, Rc<Scene>)>,
+pub struct TaskSite {
+    pub place: DeclarationPlace,
+    pub device: Rc<CheckedDevice>,
+    pub scene: Option<(DeclarationPlace, Rc<CheckedScene>)>,
 }
 
 /// The body while it is being read.
-struct Reading<'a> {
+struct TaskReading<'a> {
     vocabulary: &'static Vocabulary,
     task: &'a tree::Task,
     parts: Parts,
@@ -104,7 +104,7 @@ enum Nesting {
 
 impl<'a> Checker<'a> {
     /// One run of a task; `None` after an error, or where a parameter is unknown. Without parameters all runs are alike.
-    pub fn job(&mut self, run: &Run) -> Option<Job> {
+    pub fn job(&mut self, run: &TaskRun) -> Option<Job> {
         if !run.arguments.is_empty() {
             return self.job_of(run);
         }
@@ -116,7 +116,7 @@ impl<'a> Checker<'a> {
         Some(Job { run_span: run.span, ..Job::clone(known) })
     }
 
-    fn job_of(&mut self, run: &Run) -> Option<Job> {
+    fn job_of(&mut self, run: &TaskRun) -> Option<Job> {
         let Item::Task(item) = self.item(run.task) else { return None };
         let mut scope = self.task_scope(run.task, item, &run.arguments);
         let top = self.top(run.task);
@@ -133,12 +133,14 @@ impl<'a> Checker<'a> {
             None => None,
             Some(place) => Some(place.and_then(|place| Some((place, self.scene(place)?)))?),
         };
-        let site = Site { place, device: Rc::clone(&device), scene };
+        let site = TaskSite { place, device: Rc::clone(&device), scene };
         let order = match self.facts(place)? {
-            Facts::Dimibot(facts) => self.dimibot_order(&site, &facts, parts).map(Order::Dimibot),
-            Facts::ElectrodeArray(facts) => self.electrode_array_order(&site, &facts, parts).map(Order::ElectrodeArray),
-            Facts::Microrobots(bed) => self.microrobots_order(&site, &bed, parts).map(Order::Microrobots),
-            Facts::Fingers(facts) => self.fingers_order(&site, &facts, parts).map(Order::Fingers),
+            KindFacts::Dimibot(facts) => self.dimibot_order(&site, &facts, parts).map(Order::Dimibot),
+            KindFacts::ElectrodeArray(facts) => {
+                self.electrode_array_order(&site, &facts, parts).map(Order::ElectrodeArray)
+            }
+            KindFacts::Microrobots(bed) => self.microrobots_order(&site, &bed, parts).map(Order::Microrobots),
+            KindFacts::Fingers(facts) => self.fingers_order(&site, &facts, parts).map(Order::Fingers),
         };
         Some(Job {
             task: item.name.text.clone(),
@@ -150,7 +152,7 @@ impl<'a> Checker<'a> {
         })
     }
 
-    fn task_scope(&mut self, place: Place, item: &tree::Task, arguments: &[Spanned<Value>]) -> Scope {
+    fn task_scope(&mut self, place: DeclarationPlace, item: &tree::Task, arguments: &[Spanned<Value>]) -> Scope {
         let mut scope = self.top(place);
         self.bind(&item.parameters, arguments, &mut scope);
         scope
@@ -167,14 +169,14 @@ impl<'a> Checker<'a> {
             is_whole: true,
         };
         let mut reading =
-            Reading { vocabulary, task, parts, given: Vec::new(), seen: BTreeMap::new(), nesting: Nesting::Task };
+            TaskReading { vocabulary, task, parts, given: Vec::new(), seen: BTreeMap::new(), nesting: Nesting::Task };
         self.entries(&task.entries, &mut scope, &mut reading);
         let owner = Owner { name: format!("task `{}`", task.name.text), declared: None };
         reading.parts.settings = self.read_fields(&owner, &reading.given, vocabulary.settings);
         reading.parts
     }
 
-    fn entries(&mut self, entries: &'a [Entry], scope: &mut Scope, reading: &mut Reading<'a>) {
+    fn entries(&mut self, entries: &'a [Entry], scope: &mut Scope, reading: &mut TaskReading<'a>) {
         for entry in entries {
             match entry {
                 Entry::Field(field) => {
@@ -192,7 +194,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn entry(&mut self, step: &'a tree::Step, scope: &Scope, reading: &mut Reading<'a>) {
+    fn entry(&mut self, step: &'a tree::Step, scope: &Scope, reading: &mut TaskReading<'a>) {
         let is_setting = matches!(step.head.text.as_str(), "minimize" | "using" | "require")
             || (step.head.text == "start" && step.object.is_none());
         if is_setting {
@@ -201,12 +203,12 @@ impl<'a> Checker<'a> {
             return;
         }
         match self.step(step, scope, reading) {
-            Some(action) => reading.parts.steps.push(Step { action, span: step.span }),
+            Some(action) => reading.parts.steps.push(VocabularyStep { action, span: step.span }),
             None => reading.parts.is_whole = false,
         }
     }
 
-    fn settings_come_first(&mut self, name: &tree::Ident, reading: &Reading) {
+    fn settings_come_first(&mut self, name: &tree::Ident, reading: &TaskReading) {
         match reading.parts.steps.first() {
             Some(first) => self.sink.push(errors::setting_after_step(name, first.span)),
             None if reading.nesting == Nesting::Loop => self.sink.push(errors::setting_in_loop(name)),
@@ -214,7 +216,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn setting(&mut self, step: &'a tree::Step, scope: &Scope, reading: &mut Reading<'a>) {
+    fn setting(&mut self, step: &'a tree::Step, scope: &Scope, reading: &mut TaskReading<'a>) {
         let head = &step.head;
         let repeats = head.text != "require";
         if let Some(earlier) = reading.seen.insert(head.text.clone(), head.span).filter(|_| repeats) {
@@ -232,7 +234,7 @@ impl<'a> Checker<'a> {
     }
 
     fn objective(&mut self, step: &tree::Step, vocabulary: &'static Vocabulary) -> Option<&'static str> {
-        let wanted = Wanted { name: "`minimize`".to_owned(), doc: String::new(), declared: None };
+        let wanted = WantedName { name: "`minimize`".to_owned(), doc: String::new(), declared: None };
         let expr = self.only_object(step, "distance")?;
         let Value::Text(word) =
             self.accept(device::Sort::Word(vocabulary.objectives), expr, &self.nowhere(), &wanted)?
@@ -273,7 +275,7 @@ impl<'a> Checker<'a> {
         Some((Spanned::new(planner, path.span), self.read_fields(&owner, &given, planner.options)))
     }
 
-    fn start(&mut self, step: &tree::Step, scope: &Scope, reading: &Reading) -> Option<Argument> {
+    fn start(&mut self, step: &tree::Step, scope: &Scope, reading: &TaskReading) -> Option<Argument> {
         let [phrase] = step.phrases.as_slice() else {
             self.sink.push(errors::bad_start(step.span));
             return None;
@@ -282,7 +284,7 @@ impl<'a> Checker<'a> {
             self.sink.push(errors::bad_start(step.span));
             return None;
         }
-        let wanted = Wanted { name: "`start at`".to_owned(), doc: String::new(), declared: None };
+        let wanted = WantedName { name: "`start at`".to_owned(), doc: String::new(), declared: None };
         let Some(state) = reading.vocabulary.state else {
             self.sink.push(errors::no_start(step.span, reading.vocabulary));
             return None;
@@ -329,7 +331,7 @@ impl<'a> Checker<'a> {
             return None;
         };
         let sort = device::Sort::Quantity { dimension: outcome.dimension, range: device::Range::NotNegative };
-        let wanted = Wanted { name: format!("the limit of `{name}`"), doc: outcome.doc.to_owned(), declared: None };
+        let wanted = WantedName { name: format!("the limit of `{name}`"), doc: outcome.doc.to_owned(), declared: None };
         let Value::Quantity(limit) = self.accept(sort, limit, scope, &wanted)? else { return None };
         Some(Requirement { outcome: name.to_owned(), relation, limit: limit.si, span: expr.span })
     }
@@ -347,19 +349,19 @@ impl<'a> Checker<'a> {
         None
     }
 
-    fn step(&mut self, step: &tree::Step, scope: &Scope, reading: &Reading) -> Option<Action> {
+    fn step(&mut self, step: &tree::Step, scope: &Scope, reading: &TaskReading) -> Option<VocabularyAction> {
         match step.head.text.as_str() {
-            "wait" => self.wait(step, scope).map(Action::Wait),
-            "together" => self.goals_together(step, scope, reading).map(Action::Together),
+            "wait" => self.wait(step, scope).map(VocabularyAction::Wait),
+            "together" => self.goals_together(step, scope, reading).map(VocabularyAction::Together),
             "run" => {
                 self.sink.push(errors::run_in_task(step.head.span, &reading.task.name.text));
                 None
             }
-            _ => self.verb(step, scope, reading.vocabulary).map(Action::Verb),
+            _ => self.verb(step, scope, reading.vocabulary).map(VocabularyAction::Verb),
         }
     }
 
-    fn goals_together(&mut self, step: &tree::Step, scope: &Scope, reading: &Reading) -> Option<Vec<Call>> {
+    fn goals_together(&mut self, step: &tree::Step, scope: &Scope, reading: &TaskReading) -> Option<Vec<Call>> {
         if reading.vocabulary.together == Together::No {
             self.sink.push(errors::together_in_task(step.head.span, reading.vocabulary.name));
             return None;
@@ -421,7 +423,7 @@ impl<'a> Checker<'a> {
     pub fn wait(&mut self, step: &tree::Step, scope: &Scope) -> Option<u64> {
         let expr = self.only_object(step, "10 ms")?;
         let sort = device::Sort::Quantity { dimension: Dimension::TIME, range: device::Range::NotNegative };
-        let wanted = Wanted { name: "`wait`".to_owned(), doc: String::new(), declared: None };
+        let wanted = WantedName { name: "`wait`".to_owned(), doc: String::new(), declared: None };
         let Value::Quantity(time) = self.accept(sort, expr, scope, &wanted)? else { return None };
         super::clock_ns(time, expr.span, "`wait`", self.sink)
     }

@@ -1,6 +1,6 @@
 //! Warnings for what is declared and never used.
 
-use super::scope::{DeclarationSort, Place};
+use super::scope::{DeclarationPlace, DeclarationSort};
 use super::{Checker, errors};
 
 impl Checker<'_> {
@@ -19,7 +19,7 @@ impl Checker<'_> {
                 DeclarationSort::Let | DeclarationSort::Device | DeclarationSort::Scene => {}
                 DeclarationSort::Task | DeclarationSort::Program => continue,
             }
-            if !self.used.contains(&Place { module: 0, item: declaration.item }) {
+            if !self.used.contains(&DeclarationPlace { module: 0, item: declaration.item }) {
                 self.sink.push(errors::unused(declaration.span, declaration.sort, name));
             }
         }

@@ -1,6 +1,6 @@
 //! What an expression is worth.
 
-use crate::device::shape::Form;
+use crate::device::shape::ShapeForm;
 use crate::geometry::mesh::Mesh;
 use crate::quantity::{Dimension, Quantity};
 use crate::source::{Span, Spanned};
@@ -100,7 +100,7 @@ impl std::ops::Deref for ListValue {
 /// A form with the fields that were given so far.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShapeValue {
-    pub form: Form,
+    pub form: ShapeForm,
     pub fields: BTreeMap<&'static str, Spanned<Value>>,
 }
 

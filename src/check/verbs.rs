@@ -1,7 +1,7 @@
 //! Verbs: their nouns, objects, prepositions and braces, in the words of the kind.
 
 use super::Checker;
-use super::errors::{self, Wanted};
+use super::errors::{self, WantedName};
 use super::lets::Argument;
 use super::scope::{Scope, nearest, path_text};
 use super::tasks::{Call, Entered};
@@ -111,7 +111,7 @@ impl Checker<'_> {
         let name = tree::IndexedName { name: step.head.clone(), indices: step.indices.clone(), span: step.head.span };
         let path = tree::Path { segments: vec![name], span: step.head.span };
         let head = Expr { kind: ExprKind::Path(path), span: step.head.span };
-        let wanted = Wanted { name: format!("`{}`", verb.name), doc: verb.doc.to_owned(), declared: None };
+        let wanted = WantedName { name: format!("`{}`", verb.name), doc: verb.doc.to_owned(), declared: None };
         let object = self.accept(block.object, &head, scope, &wanted);
         let object = object.map(|value| self.argument_of(&head, value, scope));
         let phrases = self.phrases(step, verb, block.phrases, scope);
@@ -131,7 +131,7 @@ impl Checker<'_> {
                     self.sink.push(errors::missing_preposition(place, verb, lacking));
                     return None;
                 }
-                let wanted = Wanted { name: format!("`{}`", verb.name), doc: verb.doc.to_owned(), declared: None };
+                let wanted = WantedName { name: format!("`{}`", verb.name), doc: verb.doc.to_owned(), declared: None };
                 let value = self.accept(sort, expr, scope, &wanted)?;
                 Some(Some(self.argument_of(expr, value, scope)))
             }
@@ -171,7 +171,7 @@ impl Checker<'_> {
         &mut self,
         step: &tree::Step,
         verb: &'static device::Verb,
-        known: &'static [device::Phrase],
+        known: &'static [device::VocabularyPhrase],
         scope: &Scope,
     ) -> Option<Vec<(&'static str, Argument)>> {
         let mut accepted = Vec::new();
@@ -190,7 +190,8 @@ impl Checker<'_> {
                 self.sink.push(errors::preposition_twice(&phrase.preposition, earlier, verb));
                 is_whole = false;
             }
-            let wanted = Wanted { name: format!("`{name}` of `{}`", verb.name), doc: String::new(), declared: None };
+            let wanted =
+                WantedName { name: format!("`{name}` of `{}`", verb.name), doc: String::new(), declared: None };
             match self.accept(entry.sort, &phrase.value, scope, &wanted) {
                 Some(value) => accepted.push((entry.preposition, self.argument_of(&phrase.value, value, scope))),
                 None => is_whole = false,

@@ -1,20 +1,20 @@
 //! Wirings: which physical output drives which channel.
 
 use super::Checker;
-use super::devices::Facts;
+use super::devices::KindFacts;
 use super::errors;
 use super::programs::Wires;
-use super::scope::{DeclarationSort, Place, Scope};
+use super::scope::{DeclarationPlace, DeclarationSort, Scope};
 use crate::source::Span;
 use crate::syntax::tree::{self, Item, WiringEntry};
 use std::collections::BTreeMap;
 
 /// The wires of one device while they are being read, with their places.
 struct Panel {
-    device: Place,
+    device: DeclarationPlace,
     name: String,
     /// `None` where its figures cannot be made out.
-    facts: Option<Facts>,
+    facts: Option<KindFacts>,
     wired: BTreeMap<String, (String, Span)>,
 }
 
@@ -23,7 +23,7 @@ impl<'a> Checker<'a> {
     pub fn wires(&mut self) -> Wires {
         let modules = self.modules;
         let mut wires = Wires::new();
-        let mut wirings: BTreeMap<Place, Span> = BTreeMap::new();
+        let mut wirings: BTreeMap<DeclarationPlace, Span> = BTreeMap::new();
         let mut outputs: BTreeMap<String, Span> = BTreeMap::new();
         for (module, file) in modules.iter().enumerate().filter(|(_, file)| !file.is_library()) {
             for item in &file.tree.items {

@@ -13,27 +13,32 @@ use std::sync::Arc;
 /// A task of a DiMiBot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DimibotOrder {
-    pub facts: dimibot::Facts,
+    pub facts: dimibot::DimibotFacts,
     /// Where the robot's frame R1 stands in its scene; without it the scene is in the robot's own coordinates.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<Pose>,
     /// In the scene's coordinates. Shared by all tasks of one device in one scene.
-    pub obstacles: Arc<Vec<Obstacle>>,
-    pub objective: Objective,
-    pub planner: Planner,
+    pub obstacles: Arc<Vec<DimibotObstacle>>,
+    pub objective: DimibotObjective,
+    pub planner: DimibotPlanner,
     pub simultaneous: dimibot::Simultaneous,
     /// How far the cell taken for a place may lie from it; without it any nearest cell will do.
     pub precision_um: Option<f64>,
     /// `start at`, where the task says it; else the robot stands where its last task left it, or at home.
-    pub start: Option<Spanned<dimibot::Cell>>,
-    pub steps: Vec<Step>,
+    pub start: Option<Spanned<dimibot::LatticeCell>>,
+    pub steps: Vec<DimibotStep>,
 }
 
 impl DimibotOrder {
     /// E0507: the task says to start at one cell, and its robot stands at another. The checker finds it where the task before ends
     /// at a known cell, the planner after a `visit`.
-    pub fn start_disagrees(&self, start: Spanned<dimibot::Cell>, stands: dimibot::Cell, job: &Job) -> Diagnostic {
-        let show = |cell: dimibot::Cell| format!("{cell}, {}", self.facts.word_text(cell));
+    pub fn start_disagrees(
+        &self,
+        start: Spanned<dimibot::LatticeCell>,
+        stands: dimibot::LatticeCell,
+        job: &Job,
+    ) -> Diagnostic {
+        let show = |cell: dimibot::LatticeCell| format!("{cell}, {}", self.facts.word_text(cell));
         let (asked, stands, device) = (show(start.value), show(stands), &job.device);
         Diagnostic::new(Code::E0507, format!("the task starts at {asked}, but `{device}` stands at {stands} by then"))
             .label(start.span, "not where the robot stands")
@@ -68,39 +73,39 @@ pub fn in_robot_um(scene_um: [f64; 2], frame: Option<&Pose>) -> [f64; 2] {
 /// What is minimised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Objective {
+pub enum DimibotObjective {
     Distance,
     Switches,
     Time,
     Energy,
 }
 
-impl Objective {
+impl DimibotObjective {
     /// Its word in the language.
     pub fn name(self) -> &'static str {
         match self {
-            Objective::Distance => "distance",
-            Objective::Switches => "switches",
-            Objective::Time => "time",
-            Objective::Energy => "energy",
+            DimibotObjective::Distance => "distance",
+            DimibotObjective::Switches => "switches",
+            DimibotObjective::Time => "time",
+            DimibotObjective::Energy => "energy",
         }
     }
 
     /// The unit of its cost in schedules and reports; a count has none.
     pub fn unit(self) -> &'static str {
         match self {
-            Objective::Distance => "um",
-            Objective::Switches => "",
-            Objective::Time => "ms",
-            Objective::Energy => "mJ",
+            DimibotObjective::Distance => "um",
+            DimibotObjective::Switches => "",
+            DimibotObjective::Time => "ms",
+            DimibotObjective::Energy => "mJ",
         }
     }
 }
 
 /// How the plan is searched; all agree on its cost.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Planner {
-    pub method: Method,
+pub struct DimibotPlanner {
+    pub method: DimibotMethod,
     /// States that one search may expand.
     pub expansions: u64,
 }
@@ -108,7 +113,7 @@ pub struct Planner {
 /// The search methods, by the names of [`dimibot::PLANNERS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Method {
+pub enum DimibotMethod {
     StagedAstar,
     Dijkstra,
     BidirectionalDijkstra,
@@ -116,25 +121,25 @@ pub enum Method {
     HypercubeAstar,
 }
 
-impl Method {
+impl DimibotMethod {
     /// Its word in the language.
     pub fn name(self) -> &'static str {
         match self {
-            Method::StagedAstar => "staged_astar",
-            Method::Dijkstra => "dijkstra",
-            Method::BidirectionalDijkstra => "bidirectional_dijkstra",
-            Method::Astar => "astar",
-            Method::HypercubeAstar => "hypercube_astar",
+            DimibotMethod::StagedAstar => "staged_astar",
+            DimibotMethod::Dijkstra => "dijkstra",
+            DimibotMethod::BidirectionalDijkstra => "bidirectional_dijkstra",
+            DimibotMethod::Astar => "astar",
+            DimibotMethod::HypercubeAstar => "hypercube_astar",
         }
     }
 }
 
 /// What the tip must not touch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Obstacle {
+pub struct DimibotObstacle {
     /// The name in the scene.
     pub name: String,
-    pub body: Body,
+    pub body: DimibotObstacleBody,
     #[serde(skip)]
     pub span: Span,
 }
@@ -142,29 +147,31 @@ pub struct Obstacle {
 /// The extent of an obstacle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Body {
+pub enum DimibotObstacleBody {
     /// Lattice cells, corners included, as in the paper: not grown. `from` is the lower corner in both axes.
-    Cells { from: dimibot::Cell, to: dimibot::Cell },
+    Cells { from: dimibot::LatticeCell, to: dimibot::LatticeCell },
     /// A body in the workspace, to be grown by tip radius and repeatability.
     Solid { shape: Shape, pose: Pose },
 }
 
-impl Body {
+impl DimibotObstacleBody {
     /// The body of a scene in the coordinates of a robot that stands there. Cells are the robot's own in any case.
-    pub fn seen_from(&self, frame: Option<&Pose>) -> Cow<'_, Body> {
+    pub fn seen_from(&self, frame: Option<&Pose>) -> Cow<'_, DimibotObstacleBody> {
         match (self, frame) {
-            (Body::Solid { shape, pose }, Some(frame)) => {
-                Cow::Owned(Body::Solid { shape: shape.clone(), pose: pose.seen_from(frame) })
+            (DimibotObstacleBody::Solid { shape, pose }, Some(frame)) => {
+                Cow::Owned(DimibotObstacleBody::Solid { shape: shape.clone(), pose: pose.seen_from(frame) })
             }
-            (Body::Solid { .. }, None) | (Body::Cells { .. }, Some(_) | None) => Cow::Borrowed(self),
+            (DimibotObstacleBody::Solid { .. }, None) | (DimibotObstacleBody::Cells { .. }, Some(_) | None) => {
+                Cow::Borrowed(self)
+            }
         }
     }
 }
 
 /// One step of a DiMiBot's task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Step {
-    pub action: Action,
+pub struct DimibotStep {
+    pub action: DimibotAction,
     #[serde(skip)]
     pub span: Span,
 }
@@ -172,21 +179,21 @@ pub struct Step {
 /// What a step does.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Action {
+pub enum DimibotAction {
     /// Through the stops in their order; the last one is the goal.
-    Move(Vec<Stop>),
+    Move(Vec<DimibotStop>),
     /// Through all stops, in whatever order is best.
-    Visit(Vec<Stop>),
+    Visit(Vec<DimibotStop>),
     /// Nothing is switched for so long.
     Wait(u64),
 }
 
 /// A place to be reached.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Stop {
+pub struct DimibotStop {
     pub asked: Asked,
     /// The cell that stands for it.
-    pub cell: dimibot::Cell,
+    pub cell: dimibot::LatticeCell,
     #[serde(skip)]
     pub span: Span,
 }

@@ -1,6 +1,6 @@
 //! What a task claims of an electrode array.
 
-use crate::device::electrode_array::{Cell, Facts};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -8,22 +8,22 @@ use std::sync::Arc;
 /// A task of an electrode array.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ElectrodeArrayOrder {
-    pub facts: Facts,
+    pub facts: ElectrodeArrayFacts,
     /// Shared by all tasks of one device in one scene, like the parts.
-    pub obstacles: Arc<Vec<Obstacle>>,
+    pub obstacles: Arc<Vec<ElectrodeArrayObstacle>>,
     /// The parts of the scene, in the order of writing. All tasks of one device in one schedule have parts of the same names.
-    pub parts: Arc<Vec<Part>>,
-    pub objective: Objective,
-    pub planner: Planner,
+    pub parts: Arc<Vec<BoardPart>>,
+    pub objective: ElectrodeArrayObjective,
+    pub planner: ElectrodeArrayPlanner,
     /// What the parts without a goal do.
     pub bystanders: Bystanders,
-    pub steps: Vec<Step>,
+    pub steps: Vec<ElectrodeArrayStep>,
 }
 
 /// What is minimised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Objective {
+pub enum ElectrodeArrayObjective {
     /// The steps from the first move to the last arrival, over all steps of the task.
     Makespan,
     /// The steps until each part's last arrival, added up over parts and over the steps of the task.
@@ -32,8 +32,8 @@ pub enum Objective {
 
 /// How the plan is searched.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Planner {
-    pub method: Method,
+pub struct ElectrodeArrayPlanner {
+    pub method: ElectrodeArrayMethod,
     /// States that the search of one step of the task may expand.
     pub expansions: u64,
 }
@@ -41,7 +41,7 @@ pub struct Planner {
 /// The search methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Method {
+pub enum ElectrodeArrayMethod {
     /// Tweeze's own: a first plan fast, then better ones, then the proof.
     Portfolio,
     /// The paper's algorithm 1 with its heuristic of equation 12.
@@ -62,10 +62,10 @@ pub enum Bystanders {
 
 /// Something that no part may come near.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Obstacle {
+pub struct ElectrodeArrayObstacle {
     /// The name in the scene.
     pub name: String,
-    pub body: Body,
+    pub body: ElectrodeArrayObstacleBody,
     #[serde(skip)]
     pub span: Span,
 }
@@ -73,28 +73,28 @@ pub struct Obstacle {
 /// The extent of an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Body {
+pub enum ElectrodeArrayObstacleBody {
     /// Electrodes, corners included; `from` is the lower corner in both axes. Centres keep the clearance of the facts from each.
-    Electrodes { from: Cell, to: Cell },
+    Electrodes { from: ElectrodeCell, to: ElectrodeCell },
     /// A part that is stuck with its centre there. Centres keep the separation of the facts from it.
-    Fixed(Cell),
+    Fixed(ElectrodeCell),
 }
 
 /// A part that the board carries.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Part {
+pub struct BoardPart {
     /// The name in the scene.
     pub name: String,
     /// Where it stands before the device's first task.
-    pub cell: Cell,
+    pub cell: ElectrodeCell,
     #[serde(skip)]
     pub span: Span,
 }
 
 /// One step of a task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Step {
-    pub action: Action,
+pub struct ElectrodeArrayStep {
+    pub action: ElectrodeArrayAction,
     #[serde(skip)]
     pub span: Span,
 }
@@ -102,37 +102,37 @@ pub struct Step {
 /// What a step does.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Action {
+pub enum ElectrodeArrayAction {
     /// Parts to their goals at the same time; the step ends when the last one has arrived.
-    Move(Vec<Move>),
+    Move(Vec<ElectrodeArrayMove>),
     /// Nothing moves for so long, in nanoseconds.
     Wait(u64),
 }
 
 /// What one part does in a step, or two that become one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Move {
+pub struct ElectrodeArrayMove {
     /// Index of the order's parts.
     pub part: usize,
     /// The part that it merges with at its goal: from then on that one is gone, and this one is both.
     pub with: Option<usize>,
     /// Where it has to come by, in this order; the last one is its goal. One stop where parts merge.
-    pub stops: Vec<Stop>,
+    pub stops: Vec<ElectrodeArrayStop>,
     #[serde(skip)]
     pub span: Span,
 }
 
-impl Move {
+impl ElectrodeArrayMove {
     /// Where it ends.
-    pub fn goal(&self) -> &Stop {
+    pub fn goal(&self) -> &ElectrodeArrayStop {
         self.stops.last().expect("the checker gives every move a goal")
     }
 }
 
 /// A cell to be reached.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Stop {
-    pub cell: Cell,
+pub struct ElectrodeArrayStop {
+    pub cell: ElectrodeCell,
     #[serde(skip)]
     pub span: Span,
 }

@@ -1,6 +1,6 @@
 //! What a task claims of a hand.
 
-use crate::device::fingers::{Facts, Plane};
+use crate::device::fingers::{FingersFacts, Plane};
 use crate::geometry::outline::Outline;
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
@@ -10,22 +10,22 @@ use std::sync::Arc;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FingersOrder {
     /// Shared by all tasks of one device, like the part by all of one scene.
-    pub facts: Arc<Facts>,
+    pub facts: Arc<FingersFacts>,
     /// What the task turns. All tasks of one device in one schedule turn the same part.
-    pub part: Arc<Part>,
+    pub part: Arc<HandPart>,
     /// How far from its goal each turn may end.
     pub precision_rad: f64,
     /// The force on the part in the hand's frame, weight included, in micronewtons; it acts at the part's centre of mass.
     pub load_un: [f64; 3],
-    pub planner: Planner,
+    pub planner: FingersPlanner,
     /// Grasps that the search may expand.
     pub expansions: u64,
-    pub steps: Vec<Step>,
+    pub steps: Vec<FingersStep>,
 }
 
 /// The object between the fingers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Part {
+pub struct HandPart {
     /// The name in the scene.
     pub name: String,
     /// Its outline in the plane xy.
@@ -40,7 +40,7 @@ pub struct Part {
     pub span: Span,
 }
 
-impl Part {
+impl HandPart {
     /// Its outline in a plane, if it has one there.
     pub fn section(&self, plane: Plane) -> Option<&Section> {
         match plane {
@@ -70,7 +70,7 @@ pub struct Section {
 /// Which way to plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Planner {
+pub enum FingersPlanner {
     JointAstar,
     PublishedAstar,
     GreedyDecomposition,
@@ -78,8 +78,8 @@ pub enum Planner {
 
 /// One step of a task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Step {
-    pub action: Action,
+pub struct FingersStep {
+    pub action: FingersAction,
     #[serde(skip)]
     pub span: Span,
 }
@@ -87,7 +87,7 @@ pub struct Step {
 /// What a step does.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Action {
+pub enum FingersAction {
     /// The fingers hold these contacts at the end, one number for each finger, 0 for a free one; `None`: any grasp.
     ///
     /// In the plane of the next turn of the task, or of the last one where none follows.
@@ -105,7 +105,7 @@ pub enum Action {
     /// sequence stands where the part already has its orientation.
     Orient {
         goal: [f64; 4],
-        turns: Vec<Vec<Turn>>,
+        turns: Vec<Vec<FingersTurn>>,
         /// How many steps the ways turn at least that were too many to be searched; `None` if none were.
         left_out_steps: Option<u32>,
     },
@@ -119,7 +119,7 @@ pub enum Action {
 
 /// A turn of whole steps in a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Turn {
+pub struct FingersTurn {
     pub plane: Plane,
     /// Not 0.
     pub steps: i32,

@@ -1,6 +1,6 @@
 //! What a task claims of STRING microrobots.
 
-use crate::device::microrobots::{ControlState, Facts};
+use crate::device::microrobots::{ControlState, MicrorobotsFacts};
 use crate::geometry::{Pose, Shape};
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
@@ -10,12 +10,12 @@ use std::sync::Arc;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MicrorobotsOrder {
     /// Shared by all tasks of one device, like the states.
-    pub facts: Arc<Facts>,
+    pub facts: Arc<MicrorobotsFacts>,
     /// The control states that the bed's voltage can reach; `apply state 2` is that of index 2. Of a STRING table, state j lowers
     /// the j arms that snap first.
     pub states: Arc<Vec<ControlState>>,
     /// Shared by all tasks of one device in one scene, like the robots.
-    pub obstacles: Arc<Vec<Obstacle>>,
+    pub obstacles: Arc<Vec<MicrorobotsObstacle>>,
     /// The robots of the scene, in the order of the table; rows that the scene leaves out are not on the bed. All tasks of one
     /// device in one schedule have the same robots.
     pub robots: Arc<Vec<Placed>>,
@@ -23,7 +23,7 @@ pub struct MicrorobotsOrder {
     pub expansions: u64,
     pub precision: Precision,
     pub assurance: Assurance,
-    pub steps: Vec<Step>,
+    pub steps: Vec<MicrorobotsStep>,
 }
 
 impl MicrorobotsOrder {
@@ -35,7 +35,7 @@ impl MicrorobotsOrder {
 
 /// What no robot may come near.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Obstacle {
+pub struct MicrorobotsObstacle {
     /// The name in the scene.
     pub name: String,
     pub shape: Shape,
@@ -74,8 +74,8 @@ pub enum Assurance {
 
 /// One step of a task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Step {
-    pub action: Action,
+pub struct MicrorobotsStep {
+    pub action: MicrorobotsAction,
     #[serde(skip)]
     pub span: Span,
 }
@@ -83,11 +83,11 @@ pub struct Step {
 /// What a step does.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Action {
+pub enum MicrorobotsAction {
     /// The drive train in a control state for so long, without its control cycle; rounded up to whole strokes.
     Apply { state: usize, duration_ns: u64 },
     /// One robot through poses in this order; the last one is its goal.
-    Drive { robot: usize, stops: Vec<Stop> },
+    Drive { robot: usize, stops: Vec<MicrorobotsStop> },
     /// Robots to goals where they dock with one another; at least two, each once.
     Assemble(Vec<Dock>),
     /// The bed is at 0 V for so long, in nanoseconds: all arms go up and nothing moves.
@@ -96,7 +96,7 @@ pub enum Action {
 
 /// A pose to be reached.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Stop {
+pub struct MicrorobotsStop {
     pub pose: Pose,
     #[serde(skip)]
     pub span: Span,
@@ -107,5 +107,5 @@ pub struct Stop {
 pub struct Dock {
     /// Index of the order's robots.
     pub robot: usize,
-    pub goal: Stop,
+    pub goal: MicrorobotsStop,
 }

@@ -66,7 +66,7 @@ pub struct CheckArguments {
     #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]
-    pub report: Report,
+    pub report: ReportArguments,
 }
 
 #[derive(Debug, Args)]
@@ -88,7 +88,7 @@ pub struct BuildArguments {
     #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]
-    pub report: Report,
+    pub report: ReportArguments,
 }
 
 fn formats() -> impl TypedValueParser<Value = Format> {
@@ -108,7 +108,7 @@ pub struct VerifyArguments {
     #[arg(long = "set", value_name = "NAME=VALUE", requires = "against")]
     pub set: Vec<String>,
     #[command(flatten)]
-    pub report: Report,
+    pub report: ReportArguments,
 }
 
 #[derive(Debug, Args)]
@@ -125,7 +125,7 @@ pub struct DevicesArguments {
     #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]
-    pub report: Report,
+    pub report: ReportArguments,
     /// Find a voltage table for robots of this kind
     #[arg(long, value_name = "KIND", requires_all = ["robots", "margin", "max"], conflicts_with = "subject", value_parser = ["microrobots"])]
     pub suggest: Option<String>,
@@ -177,7 +177,7 @@ pub struct SimulateArguments {
     #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]
-    pub report: Report,
+    pub report: ReportArguments,
 }
 
 /// The most trials of one simulation.
@@ -196,7 +196,7 @@ pub struct Settings {
 }
 
 #[derive(Debug, Args)]
-pub struct Report {
+pub struct ReportArguments {
     /// How diagnostics are written to standard error
     #[arg(long, value_enum, default_value = "human")]
     pub format: ReportFormat,

@@ -3,10 +3,10 @@
 use super::arguments::{BuildArguments, ReportFormat};
 use super::disk::{self, Destination};
 use super::loaded::Loaded;
-use super::waiting::Waiting;
+use super::waiting::ProgressLine;
 use super::{Exit, errors, report, signals, terminal, verify};
 use crate::check::Options;
-use crate::compile::{self, Compiled, Outcome};
+use crate::compile::{self, CompileOutcome, Compiled};
 use crate::diagnostic::Sink;
 use crate::emit::{self, Format, OutputFile, Provenance};
 use crate::source::{Origin, Sources};
@@ -24,7 +24,7 @@ pub fn run(arguments: &BuildArguments) -> Exit {
         Err(exit) => return exit,
     };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let waiting = Waiting::begin();
+    let waiting = ProgressLine::begin();
     let outcome =
         compile::compile(&loaded.program(&loaded.disk()), &mut sources, &mut sink, &mut |index, count, task| {
             waiting.at(index, count, task)
@@ -32,9 +32,9 @@ pub fn run(arguments: &BuildArguments) -> Exit {
     drop(waiting);
     terminal::report(&sink, &sources, format);
     match outcome {
-        Outcome::Errors => Exit::Errors,
-        Outcome::Refused => Exit::Refused,
-        Outcome::Compiled(compiled) => write(arguments, compiled, &provenance(&sources, &loaded.options)),
+        CompileOutcome::Errors => Exit::Errors,
+        CompileOutcome::Refused => Exit::Refused,
+        CompileOutcome::Compiled(compiled) => write(arguments, compiled, &provenance(&sources, &loaded.options)),
     }
 }
 

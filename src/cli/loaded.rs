@@ -1,11 +1,11 @@
 //! A program's file, read and with what the command line adds, ready for the compiler.
 
-use super::arguments::Report;
+use super::arguments::ReportArguments;
 use super::disk;
 use super::library::Disk;
 use super::{Exit, terminal};
 use crate::check::Options;
-use crate::compile::Program;
+use crate::compile::CompileRequest;
 use std::path::{Path, PathBuf};
 
 /// A program as a command was given it.
@@ -22,7 +22,7 @@ impl Loaded {
     ///
     /// # Errors
     /// The exit status where it cannot be read.
-    pub fn read(file: &Path, options: Options, report: &Report) -> Result<Loaded, Exit> {
+    pub fn read(file: &Path, options: Options, report: &ReportArguments) -> Result<Loaded, Exit> {
         match disk::read_program(file) {
             Ok(text) => Ok(Loaded { path: file.to_owned(), name: Disk::round(file).program_name(), text, options }),
             Err(diagnostic) => {
@@ -43,7 +43,7 @@ impl Loaded {
     }
 
     /// What the compiler takes.
-    pub fn program<'a>(&'a self, disk: &'a Disk<'a>) -> Program<'a> {
-        Program { name: &self.name, text: &self.text, library: disk, options: &self.options }
+    pub fn program<'a>(&'a self, disk: &'a Disk<'a>) -> CompileRequest<'a> {
+        CompileRequest { name: &self.name, text: &self.text, library: disk, options: &self.options }
     }
 }

@@ -6,11 +6,11 @@ use super::loaded::Loaded;
 use super::{Exit, terminal};
 use crate::check::Options;
 use crate::claims::Job;
-use crate::compile::{self, Program};
+use crate::compile::{self, CompileRequest};
 use crate::diagnostic::Sink;
 use crate::plan::{self, Plan};
 use crate::quantity::digits;
-use crate::simulate::microrobots::{Dockings, Failures, Reason, Report, Spread};
+use crate::simulate::microrobots::{Dockings, FailureReason, Failures, SimulationReport, Spread};
 use crate::simulate::simulate;
 use crate::source::Sources;
 
@@ -36,7 +36,7 @@ pub fn run(arguments: &SimulateArguments) -> Exit {
 
 /// What came of each assembly; `None` after an error.
 fn told(
-    program: &Program,
+    program: &CompileRequest,
     arguments: &SimulateArguments,
     sources: &mut Sources,
     sink: &mut Sink,
@@ -65,7 +65,7 @@ fn one(job: &Job, plan: &Plan, arguments: &SimulateArguments) -> Option<String> 
     Some(format!("{}{}{}", summary(&job.task, seed, &report), dockings(&report, &name), failures(&report, &name)))
 }
 
-fn summary(task: &str, seed: u64, report: &Report) -> String {
+fn summary(task: &str, seed: u64, report: &SimulationReport) -> String {
     let percent = |share: f64| format!("{} %", digits((share * 1e4).round() / 100.0));
     let share = report.successes as f64 / report.trials.max(1) as f64;
     let [low, high] = report.wilson.map(percent);
@@ -87,7 +87,7 @@ fn summary(task: &str, seed: u64, report: &Report) -> String {
 }
 
 /// A row for each robot, each figure as its mean, the 95th percentile and the largest.
-fn dockings(report: &Report, name: &impl Fn(usize) -> String) -> String {
+fn dockings(report: &SimulationReport, name: &impl Fn(usize) -> String) -> String {
     let heading = ["robot", "docked", "across [um]", "along [um]", "incidence [deg]", "heading [deg]"];
     let degrees = 180.0 / std::f64::consts::PI;
     let row = |docking: &Dockings| {
@@ -104,21 +104,21 @@ fn dockings(report: &Report, name: &impl Fn(usize) -> String) -> String {
     format!("\n  errors without their signs: mean, 95th percentile, largest\n{}", aligned(&rows))
 }
 
-fn failures(report: &Report, name: &impl Fn(usize) -> String) -> String {
+fn failures(report: &SimulationReport, name: &impl Fn(usize) -> String) -> String {
     let line =
         |failure: &Failures| format!("  {} of {}: {}\n", failure.count, name(failure.robot), reason(&failure.reason));
     let lines: Vec<String> = report.failures.iter().map(line).collect();
     if lines.is_empty() { String::new() } else { format!("\n  failures\n{}", lines.concat()) }
 }
 
-fn reason(reason: &Reason) -> String {
+fn reason(reason: &FailureReason) -> String {
     match reason {
-        Reason::LeftCylinder => "it did not get to where the fine motion begins".to_owned(),
-        Reason::MissedCone => "its goal was not within reach of the fine motion".to_owned(),
-        Reason::Misplaced => "it docked too far from its place".to_owned(),
-        Reason::Angle => "it met its structure at too large an angle".to_owned(),
-        Reason::Collision(thing) => format!("it ran into {thing}"),
-        Reason::TimeLimit => "it took too long".to_owned(),
+        FailureReason::LeftCylinder => "it did not get to where the fine motion begins".to_owned(),
+        FailureReason::MissedCone => "its goal was not within reach of the fine motion".to_owned(),
+        FailureReason::Misplaced => "it docked too far from its place".to_owned(),
+        FailureReason::Angle => "it met its structure at too large an angle".to_owned(),
+        FailureReason::Collision(thing) => format!("it ran into {thing}"),
+        FailureReason::TimeLimit => "it took too long".to_owned(),
     }
 }
 

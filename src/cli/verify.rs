@@ -6,7 +6,7 @@ use super::library::{Disk, Embedded};
 use super::{Exit, errors, report, terminal};
 use crate::check::Options;
 use crate::claims::Claims;
-use crate::compile::{self, Program};
+use crate::compile::{self, CompileRequest};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::emit::{Provenance, mcap};
 use crate::log::{self, Log};
@@ -98,7 +98,7 @@ struct Derived {
 fn own_claims(path: &Path, log: &Log) -> Result<Derived, Box<Refusal>> {
     let (name, text) = &log.files[0];
     let options = options(&log.schedule, &log.settings);
-    let own = derive(&Program { name, text, library: &Embedded(&log.files), options: &options });
+    let own = derive(&CompileRequest { name, text, library: &Embedded(&log.files), options: &options });
     let own = own.map_err(|mut refusal| {
         refusal.sink.push(errors::program_in_log_has_errors(path));
         Box::new(Refusal { exit: Exit::Refused, ..*refusal })
@@ -123,7 +123,7 @@ fn options(schedule: &Schedule, settings: &[String]) -> Options {
 }
 
 /// The claims of a program.
-fn derive(program: &Program) -> Result<Derived, Box<Refusal>> {
+fn derive(program: &CompileRequest) -> Result<Derived, Box<Refusal>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let checked = compile::check(program, &mut sources, &mut sink);
     let claims = checked.and_then(|checked| checked.claims.into_iter().next());
@@ -164,18 +164,19 @@ fn against(arguments: &VerifyArguments, trusted: &Path, judged: &Judged) -> Resu
     let own = written(judged.verified.claims());
     let options = options(schedule, &arguments.set);
     let unlike = errors::other_settings(&arguments.file, trusted, &judged.provenance.settings, &arguments.set);
-    let derived = match (derive(&Program { name: &name, text: &text, library: &disk, options: &options }), unlike) {
-        (Ok(derived), None) => derived,
-        (Ok(derived), Some(unlike)) => match written(&derived.claims) == own {
-            // Settings that say what the program says anyway.
-            true => derived,
-            false => return Err(Refusal::one(unlike, Exit::Refused)),
-        },
-        (Err(mut refusal), unlike) => {
-            unlike.into_iter().for_each(|unlike| refusal.sink.push(unlike));
-            return Err(refusal);
-        }
-    };
+    let derived =
+        match (derive(&CompileRequest { name: &name, text: &text, library: &disk, options: &options }), unlike) {
+            (Ok(derived), None) => derived,
+            (Ok(derived), Some(unlike)) => match written(&derived.claims) == own {
+                // Settings that say what the program says anyway.
+                true => derived,
+                false => return Err(Refusal::one(unlike, Exit::Refused)),
+            },
+            (Err(mut refusal), unlike) => {
+                unlike.into_iter().for_each(|unlike| refusal.sink.push(unlike));
+                return Err(refusal);
+            }
+        };
     keeps_the_claims_of(schedule, &derived)?;
     if written(&derived.claims) != own {
         return Err(Refusal::one(errors::other_program(&arguments.file, trusted), Exit::Refused));

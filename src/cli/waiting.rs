@@ -13,7 +13,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 const TICK: Duration = Duration::from_millis(100);
 
 /// Told what is being worked at; shows it once a second has passed. Dropping it clears the line.
-pub struct Waiting {
+pub struct ProgressLine {
     news: Option<Sender<News>>,
     watcher: Option<JoinHandle<()>>,
 }
@@ -25,11 +25,11 @@ struct News {
     name: String,
 }
 
-impl Waiting {
+impl ProgressLine {
     /// Begins to wait; silent where standard error is no terminal.
-    pub fn begin() -> Waiting {
+    pub fn begin() -> ProgressLine {
         if !std::io::stderr().is_terminal() {
-            return Waiting { news: None, watcher: None };
+            return ProgressLine { news: None, watcher: None };
         }
         let (news, received) = mpsc::channel::<News>();
         let watcher = std::thread::spawn(move || {
@@ -49,7 +49,7 @@ impl Waiting {
             }
             bar.finish_and_clear();
         });
-        Waiting { news: Some(news), watcher: Some(watcher) }
+        ProgressLine { news: Some(news), watcher: Some(watcher) }
     }
 
     /// Tells that a part of the work has begun.
@@ -79,7 +79,7 @@ fn show(bar: &ProgressBar, part: &News) {
     bar.set_message(part.name.clone());
 }
 
-impl Drop for Waiting {
+impl Drop for ProgressLine {
     fn drop(&mut self) {
         self.news = None;
         if let Some(watcher) = self.watcher.take() {

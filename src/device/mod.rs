@@ -58,11 +58,11 @@ pub struct Vocabulary {
     /// A published device to start from, as `std.dimibot` and `dimibot.femto_st`.
     pub library: (&'static str, &'static str),
     /// The fields of a device.
-    pub fields: &'static [Field],
+    pub fields: &'static [VocabularyField],
     /// What may stand in a scene.
     pub nouns: &'static [Noun],
     /// The `field: value` settings of a task, besides `minimize`, `using`, `start at` and `require`.
-    pub settings: &'static [Field],
+    pub settings: &'static [VocabularyField],
     /// What `start at` and the field `home` take; `None` where the scene says how a task begins.
     pub state: Option<Sort>,
     /// Whether `together { … }` asks for goals at the same time.
@@ -70,7 +70,7 @@ pub struct Vocabulary {
     /// What a task may do.
     pub verbs: &'static [Verb],
     /// What `minimize` takes; the first is the default.
-    pub objectives: &'static [Choice],
+    pub objectives: &'static [WordChoice],
     /// What `using` takes; the first is the default.
     pub planners: &'static [Planner],
     /// What `require` compares.
@@ -100,14 +100,14 @@ pub enum Together {
 
 /// A word with what it stands for.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Choice {
+pub struct WordChoice {
     pub name: &'static str,
     pub doc: &'static str,
 }
 
 /// A field of a device, a shape, a task or a planner.
 #[derive(Debug)]
-pub struct Field {
+pub struct VocabularyField {
     pub name: &'static str,
     pub sort: Sort,
     pub need: Need,
@@ -130,19 +130,19 @@ const fn not_negative(dimension: Dimension) -> Sort {
 }
 
 /// A field that may not be left out.
-const fn required(name: &'static str, sort: Sort, doc: &'static str) -> Field {
-    Field { name, sort, need: Need::Required, doc }
+const fn required(name: &'static str, sort: Sort, doc: &'static str) -> VocabularyField {
+    VocabularyField { name, sort, need: Need::Required, doc }
 }
 
 /// A field that may be left out; `without` says what then holds.
-const fn optional(name: &'static str, sort: Sort, without: &'static str, doc: &'static str) -> Field {
-    Field { name, sort, need: Need::Optional(without), doc }
+const fn optional(name: &'static str, sort: Sort, without: &'static str, doc: &'static str) -> VocabularyField {
+    VocabularyField { name, sort, need: Need::Optional(without), doc }
 }
 
 /// The option of a planner that limits its search, which is `default` steps where it is left out.
-const fn expansions(default: &'static str, doc: &'static str) -> Field {
+const fn expansions(default: &'static str, doc: &'static str) -> VocabularyField {
     let sort = Sort::Count { least: 1, most: MAX_EXPANSIONS };
-    Field { name: "expansions", sort, need: Need::Optional(default), doc }
+    VocabularyField { name: "expansions", sort, need: Need::Optional(default), doc }
 }
 
 /// Whether a field may be left out.
@@ -161,7 +161,7 @@ pub enum Sort {
     /// A number with a unit, or a plain one where the dimension is a number.
     Quantity { dimension: Dimension, range: Range },
     /// One of these words.
-    Word(&'static [Choice]),
+    Word(&'static [WordChoice]),
     /// A state of the device: for the DiMiBot a word of its modules, or the cell or place that stands for it.
     State,
     /// Where to go: a cell or a place.
@@ -177,13 +177,13 @@ pub enum Sort {
     /// The corners of a polygon.
     Places,
     /// A whole number, or one of these words.
-    CountOrWord { least: u32, most: u32, words: &'static [Choice] },
+    CountOrWord { least: u32, most: u32, words: &'static [WordChoice] },
     /// True or false.
     Flag,
     /// A shape of this form.
-    Shape(shape::Form),
+    Shape(shape::ShapeForm),
     /// A table with these columns, in any order, at least one row.
-    Table(&'static [Field]),
+    Table(&'static [VocabularyField]),
     /// Something of the task's scene, by this noun.
     Object(&'static str),
     /// A bare word that names something, as in the first column of a table.
@@ -241,7 +241,7 @@ pub struct Noun {
     pub name: &'static str,
     pub doc: &'static str,
     /// The shapes it may have.
-    pub shapes: &'static [shape::Form],
+    pub shapes: &'static [shape::ShapeForm],
 }
 
 /// What a task may do.
@@ -251,7 +251,7 @@ pub struct Verb {
     /// The word before the object, as `state` in `apply state 2`.
     pub noun: Option<&'static str>,
     pub object: Option<Sort>,
-    pub phrases: &'static [Phrase],
+    pub phrases: &'static [VocabularyPhrase],
     /// What stands in its braces, if it has some.
     pub block: Option<&'static Block>,
     pub doc: &'static str,
@@ -262,12 +262,12 @@ pub struct Verb {
 #[derive(Debug)]
 pub struct Block {
     pub object: Sort,
-    pub phrases: &'static [Phrase],
+    pub phrases: &'static [VocabularyPhrase],
 }
 
 /// A preposition that a verb understands.
 #[derive(Debug)]
-pub struct Phrase {
+pub struct VocabularyPhrase {
     pub preposition: &'static str,
     pub sort: Sort,
     pub count: Count,
@@ -286,7 +286,7 @@ pub enum Count {
 #[derive(Debug)]
 pub struct Planner {
     pub name: &'static str,
-    pub options: &'static [Field],
+    pub options: &'static [VocabularyField],
     pub doc: &'static str,
 }
 

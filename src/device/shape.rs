@@ -1,11 +1,11 @@
 //! The shapes that every kind may use: their words and their fields.
 
-use super::{Field, Need, Range, Sort, optional, required};
+use super::{Need, Range, Sort, VocabularyField, optional, required};
 use crate::quantity::Dimension;
 
 /// The forms of a shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Form {
+pub enum ShapeForm {
     Disc,
     Box,
     Polygon,
@@ -21,141 +21,154 @@ pub enum Form {
     Image,
 }
 
-impl Form {
+impl ShapeForm {
     /// Every form, in the order of the handbook.
-    pub const ALL: &'static [Form] = &[
-        Form::Disc,
-        Form::Box,
-        Form::Polygon,
-        Form::Capsule,
-        Form::Cells,
-        Form::Layout,
-        Form::Ellipsoid,
-        Form::Superellipsoid,
-        Form::RoundedBox,
-        Form::Profile,
-        Form::Sections,
-        Form::Mesh,
-        Form::Image,
+    pub const ALL: &'static [ShapeForm] = &[
+        ShapeForm::Disc,
+        ShapeForm::Box,
+        ShapeForm::Polygon,
+        ShapeForm::Capsule,
+        ShapeForm::Cells,
+        ShapeForm::Layout,
+        ShapeForm::Ellipsoid,
+        ShapeForm::Superellipsoid,
+        ShapeForm::RoundedBox,
+        ShapeForm::Profile,
+        ShapeForm::Sections,
+        ShapeForm::Mesh,
+        ShapeForm::Image,
     ];
 
     /// The forms that take up room wherever they are put.
-    pub const SOLID: &'static [Form] = &[Form::Disc, Form::Box, Form::Polygon, Form::Capsule, Form::Cells];
+    pub const SOLID: &'static [ShapeForm] =
+        &[ShapeForm::Disc, ShapeForm::Box, ShapeForm::Polygon, ShapeForm::Capsule, ShapeForm::Cells];
 
     /// Whether it is a shape of something that fingers turn.
     pub fn is_of_space(self) -> bool {
         match self {
-            Form::Ellipsoid | Form::Superellipsoid | Form::RoundedBox | Form::Profile | Form::Sections | Form::Mesh => {
-                true
-            }
-            Form::Disc | Form::Box | Form::Polygon | Form::Capsule | Form::Cells | Form::Layout | Form::Image => false,
+            ShapeForm::Ellipsoid
+            | ShapeForm::Superellipsoid
+            | ShapeForm::RoundedBox
+            | ShapeForm::Profile
+            | ShapeForm::Sections
+            | ShapeForm::Mesh => true,
+            ShapeForm::Disc
+            | ShapeForm::Box
+            | ShapeForm::Polygon
+            | ShapeForm::Capsule
+            | ShapeForm::Cells
+            | ShapeForm::Layout
+            | ShapeForm::Image => false,
         }
     }
 
     /// The form's word in the language.
     pub fn name(self) -> &'static str {
         match self {
-            Form::Disc => "disc",
-            Form::Box => "box",
-            Form::Polygon => "polygon",
-            Form::Capsule => "capsule",
-            Form::Cells => "cells",
-            Form::Layout => "layout",
-            Form::Ellipsoid => "ellipsoid",
-            Form::Superellipsoid => "superellipsoid",
-            Form::RoundedBox => "rounded_box",
-            Form::Profile => "profile",
-            Form::Sections => "sections",
-            Form::Mesh => "mesh",
-            Form::Image => "image",
+            ShapeForm::Disc => "disc",
+            ShapeForm::Box => "box",
+            ShapeForm::Polygon => "polygon",
+            ShapeForm::Capsule => "capsule",
+            ShapeForm::Cells => "cells",
+            ShapeForm::Layout => "layout",
+            ShapeForm::Ellipsoid => "ellipsoid",
+            ShapeForm::Superellipsoid => "superellipsoid",
+            ShapeForm::RoundedBox => "rounded_box",
+            ShapeForm::Profile => "profile",
+            ShapeForm::Sections => "sections",
+            ShapeForm::Mesh => "mesh",
+            ShapeForm::Image => "image",
         }
     }
 
     /// Its word with an article: `a disc`, `an ellipsoid`.
     pub fn with_article(self) -> String {
         match self {
-            Form::Ellipsoid | Form::Image => format!("an {}", self.name()),
-            Form::Cells | Form::Sections => format!("a shape of {}", self.name()),
-            Form::Disc
-            | Form::Box
-            | Form::Polygon
-            | Form::Capsule
-            | Form::Layout
-            | Form::Superellipsoid
-            | Form::RoundedBox
-            | Form::Profile
-            | Form::Mesh => format!("a {}", self.name()),
+            ShapeForm::Ellipsoid | ShapeForm::Image => format!("an {}", self.name()),
+            ShapeForm::Cells | ShapeForm::Sections => format!("a shape of {}", self.name()),
+            ShapeForm::Disc
+            | ShapeForm::Box
+            | ShapeForm::Polygon
+            | ShapeForm::Capsule
+            | ShapeForm::Layout
+            | ShapeForm::Superellipsoid
+            | ShapeForm::RoundedBox
+            | ShapeForm::Profile
+            | ShapeForm::Mesh => format!("a {}", self.name()),
         }
     }
 
     /// The form of a word.
-    pub fn find(name: &str) -> Option<Form> {
-        Form::ALL.iter().copied().find(|form| form.name() == name)
+    pub fn find(name: &str) -> Option<ShapeForm> {
+        ShapeForm::ALL.iter().copied().find(|form| form.name() == name)
     }
 
     /// The fields that say how large it is.
-    pub fn fields(self) -> &'static [Field] {
+    pub fn fields(self) -> &'static [VocabularyField] {
         match self {
-            Form::Disc => &DISC,
-            Form::Box => &BOX,
-            Form::Polygon => &POLYGON,
-            Form::Capsule => &CAPSULE,
-            Form::Cells => &CELLS,
-            Form::Layout => &LAYOUT,
-            Form::Ellipsoid => &ELLIPSOID,
-            Form::Superellipsoid => &SUPERELLIPSOID,
-            Form::RoundedBox => &ROUNDED_BOX,
-            Form::Profile => &PROFILE,
-            Form::Sections => &SECTIONS,
-            Form::Mesh => &MESH,
-            Form::Image => &IMAGE,
+            ShapeForm::Disc => &DISC,
+            ShapeForm::Box => &BOX,
+            ShapeForm::Polygon => &POLYGON,
+            ShapeForm::Capsule => &CAPSULE,
+            ShapeForm::Cells => &CELLS,
+            ShapeForm::Layout => &LAYOUT,
+            ShapeForm::Ellipsoid => &ELLIPSOID,
+            ShapeForm::Superellipsoid => &SUPERELLIPSOID,
+            ShapeForm::RoundedBox => &ROUNDED_BOX,
+            ShapeForm::Profile => &PROFILE,
+            ShapeForm::Sections => &SECTIONS,
+            ShapeForm::Mesh => &MESH,
+            ShapeForm::Image => &IMAGE,
         }
     }
 
     /// What it is.
     pub fn doc(self) -> &'static str {
         match self {
-            Form::Disc => "all that lies within a radius of its origin",
-            Form::Box => "a rectangle with its middle at the origin",
-            Form::Polygon => "a closed outline through its points, convex or not",
-            Form::Capsule => {
+            ShapeForm::Disc => "all that lies within a radius of its origin",
+            ShapeForm::Box => "a rectangle with its middle at the origin",
+            ShapeForm::Polygon => "a closed outline through its points, convex or not",
+            ShapeForm::Capsule => {
                 "all that lies within a radius of a segment along its own x axis, its middle at the origin"
             }
-            Form::Cells => "a block of lattice cells, both corners included",
-            Form::Layout => "a part that electrodes carry: what it has underneath, and how wide it is",
-            Form::Ellipsoid => "an ellipsoid with its axes along x, y and z",
-            Form::Superellipsoid => "an ellipsoid whose flanks are flattened: |x/a|^n + |y/b|^n + |z/c|^n = 1",
-            Form::RoundedBox => "a box with its middle at the origin, its edges and corners rounded",
-            Form::Profile => "a flat part: its outline in the plane xy, by points or by a curve; it turns about z only",
-            Form::Sections => "a solid by its outlines in the planes xy and xz, which meet on the x axis",
-            Form::Mesh => "a solid of triangles from an STL file, whose sections through the origin are taken",
-            Form::Image => "what a camera shows of a scene: x along its rows, y down its columns, in pixels",
+            ShapeForm::Cells => "a block of lattice cells, both corners included",
+            ShapeForm::Layout => "a part that electrodes carry: what it has underneath, and how wide it is",
+            ShapeForm::Ellipsoid => "an ellipsoid with its axes along x, y and z",
+            ShapeForm::Superellipsoid => "an ellipsoid whose flanks are flattened: |x/a|^n + |y/b|^n + |z/c|^n = 1",
+            ShapeForm::RoundedBox => "a box with its middle at the origin, its edges and corners rounded",
+            ShapeForm::Profile => {
+                "a flat part: its outline in the plane xy, by points or by a curve; it turns about z only"
+            }
+            ShapeForm::Sections => "a solid by its outlines in the planes xy and xz, which meet on the x axis",
+            ShapeForm::Mesh => "a solid of triangles from an STL file, whose sections through the origin are taken",
+            ShapeForm::Image => "what a camera shows of a scene: x along its rows, y down its columns, in pixels",
         }
     }
 }
 
-const fn length(name: &'static str, range: Range, doc: &'static str) -> Field {
+const fn length(name: &'static str, range: Range, doc: &'static str) -> VocabularyField {
     let sort = Sort::Quantity { dimension: Dimension::LENGTH, range };
-    Field { name, sort, need: Need::Required, doc }
+    VocabularyField { name, sort, need: Need::Required, doc }
 }
 
-const DISC: [Field; 1] = [length("radius", Range::Positive, "from the middle to the rim")];
-const BOX: [Field; 1] =
+const DISC: [VocabularyField; 1] = [length("radius", Range::Positive, "from the middle to the rim")];
+const BOX: [VocabularyField; 1] =
     [required("size", Sort::Size, "full width along its own x axis and full height along its y axis")];
-const POLYGON: [Field; 1] = [required("points", Sort::Places, "three corners or more, in order, not crossing")];
-const CAPSULE: [Field; 2] = [
+const POLYGON: [VocabularyField; 1] =
+    [required("points", Sort::Places, "three corners or more, in order, not crossing")];
+const CAPSULE: [VocabularyField; 2] = [
     length("length", Range::NotNegative, "from one round end's middle to the other's"),
     length("radius", Range::Positive, "from the segment to the rim"),
 ];
-const CELLS: [Field; 2] =
+const CELLS: [VocabularyField; 2] =
     [required("from", Sort::Cell, "one corner, included"), required("to", Sort::Cell, "the opposite corner, included")];
-const LAYOUT: [Field; 2] = [
+const LAYOUT: [VocabularyField; 2] = [
     required(
         "electrodes",
         Sort::Cell,
         "how many electrodes it has along columns and along rows, every second one of the board's",
     ),
-    Field {
+    VocabularyField {
         name: "half_width",
         sort: Sort::Quantity { dimension: Dimension::NUMBER, range: Range::Positive },
         need: Need::Required,
@@ -164,14 +177,14 @@ const LAYOUT: [Field; 2] = [
 ];
 
 const VECTOR: Sort = Sort::Vector { dimension: Dimension::LENGTH, range: Range::Positive };
-const MATERIAL: Field = optional(
+const MATERIAL: VocabularyField = optional(
     "material",
     Sort::Quantity { dimension: Dimension::DENSITY, range: Range::Positive },
     "without weight",
     "its density, as `f.silicon`; with it the part has a weight",
 );
-const ELLIPSOID: [Field; 2] = [required("axes", VECTOR, "its semi-axes along x, y and z"), MATERIAL];
-const SUPERELLIPSOID: [Field; 3] = [
+const ELLIPSOID: [VocabularyField; 2] = [required("axes", VECTOR, "its semi-axes along x, y and z"), MATERIAL];
+const SUPERELLIPSOID: [VocabularyField; 3] = [
     required("axes", VECTOR, "its semi-axes along x, y and z"),
     required(
         "exponent",
@@ -180,12 +193,12 @@ const SUPERELLIPSOID: [Field; 3] = [
     ),
     MATERIAL,
 ];
-const ROUNDED_BOX: [Field; 3] = [
+const ROUNDED_BOX: [VocabularyField; 3] = [
     required("size", VECTOR, "its full width along x, y and z"),
     length("radius", Range::Positive, "of its edges, at most half of the least width"),
     MATERIAL,
 ];
-const PROFILE: [Field; 3] = [
+const PROFILE: [VocabularyField; 3] = [
     optional(
         "points",
         Sort::Places,
@@ -195,17 +208,17 @@ const PROFILE: [Field; 3] = [
     optional("x", Sort::Curve, "`points`", "along x, as an expression of the angle `t`: `16 um * cos(t)`"),
     optional("y", Sort::Curve, "`points`", "along y, as an expression of the angle `t`: `12 um * sin(t)`"),
 ];
-const SECTIONS: [Field; 2] = [
-    required("xy", Sort::Shape(Form::Profile), "its outline in the plane xy, by x and y"),
-    required("xz", Sort::Shape(Form::Profile), "its outline in the plane xz, by x and z (written as x and y)"),
+const SECTIONS: [VocabularyField; 2] = [
+    required("xy", Sort::Shape(ShapeForm::Profile), "its outline in the plane xy, by x and y"),
+    required("xz", Sort::Shape(ShapeForm::Profile), "its outline in the plane xz, by x and z (written as x and y)"),
 ];
-const MESH: [Field; 3] = [
+const MESH: [VocabularyField; 3] = [
     required("file", Sort::Text, "an STL file beside the program, ASCII or binary; a closed surface"),
     length("unit", Range::Positive, "what 1 stands for in the file, as `1 um`"),
     MATERIAL,
 ];
-const IMAGE: [Field; 3] = [
-    Field {
+const IMAGE: [VocabularyField; 3] = [
+    VocabularyField {
         name: "scale",
         sort: Sort::Quantity { dimension: Dimension::SCALE, range: Range::Positive },
         need: Need::Required,

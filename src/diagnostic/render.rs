@@ -83,16 +83,16 @@ fn json_label(label: &Label, sources: &Sources) -> serde_json::Value {
 }
 
 /// A diagnostic as miette sees it: the labels of one file, further files as related reports.
-struct Report {
+struct MietteReport {
     head: Option<(String, Severity)>,
     title: String,
     help: Option<String>,
     source: Option<Excerpt>,
     labels: Vec<LabeledSpan>,
-    related: Vec<Report>,
+    related: Vec<MietteReport>,
 }
 
-fn report(diagnostic: &Diagnostic, sources: &Sources) -> Report {
+fn report(diagnostic: &Diagnostic, sources: &Sources) -> MietteReport {
     let mut files: Vec<FileId> = Vec::new();
     for label in &diagnostic.labels {
         if !files.contains(&label.span.file) {
@@ -104,7 +104,7 @@ fn report(diagnostic: &Diagnostic, sources: &Sources) -> Report {
         Excerpt::of(sources.file(file), &labels)
     });
     let (source, labels) = parts.next().unzip();
-    let related = parts.map(|(source, labels)| Report {
+    let related = parts.map(|(source, labels)| MietteReport {
         head: None,
         title: format!("see also {}", source.name()),
         help: None,
@@ -112,7 +112,7 @@ fn report(diagnostic: &Diagnostic, sources: &Sources) -> Report {
         labels,
         related: Vec::new(),
     });
-    Report {
+    MietteReport {
         head: Some((diagnostic.code.name().to_owned(), diagnostic.code.severity())),
         title: plain(&diagnostic.title).into_owned(),
         help: diagnostic.help.as_deref().map(plain_lines),
@@ -122,21 +122,21 @@ fn report(diagnostic: &Diagnostic, sources: &Sources) -> Report {
     }
 }
 
-impl fmt::Display for Report {
+impl fmt::Display for MietteReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.title)
     }
 }
 
-impl fmt::Debug for Report {
+impl fmt::Debug for MietteReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.title)
     }
 }
 
-impl std::error::Error for Report {}
+impl std::error::Error for MietteReport {}
 
-impl miette::Diagnostic for Report {
+impl miette::Diagnostic for MietteReport {
     fn code<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
         self.head.as_ref().map(|(code, _)| Box::new(code) as Box<dyn fmt::Display>)
     }

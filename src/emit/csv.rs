@@ -9,7 +9,7 @@
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
 use crate::diagnostic::plain::commands;
-use crate::schedule::{Channel, Unit};
+use crate::schedule::{Channel, ChannelUnit};
 
 /// About how many bytes a voltage takes, with its comma.
 const VOLTAGE_BYTES: u64 = 4;
@@ -54,8 +54,8 @@ fn times(signals: &Signals) -> impl Iterator<Item = u64> {
 
 fn value_bytes(channel: &Channel) -> u64 {
     match channel.unit {
-        Unit::Volt => VOLTAGE_BYTES,
-        Unit::Micrometre => POSITION_BYTES,
+        ChannelUnit::Volt => VOLTAGE_BYTES,
+        ChannelUnit::Micrometre => POSITION_BYTES,
     }
 }
 

@@ -2,17 +2,20 @@
 
 use super::Provenance;
 use crate::claims::dimibot::{
-    Action, Asked, Body, DimibotOrder, Method, Objective, Obstacle, Planner, Step as Claim, Stop,
+    Asked, DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacle, DimibotObstacleBody, DimibotOrder,
+    DimibotPlanner, DimibotStep as Claim, DimibotStop,
 };
-use crate::claims::fingers::{self, FingersOrder, Part, Section};
+use crate::claims::fingers::{self, FingersOrder, HandPart, Section};
 use crate::claims::{Claims, Job, Order, Timeline};
 use crate::device::Kind;
 use crate::device::dimibot::tests::femto_st;
-use crate::device::dimibot::{Cell, Facts, Side, Simultaneous, Switch};
-use crate::device::fingers::{Facts as Hand, Plane, fixture};
+use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous, Switch};
+use crate::device::fingers::{FingersFacts as Hand, Plane, fixture};
 use crate::geometry::outline::Outline;
 use crate::geometry::shape::{Pose, Shape};
-use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, State, Step, Swing, TimedState, Unit};
+use crate::schedule::{
+    Actuation, Channel, ChannelUnit, PlanRecord, Schedule, ScheduledStep, SourceRef, State, Swing, TimedState,
+};
 use crate::source::Span;
 use crate::verify::Verified;
 use sha2::{Digest, Sha256};
@@ -23,21 +26,21 @@ use std::sync::Arc;
 /// A robot of 5 + 5 modules that goes through every sort of obstacle: nine pulses of 15 ms without rests.
 pub fn fetch() -> (Verified, Provenance) {
     let bot = Robot { device: "bot", facts: facts(5, 5, 0), wired: true };
-    build("fetch", &[(bot, vec![Cell { x: 19, y: 28 }, Cell { x: 7, y: 14 }], 0)])
+    build("fetch", &[(bot, vec![LatticeCell { x: 19, y: 28 }, LatticeCell { x: 7, y: 14 }], 0)])
 }
 
 /// Two robots of different sizes at the same time; the second one rests 2.5 ms after each pulse and starts later.
 pub fn pair() -> (Verified, Provenance) {
     let bot = Robot { device: "bot", facts: facts(5, 5, 0), wired: true };
     let aid = Robot { device: "Aid", facts: facts(3, 2, 2_500_000), wired: false };
-    let way = vec![Cell { x: 5, y: 2 }, Cell { x: 0, y: 0 }];
-    build("Pair", &[(bot, vec![Cell { x: 19, y: 28 }], 0), (aid, way, 7_500_000)])
+    let way = vec![LatticeCell { x: 5, y: 2 }, LatticeCell { x: 0, y: 0 }];
+    build("Pair", &[(bot, vec![LatticeCell { x: 19, y: 28 }], 0), (aid, way, 7_500_000)])
 }
 
 /// As large as they get: 20 + 20 modules, 80 channels.
 pub fn large() -> (Verified, Provenance) {
     let bot = Robot { device: "bot", facts: facts(20, 20, 1_000_000), wired: true };
-    let way = (0..40).map(|i| Cell { x: (0x0005_5555 * i) % (1 << 20), y: (0x000a_bcde * i) % (1 << 20) });
+    let way = (0..40).map(|i| LatticeCell { x: (0x0005_5555 * i) % (1 << 20), y: (0x000a_bcde * i) % (1 << 20) });
     build("large", &[(bot, way.collect(), 0)])
 }
 
@@ -55,15 +58,15 @@ pub fn changed(verified: &Verified, change: impl FnOnce(&mut Schedule)) -> Verif
 
 struct Robot {
     device: &'static str,
-    facts: Facts,
+    facts: DimibotFacts,
     wired: bool,
 }
 
-fn facts(left: u32, right: u32, rest_ns: u64) -> Facts {
-    Facts { rest_ns, repeatability_um: 0.05, tip_radius_um: 0.1, ..femto_st(left, right) }
+fn facts(left: u32, right: u32, rest_ns: u64) -> DimibotFacts {
+    DimibotFacts { rest_ns, repeatability_um: 0.05, tip_radius_um: 0.1, ..femto_st(left, right) }
 }
 
-fn build(name: &str, runs: &[(Robot, Vec<Cell>, u64)]) -> (Verified, Provenance) {
+fn build(name: &str, runs: &[(Robot, Vec<LatticeCell>, u64)]) -> (Verified, Provenance) {
     let text = format!("// {name} µ\ntask {name} on bot {{ }}\n");
     let sha256 = Sha256::digest(&text).iter().map(|byte| format!("{byte:02x}")).collect();
     let mut schedule = Schedule {
@@ -99,28 +102,28 @@ fn add_channels(schedule: &mut Schedule, claims: &mut Claims, robot: &Robot) {
     for side in [Side::Left, Side::Right] {
         for module in 0..robot.facts.modules(side) {
             for switch in [Switch::Set, Switch::Reset] {
-                let name = format!("{}.{}", robot.device, Facts::channel(side, module, switch));
+                let name = format!("{}.{}", robot.device, DimibotFacts::channel(side, module, switch));
                 let line = schedule.channels.len();
                 let wire = robot.wired.then(|| format!("Dev1/port{}/line{}", line / 8, line % 8));
                 if let Some(wire) = &wire {
                     claims.wires.insert(name.clone(), wire.clone());
                 }
                 let device = robot.device.to_owned();
-                schedule.channels.push(Channel { name, device, unit: Unit::Volt, wire });
+                schedule.channels.push(Channel { name, device, unit: ChannelUnit::Volt, wire });
             }
         }
     }
 }
 
-fn job(robot: &Robot, way: &[Cell]) -> Job {
-    let stop = |cell: &Cell| Stop { asked: Asked::Cell, cell: *cell, span: Span::default() };
-    let step = |cell: &Cell| Claim { action: Action::Move(vec![stop(cell)]), span: Span::default() };
+fn job(robot: &Robot, way: &[LatticeCell]) -> Job {
+    let stop = |cell: &LatticeCell| DimibotStop { asked: Asked::Cell, cell: *cell, span: Span::default() };
+    let step = |cell: &LatticeCell| Claim { action: DimibotAction::Move(vec![stop(cell)]), span: Span::default() };
     let order = DimibotOrder {
         facts: robot.facts.clone(),
         frame: None,
         obstacles: std::sync::Arc::new(obstacles()),
-        objective: Objective::Distance,
-        planner: Planner { method: Method::StagedAstar, expansions: 1000 },
+        objective: DimibotObjective::Distance,
+        planner: DimibotPlanner { method: DimibotMethod::StagedAstar, expansions: 1000 },
         simultaneous: Simultaneous::Never,
         precision_um: Some(0.25),
         start: None,
@@ -136,7 +139,7 @@ fn job(robot: &Robot, way: &[Cell]) -> Job {
     }
 }
 
-fn obstacles() -> Vec<Obstacle> {
+fn obstacles() -> Vec<DimibotObstacle> {
     let angle = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [0.5, 0.5], [0.5, 2.0], [0.0, 2.0]];
     let solids = [
         ("bead", Shape::Disc { radius_um: 0.8 }, Pose::at(4.0, 2.5)),
@@ -145,14 +148,14 @@ fn obstacles() -> Vec<Obstacle> {
         ("hair", Shape::Capsule { length_um: 2.0, radius_um: 0.2 }, Pose::at(2.0, 8.0)),
         ("speck", Shape::Point, Pose::at(6.0, 11.0)),
     ];
-    let solids = solids.into_iter().map(|(name, shape, pose)| (name, Body::Solid { shape, pose }));
-    let dust = Body::Cells { from: Cell { x: 12, y: 7 }, to: Cell { x: 13, y: 7 } };
+    let solids = solids.into_iter().map(|(name, shape, pose)| (name, DimibotObstacleBody::Solid { shape, pose }));
+    let dust = DimibotObstacleBody::Cells { from: LatticeCell { x: 12, y: 7 }, to: LatticeCell { x: 13, y: 7 } };
     let all = solids.chain([("dust", dust)]);
-    all.map(|(name, body)| Obstacle { name: name.to_owned(), body, span: Span::default() }).collect()
+    all.map(|(name, body)| DimibotObstacle { name: name.to_owned(), body, span: Span::default() }).collect()
 }
 
 /// Switches one module after the other until each cell is reached.
-fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[Cell], start_ns: u64) {
+fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[LatticeCell], start_ns: u64) {
     let facts = &robot.facts;
     let first = schedule.channels.iter().position(|channel| channel.device == robot.device).unwrap_or(0);
     let plan = schedule.plans.len() as u32;
@@ -184,7 +187,7 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[Cell], start_ns: u64)
             states.push(timed(facts, cell, t_ns + duration_ns));
             t_ns += duration_ns + facts.rest_ns;
         }
-        schedule.steps.push(Step {
+        schedule.steps.push(ScheduledStep {
             task: format!("go_{}", robot.device),
             plan,
             text: format!("move to {goal}"),
@@ -217,7 +220,7 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[Cell], start_ns: u64)
     });
 }
 
-fn timed(facts: &Facts, cell: Cell, t_ns: u64) -> TimedState {
+fn timed(facts: &DimibotFacts, cell: LatticeCell, t_ns: u64) -> TimedState {
     let state = State::Dimibot { word: facts.word(cell), cell: [cell.x, cell.y], position_um: facts.place_um(cell) };
     TimedState { t_ns, state }
 }
@@ -228,9 +231,10 @@ pub fn crowd() -> (Verified, Provenance) {
     let crowd = changed(&verified, |schedule| {
         schedule.name = "crowd".to_owned();
         schedule.duration_ns = 1000;
-        let channel = |i| Channel { name: format!("bot.e{i}"), device: "bot".into(), unit: Unit::Volt, wire: None };
+        let channel =
+            |i| Channel { name: format!("bot.e{i}"), device: "bot".into(), unit: ChannelUnit::Volt, wire: None };
         schedule.channels = (0..301).map(channel).collect();
-        schedule.steps = vec![Step {
+        schedule.steps = vec![ScheduledStep {
             task: "go_bot".to_owned(),
             plan: 0,
             text: "wait 1 us".to_owned(),
@@ -286,7 +290,8 @@ pub fn paces() -> (Verified, Provenance) {
     let paces = changed(&verified, |schedule| {
         schedule.name = "paces".to_owned();
         schedule.duration_ns = 100;
-        let channel = |i| Channel { name: format!("bot.e{i}"), device: "bot".into(), unit: Unit::Volt, wire: None };
+        let channel =
+            |i| Channel { name: format!("bot.e{i}"), device: "bot".into(), unit: ChannelUnit::Volt, wire: None };
         schedule.channels = (0..3).map(channel).collect();
         let crowd = crowd().0;
         schedule.steps = crowd.schedule().steps.clone();
@@ -320,7 +325,12 @@ pub fn mixed() -> (Verified, Provenance) {
         schedule.name = "mixed".to_owned();
         let channel = schedule.channels.len() as u32;
         let (name, device) = ("hand.f1.x".to_owned(), "hand".to_owned());
-        schedule.channels.push(Channel { name, device, unit: Unit::Micrometre, wire: Some("stage1/x".to_owned()) });
+        schedule.channels.push(Channel {
+            name,
+            device,
+            unit: ChannelUnit::Micrometre,
+            wire: Some("stage1/x".to_owned()),
+        });
         let go = |start_ns, duration_ns, from, to| Actuation {
             channel,
             start_ns,
@@ -364,7 +374,7 @@ pub fn hand() -> (Verified, Provenance) {
     let channel = |name: String| Channel {
         name: format!("hand.{name}"),
         device: "hand".to_owned(),
-        unit: Unit::Micrometre,
+        unit: ChannelUnit::Micrometre,
         wire: wire(&name),
     };
     schedule.channels = facts.channels().into_iter().map(channel).collect();
@@ -423,7 +433,7 @@ fn hand_facts() -> Hand {
 fn hand_order(facts: Hand) -> FingersOrder {
     let outline = Outline::Ellipse { semi_um: [BALL_UM; 2] };
     let section = Section { outline, contacts: CONTACTS, opposite: Some(1 + CONTACTS / 2), step_rad: step_rad() };
-    let part = Part {
+    let part = HandPart {
         name: "bead".to_owned(),
         xy: section.clone(),
         xz: Some(section),
@@ -431,20 +441,20 @@ fn hand_order(facts: Hand) -> FingersOrder {
         position_um: [0.0; 3],
         span: Span::default(),
     };
-    let turn = fingers::Action::Rotate { plane: Plane::Xy, steps: 2, angle_rad: 2.0 * step_rad() };
+    let turn = fingers::FingersAction::Rotate { plane: Plane::Xy, steps: 2, angle_rad: 2.0 * step_rad() };
     let actions = [
-        fingers::Action::Grasp(Some(vec![1, 38, 0])),
+        fingers::FingersAction::Grasp(Some(vec![1, 38, 0])),
         turn,
-        fingers::Action::Translate([0.0, 0.0, 5.0]),
-        fingers::Action::Wait(50_000_000),
+        fingers::FingersAction::Translate([0.0, 0.0, 5.0]),
+        fingers::FingersAction::Wait(50_000_000),
     ];
-    let steps = actions.into_iter().map(|action| fingers::Step { action, span: Span::default() }).collect();
+    let steps = actions.into_iter().map(|action| fingers::FingersStep { action, span: Span::default() }).collect();
     FingersOrder {
         facts: Arc::new(facts),
         part: Arc::new(part),
         precision_rad: 0.01,
         load_un: [0.0; 3],
-        planner: fingers::Planner::JointAstar,
+        planner: fingers::FingersPlanner::JointAstar,
         expansions: 1,
         steps,
     }
@@ -459,7 +469,7 @@ struct Gesture {
     turned: i64,
     height_um: f64,
     actuations: Vec<Actuation>,
-    steps: Vec<Step>,
+    steps: Vec<ScheduledStep>,
     states: Vec<TimedState>,
 }
 
@@ -554,7 +564,7 @@ impl Gesture {
 
     fn step(&mut self, text: &str) {
         self.end_step();
-        self.steps.push(Step {
+        self.steps.push(ScheduledStep {
             task: "turn".to_owned(),
             plan: 0,
             text: text.to_owned(),

@@ -12,7 +12,7 @@
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
-use crate::schedule::{Channel, Unit};
+use crate::schedule::{Channel, ChannelUnit};
 use std::fmt::Write as _;
 
 /// The letters of a machine's axes: three for each finger.
@@ -57,8 +57,8 @@ pub(super) fn write(signals: &Signals) -> Result<Vec<(String, Vec<u8>)>, EmitErr
 
 fn refuse_what_is_no_stage(signals: &Signals) -> Result<(), EmitError> {
     let of_volts = |channel: &&Channel| match channel.unit {
-        Unit::Volt => true,
-        Unit::Micrometre => false,
+        ChannelUnit::Volt => true,
+        ChannelUnit::Micrometre => false,
     };
     let channels = &signals.schedule.channels;
     let channel = channels.iter().find(of_volts).map(|channel| channel.name.clone());

@@ -16,7 +16,7 @@ use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::signal::{LEAP_UM, half_ns};
 use super::{Format, Signals, identifier};
-use crate::schedule::{Actuation, Swing, Unit};
+use crate::schedule::{Actuation, ChannelUnit, Swing};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
@@ -47,8 +47,8 @@ const MAX_WORK: u64 = 5_000_000;
 /// [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
 pub(super) fn write(signals: &Signals) -> Result<[Vec<u8>; 2], EmitError> {
     let channels = &signals.schedule.channels;
-    let lines: Vec<Line> = (0..channels.len()).map(|channel| Line::new(signals, channel)).collect();
-    let bytes = lines.iter().map(Line::estimated_bytes).fold(0, u64::saturating_add);
+    let lines: Vec<Waveform> = (0..channels.len()).map(|channel| Waveform::new(signals, channel)).collect();
+    let bytes = lines.iter().map(Waveform::estimated_bytes).fold(0, u64::saturating_add);
     EmitError::refuse_size(Format::Pwl, bytes, MAX_TEXT_BYTES)?;
     let trains = channels
         .iter()
@@ -62,18 +62,18 @@ pub(super) fn write(signals: &Signals) -> Result<[Vec<u8>; 2], EmitError> {
 }
 
 /// The waveform of a channel: a line through points, and the trains on top of it.
-struct Line<'a> {
+struct Waveform<'a> {
     signals: &'a Signals<'a>,
     channel: usize,
     /// Empty where a level is no longer than a step's rise; the line then goes through every edge.
     trains: Vec<(&'a Actuation, Swing)>,
 }
 
-impl<'a> Line<'a> {
+impl<'a> Waveform<'a> {
     fn new(signals: &'a Signals<'a>, channel: usize) -> Self {
         let all: Vec<_> = signals.swings(channel).collect();
         let slow = all.iter().all(|(_, swing)| half_ns(*swing) > RISE_NS);
-        Line { signals, channel, trains: if slow { all } else { Vec::new() } }
+        Waveform { signals, channel, trains: if slow { all } else { Vec::new() } }
     }
 
     fn estimated_bytes(&self) -> u64 {
@@ -106,8 +106,8 @@ impl<'a> Line<'a> {
     /// Whether a stage is where it was, but for rounding, so that nothing has to rise.
     fn bends(&self, t_ns: u64) -> bool {
         match self.signals.unit(self.channel) {
-            Unit::Volt => false,
-            Unit::Micrometre => (self.base_before(t_ns) - self.base(t_ns)).abs() <= LEAP_UM,
+            ChannelUnit::Volt => false,
+            ChannelUnit::Micrometre => (self.base_before(t_ns) - self.base(t_ns)).abs() <= LEAP_UM,
         }
     }
 
@@ -141,7 +141,7 @@ impl<'a> Line<'a> {
     }
 }
 
-fn sources(signals: &Signals, lines: &[Line], nodes: &[String], inner: &[String]) -> String {
+fn sources(signals: &Signals, lines: &[Waveform], nodes: &[String], inner: &[String]) -> String {
     let schedule = signals.schedule;
     let mut text = format!("* {}: one voltage source for each channel, steps rise in {RISE_NS} ns\n", schedule.name);
     if !inner.is_empty() {
@@ -152,8 +152,8 @@ fn sources(signals: &Signals, lines: &[Line], nodes: &[String], inner: &[String]
         let channel = &schedule.channels[line.channel];
         let wire = channel.wire.as_deref().map_or_else(String::new, |wire| format!(", wire {}", one_line(wire)));
         let scale = match channel.unit {
-            Unit::Volt => "",
-            Unit::Micrometre => ", 1 V stands for 1 um",
+            ChannelUnit::Volt => "",
+            ChannelUnit::Micrometre => ", 1 V stands for 1 um",
         };
         let _ = writeln!(text, "* {} [{}]{scale}{wire}", channel.name, channel.unit.symbol());
         let own: Vec<&str> = inner.by_ref().take(line.trains.len()).map(String::as_str).collect();

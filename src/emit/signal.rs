@@ -5,7 +5,7 @@
 //! A swing is one actuation, however long it is. Its ends are [`Signals::breaks`]; what happens between them is only counted, or
 //! told one instant after the other by [`Edges`], for the formats that cannot say it in one go.
 
-use crate::schedule::{Actuation, Schedule, Swing, Unit};
+use crate::schedule::{Actuation, ChannelUnit, Schedule, Swing};
 use std::collections::BTreeSet;
 
 /// What two positions may differ by and be the same but for rounding.
@@ -41,12 +41,12 @@ impl<'a> Signals<'a> {
     }
 
     /// What the numbers of a channel are.
-    pub fn unit(&self, channel: usize) -> Unit {
+    pub fn unit(&self, channel: usize) -> ChannelUnit {
         self.schedule.channels[channel].unit
     }
 
     /// The channels whose numbers are of a unit.
-    pub fn in_unit(&self, unit: Unit) -> impl Iterator<Item = usize> + Clone {
+    pub fn in_unit(&self, unit: ChannelUnit) -> impl Iterator<Item = usize> + Clone {
         (0..self.schedule.channels.len()).filter(move |channel| self.unit(*channel) == unit)
     }
 
@@ -70,8 +70,8 @@ impl<'a> Signals<'a> {
     fn rest(&self, channel: usize, over: usize) -> f64 {
         let list = self.of(channel);
         match self.unit(channel) {
-            Unit::Volt => 0.0,
-            Unit::Micrometre => match over.checked_sub(1) {
+            ChannelUnit::Volt => 0.0,
+            ChannelUnit::Micrometre => match over.checked_sub(1) {
                 Some(last) => list[last].to,
                 None => list.first().map_or(0.0, |first| first.from),
             },
@@ -115,10 +115,10 @@ impl<'a> Signals<'a> {
     }
 
     /// The instants at which one of these channels jumps or bends, within swings too.
-    pub fn edges(&self, channels: impl IntoIterator<Item = usize> + Clone) -> Edges<'_> {
+    pub fn edges(&self, channels: impl IntoIterator<Item = usize> + Clone) -> SignalEdges<'_> {
         let swinging = channels.clone().into_iter().filter(|channel| self.swings(*channel).next().is_some()).collect();
         let breaks = self.breaks(channels).into_iter().collect();
-        Edges { signals: self, swinging, breaks, next: 0, open: Vec::new(), last_ns: 0 }
+        SignalEdges { signals: self, swinging, breaks, next: 0, open: Vec::new(), last_ns: 0 }
     }
 
     /// No fewer than the edges of these channels.
@@ -132,8 +132,8 @@ impl<'a> Signals<'a> {
     }
 
     /// The devices that have channels, with the unit and the indices of their channels, in the order of the channels.
-    pub fn devices(&self) -> Vec<(&'a str, Unit, Vec<usize>)> {
-        let mut devices: indexmap::IndexMap<(&str, Unit), Vec<usize>> = indexmap::IndexMap::new();
+    pub fn devices(&self) -> Vec<(&'a str, ChannelUnit, Vec<usize>)> {
+        let mut devices: indexmap::IndexMap<(&str, ChannelUnit), Vec<usize>> = indexmap::IndexMap::new();
         for (index, channel) in self.schedule.channels.iter().enumerate() {
             devices.entry((&channel.device, channel.unit)).or_default().push(index);
         }
@@ -147,7 +147,7 @@ impl<'a> Signals<'a> {
                 .schedule
                 .channels
                 .get(actuation.channel as usize)
-                .is_some_and(|channel| channel.unit == Unit::Volt);
+                .is_some_and(|channel| channel.unit == ChannelUnit::Volt);
             of_volts && actuation.swing.is_none() && actuation.from != actuation.to
         })
     }
@@ -160,12 +160,12 @@ impl<'a> Signals<'a> {
             let t_ns = swing.or_else(|| self.breaks([channel]).into_iter().find(leaps))?;
             Some((channel, t_ns))
         };
-        self.in_unit(Unit::Micrometre).find_map(leap)
+        self.in_unit(ChannelUnit::Micrometre).find_map(leap)
     }
 }
 
 /// The edges of some channels, each instant once, in order.
-pub struct Edges<'a> {
+pub struct SignalEdges<'a> {
     signals: &'a Signals<'a>,
     swinging: Vec<usize>,
     breaks: Vec<u64>,
@@ -176,7 +176,7 @@ pub struct Edges<'a> {
     last_ns: u64,
 }
 
-impl Iterator for Edges<'_> {
+impl Iterator for SignalEdges<'_> {
     type Item = u64;
 
     fn next(&mut self) -> Option<u64> {

@@ -8,5 +8,5 @@ pub mod polygon;
 pub mod section;
 pub mod shape;
 
-pub use section::Axis;
+pub use section::PlaneAxis;
 pub use shape::{Core, Pose, Rounded, Shape, ShapeError};

@@ -4,7 +4,7 @@ use nalgebra::{Point2, Vector2};
 
 /// What is wrong with an outline; corners are counted from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fault {
+pub enum PolygonFault {
     TooFewCorners,
     /// This corner and the next one are the same place.
     RepeatedCorner(usize),
@@ -15,27 +15,27 @@ pub enum Fault {
 }
 
 /// The first fault of an outline, if it has one. Looks at every pair of sides.
-pub fn fault(corners: &[[f64; 2]]) -> Option<Fault> {
+pub fn fault(corners: &[[f64; 2]]) -> Option<PolygonFault> {
     if corners.len() < 3 {
-        return Some(Fault::TooFewCorners);
+        return Some(PolygonFault::TooFewCorners);
     }
     let corners: Vec<Point2<f64>> = corners.iter().map(|&[x, y]| Point2::new(x, y)).collect();
     if corners.iter().all(|corner| cross(corners[1] - corners[0], corner - corners[0]) == 0.0)
         && corners[0] != corners[1]
     {
-        return Some(Fault::NoArea);
+        return Some(PolygonFault::NoArea);
     }
     let count = corners.len();
     let side = |index: usize| (corners[index], corners[(index + 1) % count]);
     if let Some(twice) = (0..count).find(|&corner| side(corner).0 == side(corner).1) {
-        return Some(Fault::RepeatedCorner(twice + 1));
+        return Some(PolygonFault::RepeatedCorner(twice + 1));
     }
     for a in 0..count {
         for b in a + 1..count {
             let neighbours = b == a + 1 || (a == 0 && b == count - 1);
             let meet = if neighbours { folds_back(&corners, a, b) } else { touch(side(a), side(b)) };
             if meet {
-                return Some(Fault::Crossing(a + 1, b + 1));
+                return Some(PolygonFault::Crossing(a + 1, b + 1));
             }
         }
     }
@@ -84,10 +84,10 @@ mod tests {
         let arrow = [[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [1.0, 1.0]];
         assert_eq!(fault(&square), None);
         assert_eq!(fault(&arrow), None);
-        assert_eq!(fault(&square[..2]), Some(Fault::TooFewCorners));
-        assert_eq!(fault(&line), Some(Fault::NoArea));
-        assert_eq!(fault(&twice), Some(Fault::RepeatedCorner(2)));
-        assert_eq!(fault(&bow_tie), Some(Fault::Crossing(1, 3)));
-        assert_eq!(fault(&spike), Some(Fault::Crossing(1, 2)));
+        assert_eq!(fault(&square[..2]), Some(PolygonFault::TooFewCorners));
+        assert_eq!(fault(&line), Some(PolygonFault::NoArea));
+        assert_eq!(fault(&twice), Some(PolygonFault::RepeatedCorner(2)));
+        assert_eq!(fault(&bow_tie), Some(PolygonFault::Crossing(1, 3)));
+        assert_eq!(fault(&spike), Some(PolygonFault::Crossing(1, 2)));
     }
 }

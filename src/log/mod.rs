@@ -12,10 +12,10 @@ mod records;
 mod series;
 
 pub use error::{LogError, other_version};
-pub use series::{Bound, Column, Samples, Series, VoltageFault, fault as voltage_fault};
+pub use series::{Bound, Samples, Series, SeriesColumn, VoltageFault, fault as voltage_fault};
 
 use crate::claims::Claims;
-use crate::schedule::{Schedule, Unit, json};
+use crate::schedule::{ChannelUnit, Schedule, json};
 use crate::source::MAX_FILE_BYTES;
 use records::{Attachment, Contents};
 
@@ -64,20 +64,21 @@ pub const CLAIMS_FORMAT: &str = "tweeze-claims";
 pub const METADATA: &str = "tweeze";
 
 /// The topic of a device that holds its channels of a unit.
-pub fn topic(device: &str, unit: Unit) -> String {
+pub fn topic(device: &str, unit: ChannelUnit) -> String {
     format!("/{device}{}", suffix(unit))
 }
 
 /// Whether a topic holds channels.
 pub fn is_topic(name: &str) -> bool {
-    name.starts_with('/') && [Unit::Volt, Unit::Micrometre].iter().any(|unit| name.ends_with(suffix(*unit)))
+    name.starts_with('/')
+        && [ChannelUnit::Volt, ChannelUnit::Micrometre].iter().any(|unit| name.ends_with(suffix(*unit)))
 }
 
 /// What the topics of channels end with; the device stands before it.
-fn suffix(unit: Unit) -> &'static str {
+fn suffix(unit: ChannelUnit) -> &'static str {
     match unit {
-        Unit::Volt => "/voltages",
-        Unit::Micrometre => "/positions",
+        ChannelUnit::Volt => "/voltages",
+        ChannelUnit::Micrometre => "/positions",
     }
 }
 
@@ -166,13 +167,13 @@ fn check_form(bytes: &[u8]) -> Result<(), String> {
 /// That of the serializer, which claims give no cause for: their keys are strings.
 pub fn write_claims(claims: &Claims) -> Result<Vec<u8>, serde_json::Error> {
     #[derive(serde::Serialize)]
-    struct Document<'a> {
+    struct LogDocument<'a> {
         format: &'static str,
         version: u64,
         #[serde(flatten)]
         claims: &'a Claims,
     }
-    serde_json::to_vec(&Document { format: CLAIMS_FORMAT, version: SCHEMA, claims })
+    serde_json::to_vec(&LogDocument { format: CLAIMS_FORMAT, version: SCHEMA, claims })
 }
 
 /// The data of the one attachment of a name.

@@ -35,19 +35,19 @@ pub struct Attachment<'a> {
 pub type Visitor<'v> = dyn FnMut(&str, u64, &[u8]) + 'v;
 
 /// Message types and topics met so far, and how much was read.
-struct State<'v> {
+struct RecordsState<'v> {
     visit: &'v mut Visitor<'v>,
-    schemas: BTreeMap<u16, Schema>,
-    topics: BTreeMap<u16, Topic>,
+    schemas: BTreeMap<u16, RecordSchema>,
+    topics: BTreeMap<u16, SeriesTopic>,
     data_bytes: u64,
     /// Of message types and topics, each counted once.
     definition_bytes: u64,
     messages: u64,
 }
 
-impl State<'_> {
+impl RecordsState<'_> {
     /// Counts a definition that is kept.
-    fn define(&mut self, record: &Record) -> Result<(), LogError> {
+    fn define(&mut self, record: &LogRecord) -> Result<(), LogError> {
         self.definition_bytes += record.body.len() as u64;
         let (bytes, limit) = (self.definition_bytes, MAX_DEFINITION_BYTES);
         match bytes > limit {
@@ -61,14 +61,14 @@ impl State<'_> {
 }
 
 #[derive(PartialEq)]
-struct Schema {
+struct RecordSchema {
     name: String,
     encoding: String,
     descriptor: Vec<u8>,
 }
 
 /// A topic: the series that its messages go to, if it is one of voltages.
-struct Topic {
+struct SeriesTopic {
     name: String,
     definition: Vec<u8>,
     series: Option<(usize, Decoder)>,
@@ -81,12 +81,12 @@ pub fn read<'a, 'v>(bytes: &'a [u8], visit: &'v mut Visitor<'v>) -> Result<Conte
     }
     let mut contents = Contents::default();
     let (schemas, topics) = (BTreeMap::new(), BTreeMap::new());
-    let mut state = State { visit, schemas, topics, data_bytes: 0, definition_bytes: 0, messages: 0 };
+    let mut state = RecordsState { visit, schemas, topics, data_bytes: 0, definition_bytes: 0, messages: 0 };
     let mut records = Records { bytes, at: mcap::MAGIC.len(), base: 0 };
     loop {
         let record = records.next()?;
         if record.opcode == op::DATA_END {
-            check_crc(&bytes[..record.start], Fields::of(&record).u32()?, &record, "the data section")?;
+            check_crc(&bytes[..record.start], RecordFields::of(&record).u32()?, &record, "the data section")?;
             break;
         }
         take(&record, &mut contents, &mut state)?;
@@ -103,7 +103,7 @@ fn check_summary(records: &mut Records) -> Result<(), LogError> {
         if record.opcode != op::FOOTER {
             continue;
         }
-        let mut fields = Fields::of(&record);
+        let mut fields = RecordFields::of(&record);
         fields.skip(16)?;
         let covered = &records.bytes[start..record.start + RECORD_HEAD_BYTES + 16];
         check_crc(covered, fields.u32()?, &record, "the summary")?;
@@ -116,7 +116,7 @@ fn check_summary(records: &mut Records) -> Result<(), LogError> {
     }
 }
 
-fn check_crc(covered: &[u8], written: u32, record: &Record, what: &str) -> Result<(), LogError> {
+fn check_crc(covered: &[u8], written: u32, record: &LogRecord, what: &str) -> Result<(), LogError> {
     let computed = crc32fast::hash(covered);
     match written {
         0 => Err(LogError::damaged(record.offset(), format!("{what} has no checksum"))),
@@ -129,7 +129,7 @@ fn check_crc(covered: &[u8], written: u32, record: &Record, what: &str) -> Resul
 }
 
 /// One record of the data section.
-fn take<'a>(record: &Record<'a>, contents: &mut Contents<'a>, state: &mut State) -> Result<(), LogError> {
+fn take<'a>(record: &LogRecord<'a>, contents: &mut Contents<'a>, state: &mut RecordsState) -> Result<(), LogError> {
     match record.opcode {
         op::CHUNK => chunk(record, contents, state),
         op::ATTACHMENT => {
@@ -137,7 +137,7 @@ fn take<'a>(record: &Record<'a>, contents: &mut Contents<'a>, state: &mut State)
             Ok(())
         }
         op::METADATA => {
-            let mut fields = Fields::of(record);
+            let mut fields = RecordFields::of(record);
             if fields.text()? != METADATA {
                 return Ok(());
             }
@@ -152,8 +152,8 @@ fn take<'a>(record: &Record<'a>, contents: &mut Contents<'a>, state: &mut State)
     }
 }
 
-fn attachment<'a>(record: &Record<'a>) -> Result<Attachment<'a>, LogError> {
-    let mut fields = Fields::of(record);
+fn attachment<'a>(record: &LogRecord<'a>) -> Result<Attachment<'a>, LogError> {
+    let mut fields = RecordFields::of(record);
     fields.skip(16)?;
     let name = fields.text()?.to_owned();
     fields.text()?;
@@ -166,8 +166,8 @@ fn attachment<'a>(record: &Record<'a>) -> Result<Attachment<'a>, LogError> {
     Ok(Attachment { offset: record.offset(), name, data })
 }
 
-fn chunk<'a>(record: &Record<'a>, contents: &mut Contents<'a>, state: &mut State) -> Result<(), LogError> {
-    let mut fields = Fields::of(record);
+fn chunk<'a>(record: &LogRecord<'a>, contents: &mut Contents<'a>, state: &mut RecordsState) -> Result<(), LogError> {
+    let mut fields = RecordFields::of(record);
     fields.skip(16)?;
     let (size, crc) = (fields.u64()?, fields.u32()?);
     let compression = fields.text()?.to_owned();
@@ -203,7 +203,11 @@ fn chunk<'a>(record: &Record<'a>, contents: &mut Contents<'a>, state: &mut State
     Ok(())
 }
 
-fn definition_or_message(record: &Record, contents: &mut Contents, state: &mut State) -> Result<(), LogError> {
+fn definition_or_message(
+    record: &LogRecord,
+    contents: &mut Contents,
+    state: &mut RecordsState,
+) -> Result<(), LogError> {
     match record.opcode {
         op::SCHEMA => schema(record, state),
         op::CHANNEL => topic(record, contents, state),
@@ -212,14 +216,14 @@ fn definition_or_message(record: &Record, contents: &mut Contents, state: &mut S
     }
 }
 
-fn schema(record: &Record, state: &mut State) -> Result<(), LogError> {
-    let mut fields = Fields::of(record);
+fn schema(record: &LogRecord, state: &mut RecordsState) -> Result<(), LogError> {
+    let mut fields = RecordFields::of(record);
     let id = fields.u16()?;
     let (name, encoding) = (fields.text()?.to_owned(), fields.text()?.to_owned());
     let length = u64::from(fields.u32()?);
     let descriptor = fields.take(length)?.to_vec();
     fields.end()?;
-    let schema = Schema { name, encoding, descriptor };
+    let schema = RecordSchema { name, encoding, descriptor };
     // Writers repeat the definition in every chunk.
     match state.schemas.get(&id) {
         Some(known) if *known != schema => {
@@ -234,8 +238,8 @@ fn schema(record: &Record, state: &mut State) -> Result<(), LogError> {
     }
 }
 
-fn topic(record: &Record, contents: &mut Contents, state: &mut State) -> Result<(), LogError> {
-    let mut fields = Fields::of(record);
+fn topic(record: &LogRecord, contents: &mut Contents, state: &mut RecordsState) -> Result<(), LogError> {
+    let mut fields = RecordFields::of(record);
     let (id, schema) = (fields.u16()?, fields.u16()?);
     if let Some(known) = state.topics.get(&id) {
         // Writers repeat the definition in every chunk.
@@ -266,11 +270,11 @@ fn topic(record: &Record, contents: &mut Contents, state: &mut State) -> Result<
         series = Some((contents.voltages.len(), decoder));
         contents.voltages.push(Series { topic: name.clone(), columns, samples: Samples::default() });
     }
-    state.topics.insert(id, Topic { name, definition: record.body.to_vec(), series });
+    state.topics.insert(id, SeriesTopic { name, definition: record.body.to_vec(), series });
     Ok(())
 }
 
-fn message(record: &Record, contents: &mut Contents, state: &mut State) -> Result<(), LogError> {
+fn message(record: &LogRecord, contents: &mut Contents, state: &mut RecordsState) -> Result<(), LogError> {
     state.messages += 1;
     if state.messages > MAX_MESSAGES {
         let (bytes, limit) = (state.messages, MAX_MESSAGES);
@@ -281,7 +285,7 @@ fn message(record: &Record, contents: &mut Contents, state: &mut State) -> Resul
             limit,
         });
     }
-    let mut fields = Fields::of(record);
+    let mut fields = RecordFields::of(record);
     let id = fields.u16()?;
     fields.skip(4)?;
     let t_ns = fields.u64()?;
@@ -309,14 +313,14 @@ struct Records<'a> {
     base: u64,
 }
 
-struct Record<'a> {
+struct LogRecord<'a> {
     opcode: u8,
     start: usize,
     base: u64,
     body: &'a [u8],
 }
 
-impl Record<'_> {
+impl LogRecord<'_> {
     /// Where it begins in the file; within a compressed chunk, where the chunk does.
     fn offset(&self) -> u64 {
         if self.base > 0 { self.base } else { self.start as u64 }
@@ -324,7 +328,7 @@ impl Record<'_> {
 }
 
 impl<'a> Records<'a> {
-    fn next(&mut self) -> Result<Record<'a>, LogError> {
+    fn next(&mut self) -> Result<LogRecord<'a>, LogError> {
         let start = self.at;
         let rest = &self.bytes[start..];
         let truncated = LogError::Truncated { offset: self.bytes.len() as u64 };
@@ -333,20 +337,20 @@ impl<'a> Records<'a> {
         let length = usize::try_from(u64::from_le_bytes(length)).unwrap_or(usize::MAX);
         let Some(body) = rest.get(..length) else { return Err(truncated) };
         self.at = start + RECORD_HEAD_BYTES + length;
-        Ok(Record { opcode, start, base: self.base, body })
+        Ok(LogRecord { opcode, start, base: self.base, body })
     }
 }
 
 /// The fields of a record, one after the other.
-struct Fields<'a> {
+struct RecordFields<'a> {
     body: &'a [u8],
     at: usize,
     offset: u64,
 }
 
-impl<'a> Fields<'a> {
-    fn of(record: &Record<'a>) -> Self {
-        Fields { body: record.body, at: 0, offset: record.offset() }
+impl<'a> RecordFields<'a> {
+    fn of(record: &LogRecord<'a>) -> Self {
+        RecordFields { body: record.body, at: 0, offset: record.offset() }
     }
 
     fn take(&mut self, length: u64) -> Result<&'a [u8], LogError> {
@@ -391,7 +395,7 @@ impl<'a> Fields<'a> {
             return Err(LogError::TooLarge { offset, what, bytes: length, limit });
         }
         let part = self.take(length)?;
-        let mut entries = Fields { body: part, at: 0, offset: self.offset };
+        let mut entries = RecordFields { body: part, at: 0, offset: self.offset };
         let mut map = BTreeMap::new();
         while entries.at < part.len() {
             let (key, value) = (entries.text()?, entries.text()?);

@@ -1,7 +1,7 @@
 //! Recorded voltages and positions: how their messages are read, and whether they are those of the schedule.
 
 use super::{BOUND_SUFFIX, PERIOD_SUFFIX};
-use crate::schedule::{Actuation, Channel, Schedule, Swing, Unit};
+use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule, Swing};
 use prost::Message;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorSet};
@@ -18,7 +18,7 @@ const SLOPE_ROUNDING: f64 = 1e-12;
 pub struct Series {
     /// The topic that it stands in.
     pub topic: String,
-    pub columns: Vec<Column>,
+    pub columns: Vec<SeriesColumn>,
     pub samples: Samples,
 }
 
@@ -56,7 +56,7 @@ impl Samples {
 
 /// What a number of each message is.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Column {
+pub struct SeriesColumn {
     /// Full name of the channel: `bot.bl4.set`.
     pub channel: String,
     pub bound: Bound,
@@ -104,7 +104,7 @@ pub fn decoder(
     name: &str,
     descriptor: &[u8],
     metadata: &BTreeMap<String, String>,
-) -> Result<(Decoder, Vec<Column>), String> {
+) -> Result<(Decoder, Vec<SeriesColumn>), String> {
     if descriptor.len() > MAX_DESCRIPTOR_BYTES {
         return Err(format!(
             "has a message type of {} bytes, at most {MAX_DESCRIPTOR_BYTES} are read",
@@ -133,12 +133,12 @@ pub fn decoder(
     Ok((Decoder::Fields(fields), columns))
 }
 
-fn column(path: &str, metadata: &BTreeMap<String, String>) -> Result<Column, String> {
+fn column(path: &str, metadata: &BTreeMap<String, String>) -> Result<SeriesColumn, String> {
     let channel = metadata.get(path).ok_or_else(|| format!("does not say which channel `{path}` is"))?.clone();
     let bound = Bound::read(metadata.get(&format!("{path}{BOUND_SUFFIX}")));
     let bound = bound.ok_or_else(|| format!("does not say which level of its drive trains `{path}` is"))?;
     let periods_ns = metadata.get(&format!("{path}{PERIOD_SUFFIX}")).cloned().unwrap_or_default();
-    Ok(Column { channel, bound, periods_ns })
+    Ok(SeriesColumn { channel, bound, periods_ns })
 }
 
 fn find<'a>(set: &'a FileDescriptorSet, name: &str) -> Option<&'a DescriptorProto> {
@@ -209,7 +209,7 @@ pub enum VoltageFault {
     /// The channels of a topic are not those of the device, in their order.
     Channels { topic: String },
     /// A value is another.
-    Value { channel: String, unit: Unit, t_ns: u64, recorded: f64, scheduled: f64 },
+    Value { channel: String, unit: ChannelUnit, t_ns: u64, recorded: f64, scheduled: f64 },
     /// A jump or an end is not recorded, so that a plot would show something else.
     Gap { topic: String, t_ns: u64 },
 }
@@ -261,7 +261,7 @@ fn topic(channel: &Channel) -> String {
 
 fn topic_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Series) -> Option<VoltageFault> {
     let channels = schedule.channels.iter().zip(by_channel).filter(|(channel, _)| topic(channel) == series.topic);
-    let columns: Vec<(Column, Unit, &[&Actuation])> = channels
+    let columns: Vec<(SeriesColumn, ChannelUnit, &[&Actuation])> = channels
         .flat_map(|(channel, actuations)| {
             columns(&channel.name, actuations).map(|column| (column, channel.unit, &actuations[..]))
         })
@@ -274,12 +274,13 @@ fn topic_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Ser
 }
 
 /// What has to be recorded of a channel.
-fn columns(channel: &str, actuations: &[&Actuation]) -> impl Iterator<Item = Column> {
+fn columns(channel: &str, actuations: &[&Actuation]) -> impl Iterator<Item = SeriesColumn> {
     let swings = actuations.iter().filter_map(|actuation| actuation.swing);
     let periods: BTreeSet<u64> = swings.map(|swing| swing.period_ns).collect();
     let periods_ns = periods.iter().map(u64::to_string).collect::<Vec<_>>().join(" ");
     let bounds: &[Bound] = if periods.is_empty() { &[Bound::Exact] } else { &[Bound::Low, Bound::High] };
-    let column = |bound: &Bound| Column { channel: channel.to_owned(), bound: *bound, periods_ns: periods_ns.clone() };
+    let column =
+        |bound: &Bound| SeriesColumn { channel: channel.to_owned(), bound: *bound, periods_ns: periods_ns.clone() };
     bounds.iter().map(column).collect::<Vec<_>>().into_iter()
 }
 
@@ -287,7 +288,7 @@ fn column_fault(
     schedule: &Schedule,
     series: &Series,
     index: usize,
-    (column, unit, actuations): &(Column, Unit, &[&Actuation]),
+    (column, unit, actuations): &(SeriesColumn, ChannelUnit, &[&Actuation]),
 ) -> Option<VoltageFault> {
     if let Some(fault) = gap(schedule.duration_ns, series, actuations) {
         return Some(fault);
@@ -311,10 +312,10 @@ fn column_fault(
 }
 
 /// The value between actuations, so many of them being over: a stage stays where it is, or where it is first wanted.
-fn rest(unit: Unit, actuations: &[&Actuation], over: usize) -> f64 {
+fn rest(unit: ChannelUnit, actuations: &[&Actuation], over: usize) -> f64 {
     match unit {
-        Unit::Volt => 0.0,
-        Unit::Micrometre => match over.checked_sub(1) {
+        ChannelUnit::Volt => 0.0,
+        ChannelUnit::Micrometre => match over.checked_sub(1) {
             Some(last) => actuations[last].to,
             None => actuations.first().map_or(0.0, |first| first.from),
         },

@@ -5,7 +5,9 @@ use crate::claims::{Claims, Job, Order, Timeline};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::plan::{Motion, Optimality, Plan};
 use crate::schedule::reached::{Reached, reached};
-use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, SourceRef, Step, Swing, TimedState, Unit};
+use crate::schedule::{
+    Actuation, Channel, ChannelUnit, PlanRecord, Schedule, ScheduledStep, SourceRef, Swing, TimedState,
+};
 use crate::source::{FileId, Sources, Span};
 use std::collections::BTreeMap;
 
@@ -13,7 +15,7 @@ use std::collections::BTreeMap;
 pub const MAX_DURATION_NS: u64 = 1_000_000_000_000_000;
 
 /// A job by itself, from its own instant 0.
-pub struct Run {
+pub struct LoweredRun {
     pub duration_ns: u64,
     /// Channels are named without the device.
     pub actuations: Vec<(String, RunActuation)>,
@@ -36,12 +38,12 @@ pub struct RunActuation {
 ///
 /// `None` after an error: the whole would last longer than [`MAX_DURATION_NS`].
 pub fn lower(claims: &Claims, plans: &[Plan], sources: &Sources, sink: &mut Sink) -> Option<Schedule> {
-    let runs: Vec<Option<Run>> =
+    let runs: Vec<Option<LoweredRun>> =
         claims.jobs.iter().zip(plans).map(|(job, plan)| run(&job.order, &plan.motion)).collect();
-    let Some(runs) = runs.into_iter().collect::<Option<Vec<Run>>>() else { return too_long(claims, sink) };
+    let Some(runs) = runs.into_iter().collect::<Option<Vec<LoweredRun>>>() else { return too_long(claims, sink) };
     let mut starts = vec![0; runs.len()];
     let Some(duration_ns) = place(&claims.timeline, 0, &runs, &mut starts) else { return too_long(claims, sink) };
-    let mut builder = Builder::new(claims, &runs, sources);
+    let mut builder = ScheduleBuilder::new(claims, &runs, sources);
     for (job, (run, start_ns)) in runs.into_iter().zip(starts).enumerate() {
         builder.add(job, &plans[job], run, start_ns);
     }
@@ -49,7 +51,7 @@ pub fn lower(claims: &Claims, plans: &[Plan], sources: &Sources, sink: &mut Sink
 }
 
 /// A plan on a clock of its own; `None` if it lasts longer than a `u64` counts.
-fn run(order: &Order, motion: &Motion) -> Option<Run> {
+fn run(order: &Order, motion: &Motion) -> Option<LoweredRun> {
     let of_its_kind = "the planner answers an order with a motion of its kind";
     match order {
         Order::Dimibot(order) => dimibot::run(order, motion.dimibot().expect(of_its_kind)),
@@ -68,20 +70,22 @@ fn too_long(claims: &Claims, sink: &mut Sink) -> Option<Schedule> {
 
 /// The channels of a job's device that the schedule lists, without the device's name: of a few all, of very many those
 /// that some run of the device uses.
-fn channels(job: &Job, claims: &Claims, runs: &[Run]) -> Vec<(String, Unit)> {
+fn channels(job: &Job, claims: &Claims, runs: &[LoweredRun]) -> Vec<(String, ChannelUnit)> {
     match &job.order {
-        Order::Dimibot(order) => order.facts.channels().into_iter().map(|name| (name, Unit::Volt)).collect(),
+        Order::Dimibot(order) => order.facts.channels().into_iter().map(|name| (name, ChannelUnit::Volt)).collect(),
         Order::ElectrodeArray(order) => {
             let own = claims.jobs.iter().zip(runs).filter(|(other, _)| other.device == job.device).map(|(_, run)| run);
             electrode_array::channels(&order.facts, own)
         }
-        Order::Microrobots(_) => vec![(crate::device::microrobots::CHANNEL.to_owned(), Unit::Volt)],
-        Order::Fingers(order) => order.facts.channels().into_iter().map(|name| (name, Unit::Micrometre)).collect(),
+        Order::Microrobots(_) => vec![(crate::device::microrobots::CHANNEL.to_owned(), ChannelUnit::Volt)],
+        Order::Fingers(order) => {
+            order.facts.channels().into_iter().map(|name| (name, ChannelUnit::Micrometre)).collect()
+        }
     }
 }
 
 /// Where each run of a timeline begins; returns where the timeline ends.
-fn place(timeline: &Timeline, at_ns: u64, runs: &[Run], starts: &mut [u64]) -> Option<u64> {
+fn place(timeline: &Timeline, at_ns: u64, runs: &[LoweredRun], starts: &mut [u64]) -> Option<u64> {
     let end = match timeline {
         Timeline::Run(job) => {
             starts[*job] = at_ns;
@@ -107,19 +111,19 @@ fn place(timeline: &Timeline, at_ns: u64, runs: &[Run], starts: &mut [u64]) -> O
 }
 
 /// Gathers the runs of a program into one schedule.
-struct Builder<'a> {
+struct ScheduleBuilder<'a> {
     claims: &'a Claims,
     sources: &'a Sources,
     channels: Vec<Channel>,
     index: BTreeMap<String, u32>,
     actuations: Vec<Actuation>,
-    steps: Vec<Step>,
+    steps: Vec<ScheduledStep>,
     plans: Vec<PlanRecord>,
 }
 
-impl<'a> Builder<'a> {
-    fn new(claims: &'a Claims, runs: &[Run], sources: &'a Sources) -> Self {
-        let mut builder = Builder {
+impl<'a> ScheduleBuilder<'a> {
+    fn new(claims: &'a Claims, runs: &[LoweredRun], sources: &'a Sources) -> Self {
+        let mut builder = ScheduleBuilder {
             claims,
             sources,
             channels: Vec::new(),
@@ -136,7 +140,7 @@ impl<'a> Builder<'a> {
         builder
     }
 
-    fn channel(&mut self, device: &str, channel: &str, unit: Unit) {
+    fn channel(&mut self, device: &str, channel: &str, unit: ChannelUnit) {
         let name = format!("{device}.{channel}");
         if self.index.contains_key(&name) {
             return;
@@ -146,7 +150,7 @@ impl<'a> Builder<'a> {
         self.channels.push(Channel { name, device: device.to_owned(), unit, wire });
     }
 
-    fn add(&mut self, job: usize, plan: &Plan, run: Run, start_ns: u64) {
+    fn add(&mut self, job: usize, plan: &Plan, run: LoweredRun, start_ns: u64) {
         let task = &self.claims.jobs[job];
         let first_step = self.steps.len();
         for (channel, actuation) in &run.actuations {
@@ -170,9 +174,14 @@ impl<'a> Builder<'a> {
         self.plans.push(self.record(job, plan, run, start_ns));
     }
 
-    fn step(&self, job: usize, (span, start_ns, duration_ns): (Span, u64, u64), reached: Vec<Reached>) -> Step {
+    fn step(
+        &self,
+        job: usize,
+        (span, start_ns, duration_ns): (Span, u64, u64),
+        reached: Vec<Reached>,
+    ) -> ScheduledStep {
         let position = self.sources.position(span);
-        Step {
+        ScheduledStep {
             task: self.claims.jobs[job].task.clone(),
             plan: job as u32,
             text: self.sources.text(span).split_whitespace().collect::<Vec<_>>().join(" "),
@@ -186,7 +195,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn record(&self, job: usize, plan: &Plan, run: Run, start_ns: u64) -> PlanRecord {
+    fn record(&self, job: usize, plan: &Plan, run: LoweredRun, start_ns: u64) -> PlanRecord {
         let task = &self.claims.jobs[job];
         let on_clock = |state: TimedState| TimedState { t_ns: start_ns + state.t_ns, ..state };
         PlanRecord {

@@ -3,24 +3,24 @@
 //! A pulse lasts as long as the device's pulse does; the rest that follows belongs to it, so that whatever comes next finds the
 //! modules settled.
 
-use super::clock::{Run, RunActuation};
+use super::clock::{LoweredRun, RunActuation};
 use crate::claims::dimibot::DimibotOrder;
-use crate::device::dimibot::{Cell, Facts, Side, Switch};
-use crate::plan::dimibot::{Motion, Pulse, StepMotion};
+use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Switch};
+use crate::plan::dimibot::{DimibotMotion, DimibotStepMotion, ModulePulse};
 use crate::schedule::{State, TimedState};
 
 /// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
-pub fn run(order: &DimibotOrder, motion: &Motion) -> Option<Run> {
+pub fn run(order: &DimibotOrder, motion: &DimibotMotion) -> Option<LoweredRun> {
     let facts = &order.facts;
-    let mut run = Run { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() };
+    let mut run = LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() };
     let mut cell = motion.start;
     let mut delays = motion.delays.iter();
     run.states.push(TimedState { t_ns: 0, state: state(facts, cell) });
     for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
         let start_ns = run.duration_ns;
         match motion {
-            StepMotion::Wait(duration_ns) => run.duration_ns = run.duration_ns.checked_add(*duration_ns)?,
-            StepMotion::Pulses(pulses) => {
+            DimibotStepMotion::Wait(duration_ns) => run.duration_ns = run.duration_ns.checked_add(*duration_ns)?,
+            DimibotStepMotion::Pulses(pulses) => {
                 for pulse in pulses {
                     run.duration_ns = run.duration_ns.checked_add(delays.next().copied().unwrap_or(0))?;
                     cell = fire(&mut run, facts, cell, *pulse, index)?;
@@ -33,7 +33,13 @@ pub fn run(order: &DimibotOrder, motion: &Motion) -> Option<Run> {
 }
 
 /// Adds one pulse, its rest, and the state that it leads to.
-fn fire(run: &mut Run, facts: &Facts, cell: Cell, pulse: Pulse, step: usize) -> Option<Cell> {
+fn fire(
+    run: &mut LoweredRun,
+    facts: &DimibotFacts,
+    cell: LatticeCell,
+    pulse: ModulePulse,
+    step: usize,
+) -> Option<LatticeCell> {
     let (start_ns, duration_ns) = (run.duration_ns, facts.pulse_duration_ns);
     let end_ns = start_ns.checked_add(duration_ns)?;
     for (side, mask, bits) in [(Side::Left, pulse.left, cell.x), (Side::Right, pulse.right, cell.y)] {
@@ -41,15 +47,15 @@ fn fire(run: &mut Run, facts: &Facts, cell: Cell, pulse: Pulse, step: usize) -> 
             let switch = if bits >> module & 1 == 1 { Switch::Reset } else { Switch::Set };
             let volts = facts.pulse_voltage_v;
             let actuation = RunActuation { start_ns, duration_ns, from: volts, to: volts, swing: None, step };
-            run.actuations.push((Facts::channel(side, module, switch), actuation));
+            run.actuations.push((DimibotFacts::channel(side, module, switch), actuation));
         }
     }
     run.duration_ns = end_ns.checked_add(facts.rest_ns)?;
-    let after = Cell::new(cell.x ^ pulse.left, cell.y ^ pulse.right);
+    let after = LatticeCell::new(cell.x ^ pulse.left, cell.y ^ pulse.right);
     run.states.push(TimedState { t_ns: end_ns, state: state(facts, after) });
     Some(after)
 }
 
-fn state(facts: &Facts, cell: Cell) -> State {
+fn state(facts: &DimibotFacts, cell: LatticeCell) -> State {
     State::Dimibot { word: facts.word(cell), cell: cell.pair(), position_um: facts.place_um(cell) }
 }

@@ -1,6 +1,6 @@
 //! What planning says: E06xx.
 
-use super::requirements::{Texts, Verdict};
+use super::requirements::{LimitVerdict, Texts};
 use crate::claims::{Relation, Requirement};
 use crate::device::MAX_EXPANSIONS;
 use crate::diagnostic::{Code, Diagnostic};
@@ -124,14 +124,14 @@ pub fn start_covered(begins: Span, task: &str, at: &str, obstacles: &[(&str, Spa
 /// rounded up.
 pub fn requirement_missed(
     requirement: &Requirement,
-    verdict: Verdict,
+    verdict: LimitVerdict,
     all: usize,
     texts: &dyn Fn(Option<f64>) -> Texts,
 ) -> Diagnostic {
     let name = &requirement.outcome;
     let value = match verdict {
-        Verdict::Least(value) | Verdict::AtLeast(value, _) | Verdict::Elsewhere(_, value) => Some(value),
-        Verdict::Conflict | Verdict::NotFound => None,
+        LimitVerdict::Least(value) | LimitVerdict::AtLeast(value, _) | LimitVerdict::Elsewhere(_, value) => Some(value),
+        LimitVerdict::Conflict | LimitVerdict::NotFound => None,
     };
     let Texts { reached, limit, value, floor } = texts(value);
     let [value, floor] = [value, floor].map(Option::unwrap_or_default);
@@ -144,28 +144,28 @@ pub fn requirement_missed(
     };
     let others = if all > 1 { " and the other limits" } else { "" };
     let (title, label, help) = match verdict {
-        Verdict::Least(_) => (
+        LimitVerdict::Least(_) => (
             format!("no plan keeps `{name}` {within} {limit}{others}"),
             format!("proven: the least is {value}"),
             Some(format!("raise the limit {raise} {value}")),
         ),
-        Verdict::AtLeast(_, best) => (
+        LimitVerdict::AtLeast(_, best) => (
             format!("no plan keeps `{name}` {within} {limit}{others}"),
             format!("proven: no plan has less than {floor}"),
             best.and_then(|best| texts(Some(best)).value)
                 .map(|best| format!("the plan found would keep a limit of {best}")),
         ),
-        Verdict::Conflict => (
+        LimitVerdict::Conflict => (
             format!("no plan keeps `{name}` {within} {limit} and the other limits"),
             format!("proven; the best plan without limits has {reached}"),
             None,
         ),
-        Verdict::NotFound => (
+        LimitVerdict::NotFound => (
             format!("no plan was found that keeps `{name}` {within} {limit}{others}"),
             format!("the plan found has {reached}"),
             Some(not_proven(requirement.relation)),
         ),
-        Verdict::Elsewhere(objective, _) => (
+        LimitVerdict::Elsewhere(objective, _) => (
             format!("no plan was found that keeps `{name}` {within} {limit}{others}"),
             format!("the plan found has {reached}"),
             Some(format!("`minimize {objective}` finds a plan with {value}")),

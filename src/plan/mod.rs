@@ -46,15 +46,15 @@ pub enum Optimality {
 /// What the device does, in its kind's own terms.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
-    Dimibot(dimibot::Motion),
-    ElectrodeArray(electrode_array::Motion),
-    Microrobots(microrobots::Motion),
-    Fingers(fingers::Motion),
+    Dimibot(dimibot::DimibotMotion),
+    ElectrodeArray(electrode_array::ElectrodeArrayMotion),
+    Microrobots(microrobots::MicrorobotsMotion),
+    Fingers(fingers::FingersMotion),
 }
 
 impl Motion {
     /// The motion, if it is a DiMiBot's.
-    pub fn dimibot(&self) -> Option<&dimibot::Motion> {
+    pub fn dimibot(&self) -> Option<&dimibot::DimibotMotion> {
         match self {
             Motion::Dimibot(motion) => Some(motion),
             Motion::ElectrodeArray(_) | Motion::Microrobots(_) | Motion::Fingers(_) => None,
@@ -62,7 +62,7 @@ impl Motion {
     }
 
     /// The motion, if it is an electrode array's.
-    pub fn electrode_array(&self) -> Option<&electrode_array::Motion> {
+    pub fn electrode_array(&self) -> Option<&electrode_array::ElectrodeArrayMotion> {
         match self {
             Motion::ElectrodeArray(motion) => Some(motion),
             Motion::Dimibot(_) | Motion::Microrobots(_) | Motion::Fingers(_) => None,
@@ -70,7 +70,7 @@ impl Motion {
     }
 
     /// The motion, if it is of microrobots.
-    pub fn microrobots(&self) -> Option<&microrobots::Motion> {
+    pub fn microrobots(&self) -> Option<&microrobots::MicrorobotsMotion> {
         match self {
             Motion::Microrobots(motion) => Some(motion),
             Motion::Dimibot(_) | Motion::ElectrodeArray(_) | Motion::Fingers(_) => None,
@@ -78,7 +78,7 @@ impl Motion {
     }
 
     /// The motion, if it is of a hand.
-    pub fn fingers(&self) -> Option<&fingers::Motion> {
+    pub fn fingers(&self) -> Option<&fingers::FingersMotion> {
         match self {
             Motion::Fingers(motion) => Some(motion),
             Motion::Dimibot(_) | Motion::ElectrodeArray(_) | Motion::Microrobots(_) => None,
@@ -91,10 +91,10 @@ pub type Progress<'a> = &'a mut dyn FnMut(usize, usize, &str);
 
 /// A plan for every job, in their order; `None` after an error, which has then been pushed for each job that has none.
 pub fn plan(claims: &Claims, sink: &mut Sink, progress: Progress) -> Option<Vec<Plan>> {
-    let mut robots = dimibot::Standing::default();
-    let mut trays = electrode_array::Standing::default();
-    let mut beds = microrobots::Standing::default();
-    let mut hands = fingers::Standing::default();
+    let mut robots = dimibot::DimibotStandings::default();
+    let mut trays = electrode_array::BoardStandings::default();
+    let mut beds = microrobots::BedStandings::default();
+    let mut hands = fingers::HandStandings::default();
     let mut plans = Vec::with_capacity(claims.jobs.len());
     for (index, job) in claims.jobs.iter().enumerate() {
         progress(index, claims.jobs.len(), &job.task);

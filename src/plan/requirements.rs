@@ -21,7 +21,7 @@ pub enum Kept {
 
 /// What a kind knows of an upper limit that its plan misses. The default knows nothing: the report then says that no plan was found.
 #[derive(Debug, Default)]
-pub struct Known {
+pub struct KnownLimit {
     /// Proven: no plan keeps all limits of the job at once.
     pub none_keeps_all: bool,
     /// Proven: no plan that keeps the other limits has less than this of the outcome, in SI units. A bound that holds whatever the
@@ -35,7 +35,7 @@ pub struct Known {
 
 /// What the report of a missed limit says besides the limit itself; values are of the outcome, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Verdict {
+pub enum LimitVerdict {
     /// Proven: this is the least value of all plans that keep the other limits, and some plan has it.
     Least(f64),
     /// Proven: no plan that keeps the other limits has less. What the best plan found has, if it keeps them.
@@ -72,7 +72,7 @@ pub fn is_upper(requirement: &Requirement) -> bool {
 /// Whether a plan meets all requirements of its job; those that it misses are reported.
 ///
 /// `known` is asked for each missed limit from above.
-pub fn require(job: &Job, plan: &Plan, known: &mut dyn FnMut(&Requirement) -> Known, sink: &mut Sink) -> Kept {
+pub fn require(job: &Job, plan: &Plan, known: &mut dyn FnMut(&Requirement) -> KnownLimit, sink: &mut Sink) -> Kept {
     let mut all_kept = Kept::Yes;
     for (index, requirement) in job.requirements.iter().enumerate() {
         let Some(&reached) = plan.outcomes.get(&requirement.outcome) else { continue };
@@ -80,7 +80,7 @@ pub fn require(job: &Job, plan: &Plan, known: &mut dyn FnMut(&Requirement) -> Kn
             continue;
         }
         all_kept = Kept::No;
-        let known = if is_upper(requirement) { known(requirement) } else { Known::default() };
+        let known = if is_upper(requirement) { known(requirement) } else { KnownLimit::default() };
         let verdict = verdict(job, index, plan, &known);
         let dimension = dimension(job, requirement);
         let texts = |value: Option<f64>| Texts {
@@ -90,7 +90,7 @@ pub fn require(job: &Job, plan: &Plan, known: &mut dyn FnMut(&Requirement) -> Kn
             floor: value.map(|value| no_more(value, dimension)),
         };
         let missed = errors::requirement_missed(requirement, verdict, job.requirements.len(), &texts);
-        let advice = known.advice.filter(|_| verdict == Verdict::NotFound);
+        let advice = known.advice.filter(|_| verdict == LimitVerdict::NotFound);
         sink.push(missed.help_if(advice));
     }
     all_kept
@@ -107,7 +107,7 @@ pub struct Texts {
 }
 
 /// What can be said of a missed limit without saying too much.
-fn verdict(job: &Job, index: usize, plan: &Plan, known: &Known) -> Verdict {
+fn verdict(job: &Job, index: usize, plan: &Plan, known: &KnownLimit) -> LimitVerdict {
     let requirement = &job.requirements[index];
     let candidates = [Some(plan), known.other.as_ref()];
     let best =
@@ -119,12 +119,12 @@ fn verdict(job: &Job, index: usize, plan: &Plan, known: &Known) -> Verdict {
     let least = known.least.filter(|least| keeps(requirement, *least) == Kept::No);
     match (least, best) {
         (_, Some((objective, value))) if keeps(requirement, value) == Kept::Yes && objective != plan.objective => {
-            Verdict::Elsewhere(objective, value)
+            LimitVerdict::Elsewhere(objective, value)
         }
-        (Some(least), Some((_, value))) if value <= least * (1.0 + REQUIREMENT_TOLERANCE) => Verdict::Least(value),
-        (Some(least), best) => Verdict::AtLeast(least, best.map(|(_, value)| value)),
-        (None, _) if known.none_keeps_all => Verdict::Conflict,
-        (None, _) => Verdict::NotFound,
+        (Some(least), Some((_, value))) if value <= least * (1.0 + REQUIREMENT_TOLERANCE) => LimitVerdict::Least(value),
+        (Some(least), best) => LimitVerdict::AtLeast(least, best.map(|(_, value)| value)),
+        (None, _) if known.none_keeps_all => LimitVerdict::Conflict,
+        (None, _) => LimitVerdict::NotFound,
     }
 }
 

@@ -2,24 +2,24 @@
 
 /// The steps a planner may take before it gives up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Budget {
+pub struct SearchBudget {
     /// Number of steps. What one step is, each planner's documentation says.
     pub steps: u64,
 }
 
-impl Budget {
+impl SearchBudget {
     /// Enough for every scene of the benchmarks; a few seconds and some hundred megabytes at most.
-    pub const DEFAULT: Budget = Budget { steps: 16_000_000 };
+    pub const DEFAULT: SearchBudget = SearchBudget { steps: 16_000_000 };
 
     /// A budget of that many steps.
     pub const fn of(steps: u64) -> Self {
-        Budget { steps }
+        SearchBudget { steps }
     }
 }
 
-impl Default for Budget {
+impl Default for SearchBudget {
     fn default() -> Self {
-        Budget::DEFAULT
+        SearchBudget::DEFAULT
     }
 }
 
@@ -27,7 +27,7 @@ impl Default for Budget {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GaveUp {
     /// The budget that was given.
-    pub budget: Budget,
+    pub budget: SearchBudget,
     /// Steps spent.
     pub spent: u64,
     /// No plan costs less than this, in the units of the objective.
@@ -37,13 +37,13 @@ pub struct GaveUp {
 /// Counts steps against a budget.
 #[derive(Clone, Copy, Debug)]
 pub struct Meter {
-    budget: Budget,
+    budget: SearchBudget,
     spent: u64,
 }
 
 impl Meter {
     /// A meter that has spent nothing.
-    pub const fn new(budget: Budget) -> Self {
+    pub const fn new(budget: SearchBudget) -> Self {
         Meter { budget, spent: 0 }
     }
 
@@ -68,8 +68,8 @@ impl Meter {
     }
 
     /// What is left.
-    pub const fn left(&self) -> Budget {
-        Budget::of(self.budget.steps.saturating_sub(self.spent))
+    pub const fn left(&self) -> SearchBudget {
+        SearchBudget::of(self.budget.steps.saturating_sub(self.spent))
     }
 
     /// The report for a budget that ran out, when no plan can cost less than `bound`.
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn a_meter_stops_exactly_at_its_budget() {
-        let mut meter = Meter::new(Budget::of(2));
+        let mut meter = Meter::new(SearchBudget::of(2));
         assert_eq!((meter.step(), meter.step()), (Some(()), Some(())));
         assert_eq!(meter.step(), None);
         assert_eq!(meter.gave_up(7).spent, 2);

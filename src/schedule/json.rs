@@ -19,7 +19,7 @@ pub const VERSION: u64 = 1;
 pub const MAX_DURATION_NS: u64 = u64::MAX / 4;
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct ScheduleDocument<'a> {
     format: &'static str,
     version: u64,
     #[serde(flatten)]
@@ -59,9 +59,9 @@ impl std::fmt::Display for ReadError {
 ///
 /// A float that is not finite becomes `null`, which no reader takes; the emit stage refuses it before.
 pub fn write(schedule: &Schedule) -> Vec<u8> {
-    let document = Document { format: FORMAT, version: VERSION, schedule };
+    let document = ScheduleDocument { format: FORMAT, version: VERSION, schedule };
     let mut bytes = Vec::new();
-    let mut serializer = Serializer::with_formatter(&mut bytes, Lines::default());
+    let mut serializer = Serializer::with_formatter(&mut bytes, CompactLines::default());
     document.serialize(&mut serializer).expect("a schedule has string keys only, and memory takes all bytes");
     bytes.push(b'\n');
     bytes
@@ -142,12 +142,12 @@ const DEPTHS_OF_LINES: [usize; 3] = [1, 2, 4];
 
 /// Prints small things on one line and long lists on many.
 #[derive(Default)]
-struct Lines {
+struct CompactLines {
     depth: usize,
     pretty: PrettyFormatter<'static>,
 }
 
-impl Lines {
+impl CompactLines {
     fn gap<W: ?Sized + io::Write>(&self, writer: &mut W, first: bool, array: bool) -> io::Result<()> {
         if !first {
             writer.write_all(b",")?;
@@ -160,7 +160,7 @@ impl Lines {
     }
 }
 
-impl Formatter for Lines {
+impl Formatter for CompactLines {
     fn begin_array<W: ?Sized + io::Write>(&mut self, writer: &mut W) -> io::Result<()> {
         self.depth += 1;
         writer.write_all(b"[")

@@ -24,7 +24,7 @@ pub struct Schedule {
     pub duration_ns: u64,
     pub channels: Vec<Channel>,
     pub actuations: Vec<Actuation>,
-    pub steps: Vec<Step>,
+    pub steps: Vec<ScheduledStep>,
     /// One for each job of the claims, in their order.
     pub plans: Vec<PlanRecord>,
 }
@@ -52,14 +52,14 @@ pub struct Channel {
     /// With the device in front: `bot.bl4.set`.
     pub name: String,
     pub device: String,
-    pub unit: Unit,
+    pub unit: ChannelUnit,
     /// The physical output, where a `wiring` names one.
     pub wire: Option<String>,
 }
 
 /// What a channel's numbers are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum Unit {
+pub enum ChannelUnit {
     #[serde(rename = "V")]
     Volt,
     /// Where a stage is. A hand's channels have a value at every instant of their runs, one stretch after the other.
@@ -67,12 +67,12 @@ pub enum Unit {
     Micrometre,
 }
 
-impl Unit {
+impl ChannelUnit {
     /// As it is printed and written to files.
     pub fn symbol(self) -> &'static str {
         match self {
-            Unit::Volt => "V",
-            Unit::Micrometre => "um",
+            ChannelUnit::Volt => "V",
+            ChannelUnit::Micrometre => "um",
         }
     }
 }
@@ -113,7 +113,7 @@ impl Actuation {
 
 /// One step of a task, on the clock.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Step {
+pub struct ScheduledStep {
     pub task: String,
     /// Index of the schedule's plans.
     pub plan: u32,

@@ -118,10 +118,10 @@ pub fn reached(order: &Order, nth: usize, end: &State) -> Vec<Reached> {
 
 fn places(order: &DimibotOrder, nth: usize) -> Vec<Reached> {
     let stops = match order.steps.get(nth).map(|step| &step.action) {
-        Some(dimibot::Action::Move(stops) | dimibot::Action::Visit(stops)) => stops.as_slice(),
-        Some(dimibot::Action::Wait(_)) | None => &[],
+        Some(dimibot::DimibotAction::Move(stops) | dimibot::DimibotAction::Visit(stops)) => stops.as_slice(),
+        Some(dimibot::DimibotAction::Wait(_)) | None => &[],
     };
-    let place = |stop: &dimibot::Stop| {
+    let place = |stop: &dimibot::DimibotStop| {
         let Asked::Place(asked_um) = stop.asked else { return None };
         let reached_um = order.in_scene_um(order.facts.place_um(stop.cell));
         let off_um = (reached_um[0] - asked_um[0]).hypotenuse(reached_um[1] - asked_um[1]);
@@ -132,11 +132,15 @@ fn places(order: &DimibotOrder, nth: usize) -> Vec<Reached> {
 
 fn poses(order: &MicrorobotsOrder, nth: usize, end: &State) -> Vec<Reached> {
     let goals: Vec<(usize, &Pose)> = match order.steps.get(nth).map(|step| &step.action) {
-        Some(microrobots::Action::Drive { robot, stops }) => {
+        Some(microrobots::MicrorobotsAction::Drive { robot, stops }) => {
             stops.last().map(|stop| (*robot, &stop.pose)).into_iter().collect()
         }
-        Some(microrobots::Action::Assemble(docks)) => docks.iter().map(|dock| (dock.robot, &dock.goal.pose)).collect(),
-        Some(microrobots::Action::Apply { .. } | microrobots::Action::Wait(_)) | None => Vec::new(),
+        Some(microrobots::MicrorobotsAction::Assemble(docks)) => {
+            docks.iter().map(|dock| (dock.robot, &dock.goal.pose)).collect()
+        }
+        Some(microrobots::MicrorobotsAction::Apply { .. } | microrobots::MicrorobotsAction::Wait(_)) | None => {
+            Vec::new()
+        }
     };
     let State::Microrobots { poses, .. } = end else { return Vec::new() };
     let pose = |(robot, goal): (usize, &Pose)| {
@@ -159,7 +163,7 @@ fn poses(order: &MicrorobotsOrder, nth: usize, end: &State) -> Vec<Reached> {
 
 fn turns(order: &FingersOrder, nth: usize, end: &State) -> Vec<Reached> {
     match order.steps.get(nth).map(|step| &step.action) {
-        Some(fingers::Action::Rotate { plane, steps, angle_rad }) => {
+        Some(fingers::FingersAction::Rotate { plane, steps, angle_rad }) => {
             let Some(section) = order.part.section(*plane) else { return Vec::new() };
             let reached_rad = f64::from(*steps) * section.step_rad;
             let axis = match plane {
@@ -170,7 +174,7 @@ fn turns(order: &FingersOrder, nth: usize, end: &State) -> Vec<Reached> {
             let off_deg = reached_deg - asked_deg;
             vec![Reached::Turn { axis: axis.to_owned(), asked_deg, reached_deg, off_deg }]
         }
-        Some(fingers::Action::Orient { goal, .. }) => {
+        Some(fingers::FingersAction::Orient { goal, .. }) => {
             let State::Fingers { orientation, .. } = end else { return Vec::new() };
             let [asked, reached] = [goal, orientation]
                 .map(|[w, x, y, z]| UnitQuaternion::from_quaternion(Quaternion::new(*w, *x, *y, *z)));
@@ -178,10 +182,10 @@ fn turns(order: &FingersOrder, nth: usize, end: &State) -> Vec<Reached> {
             vec![Reached::Orientation { asked: *goal, reached: *orientation, off_deg }]
         }
         Some(
-            fingers::Action::Grasp(_)
-            | fingers::Action::Translate(_)
-            | fingers::Action::Release
-            | fingers::Action::Wait(_),
+            fingers::FingersAction::Grasp(_)
+            | fingers::FingersAction::Translate(_)
+            | fingers::FingersAction::Release
+            | fingers::FingersAction::Wait(_),
         )
         | None => Vec::new(),
     }

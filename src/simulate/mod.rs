@@ -7,10 +7,10 @@ pub mod microrobots;
 
 use crate::claims::Order;
 use crate::plan::Motion;
-use microrobots::Report;
+use microrobots::SimulationReport;
 
 /// Report on so many trials of a plan; `None` where the kind or the device does not state its errors, or nothing is assembled.
-pub fn simulate(order: &Order, motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<Report> {
+pub fn simulate(order: &Order, motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<SimulationReport> {
     match (order, motion) {
         (Order::Microrobots(order), Motion::Microrobots(motion)) => {
             microrobots::simulate(order, motion, trials, seed, threads)

@@ -29,7 +29,7 @@ impl Reader<'_> {
         self.block(node, |reader, child, doc| match child.as_rule() {
             Rule::field => Some(reader.field(child, doc)),
             _ => {
-                reader.bad_entry(&child, errors::Place::Fields);
+                reader.bad_entry(&child, errors::ListPlace::Fields);
                 None
             }
         })
@@ -43,7 +43,7 @@ impl Reader<'_> {
                 Rule::object => reader.object(child, doc).map_or(SceneEntry::Error(span), SceneEntry::Object),
                 Rule::scene_loop => SceneEntry::For(reader.each(child, Self::scene_entries)),
                 _ => {
-                    reader.bad_entry(&child, errors::Place::Scene);
+                    reader.bad_entry(&child, errors::ListPlace::Scene);
                     SceneEntry::Error(span)
                 }
             })
@@ -59,7 +59,7 @@ impl Reader<'_> {
                 Rule::step => reader.step(child).map_or(Entry::Error(span), Entry::Step),
                 Rule::loop_ => Entry::For(reader.each(child, Self::entries)),
                 _ => {
-                    reader.bad_entry(&child, errors::Place::Steps);
+                    reader.bad_entry(&child, errors::ListPlace::Steps);
                     Entry::Error(span)
                 }
             })
@@ -74,7 +74,7 @@ impl Reader<'_> {
                 Rule::wire => reader.wire(child).map_or(WiringEntry::Error(span), WiringEntry::Wire),
                 Rule::wire_loop => WiringEntry::For(reader.each(child, Self::wires)),
                 _ => {
-                    reader.bad_entry(&child, errors::Place::Wires);
+                    reader.bad_entry(&child, errors::ListPlace::Wires);
                     WiringEntry::Error(span)
                 }
             })

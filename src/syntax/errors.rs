@@ -7,21 +7,21 @@ use crate::source::Span;
 
 /// Where a list of entries stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum ListPlace {
     Fields,
     Scene,
     Steps,
     Wires,
 }
 
-impl Place {
+impl ListPlace {
     /// What may stand there, with an example.
     pub fn wants(self) -> &'static str {
         match self {
-            Place::Fields => "a field, such as `left: 5`",
-            Place::Scene => "an object, such as `obstacle dust at (12, 7)`",
-            Place::Steps => "a step or a setting, such as `move to (19, 28)`",
-            Place::Wires => "a wire, such as `bl0.set -> \"Dev1/port0/line0\"`",
+            ListPlace::Fields => "a field, such as `left: 5`",
+            ListPlace::Scene => "an object, such as `obstacle dust at (12, 7)`",
+            ListPlace::Steps => "a step or a setting, such as `move to (19, 28)`",
+            ListPlace::Wires => "a wire, such as `bl0.set -> \"Dev1/port0/line0\"`",
         }
     }
 }
@@ -528,7 +528,7 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
         .help(format!("`{line}` was read; remove what follows, or begin a new line for it"))
 }
 
-pub(super) fn not_an_entry(span: Span, place: Place, text: &str) -> Diagnostic {
+pub(super) fn not_an_entry(span: Span, place: ListPlace, text: &str) -> Diagnostic {
     let line = text[span.range()].lines().next().unwrap_or("");
     Diagnostic::new(Code::E0101, format!("`{}` does not belong here", quote(line)))
         .label(part(span, span.start as usize, span.start as usize + line.len()), "this could not be read")

@@ -8,7 +8,7 @@ use crate::source::Span;
 
 /// The parts of a declaration, in whatever order they were met.
 #[derive(Default)]
-struct Head<'i> {
+struct DeclarationHead<'i> {
     name: Option<Ident>,
     paths: Vec<Path>,
     scene: Option<Path>,
@@ -78,8 +78,8 @@ impl Reader<'_> {
         }
     }
 
-    fn head<'i>(&mut self, rest: Node<'i>, span: Span) -> Head<'i> {
-        let mut head = Head::default();
+    fn head<'i>(&mut self, rest: Node<'i>, span: Span) -> DeclarationHead<'i> {
+        let mut head = DeclarationHead::default();
         let rule = rest.as_rule();
         for part in self.children(rest) {
             match part.as_rule() {
@@ -117,7 +117,7 @@ impl Reader<'_> {
     }
 
     /// The name of a sound declaration; that of a broken one is kept aside, so that nobody calls it unknown.
-    fn name_of(&mut self, head: &mut Head) -> Option<Ident> {
+    fn name_of(&mut self, head: &mut DeclarationHead) -> Option<Ident> {
         let name = head.name.take()?;
         if head.is_broken {
             self.broken_names.push(name);
@@ -126,32 +126,32 @@ impl Reader<'_> {
         Some(name)
     }
 
-    fn device(&mut self, mut head: Head, doc: Doc, span: Span) -> Option<Device> {
+    fn device(&mut self, mut head: DeclarationHead, doc: Doc, span: Span) -> Option<Device> {
         let fields = head.block.take().map(|block| self.fields(block)).unwrap_or_default();
         let name = self.name_of(&mut head)?;
         Some(Device { doc, name, base: head.paths.pop()?, fields, span })
     }
 
-    fn scene(&mut self, mut head: Head, doc: Doc, span: Span) -> Option<Scene> {
+    fn scene(&mut self, mut head: DeclarationHead, doc: Doc, span: Span) -> Option<Scene> {
         let entries = head.block.take().map(|block| self.scene_entries(block)).unwrap_or_default();
         let name = self.name_of(&mut head)?;
         Some(Scene { doc, name, base: head.paths.pop(), entries, span })
     }
 
-    fn task(&mut self, mut head: Head, doc: Doc, span: Span) -> Option<Task> {
+    fn task(&mut self, mut head: DeclarationHead, doc: Doc, span: Span) -> Option<Task> {
         let entries = head.block.take().map(|block| self.entries(block)).unwrap_or_default();
         let name = self.name_of(&mut head)?;
         let device = head.paths.pop()?;
         Some(Task { doc, name, parameters: head.parameters, device, scene: head.scene, entries, span })
     }
 
-    fn program(&mut self, mut head: Head, doc: Doc, span: Span) -> Option<Program> {
+    fn program(&mut self, mut head: DeclarationHead, doc: Doc, span: Span) -> Option<Program> {
         let entries = head.block.take().map(|block| self.entries(block)).unwrap_or_default();
         let name = self.name_of(&mut head)?;
         Some(Program { doc, name, parameters: head.parameters, entries, span })
     }
 
-    fn wiring(&mut self, mut head: Head, doc: Doc, span: Span) -> Option<Wiring> {
+    fn wiring(&mut self, mut head: DeclarationHead, doc: Doc, span: Span) -> Option<Wiring> {
         let entries = head.block.take().map(|block| self.wires(block)).unwrap_or_default();
         Some(Wiring { doc, device: head.paths.pop()?, entries, span })
     }

@@ -17,14 +17,14 @@ const DOC_MARK_BYTES: usize = 3;
 
 /// Where a parsed fragment comes from.
 #[derive(Clone, Copy)]
-pub(super) struct Origin<'s> {
+pub(super) struct FragmentOrigin<'s> {
     file: FileId,
     source: &'s str,
     /// Where in the text the fragment begins.
     pub base: usize,
 }
 
-impl Origin<'_> {
+impl FragmentOrigin<'_> {
     /// The place of a node, widened to whole characters: the scan may have put a short spelling over a long character.
     pub fn span(self, node: &Node) -> Span {
         let span = node.as_span();
@@ -41,7 +41,7 @@ pub(super) struct Reader<'s> {
     pub source: &'s str,
     /// The whole text, with holes over what could not be read.
     pub text: &'s str,
-    pub origin: Origin<'s>,
+    pub origin: FragmentOrigin<'s>,
     pub findings: Vec<Diagnostic>,
     /// Where the doc comments begin that belong to a declaration, in order.
     pub attached_docs: Vec<usize>,
@@ -57,7 +57,7 @@ impl<'s> Reader<'s> {
             file,
             source,
             text,
-            origin: Origin { file, source, base: 0 },
+            origin: FragmentOrigin { file, source, base: 0 },
             findings,
             attached_docs: Vec::new(),
             broken_names: Vec::new(),

@@ -1,6 +1,6 @@
 //! Fragments that no rule could read: what to say of them, and what can be saved.
 
-use super::errors::{self, Place};
+use super::errors::{self, ListPlace};
 use super::foreign;
 use super::grammar::{Grammar, Node, Rule};
 use super::reader::Reader;
@@ -40,7 +40,7 @@ fn meant(word: &str) -> Option<(&'static str, Rule)> {
 
 impl Reader<'_> {
     /// Reports an entry of a block that could not be read.
-    pub fn bad_entry(&mut self, node: &Node, place: Place) {
+    pub fn bad_entry(&mut self, node: &Node, place: ListPlace) {
         let span = self.trimmed(node);
         let text = &self.source[span.range()];
         let word = errors::token_at(text, 0);
@@ -54,7 +54,7 @@ impl Reader<'_> {
             return;
         }
         let finding = match word {
-            "for" if place != Place::Fields => {
+            "for" if place != ListPlace::Fields => {
                 self.forget_within(span);
                 errors::bad_loop(span)
             }
@@ -181,24 +181,24 @@ impl Reader<'_> {
     }
 
     /// The finding for a fragment of which only its place is known: where reading stopped and what was wanted there.
-    fn diagnose(&mut self, span: Span, place: Place) -> Diagnostic {
+    fn diagnose(&mut self, span: Span, place: ListPlace) -> Diagnostic {
         let text = &self.source[span.range()];
-        if place == Place::Steps
+        if place == ListPlace::Steps
             && let Some(at) = second_step(text)
         {
             let mark = errors::part(span, span.start as usize + at, span.start as usize + at);
             return errors::joined(mark, self.source);
         }
-        if place == Place::Fields
+        if place == ListPlace::Fields
             && let Some(name) = field_without_colon(text)
         {
             return errors::missing_colon(span, name, text);
         }
         let rule = match place {
-            Place::Fields => Rule::one_field,
-            Place::Scene => Rule::one_object,
-            Place::Steps => Rule::one_step,
-            Place::Wires => Rule::one_wire,
+            ListPlace::Fields => Rule::one_field,
+            ListPlace::Scene => Rule::one_object,
+            ListPlace::Steps => Rule::one_step,
+            ListPlace::Wires => Rule::one_wire,
         };
         match self.stop(rule, span) {
             Some((at, wants_value)) if at > span.start as usize => {

@@ -50,13 +50,13 @@ impl Extent {
 
 /// Boxes, each with the index under which it was given, in groups of neighbours.
 #[derive(Debug, Default)]
-pub(super) struct Boxes {
+pub(super) struct GroupedBoxes {
     groups: Vec<(Extent, Vec<(Extent, usize)>)>,
 }
 
-impl Boxes {
+impl GroupedBoxes {
     /// Sorts boxes into groups: strips by x, within a strip runs by y.
-    pub fn new(extents: impl Iterator<Item = Extent>) -> Boxes {
+    pub fn new(extents: impl Iterator<Item = Extent>) -> GroupedBoxes {
         let mut all: Vec<(Extent, usize)> = extents.enumerate().map(|(index, extent)| (extent, index)).collect();
         let strips = (all.len() as f64 / GROUP as f64).sqrt().ceil().max(1.0) as usize;
         let strip = all.len().div_ceil(strips).max(1);
@@ -69,7 +69,7 @@ impl Boxes {
                 (outer, group.to_vec())
             }));
         }
-        Boxes { groups }
+        GroupedBoxes { groups }
     }
 
     /// The indices of the boxes that meet an area, ascending.
@@ -102,7 +102,7 @@ mod tests {
                 (0..2).all(|axis| one.low[axis].max(area.low[axis]) <= one.high[axis].min(area.high[axis]))
             };
             let expected: Vec<usize> = (0..all.len()).filter(|index| meets(&all[*index])).collect();
-            prop_assert_eq!(Boxes::new(all.into_iter()).meeting(&area), expected);
+            prop_assert_eq!(GroupedBoxes::new(all.into_iter()).meeting(&area), expected);
         }
     }
 }

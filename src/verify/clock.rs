@@ -6,12 +6,12 @@
 
 use super::rule::{Findings, Rule, Violation, ms};
 use crate::claims::{Claims, Job, Timeline};
-use crate::schedule::{Actuation, PlanRecord, Schedule, Step};
+use crate::schedule::{Actuation, PlanRecord, Schedule, ScheduledStep};
 use std::collections::BTreeMap;
 
 /// A job, and what the schedule makes of it.
 #[derive(Debug)]
-pub(super) struct Run<'a> {
+pub(super) struct JudgedRun<'a> {
     pub schedule: &'a Schedule,
     pub job: &'a Job,
     pub plan: &'a PlanRecord,
@@ -21,9 +21,9 @@ pub(super) struct Run<'a> {
     pub actuations: Vec<&'a Actuation>,
 }
 
-impl<'a> Run<'a> {
+impl<'a> JudgedRun<'a> {
     /// The step of a place in the run.
-    pub fn step(&self, nth: usize) -> &'a Step {
+    pub fn step(&self, nth: usize) -> &'a ScheduledStep {
         &self.schedule.steps[self.steps[nth]]
     }
 
@@ -34,7 +34,7 @@ impl<'a> Run<'a> {
 }
 
 /// Pairs jobs with plans, steps and actuations.
-pub(super) fn runs<'a>(schedule: &'a Schedule, claims: &'a Claims, findings: &mut Findings) -> Vec<Run<'a>> {
+pub(super) fn runs<'a>(schedule: &'a Schedule, claims: &'a Claims, findings: &mut Findings) -> Vec<JudgedRun<'a>> {
     plans(schedule, claims, findings);
     if !findings.is_empty() {
         return Vec::new();
@@ -66,9 +66,9 @@ fn plans(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     }
 }
 
-fn paired<'a>(schedule: &'a Schedule, claims: &'a Claims) -> Vec<Run<'a>> {
-    let pair = |(plan, job)| Run { schedule, job, plan, steps: Vec::new(), actuations: Vec::new() };
-    let mut runs: Vec<Run> = schedule.plans.iter().zip(&claims.jobs).map(pair).collect();
+fn paired<'a>(schedule: &'a Schedule, claims: &'a Claims) -> Vec<JudgedRun<'a>> {
+    let pair = |(plan, job)| JudgedRun { schedule, job, plan, steps: Vec::new(), actuations: Vec::new() };
+    let mut runs: Vec<JudgedRun> = schedule.plans.iter().zip(&claims.jobs).map(pair).collect();
     for (index, step) in schedule.steps.iter().enumerate() {
         runs[step.plan as usize].steps.push(index);
     }
@@ -79,7 +79,7 @@ fn paired<'a>(schedule: &'a Schedule, claims: &'a Claims) -> Vec<Run<'a>> {
     runs
 }
 
-fn steps(run: &Run, findings: &mut Findings) {
+fn steps(run: &JudgedRun, findings: &mut Findings) {
     let (recorded, claimed) = (run.steps.len(), run.job.steps());
     if recorded != claimed {
         let title = format!("the run of `{}` has {recorded} steps, but the task has {claimed}", run.job.task);

@@ -6,7 +6,7 @@
 use super::rule::{Findings, Rule, Violation, ms};
 use super::{dimibot, electrode_array, fingers, microrobots};
 use crate::claims::{Claims, Order};
-use crate::schedule::{Actuation, Reached, Schedule, Swing, Unit};
+use crate::schedule::{Actuation, ChannelUnit, Reached, Schedule, Swing};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
@@ -115,7 +115,7 @@ fn channels(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
 }
 
 /// The claimed device that has a channel of a name, and what the channel's numbers are.
-fn owner<'a>(name: &str, orders: &BTreeMap<&'a str, &Order>) -> Option<(&'a str, Unit)> {
+fn owner<'a>(name: &str, orders: &BTreeMap<&'a str, &Order>) -> Option<(&'a str, ChannelUnit)> {
     orders.iter().find_map(|(device, order)| {
         let channel = name.strip_prefix(device)?.strip_prefix('.')?;
         let unit = match order {

@@ -154,7 +154,7 @@ struct Replay<'a> {
 }
 
 /// What the claims say of a plan's record.
-struct Terms {
+struct RecordTerms {
     planner: &'static str,
     objective: &'static str,
     /// The outcome that the objective minimises.

@@ -3,9 +3,9 @@
 //! Input: a run and its replay. Figures agree when they differ by no more than [`TOLERANCE`], since the planner may add up in
 //! another order; counts and times then agree exactly, being far from that limit.
 
-use super::clock::Run;
+use super::clock::JudgedRun;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{Replay, Terms, dimibot, electrode_array, fingers, microrobots};
+use super::{RecordTerms, Replay, dimibot, electrode_array, fingers, microrobots};
 use crate::claims::{Order, Relation, Requirement};
 use crate::device::Outcome;
 use crate::quantity::{Dimension, Quantity, digits};
@@ -16,7 +16,7 @@ use std::borrow::Cow;
 /// Share of the larger one by which two figures may differ.
 const TOLERANCE: f64 = 1e-9;
 
-pub(super) fn check(run: &Run, replay: &Replay, findings: &mut Findings) {
+pub(super) fn check(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     names(run, findings);
     cost(run, replay, findings);
     bound(run, findings);
@@ -30,7 +30,7 @@ pub(super) fn check(run: &Run, replay: &Replay, findings: &mut Findings) {
 }
 
 /// What the claims say of a run's record.
-fn terms(run: &Run) -> Terms {
+fn terms(run: &JudgedRun) -> RecordTerms {
     match &run.job.order {
         Order::Dimibot(order) => dimibot::terms(order),
         Order::ElectrodeArray(order) => electrode_array::terms(order),
@@ -43,11 +43,11 @@ fn alike(one: f64, other: f64) -> bool {
     (one - other).abs() <= TOLERANCE * one.abs().max(other.abs())
 }
 
-fn figure(run: &Run, title: String) -> Violation {
+fn figure(run: &JudgedRun, title: String) -> Violation {
     Violation::new(Rule::Figure, run.plan.start_ns, title).label(run.job.run_span, "this run")
 }
 
-fn names(run: &Run, findings: &mut Findings) {
+fn names(run: &JudgedRun, findings: &mut Findings) {
     let terms = terms(run);
     let named = [
         ("planner", &run.plan.planner, terms.planner),
@@ -60,8 +60,8 @@ fn names(run: &Run, findings: &mut Findings) {
     }
 }
 
-fn cost(run: &Run, replay: &Replay, findings: &mut Findings) {
-    let Terms { outcome, unit, scale, .. } = terms(run);
+fn cost(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
+    let RecordTerms { outcome, unit, scale, .. } = terms(run);
     let replayed = replay.outcomes[outcome] * scale;
     if !alike(run.plan.cost, replayed) {
         let (recorded, replayed) = apart(run.plan.cost, replayed);
@@ -71,7 +71,7 @@ fn cost(run: &Run, replay: &Replay, findings: &mut Findings) {
     }
 }
 
-fn bound(run: &Run, findings: &mut Findings) {
+fn bound(run: &JudgedRun, findings: &mut Findings) {
     let (cost, bound, unit) = (run.plan.cost, run.plan.bound, &run.plan.unit);
     let title = if alike(cost, bound) {
         return;
@@ -88,7 +88,7 @@ fn bound(run: &Run, findings: &mut Findings) {
 }
 
 /// Bounds on outcomes that were not minimised lie on or below these outcomes.
-fn other_bounds(run: &Run, findings: &mut Findings) {
+fn other_bounds(run: &JudgedRun, findings: &mut Findings) {
     for (name, bound) in &run.plan.bounds {
         let title = match run.plan.outcomes.get(name) {
             None => format!("the plan of `{}` has a bound on an unknown outcome `{name}`", run.job.task),
@@ -108,7 +108,7 @@ fn apart(one: f64, other: f64) -> (String, String) {
     if short_one == short_other { (one.to_string(), other.to_string()) } else { (short_one, short_other) }
 }
 
-fn outcomes(run: &Run, replay: &Replay, findings: &mut Findings) {
+fn outcomes(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     let recorded = &run.plan.outcomes;
     for Outcome { name, dimension, .. } in run.job.kind().vocabulary().outcomes {
         let replayed = replay.outcomes[name];
@@ -129,7 +129,7 @@ fn outcomes(run: &Run, replay: &Replay, findings: &mut Findings) {
 const REACHED_TOLERANCE: f64 = 5e-3;
 
 /// What a step is said to reach, if anything is, is what it reaches in the replay.
-fn nearness(run: &Run, replay: &Replay, findings: &mut Findings) {
+fn nearness(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     for nth in 0..run.steps.len() {
         let step = run.step(nth);
         let end_ns = step.start_ns + step.duration_ns;
@@ -154,7 +154,7 @@ fn nearness(run: &Run, replay: &Replay, findings: &mut Findings) {
 }
 
 /// The first state of the record that is not the replayed one.
-pub(super) fn difference(run: &Run, replayed: &[Cow<TimedState>]) -> Option<Violation> {
+pub(super) fn difference(run: &JudgedRun, replayed: &[Cow<TimedState>]) -> Option<Violation> {
     let recorded = &run.plan.states;
     let differs = |(one, other): (&TimedState, &Cow<TimedState>)| !agrees(one, other);
     let first = recorded.iter().zip(replayed).position(differs);
@@ -184,7 +184,7 @@ pub(super) fn difference(run: &Run, replayed: &[Cow<TimedState>]) -> Option<Viol
 }
 
 /// The record holds too few states, or too many.
-pub(super) fn miscounted(run: &Run, replayed: u64) -> Violation {
+pub(super) fn miscounted(run: &JudgedRun, replayed: u64) -> Violation {
     let recorded = run.plan.states.len();
     let title = format!("the run of `{}` has {recorded} recorded states, the replay gives {replayed}", run.job.task);
     Violation::new(Rule::State, run.end_ns(), title).label(run.job.run_span, "this run")
@@ -234,7 +234,7 @@ fn shown(state: &State) -> String {
     }
 }
 
-fn requirements(run: &Run, replay: &Replay, findings: &mut Findings) {
+fn requirements(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     for requirement in &run.job.requirements {
         let outcomes = run.job.kind().vocabulary().outcomes;
         let outcome = outcomes.iter().find(|outcome| outcome.name == requirement.outcome);
@@ -257,7 +257,7 @@ fn holds(value: f64, Requirement { relation, limit, .. }: &Requirement) -> bool 
     }
 }
 
-fn broken(run: &Run, requirement: &Requirement, outcome: &Outcome, value: f64) -> Violation {
+fn broken(run: &JudgedRun, requirement: &Requirement, outcome: &Outcome, value: f64) -> Violation {
     let name = outcome.name;
     let words = match requirement.relation {
         Relation::Less => "less than",
@@ -274,7 +274,7 @@ fn broken(run: &Run, requirement: &Requirement, outcome: &Outcome, value: f64) -
         .help(mend(run, requirement.relation, name, &value))
 }
 
-fn mend(run: &Run, relation: Relation, name: &'static str, value: &str) -> String {
+fn mend(run: &JudgedRun, relation: Relation, name: &'static str, value: &str) -> String {
     let objective = match &run.job.order {
         Order::Dimibot(_) => dimibot::minimized_as(name),
         Order::ElectrodeArray(_) => electrode_array::minimized_as(name),

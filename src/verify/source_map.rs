@@ -5,7 +5,7 @@
 
 use super::rule::{Findings, Rule, Violation};
 use crate::claims::{Claims, Job};
-use crate::schedule::{Schedule, Step};
+use crate::schedule::{Schedule, ScheduledStep};
 use crate::source::{FileId, SourceFile, Sources, Span};
 
 /// Compares the words and the place of every step with the file.
@@ -19,7 +19,7 @@ pub(super) fn check(schedule: &Schedule, claims: &Claims, sources: &Sources, fin
         nth[plan] += 1;
     }
     written.sort_unstable_by_key(|(span, index)| (*span, *index));
-    let mut walk = Walk::default();
+    let mut walk = LineCounter::default();
     for (span, index) in written {
         let step = &schedule.steps[index];
         let Some((_, file)) = sources.files().find(|(id, _)| *id == span.file) else {
@@ -38,7 +38,7 @@ pub(super) fn check(schedule: &Schedule, claims: &Claims, sources: &Sources, fin
 
 /// Counts lines and columns of spans in their order, each character of a file once: a line may be as long as the file.
 #[derive(Default)]
-struct Walk {
+struct LineCounter {
     file: Option<FileId>,
     at: usize,
     /// From 0.
@@ -46,11 +46,11 @@ struct Walk {
     column: usize,
 }
 
-impl Walk {
+impl LineCounter {
     /// Line and column of a span's beginning, from 1; spans must come sorted.
     fn position(&mut self, file: &SourceFile, span: Span) -> (usize, usize) {
         if self.file != Some(span.file) {
-            *self = Walk { file: Some(span.file), ..Walk::default() };
+            *self = LineCounter { file: Some(span.file), ..LineCounter::default() };
         }
         for c in file.text[self.at..span.start as usize].chars() {
             self.column = if c == '\n' { 0 } else { self.column + 1 };
@@ -63,7 +63,7 @@ impl Walk {
 
 /// What is recorded and what is written, where they differ.
 fn differences(
-    step: &Step,
+    step: &ScheduledStep,
     file: &SourceFile,
     span: Span,
     (line, column): (usize, usize),
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
     use crate::check::Options;
     use crate::check::imports::Library;
-    use crate::compile::{Outcome, Program, compile};
+    use crate::compile::{CompileOutcome, CompileRequest, compile};
     use crate::diagnostic::Sink;
 
     struct Nothing;
@@ -102,8 +102,8 @@ mod tests {
     fn built(text: &str) -> (Schedule, Claims, Sources) {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
         let options = Options::default();
-        let program = Program { name: "a.twz", text, library: &Nothing, options: &options };
-        let Outcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut |_, _, _| {}) else {
+        let program = CompileRequest { name: "a.twz", text, library: &Nothing, options: &options };
+        let CompileOutcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut |_, _, _| {}) else {
             panic!("{:?}", sink.sorted())
         };
         let verified = &compiled.schedules[0];
@@ -124,7 +124,7 @@ mod tests {
         let given = (&claims, &sources);
         assert_eq!(rules(&sound, given), []);
         assert_eq!(sound.steps[1].text, "move to (1, 1)");
-        let edits: [fn(&mut Step); 6] = [
+        let edits: [fn(&mut ScheduledStep); 6] = [
             |step| step.text = "move to safety".to_owned(),
             |step| step.text.push(' '),
             |step| step.file = "/etc/passwd".to_owned(),

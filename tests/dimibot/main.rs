@@ -13,7 +13,7 @@ mod scene;
 use brute::Figures;
 use case::Case;
 use scene::{Limit, OUTCOMES, Random, Scene};
-use tweeze::compile::{Outcome, Program, compile};
+use tweeze::compile::{CompileOutcome, CompileRequest, compile};
 use tweeze::diagnostic::{Diagnostic, Sink};
 use tweeze::schedule::{PlanRecord, Schedule};
 use tweeze::source::Sources;
@@ -36,13 +36,13 @@ fn schedules(text: &str) -> Result<Vec<Schedule>, Vec<Diagnostic>> {
     let case = Case { name: "test.twz".to_owned(), text: text.to_owned(), ..Case::default() };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let library = case::Shelf(&case);
-    let program = Program { name: &case.name, text: &case.text, library: &library, options: &case.options };
+    let program = CompileRequest { name: &case.name, text: &case.text, library: &library, options: &case.options };
     match compile(&program, &mut sources, &mut sink, &mut |_, _, _| {}) {
-        Outcome::Compiled(compiled) => {
+        CompileOutcome::Compiled(compiled) => {
             Ok(compiled.schedules.iter().map(|verified| verified.schedule().clone()).collect())
         }
-        Outcome::Errors => Err(sink.sorted().into_iter().filter(|told| told.is_error()).cloned().collect()),
-        Outcome::Refused => panic!("the verifier refuses it: {:?}\n{text}", sink.sorted()),
+        CompileOutcome::Errors => Err(sink.sorted().into_iter().filter(|told| told.is_error()).cloned().collect()),
+        CompileOutcome::Refused => panic!("the verifier refuses it: {:?}\n{text}", sink.sorted()),
     }
 }
 

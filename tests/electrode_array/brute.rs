@@ -5,25 +5,25 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use tweeze::plan::electrode_array::board::{Cell, Instance, Objective};
+use tweeze::plan::electrode_array::board::{BoardObjective, CellIndex, Instance};
 
 /// The least makespan or sum of costs, or none if no plan exists; of the agents of `group`, as if the others were not there.
-pub fn least(instance: &Instance, group: &[usize], objective: Objective) -> Option<u64> {
+pub fn least(instance: &Instance, group: &[usize], objective: BoardObjective) -> Option<u64> {
     Joint::new(instance, group, objective).search()
 }
 
 /// How many joint states a search of so many agents may have.
 pub fn states(instance: &Instance, group: &[usize]) -> u64 {
-    let free = (0..instance.board.cells() as Cell).filter(|cell| !instance.board.is_blocked(*cell)).count() as u64;
+    let free = (0..instance.board.cells() as CellIndex).filter(|cell| !instance.board.is_blocked(*cell)).count() as u64;
     free.saturating_pow(group.len() as u32)
 }
 
 struct Joint<'a> {
     instance: &'a Instance,
     group: &'a [usize],
-    objective: Objective,
+    objective: BoardObjective,
     /// For each member and each of its states, the cell and the states one step later.
-    members: Vec<Vec<(Cell, Vec<usize>)>>,
+    members: Vec<Vec<(CellIndex, Vec<usize>)>>,
     starts: Vec<usize>,
     /// For each member, its state on its goal.
     homes: Vec<usize>,
@@ -32,7 +32,7 @@ struct Joint<'a> {
 }
 
 impl<'a> Joint<'a> {
-    fn new(instance: &'a Instance, group: &'a [usize], objective: Objective) -> Self {
+    fn new(instance: &'a Instance, group: &'a [usize], objective: BoardObjective) -> Self {
         let mut joint =
             Joint { instance, group, objective, members: vec![], starts: vec![], homes: vec![], ends: vec![] };
         for agent in group {
@@ -46,18 +46,18 @@ impl<'a> Joint<'a> {
         let board = &self.instance.board;
         let stops = &self.instance.agents[agent].stops;
         let goal = *stops.last().expect("an agent has a goal");
-        let free: Vec<Cell> = (0..board.cells() as Cell).filter(|cell| !board.is_blocked(*cell)).collect();
+        let free: Vec<CellIndex> = (0..board.cells() as CellIndex).filter(|cell| !board.is_blocked(*cell)).collect();
         let merges = self.instance.merges.iter().flatten().any(|merging| *merging == agent);
-        let enter = |cell: Cell, done: usize| {
+        let enter = |cell: CellIndex, done: usize| {
             let done = done + stops[done..].iter().take_while(|stop| **stop == cell).count();
             let place = free.binary_search(&cell).expect("a free cell");
             done * free.len() + place
         };
         let home = enter(goal, stops.len());
         let settled = free.len() * (stops.len() + 1);
-        let counts_all = self.objective == Objective::SumOfCosts;
+        let counts_all = self.objective == BoardObjective::SumOfCosts;
         let states = (0..=stops.len()).flat_map(|done| free.iter().map(move |cell| (*cell, done)));
-        let mut table: Vec<(Cell, Vec<usize>)> = Vec::with_capacity(settled + 1);
+        let mut table: Vec<(CellIndex, Vec<usize>)> = Vec::with_capacity(settled + 1);
         for (cell, done) in states {
             let stays = merges && enter(cell, done) == home;
             let around = if stays { vec![cell] } else { self.steps(cell) };
@@ -75,14 +75,14 @@ impl<'a> Joint<'a> {
     }
 
     /// A free cell and its free neighbours.
-    fn steps(&self, cell: Cell) -> Vec<Cell> {
+    fn steps(&self, cell: CellIndex) -> Vec<CellIndex> {
         let board = &self.instance.board;
         let (width, height) = (i64::from(board.width()), i64::from(board.height()));
         let (column, row) = (i64::from(cell) % width, i64::from(cell) / width);
         let around = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)].map(|(right, up)| (column + right, row + up));
         let on_board =
             around.into_iter().filter(|(column, row)| (0..width).contains(column) && (0..height).contains(row));
-        let cells = on_board.map(|(column, row)| (row * width + column) as Cell);
+        let cells = on_board.map(|(column, row)| (row * width + column) as CellIndex);
         cells.filter(|cell| !board.is_blocked(*cell)).collect()
     }
 
@@ -135,8 +135,8 @@ impl<'a> Joint<'a> {
 
     fn price(&self, state: &[usize]) -> u64 {
         match self.objective {
-            Objective::Makespan => 1,
-            Objective::SumOfCosts => state.iter().zip(&self.ends).filter(|(at, end)| at != end).count() as u64,
+            BoardObjective::Makespan => 1,
+            BoardObjective::SumOfCosts => state.iter().zip(&self.ends).filter(|(at, end)| at != end).count() as u64,
         }
     }
 
@@ -177,7 +177,7 @@ impl<'a> Joint<'a> {
             .all(|other| ends(other).iter().all(|their| own.iter().all(|at| !self.clash((last, *at), (other, *their)))))
     }
 
-    fn clash(&self, (member, cell): (usize, Cell), (other, at): (usize, Cell)) -> bool {
+    fn clash(&self, (member, cell): (usize, CellIndex), (other, at): (usize, CellIndex)) -> bool {
         let width = i64::from(self.instance.board.width());
         let [one, two] = [cell, at].map(|cell| (i64::from(cell) % width, i64::from(cell) / width));
         let apart = (one.0 - two.0).abs().max((one.1 - two.1).abs());

@@ -3,7 +3,7 @@
 //! It shares nothing with the planner but the types of the problem: columns and rows are taken apart anew, and the rule is checked on
 //! moves (all four combinations of the starts and ends of two parts), where the planner checks single positions.
 
-use tweeze::plan::electrode_array::board::{Answer, Cell, Costs, Instance, Paths};
+use tweeze::plan::electrode_array::board::{BoardAnswer, BoardCosts, CellIndex, Instance, Paths};
 
 /// Column and row.
 type Place = (i64, i64);
@@ -18,23 +18,23 @@ pub fn fault(instance: &Instance, paths: &Paths) -> Option<String> {
 }
 
 /// Panics unless the plan of an answer is legal and its bounds are not above its costs; the costs, counted here.
-pub fn judged(instance: &Instance, answer: &Answer) -> Option<(Costs, Costs)> {
-    let Answer::Found { paths, bounds } = answer else { return None };
+pub fn judged(instance: &Instance, answer: &BoardAnswer) -> Option<(BoardCosts, BoardCosts)> {
+    let BoardAnswer::Found { paths, bounds } = answer else { return None };
     assert_eq!(fault(instance, paths), None, "{instance:?}");
     let arrivals = paths.iter().map(|path| path.len() as u64 - 1);
-    let costs = Costs { makespan: arrivals.clone().max().unwrap_or(0), sum_of_costs: arrivals.sum() };
+    let costs = BoardCosts { makespan: arrivals.clone().max().unwrap_or(0), sum_of_costs: arrivals.sum() };
     assert!(bounds.makespan <= costs.makespan, "{bounds:?} above {costs:?}: {instance:?}");
     assert!(bounds.sum_of_costs <= costs.sum_of_costs, "{bounds:?} above {costs:?}: {instance:?}");
     Some((costs, *bounds))
 }
 
-fn place(instance: &Instance, cell: Cell) -> Place {
+fn place(instance: &Instance, cell: CellIndex) -> Place {
     let width = instance.board.width();
     (i64::from(cell % width), i64::from(cell / width))
 }
 
 /// One part: from its start over free cells, one at a time, by its stops to its goal.
-fn fault_alone(instance: &Instance, part: usize, path: &[Cell]) -> Option<String> {
+fn fault_alone(instance: &Instance, part: usize, path: &[CellIndex]) -> Option<String> {
     let agent = &instance.agents[part];
     let mut stops = agent.stops.iter().peekable();
     for (instant, cell) in path.iter().enumerate() {
@@ -67,8 +67,8 @@ fn fault_together(instance: &Instance, paths: &Paths) -> Option<String> {
     let last = paths.iter().map(Vec::len).max().unwrap_or(0);
     let mut crowd = Crowd::new(instance);
     (0..last.max(1)).find_map(|step| {
-        let at = |path: &[Cell], instant: usize| path[instant.min(path.len() - 1)];
-        let moves: Vec<[Cell; 2]> = paths.iter().map(|path| [at(path, step), at(path, step + 1)]).collect();
+        let at = |path: &[CellIndex], instant: usize| path[instant.min(path.len() - 1)];
+        let moves: Vec<[CellIndex; 2]> = paths.iter().map(|path| [at(path, step), at(path, step + 1)]).collect();
         crowd.fault(&moves).map(|fault| format!("{fault} in step {step}"))
     })
 }
@@ -78,7 +78,7 @@ struct Crowd<'a> {
     instance: &'a Instance,
     columns: i64,
     rows: i64,
-    squares: Vec<Vec<(usize, Cell)>>,
+    squares: Vec<Vec<(usize, CellIndex)>>,
     filled: Vec<usize>,
 }
 
@@ -90,12 +90,12 @@ impl<'a> Crowd<'a> {
         Crowd { instance, columns, rows, squares: vec![vec![]; (columns * rows) as usize], filled: vec![] }
     }
 
-    fn square(&self, cell: Cell) -> Place {
+    fn square(&self, cell: CellIndex) -> Place {
         let (column, row) = place(self.instance, cell);
         (column / i64::from(self.instance.separation), row / i64::from(self.instance.separation))
     }
 
-    fn fault(&mut self, moves: &[[Cell; 2]]) -> Option<String> {
+    fn fault(&mut self, moves: &[[CellIndex; 2]]) -> Option<String> {
         for square in self.filled.drain(..) {
             self.squares[square].clear();
         }
@@ -116,20 +116,20 @@ impl<'a> Crowd<'a> {
     }
 
     /// A part before this one that is too near to it here.
-    fn too_near(&self, part: usize, cell: Cell) -> Option<usize> {
+    fn too_near(&self, part: usize, cell: CellIndex) -> Option<usize> {
         self.around(self.square(cell))
             .find(|(other, at)| self.clash((part, cell), (*other, *at)))
             .map(|(other, _)| *other)
     }
 
-    fn around(&self, (column, row): Place) -> impl Iterator<Item = &(usize, Cell)> {
+    fn around(&self, (column, row): Place) -> impl Iterator<Item = &(usize, CellIndex)> {
         let columns = (column - 1).max(0)..=(column + 1).min(self.columns - 1);
         let rows = (row - 1).max(0)..=(row + 1).min(self.rows - 1);
         let squares = rows.flat_map(move |row| columns.clone().map(move |column| (row, column)));
         squares.flat_map(|(row, column)| &self.squares[(row * self.columns + column) as usize])
     }
 
-    fn clash(&self, (part, cell): (usize, Cell), (other, at): (usize, Cell)) -> bool {
+    fn clash(&self, (part, cell): (usize, CellIndex), (other, at): (usize, CellIndex)) -> bool {
         let (one, two) = (place(self.instance, cell), place(self.instance, at));
         let apart = (one.0 - two.0).abs().max((one.1 - two.1).abs());
         let merge = self.instance.merges.contains(&[other, part]);

@@ -10,40 +10,45 @@ mod tiny;
 
 use check::{fault, judged};
 use scenes::{Random, Shape, block, droplets, rimmed, table_6};
-use tweeze::plan::electrode_array::board::{Agent, Answer, Board, Costs, Instance, Objective, Why};
+use tweeze::plan::electrode_array::board::{
+    Agent, BoardAnswer, BoardCosts, BoardGrid, BoardObjective, Instance, NoBoardPlan,
+};
 use tweeze::plan::electrode_array::solve;
-use tweeze::plan::search::Budget;
+use tweeze::plan::search::SearchBudget;
 
-const OBJECTIVES: [Objective; 2] = [Objective::Makespan, Objective::SumOfCosts];
+const OBJECTIVES: [BoardObjective; 2] = [BoardObjective::Makespan, BoardObjective::SumOfCosts];
 
 /// More joint states than this are not searched by brute force.
 const MOST_STATES: u64 = 1 << 18;
 
-fn agents(board: &Board, ends: &[[(u32, u32); 2]]) -> Vec<Agent> {
+fn agents(board: &BoardGrid, ends: &[[(u32, u32); 2]]) -> Vec<Agent> {
     let at = |(column, row): (u32, u32)| board.cell(column, row);
     ends.iter().map(|[start, goal]| Agent { start: at(*start), stops: vec![at(*goal)] }).collect()
 }
 
 /// The proof that there is no plan, confirmed by brute force with the parts that it names.
-fn confirm(instance: &Instance, why: &Why) {
+fn confirm(instance: &Instance, why: &NoBoardPlan) {
     match why {
-        Why::Closed { agent, .. } => {
-            assert_eq!(brute::least(instance, &[*agent], Objective::Makespan), None, "{instance:?}")
+        NoBoardPlan::Closed { agent, .. } => {
+            assert_eq!(brute::least(instance, &[*agent], BoardObjective::Makespan), None, "{instance:?}")
         }
-        Why::Blocked { agents } => {
+        NoBoardPlan::Blocked { agents } => {
             let states = brute::states(instance, agents);
             assert!(states <= MOST_STATES, "not confirmed: {agents:?} of {instance:?}");
-            assert_eq!(brute::least(instance, agents, Objective::Makespan), None, "{agents:?} of {instance:?}");
+            assert_eq!(brute::least(instance, agents, BoardObjective::Makespan), None, "{agents:?} of {instance:?}");
         }
-        Why::TooFewSteps { .. } => panic!("no limit was given: {instance:?}"),
+        NoBoardPlan::TooFewSteps { .. } => panic!("no limit was given: {instance:?}"),
     }
 }
 
 /// Costs of the parts alone; none if one is walled in.
-fn simple_bounds(instance: &Instance) -> Option<Costs> {
-    let alone = |agent| brute::least(instance, &[agent], Objective::Makespan);
+fn simple_bounds(instance: &Instance) -> Option<BoardCosts> {
+    let alone = |agent| brute::least(instance, &[agent], BoardObjective::Makespan);
     let alone: Option<Vec<u64>> = (0..instance.agents.len()).map(alone).collect();
-    alone.map(|alone| Costs { makespan: alone.iter().copied().max().unwrap_or(0), sum_of_costs: alone.iter().sum() })
+    alone.map(|alone| BoardCosts {
+        makespan: alone.iter().copied().max().unwrap_or(0),
+        sum_of_costs: alone.iter().sum(),
+    })
 }
 
 #[test]
@@ -58,14 +63,14 @@ fn random_instances_end_in_legal_plans_or_proofs() {
         let shape = Shape { size: (side(), side()), rim: 1, separation, agents, obstacles: chance.below(40) };
         let Some(instance) = shape.instance(&mut chance) else { continue };
         let objective = OBJECTIVES[(round / 2 % 2) as usize];
-        let answer = solve(&instance, objective, None, Budget::of(60_000));
+        let answer = solve(&instance, objective, None, SearchBudget::of(60_000));
         match (&answer, judged(&instance, &answer)) {
             (_, Some((_, bounds))) => {
                 let simple = simple_bounds(&instance).expect("there is a plan");
                 assert!(bounds.makespan >= simple.makespan && bounds.sum_of_costs >= simple.sum_of_costs, "{bounds:?}");
                 found += 1;
             }
-            (Answer::Impossible(why), None) => {
+            (BoardAnswer::Impossible(why), None) => {
                 confirm(&instance, why);
                 impossible += 1;
             }
@@ -83,25 +88,25 @@ fn a_limit_on_the_steps_is_kept_and_a_smaller_one_is_refused() {
         let shape = Shape { size: (16, 16), rim: 1, separation: 2, agents: 5, obstacles: 4 };
         let instance = shape.instance(&mut chance).expect("five parts fit");
         let Some((costs, bounds)) =
-            judged(&instance, &solve(&instance, Objective::Makespan, None, Budget::of(200_000)))
+            judged(&instance, &solve(&instance, BoardObjective::Makespan, None, SearchBudget::of(200_000)))
         else {
             continue;
         };
         if costs.makespan > bounds.makespan {
             continue;
         }
-        let within = solve(&instance, Objective::SumOfCosts, Some(costs.makespan), Budget::of(200_000));
+        let within = solve(&instance, BoardObjective::SumOfCosts, Some(costs.makespan), SearchBudget::of(200_000));
         if let Some((again, _)) = judged(&instance, &within) {
             assert_eq!(again.makespan, costs.makespan, "{instance:?}");
             kept += 1;
         }
         let Some(less) = costs.makespan.checked_sub(1) else { continue };
-        match solve(&instance, Objective::Makespan, Some(less), Budget::of(200_000)) {
-            Answer::Impossible(Why::TooFewSteps { least }) => {
+        match solve(&instance, BoardObjective::Makespan, Some(less), SearchBudget::of(200_000)) {
+            BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least }) => {
                 assert!(least > less && least <= costs.makespan, "{least} for {costs:?}: {instance:?}");
                 refused += 1;
             }
-            Answer::GaveUp { bounds } => assert!(bounds.makespan <= costs.makespan),
+            BoardAnswer::GaveUp { bounds } => assert!(bounds.makespan <= costs.makespan),
             answer => panic!("{answer:?} within {less}: {instance:?}"),
         }
     }
@@ -118,14 +123,14 @@ fn a_goal_that_is_walled_in_is_closed() {
     let ends = [[(2, 2), (17, 2)], [(2, 8), (12, 12)], [(2, 16), (17, 16)]];
     let instance = Instance { agents: agents(&board, &ends), board, separation: 4, merges: vec![] };
     for objective in OBJECTIVES {
-        let answer = solve(&instance, objective, None, Budget::of(1_000_000));
-        assert_eq!(answer, Answer::Impossible(Why::Closed { agent: 1, stop: 0 }));
+        let answer = solve(&instance, objective, None, SearchBudget::of(1_000_000));
+        assert_eq!(answer, BoardAnswer::Impossible(NoBoardPlan::Closed { agent: 1, stop: 0 }));
     }
 }
 
 #[test]
 fn two_parts_cannot_swap_in_a_corridor_whatever_the_others_do() {
-    let mut open = Board::new(24, 12);
+    let mut open = BoardGrid::new(24, 12);
     for cell in 0..288 {
         let (column, row) = open.place(cell);
         if row != 2 && !(row > 5 && column > 12) {
@@ -135,8 +140,8 @@ fn two_parts_cannot_swap_in_a_corridor_whatever_the_others_do() {
     let ends = [[(14, 8), (22, 8)], [(3, 2), (20, 2)], [(20, 10), (14, 11)], [(20, 2), (3, 2)]];
     let instance = Instance { agents: agents(&open, &ends), board: open, separation: 2, merges: vec![] };
     for objective in OBJECTIVES {
-        let answer = solve(&instance, objective, None, Budget::of(1_000_000));
-        assert_eq!(answer, Answer::Impossible(Why::Blocked { agents: vec![1, 3] }));
+        let answer = solve(&instance, objective, None, SearchBudget::of(1_000_000));
+        assert_eq!(answer, BoardAnswer::Impossible(NoBoardPlan::Blocked { agents: vec![1, 3] }));
     }
 }
 
@@ -144,7 +149,7 @@ fn two_parts_cannot_swap_in_a_corridor_whatever_the_others_do() {
 fn few_parts_on_a_huge_empty_board_are_planned_within_a_small_budget() {
     let shape = Shape { size: (1000, 1000), rim: 1, separation: 4, agents: 50, obstacles: 0 };
     let instance = shape.instance(&mut Random(5)).expect("fifty parts fit");
-    let answer = solve(&instance, Objective::Makespan, None, Budget::of(1_000_000));
+    let answer = solve(&instance, BoardObjective::Makespan, None, SearchBudget::of(1_000_000));
     let (costs, bounds) = judged(&instance, &answer).expect("a plan");
     assert_eq!(costs.makespan, bounds.makespan);
 }
@@ -153,11 +158,11 @@ fn few_parts_on_a_huge_empty_board_are_planned_within_a_small_budget() {
 fn thousands_of_parts_on_a_crowded_board_end_with_the_budget() {
     let shape = Shape { size: (150, 150), rim: 1, separation: 2, agents: 2000, obstacles: 0 };
     let instance = shape.instance(&mut Random(9)).expect("two thousand parts fit");
-    let answer = solve(&instance, Objective::Makespan, None, Budget::of(300_000));
+    let answer = solve(&instance, BoardObjective::Makespan, None, SearchBudget::of(300_000));
     match &answer {
-        Answer::Found { .. } => assert!(judged(&instance, &answer).is_some()),
-        Answer::GaveUp { bounds } => assert!(bounds.makespan > 0),
-        Answer::Impossible(why) => panic!("{why:?}"),
+        BoardAnswer::Found { .. } => assert!(judged(&instance, &answer).is_some()),
+        BoardAnswer::GaveUp { bounds } => assert!(bounds.makespan > 0),
+        BoardAnswer::Impossible(why) => panic!("{why:?}"),
     }
 }
 
@@ -168,7 +173,7 @@ fn the_droplet_set_is_solved() {
     let cases = droplets();
     assert_eq!(cases.len(), most.len());
     for (name, instance) in cases {
-        let answer = solve(&instance, Objective::Makespan, None, Budget::of(500_000));
+        let answer = solve(&instance, BoardObjective::Makespan, None, SearchBudget::of(500_000));
         let (costs, bounds) = judged(&instance, &answer).expect("a plan");
         let stated = most.iter().find(|(case, _)| *case == name).map(|(_, most)| *most);
         assert!(stated.is_some_and(|stated| costs.makespan <= stated), "{name}: {costs:?}");
@@ -181,17 +186,17 @@ fn the_droplet_set_is_solved() {
 #[test]
 fn table_6_of_the_paper_takes_86_steps_and_no_fewer() {
     let instance = table_6();
-    let answer = solve(&instance, Objective::Makespan, None, Budget::of(1_000_000));
+    let answer = solve(&instance, BoardObjective::Makespan, None, SearchBudget::of(1_000_000));
     let (costs, bounds) = judged(&instance, &answer).expect("a plan");
     assert_eq!((costs.makespan, bounds.makespan), (86, 86));
-    let shorter = solve(&instance, Objective::Makespan, Some(85), Budget::of(1_000_000));
-    assert_eq!(shorter, Answer::Impossible(Why::TooFewSteps { least: 86 }));
+    let shorter = solve(&instance, BoardObjective::Makespan, Some(85), SearchBudget::of(1_000_000));
+    assert_eq!(shorter, BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least: 86 }));
 }
 
 /// The judge itself: a good plan passes, and each way to spoil it is seen.
 #[test]
 fn the_judge_sees_what_is_wrong() {
-    let board = Board::new(6, 6);
+    let board = BoardGrid::new(6, 6);
     let instance = Instance {
         agents: agents(&board, &[[(0, 0), (2, 0)], [(0, 2), (2, 2)]]),
         board,
@@ -222,7 +227,7 @@ fn the_judge_sees_what_is_wrong() {
 /// Eight droplets on 6 x 6 cells, a sliding puzzle with a little room, in even orders.
 #[test]
 fn crowded_boards_have_plans() {
-    let board = Board::new(6, 6);
+    let board = BoardGrid::new(6, 6);
     let cells: Vec<(u32, u32)> = (0..9).map(|index| (index % 3 * 2, index / 3 * 2)).collect();
     let mut chance = Random(31);
     for _ in 0..8 {
@@ -234,7 +239,7 @@ fn crowded_boards_have_plans() {
         }
         let ends: Vec<[(u32, u32); 2]> = (0..8).map(|part| [cells[part], goals[part]]).collect();
         let instance = Instance { board: board.clone(), separation: 2, agents: agents(&board, &ends), merges: vec![] };
-        let answer = solve(&instance, Objective::SumOfCosts, None, Budget::of(2_000_000));
+        let answer = solve(&instance, BoardObjective::SumOfCosts, None, SearchBudget::of(2_000_000));
         assert!(judged(&instance, &answer).is_some(), "{answer:?}");
     }
 }

@@ -5,7 +5,7 @@ mod random;
 
 pub use random::Random;
 use serde_json::Value;
-use tweeze::plan::electrode_array::board::{Agent, Board, Cell, Instance};
+use tweeze::plan::electrode_array::board::{Agent, BoardGrid, CellIndex, Instance};
 
 /// How often a random cell is tried before a scene counts as full.
 const TRIES: usize = 20_000;
@@ -39,7 +39,7 @@ impl Shape {
     }
 
     /// Free cells that keep the separation.
-    pub fn scatter(self, board: &Board, chance: &mut Random) -> Option<Vec<Cell>> {
+    pub fn scatter(self, board: &BoardGrid, chance: &mut Random) -> Option<Vec<CellIndex>> {
         let mut free = board.clone();
         let mut cells = Vec::with_capacity(self.agents);
         for _ in 0..self.agents {
@@ -53,8 +53,8 @@ impl Shape {
 }
 
 /// A board whose outer cells are blocked.
-pub fn rimmed((width, height): (u32, u32), rim: u32) -> Board {
-    let mut board = Board::new(width, height);
+pub fn rimmed((width, height): (u32, u32), rim: u32) -> BoardGrid {
+    let mut board = BoardGrid::new(width, height);
     if rim > 0 {
         block(&mut board, (0, 0), (width, rim - 1));
         block(&mut board, (0, height - rim), (width, height));
@@ -65,7 +65,7 @@ pub fn rimmed((width, height): (u32, u32), rim: u32) -> Board {
 }
 
 /// Blocks the cells of a rectangle that lie on the board, both corners included.
-pub fn block(board: &mut Board, low: (u32, u32), high: (u32, u32)) {
+pub fn block(board: &mut BoardGrid, low: (u32, u32), high: (u32, u32)) {
     for row in low.1..=high.1.min(board.height() - 1) {
         for column in low.0..=high.0.min(board.width() - 1) {
             board.block(board.cell(column, row));
@@ -87,7 +87,7 @@ fn droplet_case(case: &Value) -> Instance {
     let place = |cell: &Value| (number(&cell[0]) - 1, number(&cell[1]) - 1);
     let list = |value: &Value| value.as_array().expect("a list").clone();
     let (width, height) = place(&case["grid"][0][1]);
-    let mut board = Board::new(width + 1, height + 1);
+    let mut board = BoardGrid::new(width + 1, height + 1);
     for blockage in list(&case["blockages"]) {
         block(&mut board, place(&blockage[0]), place(&blockage[1]));
     }
@@ -102,9 +102,9 @@ fn droplet_case(case: &Value) -> Instance {
 }
 
 /// The same board with these cells free.
-fn freed(board: Board, cells: Vec<Cell>) -> Board {
-    let mut freed = Board::new(board.width(), board.height());
-    let blocked = (0..board.cells() as Cell).filter(|cell| board.is_blocked(*cell) && !cells.contains(cell));
+fn freed(board: BoardGrid, cells: Vec<CellIndex>) -> BoardGrid {
+    let mut freed = BoardGrid::new(board.width(), board.height());
+    let blocked = (0..board.cells() as CellIndex).filter(|cell| board.is_blocked(*cell) && !cells.contains(cell));
     blocked.for_each(|cell| freed.block(cell));
     freed
 }

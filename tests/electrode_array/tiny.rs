@@ -4,12 +4,14 @@ use crate::brute::least;
 use crate::check::judged;
 use crate::scenes::Random;
 use crate::{OBJECTIVES, confirm};
-use tweeze::plan::electrode_array::board::{Agent, Answer, Board, Cell, Costs, Instance, Objective};
+use tweeze::plan::electrode_array::board::{
+    Agent, BoardAnswer, BoardCosts, BoardGrid, BoardObjective, CellIndex, Instance,
+};
 use tweeze::plan::electrode_array::solve;
-use tweeze::plan::search::Budget;
+use tweeze::plan::search::SearchBudget;
 
 /// Enough to decide each of these instances.
-const PLENTY: Budget = Budget::of(600_000);
+const PLENTY: SearchBudget = SearchBudget::of(600_000);
 
 /// Columns and rows, separation, parts, blocked cells in a hundred, and what is special.
 type Tiny = ((u32, u32), u32, usize, u32, Special);
@@ -24,7 +26,7 @@ enum Special {
 }
 
 fn instance(((width, height), separation, count, blocked, special): Tiny, chance: &mut Random) -> Option<Instance> {
-    let mut board = Board::new(width, height);
+    let mut board = BoardGrid::new(width, height);
     for cell in 0..width * height {
         if chance.below(100) < blocked {
             board.block(cell);
@@ -37,7 +39,7 @@ fn instance(((width, height), separation, count, blocked, special): Tiny, chance
         goals[1] = goals[0];
         merges.push([0, 1]);
     }
-    let agent = |(start, goal): (Cell, Cell)| Agent { start, stops: vec![goal] };
+    let agent = |(start, goal): (CellIndex, CellIndex)| Agent { start, stops: vec![goal] };
     let mut agents: Vec<Agent> = starts.into_iter().zip(goals).map(agent).collect();
     if special == Special::Via {
         let via = scatter(&board, separation, 1, chance)?[0];
@@ -46,8 +48,8 @@ fn instance(((width, height), separation, count, blocked, special): Tiny, chance
     Some(Instance { board, separation, agents, merges })
 }
 
-fn scatter(board: &Board, separation: u32, count: usize, chance: &mut Random) -> Option<Vec<Cell>> {
-    let mut cells: Vec<Cell> = Vec::new();
+fn scatter(board: &BoardGrid, separation: u32, count: usize, chance: &mut Random) -> Option<Vec<CellIndex>> {
+    let mut cells: Vec<CellIndex> = Vec::new();
     for _ in 0..50 {
         let cell = chance.below(board.cells() as u32);
         if cells.len() < count
@@ -67,15 +69,15 @@ fn compare(instance: &Instance) -> bool {
     for objective in OBJECTIVES {
         let answer = solve(instance, objective, None, PLENTY);
         let found = judged(instance, &answer);
-        if let Answer::Impossible(why) = &answer {
+        if let BoardAnswer::Impossible(why) = &answer {
             confirm(instance, why);
         }
-        let proven = |costs: Costs| match objective {
-            Objective::Makespan => costs.makespan,
-            Objective::SumOfCosts => costs.sum_of_costs,
+        let proven = |costs: BoardCosts| match objective {
+            BoardObjective::Makespan => costs.makespan,
+            BoardObjective::SumOfCosts => costs.sum_of_costs,
         };
-        let least = truth[usize::from(objective == Objective::SumOfCosts)];
-        assert!(!matches!(answer, Answer::GaveUp { .. }), "{objective:?} of {instance:?}");
+        let least = truth[usize::from(objective == BoardObjective::SumOfCosts)];
+        assert!(!matches!(answer, BoardAnswer::GaveUp { .. }), "{objective:?} of {instance:?}");
         assert_eq!(found.map(|(costs, _)| proven(costs)), least, "cost, {objective:?} of {instance:?}");
         assert_eq!(found.map(|(_, bounds)| proven(bounds)), least, "bound, {objective:?} of {instance:?}");
         if let Some((_, bounds)) = found {

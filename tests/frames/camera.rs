@@ -3,7 +3,7 @@
 use crate::support::{Built, build};
 use crate::{Random, cases};
 use tweeze::claims::Order;
-use tweeze::claims::dimibot::{Action, Asked, Body};
+use tweeze::claims::dimibot::{Asked, DimibotAction, DimibotObstacleBody};
 use tweeze::geometry::shape::{Pose, Shape};
 
 const BOT: &str = "use std.dimibot\ndevice bot : dimibot.femto_st { left: 5, right: 5 }\n";
@@ -21,7 +21,7 @@ fn goal_um(image: &str, goal: &str) -> [f64; 2] {
     let text =
         format!("{BOT}scene bench {{\n  frame top : {image}\n}}\ntask go on bot in bench {{ move to {goal} }}\n");
     let order = order(&text);
-    let Action::Move(stops) = &order.steps[0].action else { panic!("a move") };
+    let DimibotAction::Move(stops) = &order.steps[0].action else { panic!("a move") };
     let Asked::Place(place_um) = stops[0].asked else { panic!("a place") };
     place_um
 }
@@ -62,7 +62,7 @@ fn headings_turn_as_the_image_shows_them() {
         );
         let order =
             order(&format!("{BOT}scene bench {{\n  {scene}\n}}\ntask go on bot in bench {{ move to (0, 0) }}\n"));
-        let Body::Solid { pose: Pose { x_um, y_um, heading_rad }, .. } = order.obstacles[0].body else {
+        let DimibotObstacleBody::Solid { pose: Pose { x_um, y_um, heading_rad }, .. } = order.obstacles[0].body else {
             panic!("a solid")
         };
         [x_um, y_um, heading_rad.to_degrees()]
@@ -82,7 +82,9 @@ fn an_outline_is_drawn_in_the_image() {
         format!("{BOT}scene bench {{\n  {image}\n  {text}\n}}\ntask go on bot in bench {{ move to (0, 0) }}\n")
     };
     let order = order(&scene("(8 px, 8 px), (12 px, 8 px), (8 px, 12 px)"));
-    let Body::Solid { shape: Shape::Polygon { points_um }, .. } = &order.obstacles[0].body else { panic!("a polygon") };
+    let DimibotObstacleBody::Solid { shape: Shape::Polygon { points_um }, .. } = &order.obstacles[0].body else {
+        panic!("a polygon")
+    };
     assert_near(&points_um.concat(), &[4.0, 8.0, 6.0, 8.0, 4.0, 6.0]);
     let moved = scene("(8 px, 8 px), (12 px, 8 px), (8 px, 12 px)").replace("12 px)] }", "12 px)] } at (1 um, 1 um)");
     assert_eq!(build(&moved).codes, ["E0570"]);
@@ -125,7 +127,7 @@ fn images_are_inherited() {
         )
     };
     let goal = |text: &str| match &order(text).steps[0].action {
-        Action::Move(stops) => stops[0].asked,
+        DimibotAction::Move(stops) => stops[0].asked,
         other => panic!("{other:?}"),
     };
     assert_eq!(goal(&text("")), Asked::Place([4.0, 4.0]));

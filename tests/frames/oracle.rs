@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use tweeze::claims::Claims;
-use tweeze::device::dimibot::Facts;
+use tweeze::device::dimibot::DimibotFacts;
 use tweeze::schedule::Schedule;
 
 /// A rectangle along the axes of a robot, and where that robot stands.
@@ -55,7 +55,7 @@ impl Area {
 }
 
 /// The pitch of a side: equation 2 and 6 of the paper.
-fn pitch_um(facts: &Facts, modules: u32) -> f64 {
+fn pitch_um(facts: &DimibotFacts, modules: u32) -> f64 {
     facts.gain * facts.stroke_um * 2f64.sqrt() / f64::from(1u32 << (modules - 1))
 }
 

@@ -4,8 +4,8 @@ use super::numbers::{self, MAGNITUDES};
 use super::random::Random;
 use super::seeds;
 use std::fmt::Write as _;
-use tweeze::device::shape::Form;
-use tweeze::device::{Field, Kind, Need, Sort, Vocabulary};
+use tweeze::device::shape::ShapeForm;
+use tweeze::device::{Kind, Need, Sort, Vocabulary, VocabularyField};
 
 /// A program of one kind, or of two on one clock, with the published devices written out.
 pub fn program(random: &mut Random) -> String {
@@ -67,7 +67,7 @@ fn head(words: &Vocabulary, budget: u32, random: &mut Random) -> String {
 }
 
 /// A value for a setting.
-fn value(field: &Field, random: &mut Random) -> String {
+fn value(field: &VocabularyField, random: &mut Random) -> String {
     let quantity = |dimension, size| tweeze::quantity::Quantity::new(size, dimension).to_string();
     match field.sort {
         Sort::Count { least, .. } | Sort::CountOrWord { least, .. } => (least + random.below(5)).to_string(),
@@ -99,25 +99,25 @@ fn value(field: &Field, random: &mut Random) -> String {
 }
 
 /// A shape of a plane, about so large, in micrometres.
-fn flat(form: Form, size_um: f64, random: &mut Random) -> String {
+fn flat(form: ShapeForm, size_um: f64, random: &mut Random) -> String {
     let mut length = |share: f64| format!("{:.3} um", size_um * share * (0.2 + random.unit()));
     match form {
-        Form::Disc => format!("disc {{ radius: {} }}", length(0.5)),
-        Form::Box => format!("box {{ size: ({}, {}) }}", length(1.0), length(1.0)),
-        Form::Polygon => {
+        ShapeForm::Disc => format!("disc {{ radius: {} }}", length(0.5)),
+        ShapeForm::Box => format!("box {{ size: ({}, {}) }}", length(1.0), length(1.0)),
+        ShapeForm::Polygon => {
             let (a, b, c) = (length(1.0), length(1.0), length(0.5));
             format!("polygon {{ points: [(0 um, 0 um), ({a}, 0 um), ({a}, {b}), ({c}, {b})] }}")
         }
-        Form::Capsule => format!("capsule {{ length: {}, radius: {} }}", length(1.0), length(0.2)),
-        Form::Cells
-        | Form::Layout
-        | Form::Ellipsoid
-        | Form::Superellipsoid
-        | Form::RoundedBox
-        | Form::Profile
-        | Form::Sections
-        | Form::Mesh
-        | Form::Image => "cells { from: (2, 2), to: (3, 2) }".to_owned(),
+        ShapeForm::Capsule => format!("capsule {{ length: {}, radius: {} }}", length(1.0), length(0.2)),
+        ShapeForm::Cells
+        | ShapeForm::Layout
+        | ShapeForm::Ellipsoid
+        | ShapeForm::Superellipsoid
+        | ShapeForm::RoundedBox
+        | ShapeForm::Profile
+        | ShapeForm::Sections
+        | ShapeForm::Mesh
+        | ShapeForm::Image => "cells { from: (2, 2), to: (3, 2) }".to_owned(),
     }
 }
 
@@ -127,12 +127,12 @@ fn dimibot(random: &mut Random) -> String {
     let high_um = 0.427 * f64::from(1 << right);
     let mut text =
         format!("device bot : femto_st {{ left: {left}, right: {right}, rest: {} ms }}\nscene s {{\n", random.below(9));
-    let forms = [Form::Disc, Form::Box, Form::Polygon, Form::Capsule, Form::Cells];
+    let forms = [ShapeForm::Disc, ShapeForm::Box, ShapeForm::Polygon, ShapeForm::Capsule, ShapeForm::Cells];
     for at in 0..random.below(5) {
         let form = forms[random.below(5) as usize];
         let [x, y] = [wide_um, high_um].map(|um| random.unit() * um);
         let place = match (form, random.below(2)) {
-            (Form::Cells, _) => String::new(),
+            (ShapeForm::Cells, _) => String::new(),
             (_, 0) => format!(" at ({x:.3} um, {y:.3} um)"),
             (_, _) => format!(" at pose({x:.3} um, {y:.3} um, {} deg)", random.below(400)),
         };
@@ -204,7 +204,7 @@ fn microrobots(random: &mut Random) -> String {
     for at in 0..robots {
         let _ = writeln!(text, "  robot D{at} at {}", pose(random));
     }
-    let forms = [Form::Disc, Form::Box, Form::Polygon, Form::Capsule];
+    let forms = [ShapeForm::Disc, ShapeForm::Box, ShapeForm::Polygon, ShapeForm::Capsule];
     for at in 0..random.below(3) {
         let form = forms[random.below(4) as usize];
         let _ = writeln!(text, "  obstacle o{at} : {} at {}", flat(form, 300.0, random), pose(random));

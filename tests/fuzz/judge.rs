@@ -2,7 +2,7 @@
 
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
-use tweeze::compile::{self, Outcome, Program};
+use tweeze::compile::{self, CompileOutcome, CompileRequest};
 use tweeze::diagnostic::{Sink, render};
 use tweeze::emit::{self, EmitError, Format, Provenance, mcap};
 use tweeze::log;
@@ -57,7 +57,7 @@ fn draw(sink: &Sink, sources: &Sources) {
 pub fn check(text: &str) -> Result<bool, String> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
-    let program = Program { name: NAME, text, library: &Carried(&[]), options: &options };
+    let program = CompileRequest { name: NAME, text, library: &Carried(&[]), options: &options };
     let checked = compile::check(&program, &mut sources, &mut sink);
     draw(&sink, &sources);
     match checked.is_some() == (sink.errors() == 0) {
@@ -70,25 +70,27 @@ pub fn check(text: &str) -> Result<bool, String> {
 pub fn build(text: &str) -> Built {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
-    let program = Program { name: NAME, text, library: &Carried(&[]), options: &options };
+    let program = CompileRequest { name: NAME, text, library: &Carried(&[]), options: &options };
     let outcome = compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
     draw(&sink, &sources);
     let first = |sink: &Sink| {
         sink.sorted().into_iter().find(|diagnostic| diagnostic.is_error()).map(|d| (d.code.name(), d.title.clone()))
     };
     match outcome {
-        Outcome::Errors => match first(&sink) {
+        CompileOutcome::Errors => match first(&sink) {
             Some((code, _)) if !code.starts_with("E07") => Built::Errors(code),
             other => Built::Fault(format!("no error of the program stops it: {other:?}")),
         },
-        Outcome::Refused => {
+        CompileOutcome::Refused => {
             let (code, title) = first(&sink).unwrap_or_default();
             Built::Fault(format!("refused: {code} {title}"))
         }
-        Outcome::Compiled(compiled) => match compiled.schedules.iter().find_map(|one| written(one, &sources).err()) {
-            Some(fault) => Built::Fault(fault),
-            None => Built::Verified,
-        },
+        CompileOutcome::Compiled(compiled) => {
+            match compiled.schedules.iter().find_map(|one| written(one, &sources).err()) {
+                Some(fault) => Built::Fault(fault),
+                None => Built::Verified,
+            }
+        }
     }
 }
 
@@ -124,9 +126,9 @@ fn provenance(sources: &Sources) -> Provenance {
 pub fn log_of(text: &str) -> Option<Vec<u8>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
-    let program = Program { name: NAME, text, library: &Carried(&[]), options: &options };
+    let program = CompileRequest { name: NAME, text, library: &Carried(&[]), options: &options };
     let outcome = compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
-    let Outcome::Compiled(compiled) = outcome else { return None };
+    let CompileOutcome::Compiled(compiled) = outcome else { return None };
     let files = emit::emit(Format::Mcap, compiled.schedules.first()?, &provenance(&sources)).ok()?;
     Some(files.into_iter().next()?.bytes)
 }
@@ -137,7 +139,7 @@ pub fn verify(bytes: &[u8]) -> Result<(), String> {
     let (name, text) = &log.files[0];
     let options = Options { settings: log.settings.clone(), only: Some(log.schedule.name.clone()) };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let program = Program { name, text, library: &Carried(&log.files), options: &options };
+    let program = CompileRequest { name, text, library: &Carried(&log.files), options: &options };
     let checked = compile::check(&program, &mut sources, &mut sink);
     draw(&sink, &sources);
     let claims = checked.and_then(|checked| checked.claims.into_iter().next()).ok_or("its program has errors")?;

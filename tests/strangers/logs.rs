@@ -3,7 +3,7 @@
 use super::bench::{Bench, DONE, REFUSED, USAGE, found, says};
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
-use tweeze::compile::{Outcome, Program, compile};
+use tweeze::compile::{CompileOutcome, CompileRequest, compile};
 use tweeze::diagnostic::Sink;
 use tweeze::emit::{Format, Provenance, emit};
 use tweeze::source::Sources;
@@ -96,8 +96,8 @@ impl Library for NoFiles {
 fn carrying(text: &str, settings: &[&str]) -> Vec<u8> {
     let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
     let honest = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
-    let program = Program { name: "a.twz", text: honest, library: &NoFiles, options: &options };
-    let Outcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut |_, _, _| {}) else {
+    let program = CompileRequest { name: "a.twz", text: honest, library: &NoFiles, options: &options };
+    let CompileOutcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut |_, _, _| {}) else {
         panic!("{:?}", sink.sorted())
     };
     let files = vec![("a.twz".to_owned(), text.to_owned())];

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
-use tweeze::compile::{Program, compile};
+use tweeze::compile::{CompileRequest, compile};
 use tweeze::diagnostic::Sink;
 use tweeze::source::Sources;
 
@@ -33,7 +33,8 @@ impl Case {
     /// Compiles the program up to the verified schedules, or as far as it goes.
     pub fn compile(&self) -> (Sources, Sink) {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
-        let program = Program { name: &self.name, text: &self.text, library: &Shelf(self), options: &self.options };
+        let program =
+            CompileRequest { name: &self.name, text: &self.text, library: &Shelf(self), options: &self.options };
         compile(&program, &mut sources, &mut sink, &mut |_, _, _| {});
         (sources, sink)
     }

@@ -5,10 +5,10 @@
 use std::path::Path;
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
-use tweeze::compile::{self, Outcome, Program};
+use tweeze::compile::{self, CompileOutcome, CompileRequest};
 use tweeze::diagnostic::Sink;
 use tweeze::emit::{self, Format, OutputFile, Provenance};
-use tweeze::schedule::Unit;
+use tweeze::schedule::ChannelUnit;
 use tweeze::source::{Origin, Sources};
 use tweeze::verify::Verified;
 
@@ -39,13 +39,13 @@ impl Library for Folder<'_> {
 /// Compiles a text, whose used files lie in a folder.
 pub fn build_in(folder: &Path, text: &str) -> Built {
     let options = Options::default();
-    let program = Program { name: "test.twz", text, library: &Folder(folder), options: &options };
+    let program = CompileRequest { name: "test.twz", text, library: &Folder(folder), options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let outcome = compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
     let (schedules, refused) = match outcome {
-        Outcome::Compiled(compiled) => (compiled.schedules, false),
-        Outcome::Errors => (Vec::new(), false),
-        Outcome::Refused => (Vec::new(), true),
+        CompileOutcome::Compiled(compiled) => (compiled.schedules, false),
+        CompileOutcome::Errors => (Vec::new(), false),
+        CompileOutcome::Refused => (Vec::new(), true),
     };
     let codes = sink.sorted().into_iter().map(|diagnostic| diagnostic.code.name()).collect();
     let titles = sink.sorted().into_iter().map(|diagnostic| diagnostic.title.clone()).collect();
@@ -64,7 +64,7 @@ impl Built {
     pub fn files(&self) -> Vec<OutputFile> {
         let mut files = Vec::new();
         for verified in &self.schedules {
-            let are_stages = verified.schedule().channels.iter().all(|channel| channel.unit == Unit::Micrometre);
+            let are_stages = verified.schedule().channels.iter().all(|channel| channel.unit == ChannelUnit::Micrometre);
             for format in Format::ALL.iter().filter(|format| are_stages || **format != Format::Gcode) {
                 let set = emit::emit(*format, verified, &self.provenance);
                 files.extend(set.unwrap_or_else(|error| panic!("{}: {error:?}", format.name())));
@@ -77,7 +77,7 @@ impl Built {
 /// What is said of a text that uses no file beside it: the codes, and the helps where there are any.
 pub fn complaints(text: &str) -> (Vec<&'static str>, Vec<String>) {
     let options = Options::default();
-    let program = Program { name: "test.twz", text, library: &Folder(Path::new(".")), options: &options };
+    let program = CompileRequest { name: "test.twz", text, library: &Folder(Path::new(".")), options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
     let sorted = sink.sorted();

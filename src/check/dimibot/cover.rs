@@ -3,9 +3,9 @@
 //! An obstacle is entered under its bounding box at the level whose squares are at least as wide as the box, in four squares
 //! at most; a cell is looked up once in each level. The answer is exact: boxes only choose the candidates.
 
-use super::{Obstacle, bounds_um, clearance_um};
-use crate::claims::dimibot::Body;
-use crate::device::dimibot::{Cell, Facts, MAX_MODULES};
+use super::{DimibotObstacle, bounds_um, clearance_um};
+use crate::claims::dimibot::DimibotObstacleBody;
+use crate::device::dimibot::{DimibotFacts, LatticeCell, MAX_MODULES};
 use crate::geometry::shape::Pose;
 use rustc_hash::FxHashMap;
 use std::borrow::Cow;
@@ -13,18 +13,18 @@ use std::sync::Arc;
 
 /// The obstacles of a scene as one device meets them, ready to be asked.
 #[derive(Debug, Clone)]
-pub struct Cover {
+pub struct SceneCover {
     /// Where the robot stands in the scene, if the scene says it.
     pub frame: Option<Pose>,
     /// In the scene's coordinates.
-    pub obstacles: Arc<Vec<Obstacle>>,
+    pub obstacles: Arc<Vec<DimibotObstacle>>,
     /// Indices of the obstacles whose box touches a square, ascending; squares of level l are 2^l cells wide.
     squares: Arc<FxHashMap<(u32, u32, u32), Vec<u32>>>,
 }
 
-impl Cover {
+impl SceneCover {
     /// Enters the obstacles, which must be those of this device.
-    pub fn of(obstacles: Vec<Obstacle>, facts: &Facts, frame: Option<Pose>) -> Cover {
+    pub fn of(obstacles: Vec<DimibotObstacle>, facts: &DimibotFacts, frame: Option<Pose>) -> SceneCover {
         let mut squares: FxHashMap<(u32, u32, u32), Vec<u32>> = FxHashMap::default();
         for (index, obstacle) in obstacles.iter().enumerate() {
             let Some([low, high]) = box_of(&obstacle.body.seen_from(frame.as_ref()), facts) else { continue };
@@ -36,11 +36,11 @@ impl Cover {
                 }
             }
         }
-        Cover { frame, obstacles: Arc::new(obstacles), squares: Arc::new(squares) }
+        SceneCover { frame, obstacles: Arc::new(obstacles), squares: Arc::new(squares) }
     }
 
     /// The first obstacle, in the order of the scene, that covers a cell.
-    pub fn covering(&self, cell: Cell, facts: &Facts) -> Option<usize> {
+    pub fn covering(&self, cell: LatticeCell, facts: &DimibotFacts) -> Option<usize> {
         let squares =
             (0..=MAX_MODULES).filter_map(|level| self.squares.get(&(level, cell.x >> level, cell.y >> level)));
         let is_under = |index: &usize| covers(&self.body(*index), cell, facts);
@@ -49,23 +49,25 @@ impl Cover {
     }
 
     /// An obstacle's body in the robot's own coordinates.
-    pub fn body(&self, index: usize) -> Cow<'_, Body> {
+    pub fn body(&self, index: usize) -> Cow<'_, DimibotObstacleBody> {
         self.obstacles[index].body.seen_from(self.frame.as_ref())
     }
 }
 
-fn covers(body: &Body, cell: Cell, facts: &Facts) -> bool {
+fn covers(body: &DimibotObstacleBody, cell: LatticeCell, facts: &DimibotFacts) -> bool {
     match body {
-        Body::Cells { from, to } => (from.x..=to.x).contains(&cell.x) && (from.y..=to.y).contains(&cell.y),
-        Body::Solid { shape, pose } => clearance_um(shape, pose, cell, facts) <= facts.growth_um(),
+        DimibotObstacleBody::Cells { from, to } => {
+            (from.x..=to.x).contains(&cell.x) && (from.y..=to.y).contains(&cell.y)
+        }
+        DimibotObstacleBody::Solid { shape, pose } => clearance_um(shape, pose, cell, facts) <= facts.growth_um(),
     }
 }
 
 /// The lowest and the highest cell that a body can cover, one more on each side for rounding; `None` outside the lattice.
-fn box_of(body: &Body, facts: &Facts) -> Option<[Cell; 2]> {
+fn box_of(body: &DimibotObstacleBody, facts: &DimibotFacts) -> Option<[LatticeCell; 2]> {
     match body {
-        Body::Cells { from, to } => (from.x <= to.x && from.y <= to.y).then_some([*from, *to]),
-        Body::Solid { shape, pose } => {
+        DimibotObstacleBody::Cells { from, to } => (from.x <= to.x && from.y <= to.y).then_some([*from, *to]),
+        DimibotObstacleBody::Solid { shape, pose } => {
             let [low_um, high_um] = bounds_um(shape, pose, facts.growth_um())?;
             let ([low_x, low_y], [high_x, high_y]) = (facts.nearest_indices(low_um), facts.nearest_indices(high_um));
             let around = |[x, y]: [f64; 2], step: f64| facts.clamped_cell_of([x + step, y + step]);

@@ -1,18 +1,21 @@
 //! Is this DiMiBot possible, is this scene possible for it, are these goals?
 
-use super::devices::Device;
+use super::devices::CheckedDevice;
 use super::fields::Accepted;
-use super::frames::Frame;
+use super::frames::DeviceFrame;
 use super::lets::Argument;
-use super::scenes::{Object, Scene};
-use super::scope::Place;
-use super::tasks::{self, Parts, Site};
+use super::scenes::{CheckedScene, SceneObject};
+use super::scope::DeclarationPlace;
+use super::tasks::{self, Parts, TaskSite};
 use super::value::{ModuleWord, Value, whole};
 use super::{Checker, errors, shapes};
 use crate::claims::Job;
-use crate::claims::dimibot::{Action, Asked, Body, DimibotOrder, Method, Objective, Obstacle, Planner, Step, Stop};
-use crate::device::dimibot::{self, Cell, Side, Simultaneous};
-use crate::device::shape::Form;
+use crate::claims::dimibot::{
+    Asked, DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacle, DimibotObstacleBody, DimibotOrder,
+    DimibotPlanner, DimibotStep, DimibotStop,
+};
+use crate::device::dimibot::{self, LatticeCell, Side, Simultaneous};
+use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::distance;
 use crate::geometry::shape::{Core, MAX_EXTENT_UM, Pose, Shape};
@@ -26,18 +29,18 @@ use std::sync::Arc;
 mod cover;
 mod stops;
 
-pub use cover::Cover;
+pub use cover::SceneCover;
 
 /// States that one search may expand where the task does not say.
 pub const DEFAULT_EXPANSIONS: u64 = 20_000_000;
 
 /// The facts of a complete device.
-pub fn facts(device: &Device, sink: &mut Sink) -> Option<dimibot::Facts> {
+pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<dimibot::DimibotFacts> {
     let fields = &device.fields;
     if fields.values().any(|field| field.value.is_unknown()) {
         return None;
     }
-    let mut facts = dimibot::Facts {
+    let mut facts = dimibot::DimibotFacts {
         left: count(fields, "left"),
         right: count(fields, "right"),
         stroke_um: quantity(fields, "stroke").in_unit("um"),
@@ -48,7 +51,7 @@ pub fn facts(device: &Device, sink: &mut Sink) -> Option<dimibot::Facts> {
         rest_ns: time_ns(fields, "rest", sink)?,
         repeatability_um: quantity(fields, "repeatability").in_unit("um"),
         tip_radius_um: quantity(fields, "tip_radius").in_unit("um"),
-        home: Cell::default(),
+        home: LatticeCell::default(),
         simultaneous: simultaneous(fields).unwrap_or_default(),
     };
     if !fits(&facts, device, sink) {
@@ -85,7 +88,7 @@ fn simultaneous(fields: &Accepted) -> Option<Simultaneous> {
 }
 
 /// Whether the workspace is of a size that is counted with exactly.
-fn fits(facts: &dimibot::Facts, device: &Device, sink: &mut Sink) -> bool {
+fn fits(facts: &dimibot::DimibotFacts, device: &CheckedDevice, sink: &mut Sink) -> bool {
     let extent_um = 2.0 * facts.gain * facts.stroke_um * std::f64::consts::SQRT_2;
     let fits = extent_um <= dimibot::MAX_REACH_UM && facts.growth_um() <= dimibot::MAX_REACH_UM;
     if !fits {
@@ -95,7 +98,7 @@ fn fits(facts: &dimibot::Facts, device: &Device, sink: &mut Sink) -> bool {
     fits
 }
 
-fn warn_of_coarseness(facts: &dimibot::Facts, device: &Device, sink: &mut Sink) {
+fn warn_of_coarseness(facts: &dimibot::DimibotFacts, device: &CheckedDevice, sink: &mut Sink) {
     let pitch_um = facts.pitch_um(Side::Left).min(facts.pitch_um(Side::Right));
     if facts.repeatability_um > pitch_um / 2.0 {
         let at = device.fields.get("repeatability").map_or(device.span, |field| field.span);
@@ -114,7 +117,12 @@ fn length(um: f64) -> String {
 
 impl Checker<'_> {
     /// A task's body in the kind's own terms; `None` after an error.
-    pub fn dimibot_order(&mut self, site: &Site, facts: &dimibot::Facts, parts: Parts) -> Option<DimibotOrder> {
+    pub fn dimibot_order(
+        &mut self,
+        site: &TaskSite,
+        facts: &dimibot::DimibotFacts,
+        parts: Parts,
+    ) -> Option<DimibotOrder> {
         let judged = self.obstacles((site.place, &site.device.name), site.scene.as_ref(), facts);
         let order = order(facts, &judged.cover, parts, &site.device.name, self.sink);
         order.filter(|_| judged.is_whole)
@@ -122,12 +130,12 @@ impl Checker<'_> {
 
     fn obstacles(
         &mut self,
-        device: (Place, &str),
-        scene: Option<&(Place, Rc<Scene>)>,
-        facts: &dimibot::Facts,
-    ) -> Judged {
+        device: (DeclarationPlace, &str),
+        scene: Option<&(DeclarationPlace, Rc<CheckedScene>)>,
+        facts: &dimibot::DimibotFacts,
+    ) -> DimibotScene {
         let Some((place, scene)) = scene else {
-            return Judged { cover: Cover::of(Vec::new(), facts, None), is_whole: true };
+            return DimibotScene { cover: SceneCover::of(Vec::new(), facts, None), is_whole: true };
         };
         if let Some(known) = self.covers.get(&(*place, device.0)) {
             return known.clone();
@@ -138,10 +146,10 @@ impl Checker<'_> {
             Some(_) => self.placed_beside(scene, device.0),
             None => Vec::new(),
         };
-        let robot = Robot { facts, name: device.1, frame: frame.as_ref(), others: &others };
+        let robot = SceneRobot { facts, name: device.1, frame: frame.as_ref(), others: &others };
         let obstacles = scene.objects.iter().filter_map(|object| obstacle(object, &robot, self.sink));
-        let cover = Cover::of(obstacles.collect(), facts, frame.map(|frame| frame.pose));
-        let judged = Judged { cover, is_whole: self.sink.errors() == before };
+        let cover = SceneCover::of(obstacles.collect(), facts, frame.map(|frame| frame.pose));
+        let judged = DimibotScene { cover, is_whole: self.sink.errors() == before };
         self.covers.insert((*place, device.0), judged.clone());
         judged
     }
@@ -149,42 +157,43 @@ impl Checker<'_> {
 
 /// A scene as one device meets it.
 #[derive(Clone)]
-pub struct Judged {
-    pub cover: Cover,
+pub struct DimibotScene {
+    pub cover: SceneCover,
     /// Whether none of its objects is impossible.
     pub is_whole: bool,
 }
 
 /// The robot that a scene is judged with.
-struct Robot<'a> {
-    facts: &'a dimibot::Facts,
+struct SceneRobot<'a> {
+    facts: &'a dimibot::DimibotFacts,
     name: &'a str,
-    frame: Option<&'a Frame>,
+    frame: Option<&'a DeviceFrame>,
     /// The other robots that the scene places.
-    others: &'a [(Rc<dimibot::Facts>, Pose)],
+    others: &'a [(Rc<dimibot::DimibotFacts>, Pose)],
 }
 
-impl Robot<'_> {
+impl SceneRobot<'_> {
     fn pose(&self) -> Option<&Pose> {
         self.frame.map(|frame| &frame.pose)
     }
 
     /// Whether a body can touch neither the tip nor that of any other robot of the scene.
-    fn is_out_of_all_reach(&self, body: &Body) -> bool {
-        let is_outside_of = |(facts, pose): &(Rc<dimibot::Facts>, Pose)| is_outside(&body.seen_from(Some(pose)), facts);
+    fn is_out_of_all_reach(&self, body: &DimibotObstacleBody) -> bool {
+        let is_outside_of =
+            |(facts, pose): &(Rc<dimibot::DimibotFacts>, Pose)| is_outside(&body.seen_from(Some(pose)), facts);
         self.others.iter().all(is_outside_of)
     }
 }
 
-fn obstacle(object: &Object, robot: &Robot, sink: &mut Sink) -> Option<Obstacle> {
+fn obstacle(object: &SceneObject, robot: &SceneRobot, sink: &mut Sink) -> Option<DimibotObstacle> {
     let facts = robot.facts;
     let nouns: Vec<&str> = dimibot::VOCABULARY.nouns.iter().map(|noun| noun.name).collect();
     if !nouns.contains(&object.noun.as_str()) {
         sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, "dimibot", &nouns));
         return None;
     }
-    if let Some(shape) = object.shape.as_ref().filter(|shape| !Form::SOLID.contains(&shape.value.form)) {
-        let known: Vec<&str> = Form::SOLID.iter().map(|form| form.name()).collect();
+    if let Some(shape) = object.shape.as_ref().filter(|shape| !ShapeForm::SOLID.contains(&shape.value.form)) {
+        let known: Vec<&str> = ShapeForm::SOLID.iter().map(|form| form.name()).collect();
         sink.push(errors::shape_of_other_kind(shape.span, shape.value.form.name(), &object.noun, "dimibot", &known));
         return None;
     }
@@ -194,11 +203,11 @@ fn obstacle(object: &Object, robot: &Robot, sink: &mut Sink) -> Option<Obstacle>
         return None;
     }
     let body = match &object.shape {
-        Some(shape) if shape.value.form == Form::Cells => block(object, &shape.value.fields, facts, sink)?,
+        Some(shape) if shape.value.form == ShapeForm::Cells => block(object, &shape.value.fields, facts, sink)?,
         Some(shape) => solid(object, shapes::in_plane(&shape.value)?, robot, sink)?,
         None => point(object, robot, sink)?,
     };
-    let obstacle = Obstacle { name: object.name.clone(), body, span: object.span };
+    let obstacle = DimibotObstacle { name: object.name.clone(), body, span: object.span };
     if is_outside(&obstacle.body.seen_from(robot.pose()), facts) {
         match robot.frame {
             Some(_) if robot.is_out_of_all_reach(&obstacle.body) => {
@@ -213,8 +222,8 @@ fn obstacle(object: &Object, robot: &Robot, sink: &mut Sink) -> Option<Obstacle>
 }
 
 /// Whether an object's place is told in cells.
-fn stands_on_cells(object: &Object) -> bool {
-    let is_block = object.shape.as_ref().is_some_and(|shape| shape.value.form == Form::Cells);
+fn stands_on_cells(object: &SceneObject) -> bool {
+    let is_block = object.shape.as_ref().is_some_and(|shape| shape.value.form == ShapeForm::Cells);
     is_block || object.at.as_ref().is_some_and(|at| whole_cell(&at.value).is_some())
 }
 
@@ -226,17 +235,22 @@ fn whole_cell(value: &Value) -> Option<[i64; 2]> {
     }
 }
 
-fn point(object: &Object, robot: &Robot, sink: &mut Sink) -> Option<Body> {
+fn point(object: &SceneObject, robot: &SceneRobot, sink: &mut Sink) -> Option<DimibotObstacleBody> {
     match &object.at {
         Some(at) => match whole_cell(&at.value) {
             Some([x, y]) => Some(clipped([x, y], [x, y], robot.facts)),
             None => solid(object, Shape::Point, robot, sink),
         },
-        None => Some(Body::Solid { shape: Shape::Point, pose: Pose::at(0.0, 0.0) }),
+        None => Some(DimibotObstacleBody::Solid { shape: Shape::Point, pose: Pose::at(0.0, 0.0) }),
     }
 }
 
-fn block(object: &Object, fields: &Accepted, facts: &dimibot::Facts, sink: &mut Sink) -> Option<Body> {
+fn block(
+    object: &SceneObject,
+    fields: &Accepted,
+    facts: &dimibot::DimibotFacts,
+    sink: &mut Sink,
+) -> Option<DimibotObstacleBody> {
     let corner = |name: &str| fields.get(name).and_then(|field| whole_cell(&field.value));
     let (Some(from), Some(to)) = (corner("from"), corner("to")) else {
         let at = fields.values().next()?;
@@ -259,17 +273,17 @@ fn block(object: &Object, fields: &Accepted, facts: &dimibot::Facts, sink: &mut 
 }
 
 /// The part of a block that lies on the lattice; a block that misses it altogether keeps `from` above `to`.
-fn clipped(low: [i64; 2], high: [i64; 2], facts: &dimibot::Facts) -> Body {
+fn clipped(low: [i64; 2], high: [i64; 2], facts: &dimibot::DimibotFacts) -> DimibotObstacleBody {
     let last = [facts.cells(Side::Left), facts.cells(Side::Right)].map(|cells| i64::from(cells) - 1);
     let missed = (0..2).any(|axis| high[axis] < 0 || low[axis] > last[axis]);
     if missed {
-        return Body::Cells { from: Cell { x: 1, y: 1 }, to: Cell { x: 0, y: 0 } };
+        return DimibotObstacleBody::Cells { from: LatticeCell { x: 1, y: 1 }, to: LatticeCell { x: 0, y: 0 } };
     }
-    let clip = |at: [i64; 2]| Cell { x: at[0].clamp(0, last[0]) as u32, y: at[1].clamp(0, last[1]) as u32 };
-    Body::Cells { from: clip(low), to: clip(high) }
+    let clip = |at: [i64; 2]| LatticeCell { x: at[0].clamp(0, last[0]) as u32, y: at[1].clamp(0, last[1]) as u32 };
+    DimibotObstacleBody::Cells { from: clip(low), to: clip(high) }
 }
 
-fn solid(object: &Object, shape: Shape, robot: &Robot, sink: &mut Sink) -> Option<Body> {
+fn solid(object: &SceneObject, shape: Shape, robot: &SceneRobot, sink: &mut Sink) -> Option<DimibotObstacleBody> {
     let facts = robot.facts;
     let pose = match &object.at {
         None => Pose::at(0.0, 0.0),
@@ -289,14 +303,14 @@ fn solid(object: &Object, shape: Shape, robot: &Robot, sink: &mut Sink) -> Optio
         sink.push(errors::shape_too_large(object.span, &length(MAX_EXTENT_UM)));
         return None;
     }
-    Some(Body::Solid { shape, pose })
+    Some(DimibotObstacleBody::Solid { shape, pose })
 }
 
 /// Whether a body can never touch the tip, by its bounding box.
-fn is_outside(body: &Body, facts: &dimibot::Facts) -> bool {
+fn is_outside(body: &DimibotObstacleBody, facts: &dimibot::DimibotFacts) -> bool {
     match body {
-        Body::Cells { from, to } => from.x > to.x,
-        Body::Solid { shape, pose } => {
+        DimibotObstacleBody::Cells { from, to } => from.x > to.x,
+        DimibotObstacleBody::Solid { shape, pose } => {
             let Some([low_um, high_um]) = bounds_um(shape, pose, facts.growth_um()) else { return false };
             let last_um = facts.place_um(last_cell(facts));
             (0..2).any(|axis| low_um[axis] > last_um[axis] || high_um[axis] < 0.0)
@@ -305,8 +319,8 @@ fn is_outside(body: &Body, facts: &dimibot::Facts) -> bool {
 }
 
 /// The cell of all modules at 1.
-fn last_cell(facts: &dimibot::Facts) -> Cell {
-    Cell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 }
+fn last_cell(facts: &dimibot::DimibotFacts) -> LatticeCell {
+    LatticeCell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 }
 }
 
 /// The lower and the upper corner of the box round a grown body; `None` for a shape that cannot be.
@@ -324,23 +338,29 @@ fn bounds_um(shape: &Shape, pose: &Pose, growth_um: f64) -> Option<[[f64; 2]; 2]
 }
 
 /// How far the place of a cell lies from a body's rim; negative inside.
-fn clearance_um(shape: &Shape, pose: &Pose, cell: Cell, facts: &dimibot::Facts) -> f64 {
+fn clearance_um(shape: &Shape, pose: &Pose, cell: LatticeCell, facts: &dimibot::DimibotFacts) -> f64 {
     let [x_um, y_um] = facts.place_um(cell);
     let at = Point2::new(x_um, y_um);
     let body = shape.grown(pose, 0.0);
     body.map_or(f64::INFINITY, |body| distance::segment_core([at, at], &body.core) - body.radius_um)
 }
 
-fn order(facts: &dimibot::Facts, cover: &Cover, parts: Parts, device: &str, sink: &mut Sink) -> Option<DimibotOrder> {
+fn order(
+    facts: &dimibot::DimibotFacts,
+    cover: &SceneCover,
+    parts: Parts,
+    device: &str,
+    sink: &mut Sink,
+) -> Option<DimibotOrder> {
     let precision = precision(&parts.settings, facts, sink);
     let objective = objective(parts.objective);
     let simultaneous = simultaneous(&parts.settings).unwrap_or(facts.simultaneous);
     let planner = planner(&parts, (objective, simultaneous), sink);
     warn_of_simultaneous(&parts.settings, objective, sink);
-    let mut judge = stops::Judge::new(facts, cover, device, precision.flatten(), sink);
+    let mut judge = stops::StopJudge::new(facts, cover, device, precision.flatten(), sink);
     let start = parts.start.as_ref().map(|start| judge.start(start));
-    let steps: Vec<Option<Step>> = parts.steps.into_iter().map(|step| judge.step(step)).collect();
-    let steps: Option<Vec<Step>> = steps.into_iter().collect();
+    let steps: Vec<Option<DimibotStep>> = parts.steps.into_iter().map(|step| judge.step(step)).collect();
+    let steps: Option<Vec<DimibotStep>> = steps.into_iter().collect();
     Some(DimibotOrder {
         facts: facts.clone(),
         frame: cover.frame,
@@ -358,7 +378,7 @@ fn order(facts: &dimibot::Facts, cover: &Cover, parts: Parts, device: &str, sink
 }
 
 /// The precision of a task: `None` after an error.
-fn precision(settings: &Accepted, facts: &dimibot::Facts, sink: &mut Sink) -> Option<Option<f64>> {
+fn precision(settings: &Accepted, facts: &dimibot::DimibotFacts, sink: &mut Sink) -> Option<Option<f64>> {
     let Some(field) = settings.get("precision") else { return Some(None) };
     let Value::Quantity(asked) = field.value else { return None };
     let precision_um = asked.in_unit("um");
@@ -369,95 +389,95 @@ fn precision(settings: &Accepted, facts: &dimibot::Facts, sink: &mut Sink) -> Op
     Some(Some(precision_um))
 }
 
-fn objective(name: Option<&str>) -> Objective {
+fn objective(name: Option<&str>) -> DimibotObjective {
     match name {
-        Some("switches") => Objective::Switches,
-        Some("time") => Objective::Time,
-        Some("energy") => Objective::Energy,
-        _ => Objective::Distance,
+        Some("switches") => DimibotObjective::Switches,
+        Some("time") => DimibotObjective::Time,
+        Some("energy") => DimibotObjective::Energy,
+        _ => DimibotObjective::Distance,
     }
 }
 
 /// Only time is saved by switching several modules at once.
-fn warn_of_simultaneous(settings: &Accepted, objective: Objective, sink: &mut Sink) {
+fn warn_of_simultaneous(settings: &Accepted, objective: DimibotObjective, sink: &mut Sink) {
     let is_safe = simultaneous(settings) == Some(Simultaneous::Safe);
-    if let Some(field) = settings.get("simultaneous").filter(|_| is_safe && objective != Objective::Time) {
+    if let Some(field) = settings.get("simultaneous").filter(|_| is_safe && objective != DimibotObjective::Time) {
         sink.push(errors::simultaneous_in_vain(field.span, objective.name()));
     }
 }
 
 /// The method and budget of a task; `None` where a published method is asked for what it does not know.
-fn planner(parts: &Parts, asked: (Objective, Simultaneous), sink: &mut Sink) -> Option<Planner> {
+fn planner(parts: &Parts, asked: (DimibotObjective, Simultaneous), sink: &mut Sink) -> Option<DimibotPlanner> {
     let Some((planner, _)) = &parts.planner else {
-        return Some(Planner { method: Method::StagedAstar, expansions: DEFAULT_EXPANSIONS });
+        return Some(DimibotPlanner { method: DimibotMethod::StagedAstar, expansions: DEFAULT_EXPANSIONS });
     };
     let method = method(planner.value.name);
     if let Some((what, span)) = beyond(method, parts, asked, planner.span) {
         sink.push(errors::planner_cannot(planner.span, planner.value.name, what, span));
         return None;
     }
-    Some(Planner { method, expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS) })
+    Some(DimibotPlanner { method, expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS) })
 }
 
 /// What a published method is asked for that it does not know, and where; Tweeze's own knows all.
 fn beyond(
-    method: Method,
+    method: DimibotMethod,
     parts: &Parts,
-    asked: (Objective, Simultaneous),
+    asked: (DimibotObjective, Simultaneous),
     chosen: Span,
 ) -> Option<(&'static str, Span)> {
-    if method == Method::StagedAstar {
+    if method == DimibotMethod::StagedAstar {
         return None;
     }
-    let is_visit = |step: &&tasks::Step| matches!(&step.action, tasks::Action::Verb(call) if call.verb.name == "visit");
+    let is_visit = |step: &&tasks::VocabularyStep| matches!(&step.action, tasks::VocabularyAction::Verb(call) if call.verb.name == "visit");
     if let Some(visit) = parts.steps.iter().find(is_visit) {
         return Some(("order the places of a `visit`", visit.span));
     }
     let span = parts.settings.get("simultaneous").map_or(chosen, |setting| setting.span);
-    (asked == (Objective::Time, Simultaneous::Safe)).then_some(("switch several modules in one pulse", span))
+    (asked == (DimibotObjective::Time, Simultaneous::Safe)).then_some(("switch several modules in one pulse", span))
 }
 
-fn method(name: &str) -> Method {
+fn method(name: &str) -> DimibotMethod {
     match name {
-        "dijkstra" => Method::Dijkstra,
-        "bidirectional_dijkstra" => Method::BidirectionalDijkstra,
-        "astar" => Method::Astar,
-        "hypercube_astar" => Method::HypercubeAstar,
-        _ => Method::StagedAstar,
+        "dijkstra" => DimibotMethod::Dijkstra,
+        "bidirectional_dijkstra" => DimibotMethod::BidirectionalDijkstra,
+        "astar" => DimibotMethod::Astar,
+        "hypercube_astar" => DimibotMethod::HypercubeAstar,
+        _ => DimibotMethod::StagedAstar,
     }
 }
 
 /// Where a robot stands after a task, as far as that is known before planning.
 #[derive(Clone, Copy)]
-enum Stand {
-    At(Cell),
+enum KnownStand {
+    At(LatticeCell),
     /// After a `visit`, whose order the planner chooses.
     Unknown,
 }
 
 /// Each `start at` must be where the device's last task left it, as far as that is known before planning.
 pub fn starts_agree(jobs: &[Job], sink: &mut Sink) {
-    let mut stands: BTreeMap<&str, Stand> = BTreeMap::new();
+    let mut stands: BTreeMap<&str, KnownStand> = BTreeMap::new();
     for job in jobs {
         let Some(order) = job.order.dimibot() else { continue };
         let before = stands.get(job.device.as_str()).copied();
-        if let (Some(start), Some(Stand::At(cell))) = (order.start, before)
+        if let (Some(start), Some(KnownStand::At(cell))) = (order.start, before)
             && start.value != cell
         {
             sink.push(order.start_disagrees(start, cell, job));
         }
-        let begins = order.start.map(|start| Stand::At(start.value)).or(before);
-        let ends = end_of(order).or(begins).unwrap_or(Stand::At(order.facts.home));
+        let begins = order.start.map(|start| KnownStand::At(start.value)).or(before);
+        let ends = end_of(order).or(begins).unwrap_or(KnownStand::At(order.facts.home));
         stands.insert(&job.device, ends);
     }
 }
 
 /// Where a task's steps end; `None` if they move nothing.
-fn end_of(order: &DimibotOrder) -> Option<Stand> {
+fn end_of(order: &DimibotOrder) -> Option<KnownStand> {
     order.steps.iter().rev().find_map(|step| match &step.action {
-        Action::Move(stops) => stops.last().map(|stop| Stand::At(stop.cell)),
-        Action::Visit(_) => Some(Stand::Unknown),
-        Action::Wait(_) => None,
+        DimibotAction::Move(stops) => stops.last().map(|stop| KnownStand::At(stop.cell)),
+        DimibotAction::Visit(_) => Some(KnownStand::Unknown),
+        DimibotAction::Wait(_) => None,
     })
 }
 

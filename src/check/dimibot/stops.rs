@@ -1,7 +1,7 @@
 //! Goals and starts: within the workspace, on the lattice, clear of obstacles.
 
 use super::*;
-use crate::check::lets::Origin;
+use crate::check::lets::ValueOrigin;
 use crate::check::tasks::Call;
 use crate::claims::dimibot::{in_robot_um, in_scene_um};
 use crate::diagnostic::Code;
@@ -11,28 +11,28 @@ use crate::real::Real;
 const MAX_RINGS: u32 = 64;
 
 /// Judges the stops of one task.
-pub struct Judge<'a> {
-    facts: &'a dimibot::Facts,
-    cover: &'a Cover,
+pub struct StopJudge<'a> {
+    facts: &'a dimibot::DimibotFacts,
+    cover: &'a SceneCover,
     device: &'a str,
     precision_um: Option<f64>,
     sink: &'a mut Sink,
 }
 
-impl<'a> Judge<'a> {
+impl<'a> StopJudge<'a> {
     /// A judge for one device in one scene.
     pub fn new(
-        facts: &'a dimibot::Facts,
-        cover: &'a Cover,
+        facts: &'a dimibot::DimibotFacts,
+        cover: &'a SceneCover,
         device: &'a str,
         precision_um: Option<f64>,
         sink: &'a mut Sink,
     ) -> Self {
-        Judge { facts, cover, device, precision_um, sink }
+        StopJudge { facts, cover, device, precision_um, sink }
     }
 
     /// The cell of `start at`.
-    pub fn start(&mut self, start: &Argument) -> Option<Spanned<Cell>> {
+    pub fn start(&mut self, start: &Argument) -> Option<Spanned<LatticeCell>> {
         let stop = self.reach(start)?;
         let covered = self.covering(stop.cell).map(|index| self.covered(&stop, index, Code::E0505));
         self.unless(covered, start)?;
@@ -51,38 +51,39 @@ impl<'a> Judge<'a> {
     }
 
     /// A step of the task in the kind's terms.
-    pub fn step(&mut self, step: tasks::Step) -> Option<Step> {
+    pub fn step(&mut self, step: tasks::VocabularyStep) -> Option<DimibotStep> {
         let action = match step.action {
-            tasks::Action::Wait(duration_ns) => Action::Wait(duration_ns),
-            tasks::Action::Verb(Call { verb, object: Some(object), .. }) if verb.name == "visit" => {
-                Action::Visit(self.visits(&object)?)
+            tasks::VocabularyAction::Wait(duration_ns) => DimibotAction::Wait(duration_ns),
+            tasks::VocabularyAction::Verb(Call { verb, object: Some(object), .. }) if verb.name == "visit" => {
+                DimibotAction::Visit(self.visits(&object)?)
             }
-            tasks::Action::Verb(call) => Action::Move(self.moves(call.phrases)?),
+            tasks::VocabularyAction::Verb(call) => DimibotAction::Move(self.moves(call.phrases)?),
             // The vocabulary has no goals at the same time.
-            tasks::Action::Together(_) => return None,
+            tasks::VocabularyAction::Together(_) => return None,
         };
-        Some(Step { action, span: step.span })
+        Some(DimibotStep { action, span: step.span })
     }
 
     /// The stops of a `move`: those of `via` in the order of writing, then the goal.
-    fn moves(&mut self, phrases: Vec<(&'static str, Argument)>) -> Option<Vec<Stop>> {
+    fn moves(&mut self, phrases: Vec<(&'static str, Argument)>) -> Option<Vec<DimibotStop>> {
         let (via, to): (Vec<_>, Vec<_>) = phrases.into_iter().partition(|(preposition, _)| *preposition == "via");
-        let stops: Vec<Option<Stop>> = via.iter().chain(&to).map(|(_, target)| self.stop(target)).collect();
+        let stops: Vec<Option<DimibotStop>> = via.iter().chain(&to).map(|(_, target)| self.stop(target)).collect();
         stops.into_iter().collect()
     }
 
-    fn visits(&mut self, object: &Argument) -> Option<Vec<Stop>> {
+    fn visits(&mut self, object: &Argument) -> Option<Vec<DimibotStop>> {
         let Value::List(list) = &object.value else { return None };
         if list.len() > dimibot::MAX_VISITS {
             self.sink.push(errors::too_many_visits(object.span, list.len(), dimibot::MAX_VISITS));
             return None;
         }
-        let stops: Vec<Option<Stop>> = list.iter().map(|target| self.stop(&element(target, object.span))).collect();
+        let stops: Vec<Option<DimibotStop>> =
+            list.iter().map(|target| self.stop(&element(target, object.span))).collect();
         stops.into_iter().collect()
     }
 
     /// A goal, clear of obstacles.
-    fn stop(&mut self, target: &Argument) -> Option<Stop> {
+    fn stop(&mut self, target: &Argument) -> Option<DimibotStop> {
         let stop = self.reach(target)?;
         let covered = self.covering(stop.cell).map(|index| self.covered(&stop, index, Code::E0502));
         self.unless(covered, target)?;
@@ -90,7 +91,7 @@ impl<'a> Judge<'a> {
     }
 
     /// The cell of a target, within the workspace and the precision.
-    fn reach(&mut self, target: &Argument) -> Option<Stop> {
+    fn reach(&mut self, target: &Argument) -> Option<DimibotStop> {
         let (asked, cell) = match &target.value {
             Value::Word(word) => (Asked::Cell, self.word_cell(*word, target)?),
             Value::Point(point) if point[0].dimension == Dimension::NUMBER => (Asked::Cell, self.cell(target)?),
@@ -100,10 +101,10 @@ impl<'a> Judge<'a> {
             }
             _ => return None,
         };
-        Some(Stop { asked, cell, span: target.span })
+        Some(DimibotStop { asked, cell, span: target.span })
     }
 
-    fn cell(&mut self, target: &Argument) -> Option<Cell> {
+    fn cell(&mut self, target: &Argument) -> Option<LatticeCell> {
         let Some([x, y]) = whole_cell(&target.value) else {
             let wrong = errors::wrong_place(target.span, &target.value, "whole cells");
             self.unless(Some(wrong), target)?;
@@ -112,18 +113,18 @@ impl<'a> Judge<'a> {
         let inside = (0..i64::from(self.facts.cells(Side::Left))).contains(&x)
             && (0..i64::from(self.facts.cells(Side::Right))).contains(&y);
         if inside {
-            return Some(Cell { x: x as u32, y: y as u32 });
+            return Some(LatticeCell { x: x as u32, y: y as u32 });
         }
         let last = last_cell(self.facts);
         let extent = format!("(0, 0) to {last}");
-        let nearest = Cell { x: x.clamp(0, last.x.into()) as u32, y: y.clamp(0, last.y.into()) as u32 };
+        let nearest = LatticeCell { x: x.clamp(0, last.x.into()) as u32, y: y.clamp(0, last.y.into()) as u32 };
         let help = format!("the nearest cell is {nearest}{}", self.modules_for_cell(x, y));
         let wrong = errors::outside_workspace(target.span, &format!("cell ({x}, {y})"), &extent, help);
         self.unless(Some(wrong), target)?;
         None
     }
 
-    fn nearest(&mut self, asked_um: [f64; 2], target: &Argument) -> Option<Cell> {
+    fn nearest(&mut self, asked_um: [f64; 2], target: &Argument) -> Option<LatticeCell> {
         let place_um = in_robot_um(asked_um, self.cover.frame.as_ref());
         let cell = self.facts.nearest_cell(place_um).filter(|_| within_workspace(self.facts, place_um));
         let wrong = match (cell, self.precision_um) {
@@ -137,12 +138,12 @@ impl<'a> Judge<'a> {
         cell
     }
 
-    fn off_lattice(&self, place_um: [f64; 2], cell: Cell, precision_um: f64, span: Span) -> Diagnostic {
+    fn off_lattice(&self, place_um: [f64; 2], cell: LatticeCell, precision_um: f64, span: Span) -> Diagnostic {
         let off = length(self.off_um(cell, place_um));
         errors::off_lattice(span, &off, &length(precision_um), self.finer(place_um, cell, precision_um))
     }
 
-    fn off_um(&self, cell: Cell, place_um: [f64; 2]) -> f64 {
+    fn off_um(&self, cell: LatticeCell, place_um: [f64; 2]) -> f64 {
         let [x_um, y_um] = self.facts.place_um(cell);
         (x_um - place_um[0]).hypotenuse(y_um - place_um[1])
     }
@@ -160,12 +161,12 @@ impl<'a> Judge<'a> {
     }
 
     /// A cell's place in the scene.
-    fn scene_um(&self, cell: Cell) -> [f64; 2] {
+    fn scene_um(&self, cell: LatticeCell) -> [f64; 2] {
         in_scene_um(self.facts.place_um(cell), self.cover.frame.as_ref())
     }
 
     /// A cell's place for a message.
-    fn place_of(&self, cell: Cell) -> String {
+    fn place_of(&self, cell: LatticeCell) -> String {
         format!("{}, cell {cell}", place(self.scene_um(cell)))
     }
 
@@ -186,9 +187,9 @@ impl<'a> Judge<'a> {
         }
     }
 
-    fn finer(&self, place_um: [f64; 2], cell: Cell, precision_um: f64) -> String {
+    fn finer(&self, place_um: [f64; 2], cell: LatticeCell, precision_um: f64) -> String {
         let nearest = format!("the nearest reachable place is {}", self.place_of(cell));
-        let close = |facts: &dimibot::Facts| {
+        let close = |facts: &dimibot::DimibotFacts| {
             facts.nearest_cell(place_um).is_some_and(|cell| {
                 let [x_um, y_um] = facts.place_um(cell);
                 (x_um - place_um[0]).hypotenuse(y_um - place_um[1]) <= precision_um
@@ -217,7 +218,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    fn word_cell(&mut self, word: ModuleWord, target: &Argument) -> Option<Cell> {
+    fn word_cell(&mut self, word: ModuleWord, target: &Argument) -> Option<LatticeCell> {
         let (left, right) = (self.facts.left, self.facts.right);
         let wrong = (word.width != left + right)
             .then(|| errors::word_of_wrong_width(target.span, word.width, left, right, self.device));
@@ -226,17 +227,17 @@ impl<'a> Judge<'a> {
     }
 
     /// The least number of modules on both sides for which a robot like this one passes a test.
-    fn fewest_modules(&self, test: impl Fn(&dimibot::Facts) -> bool) -> Option<u32> {
+    fn fewest_modules(&self, test: impl Fn(&dimibot::DimibotFacts) -> bool) -> Option<u32> {
         (1..=dimibot::MAX_MODULES)
-            .find(|modules| test(&dimibot::Facts { left: *modules, right: *modules, ..self.facts.clone() }))
+            .find(|modules| test(&dimibot::DimibotFacts { left: *modules, right: *modules, ..self.facts.clone() }))
     }
 
-    fn covering(&self, cell: Cell) -> Option<usize> {
+    fn covering(&self, cell: LatticeCell) -> Option<usize> {
         self.cover.covering(cell, self.facts)
     }
 
     /// What lies on which obstacle, why, and what is free instead.
-    fn covered(&self, stop: &Stop, index: usize, code: Code) -> Diagnostic {
+    fn covered(&self, stop: &DimibotStop, index: usize, code: Code) -> Diagnostic {
         let obstacle = &self.cover.obstacles[index];
         let what = match stop.asked {
             Asked::Cell => format!("cell {}", stop.cell),
@@ -244,8 +245,8 @@ impl<'a> Judge<'a> {
         };
         let growth = length(self.facts.growth_um());
         let why = match &*self.cover.body(index) {
-            Body::Cells { .. } => "this cell is covered".to_owned(),
-            Body::Solid { shape, pose } => match clearance_um(shape, pose, stop.cell, self.facts) {
+            DimibotObstacleBody::Cells { .. } => "this cell is covered".to_owned(),
+            DimibotObstacleBody::Solid { shape, pose } => match clearance_um(shape, pose, stop.cell, self.facts) {
                 inside if inside <= 0.0 => format!("{} inside its rim", length(-inside)),
                 clear => format!("{} from its rim, tip and repeatability need more than {growth}", length(clear)),
             },
@@ -257,10 +258,12 @@ impl<'a> Judge<'a> {
         errors::on_obstacle((code, stop.span), &what, (&obstacle.name, obstacle.span), &why, free)
     }
 
-    fn nearest_free(&self, cell: Cell) -> Option<Cell> {
+    fn nearest_free(&self, cell: LatticeCell) -> Option<LatticeCell> {
         for ring in 1..=MAX_RINGS {
-            let free: Vec<Cell> = ring_of(cell, ring, self.facts).filter(|at| self.covering(*at).is_none()).collect();
-            let squared = |at: &Cell| u64::from(at.x.abs_diff(cell.x)).pow(2) + u64::from(at.y.abs_diff(cell.y)).pow(2);
+            let free: Vec<LatticeCell> =
+                ring_of(cell, ring, self.facts).filter(|at| self.covering(*at).is_none()).collect();
+            let squared =
+                |at: &LatticeCell| u64::from(at.x.abs_diff(cell.x)).pow(2) + u64::from(at.y.abs_diff(cell.y)).pow(2);
             if let Some(best) = free.into_iter().min_by_key(squared) {
                 return Some(best);
             }
@@ -270,8 +273,8 @@ impl<'a> Judge<'a> {
 }
 
 /// Whether a place lies between the outermost cells, as far as the robot can tell and a printed figure shows.
-fn within_workspace(facts: &dimibot::Facts, place_um: [f64; 2]) -> bool {
-    let last = facts.place_um(Cell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 });
+fn within_workspace(facts: &dimibot::DimibotFacts, place_um: [f64; 2]) -> bool {
+    let last = facts.place_um(LatticeCell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 });
     Side::BOTH.iter().all(|side| {
         let slack_um = facts.repeatability_um.max(facts.pitch_um(*side) / 1e3);
         let at_um = place_um[side.index()];
@@ -280,7 +283,7 @@ fn within_workspace(facts: &dimibot::Facts, place_um: [f64; 2]) -> bool {
 }
 
 /// The cells at a Chebyshev distance, in a fixed order.
-fn ring_of(cell: Cell, ring: u32, facts: &dimibot::Facts) -> impl Iterator<Item = Cell> + use<> {
+fn ring_of(cell: LatticeCell, ring: u32, facts: &dimibot::DimibotFacts) -> impl Iterator<Item = LatticeCell> + use<> {
     let (width, height, ring) =
         (i64::from(facts.cells(Side::Left)), i64::from(facts.cells(Side::Right)), i64::from(ring));
     let (x, y) = (i64::from(cell.x), i64::from(cell.y));
@@ -290,7 +293,7 @@ fn ring_of(cell: Cell, ring: u32, facts: &dimibot::Facts) -> impl Iterator<Item 
             (-ring..=ring).step_by(step as usize).map(move |dx| (x + dx, y + dy))
         })
         .filter(move |(x, y)| (0..width).contains(x) && (0..height).contains(y))
-        .map(|(x, y)| Cell { x: x as u32, y: y as u32 })
+        .map(|(x, y)| LatticeCell { x: x as u32, y: y as u32 })
 }
 
 /// A place for a message.
@@ -300,12 +303,12 @@ fn place([x_um, y_um]: [f64; 2]) -> String {
 
 /// An element of a list that is visited, with the step where its list is given elsewhere.
 fn element(target: &Spanned<Value>, list: Span) -> Argument {
-    let origin = (!list.contains(target.span)).then(|| Origin { span: list, text: "visited here".to_owned() });
+    let origin = (!list.contains(target.span)).then(|| ValueOrigin { span: list, text: "visited here".to_owned() });
     Argument { value: target.value.clone(), span: target.span, origin }
 }
 
 /// The cell of a state that no scene is known for: a device's home.
-pub fn state(value: &Argument, facts: &dimibot::Facts, device: &str, sink: &mut Sink) -> Option<Cell> {
-    let nothing = Cover::of(Vec::new(), facts, None);
-    Judge::new(facts, &nothing, device, None, sink).start(value).map(|cell| cell.value)
+pub fn state(value: &Argument, facts: &dimibot::DimibotFacts, device: &str, sink: &mut Sink) -> Option<LatticeCell> {
+    let nothing = SceneCover::of(Vec::new(), facts, None);
+    StopJudge::new(facts, &nothing, device, None, sink).start(value).map(|cell| cell.value)
 }

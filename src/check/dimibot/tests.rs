@@ -2,8 +2,8 @@
 
 use super::*;
 
-fn facts() -> dimibot::Facts {
-    dimibot::Facts { tip_radius_um: 0.1, ..dimibot::tests::femto_st(7, 6) }
+fn facts() -> dimibot::DimibotFacts {
+    dimibot::DimibotFacts { tip_radius_um: 0.1, ..dimibot::tests::femto_st(7, 6) }
 }
 
 /// Numbers that look random, below 1.
@@ -15,18 +15,21 @@ fn numbers() -> impl FnMut() -> f64 {
     }
 }
 
-fn bodies() -> Vec<Body> {
+fn bodies() -> Vec<DimibotObstacleBody> {
     let mut next = numbers();
     let mut bodies = Vec::new();
     for index in 0..60u32 {
         let pose = Pose { x_um: next() * 14.0, y_um: next() * 14.0, heading_rad: next() * 6.0 };
         let size = next() * next() * 3.0 + 0.01;
-        let cell = Cell { x: (next() * 120.0) as u32, y: (next() * 60.0) as u32 };
+        let cell = LatticeCell { x: (next() * 120.0) as u32, y: (next() * 60.0) as u32 };
         bodies.push(match index % 4 {
-            0 => Body::Solid { shape: Shape::Disc { radius_um: size }, pose },
-            1 => Body::Solid { shape: Shape::Box { size_um: [size, 0.3] }, pose },
-            2 => Body::Solid { shape: Shape::Point, pose },
-            _ => Body::Cells { from: cell, to: Cell { x: cell.x + index % 5, y: cell.y + index % 3 } },
+            0 => DimibotObstacleBody::Solid { shape: Shape::Disc { radius_um: size }, pose },
+            1 => DimibotObstacleBody::Solid { shape: Shape::Box { size_um: [size, 0.3] }, pose },
+            2 => DimibotObstacleBody::Solid { shape: Shape::Point, pose },
+            _ => DimibotObstacleBody::Cells {
+                from: cell,
+                to: LatticeCell { x: cell.x + index % 5, y: cell.y + index % 3 },
+            },
         });
     }
     bodies
@@ -35,19 +38,21 @@ fn bodies() -> Vec<Body> {
 #[test]
 fn the_index_of_covered_cells_agrees_with_asking_every_obstacle() {
     let facts = facts();
-    let all: Vec<Obstacle> = bodies()
+    let all: Vec<DimibotObstacle> = bodies()
         .into_iter()
         .enumerate()
-        .map(|(index, body)| Obstacle { name: index.to_string(), body, span: Span::default() })
+        .map(|(index, body)| DimibotObstacle { name: index.to_string(), body, span: Span::default() })
         .collect();
-    let cover = Cover::of(all.clone(), &facts, None);
+    let cover = SceneCover::of(all.clone(), &facts, None);
     let mut covered = 0;
     for x in 0..facts.cells(Side::Left) {
         for y in 0..facts.cells(Side::Right) {
-            let cell = Cell { x, y };
+            let cell = LatticeCell { x, y };
             let expected = all.iter().position(|obstacle| match &obstacle.body {
-                Body::Cells { from, to } => (from.x..=to.x).contains(&x) && (from.y..=to.y).contains(&y),
-                Body::Solid { shape, pose } => clearance_um(shape, pose, cell, &facts) <= facts.growth_um(),
+                DimibotObstacleBody::Cells { from, to } => (from.x..=to.x).contains(&x) && (from.y..=to.y).contains(&y),
+                DimibotObstacleBody::Solid { shape, pose } => {
+                    clearance_um(shape, pose, cell, &facts) <= facts.growth_um()
+                }
             });
             assert_eq!(cover.covering(cell, &facts), expected, "{cell}");
             covered += usize::from(expected.is_some());

@@ -1,22 +1,22 @@
 //! The facts of a board: geometry first, then what the forces allow.
 
 use super::physics;
-use crate::check::devices::Device;
+use crate::check::devices::CheckedDevice;
 use crate::check::errors;
 use crate::check::fields::Accepted;
 use crate::check::value::{ShapeValue, Value, whole};
-use crate::device::electrode_array::{Electrodes, Facts, Hold, Layout, Separation};
+use crate::device::electrode_array::{ElectrodeArrayFacts, Electrodes, Hold, Layout, Separation};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::quantity::Quantity;
 use crate::real::Real;
 
 /// The facts of a complete device; `None` where parts cannot even be placed.
-pub fn facts(device: &Device, sink: &mut Sink) -> Option<Facts> {
+pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFacts> {
     let fields = &device.fields;
     if fields.values().any(|field| field.value.is_unknown()) {
         return None;
     }
-    let facts = Facts {
+    let facts = ElectrodeArrayFacts {
         columns: count(fields, "columns"),
         rows: count(fields, "rows"),
         radius_um: quantity(fields, "radius")?.in_unit("um"),
@@ -70,7 +70,7 @@ fn separation(fields: &Accepted) -> Separation {
     }
 }
 
-fn layout(device: &Device, sink: &mut Sink) -> Option<Layout> {
+fn layout(device: &CheckedDevice, sink: &mut Sink) -> Option<Layout> {
     let Value::Shape(shape) = &device.fields.get("part")?.value else { return None };
     let layout = layout_of(shape);
     if layout.is_none() {
@@ -101,11 +101,11 @@ pub fn electrodes_text(shape: &ShapeValue) -> String {
 }
 
 /// From the centre of a part to the rim of its outermost electrodes, in pitches.
-fn electrodes_reach(facts: &Facts) -> f64 {
+fn electrodes_reach(facts: &ElectrodeArrayFacts) -> f64 {
     f64::from(facts.layout.electrodes.rim()) + 1.0 / (2.0 + facts.pitch_ratio)
 }
 
-fn covers_electrodes(facts: &Facts, device: &Device, sink: &mut Sink) {
+fn covers_electrodes(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {
     let (half, reach) = (facts.layout.half_width_pitches, electrodes_reach(facts));
     if half < reach * (1.0 - 1e-9) {
         let wrong = errors::body_too_small(half, rounded_up(reach));
@@ -114,7 +114,7 @@ fn covers_electrodes(facts: &Facts, device: &Device, sink: &mut Sink) {
 }
 
 /// Parts touch no other part, pull on none, and pass over no obstacle.
-fn keeps_apart(facts: &Facts, device: &Device, sink: &mut Sink) {
+fn keeps_apart(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {
     let half = facts.layout.half_width_pitches;
     let apart = facts.separation.apart();
     let by_bodies = beyond(2.0 * half);
@@ -138,7 +138,7 @@ fn beyond(figure: f64) -> u32 {
     ((figure * (1.0 + 1e-9)).floor() as u32).saturating_add(1)
 }
 
-fn has_room(facts: &Facts, device: &Device, sink: &mut Sink) {
+fn has_room(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {
     if facts.reach().is_some() {
         return;
     }
@@ -151,14 +151,14 @@ fn has_room(facts: &Facts, device: &Device, sink: &mut Sink) {
     sink.push(told(device, errors::board_too_small(facts.columns, facts.rows, least), &narrow));
 }
 
-fn warn_of_published(facts: &Facts, device: &Device, sink: &mut Sink) {
+fn warn_of_published(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {
     if facts.separation == Separation::AsPublished {
         sink.push(told(device, errors::published_separation(), &[("separation", "as it is printed".into())]));
     }
 }
 
 /// Puts labels on the fields that a finding is about, those of the device's own file first, and where their values were given.
-pub fn told(device: &Device, diagnostic: Diagnostic, fields: &[(&'static str, String)]) -> Diagnostic {
+pub fn told(device: &CheckedDevice, diagnostic: Diagnostic, fields: &[(&'static str, String)]) -> Diagnostic {
     let is_own = |name: &str| device.fields.get(name).is_some_and(|field| field.span.file == device.span.file);
     let (own, inherited): (Vec<_>, Vec<_>) = fields.iter().partition(|(name, _)| is_own(name));
     let mut diagnostic = diagnostic;

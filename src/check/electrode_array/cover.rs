@@ -4,25 +4,25 @@
 //! over from then on, so that many large obstacles cost no more than the board and their rows. Places lie in squares as wide as
 //! the distance that they keep, so that one is asked for in nine squares.
 
-use crate::claims::electrode_array::{Body, Obstacle};
-use crate::device::electrode_array::{Cell, Facts};
+use crate::claims::electrode_array::{ElectrodeArrayObstacle, ElectrodeArrayObstacleBody};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use rustc_hash::FxHashMap;
 
 /// How many rings of cells round a place are searched for a better one.
 const MAX_RINGS: u32 = 64;
 
 /// For each cell the obstacle that keeps centres from it.
-pub struct Cover {
+pub struct ObstacleCells {
     columns: u32,
     /// Index of the obstacle plus 1, row by row; 0 for a cell that is free.
     painted: Vec<u32>,
 }
 
-impl Cover {
+impl ObstacleCells {
     /// Paints the obstacles of a board, the first ones first.
-    pub fn of(obstacles: &[Obstacle], facts: &Facts) -> Cover {
+    pub fn of(obstacles: &[ElectrodeArrayObstacle], facts: &ElectrodeArrayFacts) -> ObstacleCells {
         let cells = facts.columns as usize * facts.rows as usize;
-        let mut cover = Cover { columns: facts.columns, painted: vec![0; cells] };
+        let mut cover = ObstacleCells { columns: facts.columns, painted: vec![0; cells] };
         let width = facts.columns as usize + 1;
         // The next cell of a row that is not painted, perhaps; the last of each row stands for none.
         let mut next: Vec<u32> = (0..facts.rows).flat_map(|_| 0..=facts.columns).collect();
@@ -43,7 +43,7 @@ impl Cover {
     }
 
     /// The first obstacle that keeps centres from a cell of the board.
-    pub fn covering(&self, cell: Cell) -> Option<usize> {
+    pub fn covering(&self, cell: ElectrodeCell) -> Option<usize> {
         let at = (cell.row as usize - 1) * self.columns as usize + cell.column as usize - 1;
         self.painted.get(at).and_then(|index| (*index as usize).checked_sub(1))
     }
@@ -61,41 +61,41 @@ fn free_from(next: &mut [u32], from: u32) -> u32 {
 }
 
 /// The lowest and the highest cell of the board that a body keeps centres from.
-fn grown(body: &Body, facts: &Facts) -> [Cell; 2] {
+fn grown(body: &ElectrodeArrayObstacleBody, facts: &ElectrodeArrayFacts) -> [ElectrodeCell; 2] {
     let (from, to, apart) = match body {
-        Body::Electrodes { from, to } => (*from, *to, facts.clearance),
-        Body::Fixed(cell) => (*cell, *cell, facts.separation.apart()),
+        ElectrodeArrayObstacleBody::Electrodes { from, to } => (*from, *to, facts.clearance),
+        ElectrodeArrayObstacleBody::Fixed(cell) => (*cell, *cell, facts.separation.apart()),
     };
     let reach = apart.saturating_sub(1);
-    let low = Cell::new(from.column.saturating_sub(reach).max(1), from.row.saturating_sub(reach).max(1));
-    let high = Cell::new((to.column + reach).min(facts.columns), (to.row + reach).min(facts.rows));
+    let low = ElectrodeCell::new(from.column.saturating_sub(reach).max(1), from.row.saturating_sub(reach).max(1));
+    let high = ElectrodeCell::new((to.column + reach).min(facts.columns), (to.row + reach).min(facts.rows));
     [low, high]
 }
 
 /// Places that keep a distance from each other, each with what stands there.
-pub struct Spread<T> {
+pub struct SpacedPlaces<T> {
     apart: u32,
-    squares: FxHashMap<(u32, u32), Vec<(Cell, T)>>,
+    squares: FxHashMap<(u32, u32), Vec<(ElectrodeCell, T)>>,
 }
 
-impl<T: Copy> Spread<T> {
+impl<T: Copy> SpacedPlaces<T> {
     /// Nothing yet; `apart` is the Chebyshev distance to be kept, at least 1.
-    pub fn new(apart: u32) -> Spread<T> {
-        Spread { apart, squares: FxHashMap::default() }
+    pub fn new(apart: u32) -> SpacedPlaces<T> {
+        SpacedPlaces { apart, squares: FxHashMap::default() }
     }
 
-    fn square(&self, cell: Cell) -> (u32, u32) {
+    fn square(&self, cell: ElectrodeCell) -> (u32, u32) {
         // One up, so that each square has neighbours on all sides.
         (cell.column / self.apart + 1, cell.row / self.apart + 1)
     }
 
     /// Puts something there, whatever is near.
-    pub fn put(&mut self, cell: Cell, what: T) {
+    pub fn put(&mut self, cell: ElectrodeCell, what: T) {
         self.squares.entry(self.square(cell)).or_default().push((cell, what));
     }
 
     /// Takes away what stands there and is what is meant.
-    pub fn take(&mut self, cell: Cell, is_meant: impl Fn(T) -> bool) {
+    pub fn take(&mut self, cell: ElectrodeCell, is_meant: impl Fn(T) -> bool) {
         let square = self.square(cell);
         if let Some(there) = self.squares.get_mut(&square) {
             there.retain(|(at, what)| *at != cell || !is_meant(*what));
@@ -103,7 +103,7 @@ impl<T: Copy> Spread<T> {
     }
 
     /// What stands too near to a place, the nearest first, then what was put there first.
-    pub fn near(&self, cell: Cell) -> Option<(Cell, T)> {
+    pub fn near(&self, cell: ElectrodeCell) -> Option<(ElectrodeCell, T)> {
         let (column, row) = self.square(cell);
         let squares = (row - 1..=row + 1).flat_map(|row| (column - 1..=column + 1).map(move |column| (column, row)));
         let there = squares.filter_map(|square| self.squares.get(&square)).flatten();
@@ -112,9 +112,13 @@ impl<T: Copy> Spread<T> {
 }
 
 /// The cell nearest to another that a centre can take and that passes a test; of several as near as another the first by row.
-pub fn nearest_cell(cell: Cell, facts: &Facts, test: impl Fn(Cell) -> bool) -> Option<Cell> {
+pub fn nearest_cell(
+    cell: ElectrodeCell,
+    facts: &ElectrodeArrayFacts,
+    test: impl Fn(ElectrodeCell) -> bool,
+) -> Option<ElectrodeCell> {
     let [first, last] = facts.reach()?;
-    let near = Cell::new(cell.column.clamp(first.column, last.column), cell.row.clamp(first.row, last.row));
+    let near = ElectrodeCell::new(cell.column.clamp(first.column, last.column), cell.row.clamp(first.row, last.row));
     (0..=MAX_RINGS).find_map(|ring| {
         let cells = ring_of(near, ring).filter(|cell| facts.reaches(*cell) && test(*cell));
         cells.min_by_key(|found| (found.steps_to(near), found.row, found.column))
@@ -122,11 +126,13 @@ pub fn nearest_cell(cell: Cell, facts: &Facts, test: impl Fn(Cell) -> bool) -> O
 }
 
 /// The cells at a Chebyshev distance, those below 1 left out.
-fn ring_of(cell: Cell, ring: u32) -> impl Iterator<Item = Cell> {
+fn ring_of(cell: ElectrodeCell, ring: u32) -> impl Iterator<Item = ElectrodeCell> {
     let (column, row, ring) = (i64::from(cell.column), i64::from(cell.row), i64::from(ring));
     let cells = (-ring..=ring).flat_map(move |up| {
         let stride = if up.abs() == ring { 1 } else { 2 * ring };
         (-ring..=ring).step_by(stride as usize).map(move |right| (column + right, row + up))
     });
-    cells.filter(|(column, row)| *column >= 1 && *row >= 1).map(|(column, row)| Cell::new(column as u32, row as u32))
+    cells
+        .filter(|(column, row)| *column >= 1 && *row >= 1)
+        .map(|(column, row)| ElectrodeCell::new(column as u32, row as u32))
 }

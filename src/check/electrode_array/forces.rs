@@ -11,7 +11,7 @@ use crate::source::Span;
 
 /// The figures of one electrode radius, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
+pub struct ForceRow {
     pub radius_m: f64,
     pub potential_v: f64,
     pub permittivity: f64,
@@ -21,11 +21,11 @@ pub struct Row {
     pub lateral_n: f64,
 }
 
-impl Row {
+impl ForceRow {
     /// Between this row and another, `share` of the way.
-    fn towards(&self, other: &Row, share: f64) -> Row {
+    fn towards(&self, other: &ForceRow, share: f64) -> ForceRow {
         let mix = |own: f64, other: f64| own + (other - own) * share;
-        Row {
+        ForceRow {
             radius_m: mix(self.radius_m, other.radius_m),
             potential_v: mix(self.potential_v, other.potential_v),
             permittivity: mix(self.permittivity, other.permittivity),
@@ -38,8 +38,8 @@ impl Row {
 }
 
 /// The table, by radius.
-pub struct Table {
-    rows: Vec<Row>,
+pub struct RadiusTable {
+    rows: Vec<ForceRow>,
     pub span: Span,
 }
 
@@ -50,12 +50,12 @@ pub struct Repeated {
     pub second: Span,
 }
 
-impl Table {
+impl RadiusTable {
     /// The field `forces`, if it is given.
-    pub fn of(fields: &Accepted) -> Option<Result<Table, Repeated>> {
+    pub fn of(fields: &Accepted) -> Option<Result<RadiusTable, Repeated>> {
         let field = fields.get("forces")?;
         let Value::Table(table) = &field.value else { return None };
-        let mut rows: Vec<(Row, Span)> =
+        let mut rows: Vec<(ForceRow, Span)> =
             table.rows.iter().enumerate().map(|(index, cells)| (row(table, index), cells[0].span)).collect();
         rows.sort_by(|(one, _), (other, _)| one.radius_m.total_cmp(&other.radius_m));
         let repeated = rows.windows(2).find(|pair| pair[0].0.radius_m == pair[1].0.radius_m);
@@ -64,18 +64,20 @@ impl Table {
                 let (first, second) = if one.1.start <= other.1.start { (one.1, other.1) } else { (other.1, one.1) };
                 Err(Repeated { radius_m: one.0.radius_m, first, second })
             }
-            Some(_) | None => Ok(Table { rows: rows.into_iter().map(|(row, _)| row).collect(), span: field.span }),
+            Some(_) | None => {
+                Ok(RadiusTable { rows: rows.into_iter().map(|(row, _)| row).collect(), span: field.span })
+            }
         })
     }
 
     /// The least and the greatest radius of the table.
     pub fn radii_m(&self) -> [f64; 2] {
-        let radius = |row: Option<&Row>| row.map_or(0.0, |row| row.radius_m);
+        let radius = |row: Option<&ForceRow>| row.map_or(0.0, |row| row.radius_m);
         [radius(self.rows.first()), radius(self.rows.last())]
     }
 
     /// The figures of a radius; `None` outside of the table.
-    pub fn at(&self, radius_m: f64) -> Option<Row> {
+    pub fn at(&self, radius_m: f64) -> Option<ForceRow> {
         let above = self.rows.iter().position(|row| row.radius_m >= radius_m)?;
         let upper = self.rows[above];
         if upper.radius_m == radius_m {
@@ -86,7 +88,7 @@ impl Table {
     }
 }
 
-fn row(table: &TableValue, index: usize) -> Row {
+fn row(table: &TableValue, index: usize) -> ForceRow {
     let si = |name: &str| {
         let column = table.columns.iter().position(|(column, _)| column == name);
         match column.and_then(|column| table.rows[index].get(column)).map(|cell| &cell.value) {
@@ -94,7 +96,7 @@ fn row(table: &TableValue, index: usize) -> Row {
             _ => 0.0,
         }
     };
-    Row {
+    ForceRow {
         radius_m: si("radius"),
         potential_v: si("potential"),
         permittivity: si("permittivity"),
@@ -108,7 +110,7 @@ fn row(table: &TableValue, index: usize) -> Row {
 /// What acts on a part that is to leave its cell, one pitch from its goal.
 #[derive(Debug, Clone, Copy)]
 pub struct Forces {
-    row: Row,
+    row: ForceRow,
     /// The row's own force along the board, over distance.
     pull: Pull,
     pitch_m: f64,
@@ -118,7 +120,7 @@ pub struct Forces {
 
 impl Forces {
     /// Those of a row, on a board of that pitch, permittivity and friction; `peak_at_m` is where an electrode pulls hardest.
-    pub fn new(row: Row, pitch_m: f64, peak_at_m: f64, permittivity: Option<f64>, friction: f64) -> Forces {
+    pub fn new(row: ForceRow, pitch_m: f64, peak_at_m: f64, permittivity: Option<f64>, friction: f64) -> Forces {
         let pull = Pull::through(row.distance_m, row.lateral_n, peak_at_m);
         Forces { row, pull, pitch_m, permittivity: permittivity.unwrap_or(row.permittivity), friction }
     }

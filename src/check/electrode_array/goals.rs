@@ -1,18 +1,19 @@
 //! The steps of a task: which parts go where, as far as that can be judged without knowing where the parts stand by then.
 
-use super::cover::{Spread, nearest_cell};
+use super::cover::{SpacedPlaces, nearest_cell};
 use super::default_expansions;
-use super::places::Origins;
-use super::tray::{Blocked, Judged, on_board, on_obstacle, whole_cell};
+use super::places::CellOrigins;
+use super::tray::{BlockedCell, BoardScene, on_board, on_obstacle, whole_cell};
 use crate::check::lets::Argument;
 use crate::check::scope::nearest;
-use crate::check::tasks::{self, Call, Parts, Site};
+use crate::check::tasks::{self, Call, Parts, TaskSite};
 use crate::check::value::Value;
 use crate::check::{Checker, errors};
 use crate::claims::electrode_array::{
-    Action, Bystanders, ElectrodeArrayOrder, Method, Move, Objective, Planner, Step, Stop,
+    Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
+    ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop,
 };
-use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Separation};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Separation};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::source::Span;
 use std::collections::BTreeMap;
@@ -20,16 +21,21 @@ use std::sync::Arc;
 
 impl Checker<'_> {
     /// A task's body in the kind's own terms; `None` after an error.
-    pub fn electrode_array_order(&mut self, site: &Site, facts: &Facts, parts: Parts) -> Option<ElectrodeArrayOrder> {
+    pub fn electrode_array_order(
+        &mut self,
+        site: &TaskSite,
+        facts: &ElectrodeArrayFacts,
+        parts: Parts,
+    ) -> Option<ElectrodeArrayOrder> {
         let tray = self.tray(site, facts);
         let objective = objective(parts.objective);
         let bystanders = bystanders(&parts);
         let planner = planner(&parts, (objective, bystanders), (facts, tray.parts.len()), self.sink);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
         let hold = site.device.fields.get("hold").map(|field| field.span);
-        let mut judge = Judge { facts, tray: &tray, scene, hold, origins: &mut self.origins, sink: self.sink };
-        let steps: Vec<Option<Step>> = parts.steps.iter().map(|step| judge.step(step)).collect();
-        let steps: Option<Vec<Step>> = steps.into_iter().collect();
+        let mut judge = BoardStepJudge { facts, tray: &tray, scene, hold, origins: &mut self.origins, sink: self.sink };
+        let steps: Vec<Option<ElectrodeArrayStep>> = parts.steps.iter().map(|step| judge.step(step)).collect();
+        let steps: Option<Vec<ElectrodeArrayStep>> = steps.into_iter().collect();
         let order = ElectrodeArrayOrder {
             facts: facts.clone(),
             obstacles: Arc::clone(&tray.obstacles),
@@ -43,10 +49,10 @@ impl Checker<'_> {
     }
 }
 
-fn objective(name: Option<&str>) -> Objective {
+fn objective(name: Option<&str>) -> ElectrodeArrayObjective {
     match name {
-        Some("sum_of_costs") => Objective::SumOfCosts,
-        _ => Objective::Makespan,
+        Some("sum_of_costs") => ElectrodeArrayObjective::SumOfCosts,
+        _ => ElectrodeArrayObjective::Makespan,
     }
 }
 
@@ -60,21 +66,22 @@ fn bystanders(parts: &Parts) -> Bystanders {
 /// The method and budget of a task; `None` where a method is asked for what it does not know.
 fn planner(
     parts: &Parts,
-    asked: (Objective, Bystanders),
-    (facts, count): (&Facts, usize),
+    asked: (ElectrodeArrayObjective, Bystanders),
+    (facts, count): (&ElectrodeArrayFacts, usize),
     sink: &mut Sink,
-) -> Option<Planner> {
-    let method = parts.planner.as_ref().map_or(Method::Portfolio, |(planner, _)| method(planner.value.name));
-    if method == Method::Portfolio && facts.separation == Separation::AsPublished {
+) -> Option<ElectrodeArrayPlanner> {
+    let method =
+        parts.planner.as_ref().map_or(ElectrodeArrayMethod::Portfolio, |(planner, _)| method(planner.value.name));
+    if method == ElectrodeArrayMethod::Portfolio && facts.separation == Separation::AsPublished {
         let chosen = parts.planner.as_ref().map(|(planner, _)| planner.span);
         let span = chosen.or(parts.steps.first().map(|step| step.span));
         sink.push(errors::published_needs_published(span));
         return None;
     }
     let Some((planner, _)) = &parts.planner else {
-        return Some(Planner { method, expansions: default_expansions(facts, count) });
+        return Some(ElectrodeArrayPlanner { method, expansions: default_expansions(facts, count) });
     };
-    if method != Method::Portfolio
+    if method != ElectrodeArrayMethod::Portfolio
         && let Some((what, span)) = beyond_published(parts, asked, planner.span)
     {
         let wrong = errors::planner_cannot(planner.span, planner.value.name, what, span);
@@ -82,24 +89,24 @@ fn planner(
         sink.push(wrong.help_if((facts.separation == Separation::AsPublished).then_some(both)));
         return None;
     }
-    Some(Planner { method, expansions: parts.expansions().unwrap_or(default_expansions(facts, count)) })
+    Some(ElectrodeArrayPlanner { method, expansions: parts.expansions().unwrap_or(default_expansions(facts, count)) })
 }
 
-fn method(name: &str) -> Method {
+fn method(name: &str) -> ElectrodeArrayMethod {
     match name {
-        "cooperative_astar" => Method::CooperativeAstar,
-        "plain_cooperative_astar" => Method::PlainCooperativeAstar,
-        _ => Method::Portfolio,
+        "cooperative_astar" => ElectrodeArrayMethod::CooperativeAstar,
+        "plain_cooperative_astar" => ElectrodeArrayMethod::PlainCooperativeAstar,
+        _ => ElectrodeArrayMethod::Portfolio,
     }
 }
 
 /// What the published methods are asked for that they do not know, and where.
 fn beyond_published(
     parts: &Parts,
-    (objective, bystanders): (Objective, Bystanders),
+    (objective, bystanders): (ElectrodeArrayObjective, Bystanders),
     chosen: Span,
 ) -> Option<(&'static str, Span)> {
-    if objective == Objective::SumOfCosts {
+    if objective == ElectrodeArrayObjective::SumOfCosts {
         return Some(("minimise `sum_of_costs`", chosen));
     }
     if bystanders == Bystanders::Yield {
@@ -115,39 +122,41 @@ fn beyond_published(
     })
 }
 
-fn calls(action: &tasks::Action) -> &[Call] {
+fn calls(action: &tasks::VocabularyAction) -> &[Call] {
     match action {
-        tasks::Action::Verb(call) => std::slice::from_ref(call),
-        tasks::Action::Together(calls) => calls,
-        tasks::Action::Wait(_) => &[],
+        tasks::VocabularyAction::Verb(call) => std::slice::from_ref(call),
+        tasks::VocabularyAction::Together(calls) => calls,
+        tasks::VocabularyAction::Wait(_) => &[],
     }
 }
 
 /// Judges the steps of one task.
-struct Judge<'a> {
-    facts: &'a Facts,
-    tray: &'a Judged,
+struct BoardStepJudge<'a> {
+    facts: &'a ElectrodeArrayFacts,
+    tray: &'a BoardScene,
     /// Where the task's scene is declared.
     scene: Option<Span>,
     /// Where the device says whether it holds its parts, if it does.
     hold: Option<Span>,
-    origins: &'a mut Origins,
+    origins: &'a mut CellOrigins,
     sink: &'a mut Sink,
 }
 
-impl Judge<'_> {
-    fn step(&mut self, step: &tasks::Step) -> Option<Step> {
+impl BoardStepJudge<'_> {
+    fn step(&mut self, step: &tasks::VocabularyStep) -> Option<ElectrodeArrayStep> {
         let action = match &step.action {
-            tasks::Action::Wait(duration_ns) => Action::Wait(*duration_ns),
-            tasks::Action::Verb(_) | tasks::Action::Together(_) => Action::Move(self.moves(calls(&step.action))?),
+            tasks::VocabularyAction::Wait(duration_ns) => ElectrodeArrayAction::Wait(*duration_ns),
+            tasks::VocabularyAction::Verb(_) | tasks::VocabularyAction::Together(_) => {
+                ElectrodeArrayAction::Move(self.moves(calls(&step.action))?)
+            }
         };
-        Some(Step { action, span: step.span })
+        Some(ElectrodeArrayStep { action, span: step.span })
     }
 
     /// Goals at the same time: each part has one, and they are apart.
-    fn moves(&mut self, calls: &[Call]) -> Option<Vec<Move>> {
-        let moves: Vec<Option<Move>> = calls.iter().map(|call| self.one_move(call)).collect();
-        let found: Vec<(&Call, &Move)> =
+    fn moves(&mut self, calls: &[Call]) -> Option<Vec<ElectrodeArrayMove>> {
+        let moves: Vec<Option<ElectrodeArrayMove>> = calls.iter().map(|call| self.one_move(call)).collect();
+        let found: Vec<(&Call, &ElectrodeArrayMove)> =
             calls.iter().zip(&moves).filter_map(|(call, found)| Some((call, found.as_ref()?))).collect();
         let before = self.sink.errors();
         self.one_goal_each(&found);
@@ -156,7 +165,7 @@ impl Judge<'_> {
         moves.into_iter().collect()
     }
 
-    fn one_move(&mut self, call: &Call) -> Option<Move> {
+    fn one_move(&mut self, call: &Call) -> Option<ElectrodeArrayMove> {
         let part = self.part(call.object.as_ref()?);
         let (with, stops) = match call.verb.name {
             "merge" => {
@@ -167,12 +176,12 @@ impl Judge<'_> {
                 (Some(with?), vec![stop?])
             }
             _ => {
-                let stops: Vec<Option<Stop>> =
+                let stops: Vec<Option<ElectrodeArrayStop>> =
                     phrases(call, "via").chain(phrases(call, "to")).map(|target| self.stop(target)).collect();
-                (None, stops.into_iter().collect::<Option<Vec<Stop>>>()?)
+                (None, stops.into_iter().collect::<Option<Vec<ElectrodeArrayStop>>>()?)
             }
         };
-        Some(Move { part: part?, with, stops, span: call.span })
+        Some(ElectrodeArrayMove { part: part?, with, stops, span: call.span })
     }
 
     /// Droplets merge, two of them, where electrodes hold them.
@@ -214,7 +223,7 @@ impl Judge<'_> {
     }
 
     /// A cell that a centre can take.
-    fn stop(&mut self, target: &Argument) -> Option<Stop> {
+    fn stop(&mut self, target: &Argument) -> Option<ElectrodeArrayStop> {
         let Some(pair) = whole_cell(&target.value) else {
             self.unless(Some(errors::no_cell(target.span, &target.value)), Some(target));
             return None;
@@ -222,23 +231,23 @@ impl Judge<'_> {
         let cover = &self.tray.cover;
         let is_free = |cell| cover.covering(cell).is_none();
         let Some(cell) = on_board(pair, self.facts).filter(|cell| self.facts.reaches(*cell)) else {
-            let clamped = Cell::new(clamped(pair[0]), clamped(pair[1]));
+            let clamped = ElectrodeCell::new(clamped(pair[0]), clamped(pair[1]));
             let free = nearest_cell(clamped, self.facts, is_free);
             let wrong = errors::goal_out_of_reach(target.span, pair, self.facts, free);
             self.unless(Some(wrong), Some(target));
             return None;
         };
         let wrong = cover.covering(cell).map(|index| {
-            let place = Blocked { code: Code::E0502, cell, span: target.span };
+            let place = BlockedCell { code: Code::E0502, cell, span: target.span };
             on_obstacle(&place, &self.tray.obstacles[index], self.facts, nearest_cell(cell, self.facts, is_free))
         });
         self.unless(wrong, Some(target))?;
         self.remember(target, cell);
-        Some(Stop { cell, span: target.span })
+        Some(ElectrodeArrayStop { cell, span: target.span })
     }
 
     /// Where the cell of a stop was given, for what is found when it is known where the parts stand by then.
-    fn remember(&mut self, target: &Argument, cell: Cell) {
+    fn remember(&mut self, target: &Argument, cell: ElectrodeCell) {
         let Some(origin) = &target.origin else { return };
         let known = self.origins.entry((target.span, cell)).or_insert_with(|| Some(origin.clone()));
         if known.as_ref().is_some_and(|known| known.span != origin.span) {
@@ -261,7 +270,7 @@ impl Judge<'_> {
         }
     }
 
-    fn one_goal_each(&mut self, moves: &[(&Call, &Move)]) {
+    fn one_goal_each(&mut self, moves: &[(&Call, &ElectrodeArrayMove)]) {
         let mut busy: BTreeMap<usize, Span> = BTreeMap::new();
         for (call, found) in moves {
             for part in [Some(found.part), found.with].into_iter().flatten() {
@@ -272,9 +281,9 @@ impl Judge<'_> {
         }
     }
 
-    fn goals_apart(&mut self, moves: &[(&Call, &Move)]) {
+    fn goals_apart(&mut self, moves: &[(&Call, &ElectrodeArrayMove)]) {
         let apart = self.facts.separation.apart();
-        let mut spread: Spread<usize> = Spread::new(apart);
+        let mut spread: SpacedPlaces<usize> = SpacedPlaces::new(apart);
         for (index, (call, found)) in moves.iter().enumerate() {
             let goal = found.goal();
             let Some((cell, other)) = spread.near(goal.cell) else {

@@ -9,17 +9,17 @@ mod physics;
 mod places;
 mod tray;
 
-use crate::device::electrode_array::Facts;
+use crate::device::electrode_array::ElectrodeArrayFacts;
 pub use board::facts;
-pub use places::{Origins, places_agree};
-pub use tray::Judged;
+pub use places::{CellOrigins, places_agree};
+pub use tray::BoardScene;
 
 /// No more states are expanded where the task does not say.
 const MOST_BY_DEFAULT: u64 = 64_000_000;
 
 /// States that the search of one step may expand where the task does not say: 16 million, and 2 more for each part and cell, at
 /// most 64 million.
-pub fn default_expansions(facts: &Facts, parts: usize) -> u64 {
+pub fn default_expansions(facts: &ElectrodeArrayFacts, parts: usize) -> u64 {
     let cells = u64::from(facts.columns) * u64::from(facts.rows);
     let more = cells.saturating_mul(2 * parts as u64);
     (16_000_000 + more).min(MOST_BY_DEFAULT)

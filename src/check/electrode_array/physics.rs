@@ -1,12 +1,12 @@
 //! Whether the forces move a part of this device, and whether its steps are long enough.
 
 use super::board::{quantity, rounded_down, rounded_up, told};
-use super::forces::{Forces, Table};
+use super::forces::{Forces, RadiusTable};
 use super::motion::Glide;
-use crate::check::devices::Device;
+use crate::check::devices::CheckedDevice;
 use crate::check::errors;
-use crate::device::Field;
-use crate::device::electrode_array::{Electrodes, Facts, VOCABULARY};
+use crate::device::VocabularyField;
+use crate::device::electrode_array::{ElectrodeArrayFacts, Electrodes, VOCABULARY};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity};
 use crate::real::Real;
@@ -21,19 +21,19 @@ const PEAK_AT_RADIUS: f64 = 1.0;
 const REST_SHARE: f64 = 0.02;
 
 /// Checks radius, gap, potential and step of a device against its own limits and forces.
-pub fn check(facts: &Facts, device: &Device, sink: &mut Sink) {
+pub fn check(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {
     gap(device, sink);
     let forces = forces(facts, device, sink);
     potential(facts, forces.as_ref(), device, sink);
     step(facts, forces.as_ref(), device, sink);
 }
 
-fn si(device: &Device, name: &str) -> Option<f64> {
+fn si(device: &CheckedDevice, name: &str) -> Option<f64> {
     quantity(&device.fields, name).map(|quantity| quantity.si)
 }
 
 /// Whether neighbouring electrodes lie as far apart as they may.
-fn gap(device: &Device, sink: &mut Sink) {
+fn gap(device: &CheckedDevice, sink: &mut Sink) {
     let Some(ratio) = si(device, "pitch_ratio") else { return };
     let least = si(device, "least_pitch_ratio").filter(|least| ratio < least * (1.0 - SLACK));
     let most = si(device, "most_pitch_ratio").filter(|most| ratio > most * (1.0 + SLACK));
@@ -45,8 +45,8 @@ fn gap(device: &Device, sink: &mut Sink) {
 }
 
 /// The forces on a part of this device; `None` where it has no table of them, or none for its radius.
-fn forces(facts: &Facts, device: &Device, sink: &mut Sink) -> Option<Forces> {
-    let table = match Table::of(&device.fields)? {
+fn forces(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) -> Option<Forces> {
+    let table = match RadiusTable::of(&device.fields)? {
         Ok(table) => table,
         Err(repeated) => {
             sink.push(errors::radius_twice(length(repeated.radius_m), repeated.first, repeated.second));
@@ -67,7 +67,7 @@ fn forces(facts: &Facts, device: &Device, sink: &mut Sink) -> Option<Forces> {
 }
 
 /// Whether the potential moves a part: it must be what was measured or what the table asks for, and beat friction.
-fn potential(facts: &Facts, forces: Option<&Forces>, device: &Device, sink: &mut Sink) {
+fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDevice, sink: &mut Sink) {
     let potential_v = facts.potential_v;
     let measured_v = si(device, "least_potential");
     let Some(needed_v) = measured_v.or(forces.map(Forces::needed_v)) else { return };
@@ -109,7 +109,7 @@ fn potential(facts: &Facts, forces: Option<&Forces>, device: &Device, sink: &mut
 }
 
 /// Whether a part comes to rest within a step.
-fn step(facts: &Facts, forces: Option<&Forces>, device: &Device, sink: &mut Sink) {
+fn step(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDevice, sink: &mut Sink) {
     let step = quantity(&device.fields, "step_duration");
     let settling_s = match si(device, "settling") {
         Some(measured_s) => Some(measured_s),
@@ -141,7 +141,7 @@ fn step(facts: &Facts, forces: Option<&Forces>, device: &Device, sink: &mut Sink
 }
 
 /// A part on its way; `None` after an error.
-fn glide(facts: &Facts, forces: &Forces, device: &Device, sink: &mut Sink) -> Option<Glide> {
+fn glide(facts: &ElectrodeArrayFacts, forces: &Forces, device: &CheckedDevice, sink: &mut Sink) -> Option<Glide> {
     if forces.net_n(facts.potential_v) <= 0.0 {
         return None;
     }
@@ -161,7 +161,7 @@ fn glide(facts: &Facts, forces: &Forces, device: &Device, sink: &mut Sink) -> Op
     let (Some(mass_kg), Some(damping)) = (mass_kg, damping) else {
         let lacking = [("density", mass_kg), ("viscosity", damping)];
         let lacking = lacking.into_iter().filter(|(_, figure)| figure.is_none()).map(|(name, _)| name);
-        let missing: Vec<&Field> =
+        let missing: Vec<&VocabularyField> =
             lacking.filter_map(|name| VOCABULARY.fields.iter().find(|field| field.name == name)).collect();
         let owner = format!("device `{}`", device.name);
         sink.push(errors::missing_fields(device.span, &owner, &missing, Some(VOCABULARY.library)));

@@ -3,13 +3,16 @@
 //! The runs of a schedule are walked in their order. A step is wrong if it needs a part that has merged away, or sends one too
 //! near to a part that stays where it is, or that comes back there.
 
-use super::cover::{Cover, Spread, nearest_cell};
+use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::tray::distance_to;
 use crate::check::errors;
-use crate::check::lets::Origin;
+use crate::check::lets::ValueOrigin;
 use crate::claims::Job;
-use crate::claims::electrode_array::{Action, Bystanders, ElectrodeArrayOrder, Move, Obstacle, Part, Stop};
-use crate::device::electrode_array::Cell;
+use crate::claims::electrode_array::{
+    BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayOrder,
+    ElectrodeArrayStop,
+};
+use crate::device::electrode_array::ElectrodeCell;
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,15 +20,15 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 /// Where the cell of a stop was given, if a name stands for it; `None` if several names stand for it in several runs.
-pub type Origins = BTreeMap<(Span, Cell), Option<Origin>>;
+pub type CellOrigins = BTreeMap<(Span, ElectrodeCell), Option<ValueOrigin>>;
 
 /// Where parts stand between the tasks of a schedule, as far as that is known before planning.
-pub fn places_agree(jobs: &[Job], origins: &Origins, sink: &mut Sink) {
-    let mut boards: BTreeMap<&str, Board> = BTreeMap::new();
-    let mut walk = Walk { origins, told: BTreeSet::new(), covers: BTreeMap::new() };
+pub fn places_agree(jobs: &[Job], origins: &CellOrigins, sink: &mut Sink) {
+    let mut boards: BTreeMap<&str, BoardWalk> = BTreeMap::new();
+    let mut walk = PartsWalk { origins, told: BTreeSet::new(), covers: BTreeMap::new() };
     for job in jobs {
         let Some(order) = job.order.electrode_array() else { continue };
-        let board = boards.entry(&job.device).or_insert_with(|| Board::of(order));
+        let board = boards.entry(&job.device).or_insert_with(|| BoardWalk::of(order));
         if !Arc::ptr_eq(&board.parts, &order.parts) {
             if let Some(name) = odd_part(&board.parts, &order.parts) {
                 sink.push(errors::unlike_parts(job.run_span, &job.device, name));
@@ -39,8 +42,8 @@ pub fn places_agree(jobs: &[Job], origins: &Origins, sink: &mut Sink) {
         }
         for step in &order.steps {
             match &step.action {
-                Action::Wait(_) => {}
-                Action::Move(moves) => {
+                ElectrodeArrayAction::Wait(_) => {}
+                ElectrodeArrayAction::Move(moves) => {
                     let run = if job.run_span == job.span { step.span } else { job.run_span };
                     for diagnostic in board.advance(moves, order, &mut walk) {
                         sink.push(diagnostic.label_elsewhere(run, step.span, "run here"));
@@ -52,79 +55,81 @@ pub fn places_agree(jobs: &[Job], origins: &Origins, sink: &mut Sink) {
 }
 
 /// What is kept on the way through the runs of a schedule.
-struct Walk<'a> {
-    origins: &'a Origins,
+struct PartsWalk<'a> {
+    origins: &'a CellOrigins,
     told: BTreeSet<Finding>,
     /// By the list of obstacles that is painted.
-    covers: BTreeMap<*const Vec<Obstacle>, Rc<Cover>>,
+    covers: BTreeMap<*const Vec<ElectrodeArrayObstacle>, Rc<ObstacleCells>>,
 }
 
-impl Walk<'_> {
-    fn cover(&mut self, order: &ElectrodeArrayOrder) -> Rc<Cover> {
-        let painted = || Rc::new(Cover::of(&order.obstacles, &order.facts));
+impl PartsWalk<'_> {
+    fn cover(&mut self, order: &ElectrodeArrayOrder) -> Rc<ObstacleCells> {
+        let painted = || Rc::new(ObstacleCells::of(&order.obstacles, &order.facts));
         Rc::clone(self.covers.entry(Arc::as_ptr(&order.obstacles)).or_insert_with(painted))
     }
 }
 
 /// What tells one finding from another, however often a task runs: a place in the source and a cell.
-type Finding = (Span, Option<Cell>);
+type Finding = (Span, Option<ElectrodeCell>);
 
 /// A part that only one of two scenes has.
-fn odd_part<'p>(before: &'p [Part], now: &'p [Part]) -> Option<&'p str> {
-    let names = |parts: &'p [Part]| -> BTreeSet<&'p str> { parts.iter().map(|part| part.name.as_str()).collect() };
+fn odd_part<'p>(before: &'p [BoardPart], now: &'p [BoardPart]) -> Option<&'p str> {
+    let names = |parts: &'p [BoardPart]| -> BTreeSet<&'p str> { parts.iter().map(|part| part.name.as_str()).collect() };
     let (before, now) = (names(before), names(now));
     now.symmetric_difference(&before).next().copied()
 }
 
 /// Where a part is.
 #[derive(Debug, Clone, Copy)]
-enum Stand {
+enum PartStand {
     /// There, since it was put or sent there.
-    At(Cell, Span),
+    At(ElectrodeCell, Span),
     /// It has merged with another.
     Merged(Span),
 }
 
 /// A board between two steps.
-struct Board {
-    parts: Arc<Vec<Part>>,
+struct BoardWalk {
+    parts: Arc<Vec<BoardPart>>,
     /// Of the scene of the last run; all parts stand clear of them.
-    obstacles: Arc<Vec<Obstacle>>,
+    obstacles: Arc<Vec<ElectrodeArrayObstacle>>,
     /// One for each part.
-    stands: Vec<Stand>,
+    stands: Vec<PartStand>,
     /// The parts that are still there, by index.
-    spread: Spread<usize>,
+    spread: SpacedPlaces<usize>,
 }
 
-impl Board {
-    fn of(order: &ElectrodeArrayOrder) -> Board {
-        let stands = order.parts.iter().map(|part| Stand::At(part.cell, part.span)).collect();
-        let spread = Spread::new(order.facts.separation.apart());
+impl BoardWalk {
+    fn of(order: &ElectrodeArrayOrder) -> BoardWalk {
+        let stands = order.parts.iter().map(|part| PartStand::At(part.cell, part.span)).collect();
+        let spread = SpacedPlaces::new(order.facts.separation.apart());
         let (parts, obstacles) = (Arc::clone(&order.parts), Arc::clone(&order.obstacles));
-        let mut board = Board { parts, obstacles, stands, spread };
+        let mut board = BoardWalk { parts, obstacles, stands, spread };
         (0..board.stands.len()).for_each(|part| board.enter(part));
         board
     }
 
     fn enter(&mut self, part: usize) {
-        if let Stand::At(cell, _) = self.stands[part] {
+        if let PartStand::At(cell, _) = self.stands[part] {
             self.spread.put(cell, part);
         }
     }
 
     fn leave(&mut self, part: usize) {
-        if let Stand::At(cell, _) = self.stands[part] {
+        if let PartStand::At(cell, _) = self.stands[part] {
             self.spread.take(cell, |there| there == part);
         }
     }
 
     /// Takes over the order of another scene with parts of the same names.
-    fn reorder(&mut self, parts: &Arc<Vec<Part>>) {
+    fn reorder(&mut self, parts: &Arc<Vec<BoardPart>>) {
         let index: BTreeMap<&str, usize> =
             self.parts.iter().enumerate().map(|(index, part)| (part.name.as_str(), index)).collect();
-        let before: Vec<Stand> = parts
+        let before: Vec<PartStand> = parts
             .iter()
-            .map(|part| index.get(part.name.as_str()).map_or(Stand::At(part.cell, part.span), |at| self.stands[*at]))
+            .map(|part| {
+                index.get(part.name.as_str()).map_or(PartStand::At(part.cell, part.span), |at| self.stands[*at])
+            })
             .collect();
         (0..self.stands.len()).for_each(|part| self.leave(part));
         self.stands = before;
@@ -133,11 +138,11 @@ impl Board {
     }
 
     /// What the parts stand too near to when a scene with other obstacles comes.
-    fn stands_clear(&self, job: &Job, order: &ElectrodeArrayOrder, walk: &mut Walk) -> Vec<Diagnostic> {
+    fn stands_clear(&self, job: &Job, order: &ElectrodeArrayOrder, walk: &mut PartsWalk) -> Vec<Diagnostic> {
         let cover = walk.cover(order);
         let mut found = Vec::new();
         for (part, stand) in self.parts.iter().zip(&self.stands) {
-            let Stand::At(cell, since) = *stand else { continue };
+            let PartStand::At(cell, since) = *stand else { continue };
             let Some(obstacle) = cover.covering(cell).map(|index| &order.obstacles[index]) else { continue };
             if walk.told.insert((job.run_span, Some(cell))) {
                 let distance = distance_to(obstacle, cell, &order.facts);
@@ -150,7 +155,12 @@ impl Board {
     }
 
     /// Judges a step, and moves its parts to their goals; what was told is not said again.
-    fn advance(&mut self, moves: &[Move], order: &ElectrodeArrayOrder, walk: &mut Walk) -> Vec<Diagnostic> {
+    fn advance(
+        &mut self,
+        moves: &[ElectrodeArrayMove],
+        order: &ElectrodeArrayOrder,
+        walk: &mut PartsWalk,
+    ) -> Vec<Diagnostic> {
         let mut found = self.merged_before(moves, &mut walk.told);
         moves.iter().flat_map(of_move).for_each(|part| self.leave(part));
         for step in moves {
@@ -170,20 +180,20 @@ impl Board {
         }
         for step in moves {
             let goal = step.goal();
-            self.stands[step.part] = Stand::At(goal.cell, goal.span);
+            self.stands[step.part] = PartStand::At(goal.cell, goal.span);
             if let Some(with) = step.with {
-                self.stands[with] = Stand::Merged(step.span);
+                self.stands[with] = PartStand::Merged(step.span);
             }
         }
         moves.iter().for_each(|step| self.enter(step.part));
         found
     }
 
-    fn merged_before(&self, moves: &[Move], told: &mut BTreeSet<Finding>) -> Vec<Diagnostic> {
+    fn merged_before(&self, moves: &[ElectrodeArrayMove], told: &mut BTreeSet<Finding>) -> Vec<Diagnostic> {
         let mut found = Vec::new();
         for step in moves {
             for part in of_move(step) {
-                if let Stand::Merged(merged) = self.stands[part]
+                if let PartStand::Merged(merged) = self.stands[part]
                     && told.insert((step.span, None))
                 {
                     found.push(errors::merged_away(step.span, &self.parts[part].name, merged));
@@ -196,12 +206,12 @@ impl Board {
     /// A stop too near to a part that stays, and the nearest cell that is not, nor too near to the goals of others.
     fn too_near(
         &self,
-        (step, stop): (&Move, &Stop),
+        (step, stop): (&ElectrodeArrayMove, &ElectrodeArrayStop),
         other: usize,
-        (moves, order): (&[Move], &ElectrodeArrayOrder),
-        cover: &Cover,
+        (moves, order): (&[ElectrodeArrayMove], &ElectrodeArrayOrder),
+        cover: &ObstacleCells,
     ) -> Diagnostic {
-        let Stand::At(cell, since) = self.stands[other] else {
+        let PartStand::At(cell, since) = self.stands[other] else {
             return errors::merged_away(step.span, &self.parts[other].name, step.span);
         };
         let apart = order.facts.separation.apart();
@@ -218,6 +228,6 @@ impl Board {
 }
 
 /// The parts that a move takes from their cells.
-fn of_move(step: &Move) -> impl Iterator<Item = usize> {
+fn of_move(step: &ElectrodeArrayMove) -> impl Iterator<Item = usize> {
     [Some(step.part), step.with].into_iter().flatten()
 }

@@ -1,12 +1,15 @@
 //! Each check just inside and just outside, the settling against the paper, the cover against asking every obstacle, and how fast
 //! large scenes are checked.
 
-use super::cover::{Cover, Spread, nearest_cell};
+use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::motion::{Glide, Pull};
 use crate::check::imports::{self, Library};
 use crate::check::{Checked, Options, check};
-use crate::claims::electrode_array::{Action, Body, Bystanders, ElectrodeArrayOrder, Method, Objective, Obstacle};
-use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Layout, Separation};
+use crate::claims::electrode_array::{
+    Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayObstacle,
+    ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
+};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation};
 use crate::diagnostic::Sink;
 use crate::source::{Sources, Span};
 
@@ -82,7 +85,7 @@ fn the_example_of_the_language_becomes_an_order() {
            together { move m1 to (26, 31), move m2 to (5, 3) }
          }",
     )[0];
-    let facts = Facts {
+    let facts = ElectrodeArrayFacts {
         columns: 50,
         rows: 50,
         radius_um: 35.0,
@@ -95,15 +98,18 @@ fn the_example_of_the_language_becomes_an_order() {
         clearance: 3,
     };
     assert_eq!(order.facts, facts);
-    assert_eq!(order.obstacles[0].body, Body::Electrodes { from: Cell::new(20, 20), to: Cell::new(23, 23) });
-    let parts: Vec<(&str, Cell)> = order.parts.iter().map(|part| (part.name.as_str(), part.cell)).collect();
-    assert_eq!(parts, [("m1", Cell::new(5, 3)), ("m2", Cell::new(26, 31))]);
-    let Action::Move(moves) = &order.steps[0].action else { panic!("a step of moves") };
-    let goals: Vec<(usize, Cell)> = moves.iter().map(|step| (step.part, step.goal().cell)).collect();
-    assert_eq!(goals, [(0, Cell::new(26, 31)), (1, Cell::new(5, 3))]);
+    assert_eq!(
+        order.obstacles[0].body,
+        ElectrodeArrayObstacleBody::Electrodes { from: ElectrodeCell::new(20, 20), to: ElectrodeCell::new(23, 23) }
+    );
+    let parts: Vec<(&str, ElectrodeCell)> = order.parts.iter().map(|part| (part.name.as_str(), part.cell)).collect();
+    assert_eq!(parts, [("m1", ElectrodeCell::new(5, 3)), ("m2", ElectrodeCell::new(26, 31))]);
+    let ElectrodeArrayAction::Move(moves) = &order.steps[0].action else { panic!("a step of moves") };
+    let goals: Vec<(usize, ElectrodeCell)> = moves.iter().map(|step| (step.part, step.goal().cell)).collect();
+    assert_eq!(goals, [(0, ElectrodeCell::new(26, 31)), (1, ElectrodeCell::new(5, 3))]);
     assert_eq!(
         (order.objective, order.planner.method, order.bystanders),
-        (Objective::Makespan, Method::Portfolio, Bystanders::Stay)
+        (ElectrodeArrayObjective::Makespan, ElectrodeArrayMethod::Portfolio, Bystanders::Stay)
     );
 }
 
@@ -444,8 +450,8 @@ fn droplets_merge_where_they_are_held() {
     assert_codes(&text("false"), &["E0529"]);
 }
 
-fn board(columns: u32, rows: u32) -> Facts {
-    Facts {
+fn board(columns: u32, rows: u32) -> ElectrodeArrayFacts {
+    ElectrodeArrayFacts {
         columns,
         rows,
         radius_um: 35.0,
@@ -472,23 +478,29 @@ fn numbers() -> impl FnMut(u32) -> u32 {
 fn the_painted_cover_agrees_with_asking_every_obstacle() {
     let facts = board(70, 50);
     let mut next = numbers();
-    let bodies: Vec<Body> = (0..25)
+    let bodies: Vec<ElectrodeArrayObstacleBody> = (0..25)
         .map(|index| {
-            let from = Cell::new(1 + next(70), 1 + next(50));
-            let to = Cell::new((from.column + next(9)).min(70), (from.row + next(4)).min(50));
-            if index % 3 == 0 { Body::Fixed(from) } else { Body::Electrodes { from, to } }
+            let from = ElectrodeCell::new(1 + next(70), 1 + next(50));
+            let to = ElectrodeCell::new((from.column + next(9)).min(70), (from.row + next(4)).min(50));
+            if index % 3 == 0 {
+                ElectrodeArrayObstacleBody::Fixed(from)
+            } else {
+                ElectrodeArrayObstacleBody::Electrodes { from, to }
+            }
         })
         .collect();
-    let obstacles: Vec<Obstacle> =
-        bodies.into_iter().map(|body| Obstacle { name: String::new(), body, span: Span::default() }).collect();
-    let cover = Cover::of(&obstacles, &facts);
+    let obstacles: Vec<ElectrodeArrayObstacle> = bodies
+        .into_iter()
+        .map(|body| ElectrodeArrayObstacle { name: String::new(), body, span: Span::default() })
+        .collect();
+    let cover = ObstacleCells::of(&obstacles, &facts);
     let mut covered = 0;
     for (column, row) in (1..=70).flat_map(|column| (1..=50).map(move |row| (column, row))) {
-        let cell = Cell::new(column, row);
+        let cell = ElectrodeCell::new(column, row);
         let expected = obstacles.iter().position(|obstacle| match obstacle.body {
-            Body::Fixed(at) => cell.apart(at) < 4,
-            Body::Electrodes { from, to } => (from.row..=to.row)
-                .flat_map(|row| (from.column..=to.column).map(move |column| Cell::new(column, row)))
+            ElectrodeArrayObstacleBody::Fixed(at) => cell.apart(at) < 4,
+            ElectrodeArrayObstacleBody::Electrodes { from, to } => (from.row..=to.row)
+                .flat_map(|row| (from.column..=to.column).map(move |column| ElectrodeCell::new(column, row)))
                 .any(|at| cell.apart(at) < 3),
         });
         assert_eq!(cover.covering(cell), expected, "{cell}");
@@ -500,11 +512,11 @@ fn the_painted_cover_agrees_with_asking_every_obstacle() {
 #[test]
 fn the_spread_agrees_with_asking_every_place() {
     let mut next = numbers();
-    let mut spread: Spread<usize> = Spread::new(4);
-    let mut places: Vec<Cell> = Vec::new();
+    let mut spread: SpacedPlaces<usize> = SpacedPlaces::new(4);
+    let mut places: Vec<ElectrodeCell> = Vec::new();
     let mut near = 0;
     for _ in 0..2000 {
-        let cell = Cell::new(1 + next(60), 1 + next(60));
+        let cell = ElectrodeCell::new(1 + next(60), 1 + next(60));
         let expected = places.iter().map(|at| at.apart(cell)).min().filter(|apart| *apart < 4);
         assert_eq!(spread.near(cell).map(|(at, _)| at.apart(cell)), expected, "{cell}");
         if expected.is_none() {
@@ -522,10 +534,10 @@ fn the_spread_agrees_with_asking_every_place() {
 #[test]
 fn the_nearest_cell_is_one_that_can_be_taken() {
     let facts = board(20, 20);
-    assert_eq!(nearest_cell(Cell::new(1, 7), &facts, |_| true), Some(Cell::new(2, 7)));
-    assert_eq!(nearest_cell(Cell::new(900, 7), &facts, |_| true), Some(Cell::new(19, 7)));
-    assert_eq!(nearest_cell(Cell::new(5, 5), &facts, |cell| cell.column > 7), Some(Cell::new(8, 5)));
-    assert_eq!(nearest_cell(Cell::new(5, 5), &facts, |_| false), None);
+    assert_eq!(nearest_cell(ElectrodeCell::new(1, 7), &facts, |_| true), Some(ElectrodeCell::new(2, 7)));
+    assert_eq!(nearest_cell(ElectrodeCell::new(900, 7), &facts, |_| true), Some(ElectrodeCell::new(19, 7)));
+    assert_eq!(nearest_cell(ElectrodeCell::new(5, 5), &facts, |cell| cell.column > 7), Some(ElectrodeCell::new(8, 5)));
+    assert_eq!(nearest_cell(ElectrodeCell::new(5, 5), &facts, |_| false), None);
 }
 
 #[test]

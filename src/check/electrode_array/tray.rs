@@ -1,17 +1,17 @@
 //! A scene as one board meets it: obstacles and parts.
 
 use super::board;
-use super::cover::{Cover, Spread, nearest_cell};
-use crate::check::devices::Device;
+use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
+use crate::check::devices::CheckedDevice;
 use crate::check::fields::Accepted;
 use crate::check::lets::Argument;
-use crate::check::scenes::{Object, Scene};
-use crate::check::tasks::Site;
+use crate::check::scenes::{CheckedScene, SceneObject};
+use crate::check::tasks::TaskSite;
 use crate::check::value::{ShapeValue, Value, whole};
 use crate::check::{Checker, errors};
-use crate::claims::electrode_array::{Body, Obstacle, Part};
-use crate::device::electrode_array::{Cell, Facts, MAX_OBSTACLES, MAX_PARTS, VOCABULARY};
-use crate::device::shape::Form;
+use crate::claims::electrode_array::{BoardPart, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_OBSTACLES, MAX_PARTS, VOCABULARY};
+use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::source::{Span, Spanned};
 use std::collections::BTreeMap;
@@ -20,19 +20,19 @@ use std::sync::Arc;
 
 /// A scene as one device meets it.
 #[derive(Clone)]
-pub struct Judged {
-    pub obstacles: Arc<Vec<Obstacle>>,
-    pub parts: Arc<Vec<Part>>,
+pub struct BoardScene {
+    pub obstacles: Arc<Vec<ElectrodeArrayObstacle>>,
+    pub parts: Arc<Vec<BoardPart>>,
     /// Every part that the scene names, with its index if nothing is wrong with it.
     pub names: Rc<BTreeMap<String, Option<usize>>>,
-    pub cover: Rc<Cover>,
+    pub cover: Rc<ObstacleCells>,
     /// Whether none of its objects is impossible.
     pub is_whole: bool,
 }
 
 impl Checker<'_> {
     /// The scene of a task for its device, judged once.
-    pub fn tray(&mut self, site: &Site, facts: &Facts) -> Judged {
+    pub fn tray(&mut self, site: &TaskSite, facts: &ElectrodeArrayFacts) -> BoardScene {
         let Some((place, scene)) = &site.scene else { return judged(&[], &site.device, facts, self.sink) };
         let key = (*place, site.place);
         if let Some(known) = self.trays.get(&key) {
@@ -44,26 +44,36 @@ impl Checker<'_> {
     }
 }
 
-fn judged_scene(scene: &Scene, device: &Device, facts: &Facts, sink: &mut Sink) -> Judged {
+fn judged_scene(
+    scene: &CheckedScene,
+    device: &CheckedDevice,
+    facts: &ElectrodeArrayFacts,
+    sink: &mut Sink,
+) -> BoardScene {
     if let Some(crowd) = scene.crowd(&[("part", MAX_PARTS), ("obstacle", MAX_OBSTACLES)]) {
         sink.push(crowd);
-        return Judged { is_whole: false, ..judged(&[], device, facts, sink) };
+        return BoardScene { is_whole: false, ..judged(&[], device, facts, sink) };
     }
     judged(&scene.objects, device, facts, sink)
 }
 
 /// Of a part that was read: where it stands, with the place of that figure.
-struct Standing {
-    part: Part,
+struct StandingPart {
+    part: BoardPart,
     at: Argument,
 }
 
-fn judged(objects: &[Rc<Object>], device: &Device, facts: &Facts, sink: &mut Sink) -> Judged {
+fn judged(
+    objects: &[Rc<SceneObject>],
+    device: &CheckedDevice,
+    facts: &ElectrodeArrayFacts,
+    sink: &mut Sink,
+) -> BoardScene {
     let before = sink.errors();
     let (mut obstacles, mut standing) = (Vec::new(), Vec::new());
     let mut names = BTreeMap::new();
     for object in objects {
-        let mut reader = Reader { object, device, facts, sink };
+        let mut reader = TrayReader { object, device, facts, sink };
         match object.noun.as_str() {
             "part" => {
                 let part = reader.part();
@@ -74,9 +84,9 @@ fn judged(objects: &[Rc<Object>], device: &Device, facts: &Facts, sink: &mut Sin
             _ => reader.stranger(),
         }
     }
-    let cover = Cover::of(&obstacles, facts);
+    let cover = ObstacleCells::of(&obstacles, facts);
     starts(&standing, &obstacles, &cover, facts, sink);
-    Judged {
+    BoardScene {
         obstacles: Arc::new(obstacles),
         parts: Arc::new(standing.into_iter().map(|standing| standing.part).collect()),
         names: Rc::new(names),
@@ -86,21 +96,21 @@ fn judged(objects: &[Rc<Object>], device: &Device, facts: &Facts, sink: &mut Sin
 }
 
 /// Reads one object of a scene.
-struct Reader<'a> {
-    object: &'a Object,
-    device: &'a Device,
-    facts: &'a Facts,
+struct TrayReader<'a> {
+    object: &'a SceneObject,
+    device: &'a CheckedDevice,
+    facts: &'a ElectrodeArrayFacts,
     sink: &'a mut Sink,
 }
 
-impl Reader<'_> {
+impl TrayReader<'_> {
     fn stranger(&mut self) {
         let known: Vec<&str> = VOCABULARY.nouns.iter().map(|noun| noun.name).collect();
         let object = self.object;
         self.sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, VOCABULARY.name, &known));
     }
 
-    fn part(&mut self) -> Option<Standing> {
+    fn part(&mut self) -> Option<StandingPart> {
         let shape = self.object.shape.as_ref();
         let is_carried = shape.is_none_or(|shape| self.is_carried(shape));
         let at = self.place()?;
@@ -111,15 +121,15 @@ impl Reader<'_> {
             self.sink.push(errors::given_at(wrong, &at));
             return None;
         }
-        let part = Part { name: self.object.name.clone(), cell, span: self.object.span };
-        is_carried.then_some(Standing { part, at })
+        let part = BoardPart { name: self.object.name.clone(), cell, span: self.object.span };
+        is_carried.then_some(StandingPart { part, at })
     }
 
     /// Whether a part is of the layout that the device carries.
     fn is_carried(&mut self, shape: &Spanned<ShapeValue>) -> bool {
         let object = self.object;
-        if shape.value.form != Form::Layout {
-            let known = [Form::Layout.name()];
+        if shape.value.form != ShapeForm::Layout {
+            let known = [ShapeForm::Layout.name()];
             let form = shape.value.form.name();
             self.sink.push(errors::shape_of_other_kind(shape.span, form, &object.noun, VOCABULARY.name, &known));
             return false;
@@ -164,7 +174,7 @@ impl Reader<'_> {
     }
 
     /// The cell of the board at a place.
-    fn cell(&mut self, at: &Argument) -> Option<Cell> {
+    fn cell(&mut self, at: &Argument) -> Option<ElectrodeCell> {
         let pair = self.whole_cell(at)?;
         let cell = on_board(pair, self.facts);
         if cell.is_none() {
@@ -175,32 +185,32 @@ impl Reader<'_> {
         cell
     }
 
-    fn obstacle(&mut self) -> Option<Obstacle> {
+    fn obstacle(&mut self) -> Option<ElectrodeArrayObstacle> {
         let body = match &self.object.shape {
             None => {
                 let at = self.place()?;
                 let cell = self.cell(&at)?;
-                Body::Electrodes { from: cell, to: cell }
+                ElectrodeArrayObstacleBody::Electrodes { from: cell, to: cell }
             }
-            Some(shape) if shape.value.form == Form::Cells => self.block(&shape.value.fields)?,
-            Some(shape) if shape.value.form == Form::Layout => {
+            Some(shape) if shape.value.form == ShapeForm::Cells => self.block(&shape.value.fields)?,
+            Some(shape) if shape.value.form == ShapeForm::Layout => {
                 let is_carried = self.is_carried(shape);
                 let at = self.place()?;
                 let cell = self.cell(&at).filter(|_| is_carried)?;
-                Body::Fixed(cell)
+                ElectrodeArrayObstacleBody::Fixed(cell)
             }
             Some(shape) => {
-                let known = [Form::Cells.name(), Form::Layout.name()];
+                let known = [ShapeForm::Cells.name(), ShapeForm::Layout.name()];
                 let (form, noun) = (shape.value.form.name(), &self.object.noun);
                 self.sink.push(errors::shape_of_other_kind(shape.span, form, noun, VOCABULARY.name, &known));
                 return None;
             }
         };
-        Some(Obstacle { name: self.object.name.clone(), body, span: self.object.span })
+        Some(ElectrodeArrayObstacle { name: self.object.name.clone(), body, span: self.object.span })
     }
 
     /// A block of electrodes, as far as it lies on the board.
-    fn block(&mut self, fields: &Accepted) -> Option<Body> {
+    fn block(&mut self, fields: &Accepted) -> Option<ElectrodeArrayObstacleBody> {
         let corners = ["from", "to"].map(|name| fields.get(name));
         let [Some(from), Some(to)] = corners else { return None };
         let shift = match &self.object.at {
@@ -221,8 +231,8 @@ impl Reader<'_> {
             self.sink.push(wrong);
             return None;
         }
-        let clip = |at: [i64; 2]| Cell::new(at[0].clamp(1, last[0]) as u32, at[1].clamp(1, last[1]) as u32);
-        Some(Body::Electrodes { from: clip(low), to: clip(high) })
+        let clip = |at: [i64; 2]| ElectrodeCell::new(at[0].clamp(1, last[0]) as u32, at[1].clamp(1, last[1]) as u32);
+        Some(ElectrodeArrayObstacleBody::Electrodes { from: clip(low), to: clip(high) })
     }
 }
 
@@ -235,19 +245,25 @@ pub fn whole_cell(value: &Value) -> Option<[i64; 2]> {
 }
 
 /// The cell of two numbers, if the board has it.
-pub fn on_board([column, row]: [i64; 2], facts: &Facts) -> Option<Cell> {
-    let cell = Cell::new(u32::try_from(column).ok()?, u32::try_from(row).ok()?);
+pub fn on_board([column, row]: [i64; 2], facts: &ElectrodeArrayFacts) -> Option<ElectrodeCell> {
+    let cell = ElectrodeCell::new(u32::try_from(column).ok()?, u32::try_from(row).ok()?);
     facts.holds(cell).then_some(cell)
 }
 
 /// Parts start clear of obstacles and of each other.
-fn starts(standing: &[Standing], obstacles: &[Obstacle], cover: &Cover, facts: &Facts, sink: &mut Sink) {
+fn starts(
+    standing: &[StandingPart],
+    obstacles: &[ElectrodeArrayObstacle],
+    cover: &ObstacleCells,
+    facts: &ElectrodeArrayFacts,
+    sink: &mut Sink,
+) {
     let apart = facts.separation.apart();
-    let mut spread: Spread<usize> = Spread::new(apart);
-    for (index, Standing { part, at }) in standing.iter().enumerate() {
+    let mut spread: SpacedPlaces<usize> = SpacedPlaces::new(apart);
+    for (index, StandingPart { part, at }) in standing.iter().enumerate() {
         if let Some(obstacle) = cover.covering(part.cell) {
             let free = nearest_cell(part.cell, facts, |cell| cover.covering(cell).is_none());
-            let place = Blocked { code: Code::E0505, cell: part.cell, span: at.span };
+            let place = BlockedCell { code: Code::E0505, cell: part.cell, span: at.span };
             sink.push(errors::given_at(on_obstacle(&place, &obstacles[obstacle], facts, free), at));
             continue;
         }
@@ -264,25 +280,35 @@ fn starts(standing: &[Standing], obstacles: &[Obstacle], cover: &Cover, facts: &
 }
 
 /// A start or a goal, by its code, that an obstacle keeps parts from.
-pub struct Blocked {
+pub struct BlockedCell {
     pub code: Code,
-    pub cell: Cell,
+    pub cell: ElectrodeCell,
     pub span: Span,
 }
 
 /// What is said of a cell that is too near to an obstacle.
-pub fn on_obstacle(place: &Blocked, obstacle: &Obstacle, facts: &Facts, free: Option<Cell>) -> Diagnostic {
+pub fn on_obstacle(
+    place: &BlockedCell,
+    obstacle: &ElectrodeArrayObstacle,
+    facts: &ElectrodeArrayFacts,
+    free: Option<ElectrodeCell>,
+) -> Diagnostic {
     let distance = distance_to(obstacle, place.cell, facts);
     errors::near_obstacle((place.code, place.span), place.cell, (&obstacle.name, obstacle.span), distance, free)
 }
 
 /// How far a centre is from an obstacle, and how far it has to be, in electrodes.
-pub fn distance_to(obstacle: &Obstacle, centre: Cell, facts: &Facts) -> (u32, u32) {
+pub fn distance_to(
+    obstacle: &ElectrodeArrayObstacle,
+    centre: ElectrodeCell,
+    facts: &ElectrodeArrayFacts,
+) -> (u32, u32) {
     match obstacle.body {
-        Body::Electrodes { from, to } => {
-            let near = Cell::new(centre.column.clamp(from.column, to.column), centre.row.clamp(from.row, to.row));
+        ElectrodeArrayObstacleBody::Electrodes { from, to } => {
+            let near =
+                ElectrodeCell::new(centre.column.clamp(from.column, to.column), centre.row.clamp(from.row, to.row));
             (centre.apart(near), facts.clearance)
         }
-        Body::Fixed(cell) => (centre.apart(cell), facts.separation.apart()),
+        ElectrodeArrayObstacleBody::Fixed(cell) => (centre.apart(cell), facts.separation.apart()),
     }
 }

@@ -1,6 +1,6 @@
 //! Devices and wirings: E04xx.
 
-use crate::device::Field;
+use crate::device::VocabularyField;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::syntax::tree::Ident;
@@ -8,7 +8,12 @@ use crate::syntax::tree::Ident;
 use super::listed;
 
 /// `library` is a published device to start from: its file and its name.
-pub fn missing_fields(span: Span, owner: &str, missing: &[&Field], library: Option<(&str, &str)>) -> Diagnostic {
+pub fn missing_fields(
+    span: Span,
+    owner: &str,
+    missing: &[&VocabularyField],
+    library: Option<(&str, &str)>,
+) -> Diagnostic {
     let names: Vec<&str> = missing.iter().map(|field| field.name).collect();
     let list: Vec<String> = missing.iter().map(|field| format!("`{}` ({})", field.name, field.doc)).collect();
     let start =

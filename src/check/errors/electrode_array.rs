@@ -3,13 +3,13 @@
 //! What is wrong with a device comes without labels: the caller puts them on the fields, of whichever file they are.
 
 use crate::check::value::Value;
-use crate::device::electrode_array::{Cell, Facts};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, digits};
 use crate::source::Span;
 
 /// A part with a cell and where that stands in the source.
-type Place<'a> = (&'a str, Cell, Span);
+type PartPlace<'a> = (&'a str, ElectrodeCell, Span);
 
 pub fn radius_out_of_table(radius: String, [least, most]: [String; 2], nearest: String) -> Diagnostic {
     Diagnostic::new(
@@ -185,11 +185,18 @@ fn written(found: &Value) -> String {
     }
 }
 
-pub fn off_board(span: Span, noun: &str, name: &str, pair: [i64; 2], facts: &Facts, device: &str) -> Diagnostic {
-    let Facts { columns, rows, .. } = facts;
+pub fn off_board(
+    span: Span,
+    noun: &str,
+    name: &str,
+    pair: [i64; 2],
+    facts: &ElectrodeArrayFacts,
+    device: &str,
+) -> Diagnostic {
+    let ElectrodeArrayFacts { columns, rows, .. } = facts;
     let (what, [first, last]) = match (noun, facts.reach()) {
         ("part", Some(reach)) => ("cell that it can take", reach),
-        _ => ("electrode", [Cell::new(1, 1), Cell::new(*columns, *rows)]),
+        _ => ("electrode", [ElectrodeCell::new(1, 1), ElectrodeCell::new(*columns, *rows)]),
     };
     let near = |at: i64, first: u32, last: u32| at.clamp(first.into(), last.into());
     let [column, row] = pair;
@@ -205,20 +212,20 @@ pub fn off_board(span: Span, noun: &str, name: &str, pair: [i64; 2], facts: &Fac
 }
 
 /// The cells that a part can take, for a message.
-fn extent(reach: Option<[Cell; 2]>) -> String {
+fn extent(reach: Option<[ElectrodeCell; 2]>) -> String {
     reach.map_or("nothing".to_owned(), |[first, last]| format!("{first} to {last}"))
 }
 
-fn nearest(cell: Option<Cell>, what: &str) -> Option<String> {
+fn nearest(cell: Option<ElectrodeCell>, what: &str) -> Option<String> {
     cell.map(|cell| format!("the nearest cell {what} is {cell}"))
 }
 
 pub fn part_out_of_reach(
     span: Span,
     name: &str,
-    cell: Cell,
-    reach: Option<[Cell; 2]>,
-    near: Option<Cell>,
+    cell: ElectrodeCell,
+    reach: Option<[ElectrodeCell; 2]>,
+    near: Option<ElectrodeCell>,
 ) -> Diagnostic {
     Diagnostic::new(
         Code::E0515,
@@ -228,7 +235,12 @@ pub fn part_out_of_reach(
     .help_if(nearest(near, "that it can take"))
 }
 
-pub fn goal_out_of_reach(span: Span, [column, row]: [i64; 2], facts: &Facts, free: Option<Cell>) -> Diagnostic {
+pub fn goal_out_of_reach(
+    span: Span,
+    [column, row]: [i64; 2],
+    facts: &ElectrodeArrayFacts,
+    free: Option<ElectrodeCell>,
+) -> Diagnostic {
     let title =
         format!("cell ({column}, {row}) lies outside the cells that a part can take, {}", extent(facts.reach()));
     Diagnostic::new(Code::E0501, title).label(span, "cannot be reached").help_if(nearest(free, "that is free"))
@@ -237,10 +249,10 @@ pub fn goal_out_of_reach(span: Span, [column, row]: [i64; 2], facts: &Facts, fre
 /// A start or a goal, by its code, nearer to an obstacle than it may be.
 pub fn near_obstacle(
     (code, span): (Code, Span),
-    cell: Cell,
+    cell: ElectrodeCell,
     (name, obstacle): (&str, Span),
     (distance, apart): (u32, u32),
-    free: Option<Cell>,
+    free: Option<ElectrodeCell>,
 ) -> Diagnostic {
     let title = match distance {
         0 => format!("cell {cell} lies on obstacle `{name}`"),
@@ -268,9 +280,9 @@ pub fn part_of_other_layout(
 
 /// The part that stands too near, then the one that was there before.
 pub fn starts_too_near(
-    [(name, cell, span), (other, at, other_span)]: [Place; 2],
+    [(name, cell, span), (other, at, other_span)]: [PartPlace; 2],
     apart: u32,
-    free: Option<Cell>,
+    free: Option<ElectrodeCell>,
 ) -> Diagnostic {
     let title = match cell.apart(at) {
         0 => format!("parts `{other}` and `{name}` start on one cell"),
@@ -288,9 +300,9 @@ fn electrodes(distance: u32) -> String {
 
 /// The goal that is too near, then the one that was given before.
 pub fn goals_too_near(
-    [(name, cell, span), (other, at, other_span)]: [Place; 2],
+    [(name, cell, span), (other, at, other_span)]: [PartPlace; 2],
     apart: u32,
-    free: Option<Cell>,
+    free: Option<ElectrodeCell>,
 ) -> Diagnostic {
     let title = match cell.apart(at) {
         0 => format!("parts `{other}` and `{name}` have one goal"),
@@ -303,10 +315,10 @@ pub fn goals_too_near(
 }
 
 pub fn near_standing_part(
-    (name, cell, span): Place,
-    (other, at, since): Place,
+    (name, cell, span): PartPlace,
+    (other, at, since): PartPlace,
     apart: u32,
-    free: Option<Cell>,
+    free: Option<ElectrodeCell>,
 ) -> Diagnostic {
     let title = match cell.apart(at) {
         0 => format!("`{name}` is sent to {cell}, where `{other}` stands"),
@@ -363,7 +375,7 @@ pub fn merges_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
 /// A part that stands where the scene of a later run has an obstacle, since the goal that brought it there.
 pub fn obstacle_comes_near(
     run: Span,
-    (name, cell, since): Place,
+    (name, cell, since): PartPlace,
     (obstacle, at): (&str, Span),
     (distance, apart): (u32, u32),
 ) -> Diagnostic {

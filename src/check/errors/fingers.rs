@@ -301,7 +301,7 @@ pub fn turn_too_far(span: Span, asked_rad: f64) -> Diagnostic {
 
 /// What whole steps are to reach.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Asked {
+pub enum AskedTurn {
     Orientation,
     TurnAboutX,
 }
@@ -309,14 +309,14 @@ pub enum Asked {
 /// An orientation that whole steps miss; `step_deg` is a step of the device that would reach it, if one is known.
 pub fn orientation_missed(
     span: Span,
-    asked: Asked,
+    asked: AskedTurn,
     off_rad: f64,
     precision_rad: f64,
     step_deg: Option<f64>,
 ) -> Diagnostic {
     let (what, mend) = match asked {
-        Asked::Orientation => ("orientation", "angles that are whole steps"),
-        Asked::TurnAboutX => (
+        AskedTurn::Orientation => ("orientation", "angles that are whole steps"),
+        AskedTurn::TurnAboutX => (
             "turn about x",
             "a `step` that divides 90 deg and the angle: the part is turned by 90 deg about z, and back after the turn about y",
         ),

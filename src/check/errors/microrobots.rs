@@ -355,7 +355,7 @@ pub fn pose_too_far(span: Span, most_um: f64) -> Diagnostic {
 }
 
 /// A robot at a start or a goal, by its code, that something keeps it from.
-pub struct Blocked<'a> {
+pub struct BlockedRobot<'a> {
     pub code: Code,
     pub robot: &'a str,
     pub span: Span,
@@ -374,7 +374,7 @@ fn shortage([gap_um, kept_um]: [f64; 2], other: &str) -> String {
 
 /// `free` is the nearest pose that is clear.
 pub fn robot_near_obstacle(
-    what: &Blocked,
+    what: &BlockedRobot,
     (name, obstacle): (&str, Span),
     (gap_um, kept_um): (f64, f64),
     free: Option<Pose>,
@@ -450,7 +450,7 @@ pub fn assembled_twice(name: &str, span: Span, earlier: Span) -> Diagnostic {
 }
 
 /// A docked robot that lies on an obstacle of a later scene.
-pub fn obstacle_on_docked(run: Span, docked: &Goal, (obstacle, at): (&str, Span)) -> Diagnostic {
+pub fn obstacle_on_docked(run: Span, docked: &GoalPlace, (obstacle, at): (&str, Span)) -> Diagnostic {
     let name = &docked.robot;
     Diagnostic::new(Code::E0530, format!("`{name}` has docked by then, on obstacle `{obstacle}` of this run's scene"))
         .label(run, "begins with another scene than the run before")
@@ -469,12 +469,12 @@ pub fn unlike_robots(run: Span, device: &str, name: &str) -> Diagnostic {
 }
 
 /// A robot's goal, and where it stands in the source.
-pub struct Goal {
+pub struct GoalPlace {
     pub robot: String,
     pub span: Span,
 }
 
-impl Goal {
+impl GoalPlace {
     fn label(&self) -> String {
         format!("goal of `{}`", self.robot)
     }
@@ -484,7 +484,12 @@ fn mended_at(mended: Option<Pose>, does: &str) -> Option<String> {
     mended.map(|pose| format!("a pose at which it {does} is {}", pose_text(&pose)))
 }
 
-pub fn docked_overlap(goal: &Goal, other: &Goal, (depth_um, most_um): (f64, f64), mended: Option<Pose>) -> Diagnostic {
+pub fn docked_overlap(
+    goal: &GoalPlace,
+    other: &GoalPlace,
+    (depth_um, most_um): (f64, f64),
+    mended: Option<Pose>,
+) -> Diagnostic {
     let (depth, most) = (at_least(depth_um), length(most_um));
     let title =
         format!("`{}` at its goal overlaps `{}` by {depth}, at most {most} is allowed", goal.robot, other.robot);
@@ -495,7 +500,12 @@ pub fn docked_overlap(goal: &Goal, other: &Goal, (depth_um, most_um): (f64, f64)
         .help_if(mended_at(mended, "only touches"))
 }
 
-pub fn docked_apart(goal: &Goal, other: &Goal, (gap_um, most_um): (f64, f64), mended: Option<Pose>) -> Diagnostic {
+pub fn docked_apart(
+    goal: &GoalPlace,
+    other: &GoalPlace,
+    (gap_um, most_um): (f64, f64),
+    mended: Option<Pose>,
+) -> Diagnostic {
     let (gap, most) = (at_least(gap_um), length(most_um));
     let title =
         format!("`{}` at its goal touches nothing: it is {gap} from `{}`, {most} at most", goal.robot, other.robot);
@@ -508,8 +518,8 @@ pub fn docked_apart(goal: &Goal, other: &Goal, (gap_um, most_um): (f64, f64), me
 
 /// `found` is the angle between the axes and their distance, if the two face each other.
 pub fn not_head_on(
-    goal: &Goal,
-    other: &Goal,
+    goal: &GoalPlace,
+    other: &GoalPlace,
     found: Option<(f64, f64)>,
     (most_rad, most_um): (f64, f64),
     mended: Option<Pose>,
@@ -535,7 +545,7 @@ pub fn not_head_on(
         .help_if(mended.map(|pose| format!("straight head on, `{one}` is at {}", pose_text(&pose))))
 }
 
-pub fn docked_askew(goal: &Goal, met: &Goal, (angle_rad, most_rad): (f64, f64)) -> Diagnostic {
+pub fn docked_askew(goal: &GoalPlace, met: &GoalPlace, (angle_rad, most_rad): (f64, f64)) -> Diagnostic {
     let (found, most) = (angle(angle_rad), angle(most_rad));
     let title =
         format!("`{}` meets `{}` at {found} from its edge's normal, it sticks up to {most}", goal.robot, met.robot);
@@ -553,7 +563,7 @@ pub fn docked_before(name: &str, (span, asked): (Span, &str), since: Span) -> Di
         .help("drive it before it is assembled, or assemble it once")
 }
 
-pub fn goal_on_docked(goal: &Goal, docked: &Goal, (gap_um, kept_um): (f64, f64)) -> Diagnostic {
+pub fn goal_on_docked(goal: &GoalPlace, docked: &GoalPlace, (gap_um, kept_um): (f64, f64)) -> Diagnostic {
     let short = shortage([gap_um, kept_um], &format!("`{}`, which has docked by then", docked.robot));
     Diagnostic::new(Code::E0502, format!("the body of `{}` {short}", goal.robot))
         .label(goal.span, if gap_um > 0.0 { "too near" } else { "covered" })

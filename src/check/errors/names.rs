@@ -3,7 +3,7 @@
 use super::{listed, meant, with_article};
 use crate::check::scope::{Declaration, DeclarationSort, FUNCTIONS, path_text};
 use crate::device::Together;
-use crate::device::shape::Form;
+use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::stdlib;
@@ -24,7 +24,7 @@ pub fn unknown_function(span: Span, name: &str, near: Option<&str>) -> Diagnosti
 }
 
 pub fn unknown_shape(span: Span, name: &str, near: Option<&str>) -> Diagnostic {
-    let known = format!("the shapes are {}", listed(Form::ALL.iter().map(|form| form.name())));
+    let known = format!("the shapes are {}", listed(ShapeForm::ALL.iter().map(|form| form.name())));
     Diagnostic::new(Code::E0201, format!("no shape is named `{name}`"))
         .label(span, "neither a shape nor a value of this file")
         .help(meant(near).unwrap_or(known))
@@ -56,7 +56,7 @@ pub fn unknown_file(span: Span, alias: &str, near: Option<&str>) -> Diagnostic {
         .help(meant(near).unwrap_or(mend))
 }
 
-pub fn shape_without_fields(span: Span, form: Form) -> Diagnostic {
+pub fn shape_without_fields(span: Span, form: ShapeForm) -> Diagnostic {
     let fields: Vec<String> = form.fields().iter().map(|field| format!("{}: …", field.name)).collect();
     Diagnostic::new(Code::E0401, format!("a {} without its fields", form.name()))
         .label(span, "how large?")

@@ -1,9 +1,9 @@
 //! Scenes, tasks and programs: E05xx.
 
 use super::{listed, meant, with_article};
-use crate::check::lets::{Argument, Origin};
+use crate::check::lets::{Argument, ValueOrigin};
 use crate::check::value::Value;
-use crate::device::{Phrase, Verb, Vocabulary};
+use crate::device::{Verb, Vocabulary, VocabularyPhrase};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::syntax::tree::Ident;
@@ -34,7 +34,7 @@ pub fn given_at(diagnostic: Diagnostic, argument: &Argument) -> Diagnostic {
 }
 
 /// The same of a value that is labelled already, by its span.
-pub fn given_from(diagnostic: Diagnostic, labelled: Span, origin: Option<&Origin>) -> Diagnostic {
+pub fn given_from(diagnostic: Diagnostic, labelled: Span, origin: Option<&ValueOrigin>) -> Diagnostic {
     match origin {
         Some(origin) => diagnostic.label_elsewhere(origin.span, labelled, origin.text.clone()),
         None => diagnostic,
@@ -113,7 +113,7 @@ pub fn no_entry(span: Span, verb: &Verb) -> Diagnostic {
         .help(format!("write `{}`", verb.example))
 }
 
-pub fn unknown_preposition(preposition: &Ident, verb: &Verb, taken: &[Phrase]) -> Diagnostic {
+pub fn unknown_preposition(preposition: &Ident, verb: &Verb, taken: &[VocabularyPhrase]) -> Diagnostic {
     let known = listed(taken.iter().map(|phrase| phrase.preposition));
     Diagnostic::new(Code::E0509, format!("`{}` does not go with `{}`", verb.name, preposition.text))
         .label(preposition.span, "not understood here")

@@ -10,7 +10,7 @@ use crate::syntax::tree::Ident;
 
 /// What a field, an argument or a parameter is called in a message, and where it is declared.
 #[derive(Debug, Clone)]
-pub struct Wanted {
+pub struct WantedName {
     /// "`stroke` of device `bot`".
     pub name: String,
     /// What it stands for, from its table; empty where there is none.
@@ -19,7 +19,7 @@ pub struct Wanted {
     pub declared: Option<(Span, String)>,
 }
 
-impl Wanted {
+impl WantedName {
     fn declared_on(&self, diagnostic: Diagnostic) -> Diagnostic {
         match &self.declared {
             Some((span, text)) if diagnostic.span() != Some(*span) => diagnostic.label(*span, text.clone()),
@@ -28,13 +28,13 @@ impl Wanted {
     }
 }
 
-pub fn wrong_dimension(wanted: &Wanted, dimension: Dimension, span: Span, found: &Value) -> Diagnostic {
+pub fn wrong_dimension(wanted: &WantedName, dimension: Dimension, span: Span, found: &Value) -> Diagnostic {
     let title = format!("{} wants {}, this is {}", wanted.name, dimension.with_article(), found.describe_fully());
     let diagnostic = Diagnostic::new(Code::E0301, title).label(span, found.describe());
     wanted.declared_on(diagnostic).help(dimension_help(wanted, dimension, found))
 }
 
-fn dimension_help(wanted: &Wanted, dimension: Dimension, found: &Value) -> String {
+fn dimension_help(wanted: &WantedName, dimension: Dimension, found: &Value) -> String {
     let unit = dimension.example_unit();
     let about = if wanted.doc.is_empty() { String::new() } else { format!(" ({})", wanted.doc) };
     match found {
@@ -57,7 +57,7 @@ fn example(dimension: Dimension, found: &Value) -> String {
     format!("{} {}", if is_plain { digits.as_str() } else { "1" }, dimension.example_unit())
 }
 
-pub fn wrong_value(wanted: &Wanted, what: &str, example: &str, span: Span, found: &Value) -> Diagnostic {
+pub fn wrong_value(wanted: &WantedName, what: &str, example: &str, span: Span, found: &Value) -> Diagnostic {
     let title = format!("{} wants {what}, this is {}", wanted.name, found.describe_fully());
     let diagnostic = Diagnostic::new(Code::E0304, title).label(span, found.describe());
     wanted.declared_on(diagnostic).help(format!("write {what}, as `{example}`"))
@@ -65,8 +65,8 @@ pub fn wrong_value(wanted: &Wanted, what: &str, example: &str, span: Span, found
 
 /// `found` is the word as it was written, if it was one.
 pub fn wrong_word(
-    wanted: &Wanted,
-    choices: &[device::Choice],
+    wanted: &WantedName,
+    choices: &[device::WordChoice],
     (span, found): (Span, &str),
     near: Option<&str>,
 ) -> Diagnostic {
@@ -80,7 +80,7 @@ pub fn wrong_word(
 
 /// A bare name where a whole number or one of some words belongs.
 pub fn neither_count_nor_word(
-    wanted: &Wanted,
+    wanted: &WantedName,
     words: &[&str],
     (span, found): (Span, &str),
     near: Option<&str>,
@@ -92,14 +92,14 @@ pub fn neither_count_nor_word(
 }
 
 /// A bare name where true or false belongs.
-pub fn no_truth_value(wanted: &Wanted, span: Span, found: &str) -> Diagnostic {
+pub fn no_truth_value(wanted: &WantedName, span: Span, found: &str) -> Diagnostic {
     let title = format!("{} wants true or false, this is `{found}`", wanted.name);
     let likely = if matches!(found, "no" | "off" | "never" | "False" | "FALSE") { "false" } else { "true" };
     let diagnostic = Diagnostic::new(Code::E0311, title).label(span, "no value of this name");
     wanted.declared_on(diagnostic).help(format!("write `{likely}`"))
 }
 
-pub fn out_of_range(wanted: &Wanted, span: Span, found: &str, limit: &str) -> Diagnostic {
+pub fn out_of_range(wanted: &WantedName, span: Span, found: &str, limit: &str) -> Diagnostic {
     let diagnostic = Diagnostic::new(Code::E0403, format!("{} is {found}, it must be {limit}", wanted.name));
     let what = if limit.starts_with("a ") { limit.to_owned() } else { format!("a value {limit}") };
     let about = (!wanted.doc.is_empty()).then(|| format!("write {what} ({})", wanted.doc));
@@ -324,7 +324,7 @@ pub fn bad_setting(span: Option<Span>, name: &str, why: &str, help: &str) -> Dia
     diagnostic.help(help)
 }
 
-pub fn unknown_column(span: Span, name: &str, wanted: &Wanted, near: Option<&str>, known: &[&str]) -> Diagnostic {
+pub fn unknown_column(span: Span, name: &str, wanted: &WantedName, near: Option<&str>, known: &[&str]) -> Diagnostic {
     let columns = super::listed(known.iter().copied());
     let help = meant(near).unwrap_or_else(|| format!("its columns are {columns}"));
     Diagnostic::new(Code::E0312, format!("the table of {} has no column `{name}`", wanted.name))
@@ -332,7 +332,7 @@ pub fn unknown_column(span: Span, name: &str, wanted: &Wanted, near: Option<&str
         .help(help)
 }
 
-pub fn incomplete_table(span: Span, wanted: &Wanted, missing: &[&device::Field]) -> Diagnostic {
+pub fn incomplete_table(span: Span, wanted: &WantedName, missing: &[&device::VocabularyField]) -> Diagnostic {
     let (title, help) = if missing.is_empty() {
         ("has no rows".to_owned(), "write at least one row below the header".to_owned())
     } else {

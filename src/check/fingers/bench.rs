@@ -1,11 +1,11 @@
 //! A scene as one hand meets it: its parts.
 
-use super::part::{Judged, Reader};
-use crate::check::devices::Device;
-use crate::check::scenes::Scene;
-use crate::check::tasks::Site;
+use super::part::{JudgedPart, PartReader};
+use crate::check::devices::CheckedDevice;
+use crate::check::scenes::CheckedScene;
+use crate::check::tasks::TaskSite;
 use crate::check::{Checker, errors};
-use crate::device::fingers::{Facts, VOCABULARY};
+use crate::device::fingers::{FingersFacts, VOCABULARY};
 use crate::diagnostic::Sink;
 use crate::source::Span;
 use std::collections::BTreeMap;
@@ -22,20 +22,20 @@ const PART_TURNS: usize = 4_000;
 #[derive(Debug, Clone)]
 pub struct Lying {
     /// `None` if something is wrong with it, which was said.
-    pub judged: Option<(Arc<crate::claims::fingers::Part>, f64)>,
+    pub judged: Option<(Arc<crate::claims::fingers::HandPart>, f64)>,
     pub span: Span,
 }
 
 /// What a scene is to a hand.
 #[derive(Debug, Clone, Default)]
-pub struct Bench {
+pub struct HandScene {
     pub parts: Rc<BTreeMap<String, Lying>>,
 }
 
 impl Checker<'_> {
     /// The scene of a task for its device, judged once.
-    pub fn bench(&mut self, site: &Site, facts: &Facts) -> Bench {
-        let Some((place, scene)) = &site.scene else { return Bench::default() };
+    pub fn bench(&mut self, site: &TaskSite, facts: &FingersFacts) -> HandScene {
+        let Some((place, scene)) = &site.scene else { return HandScene::default() };
         let key = (*place, site.place);
         if let Some(known) = self.benches.get(&key) {
             return known.clone();
@@ -54,12 +54,12 @@ impl Checker<'_> {
 }
 
 /// A scene of which nothing more is said.
-fn broken(scene: &Scene) -> Bench {
+fn broken(scene: &CheckedScene) -> HandScene {
     let broken = scene.objects.iter().map(|object| (object.name.clone(), Lying { judged: None, span: object.span }));
-    Bench { parts: Rc::new(broken.collect()) }
+    HandScene { parts: Rc::new(broken.collect()) }
 }
 
-fn judged(scene: &Scene, device: &Device, facts: &Facts, sink: &mut Sink) -> Bench {
+fn judged(scene: &CheckedScene, device: &CheckedDevice, facts: &FingersFacts, sink: &mut Sink) -> HandScene {
     if let Some(crowd) = scene.crowd(&[("part", MAX_PARTS)]) {
         sink.push(crowd);
         return broken(scene);
@@ -71,9 +71,9 @@ fn judged(scene: &Scene, device: &Device, facts: &Facts, sink: &mut Sink) -> Ben
             sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, VOCABULARY.name, &known));
             continue;
         }
-        let judged = Reader { object, device, facts, sink }.part();
-        let judged = judged.map(|Judged { part, weight_un }| (Arc::new(part), weight_un));
+        let judged = PartReader { object, device, facts, sink }.part();
+        let judged = judged.map(|JudgedPart { part, weight_un }| (Arc::new(part), weight_un));
         parts.insert(object.name.clone(), Lying { judged, span: object.span });
     }
-    Bench { parts: Rc::new(parts) }
+    HandScene { parts: Rc::new(parts) }
 }

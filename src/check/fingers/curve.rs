@@ -1,6 +1,6 @@
 //! Curves: an expression of the angle `t`, worked out all the way round.
 
-use crate::check::errors::{self, Wanted};
+use crate::check::errors::{self, WantedName};
 use crate::check::scope::{DeclarationSort, Scope};
 use crate::check::value::Value;
 use crate::check::{Checker, fields};
@@ -19,7 +19,7 @@ pub const ANGLE_NAME: &str = "t";
 
 impl Checker<'_> {
     /// The lengths of a curve; `None` after an error.
-    pub fn accept_curve(&mut self, expr: &Expr, scope: &Scope, wanted: &Wanted) -> Option<Value> {
+    pub fn accept_curve(&mut self, expr: &Expr, scope: &Scope, wanted: &WantedName) -> Option<Value> {
         // Names of other sorts stand in no expression.
         let own = self.modules[scope.module].names.get(ANGLE_NAME);
         let value =

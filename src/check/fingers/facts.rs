@@ -1,9 +1,9 @@
 //! The facts of a hand.
 
-use crate::check::devices::Device;
+use crate::check::devices::CheckedDevice;
 use crate::check::errors;
 use crate::check::value::Value;
-use crate::device::fingers::{Adhesion, Facts, MAX_RESERVE, MAX_STEPS_PER_TURN};
+use crate::device::fingers::{Adhesion, FingersFacts, MAX_RESERVE, MAX_STEPS_PER_TURN};
 use crate::diagnostic::Sink;
 use crate::quantity::Quantity;
 use std::f64::consts::TAU;
@@ -33,15 +33,15 @@ const RATIOS: [f64; 2] = [1e-6, 100.0];
 const DEFAULT_RESERVE: f64 = 0.02;
 
 /// The facts of a hand; `None` after an error.
-pub fn facts(device: &Device, sink: &mut Sink) -> Option<Facts> {
+pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<FingersFacts> {
     if device.fields.values().any(|field| field.value.is_unknown()) {
         return None;
     }
     let errors = sink.errors();
     let steps_per_turn = steps_per_turn(device, sink);
     let gaiting_cost_deg = gaiting_cost_deg(device, sink);
-    let mut figures = Figures { device, sink };
-    let facts = Facts {
+    let mut figures = HandFigures { device, sink };
+    let facts = FingersFacts {
         fingers: figures.quantity("fingers")?.si as u32,
         tip_radius_um: figures.length_um("tip_radius")?,
         adhesion: adhesion(device),
@@ -65,14 +65,14 @@ pub fn facts(device: &Device, sink: &mut Sink) -> Option<Facts> {
     (sink.errors() == errors).then_some(facts)
 }
 
-fn quantity(device: &Device, name: &str) -> Option<Quantity> {
+fn quantity(device: &CheckedDevice, name: &str) -> Option<Quantity> {
     match device.fields.get(name).map(|field| &field.value) {
         Some(Value::Quantity(quantity)) => Some(*quantity),
         _ => None,
     }
 }
 
-fn adhesion(device: &Device) -> Adhesion {
+fn adhesion(device: &CheckedDevice) -> Adhesion {
     match device.fields.get("adhesion").map(|field| &field.value) {
         Some(Value::Bool(true)) => Adhesion::Sticking,
         _ => Adhesion::Absent,
@@ -80,7 +80,7 @@ fn adhesion(device: &Device) -> Adhesion {
 }
 
 /// How many steps make a full turn; `None` after an error.
-fn steps_per_turn(device: &Device, sink: &mut Sink) -> Option<u32> {
+fn steps_per_turn(device: &CheckedDevice, sink: &mut Sink) -> Option<u32> {
     let step = quantity(device, "step")?;
     let steps = TAU / step.si;
     let whole = steps.round();
@@ -96,7 +96,7 @@ fn steps_per_turn(device: &Device, sink: &mut Sink) -> Option<u32> {
     Some(whole as u32)
 }
 
-fn gaiting_cost_deg(device: &Device, sink: &mut Sink) -> Option<f64> {
+fn gaiting_cost_deg(device: &CheckedDevice, sink: &mut Sink) -> Option<f64> {
     const MOST_DEG: f64 = 36_000.0;
     let cost = quantity(device, "gaiting_cost")?;
     let deg = cost.si.to_degrees();
@@ -109,7 +109,7 @@ fn gaiting_cost_deg(device: &Device, sink: &mut Sink) -> Option<f64> {
 }
 
 /// Tells what is wrong with a field, at its value; at the device where that value comes from elsewhere.
-fn tell(device: &Device, field: &str, wrong: crate::diagnostic::Diagnostic, label: &str, sink: &mut Sink) {
+fn tell(device: &CheckedDevice, field: &str, wrong: crate::diagnostic::Diagnostic, label: &str, sink: &mut Sink) {
     let told = match device.fields.get(field) {
         Some(value) => wrong.label(value.span, label),
         None => wrong,
@@ -123,12 +123,12 @@ fn tell(device: &Device, field: &str, wrong: crate::diagnostic::Diagnostic, labe
 }
 
 /// Reads figures and holds them against their limits.
-struct Figures<'a> {
-    device: &'a Device,
+struct HandFigures<'a> {
+    device: &'a CheckedDevice,
     sink: &'a mut Sink,
 }
 
-impl Figures<'_> {
+impl HandFigures<'_> {
     fn quantity(&self, name: &str) -> Option<Quantity> {
         quantity(self.device, name)
     }

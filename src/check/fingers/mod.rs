@@ -10,7 +10,7 @@ mod step;
 mod steps;
 mod walk;
 
-pub use bench::Bench;
+pub use bench::HandScene;
 pub use curve::ANGLE_NAME;
 pub use facts::facts;
 pub use part::contacts;

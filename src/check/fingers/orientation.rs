@@ -2,7 +2,7 @@
 //!
 //! A turn of a part is about its own axis, so that turns in their order multiply from the left to the right.
 
-use crate::claims::fingers::{Part, Turn};
+use crate::claims::fingers::{FingersTurn, HandPart};
 use crate::device::fingers::Plane;
 use crate::real::Real;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
@@ -54,7 +54,7 @@ pub fn about_x(angle_rad: f64) -> Orientation {
 }
 
 /// What some turns of whole steps do to a part.
-pub fn after(turns: &[Turn], part: &Part) -> Orientation {
+pub fn after(turns: &[FingersTurn], part: &HandPart) -> Orientation {
     turns.iter().fold(UnitQuaternion::identity(), |reached, turn| {
         let step_rad = part.section(turn.plane).map_or(0.0, |section| section.step_rad);
         reached * about(turn.plane, f64::from(turn.steps) * step_rad)
@@ -63,8 +63,8 @@ pub fn after(turns: &[Turn], part: &Part) -> Orientation {
 
 /// A way to an orientation, and by how much it misses.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Way {
-    pub turns: Vec<Turn>,
+pub struct TurnsToOrientation {
+    pub turns: Vec<FingersTurn>,
     pub off_rad: f64,
 }
 
@@ -76,15 +76,15 @@ const FULL_SLACK: f64 = 1e-2;
 
 /// The ways of up to three turns of whole steps in alternating planes that come near a relative orientation: both solutions of its
 /// angles, with either plane first, each angle either way round, and by the nearest number of steps or the next one. None twice, those of less turning first, at most [`MAX_WAYS`].
-pub fn ways(goal: &Orientation, part: &Part) -> Vec<Way> {
-    let mut found: Vec<Way> = Vec::new();
+pub fn ways(goal: &Orientation, part: &HandPart) -> Vec<TurnsToOrientation> {
+    let mut found: Vec<TurnsToOrientation> = Vec::new();
     for first in Plane::ALL {
         for angles in decompositions(goal, first) {
             for choice in 0..CHOICES {
                 let Some(turns) = whole_turns(angles, choice, first, part) else { continue };
                 if found.iter().all(|way| way.turns != turns) {
                     let off_rad = after(&turns, part).angle_to(goal);
-                    found.push(Way { turns, off_rad });
+                    found.push(TurnsToOrientation { turns, off_rad });
                 }
             }
         }
@@ -93,7 +93,7 @@ pub fn ways(goal: &Orientation, part: &Part) -> Vec<Way> {
     found
 }
 
-fn effort(way: &Way, part: &Part) -> f64 {
+fn effort(way: &TurnsToOrientation, part: &HandPart) -> f64 {
     let step = |plane| part.section(plane).map_or(0.0, |section| section.step_rad);
     way.turns.iter().map(|turn| f64::from(turn.steps.abs()) * step(turn.plane)).sum()
 }
@@ -125,12 +125,12 @@ fn decompositions(goal: &Orientation, first: Plane) -> Vec<[f64; 3]> {
 
 /// Each angle as the nearest whole number of steps or the next one, the short way or the long one, by the bits of `choice`; `None` where that is no
 /// turn.
-fn whole_turns(angles: [f64; 3], choice: u32, first: Plane, part: &Part) -> Option<Vec<Turn>> {
+fn whole_turns(angles: [f64; 3], choice: u32, first: Plane, part: &HandPart) -> Option<Vec<FingersTurn>> {
     let other = match first {
         Plane::Xy => Plane::Xz,
         Plane::Xz => Plane::Xy,
     };
-    let mut turns: Vec<Turn> = Vec::new();
+    let mut turns: Vec<FingersTurn> = Vec::new();
     for (index, (angle, plane)) in angles.into_iter().zip([first, other, first]).enumerate() {
         let short = (angle + PI).rem_euclid(TAU) - PI;
         let is_bit = |bit: usize| choice >> bit & 1 == 1;
@@ -152,8 +152,8 @@ fn whole_turns(angles: [f64; 3], choice: u32, first: Plane, part: &Part) -> Opti
         let steps = steps as i32;
         match turns.last_mut() {
             // No turn was left between them.
-            Some(Turn { plane: last, steps: sum }) if *last == plane => *sum += steps,
-            Some(_) | None => turns.push(Turn { plane, steps }),
+            Some(FingersTurn { plane: last, steps: sum }) if *last == plane => *sum += steps,
+            Some(_) | None => turns.push(FingersTurn { plane, steps }),
         }
         turns.retain(|turn| turn.steps != 0);
     }

@@ -1,12 +1,12 @@
 //! A part as one hand meets it: its contacts in both planes, and whether tips reach them.
 
-use super::solid::{self, Solid};
-use crate::check::devices::Device;
+use super::solid::{self, HandSolid};
+use crate::check::devices::CheckedDevice;
 use crate::check::errors;
-use crate::check::scenes::Object;
+use crate::check::scenes::SceneObject;
 use crate::check::value::Value;
-use crate::claims::fingers::{Part, Section};
-use crate::device::fingers::{Facts, MAX_CONTACTS, Plane, VOCABULARY};
+use crate::claims::fingers::{HandPart, Section};
+use crate::device::fingers::{FingersFacts, MAX_CONTACTS, Plane, VOCABULARY};
 use crate::diagnostic::Sink;
 use crate::geometry::outline::{Curve, Outline};
 use crate::quantity::{Dimension, Quantity};
@@ -31,23 +31,23 @@ const STANDARD_GRAVITY_M_PER_S2: f64 = 9.806_65;
 
 /// A part with what a task needs besides.
 #[derive(Debug, Clone)]
-pub struct Judged {
-    pub part: Part,
+pub struct JudgedPart {
+    pub part: HandPart,
     /// Its weight, in micronewtons; 0 without a material.
     pub weight_un: f64,
 }
 
 /// Reads a part of a scene for a device.
-pub struct Reader<'a> {
-    pub object: &'a Object,
-    pub device: &'a Device,
-    pub facts: &'a Facts,
+pub struct PartReader<'a> {
+    pub object: &'a SceneObject,
+    pub device: &'a CheckedDevice,
+    pub facts: &'a FingersFacts,
     pub sink: &'a mut Sink,
 }
 
-impl Reader<'_> {
+impl PartReader<'_> {
     /// The part; `None` after an error.
-    pub fn part(&mut self) -> Option<Judged> {
+    pub fn part(&mut self) -> Option<JudgedPart> {
         let object = self.object;
         let Some(shape) = &object.shape else {
             self.sink.push(errors::part_without_shape(object.span, &object.name));
@@ -72,14 +72,14 @@ impl Reader<'_> {
         self.clear_of_surface(&solid, &xy, Plane::Xy, shape.span)?;
         xz.as_ref().map_or(Some(()), |xz| self.clear_of_surface(&solid, xz, Plane::Xz, shape.span))?;
         let part =
-            Part { name: object.name.clone(), xy, xz, centre_um: solid.centre_um, position_um, span: object.span };
+            HandPart { name: object.name.clone(), xy, xz, centre_um: solid.centre_um, position_um, span: object.span };
         if let Some(wrong) = out_of_range(&part, position_um, self.facts) {
             let at = object.at.as_ref().map_or(object.span, |at| at.span);
             let told = errors::part_out_of_range(at, &part.name, wrong);
             self.sink.push(told.label(self.device.span, "of this device"));
             return None;
         }
-        Some(Judged { part, weight_un: weight_un(&solid) })
+        Some(JudgedPart { part, weight_un: weight_un(&solid) })
     }
 
     fn position_um(&mut self) -> Option<[f64; 3]> {
@@ -117,7 +117,7 @@ impl Reader<'_> {
     }
 
     /// Whether tips that touch a section stand clear of the rest of the surface.
-    fn clear_of_surface(&mut self, solid: &Solid, section: &Section, plane: Plane, span: Span) -> Option<()> {
+    fn clear_of_surface(&mut self, solid: &HandSolid, section: &Section, plane: Plane, span: Span) -> Option<()> {
         let Some(surface) = &solid.surface else { return Some(()) };
         let curve = Curve::of(&section.outline).ok()?;
         let (tip_um, tolerance_um) = (self.facts.tip_radius_um, self.facts.tolerance_um);
@@ -135,7 +135,7 @@ impl Reader<'_> {
     }
 
     /// Whether nothing of the part is in the way of tips that travel round its sections.
-    fn within_its_sections(&mut self, solid: &Solid, xy: &Section, xz: Option<&Section>, span: Span) -> Option<()> {
+    fn within_its_sections(&mut self, solid: &HandSolid, xy: &Section, xz: Option<&Section>, span: Span) -> Option<()> {
         let sections = std::iter::once(xy).chain(xz);
         let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
         let facts = self.facts;
@@ -156,7 +156,7 @@ pub fn once_round_rad(curve: &Curve, tip_radius_um: f64) -> f64 {
 
 /// c, and the number of the contact at J if one lies there: as many contacts as come nearest to the nominal step, if possible with one
 /// at J.
-pub fn contacts(curve: &Curve, facts: &Facts) -> (f64, Option<u32>) {
+pub fn contacts(curve: &Curve, facts: &FingersFacts) -> (f64, Option<u32>) {
     let once = once_round_rad(curve, facts.tip_radius_um);
     let exact = once / facts.step_rad();
     let share = curve.rolled_rad(curve.opposite_um(), facts.tip_radius_um) / once;
@@ -198,7 +198,7 @@ fn in_space(plane: Plane, [a, b]: [f64; 2]) -> [f64; 3] {
 }
 
 /// Why two fingers that hold I and J in one plane do not hold them in the other, if that is so.
-pub fn junction_fault(part: &Part, facts: &Facts) -> Option<String> {
+pub fn junction_fault(part: &HandPart, facts: &FingersFacts) -> Option<String> {
     let xz = part.xz.as_ref()?;
     let mut tips = Vec::new();
     for (section, plane) in [(&part.xy, Plane::Xy), (xz, Plane::Xz)] {
@@ -235,7 +235,7 @@ pub fn junction_fault(part: &Part, facts: &Facts) -> Option<String> {
 }
 
 /// The stage axis that does not reach round a part, how far it would have to reach, and how far it does.
-pub fn out_of_range(part: &Part, position_um: [f64; 3], facts: &Facts) -> Option<(usize, f64, f64)> {
+pub fn out_of_range(part: &HandPart, position_um: [f64; 3], facts: &FingersFacts) -> Option<(usize, f64, f64)> {
     let sections = std::iter::once(&part.xy).chain(&part.xz);
     let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
     // The tip that is free farthest out, on its whole sphere.
@@ -248,7 +248,7 @@ pub fn out_of_range(part: &Part, position_um: [f64; 3], facts: &Facts) -> Option
 }
 
 /// The weight of a solid of known volume and density, in micronewtons.
-fn weight_un(solid: &Solid) -> f64 {
+fn weight_un(solid: &HandSolid) -> f64 {
     match (solid.volume_um3, solid.density_kg_per_m3) {
         (Some(volume_um3), Some(density)) => density * volume_um3 * 1e-18 * STANDARD_GRAVITY_M_PER_S2 * 1e6,
         _ => 0.0,

@@ -3,7 +3,7 @@
 use crate::check::errors;
 use crate::check::value::{ShapeValue, Value};
 use crate::device::fingers::Plane;
-use crate::device::shape::Form;
+use crate::device::shape::ShapeForm;
 use crate::diagnostic::Diagnostic;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::outline::{Curve, EXPONENTS, MAX_POINTS, MIN_POINTS, MIN_UM, Outline, OutlineError};
@@ -15,7 +15,7 @@ use std::rc::Rc;
 
 /// What a shape is to a hand.
 #[derive(Debug, Clone)]
-pub struct Solid {
+pub struct HandSolid {
     pub xy: Outline,
     /// `None` for a flat part.
     pub xz: Option<Outline>,
@@ -41,48 +41,62 @@ type Told<T> = Result<T, Box<Diagnostic>>;
 ///
 /// # Errors
 /// What makes it impossible.
-pub fn of(shape: &ShapeValue, span: Span) -> Told<Solid> {
+pub fn of(shape: &ShapeValue, span: Span) -> Told<HandSolid> {
     let density = shape.fields.get("material").and_then(|field| match &field.value {
         Value::Quantity(density) => Some(density.si),
         _ => None,
     });
     let solid = match shape.form {
-        Form::Ellipsoid => ellipsoid(shape),
-        Form::Superellipsoid => superellipsoid(shape)?,
-        Form::RoundedBox => rounded_box(shape)?,
-        Form::Profile => flat(profile(shape, Plane::Xy, span)?),
-        Form::Sections => sections(shape, span)?,
-        Form::Mesh => mesh(shape, span)?,
-        Form::Disc | Form::Box | Form::Polygon | Form::Capsule | Form::Cells | Form::Layout | Form::Image => {
-            let known = [Form::Ellipsoid, Form::Profile].map(Form::name);
+        ShapeForm::Ellipsoid => ellipsoid(shape),
+        ShapeForm::Superellipsoid => superellipsoid(shape)?,
+        ShapeForm::RoundedBox => rounded_box(shape)?,
+        ShapeForm::Profile => flat(profile(shape, Plane::Xy, span)?),
+        ShapeForm::Sections => sections(shape, span)?,
+        ShapeForm::Mesh => mesh(shape, span)?,
+        ShapeForm::Disc
+        | ShapeForm::Box
+        | ShapeForm::Polygon
+        | ShapeForm::Capsule
+        | ShapeForm::Cells
+        | ShapeForm::Layout
+        | ShapeForm::Image => {
+            let known = [ShapeForm::Ellipsoid, ShapeForm::Profile].map(ShapeForm::name);
             return Err(Box::new(errors::shape_of_other_kind(span, shape.form.name(), "part", "fingers", &known)));
         }
     };
     let field = |name: &str| shape.fields.get(name).map_or(span, |field| field.span);
     let size = match shape.form {
-        Form::RoundedBox => field("size"),
-        Form::Profile if shape.fields.contains_key("points") => field("points"),
-        Form::Profile => field("x"),
-        Form::Mesh => field("file"),
-        Form::Ellipsoid
-        | Form::Superellipsoid
-        | Form::Sections
-        | Form::Disc
-        | Form::Box
-        | Form::Polygon
-        | Form::Capsule
-        | Form::Cells
-        | Form::Layout
-        | Form::Image => field("axes"),
+        ShapeForm::RoundedBox => field("size"),
+        ShapeForm::Profile if shape.fields.contains_key("points") => field("points"),
+        ShapeForm::Profile => field("x"),
+        ShapeForm::Mesh => field("file"),
+        ShapeForm::Ellipsoid
+        | ShapeForm::Superellipsoid
+        | ShapeForm::Sections
+        | ShapeForm::Disc
+        | ShapeForm::Box
+        | ShapeForm::Polygon
+        | ShapeForm::Capsule
+        | ShapeForm::Cells
+        | ShapeForm::Layout
+        | ShapeForm::Image => field("axes"),
     };
     for outline in std::iter::once(&solid.xy).chain(&solid.xz) {
         Curve::of(outline).map_err(|fault| Box::new(told(&fault, outline, size)))?;
     }
-    Ok(Solid { density_kg_per_m3: density, ..solid })
+    Ok(HandSolid { density_kg_per_m3: density, ..solid })
 }
 
-fn flat(xy: Outline) -> Solid {
-    Solid { xy, xz: None, volume_um3: None, centre_um: [0.0; 3], reach_um: 0.0, density_kg_per_m3: None, surface: None }
+fn flat(xy: Outline) -> HandSolid {
+    HandSolid {
+        xy,
+        xz: None,
+        volume_um3: None,
+        centre_um: [0.0; 3],
+        reach_um: 0.0,
+        density_kg_per_m3: None,
+        surface: None,
+    }
 }
 
 fn vector_um(shape: &ShapeValue, field: &str) -> [f64; 3] {
@@ -92,9 +106,9 @@ fn vector_um(shape: &ShapeValue, field: &str) -> [f64; 3] {
     }
 }
 
-fn ellipsoid(shape: &ShapeValue) -> Solid {
+fn ellipsoid(shape: &ShapeValue) -> HandSolid {
     let [a, b, c] = vector_um(shape, "axes");
-    Solid {
+    HandSolid {
         xy: Outline::Ellipse { semi_um: [a, b] },
         xz: Some(Outline::Ellipse { semi_um: [a, c] }),
         volume_um3: Some(4.0 / 3.0 * PI * a * b * c),
@@ -105,7 +119,7 @@ fn ellipsoid(shape: &ShapeValue) -> Solid {
     }
 }
 
-fn superellipsoid(shape: &ShapeValue) -> Told<Solid> {
+fn superellipsoid(shape: &ShapeValue) -> Told<HandSolid> {
     let [a, b, c] = vector_um(shape, "axes");
     let given = shape.fields.get("exponent");
     let exponent = match given.map(|field| &field.value) {
@@ -124,7 +138,7 @@ fn superellipsoid(shape: &ShapeValue) -> Told<Solid> {
         let help = "2 makes an ellipsoid; for flatter flanks take a `rounded_box`";
         return Err(Box::new(errors::bad_shape(field.span, &what, "out of its range", help)));
     }
-    Ok(Solid {
+    Ok(HandSolid {
         xy: Outline::Superellipse { semi_um: [a, b], exponent },
         xz: Some(Outline::Superellipse { semi_um: [a, c], exponent }),
         volume_um3: Some(8.0 * a * b * c * super_share(exponent)),
@@ -162,7 +176,7 @@ pub(super) fn super_reach(axes: [f64; 3], n: f64) -> f64 {
     greatest * axes.iter().map(|axis| (axis / greatest).power(power)).sum::<f64>().power(1.0 / power)
 }
 
-fn rounded_box(shape: &ShapeValue) -> Told<Solid> {
+fn rounded_box(shape: &ShapeValue) -> Told<HandSolid> {
     let half = vector_um(shape, "size").map(|side| side / 2.0);
     let least = half.into_iter().fold(f64::INFINITY, f64::min);
     let given = shape.fields.get("radius");
@@ -182,7 +196,7 @@ fn rounded_box(shape: &ShapeValue) -> Told<Solid> {
     let inner = half.map(|half| half - radius);
     let [a, b, c] = inner.map(|inner| 2.0 * inner);
     let outline = |other: usize| Outline::RoundedRectangle { half_um: [half[0], half[other]], radius_um: radius };
-    Ok(Solid {
+    Ok(HandSolid {
         xy: outline(1),
         xz: Some(outline(2)),
         // Steiner's formula for a box and a ball.
@@ -200,7 +214,7 @@ fn rounded_box(shape: &ShapeValue) -> Told<Solid> {
 }
 
 /// A mesh with its two sections, smoothed.
-fn mesh(shape: &ShapeValue, span: Span) -> Told<Solid> {
+fn mesh(shape: &ShapeValue, span: Span) -> Told<HandSolid> {
     let field = |name: &str| shape.fields.get(name).map_or(span, |field| field.span);
     let unit_um = match shape.fields.get("unit").map(|field| &field.value) {
         Some(Value::Quantity(length)) => length.in_unit("um"),
@@ -222,7 +236,7 @@ fn mesh(shape: &ShapeValue, span: Span) -> Told<Solid> {
         Ok::<Outline, Box<Diagnostic>>(outline)
     };
     let reach_um = surface.corners().flatten().map(|[x, y, z]| x.hypotenuse(y).hypotenuse(z)).fold(0.0, f64::max);
-    Ok(Solid {
+    Ok(HandSolid {
         xy: outline(Plane::Xy)?,
         xz: Some(outline(Plane::Xz)?),
         volume_um3: Some(surface.volume_um3()),
@@ -271,7 +285,7 @@ fn told_of_polygon(fault: &OutlineError, at: &dyn Fn(String) -> Box<Diagnostic>)
 }
 
 /// Two profiles, that of the plane xz written by x and z.
-fn sections(shape: &ShapeValue, span: Span) -> Told<Solid> {
+fn sections(shape: &ShapeValue, span: Span) -> Told<HandSolid> {
     let plane = |name: &str, plane: Plane| match shape.fields.get(name) {
         Some(field) => match &field.value {
             Value::Shape(shape) => {
@@ -284,7 +298,7 @@ fn sections(shape: &ShapeValue, span: Span) -> Told<Solid> {
         None => Err(Box::new(errors::mesh_file_not_plain(span))),
     };
     let (xy, xz) = (plane("xy", Plane::Xy)?, plane("xz", Plane::Xz)?);
-    Ok(Solid { xz: Some(xz), ..flat(xy) })
+    Ok(HandSolid { xz: Some(xz), ..flat(xy) })
 }
 
 /// The outline of a profile, counter-clockwise in the coordinates of a plane.

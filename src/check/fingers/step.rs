@@ -2,8 +2,8 @@
 
 use super::orientation::{self, Orientation};
 use super::part::{contacts, junction_fault, once_round_rad};
-use crate::claims::fingers::{Part, Section};
-use crate::device::fingers::{Facts, MAX_CONTACTS, MAX_STEPS_PER_TURN, Plane};
+use crate::claims::fingers::{HandPart, Section};
+use crate::device::fingers::{FingersFacts, MAX_CONTACTS, MAX_STEPS_PER_TURN, Plane};
 use crate::geometry::outline::Curve;
 use std::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ const FEWEST: u32 = 4;
 const MAX_TRIED: usize = 64;
 
 /// What whole steps are to reach.
-pub enum Wanted<'a> {
+pub enum WantedTurn<'a> {
     /// These angles in these planes, in radians.
     Turns(&'a [(Plane, f64)]),
     /// An orientation, from where the part is, and these turns besides.
@@ -23,7 +23,7 @@ pub enum Wanted<'a> {
 
 /// The `step` nearest to a hand's own, in degrees, with which a part is turned as wanted to within a precision; those of whole degrees
 /// come first. `None` where there is none, or none of those that were tried.
-pub fn mending(part: &Part, facts: &Facts, wanted: &Wanted, precision_rad: f64) -> Option<f64> {
+pub fn mending(part: &HandPart, facts: &FingersFacts, wanted: &WantedTurn, precision_rad: f64) -> Option<f64> {
     let curves = [Some(&part.xy), part.xz.as_ref()].map(|section| Curve::of(&section?.outline).ok());
     let now = f64::from(facts.steps_per_turn);
     let mut tried: Vec<u32> = (FEWEST..=MAX_STEPS_PER_TURN).filter(|steps| *steps != facts.steps_per_turn).collect();
@@ -34,8 +34,8 @@ pub fn mending(part: &Part, facts: &Facts, wanted: &Wanted, precision_rad: f64) 
     });
     let had_junction = part.xz.is_some() && junction_fault(part, facts).is_none();
     let candidates = tried.into_iter().filter_map(|steps_per_turn| {
-        let facts = Facts { steps_per_turn, ..facts.clone() };
-        let part = Part {
+        let facts = FingersFacts { steps_per_turn, ..facts.clone() };
+        let part = HandPart {
             xy: sampled(&part.xy, curves[0].as_ref()?, &facts)?,
             xz: match (&part.xz, &curves[1]) {
                 (Some(section), Some(curve)) => Some(sampled(section, curve, &facts)?),
@@ -46,12 +46,13 @@ pub fn mending(part: &Part, facts: &Facts, wanted: &Wanted, precision_rad: f64) 
         };
         Some((part, facts))
     });
-    let keeps_junction = |(part, facts): &(Part, Facts)| !had_junction || junction_fault(part, facts).is_none();
+    let keeps_junction =
+        |(part, facts): &(HandPart, FingersFacts)| !had_junction || junction_fault(part, facts).is_none();
     let found = match wanted {
-        Wanted::Turns(turns) => candidates
+        WantedTurn::Turns(turns) => candidates
             .filter(|(part, _)| turns.iter().all(|turn| is_whole(part, *turn, precision_rad)))
             .find(keeps_junction),
-        Wanted::Orientation(goal, turns) => candidates
+        WantedTurn::Orientation(goal, turns) => candidates
             .filter(|(part, _)| turns.iter().all(|turn| is_whole(part, *turn, precision_rad)))
             .take(MAX_TRIED)
             .filter(|(part, _)| orientation::ways(goal, part).iter().any(|way| way.off_rad <= precision_rad))
@@ -61,7 +62,7 @@ pub fn mending(part: &Part, facts: &Facts, wanted: &Wanted, precision_rad: f64) 
 }
 
 /// A section with the contacts that another device would give it.
-fn sampled(section: &Section, curve: &Curve, facts: &Facts) -> Option<Section> {
+fn sampled(section: &Section, curve: &Curve, facts: &FingersFacts) -> Option<Section> {
     let (contacts, opposite) = contacts(curve, facts);
     let step_rad = once_round_rad(curve, facts.tip_radius_um) / contacts;
     (contacts <= f64::from(MAX_CONTACTS)).then(|| Section {
@@ -73,7 +74,7 @@ fn sampled(section: &Section, curve: &Curve, facts: &Facts) -> Option<Section> {
 }
 
 /// Whether a turn comes to a whole number of steps; none may be more than one turn.
-fn is_whole(part: &Part, (plane, angle_rad): (Plane, f64), precision_rad: f64) -> bool {
+fn is_whole(part: &HandPart, (plane, angle_rad): (Plane, f64), precision_rad: f64) -> bool {
     part.section(plane).is_some_and(|section| {
         let steps = (angle_rad / section.step_rad).round();
         let most = (TAU / section.step_rad).round();

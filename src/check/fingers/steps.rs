@@ -1,16 +1,16 @@
 //! The steps of a task: what can be judged of them without knowing how the part is turned by then.
 
-use super::bench::Bench;
+use super::bench::HandScene;
 use super::orientation;
 use super::part;
 use super::step;
 use crate::check::lets::Argument;
 use crate::check::scope::nearest;
-use crate::check::tasks::{self, Call, Parts, Site};
+use crate::check::tasks::{self, Call, Parts, TaskSite};
 use crate::check::value::{Value, whole};
 use crate::check::{Checker, errors};
-use crate::claims::fingers::{Action, FingersOrder, Part, Planner, Section, Step};
-use crate::device::fingers::{Facts, MAX_HOLDING, Plane};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersStep, HandPart, Section};
+use crate::device::fingers::{FingersFacts, MAX_HOLDING, Plane};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::outline::Curve;
 use crate::real::Real;
@@ -32,7 +32,7 @@ const FULL_TURN_SLACK: f64 = 1e-9;
 
 impl Checker<'_> {
     /// A task's body in the kind's own terms; `None` after an error. Orientations are made turns when the runs of a schedule are walked.
-    pub fn fingers_order(&mut self, site: &Site, facts: &Arc<Facts>, parts: Parts) -> Option<FingersOrder> {
+    pub fn fingers_order(&mut self, site: &TaskSite, facts: &Arc<FingersFacts>, parts: Parts) -> Option<FingersOrder> {
         let bench = self.bench(site, facts);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
         let lying = the_part(&bench, &parts, scene, site, self.sink)?;
@@ -40,9 +40,9 @@ impl Checker<'_> {
         let precision_rad = precision_rad(&parts, self.sink)?;
         let load_un = load_un(&parts, weight_un)?;
         let turns = turns(&parts.steps);
-        let mut judge = Judge { facts, part: &part, precision_rad, turns, sink: self.sink };
+        let mut judge = HandStepJudge { facts, part: &part, precision_rad, turns, sink: self.sink };
         let planes = grasp_planes(&parts.steps, &part);
-        let steps: Vec<Option<Step>> =
+        let steps: Vec<Option<FingersStep>> =
             parts.steps.iter().zip(&planes).map(|(step, planes)| judge.step(step, planes)).collect();
         Some(FingersOrder {
             facts: Arc::clone(facts),
@@ -51,7 +51,7 @@ impl Checker<'_> {
             load_un,
             planner: planner(&parts),
             expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS),
-            steps: steps.into_iter().collect::<Option<Vec<Step>>>()?,
+            steps: steps.into_iter().collect::<Option<Vec<FingersStep>>>()?,
         })
     }
 }
@@ -67,11 +67,11 @@ fn precision_rad(parts: &Parts, sink: &mut Sink) -> Option<f64> {
     Some(angle.si)
 }
 
-fn planner(parts: &Parts) -> Planner {
+fn planner(parts: &Parts) -> FingersPlanner {
     match parts.planner.as_ref().map(|(planner, _)| planner.value.name) {
-        Some("published_astar") => Planner::PublishedAstar,
-        Some("greedy_decomposition") => Planner::GreedyDecomposition,
-        Some(_) | None => Planner::JointAstar,
+        Some("published_astar") => FingersPlanner::PublishedAstar,
+        Some("greedy_decomposition") => FingersPlanner::GreedyDecomposition,
+        Some(_) | None => FingersPlanner::JointAstar,
     }
 }
 
@@ -86,10 +86,10 @@ fn load_un(parts: &Parts, weight_un: f64) -> Option<[f64; 3]> {
     Some(load_un)
 }
 
-type Lain = Option<(Arc<Part>, f64)>;
+type Lain = Option<(Arc<HandPart>, f64)>;
 
 /// The one part of a task: that which its steps name, or the only one of its scene.
-fn the_part(bench: &Bench, parts: &Parts, scene: Option<Span>, site: &Site, sink: &mut Sink) -> Option<Lain> {
+fn the_part(bench: &HandScene, parts: &Parts, scene: Option<Span>, site: &TaskSite, sink: &mut Sink) -> Option<Lain> {
     let mut first: Option<(&str, Span)> = None;
     for call in calls(parts) {
         let Some(argument) = &call.object else { continue };
@@ -128,13 +128,13 @@ fn the_part(bench: &Bench, parts: &Parts, scene: Option<Span>, site: &Site, sink
 
 fn calls(parts: &Parts) -> impl Iterator<Item = &Call> {
     parts.steps.iter().filter_map(|step| match &step.action {
-        tasks::Action::Verb(call) => Some(call),
-        tasks::Action::Together(_) | tasks::Action::Wait(_) => None,
+        tasks::VocabularyAction::Verb(call) => Some(call),
+        tasks::VocabularyAction::Together(_) | tasks::VocabularyAction::Wait(_) => None,
     })
 }
 
 /// For each step the planes that the numbers of a grasp there may count in: that of the next turn, else that of the last one.
-fn grasp_planes(steps: &[tasks::Step], part: &Part) -> Vec<Vec<Plane>> {
+fn grasp_planes(steps: &[tasks::VocabularyStep], part: &HandPart) -> Vec<Vec<Plane>> {
     let turned: Vec<Option<Vec<Plane>>> = steps.iter().map(|step| planes_of(step, part)).collect();
     (0..steps.len())
         .map(|index| {
@@ -146,8 +146,8 @@ fn grasp_planes(steps: &[tasks::Step], part: &Part) -> Vec<Vec<Plane>> {
 }
 
 /// The planes that a step may begin to turn in; `None` if it turns nothing.
-fn planes_of(step: &tasks::Step, part: &Part) -> Option<Vec<Plane>> {
-    let tasks::Action::Verb(call) = &step.action else { return None };
+fn planes_of(step: &tasks::VocabularyStep, part: &HandPart) -> Option<Vec<Plane>> {
+    let tasks::VocabularyAction::Verb(call) = &step.action else { return None };
     match (call.verb.name, phrase(call, "about").map(|about| &about.value)) {
         ("rotate", Some(Value::Text(axis))) if axis == "z" => Some(vec![Plane::Xy]),
         ("rotate", Some(Value::Text(axis))) if axis == "y" => Some(vec![Plane::Xz]),
@@ -163,9 +163,9 @@ fn phrase<'c>(call: &'c Call, preposition: &str) -> Option<&'c Argument> {
 }
 
 /// Judges the steps of one task.
-struct Judge<'a> {
-    facts: &'a Facts,
-    part: &'a Part,
+struct HandStepJudge<'a> {
+    facts: &'a FingersFacts,
+    part: &'a HandPart,
     precision_rad: f64,
     /// All turns of the task about z and y, in radians.
     turns: Vec<(Plane, f64)>,
@@ -173,9 +173,9 @@ struct Judge<'a> {
 }
 
 /// The turns that steps ask for by an angle about z or y.
-fn turns(steps: &[tasks::Step]) -> Vec<(Plane, f64)> {
-    let turn = |step: &tasks::Step| {
-        let tasks::Action::Verb(call) = &step.action else { return None };
+fn turns(steps: &[tasks::VocabularyStep]) -> Vec<(Plane, f64)> {
+    let turn = |step: &tasks::VocabularyStep| {
+        let tasks::VocabularyAction::Verb(call) = &step.action else { return None };
         let (by, about) = (phrase(call, "by")?, phrase(call, "about")?);
         let (Value::Quantity(angle), Value::Text(axis)) = (&by.value, &about.value) else { return None };
         match axis.as_str() {
@@ -187,22 +187,22 @@ fn turns(steps: &[tasks::Step]) -> Vec<(Plane, f64)> {
     steps.iter().filter_map(turn).collect()
 }
 
-impl Judge<'_> {
-    fn step(&mut self, step: &tasks::Step, planes: &[Plane]) -> Option<Step> {
+impl HandStepJudge<'_> {
+    fn step(&mut self, step: &tasks::VocabularyStep, planes: &[Plane]) -> Option<FingersStep> {
         let action = match &step.action {
-            tasks::Action::Wait(duration_ns) => Action::Wait(*duration_ns),
-            tasks::Action::Verb(call) => self.call(call, planes)?,
+            tasks::VocabularyAction::Wait(duration_ns) => FingersAction::Wait(*duration_ns),
+            tasks::VocabularyAction::Verb(call) => self.call(call, planes)?,
             // The kind has no goals at the same time, which was said.
-            tasks::Action::Together(_) => return None,
+            tasks::VocabularyAction::Together(_) => return None,
         };
-        Some(Step { action, span: step.span })
+        Some(FingersStep { action, span: step.span })
     }
 
-    fn call(&mut self, call: &Call, planes: &[Plane]) -> Option<Action> {
+    fn call(&mut self, call: &Call, planes: &[Plane]) -> Option<FingersAction> {
         match call.verb.name {
             "grasp" => match phrase(call, "at") {
-                None => Some(Action::Grasp(None)),
-                Some(argument) => self.grasp(argument, planes).map(|contacts| Action::Grasp(Some(contacts))),
+                None => Some(FingersAction::Grasp(None)),
+                Some(argument) => self.grasp(argument, planes).map(|contacts| FingersAction::Grasp(Some(contacts))),
             },
             "rotate" => self.rotate(call),
             "orient" => self.orient(phrase(call, "to")?),
@@ -211,7 +211,7 @@ impl Judge<'_> {
         }
     }
 
-    fn rotate(&mut self, call: &Call) -> Option<Action> {
+    fn rotate(&mut self, call: &Call) -> Option<FingersAction> {
         let (by, about) = (phrase(call, "by")?, phrase(call, "about")?);
         let (Value::Quantity(angle), Value::Text(axis)) = (&by.value, &about.value) else { return None };
         let asked_rad = angle.si;
@@ -227,26 +227,26 @@ impl Judge<'_> {
         let most = i32::try_from(self.facts.steps_per_turn).ok()?;
         let steps = ((asked_rad / section.step_rad).round() as i32).clamp(-most, most);
         if (f64::from(steps) * section.step_rad - asked_rad).abs() > self.precision_rad * (1.0 + 1e-9) {
-            let mend = step::mending(self.part, self.facts, &step::Wanted::Turns(&self.turns), self.precision_rad);
+            let mend = step::mending(self.part, self.facts, &step::WantedTurn::Turns(&self.turns), self.precision_rad);
             let wrong = errors::no_whole_steps(by.span, asked_rad, section.step_rad, self.precision_rad, mend);
             return self.wrong(wrong, by);
         }
-        Some(Action::Rotate { plane, steps, angle_rad: asked_rad })
+        Some(FingersAction::Rotate { plane, steps, angle_rad: asked_rad })
     }
 
-    fn about_x(&mut self, asked_rad: f64, about: Span) -> Option<Action> {
+    fn about_x(&mut self, asked_rad: f64, about: Span) -> Option<FingersAction> {
         if self.part.xz.is_none() {
             return self.flat(about, "not about x");
         }
         Some(super::walk::relative(orientation::about_x(asked_rad)))
     }
 
-    fn orient(&mut self, to: &Argument) -> Option<Action> {
+    fn orient(&mut self, to: &Argument) -> Option<FingersAction> {
         let Value::Orientation(goal) = &to.value else { return None };
         Some(super::walk::absolute(*goal))
     }
 
-    fn release(&mut self, span: Span) -> Option<Action> {
+    fn release(&mut self, span: Span) -> Option<FingersAction> {
         let needed_un = self.facts.removal_safety * self.facts.sticking_un();
         if self.facts.support_un < needed_un * (1.0 - 1e-12) {
             self.sink.push(errors::sticks(
@@ -257,10 +257,10 @@ impl Judge<'_> {
             ));
             return None;
         }
-        Some(Action::Release)
+        Some(FingersAction::Release)
     }
 
-    fn flat(&mut self, span: Span, what: &str) -> Option<Action> {
+    fn flat(&mut self, span: Span, what: &str) -> Option<FingersAction> {
         self.sink.push(errors::flat_part(span, &self.part.name, what, self.part.span));
         None
     }
@@ -366,8 +366,8 @@ fn numbers(value: &Value) -> Option<Vec<crate::quantity::Quantity>> {
     }
 }
 
-fn translate(by: &Argument) -> Option<Action> {
+fn translate(by: &Argument) -> Option<FingersAction> {
     let Value::Point(point) = &by.value else { return None };
     let um = |axis: usize| point.get(axis).map_or(0.0, |length| length.in_unit("um"));
-    Some(Action::Translate([um(0), um(1), um(2)]))
+    Some(FingersAction::Translate([um(0), um(1), um(2)]))
 }

@@ -7,7 +7,7 @@ use super::orientation::{self, MAX_WAYS, Orientation};
 use super::part;
 use super::step;
 use crate::check::errors;
-use crate::claims::fingers::{Action, FingersOrder, Part, Turn};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn, HandPart};
 use crate::claims::{Job, Order};
 use crate::device::fingers::{MAX_GRASPS, Plane};
 use crate::diagnostic::{Diagnostic, Sink};
@@ -26,22 +26,22 @@ const LEAST_SHARE: f64 = 1e-9;
 const MAX_REACHED: usize = 256;
 
 /// What stands for an orientation in the hand's frame until the runs are walked.
-pub fn absolute(goal: [f64; 4]) -> Action {
-    Action::Orient { goal, turns: Vec::new(), left_out_steps: None }
+pub fn absolute(goal: [f64; 4]) -> FingersAction {
+    FingersAction::Orient { goal, turns: Vec::new(), left_out_steps: None }
 }
 
 /// What stands for an orientation relative to where the part is until the runs are walked: with one way that does nothing.
-pub fn relative(goal: Orientation) -> Action {
-    Action::Orient { goal: orientation::written(&goal), turns: vec![Vec::new()], left_out_steps: None }
+pub fn relative(goal: Orientation) -> FingersAction {
+    FingersAction::Orient { goal: orientation::written(&goal), turns: vec![Vec::new()], left_out_steps: None }
 }
 
 /// What a schedule asks of each hand and its part, run after run.
 pub fn hands_agree(jobs: &mut [Job], sink: &mut Sink) {
-    let mut hands: BTreeMap<String, Hand> = BTreeMap::new();
+    let mut hands: BTreeMap<String, HandWalk> = BTreeMap::new();
     for job in jobs {
         let (span, run_span) = (job.span, job.run_span);
         let Order::Fingers(order) = &mut job.order else { continue };
-        let hand = hands.entry(job.device.clone()).or_insert_with(|| Hand::of(order));
+        let hand = hands.entry(job.device.clone()).or_insert_with(|| HandWalk::of(order));
         if !hand.is_alike(&order.part) {
             sink.push(errors::other_part(run_span, &job.device, &hand.part.name, &order.part.name));
             return;
@@ -62,16 +62,16 @@ pub fn hands_agree(jobs: &mut [Job], sink: &mut Sink) {
 
 /// Whether fingers hold the part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Hold {
+enum PartHold {
     Held,
     /// Since the release there, if there was one.
     Free(Option<Span>),
 }
 
 /// A hand between two steps.
-struct Hand {
-    part: Arc<Part>,
-    hold: Hold,
+struct HandWalk {
+    part: Arc<HandPart>,
+    hold: PartHold,
     /// The planes in which the part may have been turned last since it was grasped.
     planes: BTreeSet<Plane>,
     /// Each orientation that the part may have; never empty.
@@ -84,13 +84,13 @@ struct Hand {
 type Told = Result<(), Box<Diagnostic>>;
 
 /// The ways to an orientation, and the fewest steps of those that were left out, if any were.
-type Ways = (Vec<Vec<Turn>>, Option<u32>);
+type Ways = (Vec<Vec<FingersTurn>>, Option<u32>);
 
-impl Hand {
-    fn of(order: &FingersOrder) -> Hand {
-        Hand {
+impl HandWalk {
+    fn of(order: &FingersOrder) -> HandWalk {
+        HandWalk {
             part: Arc::clone(&order.part),
-            hold: Hold::Free(None),
+            hold: PartHold::Free(None),
             planes: BTreeSet::new(),
             reached: vec![Orientation::identity()],
             position_um: order.part.position_um,
@@ -99,35 +99,35 @@ impl Hand {
     }
 
     /// Whether a part of another scene is the one that the hand has turned so far.
-    fn is_alike(&self, part: &Arc<Part>) -> bool {
+    fn is_alike(&self, part: &Arc<HandPart>) -> bool {
         let own = &self.part;
         Arc::ptr_eq(own, part) || (own.name == part.name && own.xy == part.xy && own.xz == part.xz)
     }
 
-    fn advance(&mut self, action: &mut Action, at: Span, order: &FingersOrder) -> Told {
+    fn advance(&mut self, action: &mut FingersAction, at: Span, order: &FingersOrder) -> Told {
         match action {
-            Action::Wait(_) => {}
-            Action::Grasp(_) => self.hold = Hold::Held,
-            Action::Rotate { plane, steps, .. } => {
+            FingersAction::Wait(_) => {}
+            FingersAction::Grasp(_) => self.hold = PartHold::Held,
+            FingersAction::Rotate { plane, steps, .. } => {
                 self.looks_at_few(*plane, at, order)?;
-                self.rotate(Turn { plane: *plane, steps: *steps }, at)?;
+                self.rotate(FingersTurn { plane: *plane, steps: *steps }, at)?;
             }
-            Action::Orient { goal, turns, left_out_steps } => {
+            FingersAction::Orient { goal, turns, left_out_steps } => {
                 let given = orientation::read(*goal);
                 let (asked, absolute) = if turns.is_empty() {
-                    (errors::Asked::Orientation, given)
+                    (errors::AskedTurn::Orientation, given)
                 } else {
-                    (errors::Asked::TurnAboutX, self.reached[0] * given)
+                    (errors::AskedTurn::TurnAboutX, self.reached[0] * given)
                 };
                 *goal = orientation::written(&absolute);
                 (*turns, *left_out_steps) = self.orient((asked, &absolute), at, order)?;
             }
-            Action::Translate(by_um) => self.translate(*by_um, at, order)?,
-            Action::Release => {
-                if let Hold::Free(released) = self.hold {
+            FingersAction::Translate(by_um) => self.translate(*by_um, at, order)?,
+            FingersAction::Release => {
+                if let PartHold::Free(released) = self.hold {
                     return Err(Box::new(errors::nothing_held(at, "release", released)));
                 }
-                self.hold = Hold::Free(Some(at));
+                self.hold = PartHold::Free(Some(at));
                 self.planes.clear();
             }
         }
@@ -150,13 +150,13 @@ impl Hand {
         Err(Box::new(errors::too_many_grasps(at, &self.part.name, [contacts, angles], order.facts.steps_per_turn)))
     }
 
-    fn rotate(&mut self, turn: Turn, at: Span) -> Told {
+    fn rotate(&mut self, turn: FingersTurn, at: Span) -> Told {
         if let Some(why) = &self.junction_fault
             && self.planes.iter().any(|plane| *plane != turn.plane)
         {
             return Err(Box::new(errors::no_junction(at, &self.part.name, why, self.part.span)));
         }
-        self.hold = Hold::Held;
+        self.hold = PartHold::Held;
         self.planes = BTreeSet::from([turn.plane]);
         let by = orientation::after(&[turn], &self.part);
         self.reached.iter_mut().for_each(|reached| *reached *= by);
@@ -167,7 +167,7 @@ impl Hand {
     /// to be searched.
     fn orient(
         &mut self,
-        (asked, goal): (errors::Asked, &Orientation),
+        (asked, goal): (errors::AskedTurn, &Orientation),
         at: Span,
         order: &FingersOrder,
     ) -> Result<Ways, Box<Diagnostic>> {
@@ -187,15 +187,17 @@ impl Hand {
             return Err(Box::new(errors::orientation_missed(at, asked, best_rad, precision_rad, step_deg)));
         }
         if let Some(why) = &self.junction_fault {
-            let planes =
-                |turns: &[Turn]| turns.iter().map(|turn| turn.plane).chain(self.planes.iter().copied()).collect();
+            let planes = |turns: &[FingersTurn]| {
+                turns.iter().map(|turn| turn.plane).chain(self.planes.iter().copied()).collect()
+            };
             ways.retain(|way| BTreeSet::<Plane>::len(&planes(&way.turns)) <= 1);
             if ways.is_empty() {
                 return Err(Box::new(errors::no_junction(at, &self.part.name, why, self.part.span)));
             }
         }
         let most = MAX_WAYS.min((MAX_REACHED / self.reached.len()).max(1));
-        let steps = |way: &orientation::Way| way.turns.iter().map(|turn| turn.steps.unsigned_abs()).sum::<u32>();
+        let steps =
+            |way: &orientation::TurnsToOrientation| way.turns.iter().map(|turn| turn.steps.unsigned_abs()).sum::<u32>();
         let left_out_steps = ways.iter().skip(most).map(steps).min();
         ways.truncate(most);
         self.take(&ways);
@@ -203,25 +205,27 @@ impl Hand {
     }
 
     /// A step of the device that reaches an orientation, where it is known how the part would be turned before: not at all, or as it is.
-    fn mending(&self, (asked, goal): (errors::Asked, &Orientation), order: &FingersOrder) -> Option<f64> {
+    fn mending(&self, (asked, goal): (errors::AskedTurn, &Orientation), order: &FingersOrder) -> Option<f64> {
         let [reached] = self.reached.as_slice() else { return None };
-        let is_known = asked == errors::Asked::TurnAboutX || reached.angle() < SAME_RAD;
+        let is_known = asked == errors::AskedTurn::TurnAboutX || reached.angle() < SAME_RAD;
         let turns: Vec<(Plane, f64)> = order
             .steps
             .iter()
             .filter_map(|step| match step.action {
-                Action::Rotate { plane, angle_rad, .. } => Some((plane, angle_rad)),
-                Action::Orient { .. } | Action::Grasp(_) | Action::Translate(_) | Action::Release | Action::Wait(_) => {
-                    None
-                }
+                FingersAction::Rotate { plane, angle_rad, .. } => Some((plane, angle_rad)),
+                FingersAction::Orient { .. }
+                | FingersAction::Grasp(_)
+                | FingersAction::Translate(_)
+                | FingersAction::Release
+                | FingersAction::Wait(_) => None,
             })
             .collect();
-        let wanted = step::Wanted::Orientation(&(reached.inverse() * goal), &turns);
+        let wanted = step::WantedTurn::Orientation(&(reached.inverse() * goal), &turns);
         is_known.then(|| step::mending(&self.part, &order.facts, &wanted, order.precision_rad)).flatten()
     }
 
     /// Any of some ways has been taken.
-    fn take(&mut self, ways: &[orientation::Way]) {
+    fn take(&mut self, ways: &[orientation::TurnsToOrientation]) {
         let before = std::mem::take(&mut self.planes);
         let mut reached: Vec<Orientation> = Vec::new();
         for way in ways {
@@ -237,11 +241,11 @@ impl Hand {
             }
         }
         self.reached = reached;
-        self.hold = Hold::Held;
+        self.hold = PartHold::Held;
     }
 
     fn translate(&mut self, by_um: [f64; 3], at: Span, order: &FingersOrder) -> Told {
-        if let Hold::Free(released) = self.hold {
+        if let PartHold::Free(released) = self.hold {
             return Err(Box::new(errors::nothing_held(at, "translate", released)));
         }
         for (position_um, by_um) in self.position_um.iter_mut().zip(by_um) {

@@ -1,6 +1,6 @@
 //! Bodies of robots, and obstacles: how far they lie from each other.
 
-use crate::claims::microrobots::Obstacle;
+use crate::claims::microrobots::MicrorobotsObstacle;
 use crate::device::microrobots::Robot;
 use crate::geometry::{Core, Pose, Rounded, distance};
 use crate::real::Real;
@@ -11,20 +11,20 @@ pub const SLACK_UM: f64 = 1e-6;
 
 /// The body of a robot at a pose: a rectangle about the pose's place, its long side along the heading.
 #[derive(Debug, Clone, Copy)]
-pub struct Body {
+pub struct RobotBody {
     /// Counter-clockwise, from the right of the front.
     pub corners: [Point2<f64>; 4],
     centre: Point2<f64>,
     reach_um: f64,
 }
 
-impl Body {
+impl RobotBody {
     /// The body of a robot that stands somewhere.
-    pub fn of(robot: &Robot, pose: Pose) -> Body {
+    pub fn of(robot: &Robot, pose: Pose) -> RobotBody {
         let (half_um, side_um) = (robot.length_um / 2.0, robot.width_um / 2.0);
         let frame = pose.isometry();
         let corners = [(half_um, -side_um), (half_um, side_um), (-half_um, side_um), (-half_um, -side_um)];
-        Body {
+        RobotBody {
             corners: corners.map(|(x_um, y_um)| frame * Point2::new(x_um, y_um)),
             centre: Point2::new(pose.x_um, pose.y_um),
             reach_um: half_um.hypotenuse(side_um),
@@ -40,13 +40,13 @@ impl Body {
     }
 
     /// How far it lies from another body; negative is the depth of the overlap, the least way out of it.
-    pub fn gap_um(&self, other: &Body) -> f64 {
+    pub fn gap_um(&self, other: &RobotBody) -> f64 {
         let depth_um = self.way_out(other).map_or(0.0, |way| way.norm());
         if depth_um > 0.0 { -depth_um } else { self.way_to(other).norm() }
     }
 
     /// The shortest way that brings it into touch with a body that it does not overlap.
-    pub fn way_to(&self, other: &Body) -> Vector2<f64> {
+    pub fn way_to(&self, other: &RobotBody) -> Vector2<f64> {
         let towards = self.corners.iter().map(|corner| nearest_of(*corner, &other.corners) - corner);
         let back = other.corners.iter().map(|corner| corner - nearest_of(*corner, &self.corners));
         let shorter = |one: Vector2<f64>, other: Vector2<f64>| if other.norm() < one.norm() { other } else { one };
@@ -54,7 +54,7 @@ impl Body {
     }
 
     /// The shortest way that brings it out of a body that it overlaps; `None` if it overlaps it nowhere.
-    pub fn way_out(&self, other: &Body) -> Option<Vector2<f64>> {
+    pub fn way_out(&self, other: &RobotBody) -> Option<Vector2<f64>> {
         let of_other = other.sides().map(|(normal, at)| normal * -self.beyond_um(normal, at));
         let own = self.sides().map(|(normal, at)| normal * other.beyond_um(normal, at));
         let lies_apart = other.sides().iter().any(|(normal, at)| self.beyond_um(*normal, *at) >= 0.0)
@@ -84,15 +84,15 @@ fn nearest_of(point: Point2<f64>, corners: &[Point2<f64>; 4]) -> Point2<f64> {
 }
 
 /// An obstacle in the plane.
-pub struct Solid {
+pub struct ObstacleSolid {
     body: Rounded,
     centre: Point2<f64>,
     reach_um: f64,
 }
 
-impl Solid {
+impl ObstacleSolid {
     /// `None` for a shape that cannot be placed, which the scene has been told of.
-    pub fn of(obstacle: &Obstacle) -> Option<Solid> {
+    pub fn of(obstacle: &MicrorobotsObstacle) -> Option<ObstacleSolid> {
         let body = obstacle.shape.grown(&obstacle.pose, 0.0).ok()?;
         let corners = match &body.core {
             Core::Point(point) => std::slice::from_ref(point),
@@ -103,11 +103,11 @@ impl Solid {
         let centre = Point2::from(sum / corners.len() as f64);
         let farthest_um = corners.iter().map(|corner| (corner - centre).norm()).fold(0.0, f64::max);
         let reach_um = farthest_um + body.radius_um;
-        Some(Solid { body, centre, reach_um })
+        Some(ObstacleSolid { body, centre, reach_um })
     }
 
     /// How far a robot's body lies from it; no more than 0 where they touch. Only exact up to `enough_um`.
-    pub fn gap_um(&self, body: &Body, enough_um: f64) -> f64 {
+    pub fn gap_um(&self, body: &RobotBody, enough_um: f64) -> f64 {
         let least_um = (self.centre - body.centre).norm() - self.reach_um - body.reach_um;
         if least_um > enough_um {
             return least_um;

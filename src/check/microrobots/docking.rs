@@ -3,7 +3,7 @@
 //! Section 3.5 of the paper: two robots that meet head on align themselves, within an angle between their axes and a distance of
 //! them; a robot that comes to a structure sticks, within an angle from the normal of the edge that it meets.
 
-use super::bodies::{Body, SLACK_UM};
+use super::bodies::{RobotBody, SLACK_UM};
 use crate::check::errors;
 use crate::device::microrobots::{Docking, Robot, wrapped_rad};
 use crate::diagnostic::Diagnostic;
@@ -29,8 +29,8 @@ pub struct Docked<'a> {
 
 impl Docked<'_> {
     /// The body at the goal.
-    pub fn body(&self) -> Body {
-        Body::of(self.facts, self.pose)
+    pub fn body(&self) -> RobotBody {
+        RobotBody::of(self.facts, self.pose)
     }
 
     fn heading(&self) -> Vector2<f64> {
@@ -82,7 +82,7 @@ impl HeadOn {
 }
 
 /// Whether a body lies before the front of another, but for what docked bodies may overlap.
-fn lies_before(body: &Body, other: &Body, docking: &Docking) -> bool {
+fn lies_before(body: &RobotBody, other: &RobotBody, docking: &Docking) -> bool {
     let [(normal, at), ..] = other.sides();
     body.beyond_um(normal, at) >= -docking.tolerance_um - SLACK_UM
 }
@@ -101,7 +101,7 @@ pub fn sticks(one: &Docked, met: &Docked, docking: &Docking) -> bool {
 }
 
 /// What is wrong with one goal of an assembly.
-pub enum Misfit<'a> {
+pub enum GoalMisfit<'a> {
     /// It overlaps another goal, by so much.
     Overlaps { other: Docked<'a>, depth_um: f64 },
     /// It is so far from what it could dock with.
@@ -124,20 +124,25 @@ pub enum Partner<'a> {
 }
 
 /// What is wrong with a goal, given those that are docked by then.
-pub fn misfit<'a>(one: &Docked, before: &[Docked<'a>], partner: Partner<'a>, docking: &Docking) -> Option<Misfit<'a>> {
+pub fn misfit<'a>(
+    one: &Docked,
+    before: &[Docked<'a>],
+    partner: Partner<'a>,
+    docking: &Docking,
+) -> Option<GoalMisfit<'a>> {
     let gap_um = |other: &Docked| one.body().gap_um(&other.body());
     let nearest = *before.iter().min_by(|a, b| gap_um(a).total_cmp(&gap_um(b)))?;
     let depth_um = -gap_um(&nearest);
     if depth_um > docking.tolerance_um + SLACK_UM {
-        return Some(Misfit::Overlaps { other: nearest, depth_um });
+        return Some(GoalMisfit::Overlaps { other: nearest, depth_um });
     }
-    let apart = |nearest: Docked<'a>| Misfit::Apart { nearest, gap_um: gap_um(&nearest) };
+    let apart = |nearest: Docked<'a>| GoalMisfit::Apart { nearest, gap_um: gap_um(&nearest) };
     match partner {
         Partner::Nothing => None,
         Partner::First(first) if !touches(one, first, docking) => Some(apart(*first)),
         Partner::First(first) => {
             let meeting = HeadOn::of(one, first, docking);
-            (!meeting.holds(docking)).then_some(Misfit::NotHeadOn { other: *first, meeting })
+            (!meeting.holds(docking)).then_some(GoalMisfit::NotHeadOn { other: *first, meeting })
         }
         Partner::Structure if !touches(one, &nearest, docking) => Some(apart(nearest)),
         Partner::Structure if before.iter().any(|met| sticks(one, met, docking)) => None,
@@ -145,7 +150,7 @@ pub fn misfit<'a>(one: &Docked, before: &[Docked<'a>], partner: Partner<'a>, doc
             let angle_rad = |met: &Docked| incidence_rad(one, met, docking);
             let touched = before.iter().filter(|met| touches(one, met, docking));
             let met = *touched.min_by(|a, b| angle_rad(a).total_cmp(&angle_rad(b)))?;
-            Some(Misfit::Slips { met, angle_rad: angle_rad(&met) })
+            Some(GoalMisfit::Slips { met, angle_rad: angle_rad(&met) })
         }
     }
 }
@@ -165,28 +170,28 @@ pub fn mended(one: &Docked, other: &Docked, accepts: impl Fn(&Docked) -> bool) -
 }
 
 /// What is said of a goal that does not fit.
-pub fn told(one: &Docked, before: &[Docked], partner: Partner, misfit: &Misfit, docking: &Docking) -> Diagnostic {
-    let place = |docked: &Docked| errors::Goal { robot: docked.facts.name.clone(), span: docked.span };
+pub fn told(one: &Docked, before: &[Docked], partner: Partner, misfit: &GoalMisfit, docking: &Docking) -> Diagnostic {
+    let place = |docked: &Docked| errors::GoalPlace { robot: docked.facts.name.clone(), span: docked.span };
     let fits = |moved: &Docked| self::misfit(moved, before, partner, docking).is_none();
     let head_on = || match partner {
         Partner::First(first) => facing(one, first, fits),
         Partner::Nothing | Partner::Structure => None,
     };
     match misfit {
-        Misfit::Overlaps { other, depth_um } => {
+        GoalMisfit::Overlaps { other, depth_um } => {
             let bounds = (*depth_um, docking.tolerance_um);
             errors::docked_overlap(&place(one), &place(other), bounds, mended(one, other, fits).or_else(head_on))
         }
-        Misfit::Apart { nearest, gap_um } => {
+        GoalMisfit::Apart { nearest, gap_um } => {
             let bounds = (*gap_um, docking.tolerance_um);
             errors::docked_apart(&place(one), &place(nearest), bounds, mended(one, nearest, fits).or_else(head_on))
         }
-        Misfit::NotHeadOn { other, meeting } => {
+        GoalMisfit::NotHeadOn { other, meeting } => {
             let limits = (docking.self_aligning_rad, docking.self_aligning_um);
             let found = meeting.faces.then_some((meeting.angle_rad, meeting.offset_um));
             errors::not_head_on(&place(one), &place(other), found, limits, head_on())
         }
-        Misfit::Slips { met, angle_rad } => {
+        GoalMisfit::Slips { met, angle_rad } => {
             errors::docked_askew(&place(one), &place(met), (*angle_rad, docking.sticking_rad))
         }
     }

@@ -1,11 +1,11 @@
 //! The facts of a bed: its table, its levels, how robots meet, and how far figures may be off.
 
-use super::table::Table;
-use super::{Bed, validity};
-use crate::check::devices::Device;
+use super::table::RobotTable;
+use super::{CheckedBed, validity};
+use crate::check::devices::CheckedDevice;
 use crate::check::errors;
 use crate::check::value::Value;
-use crate::device::microrobots::{Docking, Errors, Facts, Fine, MAX_ROBOTS, Robot, Turning};
+use crate::device::microrobots::{Docking, Errors, Fine, MAX_ROBOTS, MicrorobotsFacts, Robot, Turning};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::shape::MAX_EXTENT_UM;
 use crate::quantity::Quantity;
@@ -21,11 +21,11 @@ const ERROR_FIELDS: [&str; 5] = ["speed_error", "turning_error", "place_error", 
 const MAX_CYCLES: f64 = 2_000.0;
 
 /// The facts of a device and the control states of its bed; `None` after an error.
-pub fn bed(device: &Device, sink: &mut Sink) -> Option<Bed> {
+pub fn bed(device: &CheckedDevice, sink: &mut Sink) -> Option<CheckedBed> {
     if device.fields.values().any(|field| field.value.is_unknown()) {
         return None;
     }
-    let table = Table::of(device)?;
+    let table = RobotTable::of(device)?;
     let errors = sink.errors();
     fits_a_bed(&table, device, sink);
     names_apart(&table, device, sink);
@@ -37,18 +37,18 @@ pub fn bed(device: &Device, sink: &mut Sink) -> Option<Bed> {
     fine_motion_has_room(&facts, device, sink);
     levels_in_order(&facts, device, sink)?;
     let states = validity::states(&facts, &table, device, sink)?;
-    (sink.errors() == errors).then(|| Bed { facts: Arc::new(facts), states: Arc::new(states) })
+    (sink.errors() == errors).then(|| CheckedBed { facts: Arc::new(facts), states: Arc::new(states) })
 }
 
 /// A figure of the device; `None` where it is not given.
-pub fn quantity(device: &Device, name: &str) -> Option<Quantity> {
+pub fn quantity(device: &CheckedDevice, name: &str) -> Option<Quantity> {
     match device.fields.get(name).map(|field| &field.value) {
         Some(Value::Quantity(quantity)) => Some(*quantity),
         _ => None,
     }
 }
 
-fn fits_a_bed(table: &Table, device: &Device, sink: &mut Sink) {
+fn fits_a_bed(table: &RobotTable, device: &CheckedDevice, sink: &mut Sink) {
     if table.rows() > MAX_ROBOTS {
         let wrong = errors::too_many_robots(table.rows(), MAX_ROBOTS);
         let labels = [(table.place(MAX_ROBOTS, "robot"), "one too many".to_owned())];
@@ -56,7 +56,7 @@ fn fits_a_bed(table: &Table, device: &Device, sink: &mut Sink) {
     }
 }
 
-fn names_apart(table: &Table, device: &Device, sink: &mut Sink) {
+fn names_apart(table: &RobotTable, device: &CheckedDevice, sink: &mut Sink) {
     let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
     for row in 0..table.rows() {
         let Some(name) = table.text(row, "robot") else { continue };
@@ -70,7 +70,7 @@ fn names_apart(table: &Table, device: &Device, sink: &mut Sink) {
     }
 }
 
-fn facts(device: &Device, table: &Table, sink: &mut Sink) -> Option<Facts> {
+fn facts(device: &CheckedDevice, table: &RobotTable, sink: &mut Sink) -> Option<MicrorobotsFacts> {
     let si = |name: &str| quantity(device, name).map(|quantity| quantity.si);
     let um = |name: &str| quantity(device, name).map(|quantity| quantity.in_unit("um"));
     let period_ns = period_ns(device, sink);
@@ -79,7 +79,7 @@ fn facts(device: &Device, table: &Table, sink: &mut Sink) -> Option<Facts> {
     let errors = errors_of(device, sink);
     let period_ns = period_ns?;
     let robots: Option<Vec<Robot>> = (0..table.rows()).map(|row| robot(row, table, device, period_ns)).collect();
-    Some(Facts {
+    Some(MicrorobotsFacts {
         robots: robots?,
         margin_v: si("margin")?,
         max_v: si("max_voltage")?,
@@ -101,7 +101,7 @@ fn facts(device: &Device, table: &Table, sink: &mut Sink) -> Option<Facts> {
 }
 
 /// The time of one stroke, of two equal halves; `None` if the clock cannot count it.
-fn period_ns(device: &Device, sink: &mut Sink) -> Option<u64> {
+fn period_ns(device: &CheckedDevice, sink: &mut Sink) -> Option<u64> {
     let frequency = quantity(device, "drive_frequency")?;
     let half_ns = 0.5e9 / frequency.si;
     let limit = crate::check::MAX_TIME_NS as f64 / 2.0;
@@ -112,7 +112,7 @@ fn period_ns(device: &Device, sink: &mut Sink) -> Option<u64> {
     None
 }
 
-fn robot(row: usize, table: &Table, device: &Device, period_ns: u64) -> Option<Robot> {
+fn robot(row: usize, table: &RobotTable, device: &CheckedDevice, period_ns: u64) -> Option<Robot> {
     let um = |name: &str| table.quantity(row, name).or(quantity(device, name)).map(|length| length.in_unit("um"));
     let step_um = match table.quantity(row, "speed") {
         Some(speed) => speed.in_unit("um/s") * period_ns as f64 / 1e9,
@@ -135,7 +135,7 @@ fn robot(row: usize, table: &Table, device: &Device, period_ns: u64) -> Option<R
 }
 
 /// The bounds on errors, if all of them are given; the outer `None` after an error.
-fn errors_of(device: &Device, sink: &mut Sink) -> Option<Option<Errors>> {
+fn errors_of(device: &CheckedDevice, sink: &mut Sink) -> Option<Option<Errors>> {
     let is_given = |name: &&str| device.fields.contains_key(*name);
     let (given, missing): (Vec<&str>, Vec<&str>) = ERROR_FIELDS.iter().copied().partition(is_given);
     if given.is_empty() {
@@ -173,7 +173,7 @@ const MAX_ERRORS: [(&str, f64); 4] =
     [("speed_error", 1.0), ("turning_error", 2e3 * PI), ("place_error", 1e-3), ("heading_error", PI)];
 
 /// A bound beyond which errors say nothing, and a fine motion that is no fine motion, are a slip of the unit.
-fn figures_have_sense(device: &Device, sink: &mut Sink) {
+fn figures_have_sense(device: &CheckedDevice, sink: &mut Sink) {
     let most = MAX_ERRORS.into_iter().chain([("fine_length", MAX_FINE_UM / 1e6)]);
     for (name, most_si) in most {
         let Some(found) = quantity(device, name).filter(|found| found.si > most_si) else { continue };
@@ -183,7 +183,7 @@ fn figures_have_sense(device: &Device, sink: &mut Sink) {
 }
 
 /// Lengths beyond what geometry counts exactly are a slip of the unit.
-fn bodies_are_countable(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) {
+fn bodies_are_countable(facts: &MicrorobotsFacts, table: &RobotTable, device: &CheckedDevice, sink: &mut Sink) {
     let mut of_device = BTreeMap::new();
     for (row, robot) in facts.robots.iter().enumerate() {
         let figures = [
@@ -220,7 +220,7 @@ fn bodies_are_countable(facts: &Facts, table: &Table, device: &Device, sink: &mu
 }
 
 /// The drive train swings upwards, and no higher than the source; `None` if it does not.
-fn levels_in_order(facts: &Facts, device: &Device, sink: &mut Sink) -> Option<()> {
+fn levels_in_order(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut Sink) -> Option<()> {
     let errors = sink.errors();
     let voltage = |name: &str| quantity(device, name).map_or(String::new(), |voltage| voltage.to_string());
     if facts.relax_v >= facts.flex_v {
@@ -237,7 +237,7 @@ fn levels_in_order(facts: &Facts, device: &Device, sink: &mut Sink) -> Option<()
 }
 
 /// A robot meets what it docks with by its front: docking angles are below a right angle.
-fn meets_forwards(facts: &Facts, device: &Device, sink: &mut Sink) {
+fn meets_forwards(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut Sink) {
     let angles =
         [("self_aligning_angle", facts.docking.self_aligning_rad), ("sticking_angle", facts.docking.sticking_rad)];
     for (name, _) in angles.into_iter().filter(|(_, angle_rad)| *angle_rad >= FRAC_PI_2) {
@@ -246,7 +246,7 @@ fn meets_forwards(facts: &Facts, device: &Device, sink: &mut Sink) {
     }
 }
 
-fn fine_motion_has_room(facts: &Facts, device: &Device, sink: &mut Sink) {
+fn fine_motion_has_room(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut Sink) {
     if facts.fine.cycle_um > facts.fine.length_um {
         let found = ["fine_cycle", "fine_length"]
             .map(|name| quantity(device, name).map_or(String::new(), |length| length.to_string()));
@@ -270,7 +270,7 @@ fn fine_motion_has_room(facts: &Facts, device: &Device, sink: &mut Sink) {
 }
 
 /// The label of a field, and of the place where its value was given, if a name stands in it.
-pub fn at(device: &Device, name: &str, text: &str) -> Vec<(Span, String)> {
+pub fn at(device: &CheckedDevice, name: &str, text: &str) -> Vec<(Span, String)> {
     let Some(field) = device.fields.get(name) else { return Vec::new() };
     let origin = device.origins.get(name).filter(|origin| origin.span != field.span);
     let own = (field.span, text.to_owned());
@@ -278,7 +278,7 @@ pub fn at(device: &Device, name: &str, text: &str) -> Vec<(Span, String)> {
 }
 
 /// Puts labels on a finding about a device, those of the device's own file first.
-pub fn told(device: &Device, diagnostic: Diagnostic, labels: &[(Span, String)]) -> Diagnostic {
+pub fn told(device: &CheckedDevice, diagnostic: Diagnostic, labels: &[(Span, String)]) -> Diagnostic {
     let (own, inherited): (Vec<_>, Vec<_>) = labels.iter().partition(|(span, _)| span.file == device.span.file);
     let diagnostic = if own.is_empty() { diagnostic.label(device.span, "this device") } else { diagnostic };
     own.into_iter().chain(inherited).fold(diagnostic, |told, (span, text)| told.label(*span, text.clone()))

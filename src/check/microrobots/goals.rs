@@ -1,16 +1,18 @@
 //! The steps of a task: what can be judged of them without knowing where the robots stand by then.
 
-use super::bodies::{Body, Solid};
-use super::ground::{Ground, first_near, is_near};
-use super::{Bed, DEFAULT_EXPANSIONS};
+use super::bodies::{ObstacleSolid, RobotBody};
+use super::ground::{BedScene, first_near, is_near};
+use super::{CheckedBed, DEFAULT_EXPANSIONS};
 use crate::check::fields::Accepted;
-use crate::check::lets::{Argument, Origin};
+use crate::check::lets::{Argument, ValueOrigin};
 use crate::check::scope::nearest;
 use crate::check::shapes::{self, MAX_HEADING_RAD};
-use crate::check::tasks::{self, Call, Parts, Site};
+use crate::check::tasks::{self, Call, Parts, TaskSite};
 use crate::check::value::{ModuleWord, Value, whole};
 use crate::check::{Checker, errors};
-use crate::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Precision, Step, Stop};
+use crate::claims::microrobots::{
+    Assurance, Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop, Precision,
+};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::geometry::Pose;
 use crate::geometry::shape::MAX_EXTENT_UM;
@@ -26,19 +28,19 @@ const DEFAULT_PRECISION: Precision = Precision { place_um: 0.5, heading_rad: 0.5
 const MAX_APPLIED_UM: f64 = 1e8;
 
 /// Where the pose of a goal was given, if a name stands for it; `None` if several names stand for it in several runs.
-pub type Origins = BTreeMap<Span, Option<Origin>>;
+pub type PoseOrigins = BTreeMap<Span, Option<ValueOrigin>>;
 
 impl Checker<'_> {
     /// A task's body in the kind's own terms; `None` after an error.
-    pub fn microrobots_order(&mut self, site: &Site, bed: &Bed, parts: Parts) -> Option<MicrorobotsOrder> {
+    pub fn microrobots_order(&mut self, site: &TaskSite, bed: &CheckedBed, parts: Parts) -> Option<MicrorobotsOrder> {
         let ground = self.ground(site, bed);
         let precision = precision(&parts.settings, bed, &ground, self.sink);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
-        let solids = ground.obstacles.iter().map(Solid::of).collect();
+        let solids = ground.obstacles.iter().map(ObstacleSolid::of).collect();
         let (device, origins) = (site.device.name.as_str(), &mut self.pose_origins);
-        let mut judge = Judge { bed, ground: &ground, solids, scene, device, origins, sink: self.sink };
-        let steps: Vec<Option<Step>> = parts.steps.iter().map(|step| judge.step(step)).collect();
-        let steps: Option<Vec<Step>> = steps.into_iter().collect();
+        let mut judge = BedStepJudge { bed, ground: &ground, solids, scene, device, origins, sink: self.sink };
+        let steps: Vec<Option<MicrorobotsStep>> = parts.steps.iter().map(|step| judge.step(step)).collect();
+        let steps: Option<Vec<MicrorobotsStep>> = steps.into_iter().collect();
         let order = MicrorobotsOrder {
             facts: Arc::clone(&bed.facts),
             states: Arc::clone(&bed.states),
@@ -61,7 +63,7 @@ fn assurance(settings: &Accepted) -> Assurance {
 }
 
 /// How near goals are met; a robot ends no nearer than half a stroke.
-fn precision(settings: &Accepted, bed: &Bed, ground: &Ground, sink: &mut Sink) -> Option<Precision> {
+fn precision(settings: &Accepted, bed: &CheckedBed, ground: &BedScene, sink: &mut Sink) -> Option<Precision> {
     let given = |name: &str| match settings.get(name).map(|setting| &setting.value) {
         Some(Value::Quantity(quantity)) => Ok(Some(*quantity)),
         Some(_) => Err(()),
@@ -84,31 +86,31 @@ fn precision(settings: &Accepted, bed: &Bed, ground: &Ground, sink: &mut Sink) -
 }
 
 /// Judges the steps of one task.
-struct Judge<'a> {
-    bed: &'a Bed,
-    ground: &'a Ground,
+struct BedStepJudge<'a> {
+    bed: &'a CheckedBed,
+    ground: &'a BedScene,
     /// One for each obstacle.
-    solids: Vec<Option<Solid>>,
+    solids: Vec<Option<ObstacleSolid>>,
     /// Where the task's scene is declared.
     scene: Option<Span>,
     /// The device's name.
     device: &'a str,
-    origins: &'a mut Origins,
+    origins: &'a mut PoseOrigins,
     sink: &'a mut Sink,
 }
 
-impl Judge<'_> {
-    fn step(&mut self, step: &tasks::Step) -> Option<Step> {
+impl BedStepJudge<'_> {
+    fn step(&mut self, step: &tasks::VocabularyStep) -> Option<MicrorobotsStep> {
         let action = match &step.action {
-            tasks::Action::Wait(duration_ns) => Action::Wait(*duration_ns),
-            tasks::Action::Verb(call) => self.call(call)?,
+            tasks::VocabularyAction::Wait(duration_ns) => MicrorobotsAction::Wait(*duration_ns),
+            tasks::VocabularyAction::Verb(call) => self.call(call)?,
             // The kind has no goals at the same time, which was said.
-            tasks::Action::Together(_) => return None,
+            tasks::VocabularyAction::Together(_) => return None,
         };
-        Some(Step { action, span: step.span })
+        Some(MicrorobotsStep { action, span: step.span })
     }
 
-    fn call(&mut self, call: &Call) -> Option<Action> {
+    fn call(&mut self, call: &Call) -> Option<MicrorobotsAction> {
         match call.verb.name {
             "apply" => self.apply(call),
             "drive" => self.drive(call),
@@ -116,14 +118,14 @@ impl Judge<'_> {
         }
     }
 
-    fn apply(&mut self, call: &Call) -> Option<Action> {
+    fn apply(&mut self, call: &Call) -> Option<MicrorobotsAction> {
         let state = self.state(call.object.as_ref()?);
         let (_, duration) = call.phrases.first()?;
         let Value::Quantity(time) = duration.value else { return None };
         let duration_ns = crate::check::clock_ns(time, duration.span, "`apply`", self.sink)?;
         let wrong = self.too_far(duration_ns, duration.span);
         self.unless(wrong, Some(duration))?;
-        Some(Action::Apply { state: state?, duration_ns })
+        Some(MicrorobotsAction::Apply { state: state?, duration_ns })
     }
 
     /// The robot that so many strokes carry the farthest, if that is too far.
@@ -168,14 +170,17 @@ impl Judge<'_> {
         self.bed.states.iter().map(|state| state.digits()).enumerate().collect()
     }
 
-    fn drive(&mut self, call: &Call) -> Option<Action> {
+    fn drive(&mut self, call: &Call) -> Option<MicrorobotsAction> {
         let robot = self.robot(call.object.as_ref()?);
         let targets = phrases(&call.phrases, "via").chain(phrases(&call.phrases, "to"));
-        let stops: Vec<Option<Stop>> = targets.map(|target| self.stop(target, robot)).collect();
-        Some(Action::Drive { robot: robot?, stops: stops.into_iter().collect::<Option<Vec<Stop>>>()? })
+        let stops: Vec<Option<MicrorobotsStop>> = targets.map(|target| self.stop(target, robot)).collect();
+        Some(MicrorobotsAction::Drive {
+            robot: robot?,
+            stops: stops.into_iter().collect::<Option<Vec<MicrorobotsStop>>>()?,
+        })
     }
 
-    fn assemble(&mut self, call: &Call) -> Option<Action> {
+    fn assemble(&mut self, call: &Call) -> Option<MicrorobotsAction> {
         let mut docks: Vec<Option<Dock>> = Vec::with_capacity(call.entries.len());
         let mut seen: BTreeMap<usize, Span> = BTreeMap::new();
         for entry in &call.entries {
@@ -188,7 +193,7 @@ impl Judge<'_> {
         }
         let is_small = (call.entries.len() < 2).then(|| errors::assembly_too_small(call.span, call.entries.len()));
         self.unless(is_small, None)?;
-        docks.into_iter().collect::<Option<Vec<Dock>>>().map(Action::Assemble)
+        docks.into_iter().collect::<Option<Vec<Dock>>>().map(MicrorobotsAction::Assemble)
     }
 
     fn name(&self, robot: Option<usize>) -> &str {
@@ -217,7 +222,7 @@ impl Judge<'_> {
     }
 
     /// A pose at which the robot's body is clear of obstacles.
-    fn stop(&mut self, target: &Argument, robot: Option<usize>) -> Option<Stop> {
+    fn stop(&mut self, target: &Argument, robot: Option<usize>) -> Option<MicrorobotsStop> {
         let pose = shapes::pose_of(&target.value)?;
         let far = (!is_near(&pose)).then(|| errors::pose_too_far(target.span, MAX_EXTENT_UM));
         self.unless(far, Some(target))?;
@@ -226,18 +231,18 @@ impl Judge<'_> {
         let wrong = robot.and_then(|robot| self.on_obstacle(robot, pose, target.span));
         self.unless(wrong, Some(target))?;
         self.remember(target);
-        Some(Stop { pose, span: target.span })
+        Some(MicrorobotsStop { pose, span: target.span })
     }
 
     fn on_obstacle(&self, robot: usize, pose: Pose, span: Span) -> Option<Diagnostic> {
         let facts = &self.bed.facts;
         let placed = self.ground.robots.get(robot)?;
         let kept_um = facts.clearance_um;
-        let body = |pose: Pose| Body::of(&facts.robots[placed.row], pose);
+        let body = |pose: Pose| RobotBody::of(&facts.robots[placed.row], pose);
         let near = |pose: Pose| first_near(&body(pose), &self.ground.obstacles, &self.solids, kept_um);
         let (obstacle, gap_um) = near(pose)?;
         let free = nearest_pose(pose, |pose| near(pose).is_none());
-        let what = errors::Blocked { code: Code::E0502, robot: self.name(Some(robot)), span };
+        let what = errors::BlockedRobot { code: Code::E0502, robot: self.name(Some(robot)), span };
         let obstacle = (obstacle.name.as_str(), obstacle.span);
         Some(errors::robot_near_obstacle(&what, obstacle, (gap_um, kept_um), free))
     }

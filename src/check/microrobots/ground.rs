@@ -1,18 +1,18 @@
 //! A scene as one bed meets it: obstacles, and where each robot stands at first.
 
-use super::Bed;
-use super::bodies::{Body, Solid, is_too_near};
-use crate::check::devices::Device;
+use super::CheckedBed;
+use super::bodies::{ObstacleSolid, RobotBody, is_too_near};
+use crate::check::devices::CheckedDevice;
 use crate::check::lets::Argument;
-use crate::check::scenes::{Object, Scene};
+use crate::check::scenes::{CheckedScene, SceneObject};
 use crate::check::scope::nearest;
 use crate::check::shapes::{self, MAX_HEADING_RAD};
-use crate::check::tasks::Site;
+use crate::check::tasks::TaskSite;
 use crate::check::value::Value;
 use crate::check::{Checker, errors};
-use crate::claims::microrobots::{Obstacle, Placed};
-use crate::device::microrobots::{Facts, MAX_OBSTACLES, MAX_ROBOTS, VOCABULARY};
-use crate::device::shape::Form;
+use crate::claims::microrobots::{MicrorobotsObstacle, Placed};
+use crate::device::microrobots::{MAX_OBSTACLES, MAX_ROBOTS, MicrorobotsFacts, VOCABULARY};
+use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Code, Sink};
 use crate::geometry::shape::MAX_EXTENT_UM;
 use crate::geometry::{Pose, Shape};
@@ -22,8 +22,8 @@ use std::sync::Arc;
 
 /// A scene as a bed sees it.
 #[derive(Debug, Clone)]
-pub struct Ground {
-    pub obstacles: Arc<Vec<Obstacle>>,
+pub struct BedScene {
+    pub obstacles: Arc<Vec<MicrorobotsObstacle>>,
     /// In the order of the table.
     pub robots: Arc<Vec<Placed>>,
     /// Every robot that the scene names, with its index if nothing is wrong with it.
@@ -34,7 +34,7 @@ pub struct Ground {
 
 impl Checker<'_> {
     /// The scene of a task for its device, judged once.
-    pub fn ground(&mut self, site: &Site, bed: &Bed) -> Ground {
+    pub fn ground(&mut self, site: &TaskSite, bed: &CheckedBed) -> BedScene {
         let Some((place, scene)) = &site.scene else { return judged(&[], &site.device, &bed.facts, self.sink) };
         let key = (*place, site.place);
         if let Some(known) = self.grounds.get(&key) {
@@ -46,27 +46,27 @@ impl Checker<'_> {
     }
 }
 
-fn judged_scene(scene: &Scene, device: &Device, facts: &Facts, sink: &mut Sink) -> Ground {
+fn judged_scene(scene: &CheckedScene, device: &CheckedDevice, facts: &MicrorobotsFacts, sink: &mut Sink) -> BedScene {
     if let Some(crowd) = scene.crowd(&[("robot", MAX_ROBOTS), ("obstacle", MAX_OBSTACLES)]) {
         sink.push(crowd);
-        return Ground { is_whole: false, ..judged(&[], device, facts, sink) };
+        return BedScene { is_whole: false, ..judged(&[], device, facts, sink) };
     }
     judged(&scene.objects, device, facts, sink)
 }
 
 /// A robot that was read: where it stands, with the place of that figure.
-struct Standing {
+struct StandingRobot {
     name: String,
     placed: Placed,
     at: Argument,
 }
 
-fn judged(objects: &[Rc<Object>], device: &Device, facts: &Facts, sink: &mut Sink) -> Ground {
+fn judged(objects: &[Rc<SceneObject>], device: &CheckedDevice, facts: &MicrorobotsFacts, sink: &mut Sink) -> BedScene {
     let before = sink.errors();
     let (mut obstacles, mut standing) = (Vec::new(), Vec::new());
     let mut names = BTreeMap::new();
     for object in objects {
-        let mut reader = Reader { object, device, facts, sink };
+        let mut reader = GroundReader { object, device, facts, sink };
         match object.noun.as_str() {
             "robot" => {
                 names.insert(object.name.clone(), None);
@@ -81,7 +81,7 @@ fn judged(objects: &[Rc<Object>], device: &Device, facts: &Facts, sink: &mut Sin
         names.insert(standing.name.clone(), Some(index));
     }
     starts(&standing, &obstacles, facts, sink);
-    Ground {
+    BedScene {
         obstacles: Arc::new(obstacles),
         robots: Arc::new(standing.into_iter().map(|standing| standing.placed).collect()),
         names: Rc::new(names),
@@ -90,26 +90,26 @@ fn judged(objects: &[Rc<Object>], device: &Device, facts: &Facts, sink: &mut Sin
 }
 
 /// Reads one object of a scene.
-struct Reader<'a> {
-    object: &'a Object,
-    device: &'a Device,
-    facts: &'a Facts,
+struct GroundReader<'a> {
+    object: &'a SceneObject,
+    device: &'a CheckedDevice,
+    facts: &'a MicrorobotsFacts,
     sink: &'a mut Sink,
 }
 
-impl Reader<'_> {
+impl GroundReader<'_> {
     fn stranger(&mut self) {
         let known: Vec<&str> = VOCABULARY.nouns.iter().map(|noun| noun.name).collect();
         let object = self.object;
         self.sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, VOCABULARY.name, &known));
     }
 
-    fn robot(&mut self) -> Option<Standing> {
+    fn robot(&mut self) -> Option<StandingRobot> {
         let row = self.row();
         let has_own_body = self.has_own_body();
         let (at, pose) = self.pose()?;
         let placed = Placed { row: row?, pose, span: self.object.span };
-        (!has_own_body).then(|| Standing { name: self.object.name.clone(), placed, at })
+        (!has_own_body).then(|| StandingRobot { name: self.object.name.clone(), placed, at })
     }
 
     /// The row of the table that bears the robot's name.
@@ -157,14 +157,14 @@ impl Reader<'_> {
         Some((at, pose))
     }
 
-    fn obstacle(&mut self) -> Option<Obstacle> {
+    fn obstacle(&mut self) -> Option<MicrorobotsObstacle> {
         let object = self.object;
         let forms = VOCABULARY.noun("obstacle").map_or(&[][..], |noun| noun.shapes);
         let shape = match &object.shape {
             None => Shape::Point,
             Some(shape) if forms.contains(&shape.value.form) => shapes::in_plane(&shape.value)?,
             Some(shape) => {
-                let known: Vec<&str> = forms.iter().map(|form: &Form| form.name()).collect();
+                let known: Vec<&str> = forms.iter().map(|form: &ShapeForm| form.name()).collect();
                 let form = shape.value.form.name();
                 let wrong = errors::shape_of_other_kind(shape.span, form, &object.noun, VOCABULARY.name, &known);
                 self.sink.push(wrong);
@@ -185,7 +185,7 @@ impl Reader<'_> {
             self.sink.push(errors::shape_too_large(object.span, &errors::length(MAX_EXTENT_UM)));
             return None;
         }
-        Some(Obstacle { name: object.name.clone(), shape, pose, span: object.span })
+        Some(MicrorobotsObstacle { name: object.name.clone(), shape, pose, span: object.span })
     }
 }
 
@@ -195,13 +195,13 @@ pub fn is_near(pose: &Pose) -> bool {
 }
 
 /// Robots start clear of obstacles and of each other: all of them move with the first stroke.
-fn starts(standing: &[Standing], obstacles: &[Obstacle], facts: &Facts, sink: &mut Sink) {
-    let solids: Vec<Option<Solid>> = obstacles.iter().map(Solid::of).collect();
-    let body = |standing: &Standing| Body::of(&facts.robots[standing.placed.row], standing.placed.pose);
-    let bodies: Vec<Body> = standing.iter().map(body).collect();
+fn starts(standing: &[StandingRobot], obstacles: &[MicrorobotsObstacle], facts: &MicrorobotsFacts, sink: &mut Sink) {
+    let solids: Vec<Option<ObstacleSolid>> = obstacles.iter().map(ObstacleSolid::of).collect();
+    let body = |standing: &StandingRobot| RobotBody::of(&facts.robots[standing.placed.row], standing.placed.pose);
+    let bodies: Vec<RobotBody> = standing.iter().map(body).collect();
     let kept_um = facts.clearance_um;
-    for (index, Standing { name, at, .. }) in standing.iter().enumerate() {
-        let what = errors::Blocked { code: Code::E0505, robot: name, span: at.span };
+    for (index, StandingRobot { name, at, .. }) in standing.iter().enumerate() {
+        let what = errors::BlockedRobot { code: Code::E0505, robot: name, span: at.span };
         if let Some((obstacle, gap_um)) = first_near(&bodies[index], obstacles, &solids, kept_um) {
             let wrong = errors::robot_near_obstacle(&what, (&obstacle.name, obstacle.span), (gap_um, kept_um), None);
             sink.push(errors::given_at(wrong, at));
@@ -217,11 +217,11 @@ fn starts(standing: &[Standing], obstacles: &[Obstacle], facts: &Facts, sink: &m
 
 /// The first obstacle that a body lies too near to, and how far it lies from it.
 pub fn first_near<'o>(
-    body: &Body,
-    obstacles: &'o [Obstacle],
-    solids: &[Option<Solid>],
+    body: &RobotBody,
+    obstacles: &'o [MicrorobotsObstacle],
+    solids: &[Option<ObstacleSolid>],
     kept_um: f64,
-) -> Option<(&'o Obstacle, f64)> {
+) -> Option<(&'o MicrorobotsObstacle, f64)> {
     let gaps = solids.iter().map(|solid| solid.as_ref().map_or(f64::INFINITY, |solid| solid.gap_um(body, kept_um)));
     obstacles.iter().zip(gaps).find(|(_, gap_um)| is_too_near(*gap_um, kept_um))
 }

@@ -12,11 +12,11 @@ mod validity;
 mod walk;
 
 pub use facts::bed;
-pub use goals::Origins;
-pub use ground::Ground;
+pub use goals::PoseOrigins;
+pub use ground::BedScene;
 pub use walk::beds_agree;
 
-use crate::device::microrobots::{ControlState, Facts};
+use crate::device::microrobots::{ControlState, MicrorobotsFacts};
 use std::sync::Arc;
 
 /// Ways that the search of one step may expand where the task does not say.
@@ -24,8 +24,8 @@ pub const DEFAULT_EXPANSIONS: u64 = 200_000;
 
 /// A bed: its facts, and the control states that its voltage can reach.
 #[derive(Debug, Clone)]
-pub struct Bed {
-    pub facts: Arc<Facts>,
+pub struct CheckedBed {
+    pub facts: Arc<MicrorobotsFacts>,
     pub states: Arc<Vec<ControlState>>,
 }
 

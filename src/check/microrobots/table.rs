@@ -1,25 +1,25 @@
 //! The table of a bed's robots, each figure with its place in the source.
 
-use crate::check::devices::Device;
+use crate::check::devices::CheckedDevice;
 use crate::check::value::{TableValue, Value};
 use crate::quantity::Quantity;
 use crate::source::{Span, Spanned};
 
 /// The field `robots` of a device; its columns and cells were held against the vocabulary.
 #[derive(Clone, Copy)]
-pub struct Table<'a> {
+pub struct RobotTable<'a> {
     value: &'a TableValue,
     /// The whole table.
     pub span: Span,
 }
 
-impl<'a> Table<'a> {
+impl<'a> RobotTable<'a> {
     /// `None` where a cell is unknown, which was said.
-    pub fn of(device: &'a Device) -> Option<Table<'a>> {
+    pub fn of(device: &'a CheckedDevice) -> Option<RobotTable<'a>> {
         let field = device.fields.get("robots")?;
         let Value::Table(value) = &field.value else { return None };
         let is_known = value.rows.iter().flatten().all(|cell| !cell.value.is_unknown());
-        is_known.then_some(Table { value, span: field.span })
+        is_known.then_some(RobotTable { value, span: field.span })
     }
 
     /// How many rows it has.

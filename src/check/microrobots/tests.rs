@@ -1,10 +1,10 @@
 //! Each check just inside and just outside, and what an order says.
 
-use super::bodies::{Body, Solid};
+use super::bodies::{ObstacleSolid, RobotBody};
 use super::docking::{Docked, HeadOn, incidence_rad};
 use crate::check::imports::{self, Library};
 use crate::check::{Checked, Options, check};
-use crate::claims::microrobots::{Action, Assurance, MicrorobotsOrder, Obstacle};
+use crate::claims::microrobots::{Assurance, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsOrder};
 use crate::device::microrobots::{Docking, MAX_ROBOTS, Robot, Turning};
 use crate::diagnostic::Sink;
 use crate::geometry::{Pose, Shape};
@@ -127,11 +127,11 @@ fn a_program_becomes_an_order() {
     assert_eq!(order.robots.iter().map(|placed| placed.row).collect::<Vec<_>>(), [1, 2]);
     assert_eq!((order.expansions, order.precision.place_um, order.assurance), (77, 2.0, Assurance::Demanded));
     let [apply, drive, wait, assemble] = order.steps.as_slice() else { panic!("four steps") };
-    assert_eq!(apply.action, Action::Apply { state: 1, duration_ns: 3_000_000_000 });
-    let Action::Drive { robot: 1, stops } = &drive.action else { panic!("D3 is driven") };
+    assert_eq!(apply.action, MicrorobotsAction::Apply { state: 1, duration_ns: 3_000_000_000 });
+    let MicrorobotsAction::Drive { robot: 1, stops } = &drive.action else { panic!("D3 is driven") };
     assert_eq!(stops.iter().map(|stop| stop.pose.x_um).collect::<Vec<_>>(), [2000.0, 0.0]);
-    assert_eq!(wait.action, Action::Wait(3_000_000));
-    let Action::Assemble(docks) = &assemble.action else { panic!("two are assembled") };
+    assert_eq!(wait.action, MicrorobotsAction::Wait(3_000_000));
+    let MicrorobotsAction::Assemble(docks) = &assemble.action else { panic!("two are assembled") };
     assert_eq!(docks.iter().map(|dock| dock.robot).collect::<Vec<_>>(), [0, 1]);
 }
 
@@ -476,7 +476,8 @@ fn near(one: f64, other: f64) -> bool {
 
 #[test]
 fn bodies_lie_apart_or_overlap() {
-    let body = |x_um: f64, y_um: f64, deg: f64| Body::of(&robot(), Pose { x_um, y_um, heading_rad: deg.to_radians() });
+    let body =
+        |x_um: f64, y_um: f64, deg: f64| RobotBody::of(&robot(), Pose { x_um, y_um, heading_rad: deg.to_radians() });
     let still = body(0.0, 0.0, 0.0);
     assert!(near(still.gap_um(&body(270.0, 0.0, 0.0)), 10.0));
     assert!(near(still.gap_um(&body(255.0, 0.0, 180.0)), -5.0));
@@ -490,14 +491,14 @@ fn bodies_lie_apart_or_overlap() {
 
 #[test]
 fn bodies_and_obstacles_lie_apart_or_overlap() {
-    let disc = Obstacle {
+    let disc = MicrorobotsObstacle {
         name: "post".to_owned(),
         shape: Shape::Disc { radius_um: 10.0 },
         pose: Pose::at(165.0, 300.0),
         span: Span::default(),
     };
-    let solid = Solid::of(&disc).expect("a disc can be placed");
-    let body = Body::of(&robot(), Pose::at(165.0, 250.0));
+    let solid = ObstacleSolid::of(&disc).expect("a disc can be placed");
+    let body = RobotBody::of(&robot(), Pose::at(165.0, 250.0));
     assert!(near(solid.gap_um(&body, f64::INFINITY), 10.0));
 }
 

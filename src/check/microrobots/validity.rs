@@ -1,12 +1,12 @@
 //! What the relays of a table allow, and what is said where they do not.
 
 use super::facts::{at, quantity, told};
-use super::relays::{self, Analysis, Fault, Gaps, Mend, Problem, Row, Source, Transition};
-use super::table::Table;
-use crate::check::devices::Device;
+use super::relays::{self, AllowedGaps, Analysis, Mend, Problem, RelayRow, Source, TableFault, Transition};
+use super::table::RobotTable;
+use crate::check::devices::CheckedDevice;
 use crate::check::errors::{self, Limit};
 use crate::check::value::{Value, whole};
-use crate::device::microrobots::{Arm, ControlState, Facts, MAX_LEVELS, Robot};
+use crate::device::microrobots::{Arm, ControlState, MAX_LEVELS, MicrorobotsFacts, Robot};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::Span;
 
@@ -20,8 +20,13 @@ const SMALL_SLACK: f64 = 0.1;
 const MAX_WARNINGS: usize = 8;
 
 /// The control states of a bed; `None` after an error.
-pub fn states(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) -> Option<Vec<ControlState>> {
-    let judge = Judge { facts, table, device };
+pub fn states(
+    facts: &MicrorobotsFacts,
+    table: &RobotTable,
+    device: &CheckedDevice,
+    sink: &mut Sink,
+) -> Option<Vec<ControlState>> {
+    let judge = TableJudge { facts, table, device };
     let errors = sink.errors();
     (0..facts.robots.len()).filter_map(|row| judge.upside_down(row)).for_each(|wrong| sink.push(wrong));
     (sink.errors() == errors).then_some(())?;
@@ -37,35 +42,35 @@ pub fn states(facts: &Facts, table: &Table, device: &Device, sink: &mut Sink) ->
     Some(analysis.states)
 }
 
-fn rows(facts: &Facts) -> Vec<Row> {
-    let row = |robot: &Robot| Row { snap_down_v: robot.snap_down_v, release_v: robot.release_v };
+fn rows(facts: &MicrorobotsFacts) -> Vec<RelayRow> {
+    let row = |robot: &Robot| RelayRow { snap_down_v: robot.snap_down_v, release_v: robot.release_v };
     facts.robots.iter().map(row).collect()
 }
 
-fn source(facts: &Facts, device: &Device) -> Source {
+fn source(facts: &MicrorobotsFacts, device: &CheckedDevice) -> Source {
     let levels = quantity(device, "levels").and_then(whole).and_then(|levels| usize::try_from(levels).ok());
-    let Facts { margin_v, relax_v, flex_v, max_v, .. } = *facts;
+    let MicrorobotsFacts { margin_v, relax_v, flex_v, max_v, .. } = *facts;
     Source { margin_v, relax_v, flex_v, max_v, most_levels: levels.unwrap_or(DEFAULT_LEVELS) }
 }
 
-fn gaps(device: &Device) -> Gaps {
+fn gaps(device: &CheckedDevice) -> AllowedGaps {
     match device.fields.get("non_string").map(|field| &field.value) {
-        Some(Value::Bool(true)) => Gaps::Any,
-        _ => Gaps::String,
+        Some(Value::Bool(true)) => AllowedGaps::Any,
+        _ => AllowedGaps::String,
     }
 }
 
 /// Says what is wrong with a table, at the rows that it is about.
-struct Judge<'a> {
-    facts: &'a Facts,
-    table: &'a Table<'a>,
-    device: &'a Device,
+struct TableJudge<'a> {
+    facts: &'a MicrorobotsFacts,
+    table: &'a RobotTable<'a>,
+    device: &'a CheckedDevice,
 }
 
 /// Labels of a finding, the first one where it points.
 type Labels = Vec<(Span, String)>;
 
-impl Judge<'_> {
+impl TableJudge<'_> {
     fn name(&self, row: usize) -> &str {
         &self.facts.robots[row].name
     }
@@ -93,7 +98,7 @@ impl Judge<'_> {
         })
     }
 
-    fn told_fault(&self, fault: &Fault, analysis: &Analysis) -> Diagnostic {
+    fn told_fault(&self, fault: &TableFault, analysis: &Analysis) -> Diagnostic {
         let (wrong, labels) = self.fault(&fault.problem, analysis);
         let mend = fault.mend.as_ref().map(|mend| self.mend(mend, &fault.problem));
         let mends: Vec<String> = mend.into_iter().chain(self.other_level(&fault.problem)).collect();
@@ -103,7 +108,7 @@ impl Judge<'_> {
 
     /// The level of the device that would suit every row, where the drive train still swings.
     fn other_level(&self, problem: &Problem) -> Option<String> {
-        let Facts { margin_v, relax_v, flex_v, .. } = *self.facts;
+        let MicrorobotsFacts { margin_v, relax_v, flex_v, .. } = *self.facts;
         let robots = &self.facts.robots;
         let highest = |voltage: fn(&Robot) -> f64| robots.iter().map(voltage).fold(0.0, f64::max);
         let lowest_v = robots.iter().map(|robot| robot.snap_down_v).fold(f64::INFINITY, f64::min);
@@ -198,7 +203,7 @@ impl Judge<'_> {
     }
 
     /// The two cells that a state would have to tell apart by one voltage.
-    fn gap(&self, gap: relays::Gap, transition: Transition) -> Labels {
+    fn gap(&self, gap: relays::RowGap, transition: Transition) -> Labels {
         let (down, up) = (self.name(gap.down), self.name(gap.up));
         let [low, high] = errors::gap_labels(column(transition), [down, up], gap.gap_v);
         vec![self.cell(gap.down, transition, low), self.cell(gap.up, transition, high)]
@@ -231,7 +236,7 @@ impl Judge<'_> {
             .flat_map(|(down, up)| {
                 [Transition::SnapDown, Transition::Release].map(|transition| {
                     let gap_v = self.voltage(up, transition) - self.voltage(down, transition);
-                    (relays::Gap { down, up, gap_v }, transition)
+                    (relays::RowGap { down, up, gap_v }, transition)
                 })
             })
             .find(|(gap, _)| is_binding(gap.gap_v.abs() / 2.0 - facts.margin_v));

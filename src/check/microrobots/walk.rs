@@ -2,13 +2,15 @@
 //!
 //! The runs of a schedule are walked in their order. Where robots stand that have not docked is a matter of the plan.
 
-use super::bodies::{Body, Solid, is_too_near};
+use super::bodies::{ObstacleSolid, RobotBody, is_too_near};
 use super::docking::{self, Docked, Partner};
-use super::goals::Origins;
+use super::goals::PoseOrigins;
 use super::ground::first_near;
 use crate::check::errors;
 use crate::claims::Job;
-use crate::claims::microrobots::{Action, Dock, MicrorobotsOrder, Obstacle, Placed, Stop};
+use crate::claims::microrobots::{
+    Dock, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsOrder, MicrorobotsStop, Placed,
+};
 use crate::device::microrobots::{Arm, Docking};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::Span;
@@ -16,11 +18,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// What a schedule asks of robots that have docked.
-pub fn beds_agree(jobs: &[Job], origins: &Origins, sink: &mut Sink) {
-    let mut beds: BTreeMap<&str, Walk> = BTreeMap::new();
+pub fn beds_agree(jobs: &[Job], origins: &PoseOrigins, sink: &mut Sink) {
+    let mut beds: BTreeMap<&str, BedWalk> = BTreeMap::new();
     for job in jobs {
         let Some(order) = job.order.microrobots() else { continue };
-        let walk = beds.entry(&job.device).or_insert_with(|| Walk::of(order));
+        let walk = beds.entry(&job.device).or_insert_with(|| BedWalk::of(order));
         if let Some(name) = walk.odd_robot(order) {
             sink.push(errors::unlike_robots(job.run_span, &job.device, name));
             return;
@@ -39,19 +41,19 @@ pub fn beds_agree(jobs: &[Job], origins: &Origins, sink: &mut Sink) {
 }
 
 /// A bed between two steps.
-struct Walk {
+struct BedWalk {
     /// As the first scene puts them.
     robots: Arc<Vec<Placed>>,
     /// Of the scene of the last run.
-    obstacles: Arc<Vec<Obstacle>>,
+    obstacles: Arc<Vec<MicrorobotsObstacle>>,
     /// Where robots have docked, by their index.
-    docked: BTreeMap<usize, Stop>,
+    docked: BTreeMap<usize, MicrorobotsStop>,
 }
 
-impl Walk {
-    fn of(order: &MicrorobotsOrder) -> Walk {
+impl BedWalk {
+    fn of(order: &MicrorobotsOrder) -> BedWalk {
         let (robots, obstacles) = (Arc::clone(&order.robots), Arc::clone(&order.obstacles));
-        Walk { robots, obstacles, docked: BTreeMap::new() }
+        BedWalk { robots, obstacles, docked: BTreeMap::new() }
     }
 
     /// A robot that only one of two scenes has.
@@ -68,26 +70,26 @@ impl Walk {
             return None;
         }
         self.obstacles = Arc::clone(&order.obstacles);
-        let solids: Vec<Option<Solid>> = order.obstacles.iter().map(Solid::of).collect();
+        let solids: Vec<Option<ObstacleSolid>> = order.obstacles.iter().map(ObstacleSolid::of).collect();
         self.docked.iter().find_map(|(robot, at)| {
-            let body = Body::of(order.robot(*robot), at.pose);
+            let body = RobotBody::of(order.robot(*robot), at.pose);
             let (obstacle, _) = first_near(&body, &order.obstacles, &solids, 0.0)?;
-            let docked = errors::Goal { robot: order.robot(*robot).name.clone(), span: at.span };
+            let docked = errors::GoalPlace { robot: order.robot(*robot).name.clone(), span: at.span };
             Some(errors::obstacle_on_docked(job.run_span, &docked, (&obstacle.name, obstacle.span)))
         })
     }
 
     /// Judges a step, and docks what it assembles.
-    fn advance(&mut self, action: &Action, span: Span, order: &MicrorobotsOrder) -> Vec<Diagnostic> {
+    fn advance(&mut self, action: &MicrorobotsAction, span: Span, order: &MicrorobotsOrder) -> Vec<Diagnostic> {
         match action {
-            Action::Wait(_) | Action::Apply { .. } => Vec::new(),
-            Action::Drive { robot, stops } => {
+            MicrorobotsAction::Wait(_) | MicrorobotsAction::Apply { .. } => Vec::new(),
+            MicrorobotsAction::Drive { robot, stops } => {
                 if let Some(since) = self.docked.get(robot) {
                     return vec![errors::docked_before(&order.robot(*robot).name, (span, "driven"), since.span)];
                 }
                 stops.iter().find_map(|stop| self.on_docked(*robot, stop, order)).into_iter().collect()
             }
-            Action::Assemble(docks) => {
+            MicrorobotsAction::Assemble(docks) => {
                 let found = self.assemble(docks, order);
                 self.docked.extend(docks.iter().map(|dock| (dock.robot, dock.goal.clone())));
                 found
@@ -96,14 +98,14 @@ impl Walk {
     }
 
     /// A stop at which a robot would be too near to one that has docked.
-    fn on_docked(&self, robot: usize, stop: &Stop, order: &MicrorobotsOrder) -> Option<Diagnostic> {
-        let body = Body::of(order.robot(robot), stop.pose);
+    fn on_docked(&self, robot: usize, stop: &MicrorobotsStop, order: &MicrorobotsOrder) -> Option<Diagnostic> {
+        let body = RobotBody::of(order.robot(robot), stop.pose);
         let kept_um = order.facts.clearance_um;
         self.docked.iter().find_map(|(other, at)| {
-            let gap_um = body.gap_um(&Body::of(order.robot(*other), at.pose));
+            let gap_um = body.gap_um(&RobotBody::of(order.robot(*other), at.pose));
             is_too_near(gap_um, kept_um).then(|| {
-                let goal = errors::Goal { robot: order.robot(robot).name.clone(), span: stop.span };
-                let docked = errors::Goal { robot: order.robot(*other).name.clone(), span: at.span };
+                let goal = errors::GoalPlace { robot: order.robot(robot).name.clone(), span: stop.span };
+                let docked = errors::GoalPlace { robot: order.robot(*other).name.clone(), span: at.span };
                 errors::goal_on_docked(&goal, &docked, (gap_um, kept_um))
             })
         })
@@ -130,8 +132,8 @@ impl Walk {
     }
 }
 
-fn docked<'a>(robot: usize, at: &Stop, order: &'a MicrorobotsOrder) -> Docked<'a> {
-    let Stop { pose, span } = *at;
+fn docked<'a>(robot: usize, at: &MicrorobotsStop, order: &'a MicrorobotsOrder) -> Docked<'a> {
+    let MicrorobotsStop { pose, span } = *at;
     Docked { robot, facts: order.robot(robot), pose, span }
 }
 

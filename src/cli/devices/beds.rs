@@ -2,9 +2,9 @@
 
 use super::aligned;
 use super::program::length;
-use crate::check::microrobots::Bed;
-use crate::check::microrobots::relays::Row;
-use crate::check::microrobots::suggest::{self, Limits, Suggestion};
+use crate::check::microrobots::CheckedBed;
+use crate::check::microrobots::relays::RelayRow;
+use crate::check::microrobots::suggest::{self, SuggestLimits, Suggestion};
 use crate::cli::arguments::DevicesArguments;
 use crate::cli::{Exit, terminal};
 use crate::device::microrobots::{ControlState, Robot};
@@ -12,7 +12,7 @@ use crate::quantity::{Dimension, Quantity, digits};
 use std::fmt::Write;
 
 /// The table of a bed, and the control states that its voltage can reach.
-pub fn told(name: &str, bed: &Bed) -> String {
+pub fn told(name: &str, bed: &CheckedBed) -> String {
     let facts = &bed.facts;
     let count = facts.robots.len();
     let plural = if count == 1 { "" } else { "s" };
@@ -37,7 +37,7 @@ fn row(robot: &Robot, period_ns: u64) -> Vec<String> {
 }
 
 /// A row for each control state, a column for each robot.
-fn matrix(bed: &Bed) -> String {
+fn matrix(bed: &CheckedBed) -> String {
     let heading = std::iter::once("state".to_owned())
         .chain(bed.facts.robots.iter().map(|robot| robot.name.clone()))
         .chain(["slack", "levels of its control cycle"].map(str::to_owned));
@@ -68,7 +68,7 @@ pub fn suggest(arguments: &DevicesArguments) -> Exit {
         return Exit::Usage;
     };
     let drive_v = arguments.relax.zip(arguments.flex).map(|(relax_v, flex_v)| [relax_v, flex_v]);
-    let limits = Limits { margin_v, max_v, drive_v, swing_v: arguments.swing };
+    let limits = SuggestLimits { margin_v, max_v, drive_v, swing_v: arguments.swing };
     let suggestion = suggest::suggest(robots as usize, limits);
     match &suggestion.table {
         Some(table) => terminal::answer(&declaration(table, &suggestion, limits)),
@@ -85,7 +85,7 @@ pub fn suggest(arguments: &DevicesArguments) -> Exit {
 }
 
 /// A device that can be put into a program as it is.
-fn declaration(table: &[Row], suggestion: &Suggestion, limits: Limits) -> String {
+fn declaration(table: &[RelayRow], suggestion: &Suggestion, limits: SuggestLimits) -> String {
     let mut text = format!(
         "// The best table for {} robots: every level of every control cycle may be off by {}. At most {} robots would fit.\n\
          // Only the voltages are suggested; the turning radius is an example.\n\

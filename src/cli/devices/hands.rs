@@ -2,12 +2,12 @@
 
 use super::program::length;
 use crate::claims::{Claims, Order};
-use crate::device::fingers::{Adhesion, Facts, Plane};
+use crate::device::fingers::{Adhesion, FingersFacts, Plane};
 use crate::quantity::{Dimension, Quantity, digits};
 use std::collections::BTreeMap;
 
 /// A line for the hand, and one for each part.
-pub fn told(name: &str, facts: &Facts, claims: &[Claims]) -> String {
+pub fn told(name: &str, facts: &FingersFacts, claims: &[Claims]) -> String {
     let (fingers, tip) = (facts.fingers, length(facts.tip_radius_um));
     let step = digits(360.0 / f64::from(facts.steps_per_turn));
     let sticking = match facts.adhesion {

@@ -2,7 +2,7 @@
 
 use super::{beds, hands};
 use crate::check::Options;
-use crate::check::devices::Facts;
+use crate::check::devices::KindFacts;
 use crate::claims::Claims;
 use crate::cli::arguments::DevicesArguments;
 use crate::cli::loaded::Loaded;
@@ -33,19 +33,19 @@ pub fn run(file: &Path, arguments: &DevicesArguments) -> Exit {
     })
 }
 
-fn told(name: &str, facts: &Facts, claims: &[Claims]) -> String {
+fn told(name: &str, facts: &KindFacts, claims: &[Claims]) -> String {
     match facts {
-        Facts::Dimibot(facts) => {
+        KindFacts::Dimibot(facts) => {
             let [left, right] = Side::BOTH.map(|side| facts.modules(side));
             let [left_um, right_um] = Side::BOTH.map(|side| length(facts.pitch_um(side)));
             format!("{name}: dimibot, {left} modules of {left_um} left, {right} of {right_um} right\n")
         }
-        Facts::ElectrodeArray(facts) => {
+        KindFacts::ElectrodeArray(facts) => {
             let (columns, rows, pitch) = (facts.columns, facts.rows, length(facts.pitch_um()));
             format!("{name}: electrode_array, {columns} x {rows} electrodes {pitch} apart\n")
         }
-        Facts::Microrobots(bed) => beds::told(name, bed),
-        Facts::Fingers(facts) => hands::told(name, facts, claims),
+        KindFacts::Microrobots(bed) => beds::told(name, bed),
+        KindFacts::Fingers(facts) => hands::told(name, facts, claims),
     }
 }
 

@@ -1,6 +1,6 @@
 //! The tables that the checker reads, for people.
 
-use crate::device::{Choice, Count, Field, Kind, Need, Sort, Together, Vocabulary, shape::Form};
+use crate::device::{Count, Kind, Need, Sort, Together, Vocabulary, VocabularyField, WordChoice, shape::ShapeForm};
 use crate::quantity::Dimension;
 use std::fmt::Write;
 
@@ -49,8 +49,8 @@ pub fn page(vocabulary: &'static Vocabulary) -> String {
     );
     page.section("using", vocabulary.planners.iter().map(|planner| (planner.name.to_owned(), planner.doc.to_owned())));
     page.section("In a scene", vocabulary.nouns.iter().map(|noun| (noun.name.to_owned(), noun.doc.to_owned())));
-    let used = |form: &&Form| vocabulary.nouns.iter().any(|noun| noun.shapes.contains(form));
-    page.section("Shapes", Form::ALL.iter().filter(used).map(|form| (shape(*form), form.doc().to_owned())));
+    let used = |form: &&ShapeForm| vocabulary.nouns.iter().any(|noun| noun.shapes.contains(form));
+    page.section("Shapes", ShapeForm::ALL.iter().filter(used).map(|form| (shape(*form), form.doc().to_owned())));
     page.text("\nChannels");
     for line in wrapped(vocabulary.channels, PAGE_WIDTH - 2) {
         page.text(&format!("  {line}"));
@@ -105,7 +105,7 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-fn field(field: &Field) -> (String, String) {
+fn field(field: &VocabularyField) -> (String, String) {
     let need = match field.need {
         Need::Required => String::new(),
         Need::Optional(otherwise) => format!(" (else {otherwise})"),
@@ -113,7 +113,7 @@ fn field(field: &Field) -> (String, String) {
     (format!("{}: {}", field.name, sort(field.sort)), format!("{}{need}", field.doc))
 }
 
-fn choice(choice: &Choice) -> (String, String) {
+fn choice(choice: &WordChoice) -> (String, String) {
     (choice.name.to_owned(), choice.doc.to_owned())
 }
 
@@ -209,7 +209,7 @@ fn common_settings(vocabulary: &Vocabulary) -> Vec<(String, String)> {
     settings
 }
 
-fn shape(form: Form) -> String {
+fn shape(form: ShapeForm) -> String {
     let fields: Vec<String> =
         form.fields().iter().map(|field| format!("{}: {}", field.name, sort(field.sort))).collect();
     format!("{} {{ {} }}", form.name(), fields.join(", "))

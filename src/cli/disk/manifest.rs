@@ -17,12 +17,12 @@ pub const NAME: &str = ".tweeze.json";
 /// By the name of each file, what it was built from.
 #[derive(Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Manifest {
-    files: BTreeMap<String, Origin>,
+    files: BTreeMap<String, ProgramId>,
 }
 
 /// A program, told apart by its place. The place is hashed: a folder that is handed on tells nothing of the machine.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-struct Origin {
+struct ProgramId {
     /// The program's file without its folder, for messages.
     program: String,
     /// SHA-256 of the way from the folder to the program, in hexadecimal.
@@ -47,7 +47,7 @@ impl Manifest {
     /// A file stands there that was built from another program, and it is not to be replaced.
     pub fn enter(&mut self, to: &Destination, files: &[OutputFile]) -> Result<bool, Box<Diagnostic>> {
         let before = self.files.clone();
-        let origin = Origin::of(to.folder, to.program);
+        let origin = ProgramId::of(to.folder, to.program);
         for file in files {
             let is_there = to.folder.join(&file.name).symlink_metadata().is_ok();
             let other = self.files.get(&file.name).filter(|other| is_there && other.place != origin.place);
@@ -70,14 +70,14 @@ impl Manifest {
     }
 }
 
-impl Origin {
-    fn of(folder: &Path, program: &Path) -> Origin {
+impl ProgramId {
+    fn of(folder: &Path, program: &Path) -> ProgramId {
         let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();
         // Both exist by now; where the system cannot tell their places, the words of the user stand for them.
         let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let way = way_to(&whole(folder), &whole(program));
         let digest = Sha256::digest(way.to_string_lossy().replace('\\', "/").as_bytes());
-        Origin { program: name, place: digest.iter().map(|byte| format!("{byte:02x}")).collect() }
+        ProgramId { program: name, place: digest.iter().map(|byte| format!("{byte:02x}")).collect() }
     }
 }
 

@@ -7,7 +7,7 @@ use super::{errors, signals};
 use crate::diagnostic::Diagnostic;
 use crate::emit::OutputFile;
 use crate::source::MAX_FILE_BYTES;
-use commit::{Fault, Folder, JOURNAL, Real};
+use commit::{DiskFault, Folder, JOURNAL, RealDisk};
 use manifest::Manifest;
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -104,18 +104,18 @@ pub fn settle(file: &Path) -> Result<(), Box<Diagnostic>> {
         let why = io::Error::new(io::ErrorKind::Unsupported, "this system does not tell whose journal it is");
         return Err(unfinished(&why));
     }
-    Folder::open(folder, &Real).map(drop).map_err(|fault| unfinished(&fault.error))
+    Folder::open(folder, &RealDisk).map(drop).map_err(|fault| unfinished(&fault.error))
 }
 
 fn write_set(to: &Destination, files: &[OutputFile]) -> Result<(), Box<Diagnostic>> {
-    let fail = |fault: Fault| {
+    let fail = |fault: DiskFault| {
         let is_foreign = fault.path.ends_with(JOURNAL) && fault.error.kind() == io::ErrorKind::InvalidData;
         Box::new(match is_foreign {
             true => errors::unfinished(to.folder, JOURNAL, &fault.error),
             false => errors::unwritable(&fault.path, &fault.error),
         })
     };
-    let folder = Folder::open(to.folder, &Real).map_err(fail)?;
+    let folder = Folder::open(to.folder, &RealDisk).map_err(fail)?;
     let mut manifest = Manifest::read(to.folder)?;
     let changed = manifest.enter(to, files)?;
     let manifest = changed.then(|| manifest.bytes());

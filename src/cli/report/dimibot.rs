@@ -1,8 +1,8 @@
 //! What a build tells of a DiMiBot's plan.
 
-use super::{Note, Told, Topic, count, proof, rounded};
-use crate::claims::dimibot::{Action, Asked, DimibotOrder, Stop};
-use crate::device::dimibot::{Cell, Side};
+use super::{Note, ReportTopic, ReportedRun, count, proof, rounded};
+use crate::claims::dimibot::{Asked, DimibotAction, DimibotOrder, DimibotStop};
+use crate::device::dimibot::{LatticeCell, Side};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::real::Real;
 use crate::schedule::{PlanRecord, State, TimedState};
@@ -27,21 +27,22 @@ pub fn cost(plan: &PlanRecord, order: &DimibotOrder) -> String {
 }
 
 /// In which order each `visit` comes to its places, and how far the cells that were taken for places lie from them.
-pub fn notes(run: &Told, order: &DimibotOrder) -> Vec<Note> {
+pub fn notes(run: &ReportedRun, order: &DimibotOrder) -> Vec<Note> {
     let visits = run.steps.iter().zip(&order.steps).filter_map(|(step, claim)| match &claim.action {
-        Action::Visit(stops) => {
+        DimibotAction::Visit(stops) => {
             Some(visited(stops, &run.plan.states, step.start_ns..=step.start_ns + step.duration_ns))
         }
-        Action::Move(_) | Action::Wait(_) => None,
+        DimibotAction::Move(_) | DimibotAction::Wait(_) => None,
     });
-    let visits = visits.map(|line| (Topic::Visits, line));
-    let nearest = nearest(order).into_iter().map(|line| (Topic::Nearest, line));
-    visits.chain(nearest).chain(waits(run, order).map(|line| (Topic::Waits, line))).collect()
+    let visits = visits.map(|line| (ReportTopic::Visits, line));
+    let nearest = nearest(order).into_iter().map(|line| (ReportTopic::Nearest, line));
+    visits.chain(nearest).chain(waits(run, order).map(|line| (ReportTopic::Waits, line))).collect()
 }
 
 /// How long a robot waits for others: what is neither pulse nor rest nor a wait of the task.
-fn waits(run: &Told, order: &DimibotOrder) -> Option<String> {
-    let moving = run.steps.iter().zip(&order.steps).filter(|(_, claim)| !matches!(claim.action, Action::Wait(_)));
+fn waits(run: &ReportedRun, order: &DimibotOrder) -> Option<String> {
+    let moving =
+        run.steps.iter().zip(&order.steps).filter(|(_, claim)| !matches!(claim.action, DimibotAction::Wait(_)));
     let lasts_ns: u64 = moving.map(|(step, _)| step.duration_ns).sum();
     // Every state but the first follows a pulse.
     let pulses = run.plan.states.len().saturating_sub(1) as u64;
@@ -51,27 +52,27 @@ fn waits(run: &Told, order: &DimibotOrder) -> Option<String> {
 }
 
 /// The stops in the order in which states of a stretch of time first stand at them.
-fn visited(stops: &[Stop], states: &[TimedState], during: RangeInclusive<u64>) -> String {
+fn visited(stops: &[DimibotStop], states: &[TimedState], during: RangeInclusive<u64>) -> String {
     // The state in which the stretch begins may be older than it.
     let before = states.iter().rev().find(|state| state.t_ns <= *during.start());
     let within = states.iter().filter(|state| during.contains(&state.t_ns));
-    let mut order: Vec<Cell> = Vec::new();
+    let mut order: Vec<LatticeCell> = Vec::new();
     for state in before.into_iter().chain(within) {
         let State::Dimibot { cell: [x, y], .. } = state.state else { continue };
-        let cell = Cell::new(x, y);
+        let cell = LatticeCell::new(x, y);
         if stops.iter().any(|stop| stop.cell == cell) && !order.contains(&cell) {
             order.push(cell);
         }
     }
-    order.iter().map(Cell::to_string).collect::<Vec<_>>().join(" → ")
+    order.iter().map(LatticeCell::to_string).collect::<Vec<_>>().join(" → ")
 }
 
 fn nearest(order: &DimibotOrder) -> Vec<String> {
     let stops = order.steps.iter().flat_map(|step| match &step.action {
-        Action::Move(stops) | Action::Visit(stops) => stops.as_slice(),
-        Action::Wait(_) => &[],
+        DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops.as_slice(),
+        DimibotAction::Wait(_) => &[],
     });
-    let line = |stop: &Stop| {
+    let line = |stop: &DimibotStop| {
         let Asked::Place([x_um, y_um]) = stop.asked else { return None };
         let [cell_x_um, cell_y_um] = order.in_scene_um(order.facts.place_um(stop.cell));
         let off = length((cell_x_um - x_um).hypotenuse(cell_y_um - y_um));

@@ -1,7 +1,7 @@
 //! What a build tells of an electrode array's plan.
 
 use super::{count, proof};
-use crate::claims::electrode_array::{ElectrodeArrayOrder, Objective};
+use crate::claims::electrode_array::{ElectrodeArrayObjective, ElectrodeArrayOrder};
 use crate::quantity::digits;
 use crate::schedule::PlanRecord;
 
@@ -11,11 +11,11 @@ pub fn cost(plan: &PlanRecord, order: &ElectrodeArrayOrder) -> String {
     let sum = |value: f64| format!("sum of costs {}", digits(value));
     let reached = |outcome: &str| plan.outcomes.get(outcome).copied().unwrap_or_default();
     match order.objective {
-        Objective::Makespan => {
+        ElectrodeArrayObjective::Makespan => {
             let other = bounded(plan, "sum_of_costs");
             format!("{}, {}; {}{other}", steps(plan.cost), proof(plan, digits), sum(reached("sum_of_costs")))
         }
-        Objective::SumOfCosts => {
+        ElectrodeArrayObjective::SumOfCosts => {
             let other = bounded(plan, "steps");
             format!("{}, {}; {}{other}", sum(plan.cost), proof(plan, digits), steps(reached("steps")))
         }

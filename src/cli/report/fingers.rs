@@ -1,6 +1,6 @@
 //! What a build tells of a plan for a hand.
 
-use super::{Note, Told, Topic, count, proof, reached, rounded};
+use super::{Note, ReportTopic, ReportedRun, count, proof, reached, rounded};
 use crate::claims::fingers::{FingersOrder, Section};
 use crate::device::fingers::Plane;
 use crate::schedule::PlanRecord;
@@ -13,12 +13,12 @@ pub fn cost(plan: &PlanRecord) -> String {
 }
 
 /// How a part was sampled, and what the planner has to say.
-pub fn notes(run: &Told, order: &FingersOrder) -> Vec<Note> {
+pub fn notes(run: &ReportedRun, order: &FingersOrder) -> Vec<Note> {
     let sections = Plane::ALL.into_iter().filter_map(|plane| Some(contacts(plane, order.part.section(plane)?)));
     let contacts = format!("{}: {}", order.part.name, sections.collect::<Vec<_>>().join(", "));
     let remarks =
-        run.plan.remarks.iter().map(|remark| (Topic::Remarked, format!("{}: {}", remark.subject, remark.text)));
-    std::iter::once((Topic::Contacts, contacts)).chain(remarks).chain(reached(run)).collect()
+        run.plan.remarks.iter().map(|remark| (ReportTopic::Remarked, format!("{}: {}", remark.subject, remark.text)));
+    std::iter::once((ReportTopic::Contacts, contacts)).chain(remarks).chain(reached(run)).collect()
 }
 
 /// `74 in xy (I 1, J 38)`.

@@ -1,6 +1,6 @@
 //! What a build tells of a plan for microrobots.
 
-use super::{Note, Told, Topic, count, proof, reached, rounded};
+use super::{Note, ReportTopic, ReportedRun, count, proof, reached, rounded};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::schedule::PlanRecord;
 
@@ -12,9 +12,9 @@ pub fn cost(plan: &PlanRecord) -> String {
 }
 
 /// Whether each goal of an assembly is guaranteed under the device's error bounds, where robots end, and which ones are not there.
-pub fn notes(run: &Told, order: &MicrorobotsOrder) -> Vec<Note> {
+pub fn notes(run: &ReportedRun, order: &MicrorobotsOrder) -> Vec<Note> {
     let remarks = run.plan.remarks.iter();
-    let assured = remarks.map(|remark| (Topic::Guaranteed, format!("{}: {}", remark.subject, remark.text)));
+    let assured = remarks.map(|remark| (ReportTopic::Guaranteed, format!("{}: {}", remark.subject, remark.text)));
     assured.chain(reached(run)).chain(absent(order)).collect()
 }
 
@@ -24,5 +24,5 @@ fn absent(order: &MicrorobotsOrder) -> Option<Note> {
     let rows = (0..order.facts.robots.len()).filter(is_absent);
     let names: Vec<&str> = rows.map(|row| order.facts.robots[row].name.as_str()).collect();
     let line = format!("{} of the table, left out by the scene: taken not to be on the bed", names.join(", "));
-    (!names.is_empty()).then_some((Topic::Absent, line))
+    (!names.is_empty()).then_some((ReportTopic::Absent, line))
 }

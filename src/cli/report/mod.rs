@@ -8,11 +8,11 @@ mod fingers;
 mod microrobots;
 
 use super::terminal;
-use crate::check::Tally;
+use crate::check::DeclarationTally;
 use crate::claims::{Job, Order};
 use crate::compile::Compiled;
 use crate::quantity::{Dimension, Quantity, digits};
-use crate::schedule::{PlanRecord, Schedule, Step};
+use crate::schedule::{PlanRecord, Schedule, ScheduledStep};
 use crate::verify::Verified;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -21,19 +21,19 @@ use std::path::Path;
 const MAX_PLAN_LINES: usize = 20;
 
 /// One run of a schedule.
-struct Told<'a> {
+struct ReportedRun<'a> {
     job: &'a Job,
     plan: &'a PlanRecord,
     /// In the order of the task.
-    steps: Vec<&'a Step>,
+    steps: Vec<&'a ScheduledStep>,
 }
 
 /// More that a kind has to tell of a run: what it is about, and the line.
-type Note = (Topic, String);
+type Note = (ReportTopic, String);
 
 /// What a note is about, in the order of the report.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Topic {
+enum ReportTopic {
     Visits,
     Nearest,
     Waits,
@@ -44,28 +44,28 @@ enum Topic {
     Idle,
 }
 
-impl Topic {
-    const ALL: [Topic; 8] = [
-        Topic::Visits,
-        Topic::Nearest,
-        Topic::Waits,
-        Topic::Guaranteed,
-        Topic::Contacts,
-        Topic::Remarked,
-        Topic::Absent,
-        Topic::Idle,
+impl ReportTopic {
+    const ALL: [ReportTopic; 8] = [
+        ReportTopic::Visits,
+        ReportTopic::Nearest,
+        ReportTopic::Waits,
+        ReportTopic::Guaranteed,
+        ReportTopic::Contacts,
+        ReportTopic::Remarked,
+        ReportTopic::Absent,
+        ReportTopic::Idle,
     ];
 
     fn label(self) -> &'static str {
         match self {
-            Topic::Visits => "Visits",
-            Topic::Nearest => "Nearest",
-            Topic::Waits => "Waits",
-            Topic::Guaranteed => "Assured",
-            Topic::Contacts => "Contacts",
-            Topic::Remarked => "Chosen",
-            Topic::Absent => "Absent",
-            Topic::Idle => "Idle",
+            ReportTopic::Visits => "Visits",
+            ReportTopic::Nearest => "Nearest",
+            ReportTopic::Waits => "Waits",
+            ReportTopic::Guaranteed => "Assured",
+            ReportTopic::Contacts => "Contacts",
+            ReportTopic::Remarked => "Chosen",
+            ReportTopic::Absent => "Absent",
+            ReportTopic::Idle => "Idle",
         }
     }
 }
@@ -128,10 +128,10 @@ fn planned(verified: &Verified, width: usize, text: &mut String) {
         text.push_str(&terminal::line("", "", width, &format!("and {} more", count(more, "run"))));
     }
     let notes: Vec<Note> = runs.iter().flat_map(notes).chain(idle(verified)).collect();
-    for topic in Topic::ALL {
+    for topic in ReportTopic::ALL {
         let mut lines: Vec<&str> = Vec::new();
         for (_, line) in notes.iter().filter(|(other, _)| *other == topic) {
-            if topic == Topic::Visits || !lines.contains(&line.as_str()) {
+            if topic == ReportTopic::Visits || !lines.contains(&line.as_str()) {
                 lines.push(line);
             }
         }
@@ -154,10 +154,10 @@ fn planned(verified: &Verified, width: usize, text: &mut String) {
     }
 }
 
-fn runs(verified: &Verified) -> Vec<Told<'_>> {
+fn runs(verified: &Verified) -> Vec<ReportedRun<'_>> {
     let (schedule, claims) = (verified.schedule(), verified.claims());
-    let told = |(plan, job)| Told { job, plan, steps: Vec::new() };
-    let mut runs: Vec<Told> = schedule.plans.iter().zip(&claims.jobs).map(told).collect();
+    let told = |(plan, job)| ReportedRun { job, plan, steps: Vec::new() };
+    let mut runs: Vec<ReportedRun> = schedule.plans.iter().zip(&claims.jobs).map(told).collect();
     for step in &schedule.steps {
         runs[step.plan as usize].steps.push(step);
     }
@@ -170,12 +170,13 @@ fn idle(verified: &Verified) -> Vec<Note> {
     let busy: BTreeSet<u32> =
         schedule.actuations.iter().map(|actuation| schedule.steps[actuation.step as usize].plan).collect();
     let is_idle = |(index, _): &(u32, &PlanRecord)| !busy.contains(index);
-    let line = |(_, plan): (u32, &PlanRecord)| (Topic::Idle, format!("{}: 0 actuations, nothing is done", plan.task));
+    let line =
+        |(_, plan): (u32, &PlanRecord)| (ReportTopic::Idle, format!("{}: 0 actuations, nothing is done", plan.task));
     (0..).zip(&schedule.plans).filter(is_idle).map(line).collect()
 }
 
 /// What a run costs and how good that is.
-fn cost(run: &Told) -> String {
+fn cost(run: &ReportedRun) -> String {
     match &run.job.order {
         Order::Dimibot(order) => dimibot::cost(run.plan, order),
         Order::ElectrodeArray(order) => electrode_array::cost(run.plan, order),
@@ -184,7 +185,7 @@ fn cost(run: &Told) -> String {
     }
 }
 
-fn notes(run: &Told) -> Vec<Note> {
+fn notes(run: &ReportedRun) -> Vec<Note> {
     match &run.job.order {
         Order::Dimibot(order) => dimibot::notes(run, order),
         Order::ElectrodeArray(_) => Vec::new(),
@@ -194,9 +195,9 @@ fn notes(run: &Told) -> Vec<Note> {
 }
 
 /// What steps reach, where that is not what they ask for.
-fn reached<'a>(run: &'a Told) -> impl Iterator<Item = Note> + 'a {
+fn reached<'a>(run: &'a ReportedRun) -> impl Iterator<Item = Note> + 'a {
     let all = run.steps.iter().flat_map(|step| &step.reached);
-    all.filter(|reached| reached.is_off()).map(|reached| (Topic::Nearest, reached.to_string()))
+    all.filter(|reached| reached.is_off()).map(|reached| (ReportTopic::Nearest, reached.to_string()))
 }
 
 /// `optimal (bound 29.88 um)`.
@@ -228,7 +229,7 @@ fn rounded(value: f64) -> String {
 }
 
 /// `1 device, 1 scene, 2 tasks`.
-pub fn tally(tally: Tally) -> String {
+pub fn tally(tally: DeclarationTally) -> String {
     let parts =
         [(tally.devices, "device"), (tally.scenes, "scene"), (tally.tasks, "task"), (tally.programs, "program")];
     let parts: Vec<String> = parts.into_iter().filter(|part| part.0 > 0).map(|(n, noun)| count(n, noun)).collect();

@@ -5,9 +5,10 @@
 //! text put right where the doc comments say so.
 
 use super::{
-    Choice, Count, Field, Need, Noun, Outcome, Phrase, Planner, Range, Sort, Together, Verb, Vocabulary, shape::Form,
+    Count, Need, Noun, Outcome, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
+    WordChoice, shape::ShapeForm,
 };
-use crate::geometry::Axis;
+use crate::geometry::PlaneAxis;
 use crate::geometry::fault::{Fault, through};
 use crate::quantity::Dimension;
 use crate::real::Real;
@@ -27,15 +28,15 @@ pub const MAX_VISITS: usize = 64;
 ///
 /// Read as numbers they are the place on the lattice, counted from word 0 along the axes of the paper's frame R1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
-pub struct Cell {
+pub struct LatticeCell {
     pub x: u32,
     pub y: u32,
 }
 
-impl Cell {
+impl LatticeCell {
     /// The cell (x, y).
     pub const fn new(x: u32, y: u32) -> Self {
-        Cell { x, y }
+        LatticeCell { x, y }
     }
 
     /// Its two numbers.
@@ -48,8 +49,8 @@ impl Cell {
         // A module that no robot has moves nothing.
         let bit = if (flip.module as u32) < MAX_MODULES { 1 << flip.module } else { 0 };
         match flip.side {
-            Side::Left => Cell::new(self.x ^ bit, self.y),
-            Side::Right => Cell::new(self.x, self.y ^ bit),
+            Side::Left => LatticeCell::new(self.x ^ bit, self.y),
+            Side::Right => LatticeCell::new(self.x, self.y ^ bit),
         }
     }
 }
@@ -69,7 +70,7 @@ impl Flip {
     }
 }
 
-impl std::fmt::Display for Cell {
+impl std::fmt::Display for LatticeCell {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "({}, {})", self.x, self.y)
     }
@@ -98,10 +99,10 @@ impl Side {
     }
 
     /// The direction in which its modules move the end-effector.
-    pub const fn axis(self) -> Axis {
+    pub const fn axis(self) -> PlaneAxis {
         match self {
-            Side::Left => Axis::X,
-            Side::Right => Axis::Y,
+            Side::Left => PlaneAxis::X,
+            Side::Right => PlaneAxis::Y,
         }
     }
 
@@ -127,7 +128,7 @@ pub enum Simultaneous {
 
 /// What a device of this kind is: the fields of its declaration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Facts {
+pub struct DimibotFacts {
     /// Modules on the left, 1 to [`MAX_MODULES`].
     pub left: u32,
     /// Modules on the right, 1 to [`MAX_MODULES`].
@@ -145,11 +146,11 @@ pub struct Facts {
     pub repeatability_um: f64,
     /// Radius of the tip that goes down to the working plane.
     pub tip_radius_um: f64,
-    pub home: Cell,
+    pub home: LatticeCell,
     pub simultaneous: Simultaneous,
 }
 
-impl Facts {
+impl DimibotFacts {
     /// Modules of one side.
     pub fn modules(&self, side: Side) -> u32 {
         match side {
@@ -170,12 +171,12 @@ impl Facts {
     }
 
     /// Whether a cell exists.
-    pub fn holds(&self, cell: Cell) -> bool {
+    pub fn holds(&self, cell: LatticeCell) -> bool {
         cell.x < self.cells(Side::Left) && cell.y < self.cells(Side::Right)
     }
 
     /// Nominal place of the end-effector in a cell, in the frame R1 from word 0.
-    pub fn place_um(&self, cell: Cell) -> [f64; 2] {
+    pub fn place_um(&self, cell: LatticeCell) -> [f64; 2] {
         [f64::from(cell.x) * self.pitch_um(Side::Left), f64::from(cell.y) * self.pitch_um(Side::Right)]
     }
 
@@ -186,36 +187,36 @@ impl Facts {
     }
 
     /// The cell nearest to a place, if it lies in the workspace.
-    pub fn nearest_cell(&self, place_um: [f64; 2]) -> Option<Cell> {
+    pub fn nearest_cell(&self, place_um: [f64; 2]) -> Option<LatticeCell> {
         let [x, y] = self.nearest_indices(place_um);
         let inside =
             x >= 0.0 && y >= 0.0 && x < f64::from(self.cells(Side::Left)) && y < f64::from(self.cells(Side::Right));
-        inside.then_some(Cell { x: x as u32, y: y as u32 })
+        inside.then_some(LatticeCell { x: x as u32, y: y as u32 })
     }
 
     /// The nearest cell that exists, for any finite place.
-    pub fn clamped_cell(&self, place_um: [f64; 2]) -> Cell {
+    pub fn clamped_cell(&self, place_um: [f64; 2]) -> LatticeCell {
         self.clamped_cell_of(self.nearest_indices(place_um))
     }
 
     /// The cell that exists nearest to two indices.
-    pub fn clamped_cell_of(&self, [x, y]: [f64; 2]) -> Cell {
+    pub fn clamped_cell_of(&self, [x, y]: [f64; 2]) -> LatticeCell {
         let clamp = |value: f64, side| value.clamp(0.0, f64::from(self.cells(side) - 1)) as u32;
-        Cell { x: clamp(x, Side::Left), y: clamp(y, Side::Right) }
+        LatticeCell { x: clamp(x, Side::Left), y: clamp(y, Side::Right) }
     }
 
     /// The word of a cell as a number: bl in the high bits, br in the low ones.
-    pub fn word(&self, cell: Cell) -> u64 {
+    pub fn word(&self, cell: LatticeCell) -> u64 {
         (u64::from(cell.x) << self.right) | u64::from(cell.y)
     }
 
     /// The cell of a word.
-    pub fn cell(&self, word: u64) -> Cell {
-        Cell { x: (word >> self.right) as u32, y: (word & ((1 << self.right) - 1)) as u32 }
+    pub fn cell(&self, word: u64) -> LatticeCell {
+        LatticeCell { x: (word >> self.right) as u32, y: (word & ((1 << self.right) - 1)) as u32 }
     }
 
     /// The word of a cell as the language writes it: `0b10001_00010`.
-    pub fn word_text(&self, cell: Cell) -> String {
+    pub fn word_text(&self, cell: LatticeCell) -> String {
         format!("0b{:0left$b}_{:0right$b}", cell.x, cell.y, left = self.left as usize, right = self.right as usize)
     }
 
@@ -224,7 +225,7 @@ impl Facts {
     ///
     /// A module at depth d below the top one moves the end-effector by K·Δ/2^d along each axis of R0; a right module moves
     /// it the other way along x.
-    pub fn displacement_um(&self, cell: Cell) -> Vector2<f64> {
+    pub fn displacement_um(&self, cell: LatticeCell) -> Vector2<f64> {
         let (left, right) = (self.left as usize, self.right as usize);
         let depth = |column: usize| if column < left { column } else { column - left };
         let matrix = DMatrix::from_fn(2, left + right, |row, column| {
@@ -248,8 +249,10 @@ impl Facts {
     pub fn channels(&self) -> Vec<String> {
         let modules = |side| (0..self.modules(side)).rev().map(move |module| (side, module));
         let both = modules(Side::Left).chain(modules(Side::Right));
-        both.flat_map(|(side, module)| [Switch::Set, Switch::Reset].map(|switch| Facts::channel(side, module, switch)))
-            .collect()
+        both.flat_map(|(side, module)| {
+            [Switch::Set, Switch::Reset].map(|switch| DimibotFacts::channel(side, module, switch))
+        })
+        .collect()
     }
 
     /// Energy of switching one module: voltage times current times duration.
@@ -285,20 +288,20 @@ pub enum Switch {
     Reset,
 }
 
-const fn quantity(name: &'static str, dimension: Dimension, range: Range, doc: &'static str) -> Field {
-    Field { name, sort: Sort::Quantity { dimension, range }, need: Need::Required, doc }
+const fn quantity(name: &'static str, dimension: Dimension, range: Range, doc: &'static str) -> VocabularyField {
+    VocabularyField { name, sort: Sort::Quantity { dimension, range }, need: Need::Required, doc }
 }
 
-const fn count(name: &'static str, doc: &'static str) -> Field {
-    Field { name, sort: Sort::Count { least: 1, most: MAX_MODULES }, need: Need::Required, doc }
+const fn count(name: &'static str, doc: &'static str) -> VocabularyField {
+    VocabularyField { name, sort: Sort::Count { least: 1, most: MAX_MODULES }, need: Need::Required, doc }
 }
 
-const SIMULTANEOUS: [Choice; 2] = [
-    Choice { name: "never", doc: "one module at a time" },
-    Choice { name: "safe", doc: "several in one pulse where no order and no partial stroke touches an obstacle" },
+const SIMULTANEOUS: [WordChoice; 2] = [
+    WordChoice { name: "never", doc: "one module at a time" },
+    WordChoice { name: "safe", doc: "several in one pulse where no order and no partial stroke touches an obstacle" },
 ];
 
-const FIELDS: &[Field] = &[
+const FIELDS: &[VocabularyField] = &[
     count("left", "modules on the left (bl), each moving the end-effector along x"),
     count("right", "modules on the right (br), each moving the end-effector along y"),
     quantity("stroke", Dimension::LENGTH, Range::Positive, "displacement of a module between its two states"),
@@ -324,13 +327,13 @@ const FIELDS: &[Field] = &[
         "how far the end-effector may stand from its nominal place",
     ),
     quantity("tip_radius", Dimension::LENGTH, Range::NotNegative, "radius of the tip in the working plane"),
-    Field {
+    VocabularyField {
         name: "home",
         sort: Sort::State,
         need: Need::Optional("all modules at 0"),
         doc: "where the robot stands before the first task",
     },
-    Field {
+    VocabularyField {
         name: "simultaneous",
         sort: Sort::Word(&SIMULTANEOUS),
         need: Need::Optional("never"),
@@ -338,14 +341,14 @@ const FIELDS: &[Field] = &[
     },
 ];
 
-const SETTINGS: &[Field] = &[
-    Field {
+const SETTINGS: &[VocabularyField] = &[
+    VocabularyField {
         name: "precision",
         sort: Sort::Quantity { dimension: Dimension::LENGTH, range: Range::Positive },
         need: Need::Optional("any place in the workspace takes its nearest cell"),
         doc: "how far the cell taken for a place may lie from it",
     },
-    Field {
+    VocabularyField {
         name: "simultaneous",
         sort: Sort::Word(&SIMULTANEOUS),
         need: Need::Optional("as the device says"),
@@ -359,8 +362,8 @@ const VERBS: &[Verb] = &[
         noun: None,
         object: None,
         phrases: &[
-            Phrase { preposition: "to", sort: Sort::Target, count: Count::Once },
-            Phrase { preposition: "via", sort: Sort::Target, count: Count::AnyNumber },
+            VocabularyPhrase { preposition: "to", sort: Sort::Target, count: Count::Once },
+            VocabularyPhrase { preposition: "via", sort: Sort::Target, count: Count::AnyNumber },
         ],
         block: None,
         doc: "carries the end-effector to a cell or a place, by way of others in the order of writing",
@@ -377,7 +380,7 @@ const VERBS: &[Verb] = &[
     },
 ];
 
-const BUDGET: [Field; 1] =
+const BUDGET: [VocabularyField; 1] =
     [super::expansions("20 million", "how many states the search may expand before it gives up")];
 
 const fn planner(name: &'static str, doc: &'static str) -> Planner {
@@ -405,17 +408,17 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     nouns: &[Noun {
         name: "obstacle",
         doc: "what the tip must not touch; without a shape a point",
-        shapes: Form::SOLID,
+        shapes: ShapeForm::SOLID,
     }],
     settings: SETTINGS,
     state: Some(Sort::State),
     together: Together::No,
     verbs: VERBS,
     objectives: &[
-        Choice { name: "distance", doc: "the way of the end-effector" },
-        Choice { name: "switches", doc: "how often a module is switched" },
-        Choice { name: "time", doc: "how long it takes" },
-        Choice { name: "energy", doc: "what the pulses cost" },
+        WordChoice { name: "distance", doc: "the way of the end-effector" },
+        WordChoice { name: "switches", doc: "how often a module is switched" },
+        WordChoice { name: "time", doc: "how long it takes" },
+        WordChoice { name: "energy", doc: "what the pulses cost" },
     ],
     planners: PLANNERS,
     outcomes: &[

@@ -1,8 +1,8 @@
 use super::*;
 
 /// The published robot with its published figures, tip and rest idealised.
-pub fn femto_st(left: u32, right: u32) -> Facts {
-    Facts {
+pub fn femto_st(left: u32, right: u32) -> DimibotFacts {
+    DimibotFacts {
         left,
         right,
         stroke_um: 35.0,
@@ -13,7 +13,7 @@ pub fn femto_st(left: u32, right: u32) -> Facts {
         rest_ns: 0,
         repeatability_um: 0.09,
         tip_radius_um: 0.0,
-        home: Cell::default(),
+        home: LatticeCell::default(),
         simultaneous: Simultaneous::Never,
     }
 }
@@ -32,8 +32,8 @@ fn the_matrix_turned_by_45_degrees_is_the_lattice() {
         let facts = femto_st(left, right);
         let (last_x, last_y) = (facts.cells(Side::Left) - 1, facts.cells(Side::Right) - 1);
         for cell in [(0, 0), (1, 0), (0, 1), (last_x, last_y), (last_x / 3, last_y / 2)] {
-            let cell = Cell { x: cell.0, y: cell.1 };
-            let turned = Facts::workspace_frame() * facts.displacement_um(cell);
+            let cell = LatticeCell { x: cell.0, y: cell.1 };
+            let turned = DimibotFacts::workspace_frame() * facts.displacement_um(cell);
             let [x_um, y_um] = facts.place_um(cell);
             assert!((turned.x - x_um).abs() < 1e-9 && (turned.y - y_um).abs() < 1e-9, "{cell}: {turned} {x_um} {y_um}");
         }
@@ -43,9 +43,9 @@ fn the_matrix_turned_by_45_degrees_is_the_lattice() {
 #[test]
 fn a_word_and_its_cell_are_one() {
     let facts = femto_st(5, 5);
-    assert_eq!(facts.cell(0b10001_00010), Cell { x: 17, y: 2 });
-    assert_eq!(facts.word(Cell { x: 17, y: 2 }), 546);
-    assert_eq!(facts.word_text(Cell { x: 17, y: 2 }), "0b10001_00010");
+    assert_eq!(facts.cell(0b10001_00010), LatticeCell { x: 17, y: 2 });
+    assert_eq!(facts.word(LatticeCell { x: 17, y: 2 }), 546);
+    assert_eq!(facts.word_text(LatticeCell { x: 17, y: 2 }), "0b10001_00010");
     let uneven = femto_st(2, 3);
     assert_eq!(uneven.word_text(uneven.cell(0b01_101)), "0b01_101");
 }
@@ -54,10 +54,10 @@ fn a_word_and_its_cell_are_one() {
 fn the_inverse_is_checked_against_the_range() {
     let facts = femto_st(2, 2);
     let pitch_um = facts.pitch_um(Side::Left);
-    assert_eq!(facts.nearest_cell([3.49 * pitch_um, 0.0]), Some(Cell { x: 3, y: 0 }));
+    assert_eq!(facts.nearest_cell([3.49 * pitch_um, 0.0]), Some(LatticeCell { x: 3, y: 0 }));
     assert_eq!(facts.nearest_cell([3.51 * pitch_um, 0.0]), None);
     assert_eq!(facts.nearest_cell([-0.51 * pitch_um, 0.0]), None);
-    assert_eq!(facts.clamped_cell([99.0, -99.0]), Cell { x: 3, y: 0 });
+    assert_eq!(facts.clamped_cell([99.0, -99.0]), LatticeCell { x: 3, y: 0 });
 }
 
 #[test]

@@ -25,15 +25,15 @@ pub const MAX_APART: u32 = 100;
 
 /// An electrode, and so a place for the centre of a part: column and row, both from 1, rows upward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct Cell {
+pub struct ElectrodeCell {
     pub column: u32,
     pub row: u32,
 }
 
-impl Cell {
+impl ElectrodeCell {
     /// The cell (column, row).
     pub const fn new(column: u32, row: u32) -> Self {
-        Cell { column, row }
+        ElectrodeCell { column, row }
     }
 
     /// Its two numbers.
@@ -42,18 +42,18 @@ impl Cell {
     }
 
     /// Chebyshev distance: the larger of the differences of columns and of rows.
-    pub const fn apart(self, other: Cell) -> u32 {
+    pub const fn apart(self, other: ElectrodeCell) -> u32 {
         let (columns, rows) = (self.column.abs_diff(other.column), self.row.abs_diff(other.row));
         if columns > rows { columns } else { rows }
     }
 
     /// Manhattan distance: the steps from one to the other where nothing is in the way.
-    pub const fn steps_to(self, other: Cell) -> u32 {
+    pub const fn steps_to(self, other: ElectrodeCell) -> u32 {
         self.column.abs_diff(other.column) + self.row.abs_diff(other.row)
     }
 }
 
-impl std::fmt::Display for Cell {
+impl std::fmt::Display for ElectrodeCell {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "({}, {})", self.column, self.row)
     }
@@ -136,7 +136,7 @@ pub enum Hold {
 
 /// What a device of this kind is: the fields of its declaration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Facts {
+pub struct ElectrodeArrayFacts {
     /// 1 to [`MAX_SIDE`].
     pub columns: u32,
     /// 1 to [`MAX_SIDE`].
@@ -155,19 +155,19 @@ pub struct Facts {
     pub clearance: u32,
 }
 
-impl Facts {
+impl ElectrodeArrayFacts {
     /// Distance between neighbouring electrodes: (2 + d1) r (section 3 of the paper).
     pub fn pitch_um(&self) -> f64 {
         (2.0 + self.pitch_ratio) * self.radius_um
     }
 
     /// Whether there is such an electrode.
-    pub fn holds(&self, cell: Cell) -> bool {
+    pub fn holds(&self, cell: ElectrodeCell) -> bool {
         (1..=self.columns).contains(&cell.column) && (1..=self.rows).contains(&cell.row)
     }
 
     /// Whether a part's centre can be there: inside the rim that its electrodes need.
-    pub fn reaches(&self, cell: Cell) -> bool {
+    pub fn reaches(&self, cell: ElectrodeCell) -> bool {
         let rim = self.layout.electrodes.rim();
         self.holds(cell)
             && (1 + rim..=self.columns.saturating_sub(rim)).contains(&cell.column)
@@ -175,27 +175,27 @@ impl Facts {
     }
 
     /// The first and the last cell that a part's centre can take, if there is one.
-    pub fn reach(&self) -> Option<[Cell; 2]> {
+    pub fn reach(&self) -> Option<[ElectrodeCell; 2]> {
         let rim = self.layout.electrodes.rim();
-        let first = Cell::new(1 + rim, 1 + rim);
-        let last = Cell::new(self.columns.saturating_sub(rim), self.rows.saturating_sub(rim));
+        let first = ElectrodeCell::new(1 + rim, 1 + rim);
+        let last = ElectrodeCell::new(self.columns.saturating_sub(rim), self.rows.saturating_sub(rim));
         (first.column <= last.column && first.row <= last.row).then_some([first, last])
     }
 
     /// The middle of an electrode; the middle of electrode (1, 1) is the origin.
-    pub fn place_um(&self, cell: Cell) -> [f64; 2] {
+    pub fn place_um(&self, cell: ElectrodeCell) -> [f64; 2] {
         [f64::from(cell.column) - 1.0, f64::from(cell.row) - 1.0].map(|pitches| pitches * self.pitch_um())
     }
 
     /// The channel of an electrode, without the device's name.
-    pub fn channel(cell: Cell) -> String {
+    pub fn channel(cell: ElectrodeCell) -> String {
         format!("e{}_{}", cell.column, cell.row)
     }
 
     /// The electrode of a channel's name, without the device's; `None` if the board has none of that name.
-    pub fn electrode(&self, channel: &str) -> Option<Cell> {
+    pub fn electrode(&self, channel: &str) -> Option<ElectrodeCell> {
         let (column, row) = channel.strip_prefix('e')?.split_once('_')?;
-        let cell = Cell::new(column.parse().ok()?, row.parse().ok()?);
-        (self.holds(cell) && Facts::channel(cell) == channel).then_some(cell)
+        let cell = ElectrodeCell::new(column.parse().ok()?, row.parse().ok()?);
+        (self.holds(cell) && ElectrodeArrayFacts::channel(cell) == channel).then_some(cell)
     }
 }

@@ -1,17 +1,17 @@
 //! The vocabulary of the electrode array.
 
 use super::{MAX_APART, MAX_SIDE};
-use crate::device::shape::Form;
+use crate::device::shape::ShapeForm;
 use crate::device::{
-    Choice, Count, Field, Need, Noun, Outcome, Phrase, Planner, Sort, Together, Verb, Vocabulary, expansions,
-    not_negative, optional, positive, required,
+    Count, Need, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
+    WordChoice, expansions, not_negative, optional, positive, required,
 };
 use crate::quantity::Dimension;
 
-const SEPARATION: [Choice; 1] =
-    [Choice { name: "as_published", doc: "Table 3 of the paper as it is printed, which is not safe everywhere" }];
+const SEPARATION: [WordChoice; 1] =
+    [WordChoice { name: "as_published", doc: "Table 3 of the paper as it is printed, which is not safe everywhere" }];
 
-const FORCES: [Field; 7] = [
+const FORCES: [VocabularyField; 7] = [
     required("radius", positive(Dimension::LENGTH), "the electrode radius that the row is for"),
     required("potential", positive(Dimension::VOLTAGE), "the potential of the row, the least that moves a part"),
     required("permittivity", positive(Dimension::NUMBER), "the relative permittivity of the row's dielectric"),
@@ -21,7 +21,7 @@ const FORCES: [Field; 7] = [
     required("lateral_force", positive(Dimension::FORCE), "the electrodes' pull along the board"),
 ];
 
-const FIELDS: &[Field] = &[
+const FIELDS: &[VocabularyField] = &[
     required("columns", Sort::Count { least: 1, most: MAX_SIDE }, "electrodes along a row"),
     required("rows", Sort::Count { least: 1, most: MAX_SIDE }, "electrodes along a column"),
     required("radius", positive(Dimension::LENGTH), "of an electrode"),
@@ -46,7 +46,7 @@ const FIELDS: &[Field] = &[
         "what the equation of motion gives where there are `forces`",
         "from one cell to rest on the next, where it was measured",
     ),
-    required("part", Sort::Shape(Form::Layout), "what every part of the board looks like from below"),
+    required("part", Sort::Shape(ShapeForm::Layout), "what every part of the board looks like from below"),
     optional(
         "hold",
         Sort::Flag,
@@ -89,7 +89,7 @@ const FIELDS: &[Field] = &[
     optional("damping", positive(Dimension::DAMPING), "by `viscosity`", "drag over speed, where it was measured"),
 ];
 
-const SETTINGS: &[Field] = &[Field {
+const SETTINGS: &[VocabularyField] = &[VocabularyField {
     name: "may_yield",
     sort: Sort::Flag,
     need: Need::Optional("false"),
@@ -102,8 +102,8 @@ const VERBS: &[Verb] = &[
         noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[
-            Phrase { preposition: "to", sort: Sort::Cell, count: Count::Once },
-            Phrase { preposition: "via", sort: Sort::Cell, count: Count::AnyNumber },
+            VocabularyPhrase { preposition: "to", sort: Sort::Cell, count: Count::Once },
+            VocabularyPhrase { preposition: "via", sort: Sort::Cell, count: Count::AnyNumber },
         ],
         block: None,
         doc: "carries a part to a cell, by way of others in the order of writing",
@@ -114,8 +114,8 @@ const VERBS: &[Verb] = &[
         noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[
-            Phrase { preposition: "with", sort: Sort::Object("part"), count: Count::Once },
-            Phrase { preposition: "at", sort: Sort::Cell, count: Count::Once },
+            VocabularyPhrase { preposition: "with", sort: Sort::Object("part"), count: Count::Once },
+            VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::Once },
         ],
         block: None,
         doc: "brings two droplets together at a cell; the first name is that of both from then on",
@@ -123,7 +123,7 @@ const VERBS: &[Verb] = &[
     },
 ];
 
-const BUDGET: [Field; 1] = [expansions(
+const BUDGET: [VocabularyField; 1] = [expansions(
     "16 million, 2 more for each part and cell, at most 64 million",
     "how many states the search of one step may expand before it gives up",
 )];
@@ -170,17 +170,17 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
         Noun {
             name: "obstacle",
             doc: "electrodes that no part may come near: a block, one cell, or a part that is stuck",
-            shapes: &[Form::Cells, Form::Layout],
+            shapes: &[ShapeForm::Cells, ShapeForm::Layout],
         },
-        Noun { name: "part", doc: "a part that the electrodes carry", shapes: &[Form::Layout] },
+        Noun { name: "part", doc: "a part that the electrodes carry", shapes: &[ShapeForm::Layout] },
     ],
     settings: SETTINGS,
     state: None,
     together: Together::Yes,
     verbs: VERBS,
     objectives: &[
-        Choice { name: "makespan", doc: "the steps until the last part has arrived" },
-        Choice { name: "sum_of_costs", doc: "the steps until each part's last arrival, added up" },
+        WordChoice { name: "makespan", doc: "the steps until the last part has arrived" },
+        WordChoice { name: "sum_of_costs", doc: "the steps until each part's last arrival, added up" },
     ],
     planners: PLANNERS,
     outcomes: OUTCOMES,

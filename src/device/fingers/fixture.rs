@@ -1,10 +1,10 @@
 //! A hand for tests.
 
-use super::{Adhesion, Facts};
+use super::{Adhesion, FingersFacts};
 
 /// The paper's hand, with stages of our own.
-pub fn hand() -> Facts {
-    Facts {
+pub fn hand() -> FingersFacts {
+    FingersFacts {
         fingers: 3,
         tip_radius_um: 4.5,
         adhesion: Adhesion::Sticking,

@@ -91,7 +91,7 @@ pub enum Adhesion {
 
 /// What a device of this kind is: the fields of its declaration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Facts {
+pub struct FingersFacts {
     /// [`MIN_FINGERS`] to [`MAX_FINGERS`]; at most [`MAX_HOLDING`] of them hold at the same time.
     pub fingers: u32,
     /// The paper's l2.
@@ -133,7 +133,7 @@ pub struct Facts {
     pub rolling_reserve: f64,
 }
 
-impl Facts {
+impl FingersFacts {
     /// The nominal rotation step, the paper's Δθ.
     pub fn step_rad(&self) -> f64 {
         through(Fault::Step, TAU / f64::from(self.steps_per_turn))

@@ -1,14 +1,14 @@
 //! The vocabulary of hands.
 
 use super::{MAX_FINGERS, MIN_FINGERS};
-use crate::device::shape::Form;
+use crate::device::shape::ShapeForm;
 use crate::device::{
-    Choice, Count, Field, Noun, Outcome, Phrase, Planner, Range, Sort, Together, Verb, Vocabulary, any, expansions,
-    not_negative, optional, positive, required,
+    Count, Noun, Outcome, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
+    WordChoice, any, expansions, not_negative, optional, positive, required,
 };
 use crate::quantity::Dimension;
 
-const FIELDS: &[Field] = &[
+const FIELDS: &[VocabularyField] = &[
     required(
         "fingers",
         Sort::Count { least: MIN_FINGERS, most: MAX_FINGERS },
@@ -69,7 +69,7 @@ const FIELDS: &[Field] = &[
     ),
 ];
 
-const SETTINGS: &[Field] = &[
+const SETTINGS: &[VocabularyField] = &[
     optional("precision", positive(Dimension::ANGLE), "0.5 deg", "how far from its goal each turn may end"),
     optional(
         "load",
@@ -79,10 +79,10 @@ const SETTINGS: &[Field] = &[
     ),
 ];
 
-const AXIS_WORDS: [Choice; 3] = [
-    Choice { name: "x", doc: "by turns about z and y, as the object has no section across x" },
-    Choice { name: "y", doc: "in the object's plane xz" },
-    Choice { name: "z", doc: "in the object's plane xy" },
+const AXIS_WORDS: [WordChoice; 3] = [
+    WordChoice { name: "x", doc: "by turns about z and y, as the object has no section across x" },
+    WordChoice { name: "y", doc: "in the object's plane xz" },
+    WordChoice { name: "z", doc: "in the object's plane xy" },
 ];
 
 const VERBS: &[Verb] = &[
@@ -90,7 +90,7 @@ const VERBS: &[Verb] = &[
         name: "grasp",
         noun: None,
         object: Some(Sort::Object("part")),
-        phrases: &[Phrase { preposition: "at", sort: Sort::Contacts, count: Count::AtMostOnce }],
+        phrases: &[VocabularyPhrase { preposition: "at", sort: Sort::Contacts, count: Count::AtMostOnce }],
         block: None,
         doc: "takes an object, or changes fingers, until each one holds the contact of its number; 0 is a free finger; \
               without `at` the planner chooses",
@@ -101,8 +101,8 @@ const VERBS: &[Verb] = &[
         noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[
-            Phrase { preposition: "by", sort: any(Dimension::ANGLE), count: Count::Once },
-            Phrase { preposition: "about", sort: Sort::Word(&AXIS_WORDS), count: Count::Once },
+            VocabularyPhrase { preposition: "by", sort: any(Dimension::ANGLE), count: Count::Once },
+            VocabularyPhrase { preposition: "about", sort: Sort::Word(&AXIS_WORDS), count: Count::Once },
         ],
         block: None,
         doc: "turns an object about one of its own axes, right-handed; by 220 deg is the long way",
@@ -112,7 +112,7 @@ const VERBS: &[Verb] = &[
         name: "orient",
         noun: None,
         object: Some(Sort::Object("part")),
-        phrases: &[Phrase { preposition: "to", sort: Sort::Orientation, count: Count::Once }],
+        phrases: &[VocabularyPhrase { preposition: "to", sort: Sort::Orientation, count: Count::Once }],
         block: None,
         doc: "turns an object to an orientation in the hand's frame, whichever way is the cheapest",
         example: "orient bead to euler(80 deg, 220 deg, 100 deg)",
@@ -121,7 +121,7 @@ const VERBS: &[Verb] = &[
         name: "translate",
         noun: None,
         object: Some(Sort::Object("part")),
-        phrases: &[Phrase {
+        phrases: &[VocabularyPhrase {
             preposition: "by",
             sort: Sort::Vector { dimension: Dimension::LENGTH, range: Range::Any },
             count: Count::Once,
@@ -141,7 +141,8 @@ const VERBS: &[Verb] = &[
     },
 ];
 
-const BUDGET: [Field; 1] = [expansions("200 000 000", "how many grasps the search may expand before it gives up")];
+const BUDGET: [VocabularyField; 1] =
+    [expansions("200 000 000", "how many grasps the search may expand before it gives up")];
 
 const PLANNERS: &[Planner] = &[
     Planner {
@@ -188,13 +189,20 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     nouns: &[Noun {
         name: "part",
         doc: "what the fingers turn",
-        shapes: &[Form::Ellipsoid, Form::Superellipsoid, Form::RoundedBox, Form::Profile, Form::Sections, Form::Mesh],
+        shapes: &[
+            ShapeForm::Ellipsoid,
+            ShapeForm::Superellipsoid,
+            ShapeForm::RoundedBox,
+            ShapeForm::Profile,
+            ShapeForm::Sections,
+            ShapeForm::Mesh,
+        ],
     }],
     settings: SETTINGS,
     state: None,
     together: Together::No,
     verbs: VERBS,
-    objectives: &[Choice {
+    objectives: &[WordChoice {
         name: "effort",
         doc: "degrees rolled, and the gaiting cost of each finger placed or removed",
     }],

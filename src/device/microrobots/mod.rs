@@ -171,7 +171,7 @@ impl Errors {
 
 /// What a device of this kind is: the fields of its declaration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Facts {
+pub struct MicrorobotsFacts {
     /// In the order of the table; 1 to [`MAX_ROBOTS`].
     pub robots: Vec<Robot>,
     /// Each snap-down and release voltage is known to plus or minus this.
@@ -196,7 +196,7 @@ pub struct Facts {
     pub errors: Option<Errors>,
 }
 
-impl Facts {
+impl MicrorobotsFacts {
     /// The row of a name.
     pub fn row(&self, name: &str) -> Option<usize> {
         self.robots.iter().position(|robot| robot.name == name)

@@ -1,19 +1,19 @@
 //! The vocabulary of the STRING microrobots.
 
 use super::MAX_LEVELS;
-use crate::device::shape::Form;
+use crate::device::shape::ShapeForm;
 use crate::device::{
-    Block, Choice, Count, Field, Noun, Outcome, Phrase, Planner, Sort, Together, Verb, Vocabulary, expansions,
-    not_negative, optional, positive, required,
+    Block, Count, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
+    WordChoice, expansions, not_negative, optional, positive, required,
 };
 use crate::quantity::Dimension;
 
-const TURNS: [Choice; 2] = [
-    Choice { name: "clockwise", doc: "its heading falls while its arm is down" },
-    Choice { name: "counterclockwise", doc: "its heading rises while its arm is down" },
+const TURNS: [WordChoice; 2] = [
+    WordChoice { name: "clockwise", doc: "its heading falls while its arm is down" },
+    WordChoice { name: "counterclockwise", doc: "its heading rises while its arm is down" },
 ];
 
-const ROBOTS: [Field; 8] = [
+const ROBOTS: [VocabularyField; 8] = [
     required("robot", Sort::Name, "its name, as scenes and tasks say it"),
     required("snap_down", positive(Dimension::VOLTAGE), "at or above it the arm goes down"),
     required("release", positive(Dimension::VOLTAGE), "at or below it the arm goes up"),
@@ -24,7 +24,7 @@ const ROBOTS: [Field; 8] = [
     optional("width", positive(Dimension::LENGTH), "the device's", "of its body, across its heading"),
 ];
 
-const FIELDS: &[Field] = &[
+const FIELDS: &[VocabularyField] = &[
     required("robots", Sort::Table(&ROBOTS), "what is known of each robot"),
     required("margin", positive(Dimension::VOLTAGE), "each transition voltage is known to plus or minus this"),
     required("max_voltage", positive(Dimension::VOLTAGE), "the most that the source gives"),
@@ -87,20 +87,20 @@ const FIELDS: &[Field] = &[
     optional("replan_interval", positive(Dimension::TIME), "unknown", "from one measurement to the next"),
 ];
 
-const SETTINGS: &[Field] = &[
+const SETTINGS: &[VocabularyField] = &[
     optional("precision", positive(Dimension::LENGTH), "0.5 um", "how far from its goal a robot may end"),
     optional("heading_precision", positive(Dimension::ANGLE), "0.5 deg", "by how much its heading may then be off"),
     optional("guaranteed", Sort::Flag, "false", "whether a goal that cannot be guaranteed is an error"),
 ];
 
-const TO_POSE: Phrase = Phrase { preposition: "to", sort: Sort::Pose, count: Count::Once };
+const TO_POSE: VocabularyPhrase = VocabularyPhrase { preposition: "to", sort: Sort::Pose, count: Count::Once };
 
 const VERBS: &[Verb] = &[
     Verb {
         name: "apply",
         noun: Some("state"),
         object: Some(Sort::Control),
-        phrases: &[Phrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once }],
+        phrases: &[VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once }],
         block: None,
         doc: "sets the arms of a control state, then drives for so long",
         example: "apply state 2 for 3 s",
@@ -109,7 +109,7 @@ const VERBS: &[Verb] = &[
         name: "drive",
         noun: None,
         object: Some(Sort::Object("robot")),
-        phrases: &[TO_POSE, Phrase { preposition: "via", sort: Sort::Pose, count: Count::AnyNumber }],
+        phrases: &[TO_POSE, VocabularyPhrase { preposition: "via", sort: Sort::Pose, count: Count::AnyNumber }],
         block: None,
         doc: "brings one robot to a pose, by way of others in the order of writing; the other robots move along",
         example: "drive D3 to pose(1.8 mm, 1.5 mm, 90 deg)",
@@ -125,7 +125,7 @@ const VERBS: &[Verb] = &[
     },
 ];
 
-const BUDGET: [Field; 1] =
+const BUDGET: [VocabularyField; 1] =
     [expansions("200 000", "how many ways the search of one step may expand before it gives up")];
 
 const PLANNERS: &[Planner] = &[Planner {
@@ -156,14 +156,14 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
         Noun {
             name: "obstacle",
             doc: "what no robot may come near",
-            shapes: &[Form::Disc, Form::Box, Form::Polygon, Form::Capsule],
+            shapes: &[ShapeForm::Disc, ShapeForm::Box, ShapeForm::Polygon, ShapeForm::Capsule],
         },
     ],
     settings: SETTINGS,
     state: None,
     together: Together::No,
     verbs: VERBS,
-    objectives: &[Choice { name: "time", doc: "from the beginning of the task to the end of its last step" }],
+    objectives: &[WordChoice { name: "time", doc: "from the beginning of the task to the end of its last step" }],
     planners: PLANNERS,
     outcomes: OUTCOMES,
     channels: "<device>.bed: the voltage of the whole bed",

@@ -29,13 +29,13 @@ const MAX_NAME_CHARACTERS: usize = 400;
 pub struct Excerpt {
     name: String,
     text: String,
-    lines: Vec<Line>,
+    lines: Vec<ExcerptLine>,
     /// Where each mark begins in `text`, and its column in the file, both from 0.
     columns: Vec<(usize, usize)>,
 }
 
 /// One line of an excerpt.
-struct Line {
+struct ExcerptLine {
     /// As people count.
     number: u32,
     /// Its place in the excerpt's text, the line end included.
@@ -46,12 +46,12 @@ struct Line {
 struct Mark {
     place: Range<usize>,
     text: String,
-    rank: Rank,
+    rank: MarkRank,
 }
 
 /// Whether the diagnostic points at a mark.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Rank {
+enum MarkRank {
     First,
     Further,
 }
@@ -81,8 +81,8 @@ impl Excerpt {
         let spans = marks.into_iter().map(|mark| {
             let span = SourceSpan::from((mark.place.start, mark.place.len()));
             match mark.rank {
-                Rank::First => LabeledSpan::new_primary_with_span(Some(mark.text), span),
-                Rank::Further => LabeledSpan::new_with_span(Some(mark.text), span),
+                MarkRank::First => LabeledSpan::new_primary_with_span(Some(mark.text), span),
+                MarkRank::Further => LabeledSpan::new_with_span(Some(mark.text), span),
             }
         });
         let spans = spans.collect();
@@ -125,7 +125,7 @@ impl Excerpt {
             self.text.push('…');
         }
         self.text.push('\n');
-        self.lines.push(Line { number, place: start..self.text.len() });
+        self.lines.push(ExcerptLine { number, place: start..self.text.len() });
     }
 
     fn line_at(&self, offset: usize) -> Option<usize> {
@@ -189,7 +189,7 @@ fn mark(file: &SourceFile, label: &Label, index: usize) -> Mark {
     if start == end {
         start -= text[..start].chars().next_back().map_or(0, char::len_utf8);
     }
-    let rank = if index == 0 { Rank::First } else { Rank::Further };
+    let rank = if index == 0 { MarkRank::First } else { MarkRank::Further };
     Mark { place: start..end, text: plain(&label.text).into_owned(), rank }
 }
 
@@ -208,7 +208,7 @@ fn apart(mut marks: Vec<Mark>) -> Vec<Mark> {
                     result.push(mark);
                 } else {
                     last.text = format!("{}; {}", last.text, mark.text);
-                    last.rank = if mark.rank == Rank::First { Rank::First } else { last.rank };
+                    last.rank = if mark.rank == MarkRank::First { MarkRank::First } else { last.rank };
                 }
             }
             Some(_) | None => result.push(mark),

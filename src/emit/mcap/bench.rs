@@ -1,6 +1,6 @@
 //! The devices of a log, where their scene places them or side by side, with their jobs in order of time.
 
-use super::frames::Stand;
+use super::frames::StandingPose;
 use super::{dimibot, electrode_array, fingers, microrobots};
 use crate::claims::dimibot::in_scene_um;
 use crate::claims::{Claims, Job, Order};
@@ -12,34 +12,34 @@ use std::collections::BTreeMap;
 const GAP: f64 = 5.0;
 
 /// Where a device stands in pictures.
-pub struct Bench<'a> {
+pub struct PictureBench<'a> {
     pub device: &'a str,
     /// Where it is in the frame `world`.
-    pub stand: Stand,
+    pub stand: StandingPose,
     /// Its first job.
     pub job: &'a Job,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> PictureBench<'a> {
     /// The devices in the order of their first jobs: those that a scene places are there, the others side by side.
-    pub fn all(verified: &'a Verified) -> Vec<Bench<'a>> {
+    pub fn all(verified: &'a Verified) -> Vec<PictureBench<'a>> {
         let claims = verified.claims();
-        let mut benches: Vec<Bench> = Vec::new();
+        let mut benches: Vec<PictureBench> = Vec::new();
         let mut left = right_of_placed(claims);
         for job in &claims.jobs {
             if benches.iter().any(|bench| bench.device == job.device) {
                 continue;
             }
             let stand = match claims.frame(&job.device) {
-                Some(frame) => Stand::turned([frame.x_um, frame.y_um, 0.0], frame.heading_rad),
+                Some(frame) => StandingPose::turned([frame.x_um, frame.y_um, 0.0], frame.heading_rad),
                 None => {
                     let [low, high] = reach(job);
                     let offset = left - low;
                     left += high - low + GAP;
-                    Stand::at([offset, 0.0, 0.0])
+                    StandingPose::at([offset, 0.0, 0.0])
                 }
             };
-            benches.push(Bench { device: &job.device, stand, job });
+            benches.push(PictureBench { device: &job.device, stand, job });
         }
         benches
     }

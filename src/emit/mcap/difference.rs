@@ -1,6 +1,6 @@
 //! Holds a log against the one that its schedule gives: whatever was edited shows up here.
 
-use super::{LIBRARY, Provenance, Signals, Topic};
+use super::{LIBRARY, LogTopic, Provenance, Signals};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::log;
 use crate::verify::Verified;
@@ -17,7 +17,7 @@ pub fn difference(log_bytes: &[u8], verified: &Verified, provenance: &Provenance
         Ok(()) if comparison.rest.is_empty() => None,
         Err(error) if !comparison.differs => Some(error.diagnostic().title),
         Ok(()) | Err(_) => {
-            let mut search = Search::new(super::topics(verified, &Signals::new(verified.schedule())));
+            let mut search = MessageComparison::new(super::topics(verified, &Signals::new(verified.schedule())));
             let read = log::read_with(log_bytes, &mut |topic, t_ns, data| search.compare(topic, t_ns, data));
             Some(match read {
                 Ok(log) => search.found().unwrap_or_else(|| part(&log, verified, provenance)),
@@ -60,17 +60,17 @@ pub fn difference_diagnostic(difference: &str) -> Diagnostic {
 }
 
 /// The messages that should come, and what was found wrong so far.
-struct Search {
-    topics: Vec<Topic>,
+struct MessageComparison {
+    topics: Vec<LogTopic>,
     /// How many messages of each topic were seen.
     seen: Vec<usize>,
     found: Option<String>,
 }
 
-impl Search {
-    fn new(topics: Vec<Topic>) -> Self {
+impl MessageComparison {
+    fn new(topics: Vec<LogTopic>) -> Self {
         let seen = vec![0; topics.len()];
-        Search { topics, seen, found: None }
+        MessageComparison { topics, seen, found: None }
     }
 
     fn compare(&mut self, topic: &str, t_ns: u64, data: &[u8]) {

@@ -7,14 +7,14 @@ pub use foxglove::messages::*;
 use foxglove::Encode;
 
 /// Name and descriptor of a message type.
-pub struct Schema {
+pub struct MessageSchema {
     pub name: String,
     pub descriptor: Vec<u8>,
 }
 
 /// The schema of a message type. Every type used here has one.
-pub fn schema<T: Encode>() -> Option<Schema> {
-    T::get_schema().map(|schema| Schema { name: schema.name, descriptor: schema.data.into_owned() })
+pub fn schema<T: Encode>() -> Option<MessageSchema> {
+    T::get_schema().map(|schema| MessageSchema { name: schema.name, descriptor: schema.data.into_owned() })
 }
 
 /// A message as protobuf bytes. A `Vec` takes any length, so encoding into it cannot fail.

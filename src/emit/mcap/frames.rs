@@ -2,15 +2,15 @@
 //!
 //! Devices that a scene places are where it says; pictures put the others side by side along x.
 
-use super::bench::Bench;
-use super::{Topic, WORLD, foxglove};
+use super::bench::PictureBench;
+use super::{LogTopic, WORLD, foxglove};
 use crate::real::Real;
 use foxglove::{FrameTransform, FrameTransforms, Pose, Quaternion, Vector3};
 use std::collections::BTreeMap;
 
 /// Where something stands, and how it is turned.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stand {
+pub struct StandingPose {
     pub place: [f64; 3],
     /// A unit quaternion w, x, y, z.
     turn: [f64; 4],
@@ -19,22 +19,22 @@ pub struct Stand {
 /// Steps of the grid that quaternions are rounded to: their last bits differ between machines, and a log must not.
 const GRID: f64 = 1e9;
 
-impl Stand {
+impl StandingPose {
     /// Without rotation.
-    pub fn at(place: [f64; 3]) -> Stand {
-        Stand { place, turn: [1.0, 0.0, 0.0, 0.0] }
+    pub fn at(place: [f64; 3]) -> StandingPose {
+        StandingPose { place, turn: [1.0, 0.0, 0.0, 0.0] }
     }
 
     /// Turned about z by an angle, counter-clockwise.
-    pub fn turned(place: [f64; 3], heading_rad: f64) -> Stand {
+    pub fn turned(place: [f64; 3], heading_rad: f64) -> StandingPose {
         let (sin, cos) = (heading_rad / 2.0).sine_cosine();
-        Stand::oriented(place, [cos, 0.0, 0.0, sin])
+        StandingPose::oriented(place, [cos, 0.0, 0.0, sin])
     }
 
     /// Turned by a unit quaternion w, x, y, z.
-    pub fn oriented(place: [f64; 3], turn: [f64; 4]) -> Stand {
+    pub fn oriented(place: [f64; 3], turn: [f64; 4]) -> StandingPose {
         // Not minus zero.
-        Stand { place, turn: turn.map(|value| (value * GRID).round() / GRID + 0.0) }
+        StandingPose { place, turn: turn.map(|value| (value * GRID).round() / GRID + 0.0) }
     }
 
     /// As a message.
@@ -54,7 +54,7 @@ impl Stand {
 }
 
 /// Where something is, if it is still there.
-pub type Place = Option<Stand>;
+pub type FramePlace = Option<StandingPose>;
 
 /// Something that moves in the frame of its device.
 pub struct Mover {
@@ -62,18 +62,18 @@ pub struct Mover {
     pub frame: String,
     pub device: String,
     /// Its places from each instant on, in order of time; `None` where it is no longer there.
-    pub places: Vec<(u64, Place)>,
+    pub places: Vec<(u64, FramePlace)>,
 }
 
 /// `/tf`: all frames whenever one of them moves, since a viewer that jumps in time reads the last message only.
-pub fn topic(benches: &[Bench], movers: &[Mover]) -> Topic {
-    let mut moves: BTreeMap<u64, Vec<(usize, Place)>> = BTreeMap::new();
+pub fn topic(benches: &[PictureBench], movers: &[Mover]) -> LogTopic {
+    let mut moves: BTreeMap<u64, Vec<(usize, FramePlace)>> = BTreeMap::new();
     for (index, mover) in movers.iter().enumerate() {
         for (t_ns, place) in &mover.places {
             moves.entry(*t_ns).or_default().push((index, *place));
         }
     }
-    let mut places: Vec<Place> = vec![None; movers.len()];
+    let mut places: Vec<FramePlace> = vec![None; movers.len()];
     let mut messages = Vec::new();
     for (t_ns, moved) in moves {
         for (index, place) in moved {
@@ -88,10 +88,10 @@ pub fn topic(benches: &[Bench], movers: &[Mover]) -> Topic {
         let transforms = standing.chain(moving).collect();
         messages.push((t_ns, foxglove::encode(&FrameTransforms { transforms })));
     }
-    Topic::new::<FrameTransforms>("/tf", messages)
+    LogTopic::new::<FrameTransforms>("/tf", messages)
 }
 
-fn transform(t_ns: u64, parent_frame_id: String, child_frame_id: String, stand: Stand) -> FrameTransform {
+fn transform(t_ns: u64, parent_frame_id: String, child_frame_id: String, stand: StandingPose) -> FrameTransform {
     FrameTransform {
         timestamp: foxglove::timestamp(t_ns),
         parent_frame_id,

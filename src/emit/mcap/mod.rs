@@ -33,7 +33,7 @@ use crate::source::MAX_FILE_BYTES;
 use crate::verify::Verified;
 use ::mcap::write::NoSeek;
 use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer, records};
-use bench::Bench;
+use bench::PictureBench;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
@@ -59,18 +59,18 @@ const DEFINITION_BYTES: u64 = 64 * 1024;
 const WORLD: &str = "world";
 
 /// One topic of the log with its messages.
-struct Topic {
+struct LogTopic {
     name: String,
-    schema: foxglove::Schema,
+    schema: foxglove::MessageSchema,
     metadata: BTreeMap<String, String>,
     /// In order of time.
     messages: Vec<(u64, Vec<u8>)>,
 }
 
-impl Topic {
-    fn new<T: ::foxglove::Encode>(name: impl Into<String>, messages: Vec<(u64, Vec<u8>)>) -> Topic {
+impl LogTopic {
+    fn new<T: ::foxglove::Encode>(name: impl Into<String>, messages: Vec<(u64, Vec<u8>)>) -> LogTopic {
         let schema = foxglove::schema::<T>().expect("every foxglove message has a schema");
-        Topic { name: name.into(), schema, metadata: BTreeMap::new(), messages }
+        LogTopic { name: name.into(), schema, metadata: BTreeMap::new(), messages }
     }
 }
 
@@ -111,7 +111,7 @@ fn write_to(to: &mut dyn Write, verified: &Verified, provenance: &Provenance) ->
 }
 
 /// An error if the log's reader would refuse the messages for their size.
-fn refuse_what_is_not_read(topics: &[Topic]) -> Result<(), EmitError> {
+fn refuse_what_is_not_read(topics: &[LogTopic]) -> Result<(), EmitError> {
     let lengths =
         || topics.iter().flat_map(|topic| &topic.messages).map(|(_, data)| data.len() as u64 + MESSAGE_HEAD_BYTES);
     let refuse = |bytes, limit| EmitError::refuse_size(Format::Mcap, bytes, limit);
@@ -136,12 +136,12 @@ fn attach<W: Write + Seek>(
     writer.attach(&attachment).map_err(failed)
 }
 
-fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
+fn topics(verified: &Verified, signals: &Signals) -> Vec<LogTopic> {
     let mut topics = Vec::new();
     for (device, unit, channels) in signals.devices() {
         topics.push(voltages::topic(signals, device, unit, &channels));
     }
-    let benches = Bench::all(verified);
+    let benches = PictureBench::all(verified);
     let mut movers = Vec::new();
     for bench in &benches {
         let (own, moving) = match &bench.job.order {
@@ -159,7 +159,7 @@ fn topics(verified: &Verified, signals: &Signals) -> Vec<Topic> {
 }
 
 /// `/log`: the source line of every step, with what it reaches where that is not exactly what it asks for.
-fn lines(verified: &Verified) -> Topic {
+fn lines(verified: &Verified) -> LogTopic {
     let messages = verified.schedule().steps.iter().map(|step| {
         let line = foxglove::Log {
             timestamp: foxglove::timestamp(step.start_ns),
@@ -176,7 +176,7 @@ fn lines(verified: &Verified) -> Topic {
     });
     let mut messages: Vec<_> = messages.collect();
     messages.sort_by_key(|(t_ns, _)| *t_ns);
-    Topic::new::<foxglove::Log>("/log", messages)
+    LogTopic::new::<foxglove::Log>("/log", messages)
 }
 
 fn metadata(verified: &Verified, provenance: &Provenance) -> records::Metadata {
@@ -205,7 +205,7 @@ fn options() -> WriteOptions {
 }
 
 /// Writes all messages in order of time; each is gone when it is written.
-fn write_messages<W: Write + Seek>(writer: &mut Writer<W>, mut topics: Vec<Topic>) -> Result<(), McapError> {
+fn write_messages<W: Write + Seek>(writer: &mut Writer<W>, mut topics: Vec<LogTopic>) -> Result<(), McapError> {
     let mut ids = Vec::new();
     for topic in &topics {
         let schema = writer.add_schema(&topic.schema.name, "protobuf", &topic.schema.descriptor)?;
@@ -225,8 +225,8 @@ fn write_messages<W: Write + Seek>(writer: &mut Writer<W>, mut topics: Vec<Topic
 }
 
 /// Index of the topic and of its message, for all messages in order of time, then of topic.
-fn in_order(topics: &[Topic]) -> Vec<(usize, usize)> {
-    let of_topic = |(topic, list): (usize, &Topic)| {
+fn in_order(topics: &[LogTopic]) -> Vec<(usize, usize)> {
+    let of_topic = |(topic, list): (usize, &LogTopic)| {
         (0..list.messages.len()).map(move |message| (topic, message)).collect::<Vec<_>>()
     };
     let mut order: Vec<(usize, usize)> = topics.iter().enumerate().flat_map(of_topic).collect();

@@ -128,7 +128,7 @@ fn something_that_is_no_log_differs() {
 fn the_scene_shows_every_obstacle_twice_and_takes_away_what_is_gone() {
     let (verified, _) = fixture::fetch();
     let topics = dimibot::scene::topics(&verified, "bot");
-    let update = |topic: &Topic| foxglove::SceneUpdate::decode(topic.messages[0].1.as_slice()).unwrap();
+    let update = |topic: &LogTopic| foxglove::SceneUpdate::decode(topic.messages[0].1.as_slice()).unwrap();
     let updates: Vec<_> = topics.iter().map(update).collect();
     let entity = |id: &str| updates.iter().flat_map(|update| &update.entities).find(|entity| entity.id == id).unwrap();
     let bead = entity("bot/obstacle/bead");
@@ -141,7 +141,7 @@ fn the_scene_shows_every_obstacle_twice_and_takes_away_what_is_gone() {
 }
 
 /// A second run of the same task, with other obstacles.
-fn twice(change: impl FnOnce(&mut Vec<crate::claims::dimibot::Obstacle>)) -> Verified {
+fn twice(change: impl FnOnce(&mut Vec<crate::claims::dimibot::DimibotObstacle>)) -> Verified {
     let (verified, _) = fixture::fetch();
     let (mut schedule, mut claims) = (verified.schedule().clone(), verified.claims().clone());
     let mut job = claims.jobs[0].clone();

@@ -11,10 +11,10 @@
 //! the lower and the higher level of the train that goes on, the same value twice outside of trains. The topic's metadata say
 //! which of the two a field is, and the periods of the trains.
 
-use super::{Signals, Topic, foxglove};
+use super::{LogTopic, Signals, foxglove};
 use crate::emit::identifier;
 use crate::log::{self, BOUND_SUFFIX, Bound, PERIOD_SUFFIX};
-use crate::schedule::Unit;
+use crate::schedule::ChannelUnit;
 use prost::Message;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
@@ -27,27 +27,27 @@ pub const MAX_FIELDS: usize = 300;
 const MAX_NAME_BYTES: usize = 16 * 1024;
 
 /// The name of the field that lists many channels.
-fn list(unit: Unit) -> &'static str {
+fn list(unit: ChannelUnit) -> &'static str {
     match unit {
-        Unit::Volt => "volts",
-        Unit::Micrometre => "micrometres",
+        ChannelUnit::Volt => "volts",
+        ChannelUnit::Micrometre => "micrometres",
     }
 }
 
 /// A number of each message.
-struct Column {
+struct MessageColumn {
     channel: usize,
     bound: Bound,
 }
 
 /// The columns of these channels: two for each that swings.
-fn columns(signals: &Signals, channels: &[usize]) -> Vec<Column> {
+fn columns(signals: &Signals, channels: &[usize]) -> Vec<MessageColumn> {
     let of_channel = |&channel: &usize| {
         let bounds: &[Bound] = match signals.swings(channel).next() {
             Some(_) => &[Bound::Low, Bound::High],
             None => &[Bound::Exact],
         };
-        bounds.iter().map(move |bound| Column { channel, bound: *bound })
+        bounds.iter().map(move |bound| MessageColumn { channel, bound: *bound })
     };
     channels.iter().flat_map(of_channel).collect()
 }
@@ -62,10 +62,10 @@ pub fn estimated_bytes(signals: &Signals) -> u64 {
 }
 
 /// The topic of a device's channels of a unit.
-pub fn topic(signals: &Signals, device: &str, unit: Unit, channels: &[usize]) -> Topic {
+pub fn topic(signals: &Signals, device: &str, unit: ChannelUnit, channels: &[usize]) -> LogTopic {
     let all = &signals.schedule.channels;
     let columns = columns(signals, channels);
-    let short = columns.iter().map(|Column { channel, bound }| {
+    let short = columns.iter().map(|MessageColumn { channel, bound }| {
         let name = all[*channel].name.split_once('.').map_or(all[*channel].name.as_str(), |(_, rest)| rest);
         bound.name().map_or_else(|| name.to_owned(), |bound| format!("{name}_{bound}"))
     });
@@ -89,12 +89,16 @@ pub fn topic(signals: &Signals, device: &str, unit: Unit, channels: &[usize]) ->
     }
     let package = format!("tweeze.{}", identifier::distinct([device])[0]);
     let message = match unit {
-        Unit::Volt => "Voltages",
-        Unit::Micrometre => "Positions",
+        ChannelUnit::Volt => "Voltages",
+        ChannelUnit::Micrometre => "Positions",
     };
-    Topic {
+    LogTopic {
         name: log::topic(device, unit),
-        schema: schema(&package, message, if fields { Shape::Fields(&names) } else { Shape::List(list(unit)) }),
+        schema: schema(
+            &package,
+            message,
+            if fields { MessageShape::Fields(&names) } else { MessageShape::List(list(unit)) },
+        ),
         metadata,
         messages: messages(signals, channels, &columns, if fields { encode_fields } else { encode_list }),
     }
@@ -107,14 +111,14 @@ fn periods(signals: &Signals, channel: usize) -> String {
 }
 
 /// What a message looks like.
-pub enum Shape<'a> {
+pub enum MessageShape<'a> {
     Fields(&'a [String]),
     /// One field of this name.
     List(&'a str),
 }
 
 /// A message type of doubles.
-pub fn schema(package: &str, message: &str, shape: Shape) -> foxglove::Schema {
+pub fn schema(package: &str, message: &str, shape: MessageShape) -> foxglove::MessageSchema {
     let field = |name: &str, number: usize, label: Label| FieldDescriptorProto {
         name: Some(name.to_owned()),
         json_name: Some(name.to_owned()),
@@ -124,10 +128,10 @@ pub fn schema(package: &str, message: &str, shape: Shape) -> foxglove::Schema {
         ..FieldDescriptorProto::default()
     };
     let fields = match shape {
-        Shape::Fields(names) => {
+        MessageShape::Fields(names) => {
             names.iter().enumerate().map(|(index, name)| field(name, index + 1, Label::Optional)).collect()
         }
-        Shape::List(name) => vec![field(name, 1, Label::Repeated)],
+        MessageShape::List(name) => vec![field(name, 1, Label::Repeated)],
     };
     let name = format!("{package}.{message}");
     let message = DescriptorProto { name: Some(message.into()), field: fields, ..DescriptorProto::default() };
@@ -139,13 +143,13 @@ pub fn schema(package: &str, message: &str, shape: Shape) -> foxglove::Schema {
         ..FileDescriptorProto::default()
     };
     let descriptor = FileDescriptorSet { file: vec![file] }.encode_to_vec();
-    foxglove::Schema { name, descriptor }
+    foxglove::MessageSchema { name, descriptor }
 }
 
 fn messages(
     signals: &Signals,
     channels: &[usize],
-    columns: &[Column],
+    columns: &[MessageColumn],
     encode: fn(&[f64]) -> Vec<u8>,
 ) -> Vec<(u64, Vec<u8>)> {
     let breaks = signals.breaks(channels.iter().copied());
@@ -153,7 +157,7 @@ fn messages(
     let ends = [0, signals.schedule.duration_ns];
     let times: BTreeSet<u64> = breaks.iter().copied().chain(before).chain(ends).collect();
     let at = |t_ns| {
-        let value = |column: &Column| match column.bound {
+        let value = |column: &MessageColumn| match column.bound {
             Bound::Exact => signals.value(column.channel, t_ns),
             Bound::Low => signals.envelope(column.channel, t_ns)[0],
             Bound::High => signals.envelope(column.channel, t_ns)[1],

@@ -22,7 +22,7 @@ mod sequence;
 use super::csv::one_line;
 use super::error::EmitError;
 use super::{Format, Signals};
-use crate::schedule::Unit;
+use crate::schedule::ChannelUnit;
 use sampling::Sampling;
 pub use sequence::Sequencer;
 use sequence::{Sequence, sequence};
@@ -253,8 +253,8 @@ fn full_scale_volts(signals: &Signals, channel: usize) -> f64 {
 
 fn codes(signals: &Signals, channel: usize, volts: f64, profile: &Profile, sampling: &Sampling) -> Vec<i16> {
     match signals.unit(channel) {
-        Unit::Volt => codes_of_voltages(signals, channel, volts, profile, sampling),
-        Unit::Micrometre => {
+        ChannelUnit::Volt => codes_of_voltages(signals, channel, volts, profile, sampling),
+        ChannelUnit::Micrometre => {
             let positions = sampling.positions(signals, channel);
             positions.map(|position_um| profile.code(position_um, volts)).collect()
         }
@@ -308,8 +308,8 @@ fn description(signals: &Signals, profile: &Profile, sampling: &Sampling, playin
         let wire = channel.wire.as_deref().map_or_else(|| "-".to_owned(), one_line);
         let volts = full_scale_volts(signals, index);
         let mark = match channel.unit {
-            Unit::Volt => "",
-            Unit::Micrometre => " [um]",
+            ChannelUnit::Volt => "",
+            ChannelUnit::Micrometre => " [um]",
         };
         let _ = writeln!(text, "{}\t{}\t{volts}\t{}{mark}\t{wire}", index + 1, segment(index), channel.name);
     }

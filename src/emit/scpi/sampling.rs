@@ -5,7 +5,7 @@
 use super::Profile;
 use crate::emit::Signals;
 use crate::emit::signal::half_ns;
-use crate::schedule::{Actuation, Unit};
+use crate::schedule::{Actuation, ChannelUnit};
 
 /// The most that a stage moves from one sample to the next, in micrometres, unless the instrument's memory is too small.
 pub const SAMPLE_UM: f64 = 0.05;
@@ -54,7 +54,7 @@ impl Sampling {
 
 /// The greatest time that all times of voltages are multiples of; 0 without voltages.
 fn common_ns(signals: &Signals) -> u64 {
-    let of_volts = || signals.in_unit(Unit::Volt).flat_map(|channel| signals.of(channel));
+    let of_volts = || signals.in_unit(ChannelUnit::Volt).flat_map(|channel| signals.of(channel));
     let times = of_volts().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);
     let halves = of_volts().filter_map(|actuation| actuation.swing).map(half_ns);
     times.chain(halves).fold(0, gcd)
@@ -81,7 +81,7 @@ fn steady_ns(signals: &Signals) -> Option<u64> {
 /// The greatest speed of a stage; `None` without stages.
 fn fastest_um_per_ns(signals: &Signals) -> Option<f64> {
     let speed = |actuation: &&Actuation| (actuation.to - actuation.from).abs() / actuation.duration_ns as f64;
-    let stages = signals.in_unit(Unit::Micrometre);
+    let stages = signals.in_unit(ChannelUnit::Micrometre);
     stages.map(|channel| signals.of(channel).iter().map(speed).fold(0.0, f64::max)).reduce(f64::max)
 }
 

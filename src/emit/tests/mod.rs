@@ -1,6 +1,6 @@
 use super::{EmitError, Format, Provenance, emit, fixture};
 use crate::diagnostic::Code;
-use crate::schedule::{Unit, json};
+use crate::schedule::{ChannelUnit, json};
 use crate::verify::Verified;
 
 mod positions;
@@ -21,7 +21,7 @@ fn code(format: Format, verified: &Verified) -> Code {
 
 /// The formats that a fixture can be written in: G-code is of stages only.
 fn formats(verified: &Verified) -> impl Iterator<Item = Format> {
-    let all_stages = verified.schedule().channels.iter().all(|channel| channel.unit == Unit::Micrometre);
+    let all_stages = verified.schedule().channels.iter().all(|channel| channel.unit == ChannelUnit::Micrometre);
     Format::ALL.iter().copied().filter(move |format| all_stages || *format != Format::Gcode)
 }
 

@@ -3,7 +3,7 @@
 use super::{Edit, code, judged_of, text};
 use crate::diagnostic::Code;
 use crate::emit::{Format, Provenance, Signals, emit, fixture};
-use crate::schedule::{Actuation, Channel, Unit};
+use crate::schedule::{Actuation, Channel, ChannelUnit};
 use crate::verify::Verified;
 use serde_json::json;
 
@@ -105,7 +105,7 @@ fn scpi_samples_stages_within_the_period_of_voltages() {
     let both = |period_ns: u64| {
         fixture::changed(&hand, |schedule| {
             let name = "plate.e1_1".to_owned();
-            schedule.channels.push(Channel { name, device: "plate".into(), unit: Unit::Volt, wire: None });
+            schedule.channels.push(Channel { name, device: "plate".into(), unit: ChannelUnit::Volt, wire: None });
             let pulse = Actuation { channel: 9, from: 50.0, to: 50.0, ..schedule.actuations[0] };
             schedule.actuations.push(Actuation { start_ns: period_ns, duration_ns: 3 * period_ns, ..pulse });
         })

@@ -5,7 +5,7 @@
 //! adds.
 
 use crate::emit::Signals;
-use crate::schedule::{Actuation, Unit};
+use crate::schedule::{Actuation, ChannelUnit};
 
 /// What one count stands for.
 pub const COUNT_UM: f64 = 1.0 / COUNTS_PER_UM;
@@ -26,7 +26,7 @@ fn count(position_um: f64) -> f64 {
 /// No fewer than the changes of all channels of positions.
 pub fn number(signals: &Signals) -> u64 {
     let of_actuation = |actuation: &&Actuation| ((actuation.to - actuation.from).abs() * COUNTS_PER_UM) as u64 + 2;
-    let actuations = signals.in_unit(Unit::Micrometre).flat_map(|channel| signals.of(channel));
+    let actuations = signals.in_unit(ChannelUnit::Micrometre).flat_map(|channel| signals.of(channel));
     actuations.map(of_actuation).fold(0, u64::saturating_add)
 }
 

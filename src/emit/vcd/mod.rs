@@ -11,7 +11,7 @@ mod counts;
 use super::csv::{digits, one_line};
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
-use crate::schedule::{Channel, Unit};
+use crate::schedule::{Channel, ChannelUnit};
 pub use counts::COUNT_UM;
 use counts::Counts;
 use std::cmp::Reverse;
@@ -42,8 +42,8 @@ pub(super) fn write(signals: &Signals) -> Result<Vec<u8>, EmitError> {
         let wire = channel.wire.as_deref().unwrap_or("none");
         let (name, unit) = (word(&channel.name), channel.unit.symbol());
         let form = match channel.unit {
-            Unit::Volt => String::new(),
-            Unit::Micrometre => format!(" as the nearest multiple of {COUNT_UM} {unit}"),
+            ChannelUnit::Volt => String::new(),
+            ChannelUnit::Micrometre => format!(" as the nearest multiple of {COUNT_UM} {unit}"),
         };
         let _ = writeln!(text, "$comment {name} [{unit}]{form} wire: {} $end", one_line(wire).replace('$', "_"));
     }
@@ -56,7 +56,7 @@ pub(super) fn write(signals: &Signals) -> Result<Vec<u8>, EmitError> {
 
 /// The scopes and variables. Channels that share a scope stand together, as one scope may be opened only once for some readers.
 fn declare(text: &mut String, channels: &[Channel]) {
-    let mut root = Scope::default();
+    let mut root = NameScope::default();
     for (index, channel) in channels.iter().enumerate() {
         let mut parts: Vec<&str> = channel.name.split('.').collect();
         let name = parts.pop().unwrap_or_default();
@@ -73,12 +73,12 @@ fn declare(text: &mut String, channels: &[Channel]) {
 
 /// The parts of names, as a tree.
 #[derive(Default)]
-struct Scope {
+struct NameScope {
     variables: Vec<(String, usize)>,
-    inner: indexmap::IndexMap<String, Scope>,
+    inner: indexmap::IndexMap<String, NameScope>,
 }
 
-impl Scope {
+impl NameScope {
     /// As deep as the names of channels have dots, which the language keeps to a few.
     fn print(&self, text: &mut String) {
         for (name, index) in &self.variables {
@@ -120,8 +120,8 @@ fn changes(text: &mut String, signals: &Signals) {
 
 fn first(signals: &Signals, channel: usize) -> f64 {
     match signals.unit(channel) {
-        Unit::Volt => signals.value(channel, 0),
-        Unit::Micrometre => counts::counted(signals.value(channel, 0)),
+        ChannelUnit::Volt => signals.value(channel, 0),
+        ChannelUnit::Micrometre => counts::counted(signals.value(channel, 0)),
     }
 }
 
@@ -129,8 +129,10 @@ fn first(signals: &Signals, channel: usize) -> f64 {
 fn values<'a>(signals: &'a Signals) -> impl Iterator<Item = (u64, usize, f64)> + 'a {
     let of_channel = |channel: usize| -> Box<dyn Iterator<Item = (u64, f64)> + 'a> {
         match signals.unit(channel) {
-            Unit::Volt => Box::new(signals.edges([channel]).map(move |t_ns| (t_ns, signals.value(channel, t_ns)))),
-            Unit::Micrometre => Box::new(Counts::new(signals, channel)),
+            ChannelUnit::Volt => {
+                Box::new(signals.edges([channel]).map(move |t_ns| (t_ns, signals.value(channel, t_ns))))
+            }
+            ChannelUnit::Micrometre => Box::new(Counts::new(signals, channel)),
         }
     };
     let mut of_channel: Vec<_> = (0..signals.schedule.channels.len()).map(of_channel).collect();

@@ -3,27 +3,27 @@
 //! Input: the stretches and their nodes. Output: the stretches near a point, nearest first, and two stretches whose chords meet.
 //! Promise: no stretch that may matter is left out; a question about a point costs about the logarithm of the number of stretches.
 
-use super::follow::Course;
+use super::follow::FollowedCurve;
 use super::form::{cross, dot, minus};
 use crate::real::Real;
 
 /// Least and greatest coordinates.
 #[derive(Debug, Clone, Copy)]
-struct Bounds {
+struct CoordinateBounds {
     low: [f64; 2],
     high: [f64; 2],
 }
 
-impl Bounds {
-    const NONE: Bounds = Bounds { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
+impl CoordinateBounds {
+    const NONE: CoordinateBounds = CoordinateBounds { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
 
-    fn with(&self, other: &Bounds) -> Bounds {
+    fn with(&self, other: &CoordinateBounds) -> CoordinateBounds {
         let low = [0, 1].map(|axis| self.low[axis].min(other.low[axis]));
         let high = [0, 1].map(|axis| self.high[axis].max(other.high[axis]));
-        Bounds { low, high }
+        CoordinateBounds { low, high }
     }
 
-    fn meets(&self, other: &Bounds) -> bool {
+    fn meets(&self, other: &CoordinateBounds) -> bool {
         (0..2).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
     }
 
@@ -36,26 +36,26 @@ impl Bounds {
 
 /// A binary tree over the stretches in their order: the children of i are 2 i and 2 i + 1, stretch s is the leaf `leaves` + s.
 #[derive(Debug, Clone)]
-pub(super) struct Boxes {
-    bounds: Vec<Bounds>,
+pub(super) struct StretchBoxes {
+    bounds: Vec<CoordinateBounds>,
     leaves: usize,
 }
 
-impl Boxes {
-    pub fn round(course: &Course) -> Boxes {
+impl StretchBoxes {
+    pub fn round(course: &FollowedCurve) -> StretchBoxes {
         let leaves = course.stretches.len().next_power_of_two();
-        let mut bounds = vec![Bounds::NONE; 2 * leaves];
+        let mut bounds = vec![CoordinateBounds::NONE; 2 * leaves];
         for (at, stretch) in course.stretches.iter().enumerate() {
             let [a, b] = [course.points_um[at], course.points_um[at + 1]];
             let sag = stretch.sag_um;
             let low = [0, 1].map(|axis: usize| a[axis].min(b[axis]) - sag);
             let high = [0, 1].map(|axis: usize| a[axis].max(b[axis]) + sag);
-            bounds[leaves + at] = Bounds { low, high };
+            bounds[leaves + at] = CoordinateBounds { low, high };
         }
         for at in (1..leaves).rev() {
             bounds[at] = bounds[2 * at].with(&bounds[2 * at + 1]);
         }
-        Boxes { bounds, leaves }
+        StretchBoxes { bounds, leaves }
     }
 
     /// Asks stretches for the square of their distance, as long as one may be nearer than the best.
@@ -79,7 +79,7 @@ impl Boxes {
     }
 
     /// Two stretches that are no neighbours and whose chords meet.
-    pub fn crossing(&self, course: &Course) -> Option<[usize; 2]> {
+    pub fn crossing(&self, course: &FollowedCurve) -> Option<[usize; 2]> {
         let count = course.stretches.len();
         let chord = |at: usize| [course.points_um[at], course.points_um[at + 1]];
         let mut open = vec![(1, 1)];

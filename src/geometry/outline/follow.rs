@@ -5,7 +5,7 @@
 //! chord. Lengths are integrals by Gauss' rule with eight points; a stretch is halved until halves agree with the whole.
 
 use super::OutlineError;
-use super::form::{Form, Jet, cross, dot, minus, norm};
+use super::form::{Jet, OutlineForm, cross, dot, minus, norm};
 use crate::real::Real;
 
 /// How exactly one stretch tells its way.
@@ -62,7 +62,7 @@ impl Quintic {
 
 /// A short part of the curve.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stretch {
+pub(super) struct CurveStretch {
     pub piece: usize,
     pub from_t: f64,
     pub to_t: f64,
@@ -74,7 +74,7 @@ pub(super) struct Stretch {
     share_by_t: Quintic,
 }
 
-impl Stretch {
+impl CurveStretch {
     /// The parameter at a way from its beginning.
     pub fn t(&self, way_um: f64) -> f64 {
         self.from_t + (self.to_t - self.from_t) * self.share_by_way.at(way_um / self.length_um)
@@ -95,7 +95,7 @@ pub(super) fn gauss(from: f64, to: f64, mut sum: impl FnMut(f64, f64)) {
     }
 }
 
-fn length(form: &Form, piece: usize, from: f64, to: f64) -> f64 {
+fn length(form: &OutlineForm, piece: usize, from: f64, to: f64) -> f64 {
     let mut sum = 0.0;
     gauss(from, to, |t, weight| sum += weight * form.at(piece, t).speed());
     sum
@@ -108,8 +108,8 @@ pub(super) fn turn(from: [f64; 2], to: [f64; 2]) -> f64 {
 
 /// The stretches of a curve and its nodes; there is one node more than there are stretches, and the last one lies on the first.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Course {
-    pub stretches: Vec<Stretch>,
+pub(super) struct FollowedCurve {
+    pub stretches: Vec<CurveStretch>,
     pub ways_um: Vec<f64>,
     /// The direction of the outward normal, running on.
     pub turns_rad: Vec<f64>,
@@ -118,10 +118,10 @@ pub(super) struct Course {
     pub tangents: Vec<[f64; 2]>,
 }
 
-impl Course {
+impl FollowedCurve {
     /// Follows a form once round from a parameter of a piece.
-    pub fn of(form: &Form, begin: (usize, f64)) -> Result<Course, OutlineError> {
-        let mut course = Course::default();
+    pub fn of(form: &OutlineForm, begin: (usize, f64)) -> Result<FollowedCurve, OutlineError> {
+        let mut course = FollowedCurve::default();
         let most = MAX_STRETCHES + STRETCHES_PER_PIECE * form.pieces();
         let spans = spans(form, begin);
         if let Some(point_um) = too_rough(form, &spans, most) {
@@ -146,7 +146,7 @@ impl Course {
         Ok(course)
     }
 
-    fn add(&mut self, stretch: Stretch, ends: &[Jet; 2]) {
+    fn add(&mut self, stretch: CurveStretch, ends: &[Jet; 2]) {
         if self.ways_um.is_empty() {
             let normal = ends[0].normal();
             self.node(0.0, normal[1].arc_tangent_over(normal[0]), &ends[0]);
@@ -172,7 +172,7 @@ fn is_sound(jet: &Jet) -> bool {
 }
 
 /// The smooth parts of the pieces, from a beginning once round.
-fn spans(form: &Form, (first, begin): (usize, f64)) -> Vec<(usize, f64, f64)> {
+fn spans(form: &OutlineForm, (first, begin): (usize, f64)) -> Vec<(usize, f64, f64)> {
     let pieces = form.pieces();
     let mut spans = Vec::new();
     let mut add = |piece: usize, low: f64, high: f64| {
@@ -193,7 +193,7 @@ fn spans(form: &Form, (first, begin): (usize, f64)) -> Vec<(usize, f64, f64)> {
 }
 
 /// Where a curve turns most, if it surely turns more than that many stretches may: to follow such a one to the last of them takes long.
-fn too_rough(form: &Form, spans: &[(usize, f64, f64)], most: usize) -> Option<[f64; 2]> {
+fn too_rough(form: &OutlineForm, spans: &[(usize, f64, f64)], most: usize) -> Option<[f64; 2]> {
     let (mut all_rad, mut sharpest) = (0.0, (0.0, None));
     for &(piece, from, to) in spans {
         let mut before = form.at(piece, from);
@@ -211,7 +211,13 @@ fn too_rough(form: &Form, spans: &[(usize, f64, f64)], most: usize) -> Option<[f
 }
 
 /// The stretch between two parameters, unless it has to be halved.
-fn measured(form: &Form, piece: usize, [from, to]: [f64; 2], ends: &[Jet; 2], depth: u32) -> Option<Stretch> {
+fn measured(
+    form: &OutlineForm,
+    piece: usize,
+    [from, to]: [f64; 2],
+    ends: &[Jet; 2],
+    depth: u32,
+) -> Option<CurveStretch> {
     let last = depth >= MAX_DEPTH;
     let inner = [0.25, 0.5, 0.75].map(|share| from + share * (to - from));
     let jets = inner.map(|t| form.at(piece, t));
@@ -232,7 +238,7 @@ fn measured(form: &Form, piece: usize, [from, to]: [f64; 2], ends: &[Jet; 2], de
     let by_t = |end: usize| [end as f64, speeds[end] * dt / whole, haste[end] * dt * dt / whole];
     let chord = minus(ends[1].point, ends[0].point);
     let off = |jet: &Jet| (cross(chord, minus(jet.point, ends[0].point)) / norm(chord)).abs();
-    let stretch = Stretch {
+    let stretch = CurveStretch {
         piece,
         from_t: from,
         to_t: to,

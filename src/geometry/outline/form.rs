@@ -37,30 +37,30 @@ impl Jet {
 
 /// A straight line or an arc of a circle, with the way along it as the parameter.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Part {
+pub(super) enum OutlineArc {
     Line { from: [f64; 2], along: [f64; 2] },
     Arc { centre: [f64; 2], radius_um: f64, from_rad: f64 },
 }
 
 /// An outline as formulas.
 #[derive(Debug, Clone)]
-pub(super) enum Form {
+pub(super) enum OutlineForm {
     /// One piece; the parameter is the eccentric anomaly.
     Ellipse { semi: [f64; 2] },
     /// One piece; the parameter is the angle in the square of which the semi-axes are halves.
     Superellipse { semi: [f64; 2], exponent: f64 },
     /// Lines and arcs with their lengths; each one's parameter begins at 0.
-    Parts { parts: Vec<(Part, f64)> },
+    Parts { parts: Vec<(OutlineArc, f64)> },
     /// Each piece's parameter begins at 0.
     Spline { cubics: Vec<Cubic> },
 }
 
-impl Form {
+impl OutlineForm {
     /// A rectangle with round corners, from the middle of its right side; parts without length are left out.
-    pub fn rounded(half: [f64; 2], radius_um: f64) -> Form {
+    pub fn rounded(half: [f64; 2], radius_um: f64) -> OutlineForm {
         let [a, b] = [half[0] - radius_um, half[1] - radius_um];
-        let line = |from, along, length| (Part::Line { from, along }, length);
-        let arc = |centre, from_rad| (Part::Arc { centre, radius_um, from_rad }, radius_um * FRAC_PI_2);
+        let line = |from, along, length| (OutlineArc::Line { from, along }, length);
+        let arc = |centre, from_rad| (OutlineArc::Arc { centre, radius_um, from_rad }, radius_um * FRAC_PI_2);
         let all = [
             line([half[0], 0.0], [0.0, 1.0], b),
             arc([a, b], 0.0),
@@ -75,56 +75,56 @@ impl Form {
             arc([a, -b], 3.0 * FRAC_PI_2),
             line([half[0], -b], [0.0, 1.0], b),
         ];
-        Form::Parts { parts: all.into_iter().filter(|(_, length)| *length > 0.0).collect() }
+        OutlineForm::Parts { parts: all.into_iter().filter(|(_, length)| *length > 0.0).collect() }
     }
 
     /// How many pieces it has.
     pub fn pieces(&self) -> usize {
         match self {
-            Form::Ellipse { .. } | Form::Superellipse { .. } => 1,
-            Form::Parts { parts } => parts.len(),
-            Form::Spline { cubics } => cubics.len(),
+            OutlineForm::Ellipse { .. } | OutlineForm::Superellipse { .. } => 1,
+            OutlineForm::Parts { parts } => parts.len(),
+            OutlineForm::Spline { cubics } => cubics.len(),
         }
     }
 
     /// The parameters between which a piece lies, cut where it may be less smooth.
     pub fn cuts(&self, piece: usize) -> Vec<f64> {
         match self {
-            Form::Ellipse { .. } | Form::Superellipse { .. } => {
+            OutlineForm::Ellipse { .. } | OutlineForm::Superellipse { .. } => {
                 (0..=8).map(|eighth| f64::from(eighth) * TAU / 8.0).collect()
             }
-            Form::Parts { parts } => vec![0.0, parts[piece].1],
-            Form::Spline { cubics } => vec![0.0, cubics[piece].length_um],
+            OutlineForm::Parts { parts } => vec![0.0, parts[piece].1],
+            OutlineForm::Spline { cubics } => vec![0.0, cubics[piece].length_um],
         }
     }
 
     /// Whether it can meet itself.
     pub fn may_cross(&self) -> bool {
         match self {
-            Form::Ellipse { .. } | Form::Superellipse { .. } | Form::Parts { .. } => false,
-            Form::Spline { .. } => true,
+            OutlineForm::Ellipse { .. } | OutlineForm::Superellipse { .. } | OutlineForm::Parts { .. } => false,
+            OutlineForm::Spline { .. } => true,
         }
     }
 
     pub fn at(&self, piece: usize, t: f64) -> Jet {
         match self {
-            Form::Ellipse { semi: [a, b] } => {
+            OutlineForm::Ellipse { semi: [a, b] } => {
                 let (s, c) = t.sine_cosine();
                 Jet { point: [a * c, b * s], first: [-a * s, b * c], second: [-a * c, -b * s] }
             }
-            Form::Superellipse { semi, exponent } => superellipse(*semi, *exponent, t),
-            Form::Parts { parts } => part(&parts[piece].0, t),
-            Form::Spline { cubics } => cubics[piece].at(t),
+            OutlineForm::Superellipse { semi, exponent } => superellipse(*semi, *exponent, t),
+            OutlineForm::Parts { parts } => part(&parts[piece].0, t),
+            OutlineForm::Spline { cubics } => cubics[piece].at(t),
         }
     }
 }
 
-fn part(part: &Part, t: f64) -> Jet {
+fn part(part: &OutlineArc, t: f64) -> Jet {
     match part {
-        Part::Line { from, along } => {
+        OutlineArc::Line { from, along } => {
             Jet { point: [from[0] + t * along[0], from[1] + t * along[1]], first: *along, second: [0.0, 0.0] }
         }
-        Part::Arc { centre, radius_um, from_rad } => {
+        OutlineArc::Arc { centre, radius_um, from_rad } => {
             let (s, c) = (from_rad + t / radius_um).sine_cosine();
             let point = [centre[0] + radius_um * c, centre[1] + radius_um * s];
             Jet { point, first: [-s, c], second: [-c / radius_um, -s / radius_um] }

@@ -12,9 +12,9 @@ mod spline;
 mod tests;
 
 use super::fault::{Fault, through};
-use boxes::Boxes;
-use follow::{Course, gauss, turn};
-use form::{Form, cross, dot, minus, norm};
+use boxes::StretchBoxes;
+use follow::{FollowedCurve, gauss, turn};
+use form::{OutlineForm, cross, dot, minus, norm};
 pub use resample::{MAX_POLYGON, MAX_SMOOTHED};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -53,7 +53,7 @@ pub enum Outline {
 
 /// Where the curve is at some way along it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spot {
+pub struct CurvePoint {
     pub point_um: [f64; 2],
     /// The direction of the outward normal; it grows by 2π once round, and falls where the outline is concave.
     pub normal_rad: f64,
@@ -93,9 +93,9 @@ pub enum OutlineError {
 /// An outline made ready for questions.
 #[derive(Debug, Clone)]
 pub struct Curve {
-    form: Form,
-    course: Course,
-    boxes: Boxes,
+    form: OutlineForm,
+    course: FollowedCurve,
+    boxes: StretchBoxes,
     perimeter_um: f64,
     opposite_um: f64,
     area_um2: f64,
@@ -113,8 +113,8 @@ impl Curve {
     pub fn of(outline: &Outline) -> Result<Curve, OutlineError> {
         let form = formulas(outline)?;
         let (begin, opposite) = axis_places(&form)?;
-        let mut course = Course::of(&form, begin)?;
-        let boxes = Boxes::round(&course);
+        let mut course = FollowedCurve::of(&form, begin)?;
+        let boxes = StretchBoxes::round(&course);
         if form.may_cross() {
             uncrossed(&course, &boxes)?;
         }
@@ -126,10 +126,10 @@ impl Curve {
     }
 
     fn with(
-        form: Form,
-        course: Course,
-        boxes: Boxes,
-        opposite: Option<Place>,
+        form: OutlineForm,
+        course: FollowedCurve,
+        boxes: StretchBoxes,
+        opposite: Option<PieceParameter>,
         (perimeter_um, area_um2, centre_um): (f64, f64, [f64; 2]),
     ) -> Result<Curve, OutlineError> {
         let opposite_um = opposite.map_or(perimeter_um / 2.0, |place| way_at(&course, place));
@@ -181,13 +181,13 @@ impl Curve {
     }
 
     /// The place at a way along it; ways count on round and round, and backwards below 0. The normal counts on with them.
-    pub fn spot(&self, way_um: f64) -> Spot {
+    pub fn spot(&self, way_um: f64) -> CurvePoint {
         let laps = (way_um / self.perimeter_um).floor();
         let way_um = way_um - laps * self.perimeter_um;
         let (at, t) = self.place(way_um);
         let jet = self.form.at(self.course.stretches[at].piece, t);
         let turned = turn(self.course.tangents[at], jet.first);
-        Spot {
+        CurvePoint {
             point_um: [through(Fault::Spot, jet.point[0]), jet.point[1]],
             normal_rad: through(Fault::Normal, self.course.turns_rad[at] + turned + laps * TAU),
             curvature_per_um: jet.curvature(),
@@ -203,7 +203,7 @@ impl Curve {
 
     /// The place nearest to a point; its way lies in the first lap.
     pub fn nearest(&self, point_um: [f64; 2]) -> Nearest {
-        let mut found = Found { square: f64::INFINITY, way_um: 0.0, sign: f64::NAN };
+        let mut found = NearestPlace { square: f64::INFINITY, way_um: 0.0, sign: f64::NAN };
         if point_um.iter().all(|number| number.is_finite()) {
             self.boxes.nearest(point_um, |at, best| {
                 if self.may_be_nearer(at, point_um, best) {
@@ -231,7 +231,7 @@ impl Curve {
     }
 
     /// The place of a stretch nearest to a point.
-    fn foot(&self, at: usize, point_um: [f64; 2]) -> Option<Found> {
+    fn foot(&self, at: usize, point_um: [f64; 2]) -> Option<NearestPlace> {
         let stretch = &self.course.stretches[at];
         let slopes = [self.slope(at, point_um), self.slope(at + 1, point_um)];
         if slopes[0] < 0.0 && slopes[1] > 0.0 {
@@ -243,11 +243,11 @@ impl Curve {
         let square = dot(gaps[node], gaps[node]);
         let [x, y] = self.course.tangents[at + node];
         let sign = if dot(gaps[node], [y, -x]) < 0.0 { -1.0 } else { 1.0 };
-        square.is_finite().then_some(Found { square, way_um: self.course.ways_um[at + node], sign })
+        square.is_finite().then_some(NearestPlace { square, way_um: self.course.ways_um[at + node], sign })
     }
 
     /// Newton's method for where the gap is perpendicular to the curve, kept between two slopes of different sign.
-    fn perpendicular(&self, at: usize, point_um: [f64; 2], begin: f64) -> Found {
+    fn perpendicular(&self, at: usize, point_um: [f64; 2], begin: f64) -> NearestPlace {
         let stretch = &self.course.stretches[at];
         let (mut low, mut high, mut t) = (stretch.from_t, stretch.to_t, begin);
         let mut jet = self.form.at(stretch.piece, t);
@@ -270,7 +270,7 @@ impl Curve {
         }
         let gap = minus(point_um, jet.point);
         let sign = if dot(gap, jet.normal()) < 0.0 { -1.0 } else { 1.0 };
-        Found { square: dot(gap, gap), way_um: self.course.ways_um[at] + stretch.way_um(t), sign }
+        NearestPlace { square: dot(gap, gap), way_um: self.course.ways_um[at] + stretch.way_um(t), sign }
     }
 
     /// By how much the object turns while a tip rolls from way 0 to a way: the integral of κ + 1/l2, which is the turn of the normal
@@ -324,7 +324,7 @@ impl Curve {
     }
 
     /// The least value along the curve: that of a node that is less than its neighbours, improved by the golden section on both sides.
-    fn least(&self, value: impl Fn(&Spot) -> f64) -> f64 {
+    fn least(&self, value: impl Fn(&CurvePoint) -> f64) -> f64 {
         let ways_um = &self.course.ways_um;
         let count = self.course.stretches.len();
         let at = |way_um: f64| value(&self.spot(way_um));
@@ -364,7 +364,7 @@ const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 /// A place that was found near a point.
 #[derive(Debug, Clone, Copy)]
-struct Found {
+struct NearestPlace {
     square: f64,
     way_um: f64,
     /// -1 inside.
@@ -372,18 +372,20 @@ struct Found {
 }
 
 /// The formulas of an outline, all its numbers in range.
-fn formulas(outline: &Outline) -> Result<Form, OutlineError> {
+fn formulas(outline: &Outline) -> Result<OutlineForm, OutlineError> {
     match outline {
-        Outline::Ellipse { semi_um } => sizes(semi_um).map(|()| Form::Ellipse { semi: *semi_um }),
+        Outline::Ellipse { semi_um } => sizes(semi_um).map(|()| OutlineForm::Ellipse { semi: *semi_um }),
         Outline::Superellipse { semi_um, exponent } => {
             sizes(semi_um)?;
             let in_range = (EXPONENTS[0]..=EXPONENTS[1]).contains(exponent);
-            in_range.then_some(Form::Superellipse { semi: *semi_um, exponent: *exponent }).ok_or(OutlineError::Number)
+            in_range
+                .then_some(OutlineForm::Superellipse { semi: *semi_um, exponent: *exponent })
+                .ok_or(OutlineError::Number)
         }
         Outline::RoundedRectangle { half_um, radius_um } => {
             sizes(half_um)?;
             let in_range = (MIN_UM..=half_um[0].min(half_um[1])).contains(radius_um);
-            in_range.then(|| Form::rounded(*half_um, *radius_um)).ok_or(OutlineError::Number)
+            in_range.then(|| OutlineForm::rounded(*half_um, *radius_um)).ok_or(OutlineError::Number)
         }
         Outline::Spline { points_um } => spline_form(points_um),
     }
@@ -399,7 +401,7 @@ fn sizes(semi_um: &[f64; 2]) -> Result<(), OutlineError> {
     Ok(())
 }
 
-fn spline_form(points_um: &[[f64; 2]]) -> Result<Form, OutlineError> {
+fn spline_form(points_um: &[[f64; 2]]) -> Result<OutlineForm, OutlineError> {
     let count = points_um.len();
     if count < MIN_POINTS {
         return Err(OutlineError::TooFewPoints(count));
@@ -423,28 +425,28 @@ fn spline_form(points_um: &[[f64; 2]]) -> Result<Form, OutlineError> {
     }
     if area_um2 < 0.0 {
         let reversed: Vec<[f64; 2]> = points_um.iter().rev().copied().collect();
-        return Ok(Form::Spline { cubics: spline::through(&reversed) });
+        return Ok(OutlineForm::Spline { cubics: spline::through(&reversed) });
     }
-    Ok(Form::Spline { cubics })
+    Ok(OutlineForm::Spline { cubics })
 }
 
 /// How near two neighbours may be, as a share of the whole.
 const LEAST_GAP: f64 = 1e-9;
 
 /// A piece and a parameter in it.
-type Place = (usize, f64);
+type PieceParameter = (usize, f64);
 
 /// Where the x axis leaves a form farthest out: where the curve begins, and the place opposite unless that is half way round.
-fn axis_places(form: &Form) -> Result<(Place, Option<Place>), OutlineError> {
-    let Form::Spline { cubics } = form else {
+fn axis_places(form: &OutlineForm) -> Result<(PieceParameter, Option<PieceParameter>), OutlineError> {
+    let OutlineForm::Spline { cubics } = form else {
         return Ok(((0, 0.0), None));
     };
     let roots = (0..cubics.len()).flat_map(|piece| {
         let end_y = cubics[(piece + 1) % cubics.len()].at(0.0).point[1];
         cubics[piece].roots_y(end_y).into_iter().map(move |t| (piece, t))
     });
-    let x = |place: &Place| cubics[place.0].at(place.1).point[0];
-    let (right, left): (Vec<Place>, Vec<Place>) = roots.partition(|place| x(place) > 0.0);
+    let x = |place: &PieceParameter| cubics[place.0].at(place.1).point[0];
+    let (right, left): (Vec<PieceParameter>, Vec<PieceParameter>) = roots.partition(|place| x(place) > 0.0);
     let begin = right.into_iter().max_by(|a, b| x(a).total_cmp(&x(b)));
     let opposite = left.into_iter().min_by(|a, b| x(a).total_cmp(&x(b)));
     match (begin, opposite) {
@@ -454,7 +456,7 @@ fn axis_places(form: &Form) -> Result<(Place, Option<Place>), OutlineError> {
 }
 
 /// The way along a course to a place.
-fn way_at(course: &Course, (piece, t): Place) -> f64 {
+fn way_at(course: &FollowedCurve, (piece, t): PieceParameter) -> f64 {
     let off = |at: usize| {
         let stretch = &course.stretches[at];
         if stretch.piece == piece { (stretch.from_t - t).max(t - stretch.to_t).max(0.0) } else { f64::INFINITY }
@@ -464,7 +466,7 @@ fn way_at(course: &Course, (piece, t): Place) -> f64 {
 }
 
 /// That a curve does not meet itself, and turns just once.
-fn uncrossed(course: &Course, boxes: &Boxes) -> Result<(), OutlineError> {
+fn uncrossed(course: &FollowedCurve, boxes: &StretchBoxes) -> Result<(), OutlineError> {
     if let Some(pair) = boxes.crossing(course) {
         return Err(OutlineError::Crossing { ways_um: pair.map(|at| course.ways_um[at]) });
     }
@@ -476,7 +478,7 @@ fn uncrossed(course: &Course, boxes: &Boxes) -> Result<(), OutlineError> {
 }
 
 /// Lays the last node on the first one.
-fn close(course: &mut Course) {
+fn close(course: &mut FollowedCurve) {
     let last = course.stretches.len();
     course.turns_rad[last] = course.turns_rad[0] + TAU;
     course.points_um[last] = course.points_um[0];
@@ -484,7 +486,7 @@ fn close(course: &mut Course) {
 }
 
 /// Green's theorem: the area is ∮ (x dy - y dx) / 2, its moments are ∮ x² dy / 2 and -∮ y² dx / 2.
-fn area_and_centre(form: &Form, course: &Course) -> (f64, [f64; 2]) {
+fn area_and_centre(form: &OutlineForm, course: &FollowedCurve) -> (f64, [f64; 2]) {
     let (mut area, mut moment) = (0.0, [0.0; 2]);
     for stretch in &course.stretches {
         gauss(stretch.from_t, stretch.to_t, |t, weight| {

@@ -10,7 +10,7 @@ use nalgebra::Point2;
 
 /// One of the two directions of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Axis {
+pub enum PlaneAxis {
     /// Along x.
     X,
     /// Along y.
@@ -41,10 +41,10 @@ impl Rounded {
     }
 
     /// Appends the closed intervals that the line along `axis` at cross coordinate `at_um` has inside the body.
-    pub fn section(&self, axis: Axis, at_um: f64, found: &mut Vec<[f64; 2]>) {
+    pub fn section(&self, axis: PlaneAxis, at_um: f64, found: &mut Vec<[f64; 2]>) {
         let line = |p: &Point2<f64>| match axis {
-            Axis::X => [p.x, p.y - at_um],
-            Axis::Y => [p.y, p.x - at_um],
+            PlaneAxis::X => [p.x, p.y - at_um],
+            PlaneAxis::Y => [p.y, p.x - at_um],
         };
         let r = self.radius_um;
         match &self.core {

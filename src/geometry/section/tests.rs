@@ -1,7 +1,7 @@
 use super::*;
 use crate::geometry::{Pose, Shape};
 
-fn merged(body: &Rounded, axis: Axis, at_um: f64) -> Vec<[f64; 2]> {
+fn merged(body: &Rounded, axis: PlaneAxis, at_um: f64) -> Vec<[f64; 2]> {
     let mut found = Vec::new();
     body.section(axis, at_um, &mut found);
     found.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -26,20 +26,20 @@ fn assert_near(found: &[[f64; 2]], wanted: &[[f64; 2]]) {
 fn a_disc_is_cut_in_a_chord_and_touched_at_a_point() {
     let disc = Shape::Disc { radius_um: 4.0 };
     let body = disc.grown(&Pose::at(10.0, 1.0), 1.0).unwrap();
-    assert_near(&merged(&body, Axis::X, 4.0), &[[6.0, 14.0]]);
-    assert_near(&merged(&body, Axis::X, 6.0), &[[10.0, 10.0]]);
-    assert_near(&merged(&body, Axis::X, 6.0 + 1e-9), &[]);
-    assert_near(&merged(&body, Axis::Y, 13.0), &[[-3.0, 5.0]]);
+    assert_near(&merged(&body, PlaneAxis::X, 4.0), &[[6.0, 14.0]]);
+    assert_near(&merged(&body, PlaneAxis::X, 6.0), &[[10.0, 10.0]]);
+    assert_near(&merged(&body, PlaneAxis::X, 6.0 + 1e-9), &[]);
+    assert_near(&merged(&body, PlaneAxis::Y, 13.0), &[[-3.0, 5.0]]);
 }
 
 #[test]
 fn a_grown_box_has_straight_sides_and_round_corners() {
     let shape = Shape::Box { size_um: [4.0, 2.0] };
     let body = shape.grown(&Pose::at(0.0, 0.0), 5.0).unwrap();
-    assert_near(&merged(&body, Axis::X, 0.5), &[[-7.0, 7.0]]);
-    assert_near(&merged(&body, Axis::X, 4.0), &[[-6.0, 6.0]]);
-    assert_near(&merged(&body, Axis::X, 6.0), &[[-2.0, 2.0]]);
-    assert_near(&merged(&body, Axis::X, 6.001), &[]);
+    assert_near(&merged(&body, PlaneAxis::X, 0.5), &[[-7.0, 7.0]]);
+    assert_near(&merged(&body, PlaneAxis::X, 4.0), &[[-6.0, 6.0]]);
+    assert_near(&merged(&body, PlaneAxis::X, 6.0), &[[-2.0, 2.0]]);
+    assert_near(&merged(&body, PlaneAxis::X, 6.001), &[]);
 }
 
 #[test]
@@ -47,9 +47,9 @@ fn a_horseshoe_is_cut_twice() {
     let points_um =
         vec![[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [5.0, 4.0], [5.0, 1.0], [1.0, 1.0], [1.0, 4.0], [0.0, 4.0]];
     let body = Shape::Polygon { points_um }.grown(&Pose::at(0.0, 0.0), 0.0).unwrap();
-    assert_near(&merged(&body, Axis::X, 3.0), &[[0.0, 1.0], [5.0, 6.0]]);
-    assert_near(&merged(&body, Axis::X, 1.0), &[[0.0, 6.0]]);
-    assert_near(&merged(&body, Axis::Y, 3.0), &[[0.0, 1.0]]);
+    assert_near(&merged(&body, PlaneAxis::X, 3.0), &[[0.0, 1.0], [5.0, 6.0]]);
+    assert_near(&merged(&body, PlaneAxis::X, 1.0), &[[0.0, 6.0]]);
+    assert_near(&merged(&body, PlaneAxis::Y, 3.0), &[[0.0, 1.0]]);
     let pocket = Rectangle { min_um: [1.5, 1.5], max_um: [4.5, 3.0] };
     assert!(!body.touches(&pocket));
     let leaning = Rectangle { min_um: [1.5, 1.5], max_um: [5.0, 3.0] };
@@ -64,7 +64,7 @@ fn a_slanted_capsule_is_cut_across() {
     let pose = Pose { x_um: 0.0, y_um: 0.0, heading_rad: std::f64::consts::FRAC_PI_4 };
     let body = shape.grown(&pose, 0.0).unwrap();
     let half = std::f64::consts::SQRT_2;
-    assert_near(&merged(&body, Axis::X, 0.0), &[[-half, half]]);
+    assert_near(&merged(&body, PlaneAxis::X, 0.0), &[[-half, half]]);
 }
 
 /// Points of a line belong to the section exactly when a rectangle shrunk to the point touches the body: two independent paths.
@@ -93,8 +93,8 @@ fn sections_and_rectangles_agree_on_points() {
         let [x, y] = [random() * 6.0 - 3.0, random() * 6.0 - 3.0];
         let within = |spans: &[[f64; 2]], at: f64| spans.iter().any(|s| s[0] <= at && at <= s[1]);
         let touched = body.touches(&Rectangle { min_um: [x, y], max_um: [x, y] });
-        assert_eq!(within(&merged(&body, Axis::X, y), x), touched, "{body:?} {x} {y}");
-        assert_eq!(within(&merged(&body, Axis::Y, x), y), touched, "{body:?} {x} {y}");
+        assert_eq!(within(&merged(&body, PlaneAxis::X, y), x), touched, "{body:?} {x} {y}");
+        assert_eq!(within(&merged(&body, PlaneAxis::Y, x), y), touched, "{body:?} {x} {y}");
         if touched { inside += 1 } else { outside += 1 }
     }
     assert!(inside > 500 && outside > 500);

@@ -5,36 +5,39 @@
 //! that brought one to its cell stay on while it rests. An electrode that is on in one step and in the next is not switched
 //! between them.
 
-use super::clock::{Run, RunActuation};
-use crate::claims::electrode_array::{Action, ElectrodeArrayOrder};
-use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold};
-use crate::plan::electrode_array::{Motion, StepMotion};
-use crate::schedule::{State, TimedState, Unit};
+use super::clock::{LoweredRun, RunActuation};
+use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold};
+use crate::plan::electrode_array::{ElectrodeArrayMotion, ElectrodeArrayStepMotion};
+use crate::schedule::{ChannelUnit, State, TimedState};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The channels that runs of one device use, by row and column.
-pub fn channels<'a>(facts: &Facts, runs: impl Iterator<Item = &'a Run>) -> Vec<(String, Unit)> {
+pub fn channels<'a>(
+    facts: &ElectrodeArrayFacts,
+    runs: impl Iterator<Item = &'a LoweredRun>,
+) -> Vec<(String, ChannelUnit)> {
     let names: BTreeSet<&str> = runs.flat_map(|run| &run.actuations).map(|(name, _)| name.as_str()).collect();
-    let mut cells: Vec<Cell> = names.into_iter().filter_map(|name| facts.electrode(name)).collect();
+    let mut cells: Vec<ElectrodeCell> = names.into_iter().filter_map(|name| facts.electrode(name)).collect();
     cells.sort_by_key(|cell| (cell.row, cell.column));
-    cells.into_iter().map(|cell| (Facts::channel(cell), Unit::Volt)).collect()
+    cells.into_iter().map(|cell| (ElectrodeArrayFacts::channel(cell), ChannelUnit::Volt)).collect()
 }
 
 /// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
-pub fn run(order: &ElectrodeArrayOrder, motion: &Motion) -> Option<Run> {
-    let mut board = Board {
+pub fn run(order: &ElectrodeArrayOrder, motion: &ElectrodeArrayMotion) -> Option<LoweredRun> {
+    let mut board = LoweringBoard {
         order,
-        run: Run { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
+        run: LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
         cells: motion.start.clone(),
     };
     board.record(0);
     for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
         let start_ns = board.run.duration_ns;
         match motion {
-            StepMotion::Wait(duration_ns) => board.wait(*duration_ns, index)?,
-            StepMotion::Paths(paths) => {
+            ElectrodeArrayStepMotion::Wait(duration_ns) => board.wait(*duration_ns, index)?,
+            ElectrodeArrayStepMotion::Paths(paths) => {
                 board.follow(paths, index)?;
-                if let Action::Move(moves) = &step.action {
+                if let ElectrodeArrayAction::Move(moves) = &step.action {
                     board.merge(moves.iter().filter_map(|action| action.with));
                 }
             }
@@ -45,23 +48,23 @@ pub fn run(order: &ElectrodeArrayOrder, motion: &Motion) -> Option<Run> {
 }
 
 /// The board while its plan is carried out.
-struct Board<'a> {
+struct LoweringBoard<'a> {
     order: &'a ElectrodeArrayOrder,
-    run: Run,
+    run: LoweredRun,
     /// Where each part stands; `None` for one that has merged.
-    cells: Vec<Option<Cell>>,
+    cells: Vec<Option<ElectrodeCell>>,
 }
 
-impl Board<'_> {
+impl LoweringBoard<'_> {
     /// All parts through their cells, one step of the board after the other.
-    fn follow(&mut self, paths: &[Vec<Cell>], step: usize) -> Option<()> {
+    fn follow(&mut self, paths: &[Vec<ElectrodeCell>], step: usize) -> Option<()> {
         let facts = &self.order.facts;
         let instants = paths.iter().map(|path| path.len().saturating_sub(1)).max().unwrap_or(0);
         // Electrodes that are on, with the instant since when.
-        let mut on: BTreeMap<Cell, u64> = BTreeMap::new();
+        let mut on: BTreeMap<ElectrodeCell, u64> = BTreeMap::new();
         for instant in 0..instants {
             let start_ns = self.run.duration_ns;
-            let next: Vec<Option<Cell>> =
+            let next: Vec<Option<ElectrodeCell>> =
                 paths.iter().map(|path| path.get(instant + 1).or(path.last()).copied()).collect();
             let wanted = self.wanted(&next);
             self.switch(&mut on, &wanted, start_ns, step);
@@ -85,21 +88,27 @@ impl Board<'_> {
     }
 
     /// The electrodes that bring the parts to their next cells, and hold those that rest there.
-    fn wanted(&self, next: &[Option<Cell>]) -> BTreeSet<Cell> {
+    fn wanted(&self, next: &[Option<ElectrodeCell>]) -> BTreeSet<ElectrodeCell> {
         let facts = &self.order.facts;
         let both = self.cells.iter().zip(next).filter_map(|(from, to)| Some(((*from)?, (*to)?)));
         both.flat_map(|(from, to)| electrodes(facts, from, to)).collect()
     }
 
     /// Ends what is no longer wanted and begins what was not on.
-    fn switch(&mut self, on: &mut BTreeMap<Cell, u64>, wanted: &BTreeSet<Cell>, now_ns: u64, step: usize) {
+    fn switch(
+        &mut self,
+        on: &mut BTreeMap<ElectrodeCell, u64>,
+        wanted: &BTreeSet<ElectrodeCell>,
+        now_ns: u64,
+        step: usize,
+    ) {
         let volts = self.order.facts.potential_v;
         on.retain(|cell, since_ns| {
             let stays = wanted.contains(cell);
             if !stays {
                 let (start_ns, duration_ns) = (*since_ns, now_ns - *since_ns);
                 let actuation = RunActuation { start_ns, duration_ns, from: volts, to: volts, swing: None, step };
-                self.run.actuations.push((Facts::channel(*cell), actuation));
+                self.run.actuations.push((ElectrodeArrayFacts::channel(*cell), actuation));
             }
             stays
         });
@@ -129,7 +138,7 @@ impl Board<'_> {
 }
 
 /// The electrodes of one part in one step (Table 2 of the paper).
-fn electrodes(facts: &Facts, from: Cell, to: Cell) -> Vec<Cell> {
+fn electrodes(facts: &ElectrodeArrayFacts, from: ElectrodeCell, to: ElectrodeCell) -> Vec<ElectrodeCell> {
     if from == to && facts.hold == Hold::Off {
         return Vec::new();
     }
@@ -141,7 +150,7 @@ fn electrodes(facts: &Facts, from: Cell, to: Cell) -> Vec<Cell> {
 
 /// The two electrodes where the leading electrodes of a micropart are at the end of its move; none if it rests, since it
 /// rests by itself.
-fn leading(from: Cell, to: Cell) -> Vec<Cell> {
+fn leading(from: ElectrodeCell, to: ElectrodeCell) -> Vec<ElectrodeCell> {
     let (column, row) = (to.column, to.row);
     let pair = match (to.column.cmp(&from.column), to.row.cmp(&from.row)) {
         (std::cmp::Ordering::Greater, _) => [(column + 1, row - 1), (column + 1, row + 1)],
@@ -150,7 +159,7 @@ fn leading(from: Cell, to: Cell) -> Vec<Cell> {
         (_, std::cmp::Ordering::Greater) => [(column - 1, row + 1), (column + 1, row + 1)],
         (std::cmp::Ordering::Equal, std::cmp::Ordering::Equal) => return Vec::new(),
     };
-    pair.map(|(column, row)| Cell::new(column, row)).to_vec()
+    pair.map(|(column, row)| ElectrodeCell::new(column, row)).to_vec()
 }
 
 #[cfg(test)]

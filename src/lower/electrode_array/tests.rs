@@ -1,23 +1,26 @@
 //! Lowering against Table 2 of the paper, and a schedule for the tests of later stages.
 
 use super::*;
-use crate::claims::electrode_array::{Bystanders, Method, Move, Objective, Part, Planner, Step as TaskStep, Stop};
+use crate::claims::electrode_array::{
+    BoardPart, Bystanders, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayPlanner,
+    ElectrodeArrayStep as TaskStep, ElectrodeArrayStop,
+};
 use crate::claims::{Claims, Job, Order, Timeline};
 use crate::device::electrode_array::{Layout, Separation};
 use crate::diagnostic::Sink;
 use crate::lower::lower;
-use crate::plan::{Motion as AnyMotion, Optimality, Plan};
+use crate::plan::{Motion, Optimality, Plan};
 use crate::schedule::Schedule;
 use crate::source::{Sources, Span};
 use std::sync::Arc;
 
 /// A board for four-electrode parts, or for droplets.
-pub(crate) fn facts(electrodes: Electrodes) -> Facts {
+pub(crate) fn facts(electrodes: Electrodes) -> ElectrodeArrayFacts {
     let (half_width_pitches, hold, separation) = match electrodes {
         Electrodes::Quad => (1.5, Hold::Off, 4),
         Electrodes::Single => (0.5, Hold::On, 2),
     };
-    Facts {
+    ElectrodeArrayFacts {
         columns: 20,
         rows: 12,
         radius_um: 35.0,
@@ -33,13 +36,14 @@ pub(crate) fn facts(electrodes: Electrodes) -> Facts {
 
 /// The claims and the schedule of a task whose parts take these ways in its steps; a step without ways is a wait of 1 ms.
 /// Parts are called a, b, …; a pair of parts that end on one cell merges.
-pub(crate) fn carried(facts: &Facts, steps: &[Vec<Vec<(u32, u32)>>]) -> (Claims, Schedule) {
-    let cells = |way: &Vec<(u32, u32)>| way.iter().map(|(column, row)| Cell::new(*column, *row)).collect::<Vec<_>>();
-    let ways: Vec<Vec<Vec<Cell>>> = steps.iter().map(|step| step.iter().map(cells).collect()).collect();
+pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>]) -> (Claims, Schedule) {
+    let cells =
+        |way: &Vec<(u32, u32)>| way.iter().map(|(column, row)| ElectrodeCell::new(*column, *row)).collect::<Vec<_>>();
+    let ways: Vec<Vec<Vec<ElectrodeCell>>> = steps.iter().map(|step| step.iter().map(cells).collect()).collect();
     let first = ways.iter().find(|step| !step.is_empty()).expect("a step of moves");
-    let start: Vec<Option<Cell>> = first.iter().map(|way| way.first().copied()).collect();
+    let start: Vec<Option<ElectrodeCell>> = first.iter().map(|way| way.first().copied()).collect();
     let name = |index: usize| char::from(b'a' + index as u8).to_string();
-    let part = |(index, cell): (usize, &Option<Cell>)| Part {
+    let part = |(index, cell): (usize, &Option<ElectrodeCell>)| BoardPart {
         name: name(index),
         cell: cell.expect("all parts are there at first"),
         span: Span::default(),
@@ -48,14 +52,14 @@ pub(crate) fn carried(facts: &Facts, steps: &[Vec<Vec<(u32, u32)>>]) -> (Claims,
         facts: facts.clone(),
         obstacles: Arc::new(Vec::new()),
         parts: Arc::new(start.iter().enumerate().map(part).collect()),
-        objective: Objective::Makespan,
-        planner: Planner { method: Method::Portfolio, expansions: 1 },
+        objective: ElectrodeArrayObjective::Makespan,
+        planner: ElectrodeArrayPlanner { method: ElectrodeArrayMethod::Portfolio, expansions: 1 },
         bystanders: Bystanders::Stay,
         steps: ways.iter().map(|ways| asked(ways)).collect(),
     };
-    let motion = |ways: &Vec<Vec<Cell>>| match ways.is_empty() {
-        true => StepMotion::Wait(1_000_000),
-        false => StepMotion::Paths(ways.clone()),
+    let motion = |ways: &Vec<Vec<ElectrodeCell>>| match ways.is_empty() {
+        true => ElectrodeArrayStepMotion::Wait(1_000_000),
+        false => ElectrodeArrayStepMotion::Paths(ways.clone()),
     };
     let plan = Plan {
         planner: "portfolio",
@@ -67,7 +71,7 @@ pub(crate) fn carried(facts: &Facts, steps: &[Vec<Vec<(u32, u32)>>]) -> (Claims,
         bounds: Default::default(),
         outcomes: Default::default(),
         remarks: Vec::new(),
-        motion: AnyMotion::ElectrodeArray(Motion { start, steps: ways.iter().map(motion).collect() }),
+        motion: Motion::ElectrodeArray(ElectrodeArrayMotion { start, steps: ways.iter().map(motion).collect() }),
     };
     let job = Job {
         task: "carry".to_owned(),
@@ -93,21 +97,21 @@ pub(crate) fn carried(facts: &Facts, steps: &[Vec<Vec<(u32, u32)>>]) -> (Claims,
 }
 
 /// The step that asks for what ways lead to.
-fn asked(ways: &[Vec<Cell>]) -> TaskStep {
+fn asked(ways: &[Vec<ElectrodeCell>]) -> TaskStep {
     if ways.is_empty() {
-        return TaskStep { action: Action::Wait(1_000_000), span: Span::default() };
+        return TaskStep { action: ElectrodeArrayAction::Wait(1_000_000), span: Span::default() };
     }
-    let mut moves: Vec<Move> = Vec::new();
+    let mut moves: Vec<ElectrodeArrayMove> = Vec::new();
     for (part, way) in ways.iter().enumerate() {
         let Some(&goal) = way.last() else { continue };
         if let Some(first) = moves.iter_mut().find(|action| action.goal().cell == goal) {
             first.with = Some(part);
         } else if way.len() > 1 {
-            let stops = vec![Stop { cell: goal, span: Span::default() }];
-            moves.push(Move { part, with: None, stops, span: Span::default() });
+            let stops = vec![ElectrodeArrayStop { cell: goal, span: Span::default() }];
+            moves.push(ElectrodeArrayMove { part, with: None, stops, span: Span::default() });
         }
     }
-    TaskStep { action: Action::Move(moves), span: Span::default() }
+    TaskStep { action: ElectrodeArrayAction::Move(moves), span: Span::default() }
 }
 
 /// Channel, start and end in steps of the board, of every actuation.

@@ -3,17 +3,17 @@
 //! Each axis of each finger has a value at every instant of a run: ramps while it moves, and one stretch as long as it stays, both
 //! within their steps. A step in which nothing happens takes no time, and has none.
 
-use super::clock::{Run, RunActuation};
+use super::clock::{LoweredRun, RunActuation};
 use crate::claims::fingers::FingersOrder;
 use crate::device::fingers::{AXES, channel};
-use crate::plan::fingers::{Hold, Motion, Move};
+use crate::plan::fingers::{FingersMotion, HeldGrasp, TipsMove};
 use crate::schedule::{State, TimedState};
 
 /// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
-pub fn run(order: &FingersOrder, motion: &Motion) -> Option<Run> {
+pub fn run(order: &FingersOrder, motion: &FingersMotion) -> Option<LoweredRun> {
     let start = &motion.start;
     let mut hand = Lowering {
-        run: Run { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
+        run: LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
         tips_um: start.tips_um.clone(),
     };
     hand.record(&start.hold);
@@ -27,13 +27,13 @@ pub fn run(order: &FingersOrder, motion: &Motion) -> Option<Run> {
 
 /// The hand while its plan is carried out.
 struct Lowering {
-    run: Run,
+    run: LoweredRun,
     /// Where each tip is now.
     tips_um: Vec<[f64; 3]>,
 }
 
 /// A stretch of a channel within a step.
-struct Stretch {
+struct ChannelStretch {
     start_ns: u64,
     end_ns: u64,
     from_um: f64,
@@ -42,15 +42,15 @@ struct Stretch {
 
 impl Lowering {
     /// The moves of a step.
-    fn follow(&mut self, moves: &[Move], step: usize) -> Option<()> {
-        let mut channels: Vec<Vec<Stretch>> = (0..self.tips_um.len() * AXES.len()).map(|_| Vec::new()).collect();
+    fn follow(&mut self, moves: &[TipsMove], step: usize) -> Option<()> {
+        let mut channels: Vec<Vec<ChannelStretch>> = (0..self.tips_um.len() * AXES.len()).map(|_| Vec::new()).collect();
         for stretch in moves {
             let start_ns = self.run.duration_ns;
             let end_ns = start_ns.checked_add(stretch.duration_ns)?;
             for (index, stretches) in channels.iter_mut().enumerate() {
                 let (finger, axis) = (index / AXES.len(), index % AXES.len());
                 let (from_um, to_um) = (self.tips_um[finger][axis], stretch.tips_um[finger][axis]);
-                extend(stretches, Stretch { start_ns, end_ns, from_um, to_um });
+                extend(stretches, ChannelStretch { start_ns, end_ns, from_um, to_um });
             }
             self.run.duration_ns = end_ns;
             self.tips_um.clone_from(&stretch.tips_um);
@@ -63,7 +63,7 @@ impl Lowering {
     }
 
     /// The stretches of all channels as actuations, by their start and then in the order of the channels.
-    fn add(&mut self, channels: Vec<Vec<Stretch>>, step: usize) {
+    fn add(&mut self, channels: Vec<Vec<ChannelStretch>>, step: usize) {
         let named = channels.into_iter().enumerate().flat_map(|(index, stretches)| {
             let name = channel(index / AXES.len(), index % AXES.len());
             stretches.into_iter().map(move |stretch| (name.clone(), stretch.actuation(step)))
@@ -74,7 +74,7 @@ impl Lowering {
     }
 
     /// A state that begins now, with the tips where they are.
-    fn record(&mut self, hold: &Hold) {
+    fn record(&mut self, hold: &HeldGrasp) {
         let held = |(finger, contact): (usize, &u32)| (*contact != 0).then(|| self.tips_um[finger]);
         let state = State::Fingers {
             grasp: hold.grasp.clone(),
@@ -88,7 +88,7 @@ impl Lowering {
     }
 }
 
-impl Stretch {
+impl ChannelStretch {
     fn is_rest(&self) -> bool {
         self.from_um == self.to_um
     }
@@ -106,7 +106,7 @@ impl Stretch {
 }
 
 /// Appends a stretch, or makes the last one longer where both stay.
-fn extend(stretches: &mut Vec<Stretch>, next: Stretch) {
+fn extend(stretches: &mut Vec<ChannelStretch>, next: ChannelStretch) {
     match stretches.last_mut() {
         Some(last) if last.is_rest() && next.is_rest() => last.end_ns = next.end_ns,
         Some(_) | None => stretches.push(next),

@@ -1,7 +1,7 @@
 //! Lowering of stretches.
 
 use super::*;
-use crate::claims::fingers::{Action, Part, Planner, Section, Step};
+use crate::claims::fingers::{FingersAction, FingersPlanner, FingersStep, HandPart, Section};
 use crate::device::fingers::Plane;
 use crate::device::fingers::fixture::hand;
 use crate::geometry::outline::Outline;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 fn order(steps: usize) -> FingersOrder {
     let outline = Outline::Ellipse { semi_um: [16.0, 11.845] };
     let xy = Section { outline, contacts: 74, opposite: Some(38), step_rad: 0.349 };
-    let part = Part {
+    let part = HandPart {
         name: "bead".to_owned(),
         xy,
         xz: None,
@@ -27,25 +27,25 @@ fn order(steps: usize) -> FingersOrder {
         part: Arc::new(part),
         precision_rad: 0.01,
         load_un: [0.0; 3],
-        planner: Planner::JointAstar,
+        planner: FingersPlanner::JointAstar,
         expansions: 1_000,
-        steps: (0..steps).map(|_| Step { action: Action::Release, span: Span::default() }).collect(),
+        steps: (0..steps).map(|_| FingersStep { action: FingersAction::Release, span: Span::default() }).collect(),
     }
 }
 
-fn hold(grasp: [u32; 3], angle_index: i64) -> Hold {
+fn hold(grasp: [u32; 3], angle_index: i64) -> HeldGrasp {
     let orientation = [1.0, 0.0, 0.0, 0.0];
-    Hold { grasp: grasp.to_vec(), plane: Plane::Xz, angle_index, position_um: [1.0, 2.0, 3.0], orientation }
+    HeldGrasp { grasp: grasp.to_vec(), plane: Plane::Xz, angle_index, position_um: [1.0, 2.0, 3.0], orientation }
 }
 
-fn stretch(duration_ns: u64, tips_um: [[f64; 3]; 3], state: Option<Hold>) -> Move {
-    Move { duration_ns, tips_um: tips_um.to_vec(), state }
+fn stretch(duration_ns: u64, tips_um: [[f64; 3]; 3], state: Option<HeldGrasp>) -> TipsMove {
+    TipsMove { duration_ns, tips_um: tips_um.to_vec(), state }
 }
 
 const HOME: [[f64; 3]; 3] = [[10.0, 0.0, 0.0], [-5.0, 8.0, 0.0], [-5.0, -8.0, 0.0]];
 
 /// One finger moves, rests, and moves; then a rest; then nothing; then all move.
-fn motion() -> Motion {
+fn motion() -> FingersMotion {
     let with = |finger: usize, place: [f64; 3]| {
         let mut tips = HOME;
         tips[finger] = place;
@@ -59,10 +59,10 @@ fn motion() -> Motion {
         stretch(5, HOME, Some(hold([0, 38, 7], 2))),
     ];
     let steps = vec![first, vec![stretch(40, HOME, None)], vec![], vec![stretch(1, far, Some(hold([0, 0, 0], 2)))]];
-    Motion { start: Stance { tips_um: HOME.to_vec(), hold: hold([0, 0, 0], 1) }, steps }
+    FingersMotion { start: Stance { tips_um: HOME.to_vec(), hold: hold([0, 0, 0], 1) }, steps }
 }
 
-fn by_channel(run: &Run) -> BTreeMap<&str, Vec<&RunActuation>> {
+fn by_channel(run: &LoweredRun) -> BTreeMap<&str, Vec<&RunActuation>> {
     let mut channels: BTreeMap<&str, Vec<&RunActuation>> = BTreeMap::new();
     for (name, actuation) in &run.actuations {
         channels.entry(name).or_default().push(actuation);

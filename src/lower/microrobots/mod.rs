@@ -3,28 +3,28 @@
 //! Each leg is the control cycle of its state, level after level, and then one actuation that swings between the flex and the relax
 //! level, stroke after stroke, however long it is. At 0 V all arms go up, so nothing is left out between the levels.
 
-use super::clock::{Run, RunActuation};
+use super::clock::{LoweredRun, RunActuation};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, CHANNEL};
 use crate::geometry::Pose;
-use crate::plan::microrobots::{Crew, Docking, Leg, Motion, StepMotion};
+use crate::plan::microrobots::{Crew, Leg, MicrorobotsMotion, MicrorobotsStepMotion, RobotDocking};
 use crate::schedule::{State, Swing, TimedState};
 
 /// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
-pub fn run(order: &MicrorobotsOrder, motion: &Motion) -> Option<Run> {
-    let mut bed = Bed {
+pub fn run(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> Option<LoweredRun> {
+    let mut bed = LoweringBed {
         order,
-        run: Run { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
+        run: LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
         crew: motion.start.clone(),
     };
     for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
         let start_ns = bed.run.duration_ns;
         match motion {
-            StepMotion::Wait(duration_ns) => {
+            MicrorobotsStepMotion::Wait(duration_ns) => {
                 bed.record_rest();
                 bed.run.duration_ns = start_ns.checked_add(*duration_ns)?;
             }
-            StepMotion::Legs { legs, docks, .. } => bed.follow(legs, docks, index)?,
+            MicrorobotsStepMotion::Legs { legs, docks, .. } => bed.follow(legs, docks, index)?,
         }
         bed.run.steps.push((step.span, start_ns, bed.run.duration_ns - start_ns));
     }
@@ -33,14 +33,14 @@ pub fn run(order: &MicrorobotsOrder, motion: &Motion) -> Option<Run> {
 }
 
 /// The bed while its plan is carried out.
-struct Bed<'a> {
+struct LoweringBed<'a> {
     order: &'a MicrorobotsOrder,
-    run: Run,
+    run: LoweredRun,
     crew: Crew,
 }
 
-impl Bed<'_> {
-    fn follow(&mut self, legs: &[Leg], docks: &[Docking], step: usize) -> Option<()> {
+impl LoweringBed<'_> {
+    fn follow(&mut self, legs: &[Leg], docks: &[RobotDocking], step: usize) -> Option<()> {
         for (index, leg) in legs.iter().enumerate() {
             self.record(leg.state);
             self.drive(leg, step)?;

@@ -1,19 +1,21 @@
 //! Lowering of legs, and a schedule for the tests of later stages.
 
 use super::*;
-use crate::claims::microrobots::{Action, Assurance, Dock, Obstacle, Placed, Precision, Step, Stop};
+use crate::claims::microrobots::{
+    Assurance, Dock, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsStep, MicrorobotsStop, Placed, Precision,
+};
 use crate::claims::{Claims, Job, Order, Timeline};
-use crate::device::microrobots::{ControlState, Docking as Meeting, Facts, Fine, Robot, Turning};
+use crate::device::microrobots::{ControlState, Docking as Meeting, Fine, MicrorobotsFacts, Robot, Turning};
 use crate::diagnostic::Sink;
 use crate::geometry::Shape;
 use crate::lower::lower;
-use crate::plan::{Motion as AnyMotion, Optimality, Plan};
+use crate::plan::{Motion, Optimality, Plan};
 use crate::schedule::Schedule;
 use crate::source::{Sources, Span};
 use std::sync::Arc;
 
 /// Three robots, the last of which turns the other way; a stroke of 50 us carries them by 2 um.
-pub(crate) fn facts() -> Facts {
+pub(crate) fn facts() -> MicrorobotsFacts {
     let robot = |name: &str, snap_down_v: f64, turning| Robot {
         name: name.to_owned(),
         snap_down_v,
@@ -29,7 +31,7 @@ pub(crate) fn facts() -> Facts {
         robot("D2", 160.0, Turning::Clockwise),
         robot("D3", 180.0, Turning::Counterclockwise),
     ];
-    Facts {
+    MicrorobotsFacts {
         robots,
         margin_v: 3.0,
         max_v: 200.0,
@@ -56,10 +58,10 @@ fn states() -> Vec<ControlState> {
 }
 
 /// The claims and the schedule of a task on the bed `m` whose steps are these; where robots dock, that is what was asked for.
-pub(crate) fn carried(steps: Vec<StepMotion>) -> (Claims, Schedule) {
+pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
     let start = [(0.0, 0.0, 0.0), (600.0, 0.0, 1.5), (0.0, -500.0, -3.0)];
     let start = start.map(|(x_um, y_um, heading_rad)| Pose { x_um, y_um, heading_rad });
-    let post = Obstacle {
+    let post = MicrorobotsObstacle {
         name: "post".to_owned(),
         shape: Shape::Box { size_um: [80.0, 40.0] },
         pose: Pose { x_um: -400.0, y_um: 300.0, heading_rad: 0.5 },
@@ -86,7 +88,10 @@ pub(crate) fn carried(steps: Vec<StepMotion>) -> (Claims, Schedule) {
         bounds: Default::default(),
         outcomes: Default::default(),
         remarks: Vec::new(),
-        motion: AnyMotion::Microrobots(Motion { start: Crew { poses: start.to_vec(), docked: vec![false; 3] }, steps }),
+        motion: Motion::Microrobots(MicrorobotsMotion {
+            start: Crew { poses: start.to_vec(), docked: vec![false; 3] },
+            steps,
+        }),
     };
     let job = Job {
         task: "assemble".to_owned(),
@@ -121,35 +126,37 @@ pub(crate) fn carried(steps: Vec<StepMotion>) -> (Claims, Schedule) {
 pub(crate) const SOURCE: &str = "task assemble on m { }\n";
 
 /// The step that asks for a motion, from its robots' places to be filled in.
-fn asked(motion: &StepMotion) -> Step {
-    let goal = || Stop { pose: Pose::at(0.0, 0.0), span: Span::default() };
+fn asked(motion: &MicrorobotsStepMotion) -> MicrorobotsStep {
+    let goal = || MicrorobotsStop { pose: Pose::at(0.0, 0.0), span: Span::default() };
     let action = match motion {
-        StepMotion::Wait(duration_ns) => Action::Wait(*duration_ns),
-        StepMotion::Legs { docks, .. } if docks.is_empty() => Action::Drive { robot: 0, stops: vec![goal()] },
-        StepMotion::Legs { docks, .. } => {
-            Action::Assemble(docks.iter().map(|dock| Dock { robot: dock.robot, goal: goal() }).collect())
+        MicrorobotsStepMotion::Wait(duration_ns) => MicrorobotsAction::Wait(*duration_ns),
+        MicrorobotsStepMotion::Legs { docks, .. } if docks.is_empty() => {
+            MicrorobotsAction::Drive { robot: 0, stops: vec![goal()] }
+        }
+        MicrorobotsStepMotion::Legs { docks, .. } => {
+            MicrorobotsAction::Assemble(docks.iter().map(|dock| Dock { robot: dock.robot, goal: goal() }).collect())
         }
     };
-    Step { action, span: Span::default() }
+    MicrorobotsStep { action, span: Span::default() }
 }
 
 /// Asks for the poses that the robots end at.
-fn aim(step: &mut Step, ends: &[Pose]) {
+fn aim(step: &mut MicrorobotsStep, ends: &[Pose]) {
     match &mut step.action {
-        Action::Assemble(docks) => docks.iter_mut().for_each(|dock| dock.goal.pose = ends[dock.robot]),
-        Action::Drive { robot, stops } => stops.iter_mut().for_each(|stop| stop.pose = ends[*robot]),
-        Action::Apply { .. } | Action::Wait(_) => {}
+        MicrorobotsAction::Assemble(docks) => docks.iter_mut().for_each(|dock| dock.goal.pose = ends[dock.robot]),
+        MicrorobotsAction::Drive { robot, stops } => stops.iter_mut().for_each(|stop| stop.pose = ends[*robot]),
+        MicrorobotsAction::Apply { .. } | MicrorobotsAction::Wait(_) => {}
     }
 }
 
 /// Two robots turn by more than a circle; all run straight; after a rest, one turns, and then two of them dock.
 pub(crate) fn bed() -> (Claims, Schedule) {
     let leg = |state, strokes| Leg { state, strokes };
-    let legs = |legs: Vec<Leg>, docks| StepMotion::Legs { legs, docks, stages: Vec::new() };
-    let docks = vec![Docking { robot: 1, leg: 1 }, Docking { robot: 2, leg: 1 }];
+    let legs = |legs: Vec<Leg>, docks| MicrorobotsStepMotion::Legs { legs, docks, stages: Vec::new() };
+    let docks = vec![RobotDocking { robot: 1, leg: 1 }, RobotDocking { robot: 2, leg: 1 }];
     carried(vec![
         legs(vec![leg(2, 600), leg(0, 200)], Vec::new()),
-        StepMotion::Wait(5_000_000),
+        MicrorobotsStepMotion::Wait(5_000_000),
         legs(vec![leg(1, 100), leg(0, 150), leg(3, 50)], docks),
     ])
 }

@@ -5,8 +5,8 @@
 //! the small modules that differ; blocks that are not connected prove that there is no path. Built once per field from the free
 //! runs of all lines; a row of blocks is finished as soon as all its flips are known to exist.
 
-use super::field::Reader;
-use super::lattice::{Side, Weights, bits};
+use super::field::FieldReader;
+use super::lattice::{Side, SwitchWeights, bits};
 
 /// Modules of each side of the finest picture: 1024 by 1024 blocks.
 const MAX_COARSE: u32 = 10;
@@ -31,7 +31,7 @@ type Exist = [[u64; WORDS]; MAX_COARSE as usize];
 
 impl Blocks {
     /// The picture with at most 2^`coarse` blocks a side, `coarse` ≤ 10.
-    pub(super) fn new(reader: &mut Reader<'_>, coarse: u32) -> Self {
+    pub(super) fn new(reader: &mut FieldReader<'_>, coarse: u32) -> Self {
         let modules = reader.lattice().modules;
         let coarse = modules.map(|n| n.min(coarse));
         let mut blocks = Blocks::without_flips(modules, coarse);
@@ -53,7 +53,7 @@ impl Blocks {
     }
 
     /// For each coarse module of `side` the set of blocks in the row (or column) `across` of blocks in which it may switch.
-    fn along(&self, reader: &mut Reader<'_>, side: Side, across: u32, lines: &mut u64) -> Exist {
+    fn along(&self, reader: &mut FieldReader<'_>, side: Side, across: u32, lines: &mut u64) -> Exist {
         let (fine, coarse) = (self.fine[side.index()], self.coarse[side.index()]);
         let count = 1_u32 << coarse;
         let mut all = [0; WORDS];
@@ -186,12 +186,12 @@ fn fill(set: &mut [u64; WORDS], first: u32, last: u32) {
 pub(super) struct BlockDistances {
     /// By block: distance to the origin, or [`UNKNOWN`].
     distance: Vec<u64>,
-    settled: Vec<Settled>,
+    settled: Vec<SettledBlock>,
     classes: Vec<Class>,
 }
 
 #[derive(Clone, Copy)]
-struct Settled {
+struct SettledBlock {
     block: u32,
     /// The coarse modules that may switch in it, as one mask over the block's number.
     flips: u32,
@@ -211,7 +211,7 @@ const UNKNOWN: u64 = u64::MAX;
 
 impl BlockDistances {
     /// Finds all distances to the origin; `weights` are those of the lattice.
-    pub(super) fn find(&mut self, blocks: &Blocks, origin: u32, weights: &Weights) {
+    pub(super) fn find(&mut self, blocks: &Blocks, origin: u32, weights: &SwitchWeights) {
         self.distance.clear();
         self.distance.resize(blocks.flips.len(), UNKNOWN);
         self.settled.clear();
@@ -222,7 +222,7 @@ impl BlockDistances {
         }
     }
 
-    fn classify(&mut self, blocks: &Blocks, weights: &Weights) {
+    fn classify(&mut self, blocks: &Blocks, weights: &SwitchWeights) {
         self.classes.clear();
         let mut bit = 1;
         for side in Side::BOTH {
@@ -261,7 +261,7 @@ impl BlockDistances {
         if self.distance[block as usize] == UNKNOWN {
             self.distance[block as usize] = distance;
             let flips = blocks.all_flips(block);
-            self.settled.push(Settled { block, flips, distance });
+            self.settled.push(SettledBlock { block, flips, distance });
         }
     }
 

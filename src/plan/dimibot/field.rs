@@ -6,7 +6,7 @@
 
 use super::bands::Bands;
 use super::journey::Workspace;
-use super::lattice::{Cell, Flip, Lattice, Side};
+use super::lattice::{Flip, Lattice, LatticeCell, Side};
 use crate::geometry::section::Rectangle;
 use crate::geometry::{Pose, Rounded, Shape, ShapeError};
 use rustc_hash::FxHashMap;
@@ -22,7 +22,7 @@ const MAX_CACHED_RUNS: usize = 1 << 24;
 
 /// Something the end-effector must not touch. Its index in the list given to [`Field::new`] is its identity.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Obstacle {
+pub enum FieldObstacle {
     /// All cells with coordinates between `from` and `to`, both included, in either order; cells outside the lattice are ignored.
     Cells {
         /// One corner.
@@ -55,15 +55,15 @@ pub enum FieldError {
     TooMany,
 }
 
-enum Body {
+enum FieldBody {
     Cells { from: [u32; 2], to: [u32; 2] },
     Grown(Rounded),
 }
 
 /// A lattice with obstacles. Cheap to query, safe to share; searches of one field take turns.
-pub struct Field {
+pub struct LatticeField {
     lattice: Lattice,
-    bodies: Vec<Body>,
+    bodies: Vec<FieldBody>,
     /// Rows for the left side, columns for the right side.
     bands: [Bands; 2],
     work: Mutex<Work>,
@@ -71,35 +71,35 @@ pub struct Field {
 
 /// What searches keep between queries.
 pub(super) struct Work {
-    lines: [Lines; 2],
+    lines: [BlockedLines; 2],
     pub(super) search: Workspace,
 }
 
 /// A view of a field that may compute and remember lines.
-pub(super) struct Reader<'a> {
-    field: &'a Field,
-    lines: &'a mut [Lines; 2],
+pub(super) struct FieldReader<'a> {
+    field: &'a LatticeField,
+    lines: &'a mut [BlockedLines; 2],
 }
 
-impl Field {
+impl LatticeField {
     /// Builds the index; lines are computed on demand.
     ///
     /// # Errors
     /// See [`FieldError`].
-    pub fn new(lattice: Lattice, obstacles: &[Obstacle]) -> Result<Self, FieldError> {
+    pub fn new(lattice: Lattice, obstacles: &[FieldObstacle]) -> Result<Self, FieldError> {
         if obstacles.len() >= 1 << 31 {
             return Err(FieldError::TooMany);
         }
-        let bodies: Result<Vec<Body>, FieldError> = obstacles.iter().enumerate().map(body).collect();
+        let bodies: Result<Vec<FieldBody>, FieldError> = obstacles.iter().enumerate().map(body).collect();
         let bodies = bodies?;
         let bands = Side::BOTH.map(|side| {
             let spans: Vec<[u32; 2]> = bodies.iter().map(|b| b.lines(&lattice, side)).collect();
             Bands::new(lattice.modules[side.other().index()], &spans)
         });
-        let lines = Side::BOTH.map(|side| Lines::new(lattice.modules[side.other().index()]));
+        let lines = Side::BOTH.map(|side| BlockedLines::new(lattice.modules[side.other().index()]));
         let search = Workspace::default();
         let work = Mutex::new(Work { lines, search });
-        Ok(Field { lattice, bodies, bands, work })
+        Ok(LatticeField { lattice, bodies, bands, work })
     }
 
     /// The lattice.
@@ -113,12 +113,12 @@ impl Field {
     }
 
     /// Obstacles that cover the cell, ascending.
-    pub fn covering(&self, cell: Cell) -> Vec<usize> {
+    pub fn covering(&self, cell: LatticeCell) -> Vec<usize> {
         self.touching([cell.x; 2], [cell.y; 2])
     }
 
     /// Obstacles that touch the segment swept by `flip` from `cell`, ascending. Exactly the flips with none are legal.
-    pub fn blocking(&self, cell: Cell, flip: Flip) -> Vec<usize> {
+    pub fn blocking(&self, cell: LatticeCell, flip: Flip) -> Vec<usize> {
         let after = cell.after(flip);
         self.touching([cell.x & after.x, cell.x | after.x], [cell.y & after.y, cell.y | after.y])
     }
@@ -148,10 +148,10 @@ impl Field {
 
     fn touches(&self, obstacle: usize, x: [u32; 2], y: [u32; 2]) -> bool {
         match &self.bodies[obstacle] {
-            Body::Cells { from, to } => from[0] <= x[1] && x[0] <= to[0] && from[1] <= y[1] && y[0] <= to[1],
-            Body::Grown(body) => body.touches(&Rectangle {
-                min_um: self.lattice.position_um(Cell::new(x[0], y[0])),
-                max_um: self.lattice.position_um(Cell::new(x[1], y[1])),
+            FieldBody::Cells { from, to } => from[0] <= x[1] && x[0] <= to[0] && from[1] <= y[1] && y[0] <= to[1],
+            FieldBody::Grown(body) => body.touches(&Rectangle {
+                min_um: self.lattice.position_um(LatticeCell::new(x[0], y[0])),
+                max_um: self.lattice.position_um(LatticeCell::new(x[1], y[1])),
             }),
         }
     }
@@ -165,7 +165,7 @@ impl Field {
 
     /// The modules of each side that may switch alone in `cell`, as bit masks; `None` if an obstacle covers it or it is not
     /// a cell of the lattice.
-    pub fn legal(&self, cell: Cell) -> Option<[u32; 2]> {
+    pub fn legal(&self, cell: LatticeCell) -> Option<[u32; 2]> {
         if !self.lattice.contains(cell) {
             return None;
         }
@@ -183,13 +183,13 @@ impl Field {
         let last_slot = 2 * self.lattice.last(side);
         for &k in self.bands[along].candidates(line) {
             match &self.bodies[k as usize] {
-                Body::Cells { from, to } if (from[across]..=to[across]).contains(&line) => {
+                FieldBody::Cells { from, to } if (from[across]..=to[across]).contains(&line) => {
                     if 2 * u64::from(from[along]) <= u64::from(last_slot) {
                         runs.push([2 * from[along], (2 * to[along].min(last_slot / 2))]);
                     }
                 }
-                Body::Cells { .. } => {}
-                Body::Grown(body) => {
+                FieldBody::Cells { .. } => {}
+                FieldBody::Grown(body) => {
                     cuts.clear();
                     body.section(side.axis(), f64::from(line) * self.lattice.pitch_um[across], cuts);
                     let pitch = self.lattice.pitch_um[along];
@@ -200,33 +200,35 @@ impl Field {
     }
 }
 
-fn body((index, obstacle): (usize, &Obstacle)) -> Result<Body, FieldError> {
+fn body((index, obstacle): (usize, &FieldObstacle)) -> Result<FieldBody, FieldError> {
     match obstacle {
-        Obstacle::Cells { from, to } => Ok(Body::Cells {
+        FieldObstacle::Cells { from, to } => Ok(FieldBody::Cells {
             from: [from[0].min(to[0]), from[1].min(to[1])],
             to: [from[0].max(to[0]), from[1].max(to[1])],
         }),
-        Obstacle::Physical { shape, pose, growth_um } => match shape.grown(pose, *growth_um) {
+        FieldObstacle::Physical { shape, pose, growth_um } => match shape.grown(pose, *growth_um) {
             Ok(mut grown) => {
                 grown.radius_um += SAFETY_MARGIN_UM;
-                Ok(Body::Grown(grown))
+                Ok(FieldBody::Grown(grown))
             }
             Err(error) => Err(FieldError::Shape { obstacle: index, error }),
         },
     }
 }
 
-impl Body {
+impl FieldBody {
     /// The lines along `side` that the body may meet, as an inclusive range, empty if first > last.
     fn lines(&self, lattice: &Lattice, side: Side) -> [u32; 2] {
         let across = side.other();
         let last = lattice.last(across);
         match self {
-            Body::Cells { from, to } if from[across.index()] <= last && from[side.index()] <= lattice.last(side) => {
+            FieldBody::Cells { from, to }
+                if from[across.index()] <= last && from[side.index()] <= lattice.last(side) =>
+            {
                 [from[across.index()], to[across.index()].min(last)]
             }
-            Body::Cells { .. } => [1, 0],
-            Body::Grown(body) => {
+            FieldBody::Cells { .. } => [1, 0],
+            FieldBody::Grown(body) => {
                 let (bounds, k) = (body.bounds(), across.index());
                 let pitch = lattice.pitch_um[k];
                 let (low, high) = (bounds.min_um[k] / pitch - 1.0, bounds.max_um[k] / pitch + 1.0);
@@ -254,7 +256,7 @@ fn slots(cut: [f64; 2], pitch_um: f64, last_slot: u32) -> Option<[u32; 2]> {
 }
 
 /// The blocked runs of lines that were asked for, in slots, sorted and disjoint.
-struct Lines {
+struct BlockedLines {
     store: Store,
     runs: Vec<[u32; 2]>,
     fresh: Vec<[u32; 2]>,
@@ -269,13 +271,13 @@ enum Store {
 
 const UNKNOWN: u32 = u32::MAX;
 
-impl Lines {
+impl BlockedLines {
     fn new(modules: u32) -> Self {
         let store = match modules <= EAGER_MODULES {
             true => Store::Array(Vec::new()),
             false => Store::Map(FxHashMap::default()),
         };
-        Lines { store, runs: Vec::new(), fresh: Vec::new(), cuts: Vec::new() }
+        BlockedLines { store, runs: Vec::new(), fresh: Vec::new(), cuts: Vec::new() }
     }
 
     fn known(&self, line: u32) -> Option<[u32; 2]> {
@@ -285,7 +287,7 @@ impl Lines {
         }
     }
 
-    fn compute(&mut self, field: &Field, side: Side, line: u32) -> [u32; 2] {
+    fn compute(&mut self, field: &LatticeField, side: Side, line: u32) -> [u32; 2] {
         if self.runs.len() > MAX_CACHED_RUNS {
             self.forget();
         }
@@ -307,7 +309,7 @@ impl Lines {
     }
 
     /// Appends the line's runs, sorted and disjoint, to `runs`.
-    fn append(&mut self, field: &Field, side: Side, line: u32) {
+    fn append(&mut self, field: &LatticeField, side: Side, line: u32) {
         self.fresh.clear();
         field.line_runs(side, line, &mut self.fresh, &mut self.cuts);
         self.fresh.sort_unstable();
@@ -330,13 +332,13 @@ impl Lines {
 }
 
 impl Work {
-    pub(super) fn open<'a>(&'a mut self, field: &'a Field) -> (Reader<'a>, &'a mut Workspace) {
+    pub(super) fn open<'a>(&'a mut self, field: &'a LatticeField) -> (FieldReader<'a>, &'a mut Workspace) {
         let lines = &mut self.lines;
-        (Reader { field, lines }, &mut self.search)
+        (FieldReader { field, lines }, &mut self.search)
     }
 }
 
-impl Reader<'_> {
+impl FieldReader<'_> {
     pub(super) const fn lattice(&self) -> &Lattice {
         &self.field.lattice
     }
@@ -429,12 +431,12 @@ mod tests {
     #[test]
     fn cells_outside_the_lattice_are_answered() {
         let lattice = Lattice::new([3, 3], [1.0, 1.0]).unwrap();
-        let obstacle = Obstacle::Cells { from: [0, 0], to: [u32::MAX, 7] };
-        let field = Field::new(lattice, &[obstacle]).unwrap();
-        assert_eq!(field.legal(Cell::new(8, 0)), None);
-        assert_eq!(field.legal(Cell::new(0, u32::MAX)), None);
-        assert_eq!(field.covering(Cell::new(7, 7)), [0]);
-        assert_eq!(field.covering(Cell::new(3, u32::MAX)), [0; 0]);
+        let obstacle = FieldObstacle::Cells { from: [0, 0], to: [u32::MAX, 7] };
+        let field = LatticeField::new(lattice, &[obstacle]).unwrap();
+        assert_eq!(field.legal(LatticeCell::new(8, 0)), None);
+        assert_eq!(field.legal(LatticeCell::new(0, u32::MAX)), None);
+        assert_eq!(field.covering(LatticeCell::new(7, 7)), [0]);
+        assert_eq!(field.covering(LatticeCell::new(3, u32::MAX)), [0; 0]);
         assert_eq!(field.touching([9, 1], [7, 2]), [0; 0]);
     }
 
@@ -463,11 +465,11 @@ mod tests {
     fn a_flip_is_legal_exactly_when_nothing_blocks_it() {
         let lattice = Lattice::new([4, 3], [1.0, 2.0]).unwrap();
         let disc =
-            Obstacle::Physical { shape: Shape::Disc { radius_um: 1.2 }, pose: Pose::at(5.5, 5.0), growth_um: 0.1 };
-        let block = Obstacle::Cells { from: [12, 3], to: [10, 2] };
-        let field = Field::new(lattice, &[disc, block]).unwrap();
+            FieldObstacle::Physical { shape: Shape::Disc { radius_um: 1.2 }, pose: Pose::at(5.5, 5.0), growth_um: 0.1 };
+        let block = FieldObstacle::Cells { from: [12, 3], to: [10, 2] };
+        let field = LatticeField::new(lattice, &[disc, block]).unwrap();
         for (x, y) in (0..16).flat_map(|x| (0..8).map(move |y| (x, y))) {
-            let cell = Cell::new(x, y);
+            let cell = LatticeCell::new(x, y);
             assert_eq!(field.legal(cell).is_none(), !field.covering(cell).is_empty());
             let Some(masks) = field.legal(cell) else {
                 continue;

@@ -6,8 +6,8 @@
 //! Guaranteed: with a greed of one, the path is optimal; exhaustion proves that there is no path. Cost: settled cells times modules.
 
 use super::blocks::{BlockDistances, Blocks};
-use super::field::Reader;
-use super::lattice::{Flip, Side, Weights, bits};
+use super::field::FieldReader;
+use super::lattice::{Flip, Side, SwitchWeights, bits};
 use super::queue::RadixQueue;
 use super::seen::Seen;
 use crate::plan::search::Meter;
@@ -18,26 +18,26 @@ const NONE: u32 = u32::MAX;
 const MAX_ENTRIES: usize = 1 << 30;
 
 /// Where a search moves.
-pub(super) trait Ground {
+pub(super) trait SearchSpace {
     /// Number of modules of each side.
     fn modules(&self) -> [u32; 2];
     /// The modules of each side that may switch; none if the cell is covered.
     fn legal(&mut self, at: [u32; 2]) -> [u32; 2];
 }
 
-impl Ground for Reader<'_> {
+impl SearchSpace for FieldReader<'_> {
     fn modules(&self) -> [u32; 2] {
         self.lattice().modules
     }
 
     #[inline]
     fn legal(&mut self, at: [u32; 2]) -> [u32; 2] {
-        Reader::legal(self, at).unwrap_or([0, 0])
+        FieldReader::legal(self, at).unwrap_or([0, 0])
     }
 }
 
 /// The blocks of a picture as cells of a smaller lattice.
-impl Ground for &Blocks {
+impl SearchSpace for &Blocks {
     fn modules(&self) -> [u32; 2] {
         self.coarse
     }
@@ -78,7 +78,7 @@ impl Guide for BlockGuide<'_> {
 }
 
 #[derive(Clone, Copy)]
-struct Entry {
+struct QueueEntry {
     at: [u32; 2],
     parent: u32,
     by: Flip,
@@ -86,21 +86,21 @@ struct Entry {
 
 /// A settled cell and its excess: cost so far and estimates, less the estimate at the start. It may fall below zero with greed.
 #[derive(Clone, Copy)]
-struct Settled {
-    entry: Entry,
+struct SettledCell {
+    entry: QueueEntry,
     excess: i64,
 }
 
 /// Lists kept between searches.
 #[derive(Default)]
 pub(super) struct Lists {
-    queue: RadixQueue<Entry>,
-    entries: Vec<Settled>,
+    queue: RadixQueue<QueueEntry>,
+    entries: Vec<SettledCell>,
     settled: Seen,
 }
 
 /// How a search ends.
-pub(super) enum Ended {
+pub(super) enum SearchEnd {
     /// The target was reached.
     Found,
     /// All cells that can be reached were settled: that many.
@@ -112,44 +112,44 @@ pub(super) enum Ended {
 }
 
 /// A search; one step of its meter is one cell queued.
-pub(super) struct Search<'a, G, H> {
+pub(super) struct GuidedSearch<'a, G, H> {
     pub(super) ground: &'a mut G,
     pub(super) guide: &'a H,
     pub(super) lists: &'a mut Lists,
-    pub(super) weights: &'a Weights,
+    pub(super) weights: &'a SwitchWeights,
     pub(super) target: [u32; 2],
     /// How many times the estimate counts.
     pub(super) greed: i64,
 }
 
-impl<G: Ground, H: Guide> Search<'_, G, H> {
+impl<G: SearchSpace, H: Guide> GuidedSearch<'_, G, H> {
     /// Runs from a cell that may differ from the target; `companion` is called for every cell settled and may stop the search.
     pub(super) fn run(
         &mut self,
         start: [u32; 2],
         meter: &mut Meter,
         mut companion: impl FnMut(&mut G) -> bool,
-    ) -> Ended {
+    ) -> SearchEnd {
         self.lists.begin(self.ground.modules());
-        self.lists.queue.push(0, Entry { at: start, parent: NONE, by: Flip::of_bit(Side::Left, 1) });
+        self.lists.queue.push(0, QueueEntry { at: start, parent: NONE, by: Flip::of_bit(Side::Left, 1) });
         while let Some(entry) = self.lists.queue.pop() {
             if !self.lists.settled.insert(entry.at) {
                 continue;
             }
             let excess = self.excess(&entry);
-            self.lists.entries.push(Settled { entry, excess });
+            self.lists.entries.push(SettledCell { entry, excess });
             if entry.at == self.target {
-                return Ended::Found;
+                return SearchEnd::Found;
             }
             if meter.left().steps == 0 || self.lists.entries.len() >= MAX_ENTRIES {
-                return Ended::OutOfBudget(self.lists.queue.last());
+                return SearchEnd::OutOfBudget(self.lists.queue.last());
             }
             meter.charge(self.expand(entry.at, excess));
             if !companion(self.ground) {
-                return Ended::Stopped;
+                return SearchEnd::Stopped;
             }
         }
-        Ended::Exhausted(self.lists.entries.len() as u64)
+        SearchEnd::Exhausted(self.lists.entries.len() as u64)
     }
 
     /// Lower bound on the cost from the cell to the target.
@@ -158,7 +158,7 @@ impl<G: Ground, H: Guide> Search<'_, G, H> {
     }
 
     #[inline]
-    fn excess(&self, entry: &Entry) -> i64 {
+    fn excess(&self, entry: &QueueEntry) -> i64 {
         if self.greed == 1 {
             return self.lists.queue.last() as i64;
         }
@@ -196,7 +196,7 @@ impl<G: Ground, H: Guide> Search<'_, G, H> {
                     _ if (at[k] ^ self.target[k]) & bit == 0 => -weight,
                     _ => weight,
                 };
-                let entry = Entry { at: next, parent, by: Flip::of_bit(side, bit) };
+                let entry = QueueEntry { at: next, parent, by: Flip::of_bit(side, bit) };
                 // With greed the excess may fall; the queue then takes the cell as one of the present layer.
                 let excess = (excess + weight - self.greed * closer).max(self.lists.queue.last() as i64);
                 self.lists.queue.push(excess as u64, entry);
@@ -225,7 +225,7 @@ impl Guide for NoBlocks {
 }
 
 /// Weights of the small modules by which two cells differ.
-pub(super) fn small_difference(guide: &impl Guide, weights: &Weights, a: [u32; 2], b: [u32; 2]) -> u64 {
+pub(super) fn small_difference(guide: &impl Guide, weights: &SwitchWeights, a: [u32; 2], b: [u32; 2]) -> u64 {
     let small = |k: usize| (a[k] ^ b[k]) & ((1 << guide.fine()[k]) - 1);
     weights.of_masks([small(0), small(1)])
 }
@@ -246,7 +246,7 @@ impl Lists {
     pub(super) fn path(&self) -> Vec<Flip> {
         let mut flips = Vec::new();
         let mut at = self.entries.last();
-        while let Some(Settled { entry, .. }) = at.filter(|s| s.entry.parent != NONE) {
+        while let Some(SettledCell { entry, .. }) = at.filter(|s| s.entry.parent != NONE) {
             flips.push(entry.by);
             at = self.entries.get(entry.parent as usize);
         }

@@ -4,110 +4,115 @@
 //! within all the other limits has shown.
 
 use super::{
-    Cell, Failure, Field, Impossible, Lattice, NoLeg, Obstacle, Opening, Proof, Pulse, Request, Route, Router, Side,
-    Stage, Tally, Within, why,
+    FieldObstacle, Impossible, Lattice, LatticeCell, LatticeField, MissingLeg, ModulePulse, MotionTally, NoLeg,
+    Opening, Proof, Route, RouteRequest, RouteStage, RouteWithin, Router, Side, why,
 };
-use crate::claims::dimibot::{Action, Body, DimibotOrder, Method, Objective, Step, Stop};
+use crate::claims::dimibot::{
+    DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacleBody, DimibotOrder, DimibotStep, DimibotStop,
+};
 use crate::claims::{self, Job, Relation, Requirement};
-use crate::device::dimibot::{Facts, Simultaneous};
+use crate::device::dimibot::{DimibotFacts, Simultaneous};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
-use crate::plan::requirements::{Kept, Known, keeps, require};
-use crate::plan::search::{Budget, GaveUp};
-use crate::plan::{Motion as AnyMotion, Optimality, Plan};
+use crate::plan::requirements::{Kept, KnownLimit, keeps, require};
+use crate::plan::search::{GaveUp, SearchBudget};
+use crate::plan::{Motion, Optimality, Plan};
 use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Steps that the search for the obstacles to blame may take: a fraction of a second, however long the proof took.
-const WHY_BUDGET: Budget = Budget::of(1_000_000);
+const WHY_BUDGET: SearchBudget = SearchBudget::of(1_000_000);
 
 /// What a robot does.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Motion {
-    pub start: Cell,
+pub struct DimibotMotion {
+    pub start: LatticeCell,
     /// One for each step of the order.
-    pub steps: Vec<StepMotion>,
+    pub steps: Vec<DimibotStepMotion>,
     /// How long it waits before each pulse, in nanoseconds, to let others pass; empty if it never does.
     pub delays: Vec<u64>,
 }
 
 /// What a robot does in one step.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum StepMotion {
+pub enum DimibotStepMotion {
     /// The modules of each pulse, in order; none if the robot stands at the goal already.
-    Pulses(Vec<Pulse>),
+    Pulses(Vec<ModulePulse>),
     /// In nanoseconds.
     Wait(u64),
 }
 
 /// The fields of a schedule's scenes, each built once.
 #[derive(Default)]
-struct Fields {
-    known: Vec<(Arc<Vec<claims::dimibot::Obstacle>>, Facts, Arc<Scene>)>,
+struct SceneFields {
+    known: Vec<(Arc<Vec<claims::dimibot::DimibotObstacle>>, DimibotFacts, Arc<SearchScene>)>,
 }
 
 /// A scene as the searches see it.
-struct Scene {
-    field: Field,
-    obstacles: Vec<Obstacle>,
+struct SearchScene {
+    field: LatticeField,
+    obstacles: Vec<FieldObstacle>,
 }
 
-impl Fields {
-    fn scene(&mut self, order: &DimibotOrder) -> Arc<Scene> {
-        let is_same = |(obstacles, facts, _): &&(Arc<Vec<claims::dimibot::Obstacle>>, Facts, Arc<Scene>)| {
-            Arc::ptr_eq(obstacles, &order.obstacles) && *facts == order.facts
-        };
+impl SceneFields {
+    fn scene(&mut self, order: &DimibotOrder) -> Arc<SearchScene> {
+        let is_same =
+            |(obstacles, facts, _): &&(Arc<Vec<claims::dimibot::DimibotObstacle>>, DimibotFacts, Arc<SearchScene>)| {
+                Arc::ptr_eq(obstacles, &order.obstacles) && *facts == order.facts
+            };
         if let Some((_, _, scene)) = self.known.iter().find(is_same) {
             return Arc::clone(scene);
         }
-        let scene = Scene::new(order).expect("the checker admits only what a field can be built from");
+        let scene = SearchScene::new(order).expect("the checker admits only what a field can be built from");
         let scene = Arc::new(scene);
         self.known.push((Arc::clone(&order.obstacles), order.facts.clone(), Arc::clone(&scene)));
         scene
     }
 }
 
-impl Scene {
+impl SearchScene {
     /// `None` only for a robot or an obstacle that the checker lets nobody declare.
-    fn new(order: &DimibotOrder) -> Option<Scene> {
+    fn new(order: &DimibotOrder) -> Option<SearchScene> {
         let facts = &order.facts;
         let lattice = Lattice::new([facts.left, facts.right], Side::BOTH.map(|side| facts.pitch_um(side))).ok()?;
         let growth_um = facts.growth_um();
-        let obstacles: Vec<Obstacle> = order
+        let obstacles: Vec<FieldObstacle> = order
             .obstacles
             .iter()
             .map(|obstacle| body(&obstacle.body.seen_from(order.frame.as_ref()), growth_um))
             .collect();
-        let field = Field::new(lattice, &obstacles).ok()?;
-        Some(Scene { field, obstacles })
+        let field = LatticeField::new(lattice, &obstacles).ok()?;
+        Some(SearchScene { field, obstacles })
     }
 }
 
-fn body(body: &Body, growth_um: f64) -> Obstacle {
+fn body(body: &DimibotObstacleBody, growth_um: f64) -> FieldObstacle {
     match body {
-        Body::Cells { from, to } => Obstacle::Cells { from: from.pair(), to: to.pair() },
-        Body::Solid { shape, pose } => Obstacle::Physical { shape: shape.clone(), pose: *pose, growth_um },
+        DimibotObstacleBody::Cells { from, to } => FieldObstacle::Cells { from: from.pair(), to: to.pair() },
+        DimibotObstacleBody::Solid { shape, pose } => {
+            FieldObstacle::Physical { shape: shape.clone(), pose: *pose, growth_um }
+        }
     }
 }
 
 /// What the plans of a schedule leave behind for those that follow.
 #[derive(Default)]
-pub struct Standing {
+pub struct DimibotStandings {
     /// Where each robot stands, by its device.
-    cells: BTreeMap<String, Cell>,
-    fields: Fields,
+    cells: BTreeMap<String, LatticeCell>,
+    fields: SceneFields,
 }
 
-impl Standing {
+impl DimibotStandings {
     /// One robot that stands in a cell.
-    pub fn at(device: &str, cell: Cell) -> Standing {
-        Standing { cells: BTreeMap::from([(device.to_owned(), cell)]), fields: Fields::default() }
+    pub fn at(device: &str, cell: LatticeCell) -> DimibotStandings {
+        DimibotStandings { cells: BTreeMap::from([(device.to_owned(), cell)]), fields: SceneFields::default() }
     }
 }
 
 /// A plan for a job; without one an error was pushed.
-pub fn plan(job: &Job, order: &DimibotOrder, standing: &mut Standing, sink: &mut Sink) -> Option<Plan> {
+pub fn plan(job: &Job, order: &DimibotOrder, standing: &mut DimibotStandings, sink: &mut Sink) -> Option<Plan> {
     let stands = standing.cells.get(&job.device).copied();
     let (plan, end) = planned(job, order, stands, &mut standing.fields, sink);
     standing.cells.insert(job.device.clone(), end);
@@ -118,15 +123,15 @@ pub fn plan(job: &Job, order: &DimibotOrder, standing: &mut Standing, sink: &mut
 fn planned(
     job: &Job,
     order: &DimibotOrder,
-    stands: Option<Cell>,
-    fields: &mut Fields,
+    stands: Option<LatticeCell>,
+    fields: &mut SceneFields,
     sink: &mut Sink,
-) -> (Option<Plan>, Cell) {
+) -> (Option<Plan>, LatticeCell) {
     let Some(start) = start(job, order, stands, sink) else {
         return (None, end_of(order).or(stands).unwrap_or(order.facts.home));
     };
     let scene = fields.scene(order);
-    let search = Search::new(job, order, &scene, start);
+    let search = DimibotTaskSearch::new(job, order, &scene, start);
     if !search.begins_clear(sink) {
         return (None, end_of(order).unwrap_or(start));
     }
@@ -135,7 +140,7 @@ fn planned(
 }
 
 /// Where a job begins; `None` if it says another place than where its device stands, which was reported.
-fn start(job: &Job, order: &DimibotOrder, stands: Option<Cell>, sink: &mut Sink) -> Option<Cell> {
+fn start(job: &Job, order: &DimibotOrder, stands: Option<LatticeCell>, sink: &mut Sink) -> Option<LatticeCell> {
     match (order.start, stands) {
         (Some(start), Some(stands)) if start.value != stands => {
             sink.push(order.start_disagrees(start, stands, job));
@@ -148,41 +153,43 @@ fn start(job: &Job, order: &DimibotOrder, stands: Option<Cell>, sink: &mut Sink)
 }
 
 /// The last fixed goal of an order.
-fn end_of(order: &DimibotOrder) -> Option<Cell> {
+fn end_of(order: &DimibotOrder) -> Option<LatticeCell> {
     order.steps.iter().rev().find_map(|step| match &step.action {
-        Action::Move(stops) | Action::Visit(stops) => stops.last().map(|stop| stop.cell),
-        Action::Wait(_) => None,
+        DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops.last().map(|stop| stop.cell),
+        DimibotAction::Wait(_) => None,
     })
 }
 
 /// The planning of one job.
 #[derive(Clone)]
-struct Search<'a> {
+struct DimibotTaskSearch<'a> {
     job: &'a Job,
     order: &'a DimibotOrder,
-    scene: &'a Scene,
-    start: Cell,
-    stages: Vec<Stage>,
+    scene: &'a SearchScene,
+    start: LatticeCell,
+    stages: Vec<RouteStage>,
     /// The step of each stage.
     step_of: Vec<usize>,
 }
 
-impl<'a> Search<'a> {
-    fn new(job: &'a Job, order: &'a DimibotOrder, scene: &'a Scene, start: Cell) -> Self {
+impl<'a> DimibotTaskSearch<'a> {
+    fn new(job: &'a Job, order: &'a DimibotOrder, scene: &'a SearchScene, start: LatticeCell) -> Self {
         let (mut stages, mut step_of) = (Vec::new(), Vec::new());
         for (index, step) in order.steps.iter().enumerate() {
             match &step.action {
-                Action::Wait(_) => {}
-                Action::Move(stops) => stages.extend(stops.iter().map(|stop| Stage::To(stop.cell))),
-                Action::Visit(stops) => stages.push(Stage::All(stops.iter().map(|stop| stop.cell).collect())),
+                DimibotAction::Wait(_) => {}
+                DimibotAction::Move(stops) => stages.extend(stops.iter().map(|stop| RouteStage::To(stop.cell))),
+                DimibotAction::Visit(stops) => {
+                    stages.push(RouteStage::All(stops.iter().map(|stop| stop.cell).collect()))
+                }
             }
             step_of.resize(stages.len(), index);
         }
-        Search { job, order, scene, start, stages, step_of }
+        DimibotTaskSearch { job, order, scene, start, stages, step_of }
     }
 
     fn router(&self) -> Router<'_> {
-        Router::new(Request {
+        Router::new(RouteRequest {
             field: &self.scene.field,
             start: self.start,
             stages: &self.stages,
@@ -207,7 +214,7 @@ impl<'a> Search<'a> {
     }
 
     /// A plan that keeps the limits, and where the robot stands after it; without a plan an error was pushed.
-    fn plan(&self, sink: &mut Sink) -> (Option<Plan>, Option<Cell>) {
+    fn plan(&self, sink: &mut Sink) -> (Option<Plan>, Option<LatticeCell>) {
         let mut router = self.router();
         let best = match router.best(self.order.objective) {
             Ok(best) => best,
@@ -223,12 +230,12 @@ impl<'a> Search<'a> {
             let kept = require(self.job, &plan, &mut known, sink);
             return (Some(plan).filter(|_| kept == Kept::Yes), Some(end));
         }
-        let none = Within { route: None, is_complete: true };
+        let none = RouteWithin { route: None, is_complete: true };
         let within = limits.map_or(none, |limits| router.within(self.order.objective, limits));
         if let Some(route) = within.route {
             let bound = best.bound.max(route.bound);
             let (plan, end) = (self.finished(&route, bound), self.end(&route));
-            let kept = require(self.job, &plan, &mut |_| Known::default(), sink);
+            let kept = require(self.job, &plan, &mut |_| KnownLimit::default(), sink);
             return (Some(plan).filter(|_| kept == Kept::Yes), Some(end));
         }
         let mut known = |requirement: &Requirement| self.known(&mut router, requirement, within.is_complete);
@@ -239,12 +246,12 @@ impl<'a> Search<'a> {
 
     /// Tweeze's own planner searches for plans within the limits, the published ones do not know them.
     fn searches_limits(&self) -> bool {
-        self.order.planner.method == Method::StagedAstar
+        self.order.planner.method == DimibotMethod::StagedAstar
     }
 
     /// The largest figures that the limits allow, all but one of them; `None` where nothing keeps them.
-    fn limits(&self, but: Option<&Requirement>) -> Option<Tally> {
-        let mut limits = Tally::MAX;
+    fn limits(&self, but: Option<&Requirement>) -> Option<MotionTally> {
+        let mut limits = MotionTally::MAX;
         for requirement in &self.job.requirements {
             if but.is_some_and(|but| std::ptr::eq(but, requirement)) {
                 continue;
@@ -252,13 +259,15 @@ impl<'a> Search<'a> {
             let most = |unit: f64, offset: f64| largest(requirement, unit, offset);
             match requirement.outcome.as_str() {
                 "distance" => {
-                    limits.distance = limits.distance.min(most(figure_si(self.order, Objective::Distance), 0.0)?)
+                    limits.distance = limits.distance.min(most(figure_si(self.order, DimibotObjective::Distance), 0.0)?)
                 }
                 "switches" => limits.switches = limits.switches.min(most(1.0, 0.0)?),
-                "energy" => limits.switches = limits.switches.min(most(figure_si(self.order, Objective::Energy), 0.0)?),
+                "energy" => {
+                    limits.switches = limits.switches.min(most(figure_si(self.order, DimibotObjective::Energy), 0.0)?)
+                }
                 "time" => {
                     let waits_s = waits_ns(&self.order.steps) as f64 / 1e9;
-                    limits.pulses = limits.pulses.min(most(figure_si(self.order, Objective::Time), waits_s)?);
+                    limits.pulses = limits.pulses.min(most(figure_si(self.order, DimibotObjective::Time), waits_s)?);
                 }
                 _ => {}
             }
@@ -267,17 +276,17 @@ impl<'a> Search<'a> {
     }
 
     /// What is known of a limit that no plan was found to keep together with the others.
-    fn known(&self, router: &mut Router, requirement: &Requirement, is_proven: bool) -> Known {
-        let Some(objective) = objective_of(&requirement.outcome) else { return Known::default() };
+    fn known(&self, router: &mut Router, requirement: &Requirement, is_proven: bool) -> KnownLimit {
+        let Some(objective) = objective_of(&requirement.outcome) else { return KnownLimit::default() };
         let others = self.limits(Some(requirement));
         let within = others.map(|others| router.within(objective, others));
-        let search = Search { order: &DimibotOrder { objective, ..self.order.clone() }, ..self.clone() };
+        let search = DimibotTaskSearch { order: &DimibotOrder { objective, ..self.order.clone() }, ..self.clone() };
         let value = |figure: u64| search.si(figure);
         let (least, other) = match within {
-            Some(Within { route: Some(route), is_complete: true }) => {
+            Some(RouteWithin { route: Some(route), is_complete: true }) => {
                 (Some(value(route.tally.of_objective(objective))), Some(search.finished(&route, route.bound)))
             }
-            Some(Within { route, .. }) => {
+            Some(RouteWithin { route, .. }) => {
                 let bound = router.best(objective).ok().map(|best| value(best.bound));
                 (bound, route.map(|route| search.finished(&route, route.bound)))
             }
@@ -287,36 +296,36 @@ impl<'a> Search<'a> {
             let planner = self.order.planner.method.name();
             errors::more_allowed(self.order.planner.expansions, planner)
         });
-        Known { none_keeps_all: is_proven, least, other, advice }
+        KnownLimit { none_keeps_all: is_proven, least, other, advice }
     }
 
     /// What a plan for the objective alone tells of a limit that it misses.
-    fn known_of_published(&self, best: &Route, requirement: &Requirement) -> Known {
+    fn known_of_published(&self, best: &Route, requirement: &Requirement) -> KnownLimit {
         let is_own = objective_of(&requirement.outcome)
-            .is_some_and(|objective| Tally::only(objective, 1) == Tally::only(self.order.objective, 1));
+            .is_some_and(|objective| MotionTally::only(objective, 1) == MotionTally::only(self.order.objective, 1));
         let least = is_own.then(|| {
             let order = DimibotOrder {
                 objective: objective_of(&requirement.outcome).unwrap_or(self.order.objective),
                 ..self.order.clone()
             };
-            Search { order: &order, ..self.clone() }.si(best.bound)
+            DimibotTaskSearch { order: &order, ..self.clone() }.si(best.bound)
         });
         let advice = Some("leave `using` out: Tweeze's own planner searches for plans that keep limits".to_owned());
-        Known { none_keeps_all: false, least, other: None, advice }
+        KnownLimit { none_keeps_all: false, least, other: None, advice }
     }
 
     /// A figure of the objective in SI units, waits counted.
     fn si(&self, figure: u64) -> f64 {
         let waits_s = match self.order.objective {
-            Objective::Time => waits_ns(&self.order.steps) as f64 / 1e9,
-            Objective::Distance | Objective::Switches | Objective::Energy => 0.0,
+            DimibotObjective::Time => waits_ns(&self.order.steps) as f64 / 1e9,
+            DimibotObjective::Distance | DimibotObjective::Switches | DimibotObjective::Energy => 0.0,
         };
         figure as f64 * figure_si(self.order, self.order.objective) + waits_s
     }
 
-    fn end(&self, route: &Route) -> Cell {
+    fn end(&self, route: &Route) -> LatticeCell {
         let pulses = route.pulses.iter().flatten();
-        pulses.fold(self.start, |cell, pulse| Cell::new(cell.x ^ pulse.left, cell.y ^ pulse.right))
+        pulses.fold(self.start, |cell, pulse| LatticeCell::new(cell.x ^ pulse.left, cell.y ^ pulse.right))
     }
 
     fn finished(&self, route: &Route, bound: u64) -> Plan {
@@ -328,22 +337,22 @@ impl<'a> Search<'a> {
                 pulses.extend(more.iter().copied());
             }
             steps.push(match &step.action {
-                Action::Wait(duration_ns) => StepMotion::Wait(*duration_ns),
-                Action::Move(_) | Action::Visit(_) => StepMotion::Pulses(pulses),
+                DimibotAction::Wait(duration_ns) => DimibotStepMotion::Wait(*duration_ns),
+                DimibotAction::Move(_) | DimibotAction::Visit(_) => DimibotStepMotion::Pulses(pulses),
             });
         }
-        finished(self.order, Motion { start: self.start, steps, delays: Vec::new() }, route.tally, bound)
+        finished(self.order, DimibotMotion { start: self.start, steps, delays: Vec::new() }, route.tally, bound)
     }
 
-    fn fail(&self, failure: &Failure, sink: &mut Sink) {
+    fn fail(&self, failure: &MissingLeg, sink: &mut Sink) {
         let step = &self.order.steps[self.step_of[failure.stage]];
         let (stop, is_visit) = match &step.action {
-            Action::Move(stops) => {
+            DimibotAction::Move(stops) => {
                 let before = self.step_of[..failure.stage].iter().filter(|of| **of == self.step_of[failure.stage]);
                 (&stops[before.count()], false)
             }
-            Action::Visit(stops) => (&stops[failure.place], true),
-            Action::Wait(_) => return,
+            DimibotAction::Visit(stops) => (&stops[failure.place], true),
+            DimibotAction::Wait(_) => return,
         };
         match failure.reason {
             NoLeg::Impossible(proof) => {
@@ -357,7 +366,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn impossible(&self, step: Span, from: Cell, stop: &Stop, proof: Impossible, sink: &mut Sink) {
+    fn impossible(&self, step: Span, from: LatticeCell, stop: &DimibotStop, proof: Impossible, sink: &mut Sink) {
         let why = why(&self.scene.field, &self.scene.obstacles, from, stop.cell, WHY_BUDGET);
         let blamed: Vec<(&str, Span)> = why
             .iter()
@@ -405,18 +414,18 @@ fn proof_text(proof: Proof) -> String {
 
 fn uses_pulses(order: &DimibotOrder) -> bool {
     order.simultaneous == Simultaneous::Safe
-        && order.objective == Objective::Time
-        && order.planner.method == Method::StagedAstar
+        && order.objective == DimibotObjective::Time
+        && order.planner.method == DimibotMethod::StagedAstar
 }
 
 /// What one unit of the objective's figure is, in SI units.
-fn figure_si(order: &DimibotOrder, objective: Objective) -> f64 {
+fn figure_si(order: &DimibotOrder, objective: DimibotObjective) -> f64 {
     let facts = &order.facts;
     match objective {
-        Objective::Distance => facts.pitch_um(Side::Left).min(facts.pitch_um(Side::Right)) / 1e6,
-        Objective::Switches => 1.0,
-        Objective::Time => (facts.pulse_duration_ns + facts.rest_ns) as f64 / 1e9,
-        Objective::Energy => facts.switch_energy_j(),
+        DimibotObjective::Distance => facts.pitch_um(Side::Left).min(facts.pitch_um(Side::Right)) / 1e6,
+        DimibotObjective::Switches => 1.0,
+        DimibotObjective::Time => (facts.pulse_duration_ns + facts.rest_ns) as f64 / 1e9,
+        DimibotObjective::Energy => facts.switch_energy_j(),
     }
 }
 
@@ -425,16 +434,16 @@ fn figure(order: &DimibotOrder, cost: u64) -> f64 {
     let facts = &order.facts;
     let cost = cost as f64;
     match order.objective {
-        Objective::Distance => cost * facts.pitch_um(Side::Left).min(facts.pitch_um(Side::Right)),
-        Objective::Switches => cost,
-        Objective::Time => cost * (facts.pulse_duration_ns + facts.rest_ns) as f64 / 1e6,
-        Objective::Energy => cost * facts.switch_energy_j() * 1e3,
+        DimibotObjective::Distance => cost * facts.pitch_um(Side::Left).min(facts.pitch_um(Side::Right)),
+        DimibotObjective::Switches => cost,
+        DimibotObjective::Time => cost * (facts.pulse_duration_ns + facts.rest_ns) as f64 / 1e6,
+        DimibotObjective::Energy => cost * facts.switch_energy_j() * 1e3,
     }
 }
 
 /// The objective that minimises an outcome.
-fn objective_of(outcome: &str) -> Option<Objective> {
-    [Objective::Distance, Objective::Switches, Objective::Time, Objective::Energy]
+fn objective_of(outcome: &str) -> Option<DimibotObjective> {
+    [DimibotObjective::Distance, DimibotObjective::Switches, DimibotObjective::Time, DimibotObjective::Energy]
         .into_iter()
         .find(|objective| objective.name() == outcome)
 }
@@ -464,10 +473,10 @@ fn largest(requirement: &Requirement, unit: f64, offset: f64) -> Option<u64> {
 }
 
 /// A plan with its figures; `bound` is of the objective's figure.
-fn finished(order: &DimibotOrder, motion: Motion, tally: Tally, bound: u64) -> Plan {
+fn finished(order: &DimibotOrder, motion: DimibotMotion, tally: MotionTally, bound: u64) -> Plan {
     let waits_ms = match order.objective {
-        Objective::Time => waits_ns(&order.steps) as f64 / 1e6,
-        Objective::Distance | Objective::Switches | Objective::Energy => 0.0,
+        DimibotObjective::Time => waits_ns(&order.steps) as f64 / 1e6,
+        DimibotObjective::Distance | DimibotObjective::Switches | DimibotObjective::Energy => 0.0,
     };
     let cost = tally.of_objective(order.objective);
     Plan {
@@ -480,26 +489,26 @@ fn finished(order: &DimibotOrder, motion: Motion, tally: Tally, bound: u64) -> P
         proof: if cost == bound { Optimality::Proven } else { Optimality::Open },
         outcomes: outcomes(order, &motion),
         remarks: Vec::new(),
-        motion: AnyMotion::Dimibot(motion),
+        motion: Motion::Dimibot(motion),
     }
 }
 
-fn waits_ns(steps: &[Step]) -> u128 {
+fn waits_ns(steps: &[DimibotStep]) -> u128 {
     steps
         .iter()
         .map(|step| match step.action {
-            Action::Wait(duration_ns) => u128::from(duration_ns),
-            Action::Move(_) | Action::Visit(_) => 0,
+            DimibotAction::Wait(duration_ns) => u128::from(duration_ns),
+            DimibotAction::Move(_) | DimibotAction::Visit(_) => 0,
         })
         .sum()
 }
 
 /// Every figure of a plan, in SI units.
-fn outcomes(order: &DimibotOrder, motion: &Motion) -> BTreeMap<String, f64> {
+fn outcomes(order: &DimibotOrder, motion: &DimibotMotion) -> BTreeMap<String, f64> {
     let facts = &order.facts;
     let (mut pulse_count, mut switches, mut cells) = (0u64, 0u64, [0u64; 2]);
     for step in &motion.steps {
-        let StepMotion::Pulses(pulses) = step else { continue };
+        let DimibotStepMotion::Pulses(pulses) = step else { continue };
         pulse_count += pulses.len() as u64;
         for pulse in pulses {
             switches += u64::from(pulse.left.count_ones() + pulse.right.count_ones());

@@ -6,10 +6,10 @@
 //! are the sums over the modules that differ, which are consistent. Guaranteed: complete unless the budget ran out. One step of
 //! the budget is one switch looked at; one that leads to a label takes four more, since labels are kept.
 
-use super::field::Field;
-use super::lattice::{Cell, Flip, Side, Weights, bits};
+use super::field::LatticeField;
+use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};
 use super::queue::RadixQueue;
-use super::tally::{Tally, add_to_front};
+use super::tally::{MotionTally, add_to_front};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 
@@ -22,31 +22,31 @@ const NO_PARENT: u32 = u32::MAX;
 
 /// The ways that were found, and whether they are all.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Front<P> {
+pub struct LabelFront<P> {
     /// None is within another.
-    pub ways: Vec<(Tally, P)>,
+    pub ways: Vec<(MotionTally, P)>,
     /// Whether every way within the limits has one of `ways` within it.
     pub is_complete: bool,
 }
 
 #[derive(Clone, Copy)]
-struct Label {
-    cell: Cell,
+struct DimibotLabel {
+    cell: LatticeCell,
     distance: u64,
     switches: u32,
     parent: u32,
     by: Flip,
 }
 
-struct Search {
-    goal: Cell,
-    limits: Tally,
-    weights: [Weights; 2],
-    labels: Vec<Label>,
+struct DimibotLabelSearch {
+    goal: LatticeCell,
+    limits: MotionTally,
+    weights: [SwitchWeights; 2],
+    labels: Vec<DimibotLabel>,
     queue: RadixQueue<u32>,
     /// The least switches of the labels of a cell that have left the queue.
-    settled: FxHashMap<Cell, u32>,
-    front: Vec<(Tally, Vec<Flip>)>,
+    settled: FxHashMap<LatticeCell, u32>,
+    front: Vec<(MotionTally, Vec<Flip>)>,
     /// A label was too long for a key of the queue.
     has_dropped: bool,
 }
@@ -54,17 +54,17 @@ struct Search {
 /// The ways from `start` to `goal` within the limits. `known` are ways found before: they are among the answer, and spare the search what
 /// they dominate.
 pub(super) fn front(
-    field: &Field,
-    [start, goal]: [Cell; 2],
-    limits: Tally,
-    known: Vec<(Tally, Vec<Flip>)>,
+    field: &LatticeField,
+    [start, goal]: [LatticeCell; 2],
+    limits: MotionTally,
+    known: Vec<(MotionTally, Vec<Flip>)>,
     meter: &mut Meter,
-) -> Front<Vec<Flip>> {
+) -> LabelFront<Vec<Flip>> {
     let lattice = field.lattice();
-    let mut search = Search {
+    let mut search = DimibotLabelSearch {
         goal,
         limits,
-        weights: [Weights::distance(lattice), Weights::switches(lattice)],
+        weights: [SwitchWeights::distance(lattice), SwitchWeights::switches(lattice)],
         labels: Vec::new(),
         queue: RadixQueue::default(),
         settled: FxHashMap::default(),
@@ -76,13 +76,13 @@ pub(super) fn front(
     }
     let is_complete = search.run(field, start, meter);
     search.front.retain(|(tally, _)| tally.is_within(limits));
-    Front { ways: search.front, is_complete }
+    LabelFront { ways: search.front, is_complete }
 }
 
-impl Search {
-    fn run(&mut self, field: &Field, start: Cell, meter: &mut Meter) -> bool {
+impl DimibotLabelSearch {
+    fn run(&mut self, field: &LatticeField, start: LatticeCell, meter: &mut Meter) -> bool {
         let by = Flip::of_bit(Side::Left, 1);
-        self.push(Label { cell: start, distance: 0, switches: 0, parent: NO_PARENT, by });
+        self.push(DimibotLabel { cell: start, distance: 0, switches: 0, parent: NO_PARENT, by });
         let mut work = field.work();
         let (mut reader, _) = work.open(field);
         while let Some(index) = self.queue.pop() {
@@ -105,7 +105,7 @@ impl Search {
                     meter.charge(1);
                     let by = Flip::of_bit(side, bit);
                     let (distance, switches) = (label.distance + self.weights[0].of(by), label.switches + 1);
-                    if self.push(Label { cell: label.cell.after(by), distance, switches, parent: index, by }) {
+                    if self.push(DimibotLabel { cell: label.cell.after(by), distance, switches, parent: index, by }) {
                         meter.charge(LABEL_STEPS);
                     }
                 }
@@ -115,7 +115,7 @@ impl Search {
     }
 
     /// Queues a label that may lead to a way not yet known; `false` if it does not.
-    fn push(&mut self, label: Label) -> bool {
+    fn push(&mut self, label: DimibotLabel) -> bool {
         if self.is_dominated(&label) {
             return false;
         }
@@ -129,7 +129,7 @@ impl Search {
         true
     }
 
-    fn is_dominated(&self, label: &Label) -> bool {
+    fn is_dominated(&self, label: &DimibotLabel) -> bool {
         let ahead = self.ahead(label);
         self.settled.get(&label.cell).is_some_and(|switches| *switches <= label.switches)
             || !ahead.is_within(self.limits)
@@ -137,9 +137,9 @@ impl Search {
     }
 
     /// Below this no way goes on from the label.
-    fn ahead(&self, label: &Label) -> Tally {
+    fn ahead(&self, label: &DimibotLabel) -> MotionTally {
         let [distance, switches] = [0, 1].map(|k| self.weights[k].between(label.cell, self.goal));
-        let rest = Tally { distance, switches, pulses: switches };
+        let rest = MotionTally { distance, switches, pulses: switches };
         tally(label).plus(rest)
     }
 
@@ -155,7 +155,7 @@ impl Search {
     }
 }
 
-fn tally(label: &Label) -> Tally {
+fn tally(label: &DimibotLabel) -> MotionTally {
     let switches = u64::from(label.switches);
-    Tally { distance: label.distance, switches, pulses: switches }
+    MotionTally { distance: label.distance, switches, pulses: switches }
 }

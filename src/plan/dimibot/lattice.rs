@@ -4,7 +4,7 @@
 
 use crate::real::Real;
 
-pub use crate::device::dimibot::{Cell, Flip, MAX_MODULES, MAX_REACH_UM, Side};
+pub use crate::device::dimibot::{Flip, LatticeCell, MAX_MODULES, MAX_REACH_UM, Side};
 
 /// The lattice of reachable places.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,44 +59,44 @@ impl Lattice {
     }
 
     /// Whether the cell belongs to the lattice.
-    pub const fn contains(&self, cell: Cell) -> bool {
+    pub const fn contains(&self, cell: LatticeCell) -> bool {
         cell.x <= self.last(Side::Left) && cell.y <= self.last(Side::Right)
     }
 
     /// Position of a cell in µm.
-    pub fn position_um(&self, cell: Cell) -> [f64; 2] {
+    pub fn position_um(&self, cell: LatticeCell) -> [f64; 2] {
         [f64::from(cell.x) * self.pitch_um[0], f64::from(cell.y) * self.pitch_um[1]]
     }
 }
 
 /// What switching each module costs, in integer units of the objective.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Weights {
+pub struct SwitchWeights {
     pub(crate) of: [[u64; MAX_MODULES as usize]; 2],
     pub(crate) modules: [u32; 2],
 }
 
-impl Weights {
+impl SwitchWeights {
     /// Distance travelled by the end-effector, in units of the finer pitch: 2^i, times 2^(difference of modules) on the coarser axis.
     pub fn distance(lattice: &Lattice) -> Self {
         let [left, right] = lattice.modules;
         let finest = left.max(right);
-        Weights::from_fn(lattice, |side, i| 1 << (i + finest - lattice.modules[side.index()]))
+        SwitchWeights::from_fn(lattice, |side, i| 1 << (i + finest - lattice.modules[side.index()]))
     }
 
     /// Number of switches; time and energy of one-at-a-time switching are multiples of it.
     pub fn switches(lattice: &Lattice) -> Self {
-        Weights::from_fn(lattice, |_, _| 1)
+        SwitchWeights::from_fn(lattice, |_, _| 1)
     }
 
     /// One measure before another: the second, of which a path must have less than 2^`bits`, decides between paths of equal cost in the
     /// first.
-    pub(crate) fn then(&self, second: &Weights, bits: u32) -> Self {
+    pub(crate) fn then(&self, second: &SwitchWeights, bits: u32) -> Self {
         let mut of = self.of;
         for (first, second) in of.iter_mut().flatten().zip(second.of.iter().flatten()) {
             *first = *first << bits | second;
         }
-        Weights { of, modules: self.modules }
+        SwitchWeights { of, modules: self.modules }
     }
 
     fn from_fn(lattice: &Lattice, weight: impl Fn(Side, u32) -> u64) -> Self {
@@ -107,7 +107,7 @@ impl Weights {
             }
         }
         let modules = lattice.modules;
-        Weights { of, modules }
+        SwitchWeights { of, modules }
     }
 
     /// Cost of one flip; 0 for a module that the robot does not have.
@@ -117,7 +117,7 @@ impl Weights {
     }
 
     /// The least cost between two cells when nothing is in the way: every module whose state differs switches once.
-    pub fn between(&self, a: Cell, b: Cell) -> u64 {
+    pub fn between(&self, a: LatticeCell, b: LatticeCell) -> u64 {
         self.of_masks([a.x ^ b.x, a.y ^ b.y])
     }
 
@@ -129,7 +129,7 @@ impl Weights {
             of[k][..kept.len()].copy_from_slice(kept);
         }
         let modules = [self.modules[0] - fine[0], self.modules[1] - fine[1]];
-        Weights { of, modules }
+        SwitchWeights { of, modules }
     }
 
     pub(crate) fn of_masks(&self, masks: [u32; 2]) -> u64 {

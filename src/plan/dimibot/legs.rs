@@ -3,15 +3,15 @@
 //! Input: a field, cells and budgets. Output: a [`Best`] leg, or a [`Front`] of legs. Promise: each leg is searched once; what is said of
 //! a leg holds for the way back too, since a way may be gone in reverse.
 
-use super::field::Field;
-use super::labels::{self, Front};
-use super::lattice::{Cell, Flip, Side, Weights};
-use super::outcome::{Impossible, Outcome, Path};
-use super::pulses::{self, Pulse, Train};
-use super::tally::Tally;
+use super::field::LatticeField;
+use super::labels::{self, LabelFront};
+use super::lattice::{Flip, LatticeCell, Side, SwitchWeights};
+use super::outcome::{DimibotSearchOutcome, FlipPath, Impossible};
+use super::pulses::{self, ModulePulse, PulseTrain};
+use super::tally::MotionTally;
 use super::{published, shortest};
-use crate::claims::dimibot::{Method, Objective};
-use crate::plan::search::{Budget, GaveUp, Meter};
+use crate::claims::dimibot::{DimibotMethod, DimibotObjective};
+use crate::plan::search::{GaveUp, Meter, SearchBudget};
 use rustc_hash::FxHashMap;
 
 /// Steps that may go into breaking the ties of one leg, however cheap the leg was.
@@ -28,8 +28,8 @@ const MAX_SWITCHES: u64 = 1 << 20;
 /// The best way between two cells.
 #[derive(Clone, Debug)]
 pub(super) struct Best {
-    pub(super) tally: Tally,
-    pub(super) pulses: Vec<Pulse>,
+    pub(super) tally: MotionTally,
+    pub(super) pulses: Vec<ModulePulse>,
     /// No way has less of the objective's figure.
     pub(super) bound: u64,
     /// Whether no way of equal cost is better in the other figures.
@@ -55,55 +55,55 @@ pub(super) struct Meters {
 
 impl Meters {
     pub(super) fn new(expansions: u64) -> Self {
-        let meter = Meter::new(Budget::of(expansions));
+        let meter = Meter::new(SearchBudget::of(expansions));
         Meters { find: meter, ties: meter, limits: meter }
     }
 }
 
 /// Searches legs and remembers them.
 pub(super) struct Legs<'a> {
-    field: &'a Field,
-    method: Method,
+    field: &'a LatticeField,
+    method: DimibotMethod,
     /// Whether several modules may switch in one pulse.
     with_pulses: bool,
-    best: FxHashMap<(Cell, Cell, Rank), Best>,
+    best: FxHashMap<(LatticeCell, LatticeCell, ObjectiveRank), Best>,
 }
 
 /// Objectives that rank ways alike share a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Rank {
+enum ObjectiveRank {
     Distance,
     Switches,
     Pulses,
 }
 
 impl<'a> Legs<'a> {
-    pub(super) fn new(field: &'a Field, method: Method, with_pulses: bool) -> Self {
+    pub(super) fn new(field: &'a LatticeField, method: DimibotMethod, with_pulses: bool) -> Self {
         Legs { field, method, with_pulses, best: FxHashMap::default() }
     }
 
     /// The objectives that rank ways differently.
-    pub(super) fn objectives(&self) -> &'static [Objective] {
+    pub(super) fn objectives(&self) -> &'static [DimibotObjective] {
         match self.with_pulses {
-            true => &[Objective::Distance, Objective::Switches, Objective::Time],
-            false => &[Objective::Distance, Objective::Switches],
+            true => &[DimibotObjective::Distance, DimibotObjective::Switches, DimibotObjective::Time],
+            false => &[DimibotObjective::Distance, DimibotObjective::Switches],
         }
     }
 
     /// The objective under whose figure ways are ranked as under this one.
-    fn rank(&self, objective: Objective) -> Rank {
+    fn rank(&self, objective: DimibotObjective) -> ObjectiveRank {
         match objective {
-            Objective::Distance => Rank::Distance,
-            Objective::Time if self.with_pulses => Rank::Pulses,
-            Objective::Time | Objective::Switches | Objective::Energy => Rank::Switches,
+            DimibotObjective::Distance => ObjectiveRank::Distance,
+            DimibotObjective::Time if self.with_pulses => ObjectiveRank::Pulses,
+            DimibotObjective::Time | DimibotObjective::Switches | DimibotObjective::Energy => ObjectiveRank::Switches,
         }
     }
 
     /// The best leg from one cell to the other.
     pub(super) fn best(
         &mut self,
-        [from, to]: [Cell; 2],
-        objective: Objective,
+        [from, to]: [LatticeCell; 2],
+        objective: DimibotObjective,
         meters: &mut Meters,
     ) -> Result<Best, NoLeg> {
         let rank = self.rank(objective);
@@ -114,11 +114,11 @@ impl<'a> Legs<'a> {
             return Ok(Best { pulses: best.pulses.iter().rev().copied().collect(), ..best.clone() });
         }
         let best = match rank {
-            Rank::Pulses => self.by_pulses([from, to], meters)?,
-            Rank::Distance | Rank::Switches if self.method == Method::StagedAstar => {
+            ObjectiveRank::Pulses => self.by_pulses([from, to], meters)?,
+            ObjectiveRank::Distance | ObjectiveRank::Switches if self.method == DimibotMethod::StagedAstar => {
                 self.by_stages([from, to], rank, meters)?
             }
-            Rank::Distance | Rank::Switches => self.as_published([from, to], rank, meters)?,
+            ObjectiveRank::Distance | ObjectiveRank::Switches => self.as_published([from, to], rank, meters)?,
         };
         self.best.insert((from, to, rank), best.clone());
         Ok(best)
@@ -127,18 +127,18 @@ impl<'a> Legs<'a> {
     /// All legs that may be part of a best task within these limits.
     pub(super) fn front(
         &mut self,
-        ends: [Cell; 2],
-        limits: Tally,
+        ends: [LatticeCell; 2],
+        limits: MotionTally,
         meters: &mut Meters,
-    ) -> Result<Front<Vec<Pulse>>, NoLeg> {
+    ) -> Result<LabelFront<Vec<ModulePulse>>, NoLeg> {
         let mut known = Vec::new();
-        let mut least = Tally::MAX;
+        let mut least = MotionTally::MAX;
         for objective in self.objectives() {
             let best = self.best(ends, *objective, meters)?;
             match objective {
-                Objective::Distance => least.distance = best.bound,
-                Objective::Switches | Objective::Energy => least.switches = best.bound,
-                Objective::Time => least.pulses = best.bound,
+                DimibotObjective::Distance => least.distance = best.bound,
+                DimibotObjective::Switches | DimibotObjective::Energy => least.switches = best.bound,
+                DimibotObjective::Time => least.pulses = best.bound,
             }
             known.push((best.tally, best.pulses));
         }
@@ -148,10 +148,10 @@ impl<'a> Legs<'a> {
         // One way may be the best in everything.
         if let Some(way) = known.iter().find(|(tally, _)| *tally == least) {
             let ways = Some(way.clone()).filter(|(tally, _)| tally.is_within(limits));
-            return Ok(Front { ways: ways.into_iter().collect(), is_complete: true });
+            return Ok(LabelFront { ways: ways.into_iter().collect(), is_complete: true });
         }
         if !least.is_within(limits) {
-            return Ok(Front { ways: Vec::new(), is_complete: true });
+            return Ok(LabelFront { ways: Vec::new(), is_complete: true });
         }
         if self.with_pulses {
             return Ok(pulses::front(self.field, ends, limits, known, &mut meters.limits));
@@ -159,29 +159,29 @@ impl<'a> Legs<'a> {
         let known = known.into_iter().map(|(tally, pulses)| (tally, pulses.into_iter().filter_map(flip).collect()));
         let front = labels::front(self.field, ends, limits, known.collect(), &mut meters.limits);
         let ways = front.ways.into_iter().map(|(tally, flips)| (tally, flips.into_iter().map(single).collect()));
-        Ok(Front { ways: ways.collect(), is_complete: front.is_complete })
+        Ok(LabelFront { ways: ways.collect(), is_complete: front.is_complete })
     }
 
-    fn by_pulses(&self, [from, to]: [Cell; 2], meters: &mut Meters) -> Result<Best, NoLeg> {
+    fn by_pulses(&self, [from, to]: [LatticeCell; 2], meters: &mut Meters) -> Result<Best, NoLeg> {
         let train = match pulses::pulses(self.field, from, to, meters.find.left()) {
-            Outcome::Found(train) => train,
-            Outcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
-            Outcome::GaveUp(report) => return Err(self.gave_up(report, meters)),
+            DimibotSearchOutcome::Found(train) => train,
+            DimibotSearchOutcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
+            DimibotSearchOutcome::GaveUp(report) => return Err(self.gave_up(report, meters)),
         };
         meters.find.charge(train.expanded);
-        let Train { pulses, bound, .. } = train;
-        let tally = Tally::sum(self.field.lattice(), &pulses);
+        let PulseTrain { pulses, bound, .. } = train;
+        let tally = MotionTally::sum(self.field.lattice(), &pulses);
         let is_exact = pulses::is_small(self.field.lattice()) || pulses.len() <= 1;
         Ok(Best { tally, pulses, bound, is_exact })
     }
 
     /// First the best by the objective alone, which is what the stages are made for; then, where that may leave ties, by all figures.
-    fn by_stages(&self, [from, to]: [Cell; 2], rank: Rank, meters: &mut Meters) -> Result<Best, NoLeg> {
+    fn by_stages(&self, [from, to]: [LatticeCell; 2], rank: ObjectiveRank, meters: &mut Meters) -> Result<Best, NoLeg> {
         let weights = self.weights(rank);
         let path = match shortest(self.field, from, to, &weights[0], meters.find.left()) {
-            Outcome::Found(path) => path,
-            Outcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
-            Outcome::GaveUp(report) => return Err(self.gave_up(report, meters)),
+            DimibotSearchOutcome::Found(path) => path,
+            DimibotSearchOutcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
+            DimibotSearchOutcome::GaveUp(report) => return Err(self.gave_up(report, meters)),
         };
         meters.find.charge(path.expanded);
         let best = self.of_path(&path, path.bound);
@@ -190,33 +190,38 @@ impl<'a> Legs<'a> {
         }
         let allowed = TIE_STEPS.max(path.expanded.saturating_mul(TIE_FACTOR)).min(meters.ties.left().steps);
         let ordered = ordered(&weights, rank);
-        match shortest(self.field, from, to, &ordered, Budget::of(allowed)) {
-            Outcome::Found(fine) if fine.cost == fine.bound && fine.cost >> bits(rank) == path.cost => {
+        match shortest(self.field, from, to, &ordered, SearchBudget::of(allowed)) {
+            DimibotSearchOutcome::Found(fine) if fine.cost == fine.bound && fine.cost >> bits(rank) == path.cost => {
                 meters.ties.charge(fine.expanded);
                 let fine = self.of_path(&fine, path.bound);
                 let is_exact = is_exact(rank, fine.tally);
                 Ok(Best { is_exact, ..fine })
             }
-            Outcome::Found(_) | Outcome::Impossible(_) | Outcome::GaveUp(_) => {
+            DimibotSearchOutcome::Found(_) | DimibotSearchOutcome::Impossible(_) | DimibotSearchOutcome::GaveUp(_) => {
                 meters.ties.charge(allowed);
                 Ok(best)
             }
         }
     }
 
-    fn as_published(&self, [from, to]: [Cell; 2], rank: Rank, meters: &mut Meters) -> Result<Best, NoLeg> {
+    fn as_published(
+        &self,
+        [from, to]: [LatticeCell; 2],
+        rank: ObjectiveRank,
+        meters: &mut Meters,
+    ) -> Result<Best, NoLeg> {
         let method = match self.method {
-            Method::StagedAstar => shortest,
-            Method::Dijkstra => published::dijkstra,
-            Method::BidirectionalDijkstra => published::bidirectional_dijkstra,
-            Method::Astar => published::astar,
-            Method::HypercubeAstar => published::hypercube_astar,
+            DimibotMethod::StagedAstar => shortest,
+            DimibotMethod::Dijkstra => published::dijkstra,
+            DimibotMethod::BidirectionalDijkstra => published::bidirectional_dijkstra,
+            DimibotMethod::Astar => published::astar,
+            DimibotMethod::HypercubeAstar => published::hypercube_astar,
         };
         let weights = self.weights(rank);
         let path = match method(self.field, from, to, &ordered(&weights, rank), meters.find.left()) {
-            Outcome::Found(path) => path,
-            Outcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
-            Outcome::GaveUp(report) => {
+            DimibotSearchOutcome::Found(path) => path,
+            DimibotSearchOutcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
+            DimibotSearchOutcome::GaveUp(report) => {
                 let report = GaveUp { bound: report.bound >> bits(rank), ..report };
                 return Err(self.gave_up(report, meters));
             }
@@ -242,9 +247,9 @@ impl<'a> Legs<'a> {
     }
 
     /// A path as a leg; exact for certain if no module switches twice.
-    fn of_path(&self, path: &Path, bound: u64) -> Best {
-        let pulses: Vec<Pulse> = path.flips.iter().copied().map(single).collect();
-        let tally = Tally::sum(self.field.lattice(), &pulses);
+    fn of_path(&self, path: &FlipPath, bound: u64) -> Best {
+        let pulses: Vec<ModulePulse> = path.flips.iter().copied().map(single).collect();
+        let tally = MotionTally::sum(self.field.lattice(), &pulses);
         let mut switched = [0, 0];
         let is_exact = pulses.iter().all(|pulse| {
             let is_first = switched[0] & pulse.left == 0 && switched[1] & pulse.right == 0;
@@ -255,46 +260,46 @@ impl<'a> Legs<'a> {
     }
 
     /// What counts first, and what decides between ties.
-    fn weights(&self, rank: Rank) -> [Weights; 2] {
+    fn weights(&self, rank: ObjectiveRank) -> [SwitchWeights; 2] {
         let lattice = self.field.lattice();
-        let [distance, switches] = [Weights::distance(lattice), Weights::switches(lattice)];
+        let [distance, switches] = [SwitchWeights::distance(lattice), SwitchWeights::switches(lattice)];
         match rank {
-            Rank::Distance => [distance, switches],
-            Rank::Switches | Rank::Pulses => [switches, distance],
+            ObjectiveRank::Distance => [distance, switches],
+            ObjectiveRank::Switches | ObjectiveRank::Pulses => [switches, distance],
         }
     }
 }
 
-fn ordered([first, second]: &[Weights; 2], rank: Rank) -> Weights {
+fn ordered([first, second]: &[SwitchWeights; 2], rank: ObjectiveRank) -> SwitchWeights {
     first.then(second, bits(rank))
 }
 
-fn bits(rank: Rank) -> u32 {
+fn bits(rank: ObjectiveRank) -> u32 {
     match rank {
-        Rank::Distance => SWITCH_BITS,
-        Rank::Switches | Rank::Pulses => DISTANCE_BITS,
+        ObjectiveRank::Distance => SWITCH_BITS,
+        ObjectiveRank::Switches | ObjectiveRank::Pulses => DISTANCE_BITS,
     }
 }
 
 /// Whether no path that costs less in the first figure can have too much of the second for its bits: a switch is at least one unit of
 /// distance and at most 2^19.
-fn is_exact(rank: Rank, tally: Tally) -> bool {
+fn is_exact(rank: ObjectiveRank, tally: MotionTally) -> bool {
     match rank {
-        Rank::Distance => tally.distance < 1 << SWITCH_BITS,
-        Rank::Switches | Rank::Pulses => tally.switches <= MAX_SWITCHES,
+        ObjectiveRank::Distance => tally.distance < 1 << SWITCH_BITS,
+        ObjectiveRank::Switches | ObjectiveRank::Pulses => tally.switches <= MAX_SWITCHES,
     }
 }
 
 /// One module in a pulse of its own.
-pub(super) fn single(flip: Flip) -> Pulse {
+pub(super) fn single(flip: Flip) -> ModulePulse {
     let mask = 1 << flip.module;
     match flip.side {
-        Side::Left => Pulse { left: mask, right: 0 },
-        Side::Right => Pulse { left: 0, right: mask },
+        Side::Left => ModulePulse { left: mask, right: 0 },
+        Side::Right => ModulePulse { left: 0, right: mask },
     }
 }
 
-fn flip(pulse: Pulse) -> Option<Flip> {
+fn flip(pulse: ModulePulse) -> Option<Flip> {
     match (pulse.left, pulse.right) {
         (left, 0) if left.is_power_of_two() => Some(Flip::of_bit(Side::Left, left)),
         (0, right) if right.is_power_of_two() => Some(Flip::of_bit(Side::Right, right)),

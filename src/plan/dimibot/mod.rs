@@ -26,16 +26,16 @@ mod tour;
 mod why;
 
 pub use apart::apart;
-pub use field::{Field, FieldError, Obstacle, SAFETY_MARGIN_UM};
-pub use job::{Motion, Standing, StepMotion, plan};
-pub use lattice::{Cell, Flip, Lattice, LatticeError, MAX_MODULES, Side, Weights};
+pub use field::{FieldError, FieldObstacle, LatticeField, SAFETY_MARGIN_UM};
+pub use job::{DimibotMotion, DimibotStandings, DimibotStepMotion, plan};
+pub use lattice::{Flip, Lattice, LatticeCell, LatticeError, MAX_MODULES, Side, SwitchWeights};
 pub use legs::NoLeg;
-pub use outcome::{Impossible, Outcome, Path, Proof};
-pub use pulses::{Pulse, Train, pulse_is_safe, pulses};
-pub use route::{EXACT_PLACES, Failure, Request, Route, Router, Stage, Within};
+pub use outcome::{DimibotSearchOutcome, FlipPath, Impossible, Proof};
+pub use pulses::{ModulePulse, PulseTrain, pulse_is_safe, pulses};
+pub use route::{EXACT_PLACES, MissingLeg, Route, RouteRequest, RouteStage, RouteWithin, Router};
 pub use shortest::shortest;
-pub use tally::Tally;
-pub use why::{Opening, Why, why};
+pub use tally::MotionTally;
+pub use why::{ObstacleBlame, Opening, why};
 
 #[cfg(test)]
 pub(super) mod tests;

@@ -5,7 +5,7 @@ pub use crate::plan::search::GaveUp;
 
 /// The answer of a search.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Outcome<P> {
+pub enum DimibotSearchOutcome<P> {
     /// A plan.
     Found(P),
     /// A proof that there is none.
@@ -16,7 +16,7 @@ pub enum Outcome<P> {
 
 /// A path of single flips.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Path {
+pub struct FlipPath {
     /// Modules in the order of their switching.
     pub flips: Vec<Flip>,
     /// Sum of the weights.
@@ -61,8 +61,8 @@ pub enum Proof {
     },
 }
 
-impl<P> Outcome<P> {
+impl<P> DimibotSearchOutcome<P> {
     pub(crate) const fn impossible(proof: Proof, expanded: u64) -> Self {
-        Outcome::Impossible(Impossible { proof, expanded })
+        DimibotSearchOutcome::Impossible(Impossible { proof, expanded })
     }
 }

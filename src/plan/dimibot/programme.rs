@@ -1,13 +1,13 @@
 //! The dynamic programme over the stages of a task: for each cell in which a stage may end, the ways to it that may be part of a best route.
 
-use super::labels::Front;
-use super::lattice::Cell;
+use super::labels::LabelFront;
+use super::lattice::LatticeCell;
 use super::legs::{Legs, Meters};
-use super::pulses::Pulse;
-use super::route::{Failure, Stage};
-use super::tally::{Tally, add_to_front};
-use super::tour::{Table, ascent, improved};
-use crate::claims::dimibot::Objective;
+use super::pulses::ModulePulse;
+use super::route::{MissingLeg, RouteStage};
+use super::tally::{MotionTally, add_to_front};
+use super::tour::{TourCosts, ascent, improved};
+use crate::claims::dimibot::DimibotObjective;
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 
@@ -19,37 +19,37 @@ const FORBIDDEN: u64 = 1 << 44;
 #[derive(Clone, Copy)]
 pub(super) enum Mode<'m> {
     /// The best one.
-    Best(Objective),
+    Best(DimibotObjective),
     /// A bound on all, in the objective's figure alone.
-    Bound(Objective),
+    Bound(DimibotObjective),
     /// All within the limits of which none is within another. `least` is what each stage takes at least.
-    Front { limits: Tally, least: &'m [Tally] },
+    Front { limits: MotionTally, least: &'m [MotionTally] },
 }
 
 /// A leg of a way, after those of another.
-pub(super) struct Node {
+pub(super) struct ProgrammeNode {
     pub(super) before: u32,
     pub(super) stage: usize,
-    pub(super) ends: [Cell; 2],
+    pub(super) ends: [LatticeCell; 2],
     /// Which of the leg's ways.
     pub(super) choice: usize,
 }
 
 /// Figures of a way, and its last node.
-pub(super) type Way = (Tally, u32);
+pub(super) type WayFigures = (MotionTally, u32);
 
 /// A cell in which a stage may end.
-pub(super) struct State {
-    pub(super) cell: Cell,
-    pub(super) ways: Vec<Way>,
+pub(super) struct StageEnd {
+    pub(super) cell: LatticeCell,
+    pub(super) ways: Vec<WayFigures>,
 }
 
 pub(super) struct Programme<'p> {
     pub(super) mode: Mode<'p>,
-    pub(super) stages: &'p [Stage],
-    pub(super) nodes: Vec<Node>,
-    pub(super) states: Vec<State>,
-    pub(super) fronts: FxHashMap<(usize, Cell, Cell), Front<Vec<Pulse>>>,
+    pub(super) stages: &'p [RouteStage],
+    pub(super) nodes: Vec<ProgrammeNode>,
+    pub(super) states: Vec<StageEnd>,
+    pub(super) fronts: FxHashMap<(usize, LatticeCell, LatticeCell), LabelFront<Vec<ModulePulse>>>,
     /// Ways that may still be joined within limits.
     pub(super) steps: Meter,
     /// Whether nothing was left out that may be better in any figure.
@@ -64,17 +64,17 @@ struct Searches<'s, 'f> {
     legs: &'s mut Legs<'f>,
     meters: &'s mut Meters,
     /// What a leg of this stage may take.
-    leg_limits: Tally,
+    leg_limits: MotionTally,
     /// What a way to the end of this stage may take.
-    way_limits: Tally,
+    way_limits: MotionTally,
 }
 
 /// By pair of places the figures of the legs between them.
-type Between = Vec<Vec<Vec<Tally>>>;
+type Between = Vec<Vec<Vec<MotionTally>>>;
 
 impl Programme<'_> {
     /// Goes on through one more stage.
-    pub(super) fn extend(&mut self, stage: usize, legs: &mut Legs, meters: &mut Meters) -> Result<(), Failure> {
+    pub(super) fn extend(&mut self, stage: usize, legs: &mut Legs, meters: &mut Meters) -> Result<(), MissingLeg> {
         let (leg_limits, way_limits) = self.limits(stage);
         let mut searches = Searches { stage, legs, meters, leg_limits, way_limits };
         let stages = self.stages;
@@ -84,8 +84,8 @@ impl Programme<'_> {
         }
         let entries = self.entries(places, &mut searches)?;
         self.states = match &stages[stage] {
-            Stage::To(cell) => entries.into_iter().map(|ways| State { cell: *cell, ways }).collect(),
-            Stage::All(_) => {
+            RouteStage::To(cell) => entries.into_iter().map(|ways| StageEnd { cell: *cell, ways }).collect(),
+            RouteStage::All(_) => {
                 let between = self.between(places, &mut searches)?;
                 match stages[stage].is_large() {
                     false => self.in_best_order(places, entries, &between, &searches),
@@ -97,24 +97,29 @@ impl Programme<'_> {
     }
 
     /// The way that is best by an objective.
-    pub(super) fn least(&self, objective: Objective) -> Option<Way> {
+    pub(super) fn least(&self, objective: DimibotObjective) -> Option<WayFigures> {
         let ways = self.states.iter().flat_map(|state| &state.ways).copied();
         ways.min_by_key(|(tally, _)| tally.key(objective))
     }
 
     /// What a leg of a stage may take, and a way to its end.
-    fn limits(&self, stage: usize) -> (Tally, Tally) {
-        let Mode::Front { limits, least } = self.mode else { return (Tally::MAX, Tally::MAX) };
-        let sum = |stages: &[Tally]| stages.iter().fold(Tally::default(), |sum, stage| sum.plus(*stage));
+    fn limits(&self, stage: usize) -> (MotionTally, MotionTally) {
+        let Mode::Front { limits, least } = self.mode else { return (MotionTally::MAX, MotionTally::MAX) };
+        let sum = |stages: &[MotionTally]| stages.iter().fold(MotionTally::default(), |sum, stage| sum.plus(*stage));
         let (before, after) = (sum(&least[..stage]), sum(&least[stage + 1..]));
-        let without = |taken: Tally| limits.minus(taken).unwrap_or_default();
+        let without = |taken: MotionTally| limits.minus(taken).unwrap_or_default();
         (without(before.plus(after)), without(after))
     }
 
     /// The figures of the legs from one cell to another.
-    fn options(&mut self, ends: [Cell; 2], place: usize, searches: &mut Searches) -> Result<Vec<Tally>, Failure> {
+    fn options(
+        &mut self,
+        ends: [LatticeCell; 2],
+        place: usize,
+        searches: &mut Searches,
+    ) -> Result<Vec<MotionTally>, MissingLeg> {
         let stage = searches.stage;
-        let fail = |reason| Failure { stage, place, from: ends[0], reason };
+        let fail = |reason| MissingLeg { stage, place, from: ends[0], reason };
         match self.mode {
             Mode::Best(objective) => {
                 let best = searches.legs.best(ends, objective, searches.meters).map_err(fail)?;
@@ -124,7 +129,7 @@ impl Programme<'_> {
             }
             Mode::Bound(objective) => {
                 let best = searches.legs.best(ends, objective, searches.meters).map_err(fail)?;
-                Ok(vec![Tally::only(objective, best.bound)])
+                Ok(vec![MotionTally::only(objective, best.bound)])
             }
             Mode::Front { .. } => {
                 let key = (stage, ends[0], ends[1]);
@@ -148,7 +153,7 @@ impl Programme<'_> {
     }
 
     /// For each place the ways that come to it first of the stage.
-    fn entries(&mut self, places: &[Cell], searches: &mut Searches) -> Result<Vec<Vec<Way>>, Failure> {
+    fn entries(&mut self, places: &[LatticeCell], searches: &mut Searches) -> Result<Vec<Vec<WayFigures>>, MissingLeg> {
         let states = std::mem::take(&mut self.states);
         let mut entries = Vec::with_capacity(places.len());
         for (place, cell) in places.iter().enumerate() {
@@ -163,7 +168,7 @@ impl Programme<'_> {
         Ok(entries)
     }
 
-    fn between(&mut self, places: &[Cell], searches: &mut Searches) -> Result<Between, Failure> {
+    fn between(&mut self, places: &[LatticeCell], searches: &mut Searches) -> Result<Between, MissingLeg> {
         let mut between = vec![vec![Vec::new(); places.len()]; places.len()];
         for (a, from) in places.iter().enumerate() {
             for (b, to) in places.iter().enumerate().filter(|(b, _)| *b != a) {
@@ -174,7 +179,14 @@ impl Programme<'_> {
     }
 
     /// Adds every way on by every leg to the ways of a state.
-    fn join(&mut self, ways: &mut Vec<Way>, from: &[Way], ends: [Cell; 2], legs: &[Tally], searches: &Searches) {
+    fn join(
+        &mut self,
+        ways: &mut Vec<WayFigures>,
+        from: &[WayFigures],
+        ends: [LatticeCell; 2],
+        legs: &[MotionTally],
+        searches: &Searches,
+    ) {
         for (so_far, before) in from {
             for (choice, leg) in legs.iter().enumerate() {
                 let tally = so_far.plus(*leg);
@@ -196,7 +208,7 @@ impl Programme<'_> {
                     }
                 };
                 if is_kept {
-                    self.nodes.push(Node { before: *before, stage: searches.stage, ends, choice });
+                    self.nodes.push(ProgrammeNode { before: *before, stage: searches.stage, ends, choice });
                 }
             }
         }
@@ -205,14 +217,14 @@ impl Programme<'_> {
     /// The dynamic programme over sets of places and the last of them.
     fn in_best_order(
         &mut self,
-        places: &[Cell],
-        entries: Vec<Vec<Way>>,
+        places: &[LatticeCell],
+        entries: Vec<Vec<WayFigures>>,
         between: &Between,
         searches: &Searches,
-    ) -> Vec<State> {
+    ) -> Vec<StageEnd> {
         let n = places.len();
         let all = (1_usize << n) - 1;
-        let mut table: Vec<Vec<Way>> = vec![Vec::new(); n << n];
+        let mut table: Vec<Vec<WayFigures>> = vec![Vec::new(); n << n];
         for (last, ways) in entries.into_iter().enumerate() {
             table[(1 << last) * n + last] = ways;
         }
@@ -226,17 +238,17 @@ impl Programme<'_> {
             }
         }
         let ends = table.drain(all * n..);
-        places.iter().zip(ends).map(|(cell, ways)| State { cell: *cell, ways }).collect()
+        places.iter().zip(ends).map(|(cell, ways)| StageEnd { cell: *cell, ways }).collect()
     }
 
     /// A good order of many places, or bounds on all orders.
     fn in_some_order(
         &mut self,
-        places: &[Cell],
-        entries: &[Vec<Way>],
+        places: &[LatticeCell],
+        entries: &[Vec<WayFigures>],
         between: &Between,
         searches: &mut Searches,
-    ) -> Result<Vec<State>, Failure> {
+    ) -> Result<Vec<StageEnd>, MissingLeg> {
         (self.is_exact, self.is_proven) = (false, false);
         let onward = self.onward(places, searches)?;
         let objectives = match self.mode {
@@ -246,20 +258,24 @@ impl Programme<'_> {
             }
             Mode::Front { .. } => searches.legs.objectives().to_vec(),
         };
-        let mut states: Vec<State> = Vec::new();
+        let mut states: Vec<StageEnd> = Vec::new();
         for objective in objectives {
             let order = improved(&table(entries, between, onward.as_deref(), objective));
             let Some(last) = order.last().map(|node| node - 1) else { continue };
             if let Some(way) = self.along(places, entries, between, (&order, objective), searches) {
-                states.push(State { cell: places[last], ways: vec![way] });
+                states.push(StageEnd { cell: places[last], ways: vec![way] });
             }
         }
         Ok(states)
     }
 
     /// Where the next stage is a single cell: the figures of the legs to it.
-    fn onward(&mut self, places: &[Cell], searches: &mut Searches) -> Result<Option<Vec<Vec<Tally>>>, Failure> {
-        let Some(Stage::To(next)) = self.stages.get(searches.stage + 1) else { return Ok(None) };
+    fn onward(
+        &mut self,
+        places: &[LatticeCell],
+        searches: &mut Searches,
+    ) -> Result<Option<Vec<Vec<MotionTally>>>, MissingLeg> {
+        let Some(RouteStage::To(next)) = self.stages.get(searches.stage + 1) else { return Ok(None) };
         let mut legs = Vec::with_capacity(places.len());
         for (place, cell) in places.iter().enumerate() {
             legs.push(self.options([*cell, *next], place, searches)?);
@@ -270,19 +286,19 @@ impl Programme<'_> {
     /// The way through the places in an order (of nodes of the table).
     fn along(
         &mut self,
-        places: &[Cell],
-        entries: &[Vec<Way>],
+        places: &[LatticeCell],
+        entries: &[Vec<WayFigures>],
         between: &Between,
-        (order, objective): (&[usize], Objective),
+        (order, objective): (&[usize], DimibotObjective),
         searches: &Searches,
-    ) -> Option<Way> {
+    ) -> Option<WayFigures> {
         let first = order.first()? - 1;
         let mut way = *entries[first].iter().min_by_key(|(tally, _)| tally.key(objective))?;
         for pair in order.windows(2) {
             let [a, b] = [pair[0] - 1, pair[1] - 1];
             let legs = between[a][b].iter().enumerate();
             let (choice, leg) = legs.min_by_key(|(_, tally)| tally.key(objective))?;
-            let node = Node { before: way.1, stage: searches.stage, ends: [places[a], places[b]], choice };
+            let node = ProgrammeNode { before: way.1, stage: searches.stage, ends: [places[a], places[b]], choice };
             way = (way.0.plus(*leg), self.nodes.len() as u32);
             self.nodes.push(node);
         }
@@ -291,12 +307,17 @@ impl Programme<'_> {
 }
 
 /// The least figure of some legs.
-fn least(legs: impl Iterator<Item = Tally>, objective: Objective) -> u64 {
+fn least(legs: impl Iterator<Item = MotionTally>, objective: DimibotObjective) -> u64 {
     legs.map(|tally| tally.of_objective(objective)).min().unwrap_or(FORBIDDEN)
 }
 
 /// The costs of a tour from what was before the stage, on to the cell after it.
-fn table(entries: &[Vec<Way>], between: &Between, onward: Option<&[Vec<Tally>]>, objective: Objective) -> Table {
+fn table(
+    entries: &[Vec<WayFigures>],
+    between: &Between,
+    onward: Option<&[Vec<MotionTally>]>,
+    objective: DimibotObjective,
+) -> TourCosts {
     let n = entries.len();
     let nodes = n + 1 + usize::from(onward.is_some());
     let mut costs = vec![vec![0; nodes]; nodes];
@@ -316,28 +337,28 @@ fn table(entries: &[Vec<Way>], between: &Between, onward: Option<&[Vec<Tally>]>,
         // No path leads straight to the end.
         (costs[0][end], costs[end][0]) = (FORBIDDEN, FORBIDDEN);
     }
-    Table { costs, end }
+    TourCosts { costs, end }
 }
 
 /// For each place what no way through all of them and ending there stays below. With a cell after the stage, the bound on the way up
 /// to it counts too, less the leg there: what is claimed is the sum.
 fn bounds(
-    places: &[Cell],
-    entries: &[Vec<Way>],
+    places: &[LatticeCell],
+    entries: &[Vec<WayFigures>],
     between: &Between,
-    onward: Option<&[Vec<Tally>]>,
-    objective: Objective,
-) -> Vec<State> {
+    onward: Option<&[Vec<MotionTally>]>,
+    objective: DimibotObjective,
+) -> Vec<StageEnd> {
     let bound = |onward| {
         let table = table(entries, between, onward, objective);
         ascent(&table, table.length(&improved(&table)))
     };
     let free = bound(None);
     let with_end = onward.map(|onward| bound(Some(onward)));
-    let of_place = |(place, cell): (usize, &Cell)| {
+    let of_place = |(place, cell): (usize, &LatticeCell)| {
         let last = onward.map_or(0, |onward| least(onward[place].iter().copied(), objective));
         let figure = free.max(with_end.map_or(0, |bound| bound.saturating_sub(last)));
-        State { cell: *cell, ways: vec![(Tally::only(objective, figure), NONE)] }
+        StageEnd { cell: *cell, ways: vec![(MotionTally::only(objective, figure), NONE)] }
     };
     places.iter().enumerate().map(of_place).collect()
 }

@@ -4,37 +4,55 @@
 //! are mended: Algorithm 2 assigns every stage's position (inside its loop), and the stages of a non-symmetric robot are matched from the
 //! largest stroke down. Algorithm 3's estimate is used as printed: it counts nothing for a stage whose two modules both differ, so it is admissible but weak.
 
-use super::field::{Field, Reader};
-use super::lattice::{Cell, Flip, Lattice, Side, Weights, bits};
-use super::outcome::{Outcome, Path, Proof};
+use super::field::{FieldReader, LatticeField};
+use super::lattice::{Flip, Lattice, LatticeCell, Side, SwitchWeights, bits};
+use super::outcome::{DimibotSearchOutcome, FlipPath, Proof};
 use super::shortest::outside;
-use crate::plan::search::{Budget, Meter};
+use crate::plan::search::{Meter, SearchBudget};
 use crate::real::Real;
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Dijkstra's algorithm (section 4.2).
-pub fn dijkstra(field: &Field, start: Cell, goal: Cell, weights: &Weights, budget: Budget) -> Outcome<Path> {
+pub fn dijkstra(
+    field: &LatticeField,
+    start: LatticeCell,
+    goal: LatticeCell,
+    weights: &SwitchWeights,
+    budget: SearchBudget,
+) -> DimibotSearchOutcome<FlipPath> {
     best_first(field, start, goal, weights, budget, |_| 0)
 }
 
 /// A* with the straight-line distance in frame R1 (section 4.3), scaled so that it stays admissible for any weights.
-pub fn astar(field: &Field, start: Cell, goal: Cell, weights: &Weights, budget: Budget) -> Outcome<Path> {
+pub fn astar(
+    field: &LatticeField,
+    start: LatticeCell,
+    goal: LatticeCell,
+    weights: &SwitchWeights,
+    budget: SearchBudget,
+) -> DimibotSearchOutcome<FlipPath> {
     let estimate = straight_line(field.lattice(), goal, weights);
     best_first(field, start, goal, weights, budget, estimate)
 }
 
 /// A* with Algorithm 3's estimate on the positions in the hypercube graph (section 5.2; section 6 for non-symmetric robots).
-pub fn hypercube_astar(field: &Field, start: Cell, goal: Cell, weights: &Weights, budget: Budget) -> Outcome<Path> {
-    let stages = Stages::new(field.lattice(), weights);
-    let estimate = move |cell: Cell| stages.remaining(cell, goal);
+pub fn hypercube_astar(
+    field: &LatticeField,
+    start: LatticeCell,
+    goal: LatticeCell,
+    weights: &SwitchWeights,
+    budget: SearchBudget,
+) -> DimibotSearchOutcome<FlipPath> {
+    let stages = HypercubeStages::new(field.lattice(), weights);
+    let estimate = move |cell: LatticeCell| stages.remaining(cell, goal);
     best_first(field, start, goal, weights, budget, estimate)
 }
 
 /// Straight-line distance times the least cost per distance of any module, rounded down.
-fn straight_line(lattice: &Lattice, goal: Cell, weights: &Weights) -> impl Fn(Cell) -> u64 + use<> {
-    let stroke = Weights::distance(lattice);
+fn straight_line(lattice: &Lattice, goal: LatticeCell, weights: &SwitchWeights) -> impl Fn(LatticeCell) -> u64 + use<> {
+    let stroke = SwitchWeights::distance(lattice);
     let cheapest =
         all_flips(lattice).map(|flip| weights.of(flip) as f64 / stroke.of(flip) as f64).fold(f64::INFINITY, f64::min);
     let unit = [Side::Left, Side::Right].map(|side| stroke.of(Flip::of_bit(side, 1)) as f64);
@@ -52,13 +70,13 @@ fn all_flips(lattice: &Lattice) -> impl Iterator<Item = Flip> {
 }
 
 /// The dimensions of the hypercube graph: 4 elements where a stage has a module on both sides, 2 where it has one.
-struct Stages {
+struct HypercubeStages {
     /// For each stage the weight of a step along its dimension and the bit of its left and right module, if it has one.
     stages: Vec<(u64, [Option<u32>; 2])>,
 }
 
-impl Stages {
-    fn new(lattice: &Lattice, weights: &Weights) -> Self {
+impl HypercubeStages {
+    fn new(lattice: &Lattice, weights: &SwitchWeights) -> Self {
         let count = lattice.modules[0].max(lattice.modules[1]);
         let stage = |down: u32| {
             let bit = |side: Side| {
@@ -70,11 +88,11 @@ impl Stages {
             let weight = Side::BOTH.into_iter().filter_map(cost).min().unwrap_or(0);
             (weight, modules)
         };
-        Stages { stages: (0..count).map(stage).collect() }
+        HypercubeStages { stages: (0..count).map(stage).collect() }
     }
 
     /// Algorithm 2: the row of a cell in one dimension, in the order 00, 01, 11, 10 of (left, right).
-    fn position(cell: Cell, modules: [Option<u32>; 2]) -> u32 {
+    fn position(cell: LatticeCell, modules: [Option<u32>; 2]) -> u32 {
         let on = |at: u32, bit: Option<u32>| bit.is_some_and(|b| at & b != 0);
         match (on(cell.x, modules[0]), on(cell.y, modules[1])) {
             (false, false) => 1,
@@ -87,9 +105,9 @@ impl Stages {
     }
 
     /// Algorithm 3.
-    fn remaining(&self, cell: Cell, goal: Cell) -> u64 {
+    fn remaining(&self, cell: LatticeCell, goal: LatticeCell) -> u64 {
         let along = |(weight, modules): &(u64, [Option<u32>; 2])| {
-            let apart = Stages::position(cell, *modules).abs_diff(Stages::position(goal, *modules));
+            let apart = HypercubeStages::position(cell, *modules).abs_diff(HypercubeStages::position(goal, *modules));
             u64::from(apart % 2) * weight
         };
         self.stages.iter().map(along).sum()
@@ -97,35 +115,35 @@ impl Stages {
 }
 
 /// What is known of a cell: least cost so far and the flip that led to it.
-type Reached = FxHashMap<Cell, (u64, Option<Flip>)>;
-type Queue = BinaryHeap<Reverse<(u64, u64, Cell)>>;
+type ReachedCells = FxHashMap<LatticeCell, (u64, Option<Flip>)>;
+type Queue = BinaryHeap<Reverse<(u64, u64, LatticeCell)>>;
 
 fn best_first(
-    field: &Field,
-    start: Cell,
-    goal: Cell,
-    weights: &Weights,
-    budget: Budget,
-    estimate: impl Fn(Cell) -> u64,
-) -> Outcome<Path> {
+    field: &LatticeField,
+    start: LatticeCell,
+    goal: LatticeCell,
+    weights: &SwitchWeights,
+    budget: SearchBudget,
+    estimate: impl Fn(LatticeCell) -> u64,
+) -> DimibotSearchOutcome<FlipPath> {
     if let Some(proof) = refused(field, start, goal) {
-        return Outcome::impossible(proof, 0);
+        return DimibotSearchOutcome::impossible(proof, 0);
     }
     let mut meter = Meter::new(budget);
-    let mut reached = Reached::from_iter([(start, (0, None))]);
+    let mut reached = ReachedCells::from_iter([(start, (0, None))]);
     let mut queue = Queue::from([Reverse((estimate(start), 0, start))]);
     let mut work = field.work();
     let (mut reader, _) = work.open(field);
     while let Some(Reverse((total, cost, cell))) = queue.pop() {
         if cell == goal {
             let flips = trail(&reached, goal);
-            return Outcome::Found(Path { flips, cost, bound: cost, expanded: meter.spent() });
+            return DimibotSearchOutcome::Found(FlipPath { flips, cost, bound: cost, expanded: meter.spent() });
         }
         if reached.get(&cell).is_some_and(|(best, _)| *best < cost) {
             continue;
         }
         if meter.step().is_none() {
-            return Outcome::GaveUp(meter.gave_up(total));
+            return DimibotSearchOutcome::GaveUp(meter.gave_up(total));
         }
         for flip in legal_flips(&mut reader, cell) {
             let (next, cost) = (cell.after(flip), cost + weights.of(flip));
@@ -135,22 +153,22 @@ fn best_first(
         }
     }
     let cells = reached.len() as u64;
-    Outcome::impossible(Proof::StartShut { cells }, meter.spent())
+    DimibotSearchOutcome::impossible(Proof::StartShut { cells }, meter.spent())
 }
 
 /// Dijkstra's algorithm from both ends (section 4.2).
 pub fn bidirectional_dijkstra(
-    field: &Field,
-    start: Cell,
-    goal: Cell,
-    weights: &Weights,
-    budget: Budget,
-) -> Outcome<Path> {
+    field: &LatticeField,
+    start: LatticeCell,
+    goal: LatticeCell,
+    weights: &SwitchWeights,
+    budget: SearchBudget,
+) -> DimibotSearchOutcome<FlipPath> {
     if let Some(proof) = refused(field, start, goal) {
-        return Outcome::impossible(proof, 0);
+        return DimibotSearchOutcome::impossible(proof, 0);
     }
     let mut meter = Meter::new(budget);
-    let mut reached = [start, goal].map(|end| Reached::from_iter([(end, (0, None))]));
+    let mut reached = [start, goal].map(|end| ReachedCells::from_iter([(end, (0, None))]));
     let mut queues = [start, goal].map(|end| Queue::from([Reverse((0, 0, end))]));
     let mut best = (start == goal).then_some((0, start));
     let mut work = field.work();
@@ -171,7 +189,7 @@ pub fn bidirectional_dijkstra(
             continue;
         }
         if meter.step().is_none() {
-            return Outcome::GaveUp(meter.gave_up(from_start + from_goal));
+            return DimibotSearchOutcome::GaveUp(meter.gave_up(from_start + from_goal));
         }
         for flip in legal_flips(&mut reader, cell) {
             let (next, cost) = (cell.after(flip), cost + weights.of(flip));
@@ -187,38 +205,43 @@ pub fn bidirectional_dijkstra(
     joined(&reached, best, &meter, queues[0].is_empty())
 }
 
-fn joined(reached: &[Reached; 2], best: Option<(u64, Cell)>, meter: &Meter, start_is_shut: bool) -> Outcome<Path> {
+fn joined(
+    reached: &[ReachedCells; 2],
+    best: Option<(u64, LatticeCell)>,
+    meter: &Meter,
+    start_is_shut: bool,
+) -> DimibotSearchOutcome<FlipPath> {
     let expanded = meter.spent();
     match best {
         Some((cost, middle)) => {
             let mut flips = trail(&reached[0], middle);
             flips.extend(trail(&reached[1], middle).into_iter().rev());
-            Outcome::Found(Path { flips, cost, bound: cost, expanded })
+            DimibotSearchOutcome::Found(FlipPath { flips, cost, bound: cost, expanded })
         }
         None if start_is_shut => {
             let cells = reached[0].len() as u64;
-            Outcome::impossible(Proof::StartShut { cells }, expanded)
+            DimibotSearchOutcome::impossible(Proof::StartShut { cells }, expanded)
         }
         None => {
             let cells = reached[1].len() as u64;
-            Outcome::impossible(Proof::GoalShut { cells }, expanded)
+            DimibotSearchOutcome::impossible(Proof::GoalShut { cells }, expanded)
         }
     }
 }
 
-fn refused(field: &Field, start: Cell, goal: Cell) -> Option<Proof> {
+fn refused(field: &LatticeField, start: LatticeCell, goal: LatticeCell) -> Option<Proof> {
     outside(field, start, goal)
         .or_else(|| field.legal(start).is_none().then_some(Proof::StartCovered))
         .or_else(|| field.legal(goal).is_none().then_some(Proof::GoalCovered))
 }
 
-fn legal_flips(reader: &mut Reader<'_>, cell: Cell) -> impl Iterator<Item = Flip> + use<> {
+fn legal_flips(reader: &mut FieldReader<'_>, cell: LatticeCell) -> impl Iterator<Item = Flip> + use<> {
     let [left, right] = reader.legal(cell.pair()).unwrap_or([0, 0]);
     let of = |side, mask| bits(mask).map(move |bit| Flip::of_bit(side, bit));
     of(Side::Left, left).chain(of(Side::Right, right))
 }
 
-fn improves(reached: &mut Reached, cell: Cell, cost: u64, by: Flip) -> bool {
+fn improves(reached: &mut ReachedCells, cell: LatticeCell, cost: u64, by: Flip) -> bool {
     let known = reached.entry(cell).or_insert((u64::MAX, None));
     let better = cost < known.0;
     if better {
@@ -228,7 +251,7 @@ fn improves(reached: &mut Reached, cell: Cell, cost: u64, by: Flip) -> bool {
 }
 
 /// Flips from the search's origin to the cell.
-fn trail(reached: &Reached, mut cell: Cell) -> Vec<Flip> {
+fn trail(reached: &ReachedCells, mut cell: LatticeCell) -> Vec<Flip> {
     let mut flips = Vec::new();
     while let Some((_, Some(flip))) = reached.get(&cell) {
         flips.push(*flip);

@@ -7,13 +7,13 @@
 //! known high bits fix an inner part of every rectangle, which must be free. Guaranteed: optimal where `cost() == bound`; always so for small robots.
 //! Cost: 4^N rectangle queries for small robots; else at most [`TRIES`] per length. One step of the budget is one rectangle query.
 
-use super::field::Field;
-use super::labels::Front;
-use super::lattice::{Cell, Lattice, Side, Weights};
-use super::outcome::{Outcome, Path, Proof};
+use super::field::LatticeField;
+use super::labels::LabelFront;
+use super::lattice::{Lattice, LatticeCell, Side, SwitchWeights};
+use super::outcome::{DimibotSearchOutcome, FlipPath, Proof};
 use super::shortest::{outside, shortest};
-use super::tally::{Tally, add_to_front};
-use crate::plan::search::{Budget, GaveUp, Meter};
+use super::tally::{MotionTally, add_to_front};
+use crate::plan::search::{GaveUp, Meter, SearchBudget};
 use rustc_hash::FxHashMap;
 
 /// Up to this many modules (left and right together) the search runs over all cells.
@@ -25,7 +25,7 @@ const MAX_SOUGHT: usize = 4;
 
 /// Modules that switch together, as bit masks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pulse {
+pub struct ModulePulse {
     /// Left modules.
     pub left: u32,
     /// Right modules.
@@ -34,16 +34,16 @@ pub struct Pulse {
 
 /// A sequence of pulses.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Train {
+pub struct PulseTrain {
     /// Pulses in their order; none is empty.
-    pub pulses: Vec<Pulse>,
+    pub pulses: Vec<ModulePulse>,
     /// No sequence has fewer pulses; equal to [`Train::cost`] when the train is proven optimal.
     pub bound: u64,
     /// Rectangles examined.
     pub expanded: u64,
 }
 
-impl Train {
+impl PulseTrain {
     /// The number of pulses.
     pub fn cost(&self) -> u64 {
         self.pulses.len() as u64
@@ -51,15 +51,20 @@ impl Train {
 }
 
 /// Whether all modules that differ between the two cells may switch in one pulse.
-pub fn pulse_is_safe(field: &Field, from: Cell, to: Cell) -> bool {
+pub fn pulse_is_safe(field: &LatticeField, from: LatticeCell, to: LatticeCell) -> bool {
     field.rectangle_free([from.x & to.x, from.x | to.x], [from.y & to.y, from.y | to.y])
 }
 
 /// The fewest pulses from `start` to `goal`.
-pub fn pulses(field: &Field, start: Cell, goal: Cell, budget: Budget) -> Outcome<Train> {
+pub fn pulses(
+    field: &LatticeField,
+    start: LatticeCell,
+    goal: LatticeCell,
+    budget: SearchBudget,
+) -> DimibotSearchOutcome<PulseTrain> {
     let mut meter = Meter::new(budget);
     if let Some(proof) = refused(field, start, goal) {
-        return Outcome::impossible(proof, 0);
+        return DimibotSearchOutcome::impossible(proof, 0);
     }
     let modules = field.lattice().modules;
     if pulse_is_safe(field, start, goal) {
@@ -73,26 +78,26 @@ pub fn pulses(field: &Field, start: Cell, goal: Cell, budget: Budget) -> Outcome
     }
 }
 
-fn refused(field: &Field, start: Cell, goal: Cell) -> Option<Proof> {
-    let covered = |cell: Cell| !field.rectangle_free([cell.x; 2], [cell.y; 2]);
+fn refused(field: &LatticeField, start: LatticeCell, goal: LatticeCell) -> Option<Proof> {
+    let covered = |cell: LatticeCell| !field.rectangle_free([cell.x; 2], [cell.y; 2]);
     outside(field, start, goal)
         .or_else(|| covered(start).then_some(Proof::StartCovered))
         .or_else(|| covered(goal).then_some(Proof::GoalCovered))
 }
 
-fn found(cells: &[Cell], bound: u64, meter: &Meter) -> Outcome<Train> {
+fn found(cells: &[LatticeCell], bound: u64, meter: &Meter) -> DimibotSearchOutcome<PulseTrain> {
     let pulses = cells.windows(2).map(|pair| between(pair[0], pair[1])).collect();
-    Outcome::Found(Train { pulses, bound, expanded: meter.spent() })
+    DimibotSearchOutcome::Found(PulseTrain { pulses, bound, expanded: meter.spent() })
 }
 
 /// How many slots (cells and gaps) below and left of a slot are touched by an obstacle.
-struct Table {
+struct BlockedPrefixSums {
     width: usize,
     sums: Vec<u32>,
 }
 
-impl Table {
-    fn new(field: &Field) -> Self {
+impl BlockedPrefixSums {
+    fn new(field: &LatticeField) -> Self {
         let slots = Side::BOTH.map(|side| 2 * field.lattice().last(side) + 1);
         let width = slots[0] as usize + 1;
         let mut sums = vec![0; width * (slots[1] as usize + 1)];
@@ -103,10 +108,10 @@ impl Table {
                 sums[at] = u32::from(touched) + sums[at - 1] + sums[at - width] - sums[at - width - 1];
             }
         }
-        Table { width, sums }
+        BlockedPrefixSums { width, sums }
     }
 
-    fn safe(&self, a: Cell, b: Cell) -> bool {
+    fn safe(&self, a: LatticeCell, b: LatticeCell) -> bool {
         let [x0, x1] = [a.x & b.x, a.x | b.x].map(|v| 2 * v as usize);
         let [y0, y1] = [a.y & b.y, a.y | b.y].map(|v| 2 * v as usize * self.width);
         let (right, top) = (x1 + 1, y1 + self.width);
@@ -115,11 +120,16 @@ impl Table {
 }
 
 /// A cell not yet reached, and the best way to it from the present layer: distance, switches, position of the cell before.
-type Unseen = (Cell, Option<(u64, u64, usize)>);
+type Unseen = (LatticeCell, Option<(u64, u64, usize)>);
 
 /// Breadth first; of the trains with the fewest pulses the shortest, and of those the one with the fewest switches.
-fn over_all_cells(field: &Field, start: Cell, goal: Cell, meter: &mut Meter) -> Outcome<Train> {
-    let table = Table::new(field);
+fn over_all_cells(
+    field: &LatticeField,
+    start: LatticeCell,
+    goal: LatticeCell,
+    meter: &mut Meter,
+) -> DimibotSearchOutcome<PulseTrain> {
+    let table = BlockedPrefixSums::new(field);
     let mut unseen: Vec<Unseen> =
         all_cells(field.lattice()).filter(|cell| *cell != start).map(|cell| (cell, None)).collect();
     // Cells in the order of discovery, with the position of the cell before.
@@ -130,12 +140,12 @@ fn over_all_cells(field: &Field, start: Cell, goal: Cell, meter: &mut Meter) -> 
     while !layer.is_empty() {
         for at in layer.clone() {
             if meter.left().steps < unseen.len() as u64 {
-                return Outcome::GaveUp(meter.gave_up(count + 1));
+                return DimibotSearchOutcome::GaveUp(meter.gave_up(count + 1));
             }
             meter.charge(unseen.len() as u64);
             for (to, best) in &mut unseen {
                 if table.safe(seen[at].0, *to) {
-                    let pulse = Tally::of(field.lattice(), between(seen[at].0, *to));
+                    let pulse = MotionTally::of(field.lattice(), between(seen[at].0, *to));
                     let way = (figures[at].0 + pulse.distance, figures[at].1 + pulse.switches, at);
                     *best = Some(best.map_or(way, |best| best.min(way)));
                 }
@@ -155,16 +165,16 @@ fn over_all_cells(field: &Field, start: Cell, goal: Cell, meter: &mut Meter) -> 
         }
     }
     let cells = seen.len() as u64;
-    Outcome::impossible(Proof::StartShut { cells }, meter.spent())
+    DimibotSearchOutcome::impossible(Proof::StartShut { cells }, meter.spent())
 }
 
-fn all_cells(lattice: &Lattice) -> impl Iterator<Item = Cell> + use<> {
+fn all_cells(lattice: &Lattice) -> impl Iterator<Item = LatticeCell> + use<> {
     let (columns, rows) = (lattice.last(Side::Left), lattice.last(Side::Right));
-    (0..=columns).flat_map(move |x| (0..=rows).map(move |y| Cell::new(x, y)))
+    (0..=columns).flat_map(move |x| (0..=rows).map(move |y| LatticeCell::new(x, y)))
 }
 
-fn between(a: Cell, b: Cell) -> Pulse {
-    Pulse { left: a.x ^ b.x, right: a.y ^ b.y }
+fn between(a: LatticeCell, b: LatticeCell) -> ModulePulse {
+    ModulePulse { left: a.x ^ b.x, right: a.y ^ b.y }
 }
 
 /// Whether [`pulses`] is exact for a robot in all figures of a train, and [`front`] searches at all.
@@ -173,41 +183,42 @@ pub(super) const fn is_small(lattice: &Lattice) -> bool {
 }
 
 /// A way to a cell in [`front`], with the position of the one before.
-struct Label {
-    cell: Cell,
-    tally: Tally,
+struct PulseLabel {
+    cell: LatticeCell,
+    tally: MotionTally,
     before: usize,
 }
 
 /// The trains from `start` to `goal` within the limits of which none is better in distance, switches and pulses: a search by layers of
 /// equally many pulses over all cells. Complete for a small robot unless the budget ran out; for a larger one just what is known.
 pub(super) fn front(
-    field: &Field,
-    [start, goal]: [Cell; 2],
-    limits: Tally,
-    known: Vec<(Tally, Vec<Pulse>)>,
+    field: &LatticeField,
+    [start, goal]: [LatticeCell; 2],
+    limits: MotionTally,
+    known: Vec<(MotionTally, Vec<ModulePulse>)>,
     meter: &mut Meter,
-) -> Front<Vec<Pulse>> {
+) -> LabelFront<Vec<ModulePulse>> {
     let mut ways = Vec::new();
     for (tally, pulses) in known {
         add_to_front(&mut ways, tally, pulses);
     }
     let is_complete = is_small(field.lattice()) && by_layers(field, [start, goal], limits, &mut ways, meter);
     ways.retain(|(tally, _)| tally.is_within(limits));
-    Front { ways, is_complete }
+    LabelFront { ways, is_complete }
 }
 
 fn by_layers(
-    field: &Field,
-    [start, goal]: [Cell; 2],
-    limits: Tally,
-    ways: &mut Vec<(Tally, Vec<Pulse>)>,
+    field: &LatticeField,
+    [start, goal]: [LatticeCell; 2],
+    limits: MotionTally,
+    ways: &mut Vec<(MotionTally, Vec<ModulePulse>)>,
     meter: &mut Meter,
 ) -> bool {
-    let (lattice, table) = (field.lattice(), Table::new(field));
-    let cells: Vec<Cell> = all_cells(lattice).collect();
-    let mut labels = vec![Label { cell: start, tally: Tally::default(), before: 0 }];
-    let mut of_cell: FxHashMap<Cell, Vec<(Tally, ())>> = FxHashMap::from_iter([(start, vec![(Tally::default(), ())])]);
+    let (lattice, table) = (field.lattice(), BlockedPrefixSums::new(field));
+    let cells: Vec<LatticeCell> = all_cells(lattice).collect();
+    let mut labels = vec![PulseLabel { cell: start, tally: MotionTally::default(), before: 0 }];
+    let mut of_cell: FxHashMap<LatticeCell, Vec<(MotionTally, ())>> =
+        FxHashMap::from_iter([(start, vec![(MotionTally::default(), ())])]);
     let mut layer = 0..1;
     while !layer.is_empty() {
         for at in layer.clone() {
@@ -216,8 +227,9 @@ fn by_layers(
                 if meter.step().is_none() {
                     return false;
                 }
-                let tally = so_far.plus(Tally::of(lattice, between(from, to)));
-                let rest = if to == goal { Tally::default() } else { Tally::of(lattice, between(to, goal)) };
+                let tally = so_far.plus(MotionTally::of(lattice, between(from, to)));
+                let rest =
+                    if to == goal { MotionTally::default() } else { MotionTally::of(lattice, between(to, goal)) };
                 let ahead = tally.plus(rest);
                 let is_useless = !ahead.is_within(limits) || ways.iter().any(|(known, _)| known.is_within(ahead));
                 if is_useless || !table.safe(from, to) {
@@ -226,9 +238,10 @@ fn by_layers(
                 if !add_to_front(of_cell.entry(to).or_default(), tally, ()) {
                     continue;
                 }
-                labels.push(Label { cell: to, tally, before: at });
+                labels.push(PulseLabel { cell: to, tally, before: at });
                 if to == goal {
-                    let steps: Vec<(Cell, usize)> = labels.iter().map(|label| (label.cell, label.before)).collect();
+                    let steps: Vec<(LatticeCell, usize)> =
+                        labels.iter().map(|label| (label.cell, label.before)).collect();
                     let cells = trail(&steps, labels.len() - 1);
                     add_to_front(ways, tally, cells.windows(2).map(|pair| between(pair[0], pair[1])).collect());
                 }
@@ -239,7 +252,7 @@ fn by_layers(
     true
 }
 
-fn trail(seen: &[(Cell, usize)], mut at: usize) -> Vec<Cell> {
+fn trail(seen: &[(LatticeCell, usize)], mut at: usize) -> Vec<LatticeCell> {
     let mut cells = vec![seen[at].0];
     while at != 0 {
         at = seen[at].1;
@@ -249,13 +262,18 @@ fn trail(seen: &[(Cell, usize)], mut at: usize) -> Vec<Cell> {
     cells
 }
 
-fn by_length(field: &Field, start: Cell, goal: Cell, meter: &mut Meter) -> Outcome<Train> {
-    let weights = Weights::switches(field.lattice());
+fn by_length(
+    field: &LatticeField,
+    start: LatticeCell,
+    goal: LatticeCell,
+    meter: &mut Meter,
+) -> DimibotSearchOutcome<PulseTrain> {
+    let weights = SwitchWeights::switches(field.lattice());
     let path = match shortest(field, start, goal, &weights, meter.left()) {
-        Outcome::Found(path) => path,
-        Outcome::Impossible(proof) => return Outcome::Impossible(proof),
+        DimibotSearchOutcome::Found(path) => path,
+        DimibotSearchOutcome::Impossible(proof) => return DimibotSearchOutcome::Impossible(proof),
         // Not one pulse, so two at least.
-        Outcome::GaveUp(report) => return Outcome::GaveUp(GaveUp { bound: 2, ..report }),
+        DimibotSearchOutcome::GaveUp(report) => return DimibotSearchOutcome::GaveUp(GaveUp { bound: 2, ..report }),
     };
     meter.charge(path.expanded);
     let best = compress(field, start, &path, meter);
@@ -264,20 +282,20 @@ fn by_length(field: &Field, start: Cell, goal: Cell, meter: &mut Meter) -> Outco
         if length > MAX_SOUGHT || tries == 0 {
             return found(&best, length as u64, meter);
         }
-        let mut sought = Sought::new(field, start, goal, length, Meter::new(Budget::of(tries)));
+        let mut sought = Sought::new(field, start, goal, length, Meter::new(SearchBudget::of(tries)));
         let answer = sought.branch(0);
         meter.charge(sought.meter.spent());
         match answer {
-            Branch::Found(cells) => return found(&cells, length as u64, meter),
-            Branch::None => {}
-            Branch::OutOfBudget => return found(&best, length as u64, meter),
+            PulseBranch::Found(cells) => return found(&cells, length as u64, meter),
+            PulseBranch::None => {}
+            PulseBranch::OutOfBudget => return found(&best, length as u64, meter),
         }
     }
     found(&best, best.len() as u64 - 1, meter)
 }
 
 /// The fewest pulses that visit only cells of the path, in its order.
-fn compress(field: &Field, start: Cell, path: &Path, meter: &mut Meter) -> Vec<Cell> {
+fn compress(field: &LatticeField, start: LatticeCell, path: &FlipPath, meter: &mut Meter) -> Vec<LatticeCell> {
     let mut cells = vec![start];
     for flip in &path.flips {
         cells.extend(cells.last().map(|cell| cell.after(*flip)));
@@ -302,21 +320,21 @@ fn compress(field: &Field, start: Cell, path: &Path, meter: &mut Meter) -> Vec<C
 
 /// Branch and bound on the cells of a sequence of fixed length.
 struct Sought<'a> {
-    field: &'a Field,
+    field: &'a LatticeField,
     /// All cells of the sequence; of those between the ends only the decided high bits are set.
-    cells: Vec<Cell>,
+    cells: Vec<LatticeCell>,
     meter: Meter,
 }
 
-enum Branch {
-    Found(Vec<Cell>),
+enum PulseBranch {
+    Found(Vec<LatticeCell>),
     None,
     OutOfBudget,
 }
 
 impl<'a> Sought<'a> {
-    fn new(field: &'a Field, start: Cell, goal: Cell, length: usize, meter: Meter) -> Self {
-        let mut cells = vec![Cell::new(0, 0); length + 1];
+    fn new(field: &'a LatticeField, start: LatticeCell, goal: LatticeCell, length: usize, meter: Meter) -> Self {
+        let mut cells = vec![LatticeCell::new(0, 0); length + 1];
         cells[0] = start;
         cells[length] = goal;
         Sought { field, cells, meter }
@@ -328,20 +346,20 @@ impl<'a> Sought<'a> {
     }
 
     /// Decides the `depth`-th highest bits of all cells between; recursion ends at the number of modules of the larger side, 20 at most.
-    fn branch(&mut self, depth: u32) -> Branch {
+    fn branch(&mut self, depth: u32) -> PulseBranch {
         let open = self.open(depth);
         for pulse in 1..self.cells.len() {
             match self.inner_is_free(pulse, open) {
                 Some(true) => {}
-                Some(false) => return Branch::None,
-                None => return Branch::OutOfBudget,
+                Some(false) => return PulseBranch::None,
+                None => return PulseBranch::OutOfBudget,
             }
         }
         if let Some(cells) = self.completed(open) {
-            return Branch::Found(cells);
+            return PulseBranch::Found(cells);
         }
         if open == [0, 0] {
-            return Branch::None;
+            return PulseBranch::None;
         }
         let between = self.cells.len() as u32 - 2;
         let decided = self.cells.clone();
@@ -352,12 +370,12 @@ impl<'a> Sought<'a> {
                 continue;
             }
             match self.branch(depth + 1) {
-                Branch::None => {}
-                ended @ (Branch::Found(_) | Branch::OutOfBudget) => return ended,
+                PulseBranch::None => {}
+                ended @ (PulseBranch::Found(_) | PulseBranch::OutOfBudget) => return ended,
             }
         }
         self.cells = decided;
-        Branch::None
+        PulseBranch::None
     }
 
     /// Sets the next bits; choice 0 repeats the start's bits in every cell. `false` if the choice differs from an earlier one in absent bits only.
@@ -394,7 +412,7 @@ impl<'a> Sought<'a> {
     }
 
     /// The decided bits completed with the start's or the goal's low bits, if that is a free sequence.
-    fn completed(&mut self, open: [u32; 2]) -> Option<Vec<Cell>> {
+    fn completed(&mut self, open: [u32; 2]) -> Option<Vec<LatticeCell>> {
         let last = self.cells.len() - 1;
         let (start, goal) = (self.cells[0], self.cells[last]);
         let fills = [[start.x, start.y], [goal.x, goal.y], [start.x, goal.y], [goal.x, start.y]];

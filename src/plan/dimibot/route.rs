@@ -6,14 +6,14 @@
 //! per state, with limits the Pareto front of the ways. Larger visits are ordered by [`super::tour`], and bounded by the same
 //! programme over the bounds of the legs. Guaranteed: `bound` holds for the whole task; optimal where it equals the cost.
 
-use super::field::Field;
-use super::lattice::Cell;
+use super::field::LatticeField;
+use super::lattice::LatticeCell;
 use super::legs::{Legs, Meters, NoLeg};
-use super::programme::{Mode, NONE, Programme, State};
-use super::pulses::Pulse;
-use super::tally::Tally;
-use crate::claims::dimibot::{Method, Objective};
-use crate::plan::search::{Budget, Meter};
+use super::programme::{Mode, NONE, Programme, StageEnd};
+use super::pulses::ModulePulse;
+use super::tally::MotionTally;
+use crate::claims::dimibot::{DimibotMethod, DimibotObjective};
+use crate::plan::search::{Meter, SearchBudget};
 use rustc_hash::FxHashMap;
 
 /// Up to this many places the order of a visit is proven best.
@@ -21,23 +21,23 @@ pub const EXACT_PLACES: usize = 12;
 
 /// A part of a task.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Stage {
+pub enum RouteStage {
     /// To this cell.
-    To(Cell),
+    To(LatticeCell),
     /// To all these cells, in the best order.
-    All(Vec<Cell>),
+    All(Vec<LatticeCell>),
 }
 
-impl Stage {
-    pub(super) fn cells(&self) -> &[Cell] {
+impl RouteStage {
+    pub(super) fn cells(&self) -> &[LatticeCell] {
         match self {
-            Stage::To(cell) => std::slice::from_ref(cell),
-            Stage::All(cells) => cells,
+            RouteStage::To(cell) => std::slice::from_ref(cell),
+            RouteStage::All(cells) => cells,
         }
     }
 
     /// The last cell as written.
-    fn last(&self) -> Option<Cell> {
+    fn last(&self) -> Option<LatticeCell> {
         self.cells().last().copied()
     }
 
@@ -47,11 +47,11 @@ impl Stage {
 }
 
 /// A task to be planned.
-pub struct Request<'a> {
-    pub field: &'a Field,
-    pub start: Cell,
-    pub stages: &'a [Stage],
-    pub method: Method,
+pub struct RouteRequest<'a> {
+    pub field: &'a LatticeField,
+    pub start: LatticeCell,
+    pub stages: &'a [RouteStage],
+    pub method: DimibotMethod,
     /// Whether several modules may switch in one pulse.
     pub with_pulses: bool,
     /// Steps that the searches of one stage may take.
@@ -62,9 +62,9 @@ pub struct Request<'a> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Route {
     /// The pulses of each stage.
-    pub pulses: Vec<Vec<Pulse>>,
+    pub pulses: Vec<Vec<ModulePulse>>,
     /// What they come to.
-    pub tally: Tally,
+    pub tally: MotionTally,
     /// No route has less of the objective's figure.
     pub bound: u64,
     /// Whether no route of equal cost is better in the other figures.
@@ -73,17 +73,17 @@ pub struct Route {
 
 /// A leg that was not found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Failure {
+pub struct MissingLeg {
     pub stage: usize,
     /// Which of the stage's cells.
     pub place: usize,
-    pub from: Cell,
+    pub from: LatticeCell,
     pub reason: NoLeg,
 }
 
 /// The best route within limits, as far as the search went.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Within {
+pub struct RouteWithin {
     pub route: Option<Route>,
     /// Whether all routes within the limits were looked at: then there is none if `route` is none, and none better if it is one.
     pub is_complete: bool,
@@ -91,12 +91,12 @@ pub struct Within {
 
 /// Plans a task, for several objectives and limits if need be.
 pub struct Router<'a> {
-    request: Request<'a>,
+    request: RouteRequest<'a>,
     legs: Legs<'a>,
 }
 
 impl<'a> Router<'a> {
-    pub fn new(request: Request<'a>) -> Self {
+    pub fn new(request: RouteRequest<'a>) -> Self {
         let legs = Legs::new(request.field, request.method, request.with_pulses);
         Router { request, legs }
     }
@@ -105,7 +105,7 @@ impl<'a> Router<'a> {
     ///
     /// # Errors
     /// The legs that lead nowhere or were not found: for each stage those from the last cell of the stage before.
-    pub fn best(&mut self, objective: Objective) -> Result<Route, Vec<Failure>> {
+    pub fn best(&mut self, objective: DimibotObjective) -> Result<Route, Vec<MissingLeg>> {
         let mut meters = self.meters();
         self.reach(objective, &mut meters)?;
         let costs = self.programme(Mode::Best(objective), &mut meters).map_err(|failure| vec![failure])?;
@@ -123,22 +123,22 @@ impl<'a> Router<'a> {
     }
 
     /// The best route by an objective of which no figure exceeds its limit.
-    pub fn within(&mut self, objective: Objective, limits: Tally) -> Within {
+    pub fn within(&mut self, objective: DimibotObjective, limits: MotionTally) -> RouteWithin {
         let mut meters = self.meters();
-        let Some(least) = self.least(&mut meters) else { return Within { route: None, is_complete: false } };
-        let all = least.iter().fold(Tally::default(), |sum, stage| sum.plus(*stage));
+        let Some(least) = self.least(&mut meters) else { return RouteWithin { route: None, is_complete: false } };
+        let all = least.iter().fold(MotionTally::default(), |sum, stage| sum.plus(*stage));
         if !all.is_within(limits) {
-            return Within { route: None, is_complete: true };
+            return RouteWithin { route: None, is_complete: true };
         }
         let Ok(ways) = self.programme(Mode::Front { limits, least: &least }, &mut meters) else {
-            return Within { route: None, is_complete: false };
+            return RouteWithin { route: None, is_complete: false };
         };
         let route = ways.least(objective).map(|(tally, last)| {
             let pulses = self.pulses(&ways, last, &mut meters);
             let bound = if ways.is_exact { tally.of_objective(objective) } else { 0 };
             Route { pulses, tally, bound, is_exact: ways.is_exact }
         });
-        Within { route, is_complete: ways.is_exact }
+        RouteWithin { route, is_complete: ways.is_exact }
     }
 
     fn meters(&self) -> Vec<Meters> {
@@ -146,13 +146,13 @@ impl<'a> Router<'a> {
     }
 
     /// Looks for a leg to every cell from the last cell of the stage before, so that each part of a task has its say.
-    fn reach(&mut self, objective: Objective, meters: &mut [Meters]) -> Result<(), Vec<Failure>> {
+    fn reach(&mut self, objective: DimibotObjective, meters: &mut [Meters]) -> Result<(), Vec<MissingLeg>> {
         let mut failures = Vec::new();
         let mut from = self.request.start;
         for (stage, all) in self.request.stages.iter().enumerate() {
             for (place, cell) in all.cells().iter().enumerate() {
                 if let Err(reason) = self.legs.best([from, *cell], objective, &mut meters[stage]) {
-                    failures.push(Failure { stage, place, from, reason });
+                    failures.push(MissingLeg { stage, place, from, reason });
                     break;
                 }
             }
@@ -162,17 +162,17 @@ impl<'a> Router<'a> {
     }
 
     /// For each stage what no way through it stays below in any figure; `None` where a leg was not found.
-    fn least(&mut self, meters: &mut [Meters]) -> Option<Vec<Tally>> {
+    fn least(&mut self, meters: &mut [Meters]) -> Option<Vec<MotionTally>> {
         let mut from = vec![self.request.start];
         let mut least = Vec::with_capacity(self.request.stages.len());
         for (stage, all) in self.request.stages.iter().enumerate() {
-            let mut of_stage = Tally::default();
+            let mut of_stage = MotionTally::default();
             for place in all.cells() {
-                let mut nearest = Tally::MAX;
+                let mut nearest = MotionTally::MAX;
                 for cell in &from {
                     nearest = nearest.least(self.least_of_leg([*cell, *place], &mut meters[stage])?);
                 }
-                of_stage = Tally {
+                of_stage = MotionTally {
                     distance: of_stage.distance.max(nearest.distance),
                     switches: of_stage.switches.max(nearest.switches),
                     pulses: of_stage.pulses.max(nearest.pulses),
@@ -186,11 +186,11 @@ impl<'a> Router<'a> {
         Some(least)
     }
 
-    fn least_of_leg(&mut self, ends: [Cell; 2], meters: &mut Meters) -> Option<Tally> {
-        let mut least = Tally::default();
+    fn least_of_leg(&mut self, ends: [LatticeCell; 2], meters: &mut Meters) -> Option<MotionTally> {
+        let mut least = MotionTally::default();
         for objective in self.legs.objectives() {
             let bound = self.legs.best(ends, *objective, meters).ok()?.bound;
-            let only = Tally::only(*objective, bound);
+            let only = MotionTally::only(*objective, bound);
             least = least.plus(only);
         }
         if !self.request.with_pulses {
@@ -199,7 +199,7 @@ impl<'a> Router<'a> {
         Some(least)
     }
 
-    fn programme<'m>(&mut self, mode: Mode<'m>, meters: &mut [Meters]) -> Result<Programme<'m>, Failure>
+    fn programme<'m>(&mut self, mode: Mode<'m>, meters: &mut [Meters]) -> Result<Programme<'m>, MissingLeg>
     where
         'a: 'm,
     {
@@ -207,9 +207,9 @@ impl<'a> Router<'a> {
             mode,
             stages: self.request.stages,
             nodes: Vec::new(),
-            states: vec![State { cell: self.request.start, ways: vec![(Tally::default(), NONE)] }],
+            states: vec![StageEnd { cell: self.request.start, ways: vec![(MotionTally::default(), NONE)] }],
             fronts: FxHashMap::default(),
-            steps: Meter::new(Budget::of(self.request.expansions)),
+            steps: Meter::new(SearchBudget::of(self.request.expansions)),
             is_exact: true,
             is_proven: true,
         };
@@ -220,7 +220,7 @@ impl<'a> Router<'a> {
     }
 
     /// The pulses of a way, by stage.
-    fn pulses(&mut self, programme: &Programme, last: u32, meters: &mut [Meters]) -> Vec<Vec<Pulse>> {
+    fn pulses(&mut self, programme: &Programme, last: u32, meters: &mut [Meters]) -> Vec<Vec<ModulePulse>> {
         let mut pulses = vec![Vec::new(); self.request.stages.len()];
         let mut at = last;
         while let Some(node) = programme.nodes.get(at as usize) {

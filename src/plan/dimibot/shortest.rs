@@ -4,16 +4,22 @@
 //! the XOR distance and therefore optimal when it arrives; then [`super::journey`]. Guaranteed: complete, and optimal unless the budget runs out.
 //! One step of the budget is one cell queued.
 
-use super::field::{Field, Reader};
-use super::journey::Journey;
-use super::lattice::{Cell, Flip, Side, Weights, bits};
-use super::outcome::{Outcome, Path, Proof};
-use crate::plan::search::Budget;
+use super::field::{FieldReader, LatticeField};
+use super::journey::LatticeJourney;
+use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};
+use super::outcome::{DimibotSearchOutcome, FlipPath, Proof};
+use crate::plan::search::SearchBudget;
 
 /// The cheapest path of single flips from `start` to `goal`.
-pub fn shortest(field: &Field, start: Cell, goal: Cell, weights: &Weights, budget: Budget) -> Outcome<Path> {
+pub fn shortest(
+    field: &LatticeField,
+    start: LatticeCell,
+    goal: LatticeCell,
+    weights: &SwitchWeights,
+    budget: SearchBudget,
+) -> DimibotSearchOutcome<FlipPath> {
     if let Some(proof) = outside(field, start, goal) {
-        return Outcome::impossible(proof, 0);
+        return DimibotSearchOutcome::impossible(proof, 0);
     }
     let mut work = field.work();
     let (mut reader, space) = work.open(field);
@@ -23,21 +29,21 @@ pub fn shortest(field: &Field, start: Cell, goal: Cell, weights: &Weights, budge
     {
         let cost = weights.between(start, goal);
         let expanded = flips.len() as u64;
-        return Outcome::Found(Path { flips, cost, bound: cost, expanded });
+        return DimibotSearchOutcome::Found(FlipPath { flips, cost, bound: cost, expanded });
     }
     for (end, proof) in ends.into_iter().zip([Proof::StartCovered, Proof::GoalCovered]) {
         if reader.legal(end).is_none() {
-            return Outcome::impossible(proof, 0);
+            return DimibotSearchOutcome::impossible(proof, 0);
         }
     }
     if start == goal {
-        return Outcome::Found(Path { flips: Vec::new(), cost: 0, bound: 0, expanded: 0 });
+        return DimibotSearchOutcome::Found(FlipPath { flips: Vec::new(), cost: 0, bound: 0, expanded: 0 });
     }
-    Journey::new(reader, weights, ends, budget).run(space)
+    LatticeJourney::new(reader, weights, ends, budget).run(space)
 }
 
 /// The proof that there is no plan when a cell does not belong to the lattice.
-pub(super) fn outside(field: &Field, start: Cell, goal: Cell) -> Option<Proof> {
+pub(super) fn outside(field: &LatticeField, start: LatticeCell, goal: LatticeCell) -> Option<Proof> {
     if !field.lattice().contains(start) {
         return Some(Proof::StartOutside);
     }
@@ -46,7 +52,7 @@ pub(super) fn outside(field: &Field, start: Cell, goal: Cell) -> Option<Proof> {
 
 /// A path that only switches modules that stand differently, so that no path is cheaper: all of one side, then all of the other, or else always
 /// the largest that may switch. Meets every cell it enters, so it fails if an end is covered, unless start and goal are the same.
-fn walk(reader: &mut Reader<'_>, [start, goal]: [[u32; 2]; 2]) -> Option<Vec<Flip>> {
+fn walk(reader: &mut FieldReader<'_>, [start, goal]: [[u32; 2]; 2]) -> Option<Vec<Flip>> {
     let differing = [start[0] ^ goal[0], start[1] ^ goal[1]];
     let mut flips = Vec::with_capacity((differing[0].count_ones() + differing[1].count_ones()) as usize);
     for first in Side::BOTH {
@@ -73,7 +79,7 @@ fn walk(reader: &mut Reader<'_>, [start, goal]: [[u32; 2]; 2]) -> Option<Vec<Fli
 }
 
 /// Whether all differing modules of the side may switch from this cell, in any order.
-fn stretch_is_free(reader: &mut Reader<'_>, at: [u32; 2], goal: [u32; 2], side: Side) -> bool {
+fn stretch_is_free(reader: &mut FieldReader<'_>, at: [u32; 2], goal: [u32; 2], side: Side) -> bool {
     let (k, across) = (side.index(), side.other().index());
     match reader.free_run(side, at[across], at[k]) {
         Some([low, high]) => low <= at[k] & goal[k] && at[k] | goal[k] <= high,

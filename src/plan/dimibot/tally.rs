@@ -4,12 +4,12 @@
 //! objective are broken by the other outcomes in the order of the vocabulary: distance, switches, time, energy.
 
 use super::lattice::{Lattice, Side};
-use super::pulses::Pulse;
-use crate::claims::dimibot::Objective;
+use super::pulses::ModulePulse;
+use crate::claims::dimibot::DimibotObjective;
 
 /// The figures of a motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
+pub struct MotionTally {
     /// Way of the end-effector in units of the finer pitch.
     pub distance: u64,
     /// How often a module is switched.
@@ -18,15 +18,15 @@ pub struct Tally {
     pub pulses: u64,
 }
 
-impl Tally {
+impl MotionTally {
     /// What no motion exceeds.
-    pub const MAX: Tally = Tally { distance: u64::MAX, switches: u64::MAX, pulses: u64::MAX };
+    pub const MAX: MotionTally = MotionTally { distance: u64::MAX, switches: u64::MAX, pulses: u64::MAX };
 
     /// The figures of one pulse.
-    pub fn of(lattice: &Lattice, pulse: Pulse) -> Self {
+    pub fn of(lattice: &Lattice, pulse: ModulePulse) -> Self {
         let finest = lattice.modules[0].max(lattice.modules[1]);
         let way = |mask: u32, side: Side| u64::from(mask) << (finest - lattice.modules[side.index()]);
-        Tally {
+        MotionTally {
             distance: way(pulse.left, Side::Left) + way(pulse.right, Side::Right),
             switches: u64::from(pulse.left.count_ones() + pulse.right.count_ones()),
             pulses: 1,
@@ -34,14 +34,14 @@ impl Tally {
     }
 
     /// The figures of pulses in a row.
-    pub fn sum(lattice: &Lattice, pulses: &[Pulse]) -> Self {
-        pulses.iter().fold(Tally::default(), |sum, pulse| sum.plus(Tally::of(lattice, *pulse)))
+    pub fn sum(lattice: &Lattice, pulses: &[ModulePulse]) -> Self {
+        pulses.iter().fold(MotionTally::default(), |sum, pulse| sum.plus(MotionTally::of(lattice, *pulse)))
     }
 
     /// One after the other; stays at the largest number rather than going round.
     #[must_use]
-    pub const fn plus(self, other: Tally) -> Self {
-        Tally {
+    pub const fn plus(self, other: MotionTally) -> Self {
+        MotionTally {
             distance: self.distance.saturating_add(other.distance),
             switches: self.switches.saturating_add(other.switches),
             pulses: self.pulses.saturating_add(other.pulses),
@@ -49,11 +49,11 @@ impl Tally {
     }
 
     /// What is left of a limit; `None` where nothing is.
-    pub const fn minus(self, other: Tally) -> Option<Self> {
+    pub const fn minus(self, other: MotionTally) -> Option<Self> {
         if !other.is_within(self) {
             return None;
         }
-        Some(Tally {
+        Some(MotionTally {
             distance: self.distance - other.distance,
             switches: self.switches - other.switches,
             pulses: self.pulses - other.pulses,
@@ -61,14 +61,14 @@ impl Tally {
     }
 
     /// Whether no figure is greater.
-    pub const fn is_within(self, limit: Tally) -> bool {
+    pub const fn is_within(self, limit: MotionTally) -> bool {
         self.distance <= limit.distance && self.switches <= limit.switches && self.pulses <= limit.pulses
     }
 
     /// The least of either in each figure.
     #[must_use]
-    pub fn least(self, other: Tally) -> Self {
-        Tally {
+    pub fn least(self, other: MotionTally) -> Self {
+        MotionTally {
             distance: self.distance.min(other.distance),
             switches: self.switches.min(other.switches),
             pulses: self.pulses.min(other.pulses),
@@ -76,33 +76,33 @@ impl Tally {
     }
 
     /// What decides between motions, most important first.
-    pub const fn key(self, objective: Objective) -> [u64; 3] {
+    pub const fn key(self, objective: DimibotObjective) -> [u64; 3] {
         match objective {
-            Objective::Distance => [self.distance, self.switches, self.pulses],
+            DimibotObjective::Distance => [self.distance, self.switches, self.pulses],
             // Energy is a multiple of the switches.
-            Objective::Switches | Objective::Energy => [self.switches, self.distance, self.pulses],
-            Objective::Time => [self.pulses, self.distance, self.switches],
+            DimibotObjective::Switches | DimibotObjective::Energy => [self.switches, self.distance, self.pulses],
+            DimibotObjective::Time => [self.pulses, self.distance, self.switches],
         }
     }
 
     /// The figure that is minimised.
-    pub const fn of_objective(self, objective: Objective) -> u64 {
+    pub const fn of_objective(self, objective: DimibotObjective) -> u64 {
         self.key(objective)[0]
     }
 
     /// A tally of which only the minimised figure is known.
-    pub const fn only(objective: Objective, figure: u64) -> Self {
-        let none = Tally { distance: 0, switches: 0, pulses: 0 };
+    pub const fn only(objective: DimibotObjective, figure: u64) -> Self {
+        let none = MotionTally { distance: 0, switches: 0, pulses: 0 };
         match objective {
-            Objective::Distance => Tally { distance: figure, ..none },
-            Objective::Switches | Objective::Energy => Tally { switches: figure, ..none },
-            Objective::Time => Tally { pulses: figure, ..none },
+            DimibotObjective::Distance => MotionTally { distance: figure, ..none },
+            DimibotObjective::Switches | DimibotObjective::Energy => MotionTally { switches: figure, ..none },
+            DimibotObjective::Time => MotionTally { pulses: figure, ..none },
         }
     }
 }
 
 /// Adds a tally with what belongs to it to a list of which none is within another; `false` if one of the list is within it.
-pub fn add_to_front<T>(front: &mut Vec<(Tally, T)>, tally: Tally, item: T) -> bool {
+pub fn add_to_front<T>(front: &mut Vec<(MotionTally, T)>, tally: MotionTally, item: T) -> bool {
     if front.iter().any(|(known, _)| known.is_within(tally)) {
         return false;
     }

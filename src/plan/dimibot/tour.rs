@@ -10,13 +10,13 @@ const ASCENT: u32 = 300;
 const FINE: i64 = 64;
 
 /// Costs between nodes, symmetric; node 0 is where the path begins.
-pub(super) struct Table {
+pub(super) struct TourCosts {
     pub(super) costs: Vec<Vec<u64>>,
     /// The node on which the path ends beyond the places; the last one.
     pub(super) end: Option<usize>,
 }
 
-impl Table {
+impl TourCosts {
     /// Nodes between the beginning and a fixed end.
     fn places(&self) -> usize {
         self.costs.len() - 1 - usize::from(self.end.is_some())
@@ -36,13 +36,13 @@ impl Table {
 }
 
 /// Nearest insertion, then 2-opt and or-opt until neither improves.
-pub(super) fn improved(table: &Table) -> Vec<usize> {
+pub(super) fn improved(table: &TourCosts) -> Vec<usize> {
     let mut order = insertion(table);
     while two_opt(table, &mut order) || or_opt(table, &mut order) {}
     order
 }
 
-fn insertion(table: &Table) -> Vec<usize> {
+fn insertion(table: &TourCosts) -> Vec<usize> {
     let costs = &table.costs;
     let mut order: Vec<usize> = Vec::new();
     let mut rest: Vec<usize> = (1..=table.places()).collect();
@@ -59,7 +59,7 @@ fn insertion(table: &Table) -> Vec<usize> {
 }
 
 /// What it costs more to visit `node` before the `k`-th of the order.
-fn detour(table: &Table, order: &[usize], k: usize, node: usize) -> i64 {
+fn detour(table: &TourCosts, order: &[usize], k: usize, node: usize) -> i64 {
     let costs = &table.costs;
     let before = if k == 0 { 0 } else { order[k - 1] };
     let to = costs[before][node] as i64;
@@ -69,7 +69,7 @@ fn detour(table: &Table, order: &[usize], k: usize, node: usize) -> i64 {
     }
 }
 
-fn two_opt(table: &Table, order: &mut [usize]) -> bool {
+fn two_opt(table: &TourCosts, order: &mut [usize]) -> bool {
     let costs = &table.costs;
     let n = order.len();
     for first in 0..n {
@@ -90,7 +90,7 @@ fn two_opt(table: &Table, order: &mut [usize]) -> bool {
     false
 }
 
-fn or_opt(table: &Table, order: &mut Vec<usize>) -> bool {
+fn or_opt(table: &TourCosts, order: &mut Vec<usize>) -> bool {
     let costs = &table.costs;
     let old = table.length(order);
     for run in 1..=3.min(order.len().saturating_sub(1)) {
@@ -120,7 +120,7 @@ fn or_opt(table: &Table, order: &mut Vec<usize>) -> bool {
 
 /// A lower bound on every path: the ascent on 1-trees, with a node of no cost that closes the path between its two ends. `upper` is the
 /// cost of a path.
-pub(super) fn ascent(table: &Table, upper: u64) -> u64 {
+pub(super) fn ascent(table: &TourCosts, upper: u64) -> u64 {
     let costs = &table.costs;
     let n = costs.len();
     let mut penalty = vec![0_i64; n];

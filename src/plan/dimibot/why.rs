@@ -5,18 +5,18 @@
 //! number of distinct obstacles crossed, one set kept per cell, and a deletion filter on its result. Guaranteed: what [`Opening`] says. One step of the
 //! budget is one flip examined.
 
-use super::field::{Field, Obstacle};
-use super::lattice::{Cell, Flip, Side, Weights, bits};
-use super::outcome::Outcome;
+use super::field::{FieldObstacle, LatticeField};
+use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};
+use super::outcome::DimibotSearchOutcome;
 use super::shortest::{outside, shortest};
-use crate::plan::search::{Budget, Meter};
+use crate::plan::search::{Meter, SearchBudget};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeSet;
 
 /// Obstacles named when no opening set was found within the budget.
 const MAX_BORDER: usize = 32;
 /// Cells expanded when a path is looked for with some obstacles removed.
-const TRIAL: Budget = Budget::of(1 << 20);
+const TRIAL: SearchBudget = SearchBudget::of(1 << 20);
 /// The part of the budget that is spent on flooding both ends, to learn which obstacles are near.
 const FLOOD_SHARE: u64 = 8;
 /// Where the flood does not end, all obstacles are suspects, if they are no more than this.
@@ -29,7 +29,7 @@ const MERGED_PER_STEP: u64 = 8;
 
 /// The obstacles to blame.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Why {
+pub struct ObstacleBlame {
     /// Indices of the obstacles, ascending; never empty.
     pub obstacles: Vec<usize>,
     /// What is known about their removal.
@@ -53,44 +53,50 @@ pub enum Opening {
 ///
 /// `obstacles` must be the list from which `field` was built. Where the proof that there is none takes more than a million cells, it is the
 /// caller's: what is said of the smallest set rests on it.
-pub fn why(field: &Field, obstacles: &[Obstacle], start: Cell, goal: Cell, budget: Budget) -> Option<Why> {
+pub fn why(
+    field: &LatticeField,
+    obstacles: &[FieldObstacle],
+    start: LatticeCell,
+    goal: LatticeCell,
+    budget: SearchBudget,
+) -> Option<ObstacleBlame> {
     if outside(field, start, goal).is_some() {
         return None;
     }
-    let scene = Scene { field, obstacles, start, goal };
+    let scene = BlamedScene { field, obstacles, start, goal };
     let covering: BTreeSet<usize> = field.covering(start).into_iter().chain(field.covering(goal)).collect();
     let mut meter = Meter::new(budget);
     match scene.trial(&covering, &mut meter) {
-        Trial::Open if covering.is_empty() => None,
-        Trial::Open => Some(blame(covering, Opening::Smallest)),
-        Trial::Shut | Trial::Unknown => {
+        BlameTrial::Open if covering.is_empty() => None,
+        BlameTrial::Open => Some(blame(covering, Opening::Smallest)),
+        BlameTrial::Shut | BlameTrial::Unknown => {
             let why = scene.search(covering, &mut meter);
             (!why.obstacles.is_empty()).then_some(why)
         }
     }
 }
 
-fn blame(set: BTreeSet<usize>, opening: Opening) -> Why {
+fn blame(set: BTreeSet<usize>, opening: Opening) -> ObstacleBlame {
     let obstacles = set.into_iter().collect();
-    Why { obstacles, opening }
+    ObstacleBlame { obstacles, opening }
 }
 
-struct Scene<'a> {
-    field: &'a Field,
-    obstacles: &'a [Obstacle],
-    start: Cell,
-    goal: Cell,
+struct BlamedScene<'a> {
+    field: &'a LatticeField,
+    obstacles: &'a [FieldObstacle],
+    start: LatticeCell,
+    goal: LatticeCell,
 }
 
-enum Trial {
+enum BlameTrial {
     Open,
     Shut,
     Unknown,
 }
 
-impl Scene<'_> {
-    fn search(&self, covering: BTreeSet<usize>, meter: &mut Meter) -> Why {
-        let mut flood = Meter::new(Budget::of(meter.left().steps / FLOOD_SHARE));
+impl BlamedScene<'_> {
+    fn search(&self, covering: BTreeSet<usize>, meter: &mut Meter) -> ObstacleBlame {
+        let mut flood = Meter::new(SearchBudget::of(meter.left().steps / FLOOD_SHARE));
         let (border, [from, to]) = self.smaller_border(&covering, &mut flood);
         meter.charge(flood.spent());
         let few = (self.obstacles.len() <= MAX_SUSPECTS).then(|| (0..self.obstacles.len()).collect());
@@ -114,57 +120,61 @@ impl Scene<'_> {
 
     /// Obstacles around the smaller of the two components, once `removed` is gone, and the end within it before the other; the obstacles only if
     /// the budget lasts.
-    fn smaller_border(&self, removed: &BTreeSet<usize>, meter: &mut Meter) -> (Option<BTreeSet<usize>>, [Cell; 2]) {
+    fn smaller_border(
+        &self,
+        removed: &BTreeSet<usize>,
+        meter: &mut Meter,
+    ) -> (Option<BTreeSet<usize>>, [LatticeCell; 2]) {
         let mut sides = [self.start, self.goal].map(|end| Component::new(self.field, removed, end));
         loop {
             for (k, side) in sides.iter_mut().enumerate() {
                 match side.spread(meter) {
-                    Spread::More => {}
-                    Spread::Done => {
+                    BlameSpread::More => {}
+                    BlameSpread::Done => {
                         let ends = if k == 0 { [self.start, self.goal] } else { [self.goal, self.start] };
                         return (Some(std::mem::take(&mut side.border)), ends);
                     }
-                    Spread::OutOfBudget => return (None, [self.goal, self.start]),
+                    BlameSpread::OutOfBudget => return (None, [self.goal, self.start]),
                 }
             }
         }
     }
 
     /// Whether a path exists without these obstacles.
-    fn trial(&self, removed: &BTreeSet<usize>, meter: &mut Meter) -> Trial {
+    fn trial(&self, removed: &BTreeSet<usize>, meter: &mut Meter) -> BlameTrial {
         if meter.left().steps == 0 {
-            return Trial::Unknown;
+            return BlameTrial::Unknown;
         }
-        let rest: Vec<Obstacle>;
+        let rest: Vec<FieldObstacle>;
         let built;
         let field = match removed.is_empty() {
             true => self.field,
             false => {
                 meter.charge(self.obstacles.len() as u64 / REBUILT_PER_STEP);
-                let kept = |(k, _): &(usize, &Obstacle)| !removed.contains(k);
+                let kept = |(k, _): &(usize, &FieldObstacle)| !removed.contains(k);
                 let list = self.obstacles.iter().enumerate().filter(kept);
                 rest = list.map(|(_, o)| o.clone()).collect();
-                match Field::new(*self.field.lattice(), &rest) {
+                match LatticeField::new(*self.field.lattice(), &rest) {
                     Ok(field) => built = field,
-                    Err(_) => return Trial::Unknown,
+                    Err(_) => return BlameTrial::Unknown,
                 }
                 &built
             }
         };
-        let weights = Weights::switches(field.lattice());
-        let budget = Budget::of(TRIAL.steps.min(meter.left().steps));
+        let weights = SwitchWeights::switches(field.lattice());
+        let budget = SearchBudget::of(TRIAL.steps.min(meter.left().steps));
         match shortest(field, self.start, self.goal, &weights, budget) {
-            Outcome::Found(path) => {
+            DimibotSearchOutcome::Found(path) => {
                 meter.charge(path.expanded);
-                Trial::Open
+                BlameTrial::Open
             }
-            Outcome::Impossible(proof) => {
+            DimibotSearchOutcome::Impossible(proof) => {
                 meter.charge(proof.expanded);
-                Trial::Shut
+                BlameTrial::Shut
             }
-            Outcome::GaveUp(gave_up) => {
+            DimibotSearchOutcome::GaveUp(gave_up) => {
                 meter.charge(gave_up.spent);
-                Trial::Unknown
+                BlameTrial::Unknown
             }
         }
     }
@@ -176,24 +186,30 @@ impl Scene<'_> {
             let mut set = covering.clone();
             set.insert(*obstacle);
             match self.trial(&set, meter) {
-                Trial::Open => return Singles::Opens(set),
-                Trial::Shut => {}
-                Trial::Unknown => answer = Singles::NotTried,
+                BlameTrial::Open => return Singles::Opens(set),
+                BlameTrial::Shut => {}
+                BlameTrial::Unknown => answer = Singles::NotTried,
             }
         }
         answer
     }
 
     /// Leaves out what is not needed.
-    fn filter(&self, mut set: BTreeSet<usize>, covering: &BTreeSet<usize>, least: usize, meter: &mut Meter) -> Why {
+    fn filter(
+        &self,
+        mut set: BTreeSet<usize>,
+        covering: &BTreeSet<usize>,
+        least: usize,
+        meter: &mut Meter,
+    ) -> ObstacleBlame {
         let mut opening = Opening::Irreducible;
         for candidate in set.difference(covering).copied().collect::<Vec<_>>() {
             let mut fewer = set.clone();
             fewer.remove(&candidate);
             match self.trial(&fewer, meter) {
-                Trial::Open => set = fewer,
-                Trial::Shut => {}
-                Trial::Unknown => opening = Opening::Opens,
+                BlameTrial::Open => set = fewer,
+                BlameTrial::Shut => {}
+                BlameTrial::Unknown => opening = Opening::Opens,
             }
         }
         if set.len() == covering.len() + least {
@@ -211,34 +227,34 @@ enum Singles {
 
 /// The cells that can be reached from an end, as far as they are known, and the obstacles around them.
 struct Component<'a> {
-    field: &'a Field,
+    field: &'a LatticeField,
     removed: &'a BTreeSet<usize>,
     border: BTreeSet<usize>,
-    seen: FxHashSet<Cell>,
-    stack: Vec<Cell>,
+    seen: FxHashSet<LatticeCell>,
+    stack: Vec<LatticeCell>,
 }
 
-enum Spread {
+enum BlameSpread {
     More,
     Done,
     OutOfBudget,
 }
 
 impl<'a> Component<'a> {
-    fn new(field: &'a Field, removed: &'a BTreeSet<usize>, end: Cell) -> Self {
+    fn new(field: &'a LatticeField, removed: &'a BTreeSet<usize>, end: LatticeCell) -> Self {
         let seen = FxHashSet::from_iter([end]);
         let border = BTreeSet::new();
         Component { field, removed, border, seen, stack: vec![end] }
     }
 
-    fn spread(&mut self, meter: &mut Meter) -> Spread {
+    fn spread(&mut self, meter: &mut Meter) -> BlameSpread {
         let Some(cell) = self.stack.pop() else {
-            return Spread::Done;
+            return BlameSpread::Done;
         };
         let legal = self.field.legal(cell).unwrap_or([0, 0]);
         for flip in flips(self.field) {
             if meter.step().is_none() {
-                return Spread::OutOfBudget;
+                return BlameSpread::OutOfBudget;
             }
             let next = cell.after(flip);
             if self.seen.contains(&next) {
@@ -255,28 +271,28 @@ impl<'a> Component<'a> {
             }
             self.border.extend(blocking);
         }
-        Spread::More
+        BlameSpread::More
     }
 }
 
-fn flips(field: &Field) -> impl Iterator<Item = Flip> + use<> {
+fn flips(field: &LatticeField) -> impl Iterator<Item = Flip> + use<> {
     let of = |side| bits(field.lattice().last(side)).map(move |bit| Flip::of_bit(side, bit));
     of(Side::Left).chain(of(Side::Right)).collect::<Vec<_>>().into_iter()
 }
 
 /// A search in order of the number of distinct obstacles crossed.
 struct Crossing<'a> {
-    field: &'a Field,
+    field: &'a LatticeField,
     /// Sets of obstacles, ascending, and their numbers.
     sets: Vec<Vec<usize>>,
     numbers: FxHashMap<Vec<usize>, usize>,
-    settled: FxHashMap<Cell, usize>,
+    settled: FxHashMap<LatticeCell, usize>,
     /// By size of the set: cells with the number of their set.
-    queue: Vec<Vec<(Cell, usize)>>,
+    queue: Vec<Vec<(LatticeCell, usize)>>,
 }
 
 impl<'a> Crossing<'a> {
-    fn new(field: &'a Field, removed: &BTreeSet<usize>) -> Self {
+    fn new(field: &'a LatticeField, removed: &BTreeSet<usize>) -> Self {
         let first: Vec<usize> = removed.iter().copied().collect();
         Crossing {
             field,
@@ -288,7 +304,7 @@ impl<'a> Crossing<'a> {
     }
 
     /// The obstacles on a path that crosses few of them; `None` if the budget runs out.
-    fn run(&mut self, from: Cell, to: Cell, meter: &mut Meter) -> Option<BTreeSet<usize>> {
+    fn run(&mut self, from: LatticeCell, to: LatticeCell, meter: &mut Meter) -> Option<BTreeSet<usize>> {
         self.push(from, 0);
         let mut size = 0;
         while size < self.queue.len() {
@@ -309,7 +325,7 @@ impl<'a> Crossing<'a> {
     }
 
     /// Queues the neighbours; those toward the goal last, the longest stroke at the very end, since the queue is taken from its end.
-    fn spread(&mut self, cell: Cell, set: usize, to: Cell, meter: &mut Meter) -> Option<()> {
+    fn spread(&mut self, cell: LatticeCell, set: usize, to: LatticeCell, meter: &mut Meter) -> Option<()> {
         let toward = |flip: &Flip| {
             let bit = 1_u32 << flip.module;
             match flip.side {
@@ -349,7 +365,7 @@ impl<'a> Crossing<'a> {
         number
     }
 
-    fn push(&mut self, cell: Cell, set: usize) {
+    fn push(&mut self, cell: LatticeCell, set: usize) {
         let size = self.sets[set].len();
         if self.queue.len() <= size {
             self.queue.resize_with(size + 1, Vec::new);

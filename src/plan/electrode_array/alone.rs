@@ -5,24 +5,24 @@
 //! as it is and any other adds 2, so two stacks stand for the queue. Guaranteed: the shortest way, or that there is none.
 //! Cost: about the cells of the way where little stands in it, at most the cells of the board for each stop.
 
-use super::board::{Board, Cell, Instance, Why};
+use super::board::{BoardGrid, CellIndex, Instance, NoBoardPlan};
 use rustc_hash::FxHashMap;
 
 /// The way of the only agent of an instance.
-pub fn way(instance: &Instance) -> Result<Vec<Cell>, Why> {
+pub fn way(instance: &Instance) -> Result<Vec<CellIndex>, NoBoardPlan> {
     let agent = &instance.agents[0];
     let mut way = vec![agent.start];
     for (stop, &to) in agent.stops.iter().enumerate() {
         let from = way[way.len() - 1];
-        let leg = leg(&instance.board, from, to).ok_or(Why::Closed { agent: 0, stop })?;
+        let leg = leg(&instance.board, from, to).ok_or(NoBoardPlan::Closed { agent: 0, stop })?;
         way.extend(leg);
     }
     Ok(way)
 }
 
 /// The cells after `from` on a shortest way to `to`.
-fn leg(board: &Board, from: Cell, to: Cell) -> Option<Vec<Cell>> {
-    let mut parents: FxHashMap<Cell, Cell> = FxHashMap::default();
+fn leg(board: &BoardGrid, from: CellIndex, to: CellIndex) -> Option<Vec<CellIndex>> {
+    let mut parents: FxHashMap<CellIndex, CellIndex> = FxHashMap::default();
     // Cells to be looked at, with the one before: those of the least estimate, and those of the next.
     let (mut now, mut next) = (vec![(from, from)], Vec::new());
     loop {
@@ -63,7 +63,7 @@ mod tests {
     use std::collections::VecDeque;
 
     /// The steps of a plain breadth-first search.
-    fn plain(board: &Board, from: Cell, to: Cell) -> Option<usize> {
+    fn plain(board: &BoardGrid, from: CellIndex, to: CellIndex) -> Option<usize> {
         let mut steps = vec![usize::MAX; board.cells()];
         let mut open = VecDeque::from([from]);
         steps[from as usize] = 0;
@@ -88,11 +88,11 @@ mod tests {
         let mut closed = 0;
         for _ in 0..400 {
             let (width, height) = (1 + draw(14), 1 + draw(14));
-            let mut board = Board::new(width, height);
+            let mut board = BoardGrid::new(width, height);
             for _ in 0..draw(width * height) {
                 board.block(draw(width * height));
             }
-            let free: Vec<Cell> = (0..width * height).filter(|cell| !board.is_blocked(*cell)).collect();
+            let free: Vec<CellIndex> = (0..width * height).filter(|cell| !board.is_blocked(*cell)).collect();
             if free.is_empty() {
                 continue;
             }
@@ -106,8 +106,8 @@ mod tests {
                     assert_eq!(way.len() - 1, first + second);
                     assert!(way.windows(2).all(|pair| instance.board.neighbours(pair[0]).any(|cell| cell == pair[1])));
                 }
-                (Err(Why::Closed { agent: 0, stop: 0 }), [None, _]) => closed += 1,
-                (Err(Why::Closed { agent: 0, stop: 1 }), [Some(_), None]) => closed += 1,
+                (Err(NoBoardPlan::Closed { agent: 0, stop: 0 }), [None, _]) => closed += 1,
+                (Err(NoBoardPlan::Closed { agent: 0, stop: 1 }), [Some(_), None]) => closed += 1,
                 (answer, legs) => panic!("{answer:?}, but {legs:?}"),
             }
         }

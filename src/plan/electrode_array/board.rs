@@ -7,22 +7,22 @@
 //! no position of it lies too near to three positions of another; no pair of moves has to be looked at.
 
 /// A cell: `row * width + column`, both from 0.
-pub type Cell = u32;
+pub type CellIndex = u32;
 
 /// The cells that the centre of a part may take.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Board {
+pub struct BoardGrid {
     width: u32,
     height: u32,
     /// One bit for each cell, row by row; set where a centre may not be.
     blocked: Vec<u64>,
 }
 
-impl Board {
+impl BoardGrid {
     /// A board without a blocked cell; at most `u32::MAX` cells.
-    pub fn new(width: u32, height: u32) -> Board {
+    pub fn new(width: u32, height: u32) -> BoardGrid {
         let cells = width as usize * height as usize;
-        Board { width, height, blocked: vec![0; cells.div_ceil(64)] }
+        BoardGrid { width, height, blocked: vec![0; cells.div_ceil(64)] }
     }
 
     /// Columns.
@@ -41,23 +41,23 @@ impl Board {
     }
 
     /// The cell of a column and a row, both from 0.
-    pub fn cell(&self, column: u32, row: u32) -> Cell {
+    pub fn cell(&self, column: u32, row: u32) -> CellIndex {
         row * self.width + column
     }
 
     /// Column and row of a cell, both from 0.
-    pub fn place(&self, cell: Cell) -> (u32, u32) {
+    pub fn place(&self, cell: CellIndex) -> (u32, u32) {
         (cell % self.width, cell / self.width)
     }
 
     /// Blocks one cell.
-    pub fn block(&mut self, cell: Cell) {
+    pub fn block(&mut self, cell: CellIndex) {
         self.blocked[cell as usize / 64] |= 1 << (cell % 64);
     }
 
     /// Whether no centre may be there.
     #[inline]
-    pub fn is_blocked(&self, cell: Cell) -> bool {
+    pub fn is_blocked(&self, cell: CellIndex) -> bool {
         self.blocked[cell as usize / 64] >> (cell % 64) & 1 == 1
     }
 
@@ -74,7 +74,7 @@ impl Board {
 
     /// The cells nearer than `distance` (Chebyshev) to a cell, itself and blocked ones with them.
     #[inline]
-    pub fn around(&self, cell: Cell, distance: u32) -> impl Iterator<Item = Cell> + use<> {
+    pub fn around(&self, cell: CellIndex, distance: u32) -> impl Iterator<Item = CellIndex> + use<> {
         let (reach, width) = (distance - 1, self.width);
         let (column, row) = self.place(cell);
         let columns = column.saturating_sub(reach)..=column.saturating_add(reach).min(width - 1);
@@ -84,21 +84,21 @@ impl Board {
 
     /// Chebyshev distance of two cells.
     #[inline]
-    pub fn apart(&self, one: Cell, other: Cell) -> u32 {
+    pub fn apart(&self, one: CellIndex, other: CellIndex) -> u32 {
         let ((c, r), (d, s)) = (self.place(one), self.place(other));
         c.abs_diff(d).max(r.abs_diff(s))
     }
 
     /// Manhattan distance of two cells.
     #[inline]
-    pub fn manhattan(&self, one: Cell, other: Cell) -> u32 {
+    pub fn manhattan(&self, one: CellIndex, other: CellIndex) -> u32 {
         let ((c, r), (d, s)) = (self.place(one), self.place(other));
         c.abs_diff(d) + r.abs_diff(s)
     }
 
     /// The free neighbours of a cell: right, left, down, up.
     #[inline]
-    pub fn neighbours(&self, cell: Cell) -> impl Iterator<Item = Cell> + '_ {
+    pub fn neighbours(&self, cell: CellIndex) -> impl Iterator<Item = CellIndex> + '_ {
         let (column, row) = self.place(cell);
         let beside = [
             (column + 1 < self.width).then(|| cell + 1),
@@ -113,15 +113,15 @@ impl Board {
 /// What is asked of one part in one stage.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Agent {
-    pub start: Cell,
+    pub start: CellIndex,
     /// Where it has to come by, in this order; the last one is its goal, where it stays. Never empty: a part that only
     /// steps aside has its start as its goal.
-    pub stops: Vec<Cell>,
+    pub stops: Vec<CellIndex>,
 }
 
 impl Agent {
     /// Where it ends.
-    pub fn goal(&self) -> Cell {
+    pub fn goal(&self) -> CellIndex {
         *self.stops.last().expect("an agent has a goal")
     }
 }
@@ -132,7 +132,7 @@ impl Agent {
 /// order of the agents is their priority where a planner uses one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Instance {
-    pub board: Board,
+    pub board: BoardGrid,
     /// The least Chebyshev distance of two centres at the same and at neighbouring instants; at least 1.
     pub separation: u32,
     pub agents: Vec<Agent>,
@@ -143,14 +143,14 @@ pub struct Instance {
 
 impl Instance {
     /// The common goal of two agents that merge.
-    pub fn merge_cell(&self, one: usize, other: usize) -> Option<Cell> {
+    pub fn merge_cell(&self, one: usize, other: usize) -> Option<CellIndex> {
         let pair = [one.min(other), one.max(other)];
         self.merges.contains(&pair).then(|| self.agents[one].goal())
     }
 
     /// Whether two positions of two agents, at the same or at neighbouring instants, are too near.
     #[inline]
-    pub fn too_near(&self, (one, at): (usize, Cell), (other, other_at): (usize, Cell)) -> bool {
+    pub fn too_near(&self, (one, at): (usize, CellIndex), (other, other_at): (usize, CellIndex)) -> bool {
         self.board.apart(at, other_at) < self.separation
             && !self.merge_cell(one, other).is_some_and(|goal| at == goal || other_at == goal)
     }
@@ -158,17 +158,17 @@ impl Instance {
 
 /// The way of each agent, from its start to its last arrival at its goal: position `t` is where it is at instant `t`; past the end
 /// it stays on its goal.
-pub type Paths = Vec<Vec<Cell>>;
+pub type Paths = Vec<Vec<CellIndex>>;
 
 /// Where an agent is at an instant.
 #[inline]
-pub fn position(path: &[Cell], instant: usize) -> Cell {
+pub fn position(path: &[CellIndex], instant: usize) -> CellIndex {
     path[instant.min(path.len() - 1)]
 }
 
 /// What is minimised. Both break ties by the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Objective {
+pub enum BoardObjective {
     /// The instant of the last arrival.
     Makespan,
     /// The sum over all agents of the instant of their last arrival.
@@ -177,41 +177,41 @@ pub enum Objective {
 
 /// A makespan and a sum of costs: of a plan, or below every plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Costs {
+pub struct BoardCosts {
     pub makespan: u64,
     pub sum_of_costs: u64,
 }
 
-impl Costs {
+impl BoardCosts {
     /// Those of a plan.
-    pub fn of(paths: &Paths) -> Costs {
+    pub fn of(paths: &Paths) -> BoardCosts {
         let arrivals = paths.iter().map(|path| path.len() as u64 - 1);
-        Costs { makespan: arrivals.clone().max().unwrap_or(0), sum_of_costs: arrivals.sum() }
+        BoardCosts { makespan: arrivals.clone().max().unwrap_or(0), sum_of_costs: arrivals.sum() }
     }
 
     /// In the order in which an objective compares.
-    pub fn key(self, objective: Objective) -> (u64, u64) {
+    pub fn key(self, objective: BoardObjective) -> (u64, u64) {
         match objective {
-            Objective::Makespan => (self.makespan, self.sum_of_costs),
-            Objective::SumOfCosts => (self.sum_of_costs, self.makespan),
+            BoardObjective::Makespan => (self.makespan, self.sum_of_costs),
+            BoardObjective::SumOfCosts => (self.sum_of_costs, self.makespan),
         }
     }
 }
 
 /// What became of a stage.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Answer {
+pub enum BoardAnswer {
     /// A plan, with bounds below which there is none; whatever meets its bound is proven optimal.
-    Found { paths: Paths, bounds: Costs },
+    Found { paths: Paths, bounds: BoardCosts },
     /// There is no plan: proven.
-    Impossible(Why),
+    Impossible(NoBoardPlan),
     /// Neither a plan nor a proof within the budget; no plan has less than the bounds.
-    GaveUp { bounds: Costs },
+    GaveUp { bounds: BoardCosts },
 }
 
 /// Why there is no plan.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Why {
+pub enum NoBoardPlan {
     /// This agent alone cannot come to this of its stops: blocked cells close the way.
     Closed { agent: usize, stop: usize },
     /// These agents cannot pass one another, whatever the others do; the fewest that were found.

@@ -4,23 +4,26 @@
 //! the steps make the best plan of the job, and its bounds are the sums of theirs. Only limits tie the steps together; where the
 //! best plan breaks one, [`limited`] chooses among the plans of each step.
 
-use super::board::{self, Answer, Costs, Paths, Why};
-use super::labels::{Figures, Limits};
-use super::limited::{self, Asked, Front, UNLIMITED};
+use super::board::{self, BoardAnswer, BoardCosts, NoBoardPlan, Paths};
+use super::labels::{BoardFigures, PlanLimits};
+use super::limited::{self, AskedStep, PlanFront, UNLIMITED};
 use super::limits;
-use super::published::{self, Check, Heuristic, Outcome, Reading, Ties, Zero};
+use super::published::{self, Heuristic, PairCheck, PaperReading, PublishedOutcome, Ties, Zero};
 use super::remedy::Shut;
-use super::stage::{self, Blocker, Ground, Stage};
+use super::stage::{self, BoardGround, BoardStage, CellBlocker};
 use super::{portfolio, why};
 use crate::claims::Job;
-use crate::claims::electrode_array::{Action, ElectrodeArrayOrder, Method, Move, Objective, Step};
+use crate::claims::electrode_array::{
+    ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayOrder,
+    ElectrodeArrayStep,
+};
 use crate::device::MAX_EXPANSIONS;
-use crate::device::electrode_array::{Cell, Separation};
+use crate::device::electrode_array::{ElectrodeCell, Separation};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
-use crate::plan::requirements::{Kept, Known, require};
-use crate::plan::search::Budget;
-use crate::plan::{Motion as AnyMotion, Optimality, Plan};
+use crate::plan::requirements::{Kept, KnownLimit, require};
+use crate::plan::search::SearchBudget;
+use crate::plan::{Motion, Optimality, Plan};
 use crate::source::Span;
 use std::collections::BTreeMap;
 
@@ -33,41 +36,41 @@ const LOOKS_PER_EXPANSION: u64 = 20;
 
 /// What the parts of a board do.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Motion {
+pub struct ElectrodeArrayMotion {
     /// Where each part of the order stands at first; `None` for one that has merged with another before.
-    pub start: Vec<Option<Cell>>,
+    pub start: Vec<Option<ElectrodeCell>>,
     /// One for each step of the order.
-    pub steps: Vec<StepMotion>,
+    pub steps: Vec<ElectrodeArrayStepMotion>,
 }
 
 /// What the parts do in one step of the task.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum StepMotion {
+pub enum ElectrodeArrayStepMotion {
     /// For each part its cells at the instants 0, 1, … of the step, until it stays; empty for a part that has merged before.
-    Paths(Vec<Vec<Cell>>),
+    Paths(Vec<Vec<ElectrodeCell>>),
     /// In nanoseconds.
     Wait(u64),
 }
 
-impl StepMotion {
+impl ElectrodeArrayStepMotion {
     /// The cells of each part; none for a wait.
-    fn paths(&self) -> Option<&Vec<Vec<Cell>>> {
+    fn paths(&self) -> Option<&Vec<Vec<ElectrodeCell>>> {
         match self {
-            StepMotion::Paths(paths) => Some(paths),
-            StepMotion::Wait(_) => None,
+            ElectrodeArrayStepMotion::Paths(paths) => Some(paths),
+            ElectrodeArrayStepMotion::Wait(_) => None,
         }
     }
 }
 
 /// What the plans of a schedule leave behind for those that follow: where the parts of each device stand, by name.
 #[derive(Default)]
-pub struct Standing {
-    cells: BTreeMap<String, BTreeMap<String, Option<Cell>>>,
+pub struct BoardStandings {
+    cells: BTreeMap<String, BTreeMap<String, Option<ElectrodeCell>>>,
 }
 
-impl Standing {
+impl BoardStandings {
     /// Where the parts of an order stand before its job.
-    fn of(&self, job: &Job, order: &ElectrodeArrayOrder) -> Vec<Option<Cell>> {
+    fn of(&self, job: &Job, order: &ElectrodeArrayOrder) -> Vec<Option<ElectrodeCell>> {
         let known = self.cells.get(&job.device);
         let stands = |name: &String| known.and_then(|cells| cells.get(name)).copied();
         order.parts.iter().map(|part| stands(&part.name).unwrap_or(Some(part.cell))).collect()
@@ -75,7 +78,7 @@ impl Standing {
 }
 
 /// A plan for a job; without one an error was pushed.
-pub fn plan(job: &Job, order: &ElectrodeArrayOrder, standing: &mut Standing, sink: &mut Sink) -> Option<Plan> {
+pub fn plan(job: &Job, order: &ElectrodeArrayOrder, standing: &mut BoardStandings, sink: &mut Sink) -> Option<Plan> {
     let start = standing.of(job, order);
     let (plan, end) = planned(job, order, start, true, sink);
     let names = order.parts.iter().map(|part| part.name.clone());
@@ -87,7 +90,7 @@ pub fn plan(job: &Job, order: &ElectrodeArrayOrder, standing: &mut Standing, sin
 pub fn without_remedies(
     job: &Job,
     order: &ElectrodeArrayOrder,
-    start: Vec<Option<Cell>>,
+    start: Vec<Option<ElectrodeCell>>,
     sink: &mut Sink,
 ) -> Option<Plan> {
     planned(job, order, start, false, sink).0
@@ -97,22 +100,22 @@ pub fn without_remedies(
 fn planned(
     job: &Job,
     order: &ElectrodeArrayOrder,
-    start: Vec<Option<Cell>>,
+    start: Vec<Option<ElectrodeCell>>,
     may_remedy: bool,
     sink: &mut Sink,
-) -> (Option<Plan>, Vec<Option<Cell>>) {
-    let ground = Ground::new(order);
+) -> (Option<Plan>, Vec<Option<ElectrodeCell>>) {
+    let ground = BoardGround::new(order);
     let cells = start.clone();
     let mut tasks = Tasks { job, order, ground: &ground, start: &start, cells, known: vec![], may_remedy, sink };
-    let steps: Vec<Option<StepMotion>> = order.steps.iter().map(|step| tasks.step(step)).collect();
+    let steps: Vec<Option<ElectrodeArrayStepMotion>> = order.steps.iter().map(|step| tasks.step(step)).collect();
     let (known, end) = (tasks.known, tasks.cells);
-    let Some(steps) = steps.into_iter().collect::<Option<Vec<StepMotion>>>() else { return (None, end) };
-    let motion = Motion { start, steps };
-    if order.planner.method == Method::Portfolio {
+    let Some(steps) = steps.into_iter().collect::<Option<Vec<ElectrodeArrayStepMotion>>>() else { return (None, end) };
+    let motion = ElectrodeArrayMotion { start, steps };
+    if order.planner.method == ElectrodeArrayMethod::Portfolio {
         return (within_limits(job, order, &ground, (motion, known), sink), end);
     }
     let plan = finished(order, motion, total(known.iter().map(|(_, bounds)| *bounds)), None);
-    let kept = require(job, &plan, &mut |_| Known::default(), sink);
+    let kept = require(job, &plan, &mut |_| KnownLimit::default(), sink);
     (Some(plan).filter(|_| kept == Kept::Yes), end)
 }
 
@@ -120,8 +123,8 @@ fn planned(
 fn within_limits(
     job: &Job,
     order: &ElectrodeArrayOrder,
-    ground: &Ground,
-    (mut motion, known): (Motion, Vec<(Paths, Costs)>),
+    ground: &BoardGround,
+    (mut motion, known): (ElectrodeArrayMotion, Vec<(Paths, BoardCosts)>),
     sink: &mut Sink,
 ) -> Option<Plan> {
     let limits = limits::of(order, &job.requirements);
@@ -138,7 +141,7 @@ fn within_limits(
             let mut moved = paths.iter();
             each_stage(order, ground, &motion.start.clone(), |index, stage, cells| {
                 if let Some(paths) = moved.next() {
-                    motion.steps[index] = StepMotion::Paths(moves_of(order, stage, cells, paths));
+                    motion.steps[index] = ElectrodeArrayStepMotion::Paths(moves_of(order, stage, cells, paths));
                 }
             });
             Some(finished(order, motion, bounds, Some(bound)))
@@ -154,18 +157,18 @@ fn within_limits(
 /// The plans of each step that may matter under limits; of an only step one is enough.
 fn fronts(
     order: &ElectrodeArrayOrder,
-    ground: &Ground,
-    start: &[Option<Cell>],
-    (known, limits): (&[(Paths, Costs)], Limits),
+    ground: &BoardGround,
+    start: &[Option<ElectrodeCell>],
+    (known, limits): (&[(Paths, BoardCosts)], PlanLimits),
     is_only: bool,
-) -> Vec<Front> {
+) -> Vec<PlanFront> {
     let mut moves = Vec::with_capacity(known.len());
     each_stage(order, ground, start, |_, stage, _| {
         moves.push(super::fast::bounds(&stage.instance).map_or(0, |bounds| bounds.sum_of_costs));
     });
-    let bounds: Vec<Figures> =
+    let bounds: Vec<BoardFigures> =
         known.iter().zip(moves).map(|((_, bounds), moves)| [bounds.makespan, bounds.sum_of_costs, moves]).collect();
-    let mut fronts: Vec<Front> = Vec::with_capacity(known.len());
+    let mut fronts: Vec<PlanFront> = Vec::with_capacity(known.len());
     each_stage(order, ground, start, |_, stage, _| {
         let turn = fronts.len();
         let rest = bounds.iter().enumerate().filter(|(other, _)| *other != turn);
@@ -174,9 +177,9 @@ fn fronts(
             UNLIMITED => UNLIMITED,
             most => most.saturating_sub(rest[figure]),
         });
-        let asked = Asked {
+        let asked = AskedStep {
             objective: objective(order.objective),
-            limits: Limits { most, least: limits.least },
+            limits: PlanLimits { most, least: limits.least },
             is_only,
             expansions: order.planner.expansions,
         };
@@ -188,22 +191,27 @@ fn fronts(
 /// Looks at the stages of all steps with moves: the index of the step, its stage, and where the parts stand before it.
 fn each_stage(
     order: &ElectrodeArrayOrder,
-    ground: &Ground,
-    start: &[Option<Cell>],
-    mut look: impl FnMut(usize, &Stage, &[Option<Cell>]),
+    ground: &BoardGround,
+    start: &[Option<ElectrodeCell>],
+    mut look: impl FnMut(usize, &BoardStage, &[Option<ElectrodeCell>]),
 ) {
     let mut cells = start.to_vec();
     for (index, step) in order.steps.iter().enumerate() {
-        if let Action::Move(moves) = &step.action {
-            look(index, &Stage::new(order, ground, &cells, moves), &cells);
+        if let ElectrodeArrayAction::Move(moves) = &step.action {
+            look(index, &BoardStage::new(order, ground, &cells, moves), &cells);
             arrive(&mut cells, moves);
         }
     }
 }
 
 /// The cells of every part of the order, from the paths of the agents.
-fn moves_of(order: &ElectrodeArrayOrder, stage: &Stage, cells: &[Option<Cell>], paths: &Paths) -> Vec<Vec<Cell>> {
-    let mut motion: Vec<Vec<Cell>> = cells.iter().map(|cell| cell.iter().copied().collect()).collect();
+fn moves_of(
+    order: &ElectrodeArrayOrder,
+    stage: &BoardStage,
+    cells: &[Option<ElectrodeCell>],
+    paths: &Paths,
+) -> Vec<Vec<ElectrodeCell>> {
+    let mut motion: Vec<Vec<ElectrodeCell>> = cells.iter().map(|cell| cell.iter().copied().collect()).collect();
     for (actor, path) in stage.agents.iter().zip(paths) {
         motion[actor.part] = path.iter().map(|cell| stage::cell(order, *cell)).collect();
     }
@@ -211,7 +219,7 @@ fn moves_of(order: &ElectrodeArrayOrder, stage: &Stage, cells: &[Option<Cell>], 
 }
 
 /// Where the parts stand after moves.
-fn arrive(cells: &mut [Option<Cell>], moves: &[Move]) {
+fn arrive(cells: &mut [Option<ElectrodeCell>], moves: &[ElectrodeArrayMove]) {
     for action in moves {
         cells[action.part] = Some(action.goal().cell);
         if let Some(gone) = action.with {
@@ -221,8 +229,8 @@ fn arrive(cells: &mut [Option<Cell>], moves: &[Move]) {
 }
 
 /// Added up.
-fn total(costs: impl Iterator<Item = Costs>) -> Costs {
-    costs.fold(Costs::default(), |sum, own| Costs {
+fn total(costs: impl Iterator<Item = BoardCosts>) -> BoardCosts {
+    costs.fold(BoardCosts::default(), |sum, own| BoardCosts {
         makespan: sum.makespan + own.makespan,
         sum_of_costs: sum.sum_of_costs + own.sum_of_costs,
     })
@@ -232,13 +240,13 @@ fn total(costs: impl Iterator<Item = Costs>) -> Costs {
 struct Tasks<'a> {
     job: &'a Job,
     order: &'a ElectrodeArrayOrder,
-    ground: &'a Ground<'a>,
+    ground: &'a BoardGround<'a>,
     /// Where the parts stand before the job.
-    start: &'a [Option<Cell>],
+    start: &'a [Option<ElectrodeCell>],
     /// Where the parts stand by now.
-    cells: Vec<Option<Cell>>,
+    cells: Vec<Option<ElectrodeCell>>,
     /// The plans of the steps with moves, and their bounds.
-    known: Vec<(Paths, Costs)>,
+    known: Vec<(Paths, BoardCosts)>,
     /// Whether what would open a way may still be tried, which takes as long as planning: once for each job.
     may_remedy: bool,
     sink: &'a mut Sink,
@@ -246,39 +254,39 @@ struct Tasks<'a> {
 
 impl Tasks<'_> {
     /// The motion of one step. Without one the next steps are planned all the same, from the goals.
-    fn step(&mut self, step: &Step) -> Option<StepMotion> {
+    fn step(&mut self, step: &ElectrodeArrayStep) -> Option<ElectrodeArrayStepMotion> {
         match &step.action {
-            Action::Wait(duration_ns) => Some(StepMotion::Wait(*duration_ns)),
-            Action::Move(moves) => {
-                let stage = Stage::new(self.order, self.ground, &self.cells, moves);
+            ElectrodeArrayAction::Wait(duration_ns) => Some(ElectrodeArrayStepMotion::Wait(*duration_ns)),
+            ElectrodeArrayAction::Move(moves) => {
+                let stage = BoardStage::new(self.order, self.ground, &self.cells, moves);
                 let paths = self.paths(step, &stage);
                 let motion = paths.map(|paths| moves_of(self.order, &stage, &self.cells, &paths));
                 arrive(&mut self.cells, moves);
-                motion.map(StepMotion::Paths)
+                motion.map(ElectrodeArrayStepMotion::Paths)
             }
         }
     }
 
-    fn paths(&mut self, step: &Step, stage: &Stage) -> Option<Paths> {
+    fn paths(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage) -> Option<Paths> {
         match self.order.planner.method {
-            Method::Portfolio => self.by_portfolio(step, stage),
-            Method::CooperativeAstar => self.as_published(step, stage, Heuristic::Spread),
-            Method::PlainCooperativeAstar => self.as_published(step, stage, Heuristic::Plain),
+            ElectrodeArrayMethod::Portfolio => self.by_portfolio(step, stage),
+            ElectrodeArrayMethod::CooperativeAstar => self.as_published(step, stage, Heuristic::Spread),
+            ElectrodeArrayMethod::PlainCooperativeAstar => self.as_published(step, stage, Heuristic::Plain),
         }
     }
 
-    fn by_portfolio(&mut self, step: &Step, stage: &Stage) -> Option<Paths> {
-        let budget = Budget::of(self.order.planner.expansions);
+    fn by_portfolio(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage) -> Option<Paths> {
+        let budget = SearchBudget::of(self.order.planner.expansions);
         match portfolio::solve(&stage.instance, objective(self.order.objective), None, budget) {
-            Answer::Found { paths, bounds } => {
+            BoardAnswer::Found { paths, bounds } => {
                 self.add(&paths, bounds);
                 Some(paths)
             }
-            Answer::Impossible(why) => {
+            BoardAnswer::Impossible(why) => {
                 self.impossible(step.span, stage, &why);
                 None
             }
-            Answer::GaveUp { bounds } => {
+            BoardAnswer::GaveUp { bounds } => {
                 let steps = format!("{} steps", bounds.makespan);
                 let (what, to) = ("the search for a plan", goals(stage));
                 let told = errors::gave_up(step.span, &to, what, budget.steps, &steps, "portfolio");
@@ -289,14 +297,14 @@ impl Tasks<'_> {
     }
 
     /// The paper's algorithm: greedy, so that to find nothing proves nothing.
-    fn as_published(&mut self, step: &Step, stage: &Stage, heuristic: Heuristic) -> Option<Paths> {
+    fn as_published(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage, heuristic: Heuristic) -> Option<Paths> {
         let check = match self.order.facts.separation {
-            Separation::Apart(_) => Check::Clean,
-            Separation::AsPublished => Check::AsPublished(Zero::Printed),
+            Separation::Apart(_) => PairCheck::Clean,
+            Separation::AsPublished => PairCheck::AsPublished(Zero::Printed),
         };
         let facts = &self.order.facts;
         let horizon = PUBLISHED_HORIZON * (facts.columns + facts.rows) as usize;
-        let reading = Reading { heuristic, check, ties: Ties::default() };
+        let reading = PaperReading { heuristic, check, ties: Ties::default() };
         if !self.affords(stage, horizon) {
             let (what, to) = ("the greedy planner", goals(stage));
             let planner = method_name(self.order.planner.method);
@@ -313,9 +321,9 @@ impl Tasks<'_> {
         let mut paths = Vec::with_capacity(stage.agents.len());
         for (agent, outcome) in published::plan(&stage.instance, reading, horizon).into_iter().enumerate() {
             match outcome {
-                Outcome::Arrived(path) => paths.push(path),
-                Outcome::Stuck(path) => self.stuck(stage, agent, &path, "stuck"),
-                Outcome::OutOfTime(path) => self.stuck(stage, agent, &path, "still on its way"),
+                PublishedOutcome::Arrived(path) => paths.push(path),
+                PublishedOutcome::Stuck(path) => self.stuck(stage, agent, &path, "stuck"),
+                PublishedOutcome::OutOfTime(path) => self.stuck(stage, agent, &path, "still on its way"),
             }
         }
         if paths.len() < stage.agents.len() {
@@ -326,24 +334,24 @@ impl Tasks<'_> {
     }
 
     /// Whether the budget allows the published planner, which looks at every pair of parts at every instant up to its horizon.
-    fn affords(&self, stage: &Stage, horizon: usize) -> bool {
+    fn affords(&self, stage: &BoardStage, horizon: usize) -> bool {
         let agents = stage.agents.len() as u64;
         let looks = agents.saturating_mul(agents).saturating_mul(horizon as u64);
         looks / LOOKS_PER_EXPANSION <= self.order.planner.expansions
     }
 
-    fn stuck(&mut self, stage: &Stage, agent: usize, path: &[board::Cell], how: &str) {
+    fn stuck(&mut self, stage: &BoardStage, agent: usize, path: &[board::CellIndex], how: &str) {
         let actor = &stage.agents[agent];
         let name = &self.order.parts[actor.part].name;
-        let at = path.last().map(|cell| stage::cell(self.order, *cell)).unwrap_or(Cell::new(1, 1));
+        let at = path.last().map(|cell| stage::cell(self.order, *cell)).unwrap_or(ElectrodeCell::new(1, 1));
         let span = actor.asked.map_or(self.job.run_span, |action| action.span);
         self.sink.push(errors::greedy_gave_up(span, name, &at.to_string(), path.len() - 1, how));
     }
 
-    fn impossible(&mut self, step: Span, stage: &Stage, reason: &Why) {
+    fn impossible(&mut self, step: Span, stage: &BoardStage, reason: &NoBoardPlan) {
         match reason {
-            Why::Closed { agent, stop } => self.closed(stage, *agent, *stop),
-            Why::Blocked { agents } => {
+            NoBoardPlan::Closed { agent, stop } => self.closed(stage, *agent, *stop),
+            NoBoardPlan::Blocked { agents } => {
                 let actors = agents.iter().map(|agent| &stage.agents[*agent]);
                 let parts: Vec<(&str, Span)> = actors
                     .map(|actor| {
@@ -354,12 +362,12 @@ impl Tasks<'_> {
                 self.sink.push(errors::blocked_by_one_another(step, &parts));
             }
             // Without a limit there are never too few; limits are looked at when the plans without them are known.
-            Why::TooFewSteps { least } => self.sink.push(errors::too_few_steps(step, 0, *least)),
+            NoBoardPlan::TooFewSteps { least } => self.sink.push(errors::too_few_steps(step, 0, *least)),
         }
     }
 
     /// A part that blocked cells cut off from one of its stops.
-    fn closed(&mut self, stage: &Stage, agent: usize, stop: usize) {
+    fn closed(&mut self, stage: &BoardStage, agent: usize, stop: usize) {
         let (actor, asked) = (&stage.agents[agent], &stage.instance.agents[agent]);
         let from = if stop == 0 { asked.start } else { asked.stops[stop - 1] };
         let to = asked.stops[stop];
@@ -375,7 +383,7 @@ impl Tasks<'_> {
             part: &part.name,
         };
         let help = shut.help(std::mem::replace(&mut self.may_remedy, false));
-        let blockers: Vec<&Blocker> = stage.blockers().collect();
+        let blockers: Vec<&CellBlocker> = stage.blockers().collect();
         let blamed: Vec<(String, Span)> =
             blamed.iter().map(|index| (blockers[*index].name(), blockers[*index].span)).collect();
         let blamed: Vec<(&str, Span)> = blamed.iter().map(|(name, span)| (name.as_str(), *span)).collect();
@@ -390,7 +398,7 @@ impl Tasks<'_> {
         });
     }
 
-    fn add(&mut self, paths: &Paths, bounds: Costs) {
+    fn add(&mut self, paths: &Paths, bounds: BoardCosts) {
         self.known.push((paths.clone(), bounds));
     }
 }
@@ -407,7 +415,7 @@ fn more_may_do(budget: u64) -> String {
 }
 
 /// The goals of a stage in words: the first few.
-fn goals(stage: &Stage) -> String {
+fn goals(stage: &BoardStage) -> String {
     const MAX_NAMED: usize = 3;
     let asked = stage.agents.iter().filter_map(|actor| actor.asked);
     let named: Vec<String> = asked.clone().take(MAX_NAMED).map(|action| action.goal().cell.to_string()).collect();
@@ -416,29 +424,33 @@ fn goals(stage: &Stage) -> String {
     format!("{}{more}", named.join(", "))
 }
 
-fn objective(objective: Objective) -> board::Objective {
+fn objective(objective: ElectrodeArrayObjective) -> board::BoardObjective {
     match objective {
-        Objective::Makespan => board::Objective::Makespan,
-        Objective::SumOfCosts => board::Objective::SumOfCosts,
+        ElectrodeArrayObjective::Makespan => board::BoardObjective::Makespan,
+        ElectrodeArrayObjective::SumOfCosts => board::BoardObjective::SumOfCosts,
     }
 }
 
-fn method_name(method: Method) -> &'static str {
+fn method_name(method: ElectrodeArrayMethod) -> &'static str {
     match method {
-        Method::Portfolio => "portfolio",
-        Method::CooperativeAstar => "cooperative_astar",
-        Method::PlainCooperativeAstar => "plain_cooperative_astar",
+        ElectrodeArrayMethod::Portfolio => "portfolio",
+        ElectrodeArrayMethod::CooperativeAstar => "cooperative_astar",
+        ElectrodeArrayMethod::PlainCooperativeAstar => "plain_cooperative_astar",
     }
 }
 
 /// The plan with its figures; `bounds` hold for every plan, `bound` for every one that keeps the limits of the task.
-fn finished(order: &ElectrodeArrayOrder, motion: Motion, bounds: Costs, bound: Option<u64>) -> Plan {
+fn finished(order: &ElectrodeArrayOrder, motion: ElectrodeArrayMotion, bounds: BoardCosts, bound: Option<u64>) -> Plan {
     let outcomes = outcomes(order, &motion);
     let (name, least, other) = match order.objective {
-        Objective::Makespan => ("makespan", bounds.makespan, ("sum_of_costs".to_owned(), bounds.sum_of_costs as f64)),
-        Objective::SumOfCosts => ("sum_of_costs", bounds.sum_of_costs, ("steps".to_owned(), bounds.makespan as f64)),
+        ElectrodeArrayObjective::Makespan => {
+            ("makespan", bounds.makespan, ("sum_of_costs".to_owned(), bounds.sum_of_costs as f64))
+        }
+        ElectrodeArrayObjective::SumOfCosts => {
+            ("sum_of_costs", bounds.sum_of_costs, ("steps".to_owned(), bounds.makespan as f64))
+        }
     };
-    let cost = outcomes[if order.objective == Objective::Makespan { "steps" } else { "sum_of_costs" }];
+    let cost = outcomes[if order.objective == ElectrodeArrayObjective::Makespan { "steps" } else { "sum_of_costs" }];
     let bound = bound.unwrap_or(least) as f64;
     Plan {
         planner: method_name(order.planner.method),
@@ -450,17 +462,17 @@ fn finished(order: &ElectrodeArrayOrder, motion: Motion, bounds: Costs, bound: O
         bounds: BTreeMap::from([other]),
         outcomes,
         remarks: Vec::new(),
-        motion: AnyMotion::ElectrodeArray(motion),
+        motion: Motion::ElectrodeArray(motion),
     }
 }
 
-fn outcomes(order: &ElectrodeArrayOrder, motion: &Motion) -> BTreeMap<String, f64> {
+fn outcomes(order: &ElectrodeArrayOrder, motion: &ElectrodeArrayMotion) -> BTreeMap<String, f64> {
     let (mut steps, mut sum_of_costs, mut moves) = (0, 0, 0);
-    for paths in motion.steps.iter().filter_map(StepMotion::paths) {
+    for paths in motion.steps.iter().filter_map(ElectrodeArrayStepMotion::paths) {
         let arrivals = paths.iter().map(|path| path.len().saturating_sub(1));
         steps += arrivals.clone().max().unwrap_or(0);
         sum_of_costs += arrivals.sum::<usize>();
-        let moved = |path: &Vec<Cell>| path.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        let moved = |path: &Vec<ElectrodeCell>| path.windows(2).filter(|pair| pair[0] != pair[1]).count();
         moves += paths.iter().map(moved).sum::<usize>();
     }
     BTreeMap::from([

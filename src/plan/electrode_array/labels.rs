@@ -9,8 +9,8 @@
 //! Guaranteed: for each plan within the limits the answer holds one that has no more of any figure, and as much of each up to its
 //! least value. Cost: one step of the meter is one joint move; it fits joint spaces of some ten thousand positions.
 
-use super::board::{Cell, Instance, Paths};
-use super::exact::field::{FAR, Field, Node};
+use super::board::{CellIndex, Instance, Paths};
+use super::exact::field::{ExactTables, FAR, StagedCell};
 use super::joint::states::States;
 use super::joint::trim;
 use crate::plan::search::Meter;
@@ -18,7 +18,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Steps, sum of costs and moves of a plan.
-pub type Figures = [u64; 3];
+pub type BoardFigures = [u64; 3];
 
 /// Joint spaces with more positions than this are not searched.
 const MOST_POSITIONS: u64 = 1 << 17;
@@ -28,20 +28,20 @@ const MOST_LABELS: usize = 1 << 21;
 
 /// What a plan must keep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Limits {
+pub struct PlanLimits {
     /// No figure is above its value here.
-    pub most: Figures,
+    pub most: BoardFigures,
     /// What each figure must reach; what is above it is only worse.
-    pub least: Figures,
+    pub least: BoardFigures,
 }
 
 /// The plans that matter within the limits; `None` if the budget or the memory do not suffice, or the joint space is large.
-pub fn front(instance: &Instance, limits: Limits, meter: &mut Meter) -> Option<Vec<(Paths, Figures)>> {
-    let field = Field::new(instance).ok()?;
+pub fn front(instance: &Instance, limits: PlanLimits, meter: &mut Meter) -> Option<Vec<(Paths, BoardFigures)>> {
+    let field = ExactTables::new(instance).ok()?;
     let sizes = (0..field.agents()).map(|agent| field.reaching(agent));
     let positions = sizes.into_iter().try_fold(1u64, |product, size| product.checked_mul(size));
     positions.filter(|positions| *positions <= MOST_POSITIONS)?;
-    let mut search = Search {
+    let mut search = BoardLabelSearch {
         field: &field,
         limits,
         states: States::new(field.agents()),
@@ -55,43 +55,43 @@ pub fn front(instance: &Instance, limits: Limits, meter: &mut Meter) -> Option<V
 }
 
 /// One agent's part of a joint position: its node, and whether it has arrived for good.
-type Word = u32;
+type LabelWord = u32;
 
-const ARRIVED: Word = 1;
+const ARRIVED: LabelWord = 1;
 
 /// No label before.
 const NONE: u32 = u32::MAX;
 
 /// A way to a joint position.
 #[derive(Clone, Copy)]
-struct Label {
+struct BoardLabel {
     state: u32,
     before: u32,
-    figures: Figures,
+    figures: BoardFigures,
     is_worse: bool,
 }
 
-struct Search<'a> {
-    field: &'a Field<'a>,
-    limits: Limits,
+struct BoardLabelSearch<'a> {
+    field: &'a ExactTables<'a>,
+    limits: PlanLimits,
     states: States,
-    labels: Vec<Label>,
+    labels: Vec<BoardLabel>,
     /// For each state, its labels that are not worse than another.
     known: Vec<Vec<u32>>,
     /// By what the figures come to at least.
-    open: BinaryHeap<Reverse<(Figures, u32)>>,
+    open: BinaryHeap<Reverse<(BoardFigures, u32)>>,
     /// The labels of plans.
     ends: Vec<u32>,
 }
 
-impl Search<'_> {
+impl BoardLabelSearch<'_> {
     fn run(&mut self, meter: &mut Meter) -> Option<()> {
-        let starts: Vec<Word> = (0..self.field.agents()).map(|agent| self.field.start(agent) * 2).collect();
+        let starts: Vec<LabelWord> = (0..self.field.agents()).map(|agent| self.field.start(agent) * 2).collect();
         for words in self.arrivals(starts, None) {
             self.enter(&words, [0; 3], NONE);
         }
         while let Some(Reverse((ahead, label))) = self.open.pop() {
-            let Label { state, is_worse, figures, .. } = self.labels[label as usize];
+            let BoardLabel { state, is_worse, figures, .. } = self.labels[label as usize];
             if is_worse || self.is_matched(&ahead) {
                 continue;
             }
@@ -114,12 +114,12 @@ impl Search<'_> {
         Some(())
     }
 
-    fn cell(&self, word: Word) -> Cell {
+    fn cell(&self, word: LabelWord) -> CellIndex {
         self.field.cell(word >> 1)
     }
 
     /// The position in each variant of who, of those who have just come to their goals, has arrived for good.
-    fn arrivals(&self, words: Vec<Word>, before: Option<&[Word]>) -> Vec<Vec<Word>> {
+    fn arrivals(&self, words: Vec<LabelWord>, before: Option<&[LabelWord]>) -> Vec<Vec<LabelWord>> {
         let mut variants = vec![words];
         for agent in 0..self.field.agents() {
             let word = variants[0][agent] & !ARRIVED;
@@ -127,7 +127,7 @@ impl Search<'_> {
             if word >> 1 != self.field.goal(agent) || was_there {
                 continue;
             }
-            let arrived: Vec<Vec<Word>> = variants
+            let arrived: Vec<Vec<LabelWord>> = variants
                 .iter()
                 .map(|variant| {
                     let mut variant = variant.clone();
@@ -145,7 +145,7 @@ impl Search<'_> {
     }
 
     /// Keeps a label unless it breaks a limit or another is as good.
-    fn enter(&mut self, words: &[Word], figures: Figures, before: u32) {
+    fn enter(&mut self, words: &[LabelWord], figures: BoardFigures, before: u32) {
         let Some(ahead) = self.ahead(words, figures) else { return };
         if ahead.iter().zip(&self.limits.most).any(|(figure, most)| figure > most) {
             return;
@@ -172,18 +172,18 @@ impl Search<'_> {
         });
         let label = labels.len() as u32;
         known.push(label);
-        labels.push(Label { state, before, figures, is_worse: false });
+        labels.push(BoardLabel { state, before, figures, is_worse: false });
         self.open.push(Reverse((ahead, label)));
     }
 
     /// Whether a plan is known that is as good as anything that comes to these figures.
-    fn is_matched(&self, ahead: &Figures) -> bool {
+    fn is_matched(&self, ahead: &BoardFigures) -> bool {
         let reaches = ahead.iter().zip(&self.limits.least).all(|(figure, least)| figure >= least);
         reaches && self.ends.iter().any(|end| self.limits.covers(&self.labels[*end as usize].figures, ahead))
     }
 
     /// What the figures come to at least; none if someone cannot come to the goal.
-    fn ahead(&self, words: &[Word], figures: Figures) -> Option<Figures> {
+    fn ahead(&self, words: &[LabelWord], figures: BoardFigures) -> Option<BoardFigures> {
         let (mut largest, mut sum) = (0, 0);
         for (agent, word) in words.iter().enumerate() {
             let distance = match self.field.distance(agent, word >> 1) {
@@ -199,11 +199,11 @@ impl Search<'_> {
     }
 
     /// The joint positions one step later, before anyone arrives for good.
-    fn moves(&self, from: &[Word]) -> Vec<Vec<Word>> {
-        let mut heads: Vec<Vec<Word>> = vec![vec![]];
+    fn moves(&self, from: &[LabelWord]) -> Vec<Vec<LabelWord>> {
+        let mut heads: Vec<Vec<LabelWord>> = vec![vec![]];
         for (agent, word) in from.iter().enumerate() {
-            let next: Vec<Word> = match word & ARRIVED {
-                0 => self.field.next(agent, word >> 1).map(|node: Node| node * 2).collect(),
+            let next: Vec<LabelWord> = match word & ARRIVED {
+                0 => self.field.next(agent, word >> 1).map(|node: StagedCell| node * 2).collect(),
                 _ => vec![*word],
             };
             let longer = heads.iter().flat_map(|head| next.iter().map(move |to| (head, *to)));
@@ -216,11 +216,13 @@ impl Search<'_> {
     }
 
     /// Whether the next agent's move goes together with those of the agents before it.
-    fn fits(&self, from: &[Word], head: &[Word], to: Word) -> bool {
+    fn fits(&self, from: &[LabelWord], head: &[LabelWord], to: LabelWord) -> bool {
         let agent = head.len();
         let own = [from[agent], to];
         head.iter().enumerate().all(|(other, other_to)| {
-            let near = |at: Word, other_at: Word| self.field.too_near(agent, self.cell(at), other, self.cell(other_at));
+            let near = |at: LabelWord, other_at: LabelWord| {
+                self.field.too_near(agent, self.cell(at), other, self.cell(other_at))
+            };
             !near(own[1], *other_to) && !near(own[1], from[other]) && !near(own[0], *other_to)
         })
     }
@@ -228,7 +230,7 @@ impl Search<'_> {
     fn paths(&self, mut label: u32) -> Paths {
         let mut paths: Paths = vec![vec![]; self.field.agents()];
         while label != NONE {
-            let Label { state, before, .. } = self.labels[label as usize];
+            let BoardLabel { state, before, .. } = self.labels[label as usize];
             for (path, word) in paths.iter_mut().zip(self.states.words(state)) {
                 path.push(self.cell(*word));
             }
@@ -242,9 +244,9 @@ impl Search<'_> {
     }
 }
 
-impl Limits {
+impl PlanLimits {
     /// Whether who has these figures has no need of the others: no more of any, and as much of each up to its least value.
-    pub fn covers(&self, figures: &Figures, others: &Figures) -> bool {
+    pub fn covers(&self, figures: &BoardFigures, others: &BoardFigures) -> bool {
         (0..figures.len()).all(|figure| {
             let least = self.least[figure];
             figures[figure] <= others[figure] && figures[figure].min(least) == others[figure].min(least)

@@ -10,10 +10,10 @@
 //! Guaranteed: plans keep all limits. Where the answer is proven, no other plan of the task is better, or none keeps the limits. Cost:
 //! each step has its budget once more.
 
-use super::board::{Answer, Costs, Instance, Objective, Paths, Why, position};
-use super::labels::{self, Figures, Limits};
+use super::board::{BoardAnswer, BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths, position};
+use super::labels::{self, BoardFigures, PlanLimits};
 use super::portfolio;
-use crate::plan::search::{Budget, Meter};
+use crate::plan::search::{Meter, SearchBudget};
 
 /// No limit.
 pub const UNLIMITED: u64 = u64::MAX;
@@ -28,10 +28,10 @@ const SEARCH_SHARE: u64 = 2;
 const MOST_CHOICES: usize = 4096;
 
 /// The plans of one step.
-pub struct Front {
-    choices: Vec<(Paths, Figures)>,
+pub struct PlanFront {
+    choices: Vec<(Paths, BoardFigures)>,
     /// No plan of the step has less of a figure.
-    pub bounds: Figures,
+    pub bounds: BoardFigures,
     /// Each plan within the limits from above has no less of some figure than one of the choices has.
     is_whole: bool,
     /// And this holds also where a figure must reach a least value.
@@ -40,48 +40,48 @@ pub struct Front {
 
 /// What is asked of a step within its task.
 #[derive(Debug, Clone, Copy)]
-pub struct Asked {
-    pub objective: Objective,
+pub struct AskedStep {
+    pub objective: BoardObjective,
     /// What the other steps leave of the limits of the task.
-    pub limits: Limits,
+    pub limits: PlanLimits,
     /// It is the only step that moves parts, so that one plan is enough.
     pub is_only: bool,
     pub expansions: u64,
 }
 
 /// Steps, sum of costs and moves of a plan.
-pub fn figures(paths: &Paths) -> Figures {
-    let costs = Costs::of(paths);
+pub fn figures(paths: &Paths) -> BoardFigures {
+    let costs = BoardCosts::of(paths);
     let moves = |path: &Vec<u32>| path.windows(2).filter(|pair| pair[0] != pair[1]).count() as u64;
     [costs.makespan, costs.sum_of_costs, paths.iter().map(moves).sum()]
 }
 
 /// The plans of a step that matter, beside one that is known with its bounds.
-pub fn front(instance: &Instance, known: (&Paths, Figures), asked: Asked) -> Front {
+pub fn front(instance: &Instance, known: (&Paths, BoardFigures), asked: AskedStep) -> PlanFront {
     let (paths, bounds) = known;
     let choices = vec![(paths.clone(), figures(paths))];
     if instance.agents.len() == 1 {
         // A shortest way has the least of every figure.
-        return Front { choices, bounds, is_whole: true, reaches: false };
+        return PlanFront { choices, bounds, is_whole: true, reaches: false };
     }
-    let mut meter = Meter::new(Budget::of(asked.expansions / LABELS_SHARE));
+    let mut meter = Meter::new(SearchBudget::of(asked.expansions / LABELS_SHARE));
     if let Some(choices) = labels::front(instance, asked.limits, &mut meter) {
-        return Front { choices, bounds, is_whole: true, reaches: true };
+        return PlanFront { choices, bounds, is_whole: true, reaches: true };
     }
-    let front = Front { choices, bounds, is_whole: true, reaches: false };
-    let mut search = Search { instance, asked, front, left: asked.expansions };
+    let front = PlanFront { choices, bounds, is_whole: true, reaches: false };
+    let mut search = LimitedTaskSearch { instance, asked, front, left: asked.expansions };
     search.run();
     search.front
 }
 
-struct Search<'a> {
+struct LimitedTaskSearch<'a> {
     instance: &'a Instance,
-    asked: Asked,
-    front: Front,
+    asked: AskedStep,
+    front: PlanFront,
     left: u64,
 }
 
-impl Search<'_> {
+impl LimitedTaskSearch<'_> {
     fn run(&mut self) {
         let most = self.asked.limits.most;
         if most[2] != UNLIMITED {
@@ -92,25 +92,25 @@ impl Search<'_> {
                 self.keep(paths);
             }
         }
-        let is_done = self.asked.objective == Objective::Makespan && self.fewest_steps();
+        let is_done = self.asked.objective == BoardObjective::Makespan && self.fewest_steps();
         if !is_done {
             self.fewer_and_fewer_steps();
         }
     }
 
-    fn share(&mut self) -> Budget {
+    fn share(&mut self) -> SearchBudget {
         let share = self.left / SEARCH_SHARE;
         self.left -= share;
-        Budget::of(share)
+        SearchBudget::of(share)
     }
 
-    fn keep(&mut self, paths: Paths) -> Figures {
+    fn keep(&mut self, paths: Paths) -> BoardFigures {
         let figures = figures(&paths);
         self.front.choices.push((paths, figures));
         figures
     }
 
-    fn solve(&mut self, objective: Objective, steps: u64) -> Answer {
+    fn solve(&mut self, objective: BoardObjective, steps: u64) -> BoardAnswer {
         let budget = self.share();
         portfolio::solve(self.instance, objective, (steps != UNLIMITED).then_some(steps), budget)
     }
@@ -123,27 +123,27 @@ impl Search<'_> {
             // They are known, and at no more the sum of costs is to be less.
             return false;
         }
-        match self.solve(Objective::Makespan, steps) {
-            Answer::Found { paths, bounds } => {
+        match self.solve(BoardObjective::Makespan, steps) {
+            BoardAnswer::Found { paths, bounds } => {
                 self.front.bounds[0] = self.front.bounds[0].max(bounds.makespan);
                 let figures = self.keep(paths);
                 self.asked.is_only && figures[0] <= self.front.bounds[0] && figures[1] <= sum
             }
-            Answer::Impossible(why) => {
+            BoardAnswer::Impossible(why) => {
                 self.raise_steps(&why);
                 true
             }
-            Answer::GaveUp { .. } => {
+            BoardAnswer::GaveUp { .. } => {
                 self.front.is_whole = false;
                 false
             }
         }
     }
 
-    fn raise_steps(&mut self, why: &Why) {
+    fn raise_steps(&mut self, why: &NoBoardPlan) {
         match why {
-            Why::TooFewSteps { least } => self.front.bounds[0] = self.front.bounds[0].max(*least),
-            Why::Closed { .. } | Why::Blocked { .. } => {}
+            NoBoardPlan::TooFewSteps { least } => self.front.bounds[0] = self.front.bounds[0].max(*least),
+            NoBoardPlan::Closed { .. } | NoBoardPlan::Blocked { .. } => {}
         }
     }
 
@@ -152,11 +152,11 @@ impl Search<'_> {
         let [mut steps, most_sum, _] = self.asked.limits.most;
         let mut is_first = true;
         loop {
-            let (paths, bound) = match self.solve(Objective::SumOfCosts, steps) {
-                Answer::Found { paths, bounds } => (paths, bounds.sum_of_costs),
-                Answer::Impossible(why) if is_first => return self.raise_steps(&why),
-                Answer::Impossible(_) => return,
-                Answer::GaveUp { .. } => {
+            let (paths, bound) = match self.solve(BoardObjective::SumOfCosts, steps) {
+                BoardAnswer::Found { paths, bounds } => (paths, bounds.sum_of_costs),
+                BoardAnswer::Impossible(why) if is_first => return self.raise_steps(&why),
+                BoardAnswer::Impossible(_) => return,
+                BoardAnswer::GaveUp { .. } => {
                     self.front.is_whole = false;
                     return;
                 }
@@ -171,8 +171,8 @@ impl Search<'_> {
             }
             self.front.is_whole &= figures[1] <= bound;
             let is_enough = match self.asked.objective {
-                Objective::SumOfCosts => true,
-                Objective::Makespan => figures[1] > most_sum,
+                BoardObjective::SumOfCosts => true,
+                BoardObjective::Makespan => figures[1] > most_sum,
             };
             if self.asked.is_only && is_enough || figures[0] <= self.front.bounds[0] {
                 return;
@@ -195,7 +195,7 @@ pub enum Chosen {
 }
 
 /// The best choice of one plan for each step.
-pub fn choose(fronts: &[Front], limits: Limits, objective: Objective) -> Chosen {
+pub fn choose(fronts: &[PlanFront], limits: PlanLimits, objective: BoardObjective) -> Chosen {
     let bounds = sum(fronts.iter().map(|front| front.bounds));
     if exceeds(bounds, limits.most) || exceeds(limits.least, limits.most) {
         return Chosen::Broken { is_proven: true };
@@ -206,10 +206,10 @@ pub fn choose(fronts: &[Front], limits: Limits, objective: Objective) -> Chosen 
     let candidates = partials.iter().map(|partial| (picked(fronts, partial), partial.figures));
     let candidates = candidates.filter_map(|(paths, figures)| delayed(paths, figures, limits));
     let first = match objective {
-        Objective::Makespan => 0,
-        Objective::SumOfCosts => 1,
+        BoardObjective::Makespan => 0,
+        BoardObjective::SumOfCosts => 1,
     };
-    let key = |figures: &Figures| (figures[first], figures[1 - first], figures[2]);
+    let key = |figures: &BoardFigures| (figures[first], figures[1 - first], figures[2]);
     match candidates.min_by_key(|(_, figures)| key(figures)) {
         Some((paths, figures)) => {
             let least = bounds[first].max(limits.least[first]);
@@ -221,8 +221,8 @@ pub fn choose(fronts: &[Front], limits: Limits, objective: Objective) -> Chosen 
 }
 
 /// The least of a figure in the plans that were found to keep limits.
-pub fn least_known(fronts: &[Front], limits: Limits, figure: usize) -> Option<u64> {
-    let (partials, _) = combined(fronts, Limits { least: [0; 3], ..limits });
+pub fn least_known(fronts: &[PlanFront], limits: PlanLimits, figure: usize) -> Option<u64> {
+    let (partials, _) = combined(fronts, PlanLimits { least: [0; 3], ..limits });
     let enough = partials.iter().filter(|partial| !exceeds(limits.least, partial.figures));
     enough.map(|partial| partial.figures[figure]).min()
 }
@@ -230,12 +230,12 @@ pub fn least_known(fronts: &[Front], limits: Limits, figure: usize) -> Option<u6
 /// One plan of each of the first steps.
 #[derive(Clone)]
 struct Partial {
-    figures: Figures,
+    figures: BoardFigures,
     picks: Vec<u32>,
 }
 
 /// All choices within the limits from above that no other covers, and whether some were left out.
-fn combined(fronts: &[Front], limits: Limits) -> (Vec<Partial>, bool) {
+fn combined(fronts: &[PlanFront], limits: PlanLimits) -> (Vec<Partial>, bool) {
     let mut partials = vec![Partial { figures: [0; 3], picks: vec![] }];
     let mut cut = false;
     for (turn, front) in fronts.iter().enumerate() {
@@ -261,12 +261,12 @@ fn combined(fronts: &[Front], limits: Limits) -> (Vec<Partial>, bool) {
     (partials, cut)
 }
 
-fn picked(fronts: &[Front], partial: &Partial) -> Vec<Paths> {
+fn picked(fronts: &[PlanFront], partial: &Partial) -> Vec<Paths> {
     fronts.iter().zip(&partial.picks).map(|(front, pick)| front.choices[*pick as usize].0.clone()).collect()
 }
 
 /// A choice that keeps the limits from below too, where need be because all parts of a step wait before they go.
-fn delayed(mut paths: Vec<Paths>, figures: Figures, limits: Limits) -> Option<(Vec<Paths>, Figures)> {
+fn delayed(mut paths: Vec<Paths>, figures: BoardFigures, limits: PlanLimits) -> Option<(Vec<Paths>, BoardFigures)> {
     let missing = limits.least[0].saturating_sub(figures[0]);
     let movers = |paths: &Paths| paths.iter().filter(|path| path.len() > 1).count();
     if missing > 0 {
@@ -286,12 +286,14 @@ fn delayed(mut paths: Vec<Paths>, figures: Figures, limits: Limits) -> Option<(V
 /// Nothing waits for more steps before it goes.
 const MOST_DELAY: u64 = 100_000;
 
-fn sum(figures: impl Iterator<Item = Figures>) -> Figures {
-    let add = |one: Figures, other: Figures| [0, 1, 2].map(|figure: usize| one[figure].saturating_add(other[figure]));
+fn sum(figures: impl Iterator<Item = BoardFigures>) -> BoardFigures {
+    let add = |one: BoardFigures, other: BoardFigures| {
+        [0, 1, 2].map(|figure: usize| one[figure].saturating_add(other[figure]))
+    };
     figures.fold([0; 3], add)
 }
 
 /// Whether some figure is above its limit.
-pub fn exceeds(figures: Figures, most: Figures) -> bool {
+pub fn exceeds(figures: BoardFigures, most: BoardFigures) -> bool {
     figures.iter().zip(most).any(|(figure, most)| *figure > most)
 }

@@ -1,9 +1,9 @@
 //! The limits of a task as numbers of steps, costs and moves, and what is said where no plan is known to keep them.
 
 use super::board::Paths;
-use super::labels::{Figures, Limits};
-use super::limited::{self, Front, UNLIMITED, exceeds};
-use crate::claims::electrode_array::{Action, ElectrodeArrayOrder};
+use super::labels::{BoardFigures, PlanLimits};
+use super::limited::{self, PlanFront, UNLIMITED, exceeds};
+use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
 use crate::claims::{Relation, Requirement};
 use crate::device::Kind;
 use crate::diagnostic::{Code, Diagnostic};
@@ -26,8 +26,8 @@ fn figure(outcome: &str) -> Option<usize> {
 /// How long a task of so many steps takes, with its waits, in seconds.
 pub fn seconds(order: &ElectrodeArrayOrder, steps: u64) -> f64 {
     let waits_ns = order.steps.iter().map(|step| match step.action {
-        Action::Wait(duration_ns) => u128::from(duration_ns),
-        Action::Move(_) => 0,
+        ElectrodeArrayAction::Wait(duration_ns) => u128::from(duration_ns),
+        ElectrodeArrayAction::Move(_) => 0,
     });
     (u128::from(steps) * u128::from(order.facts.step_ns) + waits_ns.sum::<u128>()) as f64 / 1e9
 }
@@ -38,8 +38,8 @@ fn value(order: &ElectrodeArrayOrder, outcome: &str, figure: u64) -> f64 {
 }
 
 /// What the requirements of a task ask of its figures; time is steps.
-pub fn of<'r>(order: &ElectrodeArrayOrder, requirements: impl IntoIterator<Item = &'r Requirement>) -> Limits {
-    let mut limits = Limits { most: [UNLIMITED; 3], least: [0; 3] };
+pub fn of<'r>(order: &ElectrodeArrayOrder, requirements: impl IntoIterator<Item = &'r Requirement>) -> PlanLimits {
+    let mut limits = PlanLimits { most: [UNLIMITED; 3], least: [0; 3] };
     for requirement in requirements {
         let Some(figure) = figure(&requirement.outcome) else { continue };
         let (least, most) = allowed(order, requirement);
@@ -85,18 +85,18 @@ fn allowed(order: &ElectrodeArrayOrder, requirement: &Requirement) -> (u64, u64)
 }
 
 /// No limits, but of the figures that had one.
-pub fn lifted(limits: Limits) -> Limits {
+pub fn lifted(limits: PlanLimits) -> PlanLimits {
     let lift = |most| if most == UNLIMITED { UNLIMITED } else { MOST_COUNTED };
-    Limits { most: limits.most.map(lift), least: [0; 3] }
+    PlanLimits { most: limits.most.map(lift), least: [0; 3] }
 }
 
 /// The figures of plans one after the other.
-pub fn figures<'p>(plans: impl Iterator<Item = &'p Paths>) -> Figures {
+pub fn figures<'p>(plans: impl Iterator<Item = &'p Paths>) -> BoardFigures {
     plans.map(limited::figures).fold([0; 3], |sum, own| [0, 1, 2].map(|figure: usize| sum[figure] + own[figure]))
 }
 
 /// Whether figures lie outside of limits.
-pub fn breaks(figures: Figures, limits: Limits) -> bool {
+pub fn breaks(figures: BoardFigures, limits: PlanLimits) -> bool {
     exceeds(figures, limits.most) || exceeds(limits.least, figures)
 }
 
@@ -104,7 +104,7 @@ pub fn breaks(figures: Figures, limits: Limits) -> bool {
 pub fn broken(
     order: &ElectrodeArrayOrder,
     requirements: &[Requirement],
-    [fronts, wider]: [&[Front]; 2],
+    [fronts, wider]: [&[PlanFront]; 2],
     is_proven: bool,
 ) -> Diagnostic {
     let texts: Vec<String> = requirements.iter().map(|requirement| format!("`{}`", text(requirement))).collect();
@@ -117,14 +117,14 @@ pub fn broken(
     let mut diagnostic = Diagnostic::new(Code::E0603, title);
     let bounds = fronts
         .iter()
-        .fold([0; 3], |sum: Figures, front| [0, 1, 2].map(|figure: usize| sum[figure] + front.bounds[figure]));
+        .fold([0; 3], |sum: BoardFigures, front| [0, 1, 2].map(|figure: usize| sum[figure] + front.bounds[figure]));
     for requirement in requirements {
         diagnostic = diagnostic.label(requirement.span, label(order, requirement, bounds));
     }
     diagnostic.help_if(help(order, requirements, wider))
 }
 
-fn label(order: &ElectrodeArrayOrder, requirement: &Requirement, bounds: Figures) -> String {
+fn label(order: &ElectrodeArrayOrder, requirement: &Requirement, bounds: BoardFigures) -> String {
     let bound = figure(&requirement.outcome)
         .map(|figure| bounds[figure])
         .filter(|bound| *bound > allowed(order, requirement).1);
@@ -135,7 +135,7 @@ fn label(order: &ElectrodeArrayOrder, requirement: &Requirement, bounds: Figures
 }
 
 /// Which single limit could be raised, and to what, by the plans that are known.
-fn help(order: &ElectrodeArrayOrder, requirements: &[Requirement], wider: &[Front]) -> Option<String> {
+fn help(order: &ElectrodeArrayOrder, requirements: &[Requirement], wider: &[PlanFront]) -> Option<String> {
     let raises = requirements.iter().enumerate().filter_map(|(index, requirement)| {
         let rest = requirements.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
         let figure = figure(&requirement.outcome)?;

@@ -15,11 +15,11 @@
 //! budget is spent. Same instance and budget, same answer. What is not minimised is bettered too, but only while that goes quickly,
 //! and not proven where that takes a search. Cost: one step of the budget is one node of one search.
 
-use super::board::{Answer, Costs, Instance, Objective, Paths, Why};
-use super::exact::field::Field;
-use super::joint::{self, Aim};
+use super::board::{BoardAnswer, BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths};
+use super::exact::field::ExactTables;
+use super::joint::{self, JointAim};
 use super::{alone, exact, fast, lacam, timing};
-use crate::plan::search::{Budget, Meter};
+use crate::plan::search::{Meter, SearchBudget};
 
 /// Steps of the first turn: nearly all instances that are not crowded need fewer.
 const TURN_STEPS: u64 = 20_000;
@@ -57,53 +57,54 @@ const TIE_SHARE: u64 = 16;
 const TIE_GAIN: u64 = 500;
 
 /// A plan for a stage of at most `limit` steps.
-pub fn solve(instance: &Instance, objective: Objective, limit: Option<u64>, budget: Budget) -> Answer {
+pub fn solve(instance: &Instance, objective: BoardObjective, limit: Option<u64>, budget: SearchBudget) -> BoardAnswer {
     if instance.agents.len() == 1 {
         return by_itself(instance, limit);
     }
     let bounds = match fast::bounds(instance) {
         Ok(bounds) => bounds,
-        Err(why) => return Answer::Impossible(why),
+        Err(why) => return BoardAnswer::Impossible(why),
     };
-    let mut search = Search { instance, objective, limit, bounds, is_crowded: false, meter: Meter::new(budget) };
+    let mut search =
+        PortfolioSearch { instance, objective, limit, bounds, is_crowded: false, meter: Meter::new(budget) };
     match search.first() {
-        Some(Answer::Found { paths, .. }) => search.better(paths),
+        Some(BoardAnswer::Found { paths, .. }) => search.better(paths),
         Some(decided) => decided,
         None => exact::prove(instance, objective, None, limit, &mut search.meter),
     }
 }
 
 /// The plan of a part that nothing that moves can be in the way of.
-fn by_itself(instance: &Instance, limit: Option<u64>) -> Answer {
+fn by_itself(instance: &Instance, limit: Option<u64>) -> BoardAnswer {
     match alone::way(instance) {
-        Err(why) => Answer::Impossible(why),
+        Err(why) => BoardAnswer::Impossible(why),
         Ok(way) => {
             let paths = vec![way];
-            let bounds = Costs::of(&paths);
+            let bounds = BoardCosts::of(&paths);
             match limit {
                 Some(limit) if bounds.makespan > limit => {
-                    Answer::Impossible(Why::TooFewSteps { least: bounds.makespan })
+                    BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least: bounds.makespan })
                 }
-                Some(_) | None => Answer::Found { paths, bounds },
+                Some(_) | None => BoardAnswer::Found { paths, bounds },
             }
         }
     }
 }
 
-struct Search<'a> {
+struct PortfolioSearch<'a> {
     instance: &'a Instance,
-    objective: Objective,
+    objective: BoardObjective,
     limit: Option<u64>,
     /// Those of the parts each by itself.
-    bounds: Costs,
+    bounds: BoardCosts,
     /// Many parts, of which short searches found no plan: they are not asked for a plan with a step less either.
     is_crowded: bool,
     meter: Meter,
 }
 
-impl Search<'_> {
+impl PortfolioSearch<'_> {
     /// A first plan, or the proof that there is none; `None` if neither was found within its shares.
-    fn first(&mut self) -> Option<Answer> {
+    fn first(&mut self) -> Option<BoardAnswer> {
         let (instance, objective, limit, bounds) = (self.instance, self.objective, self.limit, self.bounds);
         let reserve = self.meter.left().steps / HARD_SHARE;
         let (mut steps, mut seed) = (TURN_STEPS, 1);
@@ -115,11 +116,11 @@ impl Search<'_> {
                 plan = crowded.map(|paths| self.or_repaired(paths, seed));
             }
             if let Some(paths) = plan {
-                return Some(Answer::Found { paths, bounds });
+                return Some(BoardAnswer::Found { paths, bounds });
             }
             let doubt = steps.min(most) / DOUBT_SHARE;
             match self.spend(doubt, |share| exact::prove(instance, objective, None, limit, share)) {
-                Answer::GaveUp { .. } => {}
+                BoardAnswer::GaveUp { .. } => {}
                 decided => return Some(decided),
             }
             steps = steps.saturating_mul(TURN_GROWTH);
@@ -132,10 +133,11 @@ impl Search<'_> {
     fn crowded(&mut self, seed: u64, steps: u64) -> Option<Paths> {
         let instance = self.instance;
         let quick = self.searched(steps, |share| lacam::first(instance, seed, share));
-        let any = self.searched(steps, |share| in_turns(instance, Aim::Any, share));
-        let fewest = any.as_ref().and_then(|_| self.searched(steps, |share| in_turns(instance, Aim::Moves, share)));
+        let any = self.searched(steps, |share| in_turns(instance, JointAim::Any, share));
+        let fewest =
+            any.as_ref().and_then(|_| self.searched(steps, |share| in_turns(instance, JointAim::Moves, share)));
         let plans = quick.into_iter().chain(any).chain(fewest);
-        plans.min_by_key(|paths| Costs::of(paths).key(self.objective))
+        plans.min_by_key(|paths| BoardCosts::of(paths).key(self.objective))
     }
 
     /// A plan of a crowded board, or a better one that repair finds with more time: configurations are searched one step at a time, and
@@ -146,7 +148,7 @@ impl Search<'_> {
         }
         self.is_crowded = true;
         let repaired = self.within(self.limit, seed, self.meter.left().steps / REPAIR_SHARE);
-        let key = |paths: &Paths| Costs::of(paths).key(self.objective);
+        let key = |paths: &Paths| BoardCosts::of(paths).key(self.objective);
         repaired.filter(|repaired| key(repaired) < key(&paths)).unwrap_or(paths)
     }
 
@@ -156,32 +158,32 @@ impl Search<'_> {
         let end = self.meter.left().steps - self.meter.left().steps / IMPROVE_SHARE;
         let more = STEPS_PER_MOVE * self.bounds.sum_of_costs;
         let (instance, mut seed) = (self.instance, 1);
-        while Costs::of(&paths).makespan > limit && self.meter.left().steps > end {
+        while BoardCosts::of(&paths).makespan > limit && self.meter.left().steps > end {
             paths = self.searched(ROUND_STEPS + more, |share| {
-                fast::improve(instance, paths.clone(), Objective::Makespan, seed, share)
+                fast::improve(instance, paths.clone(), BoardObjective::Makespan, seed, share)
             });
             seed += 1;
         }
-        (Costs::of(&paths).makespan <= limit).then_some(paths)
+        (BoardCosts::of(&paths).makespan <= limit).then_some(paths)
     }
 
     /// A plan of at most `limit` steps, if one is found.
     fn within(&mut self, limit: Option<u64>, seed: u64, steps: u64) -> Option<Paths> {
         let instance = self.instance;
         let step_limit = limit.map(|limit| u32::try_from(limit).unwrap_or(u32::MAX));
-        self.searched(steps, |share| fast::first(instance, fast::Terms { seed, step_limit }, share))
+        self.searched(steps, |share| fast::first(instance, fast::FirstPlanTerms { seed, step_limit }, share))
     }
 
     /// The best plan that the budget allows from a first one on.
-    fn better(mut self, mut first: Paths) -> Answer {
+    fn better(mut self, mut first: Paths) -> BoardAnswer {
         if !self.is_met(&first) {
             let (instance, objective, limit) = (self.instance, self.objective, self.limit);
             let share = self.meter.left().steps - self.meter.left().steps / IMPROVE_SHARE;
             let looked = self.spend(share, |meter| exact::small(instance, objective, &first, limit, meter));
             match looked {
                 Some((answer, true)) => return answer,
-                Some((Answer::Found { paths, bounds }, false)) => (first, self.bounds) = (paths, bounds),
-                Some((Answer::Impossible(_) | Answer::GaveUp { .. }, false)) | None => {}
+                Some((BoardAnswer::Found { paths, bounds }, false)) => (first, self.bounds) = (paths, bounds),
+                Some((BoardAnswer::Impossible(_) | BoardAnswer::GaveUp { .. }, false)) | None => {}
             }
         }
         let all = self.meter.left().steps;
@@ -193,12 +195,12 @@ impl Search<'_> {
             let otherwise = self.bettered(first, self.meter.left().steps / OTHER_SHARE);
             self.objective = objective;
             let otherwise = self.bettered(otherwise, self.meter.left().steps / OTHER_SHARE);
-            let key = |paths: &Paths| Costs::of(paths).key(objective);
+            let key = |paths: &Paths| BoardCosts::of(paths).key(objective);
             best = if key(&otherwise) < key(&best) { otherwise } else { best };
         }
         if self.is_met(&best) {
             let paths = self.ties(best, 1);
-            return Answer::Found { paths, bounds: self.bounds };
+            return BoardAnswer::Found { paths, bounds: self.bounds };
         }
         exact::prove(self.instance, self.objective, Some(&best), self.limit, &mut self.meter)
     }
@@ -209,11 +211,11 @@ impl Search<'_> {
         let more = STEPS_PER_MOVE * self.bounds.sum_of_costs;
         let mut seed = 1;
         while !self.is_met(&best) && self.meter.left().steps > end {
-            let before = Costs::of(&best).makespan;
+            let before = BoardCosts::of(&best).makespan;
             best = self.round(best, seed, ROUND_STEPS + more);
-            if self.objective == Objective::Makespan
+            if self.objective == BoardObjective::Makespan
                 && !self.is_crowded
-                && Costs::of(&best).makespan == before
+                && BoardCosts::of(&best).makespan == before
                 && before > self.bounds.makespan
             {
                 let steps = (SQUEEZE_STEPS + more).min(self.meter.left().steps.saturating_sub(end));
@@ -228,11 +230,11 @@ impl Search<'_> {
     fn ties(&mut self, mut paths: Paths, mut seed: u64) -> Paths {
         let steps = TIE_STEPS + self.bounds.sum_of_costs;
         let end = self.meter.left().steps - self.meter.left().steps / TIE_SHARE;
-        while Costs::of(&paths) != self.bounds && self.meter.left().steps > end {
-            let before = Costs::of(&paths);
+        while BoardCosts::of(&paths) != self.bounds && self.meter.left().steps > end {
+            let before = BoardCosts::of(&paths);
             paths = self.round(paths, seed, steps.min(self.meter.left().steps - end));
-            let after = Costs::of(&paths);
-            let total = |costs: Costs| costs.makespan + costs.sum_of_costs;
+            let after = BoardCosts::of(&paths);
+            let total = |costs: BoardCosts| costs.makespan + costs.sum_of_costs;
             if total(before).saturating_sub(total(after)) <= total(before) / TIE_GAIN {
                 break;
             }
@@ -245,16 +247,16 @@ impl Search<'_> {
     fn round(&mut self, paths: Paths, seed: u64, steps: u64) -> Paths {
         let (instance, objective) = (self.instance, self.objective);
         let better = self.searched(steps, |share| fast::improve(instance, paths.clone(), objective, seed, share));
-        let keeps = self.limit.is_none_or(|limit| Costs::of(&better).makespan <= limit);
+        let keeps = self.limit.is_none_or(|limit| BoardCosts::of(&better).makespan <= limit);
         if keeps { better } else { paths }
     }
 
     /// Whether the objective is as low as can be.
     fn is_met(&self, paths: &Paths) -> bool {
-        let costs = Costs::of(paths);
+        let costs = BoardCosts::of(paths);
         match self.objective {
-            Objective::Makespan => costs.makespan <= self.bounds.makespan,
-            Objective::SumOfCosts => costs.sum_of_costs <= self.bounds.sum_of_costs,
+            BoardObjective::Makespan => costs.makespan <= self.bounds.makespan,
+            BoardObjective::SumOfCosts => costs.sum_of_costs <= self.bounds.sum_of_costs,
         }
     }
 
@@ -270,7 +272,7 @@ impl Search<'_> {
 
     /// Runs a search on so many steps of what is left.
     fn spend<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
-        let mut part = Meter::new(Budget::of(steps.min(self.meter.left().steps)));
+        let mut part = Meter::new(SearchBudget::of(steps.min(self.meter.left().steps)));
         let result = search(&mut part);
         self.meter.charge(part.spent());
         result
@@ -278,24 +280,24 @@ impl Search<'_> {
 }
 
 /// The objective that is not this one.
-fn other(objective: Objective) -> Objective {
+fn other(objective: BoardObjective) -> BoardObjective {
     match objective {
-        Objective::Makespan => Objective::SumOfCosts,
-        Objective::SumOfCosts => Objective::Makespan,
+        BoardObjective::Makespan => BoardObjective::SumOfCosts,
+        BoardObjective::SumOfCosts => BoardObjective::Makespan,
     }
 }
 
 /// A plan found by moving one part at a time.
-fn in_turns(instance: &Instance, aim: Aim, meter: &mut Meter) -> Option<Paths> {
-    let field = Field::new(instance).ok()?;
+fn in_turns(instance: &Instance, aim: JointAim, meter: &mut Meter) -> Option<Paths> {
+    let field = ExactTables::new(instance).ok()?;
     let everyone: Vec<usize> = (0..instance.agents.len()).collect();
     match joint::search(&field, &everyone, aim, meter) {
-        joint::Outcome::Found(paths) => Some(timing::earliest(instance, &paths)),
-        joint::Outcome::Impossible | joint::Outcome::NotWithin | joint::Outcome::GaveUp { .. } => None,
+        joint::JointOutcome::Found(paths) => Some(timing::earliest(instance, &paths)),
+        joint::JointOutcome::Impossible | joint::JointOutcome::NotWithin | joint::JointOutcome::GaveUp { .. } => None,
     }
 }
 
 /// The plan of fewest moves of a group that is not too large, if the meter lasts.
 pub fn fewest_moves(instance: &Instance, meter: &mut Meter) -> Option<Paths> {
-    in_turns(instance, Aim::Moves, meter)
+    in_turns(instance, JointAim::Moves, meter)
 }

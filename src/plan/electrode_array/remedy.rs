@@ -6,10 +6,10 @@
 //! each step of the task may expand one [`SHARE`]th of its budget again.
 
 use super::job;
-use super::stage::Stage;
+use super::stage::BoardStage;
 use crate::claims::Job;
-use crate::claims::electrode_array::{Bystanders, ElectrodeArrayOrder, Method, Planner};
-use crate::device::electrode_array::Cell;
+use crate::claims::electrode_array::{Bystanders, ElectrodeArrayMethod, ElectrodeArrayOrder, ElectrodeArrayPlanner};
+use crate::device::electrode_array::ElectrodeCell;
 use crate::diagnostic::{Code, Sink};
 use crate::plan::errors::Removal;
 use std::sync::Arc;
@@ -25,8 +25,8 @@ pub struct Shut<'a> {
     pub job: &'a Job,
     pub order: &'a ElectrodeArrayOrder,
     /// Where the parts stand before the task.
-    pub start: &'a [Option<Cell>],
-    pub stage: &'a Stage<'a>,
+    pub start: &'a [Option<ElectrodeCell>],
+    pub stage: &'a BoardStage<'a>,
     /// Indices of the stage's blockers.
     pub blamed: &'a [usize],
     pub removal: Removal,
@@ -97,7 +97,7 @@ impl Shut<'_> {
 
     /// Plans the task with the remedy.
     fn tried(&self) -> Tried {
-        if self.order.planner.method != Method::Portfolio {
+        if self.order.planner.method != ElectrodeArrayMethod::Portfolio {
             return Tried::LeftOut;
         }
         let gone = self.obstacles();
@@ -106,7 +106,7 @@ impl Shut<'_> {
         let order = ElectrodeArrayOrder {
             obstacles: Arc::new(kept.map(|(_, obstacle)| obstacle.clone()).collect()),
             bystanders: if self.has_part() { Bystanders::Yield } else { self.order.bystanders },
-            planner: Planner { expansions, ..self.order.planner.clone() },
+            planner: ElectrodeArrayPlanner { expansions, ..self.order.planner.clone() },
             ..self.order.clone()
         };
         let mut sink = Sink::default();

@@ -4,39 +4,42 @@
 //! centre may not take is blocked, and each blocked cell is known by what blocks it: the rim of the board, an obstacle grown
 //! as the model says, or a part that stays where it is.
 
-use super::board::{self, Agent, Board, Instance};
-use crate::claims::electrode_array::{Body, Bystanders, ElectrodeArrayOrder, Move, Obstacle};
-use crate::device::electrode_array::{Cell, Facts};
+use super::board::{self, Agent, BoardGrid, Instance};
+use crate::claims::electrode_array::{
+    Bystanders, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
+};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::source::Span;
 use std::ops::RangeInclusive;
 
 /// A step of a task, ready for a planner.
-pub struct Stage<'a> {
+pub struct BoardStage<'a> {
     pub instance: Instance,
     /// For each agent its part, and the move that asks for it, if one does.
     pub agents: Vec<Actor<'a>>,
-    pub ground: &'a Ground<'a>,
+    pub ground: &'a BoardGround<'a>,
     /// The obstacles of the ground, then the parts that stay.
-    standing: Vec<Blocker<'a>>,
+    standing: Vec<CellBlocker<'a>>,
 }
 
 /// What is the same in all steps of a task.
-pub struct Ground<'a> {
-    obstacles: Vec<Blocker<'a>>,
+pub struct BoardGround<'a> {
+    obstacles: Vec<CellBlocker<'a>>,
     /// The board with nothing on it but its rim.
-    pub bare: Board,
+    pub bare: BoardGrid,
     /// The board with its obstacles.
-    board: Board,
+    board: BoardGrid,
 }
 
-impl<'a> Ground<'a> {
+impl<'a> BoardGround<'a> {
     /// The board of an order and its obstacles, each grown as the model says.
-    pub fn new(order: &'a ElectrodeArrayOrder) -> Ground<'a> {
-        let obstacles: Vec<Blocker> = order.obstacles.iter().map(|obstacle| grown(obstacle, &order.facts)).collect();
+    pub fn new(order: &'a ElectrodeArrayOrder) -> BoardGround<'a> {
+        let obstacles: Vec<CellBlocker> =
+            order.obstacles.iter().map(|obstacle| grown(obstacle, &order.facts)).collect();
         let bare = bare(order);
         let mut board = bare.clone();
         cover(&mut board, &obstacles);
-        Ground { obstacles, bare, board }
+        BoardGround { obstacles, bare, board }
     }
 }
 
@@ -45,46 +48,46 @@ pub struct Actor<'a> {
     /// Index of the order's parts.
     pub part: usize,
     /// `None` for one that only steps aside.
-    pub asked: Option<&'a Move>,
+    pub asked: Option<&'a ElectrodeArrayMove>,
 }
 
 /// Something that closes a rectangle of cells to the centres of parts.
-pub struct Blocker<'a> {
+pub struct CellBlocker<'a> {
     name: &'a str,
     /// Where it stands now, if it is a part.
-    at: Option<Cell>,
+    at: Option<ElectrodeCell>,
     pub span: Span,
     /// Columns and rows from 0, both ends included; may reach over the rim.
     pub columns: [i64; 2],
     pub rows: [i64; 2],
 }
 
-impl Blocker<'_> {
+impl CellBlocker<'_> {
     /// What a message calls it.
     pub fn name(&self) -> String {
         self.at.map_or(self.name.to_owned(), |at| format!("{} at {at}", self.name))
     }
 
     /// Its columns and rows on a board.
-    fn clipped(&self, board: &Board) -> [RangeInclusive<i64>; 2] {
+    fn clipped(&self, board: &BoardGrid) -> [RangeInclusive<i64>; 2] {
         let clip = |[low, high]: [i64; 2], size: u32| low.max(0)..=high.min(i64::from(size) - 1);
         [clip(self.columns, board.width()), clip(self.rows, board.height())]
     }
 
     /// Its cells on a board.
-    pub fn cells(&self, board: &Board) -> impl Iterator<Item = board::Cell> + use<> {
+    pub fn cells(&self, board: &BoardGrid) -> impl Iterator<Item = board::CellIndex> + use<> {
         let ([columns, rows], width) = (self.clipped(board), board.width());
         rows.flat_map(move |row| columns.clone().map(move |column| row as u32 * width + column as u32))
     }
 
     /// How many cells of a board it covers.
-    pub fn area(&self, board: &Board) -> usize {
+    pub fn area(&self, board: &BoardGrid) -> usize {
         self.clipped(board).into_iter().map(Iterator::count).product()
     }
 }
 
 /// Blocks what some blockers cover; many large ones cost no more than the board and their number.
-fn cover(board: &mut Board, blockers: &[Blocker]) {
+fn cover(board: &mut BoardGrid, blockers: &[CellBlocker]) {
     let width = board.width() as usize + 1;
     // How many blockers begin at a cell less those that end before it, along rows and along columns.
     let mut changes = vec![0i32; width * (board.height() as usize + 1)];
@@ -114,23 +117,23 @@ fn cover(board: &mut Board, blockers: &[Blocker]) {
 }
 
 /// The number of a cell on the planner's board.
-pub fn flat(order: &ElectrodeArrayOrder, cell: Cell) -> board::Cell {
+pub fn flat(order: &ElectrodeArrayOrder, cell: ElectrodeCell) -> board::CellIndex {
     (cell.row - 1) * order.facts.columns + (cell.column - 1)
 }
 
 /// The cell of a number on the planner's board.
-pub fn cell(order: &ElectrodeArrayOrder, flat: board::Cell) -> Cell {
-    Cell::new(flat % order.facts.columns + 1, flat / order.facts.columns + 1)
+pub fn cell(order: &ElectrodeArrayOrder, flat: board::CellIndex) -> ElectrodeCell {
+    ElectrodeCell::new(flat % order.facts.columns + 1, flat / order.facts.columns + 1)
 }
 
-impl<'a> Stage<'a> {
+impl<'a> BoardStage<'a> {
     /// The stage of a step that asks for `moves`, the parts standing at `cells`.
     pub fn new(
         order: &'a ElectrodeArrayOrder,
-        ground: &'a Ground<'a>,
-        cells: &[Option<Cell>],
-        moves: &'a [Move],
-    ) -> Stage<'a> {
+        ground: &'a BoardGround<'a>,
+        cells: &[Option<ElectrodeCell>],
+        moves: &'a [ElectrodeArrayMove],
+    ) -> BoardStage<'a> {
         let asked = |part: usize| moves.iter().find(|action| action.part == part || action.with == Some(part));
         let (mut agents, mut actors, mut standing) = (Vec::new(), Vec::new(), Vec::new());
         // Those that are asked for come first, in the order of writing, which is their priority.
@@ -152,7 +155,7 @@ impl<'a> Stage<'a> {
                 Bystanders::Stay => {
                     let part = &order.parts[part];
                     let around = square((&part.name, part.span), at, order.facts.separation.apart());
-                    standing.push(Blocker { at: Some(at), ..around });
+                    standing.push(CellBlocker { at: Some(at), ..around });
                 }
             }
         }
@@ -162,11 +165,11 @@ impl<'a> Stage<'a> {
         }
         let merges = merges(&actors);
         let instance = Instance { board, separation: order.facts.separation.apart(), agents, merges };
-        Stage { instance, agents: actors, ground, standing }
+        BoardStage { instance, agents: actors, ground, standing }
     }
 
     /// All that blocks, obstacles first.
-    pub fn blockers(&self) -> impl Iterator<Item = &Blocker<'a>> {
+    pub fn blockers(&self) -> impl Iterator<Item = &CellBlocker<'a>> {
         self.ground.obstacles.iter().chain(&self.standing)
     }
 }
@@ -179,12 +182,12 @@ fn merges(actors: &[Actor]) -> Vec<[usize; 2]> {
 }
 
 /// The board with its rim, where no centre can be.
-fn bare(order: &ElectrodeArrayOrder) -> Board {
+fn bare(order: &ElectrodeArrayOrder) -> BoardGrid {
     let facts = &order.facts;
-    let mut board = Board::new(facts.columns, facts.rows);
+    let mut board = BoardGrid::new(facts.columns, facts.rows);
     for row in 1..=facts.rows {
         for column in 1..=facts.columns {
-            let cell = Cell::new(column, row);
+            let cell = ElectrodeCell::new(column, row);
             if !facts.reaches(cell) {
                 board.block(flat(order, cell));
             }
@@ -194,13 +197,15 @@ fn bare(order: &ElectrodeArrayOrder) -> Board {
 }
 
 /// An obstacle, grown as the model says.
-fn grown<'a>(obstacle: &'a Obstacle, facts: &Facts) -> Blocker<'a> {
+fn grown<'a>(obstacle: &'a ElectrodeArrayObstacle, facts: &ElectrodeArrayFacts) -> CellBlocker<'a> {
     match obstacle.body {
-        Body::Fixed(cell) => square((&obstacle.name, obstacle.span), cell, facts.separation.apart()),
-        Body::Electrodes { from, to } => {
+        ElectrodeArrayObstacleBody::Fixed(cell) => {
+            square((&obstacle.name, obstacle.span), cell, facts.separation.apart())
+        }
+        ElectrodeArrayObstacleBody::Electrodes { from, to } => {
             let growth = i64::from(facts.clearance) - 1;
             let grown = |low: u32, high: u32| [i64::from(low) - 1 - growth, i64::from(high) - 1 + growth];
-            Blocker {
+            CellBlocker {
                 name: &obstacle.name,
                 at: None,
                 span: obstacle.span,
@@ -212,8 +217,8 @@ fn grown<'a>(obstacle: &'a Obstacle, facts: &Facts) -> Blocker<'a> {
 }
 
 /// All cells nearer than `distance` to a part that stays at `cell`.
-fn square<'a>((name, span): (&'a str, Span), cell: Cell, distance: u32) -> Blocker<'a> {
+fn square<'a>((name, span): (&'a str, Span), cell: ElectrodeCell, distance: u32) -> CellBlocker<'a> {
     let reach = i64::from(distance) - 1;
     let around = |at: u32| [i64::from(at) - 1 - reach, i64::from(at) - 1 + reach];
-    Blocker { name, at: None, span, columns: around(cell.column), rows: around(cell.row) }
+    CellBlocker { name, at: None, span, columns: around(cell.column), rows: around(cell.row) }
 }

@@ -2,12 +2,14 @@
 
 use super::*;
 use crate::claims::electrode_array::{
-    Action, Body, Bystanders, ElectrodeArrayOrder, Method, Move, Objective, Obstacle, Part, Planner, Step, Stop,
+    BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
+    ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep,
+    ElectrodeArrayStop,
 };
 use crate::claims::{Job, Order, Relation, Requirement};
-use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Layout, Separation};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation};
 use crate::diagnostic::{Code, Sink};
-use crate::plan::{Motion as AnyMotion, Optimality, Plan};
+use crate::plan::{Motion, Optimality, Plan};
 use crate::source::{FileId, Span};
 use std::sync::Arc;
 
@@ -16,8 +18,8 @@ fn span(at: usize) -> Span {
     Span::new(FileId(0), at, at + 1)
 }
 
-fn facts(columns: u32, rows: u32, electrodes: Electrodes, separation: u32, clearance: u32) -> Facts {
-    Facts {
+fn facts(columns: u32, rows: u32, electrodes: Electrodes, separation: u32, clearance: u32) -> ElectrodeArrayFacts {
+    ElectrodeArrayFacts {
         columns,
         rows,
         radius_um: 35.0,
@@ -31,45 +33,49 @@ fn facts(columns: u32, rows: u32, electrodes: Electrodes, separation: u32, clear
     }
 }
 
-fn microparts(columns: u32, rows: u32) -> Facts {
+fn microparts(columns: u32, rows: u32) -> ElectrodeArrayFacts {
     facts(columns, rows, Electrodes::Quad, 4, 3)
 }
 
-fn droplets(columns: u32, rows: u32) -> Facts {
+fn droplets(columns: u32, rows: u32) -> ElectrodeArrayFacts {
     facts(columns, rows, Electrodes::Single, 2, 1)
 }
 
 /// A task without obstacles in which nothing is asked yet.
-fn order(facts: Facts, cells: &[(u32, u32)]) -> ElectrodeArrayOrder {
-    let part = |(index, (column, row)): (usize, &(u32, u32))| Part {
+fn order(facts: ElectrodeArrayFacts, cells: &[(u32, u32)]) -> ElectrodeArrayOrder {
+    let part = |(index, (column, row)): (usize, &(u32, u32))| BoardPart {
         name: format!("m{}", index + 1),
-        cell: Cell::new(*column, *row),
+        cell: ElectrodeCell::new(*column, *row),
         span: span(100 + index),
     };
     ElectrodeArrayOrder {
         facts,
         obstacles: Arc::new(Vec::new()),
         parts: Arc::new(cells.iter().enumerate().map(part).collect()),
-        objective: Objective::Makespan,
-        planner: Planner { method: Method::Portfolio, expansions: 200_000 },
+        objective: ElectrodeArrayObjective::Makespan,
+        planner: ElectrodeArrayPlanner { method: ElectrodeArrayMethod::Portfolio, expansions: 200_000 },
         bystanders: Bystanders::Stay,
         steps: Vec::new(),
     }
 }
 
-fn go(part: usize, stops: &[(u32, u32)]) -> Move {
+fn go(part: usize, stops: &[(u32, u32)]) -> ElectrodeArrayMove {
     let at = 200 + part;
-    let stop = |(column, row): &(u32, u32)| Stop { cell: Cell::new(*column, *row), span: span(at) };
-    Move { part, with: None, stops: stops.iter().map(stop).collect(), span: span(at) }
+    let stop =
+        |(column, row): &(u32, u32)| ElectrodeArrayStop { cell: ElectrodeCell::new(*column, *row), span: span(at) };
+    ElectrodeArrayMove { part, with: None, stops: stops.iter().map(stop).collect(), span: span(at) }
 }
 
-fn together(moves: Vec<Move>) -> Step {
-    Step { action: Action::Move(moves), span: span(300) }
+fn together(moves: Vec<ElectrodeArrayMove>) -> ElectrodeArrayStep {
+    ElectrodeArrayStep { action: ElectrodeArrayAction::Move(moves), span: span(300) }
 }
 
-fn wall(name: &str, from: (u32, u32), to: (u32, u32)) -> Obstacle {
-    let body = Body::Electrodes { from: Cell::new(from.0, from.1), to: Cell::new(to.0, to.1) };
-    Obstacle { name: name.to_owned(), body, span: span(400) }
+fn wall(name: &str, from: (u32, u32), to: (u32, u32)) -> ElectrodeArrayObstacle {
+    let body = ElectrodeArrayObstacleBody::Electrodes {
+        from: ElectrodeCell::new(from.0, from.1),
+        to: ElectrodeCell::new(to.0, to.1),
+    };
+    ElectrodeArrayObstacle { name: name.to_owned(), body, span: span(400) }
 }
 
 fn job(order: ElectrodeArrayOrder, requirements: Vec<Requirement>) -> Job {
@@ -87,7 +93,7 @@ fn limit(outcome: &str, limit: f64) -> Requirement {
     Requirement { outcome: outcome.to_owned(), relation: Relation::AtMost, limit, span: span(3) }
 }
 
-fn planned(job: &Job, standing: &mut Standing) -> (Option<Plan>, Vec<(Code, String)>) {
+fn planned(job: &Job, standing: &mut BoardStandings) -> (Option<Plan>, Vec<(Code, String)>) {
     let Order::ElectrodeArray(order) = &job.order else { panic!("an order of an electrode array") };
     let mut sink = Sink::default();
     let plan = plan(job, order, standing, &mut sink);
@@ -95,20 +101,20 @@ fn planned(job: &Job, standing: &mut Standing) -> (Option<Plan>, Vec<(Code, Stri
 }
 
 fn found(order: ElectrodeArrayOrder) -> Plan {
-    let (plan, told) = planned(&job(order, Vec::new()), &mut Standing::default());
+    let (plan, told) = planned(&job(order, Vec::new()), &mut BoardStandings::default());
     plan.unwrap_or_else(|| panic!("{told:?}"))
 }
 
 fn refused(order: ElectrodeArrayOrder) -> (Code, String) {
-    let (plan, mut told) = planned(&job(order, Vec::new()), &mut Standing::default());
+    let (plan, mut told) = planned(&job(order, Vec::new()), &mut BoardStandings::default());
     assert!(plan.is_none());
     assert_eq!(told.len(), 1, "{told:?}");
     told.remove(0)
 }
 
-fn paths(plan: &Plan, step: usize) -> &[Vec<Cell>] {
-    let AnyMotion::ElectrodeArray(motion) = &plan.motion else { panic!("a motion of an electrode array") };
-    let StepMotion::Paths(paths) = &motion.steps[step] else { panic!("a step of moves") };
+fn paths(plan: &Plan, step: usize) -> &[Vec<ElectrodeCell>] {
+    let Motion::ElectrodeArray(motion) = &plan.motion else { panic!("a motion of an electrode array") };
+    let ElectrodeArrayStepMotion::Paths(paths) = &motion.steps[step] else { panic!("a step of moves") };
     paths
 }
 
@@ -117,7 +123,7 @@ fn steps_follow_each_other_and_add_up() {
     let mut order = order(microparts(20, 20), &[(3, 3), (3, 12)]);
     order.steps = vec![
         together(vec![go(0, &[(9, 3)])]),
-        Step { action: Action::Wait(1_000_000), span: span(301) },
+        ElectrodeArrayStep { action: ElectrodeArrayAction::Wait(1_000_000), span: span(301) },
         together(vec![go(0, &[(9, 5)]), go(1, &[(5, 12)])]),
     ];
     let plan = found(order);
@@ -127,8 +133,8 @@ fn steps_follow_each_other_and_add_up() {
     assert_eq!(plan.outcomes["moves"], 10.0);
     assert_eq!(plan.outcomes["time"], 0.041);
     assert_eq!(plan.bounds["sum_of_costs"], 10.0);
-    assert_eq!(paths(&plan, 0)[1], [Cell::new(3, 12)]);
-    assert_eq!(paths(&plan, 2)[0].last(), Some(&Cell::new(9, 5)));
+    assert_eq!(paths(&plan, 0)[1], [ElectrodeCell::new(3, 12)]);
+    assert_eq!(paths(&plan, 2)[0].last(), Some(&ElectrodeCell::new(9, 5)));
 }
 
 #[test]
@@ -137,7 +143,7 @@ fn parts_stand_where_the_last_task_left_them() {
     first.steps = vec![together(vec![go(0, &[(9, 3)])])];
     let mut second = order(microparts(20, 20), &[(3, 3), (3, 12)]);
     second.steps = vec![together(vec![go(0, &[(9, 4)])])];
-    let mut standing = Standing::default();
+    let mut standing = BoardStandings::default();
     assert_eq!(planned(&job(first, Vec::new()), &mut standing).0.map(|plan| plan.cost), Some(6.0));
     assert_eq!(planned(&job(second, Vec::new()), &mut standing).0.map(|plan| plan.cost), Some(1.0));
 }
@@ -172,7 +178,7 @@ fn a_part_in_a_corridor_yields_only_where_it_may() {
         Arc::new(vec![wall("low", (1, 1), (9, 1)), wall("left", (1, 3), (4, 5)), wall("right", (6, 3), (9, 5))]);
     let plan = found(order);
     assert_eq!(plan.proof, Optimality::Proven);
-    assert_eq!(paths(&plan, 0)[1].last(), Some(&Cell::new(5, 2)));
+    assert_eq!(paths(&plan, 0)[1].last(), Some(&ElectrodeCell::new(5, 2)));
     assert!(paths(&plan, 0)[1].len() > 1);
 }
 
@@ -227,20 +233,20 @@ fn two_parts_that_cannot_pass_one_another_are_both_named() {
 
 #[test]
 fn a_limit_on_the_steps_is_kept_or_the_least_that_would_do_is_said() {
-    let task = |objective: Objective, steps: f64| {
+    let task = |objective: ElectrodeArrayObjective, steps: f64| {
         let mut order = order(microparts(20, 20), &[(3, 3), (10, 3)]);
         order.objective = objective;
         order.steps = vec![together(vec![go(0, &[(10, 3)]), go(1, &[(3, 3)])])];
         job(order, vec![limit("steps", steps)])
     };
-    for objective in [Objective::Makespan, Objective::SumOfCosts] {
-        let (plan, told) = planned(&task(objective, 100.0), &mut Standing::default());
+    for objective in [ElectrodeArrayObjective::Makespan, ElectrodeArrayObjective::SumOfCosts] {
+        let (plan, told) = planned(&task(objective, 100.0), &mut BoardStandings::default());
         let least = plan.unwrap_or_else(|| panic!("{told:?}")).outcomes["steps"];
-        let (plan, told) = planned(&task(objective, 5.0), &mut Standing::default());
+        let (plan, told) = planned(&task(objective, 5.0), &mut BoardStandings::default());
         assert!(plan.is_none());
         assert_eq!(told[0].0, Code::E0603, "{told:?}");
         assert!(least >= 11.0, "two parts of four electrodes go round each other: {least}");
-        if objective == Objective::Makespan {
+        if objective == ElectrodeArrayObjective::Makespan {
             assert!(told[0].1.contains(&format!("raise the limit to {least}")), "{told:?}");
         }
     }
@@ -259,21 +265,21 @@ fn a_search_that_may_not_go_on_says_so_and_proves_nothing() {
 #[test]
 fn the_published_planner_says_that_it_is_greedy_when_it_finds_nothing() {
     let mut order = order(microparts(20, 20), &[(3, 10), (16, 10)]);
-    order.planner.method = Method::PlainCooperativeAstar;
+    order.planner.method = ElectrodeArrayMethod::PlainCooperativeAstar;
     order.steps = vec![together(vec![go(0, &[(16, 10)]), go(1, &[(3, 10)])])];
-    let (plan, told) = planned(&job(order.clone(), Vec::new()), &mut Standing::default());
+    let (plan, told) = planned(&job(order.clone(), Vec::new()), &mut BoardStandings::default());
     match plan {
         Some(plan) => assert!(plan.cost >= plan.bound),
         None => assert!(told.iter().all(|(code, _)| *code == Code::E0602), "{told:?}"),
     }
-    order.planner.method = Method::Portfolio;
+    order.planner.method = ElectrodeArrayMethod::Portfolio;
     assert_eq!(found(order).proof, Optimality::Proven);
 }
 
 /// Whether a part at `i` and one at (2, 2) may make these moves at the same time.
 fn may(i: (u32, u32), one: char, other: char) -> bool {
-    use super::board::{Board, Instance};
-    let board = Board::new(20, 20);
+    use super::board::{BoardGrid, Instance};
+    let board = BoardGrid::new(20, 20);
     let moved = |(column, row): (u32, u32), way: char| match way {
         '>' => (column + 1, row),
         '<' => (column - 1, row),

@@ -6,7 +6,7 @@
 //! turn, at the first instant after its agent's last move and after everyone who stood too near to where it leads has gone.
 //! Guaranteed: legal paths of no more steps and of the same moves. Cost: for each move the cells nearer than the separation.
 
-use super::board::{Cell, Instance, Paths};
+use super::board::{CellIndex, Instance, Paths};
 use rustc_hash::FxHashMap;
 
 /// The same moves, each as early as it can be; the paths must be legal.
@@ -27,13 +27,13 @@ pub fn earliest(instance: &Instance, paths: &Paths) -> Paths {
 struct Timing<'a> {
     instance: &'a Instance,
     /// By cell: who left it, and the instant at which each was gone for the last time.
-    left: FxHashMap<Cell, Vec<(usize, usize)>>,
+    left: FxHashMap<CellIndex, Vec<(usize, usize)>>,
     early: Paths,
 }
 
 impl Timing<'_> {
     /// One agent's next move.
-    fn make(&mut self, agent: usize, to: Cell) {
+    fn make(&mut self, agent: usize, to: CellIndex) {
         let own = self.early[agent].len() - 1;
         let gone = self.gone(agent, to);
         let here = self.early[agent][own];
@@ -48,7 +48,7 @@ impl Timing<'_> {
     }
 
     /// The instant at which the last of those that stood too near to a cell was gone.
-    fn gone(&self, agent: usize, to: Cell) -> usize {
+    fn gone(&self, agent: usize, to: CellIndex) -> usize {
         let near = self.instance.board.around(to, self.instance.separation);
         let visits = near.filter_map(|cell| Some((cell, self.left.get(&cell)?)));
         let instants = visits.flat_map(|(cell, visits)| {

@@ -5,8 +5,8 @@
 //! Guaranteed: without the named ones there is a way, and a single one that is named is the smallest set. Not guaranteed: that
 //! several are the fewest. Cost: linear in the cells of the board and of all blockers, for each blocker on the way once more.
 
-use super::board::{self, Board};
-use super::stage::{Blocker, Stage};
+use super::board::{self, BoardGrid};
+use super::stage::{BoardStage, CellBlocker};
 use crate::plan::errors::Removal;
 use std::collections::VecDeque;
 
@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 const MAX_COVERED: usize = 1 << 23;
 
 /// The blockers to be removed, as indices of the stage's, for a way from one cell to another, and what is known of their removal.
-pub fn why(stage: &Stage, from: board::Cell, to: board::Cell) -> (Vec<usize>, Removal) {
+pub fn why(stage: &BoardStage, from: board::CellIndex, to: board::CellIndex) -> (Vec<usize>, Removal) {
     let board = &stage.ground.bare;
     let covered: usize = stage.blockers().map(|blocker| blocker.area(board)).sum();
     if covered > MAX_COVERED {
@@ -35,14 +35,14 @@ pub fn why(stage: &Stage, from: board::Cell, to: board::Cell) -> (Vec<usize>, Re
 }
 
 /// The blockers on a way that enters as few as possible.
-fn fewest_entered(stage: &Stage, from: board::Cell, to: board::Cell) -> Option<Vec<usize>> {
+fn fewest_entered(stage: &BoardStage, from: board::CellIndex, to: board::CellIndex) -> Option<Vec<usize>> {
     let board = &stage.ground.bare;
-    let blockers: Vec<&Blocker> = stage.blockers().collect();
+    let blockers: Vec<&CellBlocker> = stage.blockers().collect();
     let over = Covering::new(board, &blockers);
     let mut cost = vec![u32::MAX; board.cells()];
-    let mut parent = vec![board::Cell::MAX; board.cells()];
+    let mut parent = vec![board::CellIndex::MAX; board.cells()];
     // Buckets by cost; a way enters each blocker at most once if it is best.
-    let mut buckets: Vec<VecDeque<board::Cell>> = vec![VecDeque::new(); blockers.len() + 2];
+    let mut buckets: Vec<VecDeque<board::CellIndex>> = vec![VecDeque::new(); blockers.len() + 2];
     cost[from as usize] = 0;
     buckets[0].push_back(from);
     let mut lowest = 0;
@@ -78,7 +78,7 @@ fn fewest_entered(stage: &Stage, from: board::Cell, to: board::Cell) -> Option<V
 }
 
 /// Whether there is a way when the blockers of a set are gone.
-fn is_open(stage: &Stage, gone: &[usize], from: board::Cell, to: board::Cell) -> bool {
+fn is_open(stage: &BoardStage, gone: &[usize], from: board::CellIndex, to: board::CellIndex) -> bool {
     let mut board = stage.ground.bare.clone();
     for (index, blocker) in stage.blockers().enumerate() {
         if !gone.contains(&index) {
@@ -108,7 +108,7 @@ struct Covering {
 }
 
 impl Covering {
-    fn new(board: &Board, blockers: &[&Blocker]) -> Covering {
+    fn new(board: &BoardGrid, blockers: &[&CellBlocker]) -> Covering {
         let mut starts = vec![0; board.cells() + 1];
         for blocker in blockers {
             blocker.cells(board).for_each(|cell| starts[cell as usize + 1] += 1);
@@ -127,12 +127,12 @@ impl Covering {
         Covering { starts, indices }
     }
 
-    fn of(&self, cell: board::Cell) -> &[u32] {
+    fn of(&self, cell: board::CellIndex) -> &[u32] {
         &self.indices[self.starts[cell as usize] as usize..self.starts[cell as usize + 1] as usize]
     }
 
     /// How many blockers cover `next` and not `here`.
-    fn entered(&self, here: board::Cell, next: board::Cell) -> usize {
+    fn entered(&self, here: board::CellIndex, next: board::CellIndex) -> usize {
         let before = self.of(here);
         self.of(next).iter().filter(|index| before.binary_search(index).is_err()).count()
     }

@@ -1,37 +1,43 @@
 //! From the way through the grasp graph to what the fingers do in each step of the task.
 
-use super::graph::{Node, Way};
-use super::routes::Route;
-use super::ways::Act;
+use super::graph::{GraspNode, GraspPath};
+use super::routes::TurnRoute;
+use super::ways::FingerAct;
 
 /// Puts what a stretch's way has the fingers do to the acts of the task's steps.
 ///
 /// `begins` is the step in which the fingers first take the part; `None` where they hold it already.
-pub fn follow(steps: &mut [Vec<Act>], (route, way): (&Route, &Way), begins: Option<usize>, fingers: usize) {
+pub fn follow(
+    steps: &mut [Vec<FingerAct>],
+    (route, way): (&TurnRoute, &GraspPath),
+    begins: Option<usize>,
+    fingers: usize,
+) {
     for (leg, (turning, nodes)) in route.iter().zip(&way.legs).enumerate() {
         if let (0, Some(step), Some(first)) = (leg, begins, nodes.first()) {
-            steps[step].push(Act::Begin { plane: turning.turn.plane, grasp: first.grasp.list(fingers) });
+            steps[step].push(FingerAct::Begin { plane: turning.turn.plane, grasp: first.grasp.list(fingers) });
         }
         let acts = &mut steps[turning.step];
-        acts.push(Act::Turn(turning.turn.plane));
+        acts.push(FingerAct::Turn(turning.turn.plane));
         nodes.windows(2).for_each(|pair| acts.extend(act(&pair[0], &pair[1], fingers)));
     }
 }
 
 /// What leads from a node to its neighbour.
-fn act(from: &Node, to: &Node, fingers: usize) -> Option<Act> {
+fn act(from: &GraspNode, to: &GraspNode, fingers: usize) -> Option<FingerAct> {
     if from.angle != to.angle {
-        return Some(Act::Roll(to.angle - from.angle));
+        return Some(FingerAct::Roll(to.angle - from.angle));
     }
     let changed = (0..fingers).find(|finger| from.grasp.contact(*finger) != to.grasp.contact(*finger))?;
     Some(match to.grasp.contact(changed) {
-        Some(contact) => Act::Place { finger: changed, contact: contact as u32 + 1 },
-        None => Act::Leave { finger: changed },
+        Some(contact) => FingerAct::Place { finger: changed, contact: contact as u32 + 1 },
+        None => FingerAct::Leave { finger: changed },
     })
 }
 
 /// How many fingers a way places or takes away.
-pub fn reconfigurations(way: &Way) -> u64 {
-    let changes = |nodes: &Vec<Node>| nodes.windows(2).filter(|pair| pair[0].angle == pair[1].angle).count() as u64;
+pub fn reconfigurations(way: &GraspPath) -> u64 {
+    let changes =
+        |nodes: &Vec<GraspNode>| nodes.windows(2).filter(|pair| pair[0].angle == pair[1].angle).count() as u64;
     way.legs.iter().map(changes).sum()
 }

@@ -4,22 +4,24 @@
 //! after it without a beginning: the job ends there.
 
 use super::course::{follow, reconfigurations};
-use super::graph::{self, Answer, Costs, Estimator, Grasp, Node, Request, Start, Way, Within};
+use super::graph::{
+    self, Estimator, Grasp, GraspAnswer, GraspCosts, GraspNode, GraspPath, GraspRequest, Start, Within,
+};
 use super::limited::{self, Sooner};
-use super::looks::Looks;
+use super::looks::LooksBudget;
 use super::mechanics::NoTables;
-use super::routes::{Holding, Routes, Turning, routes};
-use super::sections::{Loaded, Sections, Sifted};
-use super::ways::{self, Act, Course};
-use super::why::{Why, kept_back};
-use super::{Hold, Motion, Stance};
-use crate::claims::fingers::{Action, FingersOrder, Planner, Turn};
+use super::routes::{Holding, RouteTurn, Routes, routes};
+use super::sections::{LoadedSections, Sections, Sifted};
+use super::ways::{self, FingerAct, FingersCourse};
+use super::why::{HandReasons, kept_back};
+use super::{FingersMotion, HeldGrasp, Stance};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersTurn};
 use crate::claims::{Job, Requirement};
 use crate::device::fingers::Plane;
 use crate::diagnostic::{Remark, Sink};
-use crate::plan::requirements::{Kept, Known, require};
-use crate::plan::search::{Budget, GaveUp};
-use crate::plan::{Motion as AnyMotion, Optimality, Plan};
+use crate::plan::requirements::{Kept, KnownLimit, require};
+use crate::plan::search::{GaveUp, SearchBudget};
+use crate::plan::{Motion, Optimality, Plan};
 use nalgebra::{Quaternion, UnitQuaternion};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -28,13 +30,13 @@ use std::rc::Rc;
 
 /// What the plans of a schedule leave behind for those that follow.
 #[derive(Default)]
-pub struct Standing {
+pub struct HandStandings {
     /// By device; `None` where a plan is missing, so that nobody knows where its part is.
     stances: BTreeMap<String, Option<Stance>>,
 }
 
 /// A plan for a job; without one an error was pushed, for this job or for one of the same hand before it.
-pub fn plan(job: &Job, order: &FingersOrder, standing: &mut Standing, sink: &mut Sink) -> Option<Plan> {
+pub fn plan(job: &Job, order: &FingersOrder, standing: &mut HandStandings, sink: &mut Sink) -> Option<Plan> {
     let known = standing.stances.get(&job.device).cloned();
     let planned = match known {
         Some(None) => None,
@@ -48,7 +50,7 @@ pub fn plan(job: &Job, order: &FingersOrder, standing: &mut Standing, sink: &mut
 
 /// What a way is chosen by first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum First {
+pub enum FirstCriterion {
     /// Then by the number of reconfigurations.
     Effort,
     /// Then by what is rolled.
@@ -60,23 +62,24 @@ pub const MOST_LOOKS: u64 = 150_000_000;
 
 /// A plan, and where everything is after it.
 fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut Sink) -> Option<(Option<Plan>, Stance)> {
-    let looks = Rc::new(Looks::of(MOST_LOOKS));
+    let looks = Rc::new(LooksBudget::of(MOST_LOOKS));
     let mut sections = match Sections::of(order, looks) {
         Ok(sections) => sections,
         Err(error) => {
-            sink.push(Why { order, job, stance: stance.as_ref(), at: 0 }.not_followed(&error));
+            sink.push(HandReasons { order, job, stance: stance.as_ref(), at: 0 }.not_followed(&error));
             return None;
         }
     };
-    let mut asked = Asked { job, order, stance: stance.as_ref(), first: First::Effort, gaits: Vec::new() };
+    let mut asked =
+        AskedStretch { job, order, stance: stance.as_ref(), first: FirstCriterion::Effort, gaits: Vec::new() };
     let mut done = carried_out(&mut sections, &asked, Some(sink)).ok()?;
     let (mut fewest, mut none_keeps_all) = (None, false);
     if let Some(most) = limited::most_gaits(job).filter(|most| u64::from(*most) < done.gaits()) {
         match limited::within(&mut sections, &asked, &done, most) {
-            limited::Within::Found(within) => done = *within,
-            limited::Within::None { is_proven } => {
+            limited::HandWithin::Found(within) => done = *within,
+            limited::HandWithin::None { is_proven } => {
                 none_keeps_all = is_proven;
-                asked.first = First::Reconfigurations;
+                asked.first = FirstCriterion::Reconfigurations;
                 let least = carried_out(&mut sections, &asked, None).ok();
                 fewest = least.map(|least| least.plan).filter(|plan| plan.proof == Optimality::Proven);
             }
@@ -84,7 +87,7 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
     }
     let mut soonest = None;
     if limited::misses_time(job, &done.plan) {
-        match limited::sooner(&mut sections, &Asked { first: First::Effort, ..asked.clone() }, &done) {
+        match limited::sooner(&mut sections, &AskedStretch { first: FirstCriterion::Effort, ..asked.clone() }, &done) {
             Sooner::Kept(sooner) => done = *sooner,
             Sooner::Missed(plan) => soonest = plan.map(|plan| *plan),
         }
@@ -92,7 +95,7 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
     let Done { plan, end, .. } = done;
     let least_effort_rad = plan.bound.to_radians();
     let least_s = limited::least_s(&sections, order, stance.as_ref());
-    let known = &mut |limit: &Requirement| Known {
+    let known = &mut |limit: &Requirement| KnownLimit {
         none_keeps_all,
         least: match limit.outcome.as_str() {
             "effort" => Some(least_effort_rad),
@@ -101,7 +104,7 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
             _ => None,
         },
         other: if limit.outcome == "time" { soonest.clone() } else { fewest.clone() },
-        ..Known::default()
+        ..KnownLimit::default()
     };
     let kept = require(job, &plan, known, sink);
     Some(((kept == Kept::Yes).then_some(plan), end))
@@ -109,12 +112,12 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
 
 /// What a plan is asked for.
 #[derive(Clone)]
-pub struct Asked<'a> {
+pub struct AskedStretch<'a> {
     pub job: &'a Job,
     pub order: &'a FingersOrder,
     /// Where everything is; `None` before the device's first task.
     pub stance: Option<&'a Stance>,
-    pub first: First,
+    pub first: FirstCriterion,
     /// The most reconfigurations of each stretch; those that it has no number for may have any.
     pub gaits: Vec<Option<u32>>,
 }
@@ -125,12 +128,12 @@ pub struct Done {
     pub plan: Plan,
     /// Where everything is after it.
     pub end: Stance,
-    pub stretches: Vec<Stretch>,
+    pub stretches: Vec<TaskStretch>,
 }
 
 /// What a stretch of a plan comes to.
 #[derive(Debug, Clone, Copy)]
-pub struct Stretch {
+pub struct TaskStretch {
     /// The effort, in units of [`costs`].
     pub cost: u64,
     pub gaits: u64,
@@ -155,17 +158,17 @@ pub enum Stop {
 }
 
 /// A plan, or why there is none, which is reported if a sink is given.
-pub fn carried_out(sections: &mut Sections, asked: &Asked, mut sink: Option<&mut Sink>) -> Result<Done, Stop> {
-    let Asked { job, order, stance, .. } = *asked;
+pub fn carried_out(sections: &mut Sections, asked: &AskedStretch, mut sink: Option<&mut Sink>) -> Result<Done, Stop> {
+    let AskedStretch { job, order, stance, .. } = *asked;
     let start = stance.cloned().unwrap_or_else(|| sections.hand().home(order.part.position_um));
-    let mut tally = Tally::of(asked, start.clone());
+    let mut tally = HandTally::of(asked, start.clone());
     for (index, stretch) in stretches(order).into_iter().enumerate() {
         tally.carry_out(sections, (index, stretch), &mut sink)?;
     }
-    let course = Course { start, steps: tally.acts };
+    let course = FingersCourse { start, steps: tally.acts };
     let motion = sections.hand().motion(&course).map_err(|error| {
         if let Some(sink) = &mut sink {
-            sink.push(Why { order, job, stance, at: 0 }.no_way(&error));
+            sink.push(HandReasons { order, job, stance, at: 0 }.no_way(&error));
         }
         Stop::Open
     })?;
@@ -182,7 +185,7 @@ pub fn carried_out(sections: &mut Sections, asked: &Asked, mut sink: Option<&mut
 pub fn stretches(order: &FingersOrder) -> Vec<Range<usize>> {
     let mut stretches = Vec::new();
     let mut begin = 0;
-    for (step, _) in order.steps.iter().enumerate().filter(|(_, step)| step.action == Action::Release) {
+    for (step, _) in order.steps.iter().enumerate().filter(|(_, step)| step.action == FingersAction::Release) {
         stretches.push(begin..step + 1);
         begin = step + 1;
     }
@@ -193,16 +196,16 @@ pub fn stretches(order: &FingersOrder) -> Vec<Range<usize>> {
 }
 
 /// A plan while its stretches are carried out.
-struct Tally<'a> {
-    asked: &'a Asked<'a>,
+struct HandTally<'a> {
+    asked: &'a AskedStretch<'a>,
     order: &'a FingersOrder,
-    acts: Vec<Vec<Act>>,
+    acts: Vec<Vec<FingerAct>>,
     held: Option<Holding>,
     orientation: UnitQuaternion<f64>,
     /// Whether the part may be turned otherwise by now, had another way been taken.
     may_differ: bool,
     sums: Sums,
-    stretches: Vec<Stretch>,
+    stretches: Vec<TaskStretch>,
 }
 
 /// What the stretches cost together.
@@ -217,12 +220,12 @@ struct Sums {
     remarks: Vec<Remark>,
 }
 
-impl<'a> Tally<'a> {
-    fn of(asked: &'a Asked, start: Stance) -> Tally<'a> {
+impl<'a> HandTally<'a> {
+    fn of(asked: &'a AskedStretch, start: Stance) -> HandTally<'a> {
         let order = asked.order;
-        let Hold { grasp, plane, orientation: [w, x, y, z], .. } = start.hold;
+        let HeldGrasp { grasp, plane, orientation: [w, x, y, z], .. } = start.hold;
         let held = Grasp::of(&grasp).filter(|grasp| grasp.holding() > 0);
-        Tally {
+        HandTally {
             asked,
             order,
             acts: vec![Vec::new(); order.steps.len()],
@@ -244,26 +247,29 @@ impl<'a> Tally<'a> {
         let takes = stretch.clone().any(|step| {
             matches!(
                 self.order.steps[step].action,
-                Action::Grasp(_) | Action::Rotate { .. } | Action::Orient { .. } | Action::Translate(_)
+                FingersAction::Grasp(_)
+                    | FingersAction::Rotate { .. }
+                    | FingersAction::Orient { .. }
+                    | FingersAction::Translate(_)
             )
         });
-        self.stretches.push(Stretch { cost: 0, gaits: 0, is_best: true });
+        self.stretches.push(TaskStretch { cost: 0, gaits: 0, is_best: true });
         if takes {
             self.turn(sections, (index, stretch.clone()), sink)?;
         }
         for step in stretch {
             match &self.order.steps[step].action {
-                Action::Translate(by_um) => self.acts[step].push(Act::Translate(*by_um)),
-                Action::Wait(duration_ns) => self.acts[step].push(Act::Wait(*duration_ns)),
-                Action::Release => self.release(sections, step, sink)?,
-                Action::Grasp(_) | Action::Rotate { .. } | Action::Orient { .. } => (),
+                FingersAction::Translate(by_um) => self.acts[step].push(FingerAct::Translate(*by_um)),
+                FingersAction::Wait(duration_ns) => self.acts[step].push(FingerAct::Wait(*duration_ns)),
+                FingersAction::Release => self.release(sections, step, sink)?,
+                FingersAction::Grasp(_) | FingersAction::Rotate { .. } | FingersAction::Orient { .. } => (),
             }
         }
         Ok(())
     }
 
-    fn why(&self, at: usize) -> Why<'a> {
-        Why { order: self.order, job: self.asked.job, stance: self.asked.stance, at }
+    fn why(&self, at: usize) -> HandReasons<'a> {
+        HandReasons { order: self.order, job: self.asked.job, stance: self.asked.stance, at }
     }
 
     /// The cheapest way through the turns of a stretch.
@@ -281,10 +287,10 @@ impl<'a> Tally<'a> {
         }
         let gaits = self.asked.gaits.get(index).copied().flatten();
         let way = match sound(self.order, sections, &planned, self.orientation, (self.asked.first, gaits)) {
-            Ok(Answer::Found(way)) => way,
+            Ok(GraspAnswer::Found(way)) => way,
             Ok(stuck) => {
-                let is_proven = matches!(stuck, Answer::Impossible(_)) && planned.left_out.is_none();
-                let is_exact = self.order.planner != Planner::GreedyDecomposition;
+                let is_proven = matches!(stuck, GraspAnswer::Impossible(_)) && planned.left_out.is_none();
+                let is_exact = self.order.planner != FingersPlanner::GreedyDecomposition;
                 if let Some(sink) = sink {
                     let why = self.why(stuck_at(&planned, &stuck));
                     sink.push(why.stuck(&stuck, &planned, (self.held, self.orientation, stretch)));
@@ -299,7 +305,7 @@ impl<'a> Tally<'a> {
             }
         };
         let route = &planned.routes[way.route];
-        let is_grasp = |step: &usize| matches!(self.order.steps[*step].action, Action::Grasp(_));
+        let is_grasp = |step: &usize| matches!(self.order.steps[*step].action, FingersAction::Grasp(_));
         let first = route.first().map_or(stretch.start, |turning| turning.step);
         let begins = stretch.clone().find(is_grasp).map_or(first, |grasp| grasp.min(first));
         let fingers = self.order.facts.fingers as usize;
@@ -307,15 +313,15 @@ impl<'a> Tally<'a> {
         let cost = effort(self.order, &way);
         self.sums.cost += cost;
         let bound = match self.asked.first {
-            First::Effort => way.bound,
-            First::Reconfigurations => 0,
+            FirstCriterion::Effort => way.bound,
+            FirstCriterion::Reconfigurations => 0,
         };
         self.sums.bound += planned.left_out.map_or(bound, |steps| bound.min(2 * ROLL * steps));
         let is_best = planned.left_out.is_none() && way.bound >= way.cost;
         self.sums.is_best &= is_best;
         self.sums.reconfigurations += reconfigurations(&way);
-        self.stretches[index] = Stretch { cost, gaits: reconfigurations(&way), is_best };
-        let is_free = |step: usize| matches!(self.order.steps[step].action, Action::Orient { .. });
+        self.stretches[index] = TaskStretch { cost, gaits: reconfigurations(&way), is_best };
+        let is_free = |step: usize| matches!(self.order.steps[step].action, FingersAction::Orient { .. });
         self.may_differ |= planned.routes.len() > 1;
         if route.iter().any(|turning| is_free(turning.step)) {
             let said: Vec<String> = route.iter().map(|turning| said(sections, turning.turn)).collect();
@@ -339,7 +345,7 @@ impl<'a> Tally<'a> {
             }
             return Err(Stop::Open);
         };
-        self.acts[step].push(Act::Release { order });
+        self.acts[step].push(FingerAct::Release { order });
         Ok(())
     }
 }
@@ -355,8 +361,8 @@ pub fn sound(
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
-    chosen: (First, Option<u32>),
-) -> Result<Answer, NoTables> {
+    chosen: (FirstCriterion, Option<u32>),
+) -> Result<GraspAnswer, NoTables> {
     if order.load_un == [0.0; 3] {
         return lasting(order, sections, planned, orientation, chosen);
     }
@@ -364,11 +370,11 @@ pub fn sound(
     looks.hold_half_back();
     let answer = lasting(order, sections, planned, orientation, chosen);
     looks.give_back();
-    let Ok(Answer::LooksSpent { bound }) = answer else { return answer };
-    sections.deal_with_load(Loaded::Tabulated);
+    let Ok(GraspAnswer::LooksSpent { bound }) = answer else { return answer };
+    sections.deal_with_load(LoadedSections::Tabulated);
     let tabulated = lasting(order, sections, planned, orientation, chosen);
-    sections.deal_with_load(Loaded::Asked);
-    Ok(tabulated.unwrap_or(Answer::LooksSpent { bound }))
+    sections.deal_with_load(LoadedSections::Asked);
+    Ok(tabulated.unwrap_or(GraspAnswer::LooksSpent { bound }))
 }
 
 /// A way with a grasp that lapses between two angles is searched again without that step, as often as it takes: every search has
@@ -378,24 +384,24 @@ fn lasting(
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
-    chosen: (First, Option<u32>),
-) -> Result<Answer, NoTables> {
+    chosen: (FirstCriterion, Option<u32>),
+) -> Result<GraspAnswer, NoTables> {
     let (mut left, mut least) = (order.expansions, 0);
     loop {
-        match answer(order, sections, planned, orientation, chosen, Budget::of(left))? {
-            Answer::Found(way) => {
+        match answer(order, sections, planned, orientation, chosen, SearchBudget::of(left))? {
+            GraspAnswer::Found(way) => {
                 if sections.sift(&planned.routes[way.route], &way, orientation) == Sifted::Sound {
-                    return Ok(Answer::Found(way));
+                    return Ok(GraspAnswer::Found(way));
                 }
                 left = left.saturating_sub(way.expanded);
                 least = way.bound;
             }
-            Answer::GaveUp(gave_up) => {
-                let (budget, bound) = (Budget::of(order.expansions), least.max(gave_up.bound));
-                return Ok(Answer::GaveUp(GaveUp { budget, spent: budget.steps, bound }));
+            GraspAnswer::GaveUp(gave_up) => {
+                let (budget, bound) = (SearchBudget::of(order.expansions), least.max(gave_up.bound));
+                return Ok(GraspAnswer::GaveUp(GaveUp { budget, spent: budget.steps, bound }));
             }
-            Answer::LooksSpent { bound } => return Ok(Answer::LooksSpent { bound: bound.max(least) }),
-            other @ (Answer::Impossible(_) | Answer::TooLarge { .. }) => return Ok(other),
+            GraspAnswer::LooksSpent { bound } => return Ok(GraspAnswer::LooksSpent { bound: bound.max(least) }),
+            other @ (GraspAnswer::Impossible(_) | GraspAnswer::TooLarge { .. }) => return Ok(other),
         }
     }
 }
@@ -407,15 +413,15 @@ const ROLL: u64 = 360;
 const MORE_THAN_ALL_ROLLING: u32 = 1 << 24;
 
 /// The steps that a route rolls at least.
-fn steps_of(route: &[Turning]) -> u64 {
+fn steps_of(route: &[RouteTurn]) -> u64 {
     route.iter().map(|turning| u64::from(turning.turn.steps.unsigned_abs())).sum()
 }
 
 /// What a way costs, in units of [`costs`].
-fn effort(order: &FingersOrder, way: &Way) -> u64 {
-    let Costs { roll, gait } = costs(order);
+fn effort(order: &FingersOrder, way: &GraspPath) -> u64 {
+    let GraspCosts { roll, gait } = costs(order);
     let pairs = way.legs.iter().flat_map(|nodes| nodes.windows(2));
-    let cost = |pair: &[Node]| match pair[0].angle == pair[1].angle {
+    let cost = |pair: &[GraspNode]| match pair[0].angle == pair[1].angle {
         true => u64::from(gait),
         false => u64::from(roll) * pair[0].grasp.holding() as u64,
     };
@@ -423,9 +429,9 @@ fn effort(order: &FingersOrder, way: &Way) -> u64 {
 }
 
 /// Costs as whole numbers: their unit is a degree divided by the steps of a turn.
-fn costs(order: &FingersOrder) -> Costs {
+fn costs(order: &FingersOrder) -> GraspCosts {
     let gait = order.facts.gaiting_cost_deg * f64::from(order.facts.steps_per_turn);
-    Costs { roll: ROLL as u32, gait: gait.round() as u32 }
+    GraspCosts { roll: ROLL as u32, gait: gait.round() as u32 }
 }
 
 /// The answer of the planner that the task asks for.
@@ -434,39 +440,42 @@ fn answer(
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
-    (first, gaits): (First, Option<u32>),
-    budget: Budget,
-) -> Result<Answer, NoTables> {
+    (first, gaits): (FirstCriterion, Option<u32>),
+    budget: SearchBudget,
+) -> Result<GraspAnswer, NoTables> {
     let legs: Result<Vec<_>, _> = planned.routes.iter().map(|route| sections.legs(route, orientation)).collect();
-    let request = Request {
+    let request = GraspRequest {
         fingers: order.facts.fingers as usize,
         start: planned.start.map_or(Start::Any, Start::At),
         routes: legs?,
         costs: match first {
-            First::Effort => costs(order),
-            First::Reconfigurations => Costs { roll: 1, gait: MORE_THAN_ALL_ROLLING },
+            FirstCriterion::Effort => costs(order),
+            FirstCriterion::Reconfigurations => GraspCosts { roll: 1, gait: MORE_THAN_ALL_ROLLING },
         },
         within: Within { gaits, looks: Rc::clone(sections.looks()) },
     };
     Ok(match order.planner {
-        Planner::JointAstar => graph::solve(&request, Estimator::Layers, budget),
-        Planner::PublishedAstar => graph::solve(&request, Estimator::Published, budget),
-        Planner::GreedyDecomposition => graph::decompose(&request, Estimator::Published, budget),
+        FingersPlanner::JointAstar => graph::solve(&request, Estimator::Layers, budget),
+        FingersPlanner::PublishedAstar => graph::solve(&request, Estimator::Published, budget),
+        FingersPlanner::GreedyDecomposition => graph::decompose(&request, Estimator::Published, budget),
     })
 }
 
 /// The step of the leg that an answer without a way ends at.
-fn stuck_at(planned: &Routes, answer: &Answer) -> usize {
+fn stuck_at(planned: &Routes, answer: &GraspAnswer) -> usize {
     let at = |route: usize, leg: usize| planned.routes.get(route).and_then(|route| route.get(leg));
     let leg = match answer {
-        Answer::Impossible(blocked) => at(blocked.route, blocked.leg),
-        Answer::Found(_) | Answer::GaveUp(_) | Answer::LooksSpent { .. } | Answer::TooLarge { .. } => at(0, 0),
+        GraspAnswer::Impossible(blocked) => at(blocked.route, blocked.leg),
+        GraspAnswer::Found(_)
+        | GraspAnswer::GaveUp(_)
+        | GraspAnswer::LooksSpent { .. }
+        | GraspAnswer::TooLarge { .. } => at(0, 0),
     };
     leg.map_or(0, |turning| turning.step)
 }
 
 /// A turn in words, by the angle that its whole steps come to: `79.99 deg about z`.
-fn said(sections: &Sections, turn: Turn) -> String {
+fn said(sections: &Sections, turn: FingersTurn) -> String {
     let axis = match turn.plane {
         Plane::Xy => "z",
         Plane::Xz => "y",
@@ -476,7 +485,7 @@ fn said(sections: &Sections, turn: Turn) -> String {
 }
 
 impl Sums {
-    fn plan(self, order: &FingersOrder, motion: Motion) -> Plan {
+    fn plan(self, order: &FingersOrder, motion: FingersMotion) -> Plan {
         let degrees = |cost: u64| cost as f64 / f64::from(order.facts.steps_per_turn);
         let time_s = ways::duration_ns(&motion).unwrap_or(u64::MAX) as f64 / 1e9;
         let outcomes = [
@@ -486,9 +495,9 @@ impl Sums {
         ];
         Plan {
             planner: match order.planner {
-                Planner::JointAstar => "joint_astar",
-                Planner::PublishedAstar => "published_astar",
-                Planner::GreedyDecomposition => "greedy_decomposition",
+                FingersPlanner::JointAstar => "joint_astar",
+                FingersPlanner::PublishedAstar => "published_astar",
+                FingersPlanner::GreedyDecomposition => "greedy_decomposition",
             },
             objective: "effort",
             unit: "deg",
@@ -498,7 +507,7 @@ impl Sums {
             bounds: BTreeMap::new(),
             outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).into_iter().collect(),
             remarks: self.remarks,
-            motion: AnyMotion::Fingers(motion),
+            motion: Motion::Fingers(motion),
         }
     }
 }

@@ -9,16 +9,16 @@
 //! is, unless the limit is below [`least_s`].
 
 use super::Stance;
-use super::job::{Asked, Done, Stop, Stretch, carried_out, stretches};
+use super::job::{AskedStretch, Done, Stop, TaskStretch, carried_out, stretches};
 use super::routes::routes;
 use super::sections::Sections;
-use crate::claims::fingers::{Action, FingersOrder};
+use crate::claims::fingers::{FingersAction, FingersOrder};
 use crate::claims::{Job, Relation};
 use crate::plan::requirements::{Kept, is_upper, keeps};
 use crate::plan::{Optimality, Plan};
 
 /// What came of a limit.
-pub enum Within {
+pub enum HandWithin {
     /// A plan that keeps it; its bound is one of all plans that do.
     Found(Box<Done>),
     None {
@@ -59,12 +59,13 @@ pub fn misses_time(job: &Job, plan: &Plan) -> bool {
 }
 
 /// A plan that is quick enough, beside one that is not.
-pub fn sooner(sections: &mut Sections, asked: &Asked, done: &Done) -> Sooner {
+pub fn sooner(sections: &mut Sections, asked: &AskedStretch, done: &Done) -> Sooner {
     let mut soonest: Option<Plan> = None;
     let mut gaits = done.gaits();
     for _ in 0..MOST_TRIED {
         let Some(fewer) = gaits.checked_sub(1) else { break };
-        let Within::Found(mut next) = within(sections, asked, done, u32::try_from(fewer).unwrap_or(u32::MAX)) else {
+        let HandWithin::Found(mut next) = within(sections, asked, done, u32::try_from(fewer).unwrap_or(u32::MAX))
+        else {
             break;
         };
         gaits = next.gaits();
@@ -92,18 +93,18 @@ pub fn least_s(sections: &Sections, order: &FingersOrder, stance: Option<&Stance
         let mut takes = false;
         for step in &order.steps[stretch.clone()] {
             match &step.action {
-                Action::Wait(duration_ns) => sum_s += *duration_ns as f64 / 1e9,
-                Action::Translate(by_um) => {
+                FingersAction::Wait(duration_ns) => sum_s += *duration_ns as f64 / 1e9,
+                FingersAction::Translate(by_um) => {
                     sum_s += nalgebra::Vector3::from(*by_um).norm() / facts.rolling_um_per_s;
                     takes = true;
                 }
-                Action::Release => sum_s += if takes || is_held { come_s } else { 0.0 },
-                Action::Grasp(_) | Action::Rotate { .. } | Action::Orient { .. } => takes = true,
+                FingersAction::Release => sum_s += if takes || is_held { come_s } else { 0.0 },
+                FingersAction::Grasp(_) | FingersAction::Rotate { .. } | FingersAction::Orient { .. } => takes = true,
             }
         }
         sum_s += if takes && !is_held { come_s } else { 0.0 };
         let planned = routes(order, stretch, None);
-        let way_um = |route: &crate::plan::fingers::routes::Route| {
+        let way_um = |route: &crate::plan::fingers::routes::TurnRoute| {
             let ways = route.iter().map(|turning| {
                 f64::from(turning.turn.steps.unsigned_abs()) * sections.least_way_um(turning.turn.plane)
             });
@@ -122,23 +123,23 @@ pub fn least_s(sections: &Sections, order: &FingersOrder, stance: Option<&Stance
 /// The ways of one stretch.
 struct Front {
     /// With fewer and fewer reconfigurations.
-    ways: Vec<Stretch>,
+    ways: Vec<TaskStretch>,
     /// Whether each of them is proven, and that there are no others of any use.
     is_whole: bool,
 }
 
 /// The plan of least effort with at most so many reconfigurations, beside one that has more.
-pub fn within(sections: &mut Sections, asked: &Asked, any: &Done, most: u32) -> Within {
+pub fn within(sections: &mut Sections, asked: &AskedStretch, any: &Done, most: u32) -> HandWithin {
     let count = any.stretches.len();
     let fronts: Vec<Front> = (0..count).map(|at| front(sections, asked, (any, at), most)).collect();
     let is_whole = fronts.iter().all(|front| front.is_whole);
-    let Some((cost, gaits)) = choice(&fronts, most) else { return Within::None { is_proven: is_whole } };
+    let Some((cost, gaits)) = choice(&fronts, most) else { return HandWithin::None { is_proven: is_whole } };
     let gaits = gaits.into_iter().map(Some).collect();
-    let Ok(mut done) = carried_out(sections, &Asked { gaits, ..asked.clone() }, None) else {
-        return Within::None { is_proven: false };
+    let Ok(mut done) = carried_out(sections, &AskedStretch { gaits, ..asked.clone() }, None) else {
+        return HandWithin::None { is_proven: false };
     };
     if done.gaits() > u64::from(most) {
-        return Within::None { is_proven: false };
+        return HandWithin::None { is_proven: false };
     }
     let plan = &mut done.plan;
     plan.proof = Optimality::Open;
@@ -148,11 +149,11 @@ pub fn within(sections: &mut Sections, asked: &Asked, any: &Done, most: u32) -> 
     } else {
         plan.bound = any.plan.bound.min(plan.cost);
     }
-    Within::Found(Box::new(done))
+    HandWithin::Found(Box::new(done))
 }
 
 /// The ways of a stretch that may matter.
-fn front(sections: &mut Sections, asked: &Asked, (any, at): (&Done, usize), most: u32) -> Front {
+fn front(sections: &mut Sections, asked: &AskedStretch, (any, at): (&Done, usize), most: u32) -> Front {
     let mut front = Front { ways: vec![any.stretches[at]], is_whole: any.stretches[at].is_best };
     let is_only = any.stretches.len() == 1;
     loop {
@@ -163,7 +164,7 @@ fn front(sections: &mut Sections, asked: &Asked, (any, at): (&Done, usize), most
         let fewer = u32::try_from(last - 1).unwrap_or(u32::MAX).min(most);
         let mut gaits = vec![None; at];
         gaits.push(Some(fewer));
-        match carried_out(sections, &Asked { gaits, ..asked.clone() }, None) {
+        match carried_out(sections, &AskedStretch { gaits, ..asked.clone() }, None) {
             // The greedy planner does not search for limits.
             Ok(done) if done.stretches[at].gaits >= last => {
                 front.is_whole = false;

@@ -5,15 +5,15 @@ use std::cell::Cell;
 /// How many looks may still be taken. One look is a chain of grasps held against one third contact, or a grasp against a condition of
 /// its balance: some tens of nanoseconds.
 #[derive(Debug)]
-pub struct Looks {
+pub struct LooksBudget {
     left: Cell<u64>,
     held_back: Cell<u64>,
 }
 
-impl Looks {
+impl LooksBudget {
     /// So many.
-    pub fn of(most: u64) -> Looks {
-        Looks { left: Cell::new(most), held_back: Cell::new(0) }
+    pub fn of(most: u64) -> LooksBudget {
+        LooksBudget { left: Cell::new(most), held_back: Cell::new(0) }
     }
 
     /// Takes some; the last ones may overdraw what is left.
@@ -41,9 +41,9 @@ impl Looks {
     }
 }
 
-impl Default for Looks {
+impl Default for LooksBudget {
     /// Without an end.
-    fn default() -> Looks {
-        Looks::of(u64::MAX)
+    fn default() -> LooksBudget {
+        LooksBudget::of(u64::MAX)
     }
 }

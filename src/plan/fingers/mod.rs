@@ -12,28 +12,28 @@ pub mod tables;
 pub mod ways;
 mod why;
 
-pub use job::{Standing, plan};
+pub use job::{HandStandings, plan};
 
 use crate::device::fingers::Plane;
 
 /// What the hand does.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion {
+pub struct FingersMotion {
     /// Where everything is at first.
     pub start: Stance,
     /// One for each step of the order.
-    pub steps: Vec<Vec<Move>>,
+    pub steps: Vec<Vec<TipsMove>>,
 }
 
 /// All tips move on straight lines from where they are, from the same instant to the same instant.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Move {
+pub struct TipsMove {
     /// Above 0.
     pub duration_ns: u64,
     /// Where the centre of each tip is at its end, in the hand's frame.
     pub tips_um: Vec<[f64; 3]>,
     /// The state at its end where one is recorded: after every grasp of the plan (node of the grasp graph).
-    pub state: Option<Hold>,
+    pub state: Option<HeldGrasp>,
 }
 
 /// Where everything is.
@@ -41,12 +41,12 @@ pub struct Move {
 pub struct Stance {
     /// The centre of each tip, in the hand's frame.
     pub tips_um: Vec<[f64; 3]>,
-    pub hold: Hold,
+    pub hold: HeldGrasp,
 }
 
 /// A grasp, and where it has the object.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Hold {
+pub struct HeldGrasp {
     /// The contact of each finger in the plane's section, from 1; 0 for a free finger.
     pub grasp: Vec<u32>,
     pub plane: Plane,

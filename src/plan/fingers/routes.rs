@@ -4,7 +4,7 @@
 //! its `orient` steps, cheapest estimate first. Promise: every route has at least one turn, each knows the step that it is of.
 
 use super::graph::Grasp;
-use crate::claims::fingers::{Action, FingersOrder, Turn};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn};
 use crate::device::fingers::Plane;
 use std::ops::Range;
 
@@ -16,16 +16,16 @@ pub const MAX_LOADED_ROUTES: usize = 64;
 
 /// A leg of a route.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Turning {
+pub struct RouteTurn {
     /// Index of the order's steps.
     pub step: usize,
-    pub turn: Turn,
+    pub turn: FingersTurn,
     /// The grasp at its end, where the task says one.
     pub pin: Option<Grasp>,
 }
 
 /// The turns of a stretch, one after the other.
-pub type Route = Vec<Turning>;
+pub type TurnRoute = Vec<RouteTurn>;
 
 /// What the fingers hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub struct Holding {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Routes {
     /// With the fewest steps of turning first; at most [`MAX_ROUTES`], or [`MAX_LOADED_ROUTES`].
-    pub routes: Vec<Route>,
+    pub routes: Vec<TurnRoute>,
     /// The grasp with which each begins; `None`: any.
     pub start: Option<Grasp>,
     /// How many steps the routes turn at least that were left out; `None` if none were.
@@ -55,25 +55,27 @@ pub fn routes(order: &FingersOrder, steps: Range<usize>, held: Option<Holding>) 
 }
 
 /// How many steps a choice of turns rolls at least.
-fn turned(turns: &[(usize, Turn)]) -> u64 {
+fn turned(turns: &[(usize, FingersTurn)]) -> u64 {
     turns.iter().map(|(_, turn)| u64::from(turn.steps.unsigned_abs())).sum()
 }
 
 /// The turns of the steps, one list for each combination of ways; and what the combinations turn that were left out.
-fn choices(order: &FingersOrder, steps: Range<usize>) -> (Vec<Vec<(usize, Turn)>>, Option<u64>) {
-    let mut choices: Vec<Vec<(usize, Turn)>> = vec![Vec::new()];
+fn choices(order: &FingersOrder, steps: Range<usize>) -> (Vec<Vec<(usize, FingersTurn)>>, Option<u64>) {
+    let mut choices: Vec<Vec<(usize, FingersTurn)>> = vec![Vec::new()];
     let mut left_out: Option<u64> = None;
     let most = if order.load_un == [0.0; 3] { MAX_ROUTES } else { MAX_LOADED_ROUTES };
     for step in steps {
-        if let Action::Orient { left_out_steps: Some(least), .. } = &order.steps[step].action {
+        if let FingersAction::Orient { left_out_steps: Some(least), .. } = &order.steps[step].action {
             left_out = Some(left_out.map_or(u64::from(*least), |known| known.min(u64::from(*least))));
         }
-        let ways: Vec<Vec<Turn>> = match &order.steps[step].action {
-            Action::Rotate { plane, steps, .. } => vec![vec![Turn { plane: *plane, steps: *steps }]],
-            Action::Orient { turns, .. } => turns.clone(),
-            Action::Grasp(_) | Action::Translate(_) | Action::Release | Action::Wait(_) => continue,
+        let ways: Vec<Vec<FingersTurn>> = match &order.steps[step].action {
+            FingersAction::Rotate { plane, steps, .. } => vec![vec![FingersTurn { plane: *plane, steps: *steps }]],
+            FingersAction::Orient { turns, .. } => turns.clone(),
+            FingersAction::Grasp(_) | FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_) => {
+                continue;
+            }
         };
-        let with = |choice: &Vec<(usize, Turn)>, way: &Vec<Turn>| {
+        let with = |choice: &Vec<(usize, FingersTurn)>, way: &Vec<FingersTurn>| {
             choice.iter().copied().chain(way.iter().map(|turn| (step, *turn))).collect::<Vec<_>>()
         };
         choices = choices.iter().flat_map(|choice| ways.iter().map(move |way| with(choice, way))).collect();
@@ -89,31 +91,39 @@ fn choices(order: &FingersOrder, steps: Range<usize>) -> (Vec<Vec<(usize, Turn)>
 fn first_grasp(order: &FingersOrder, steps: Range<usize>) -> Option<Grasp> {
     for step in steps {
         match &order.steps[step].action {
-            Action::Grasp(Some(contacts)) => return Grasp::of(contacts),
-            Action::Rotate { .. } | Action::Orient { .. } => return None,
-            Action::Grasp(None) | Action::Translate(_) | Action::Release | Action::Wait(_) => (),
+            FingersAction::Grasp(Some(contacts)) => return Grasp::of(contacts),
+            FingersAction::Rotate { .. } | FingersAction::Orient { .. } => return None,
+            FingersAction::Grasp(None)
+            | FingersAction::Translate(_)
+            | FingersAction::Release
+            | FingersAction::Wait(_) => (),
         }
     }
     None
 }
 
-fn route(order: &FingersOrder, steps: Range<usize>, turns: &[(usize, Turn)], held: Option<Holding>) -> Route {
+fn route(
+    order: &FingersOrder,
+    steps: Range<usize>,
+    turns: &[(usize, FingersTurn)],
+    held: Option<Holding>,
+) -> TurnRoute {
     let plane_at = |step: usize| {
         let next = turns.iter().find(|(of, _)| *of >= step).or(turns.last());
         next.map(|(_, turn)| turn.plane).or(held.map(|held| held.plane)).unwrap_or(Plane::Xy)
     };
-    let mut route = Route::new();
+    let mut route = TurnRoute::new();
     let mut is_held = held.is_some();
     let begins = steps.start;
     for step in steps {
-        if let Action::Grasp(contacts) = &order.steps[step].action {
+        if let FingersAction::Grasp(contacts) = &order.steps[step].action {
             if let Some(pin) = contacts.as_ref().filter(|_| is_held).and_then(|contacts| Grasp::of(contacts)) {
-                route.push(Turning { step, turn: Turn { plane: plane_at(step), steps: 0 }, pin: Some(pin) });
+                route.push(RouteTurn { step, turn: FingersTurn { plane: plane_at(step), steps: 0 }, pin: Some(pin) });
             }
             is_held = true;
         }
         for (_, turn) in turns.iter().filter(|(of, _)| *of == step) {
-            route.push(Turning { step, turn: *turn, pin: None });
+            route.push(RouteTurn { step, turn: *turn, pin: None });
             is_held = true;
         }
     }
@@ -121,7 +131,7 @@ fn route(order: &FingersOrder, steps: Range<usize>, turns: &[(usize, Turn)], hel
     let changes_plane = held.is_some_and(|held| held.plane != first.1);
     if route.is_empty() || changes_plane {
         let plane = held.map_or(first.1, |held| held.plane);
-        route.insert(0, Turning { step: first.0, turn: Turn { plane, steps: 0 }, pin: None });
+        route.insert(0, RouteTurn { step: first.0, turn: FingersTurn { plane, steps: 0 }, pin: None });
     }
     route
 }

@@ -1,13 +1,13 @@
 //! The sections of a part made ready for planning: their curves, the ways to their contacts, and the tables of their grasp graphs.
 
-use super::graph::{Entry, Grasp, Leg, Node, Way};
-use super::looks::Looks;
-use super::mechanics::{self, Asked, Closer, Contacts, Lazy, Load, NoTables, forbid};
-use super::routes::{Holding, Route, Turning};
+use super::graph::{Grasp, GraspNode, GraspPath, Regrasp, TurnLeg};
+use super::looks::LooksBudget;
+use super::mechanics::{self, Closer, Contacts, Lazy, Load, NoTables, TableRequest, forbid};
+use super::routes::{Holding, RouteTurn, TurnRoute};
 use super::tables::Tables;
-use super::ways::{Hand, Reach, Side};
-use crate::claims::fingers::{FingersOrder, Section, Turn};
-use crate::device::fingers::{Facts, Plane};
+use super::ways::{ContactReach, HandSections, PreparedSection};
+use crate::claims::fingers::{FingersOrder, FingersTurn, Section};
+use crate::device::fingers::{FingersFacts, Plane};
 use crate::geometry::outline::{Curve, OutlineError};
 use crate::real::Real;
 use nalgebra::{Unit, UnitQuaternion, Vector3};
@@ -32,18 +32,18 @@ pub struct Sections<'a> {
     order: &'a FingersOrder,
     xy: Ready<'a>,
     xz: Option<Ready<'a>>,
-    known: BTreeMap<Key, Arc<Tables>>,
+    known: BTreeMap<TableKey, Arc<Tables>>,
     /// How many grasps of a layer were found to lapse.
-    lapses: BTreeMap<(Key, usize), u32>,
+    lapses: BTreeMap<(TableKey, usize), u32>,
     /// What there is under a load, where it is asked for grasp by grasp.
-    lazy: BTreeMap<Key, Rc<Lazy>>,
-    loaded: Loaded,
-    looks: Rc<Looks>,
+    lazy: BTreeMap<TableKey, Rc<Lazy>>,
+    loaded: LoadedSections,
+    looks: Rc<LooksBudget>,
 }
 
 /// How a load is dealt with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Loaded {
+pub enum LoadedSections {
     /// What holds is found out grasp by grasp, as the search comes to them.
     Asked,
     /// Tables of all grasps at all angles are made before the search, which knows more from the beginning.
@@ -54,15 +54,15 @@ pub enum Loaded {
 struct Ready<'a> {
     section: &'a Section,
     curve: Curve,
-    reach: Reach,
+    reach: ContactReach,
 }
 
 /// What tables depend on: the plane, and where there is a load also the part's orientation when the leg begins, bit for bit, and
 /// its lowest angle.
-type Key = (Plane, Option<([u64; 4], i32)>);
+type TableKey = (Plane, Option<([u64; 4], i32)>);
 
 /// The key of a plane's tables without a load, whose fingers may leave wherever they may come.
-fn unloaded(plane: Plane) -> Key {
+fn unloaded(plane: Plane) -> TableKey {
     (plane, Some(([u64::MAX; 4], 0)))
 }
 
@@ -71,10 +71,10 @@ impl<'a> Sections<'a> {
     ///
     /// # Errors
     /// Where an outline cannot be followed; the checker refuses such parts.
-    pub fn of(order: &'a FingersOrder, looks: Rc<Looks>) -> Result<Sections<'a>, OutlineError> {
+    pub fn of(order: &'a FingersOrder, looks: Rc<LooksBudget>) -> Result<Sections<'a>, OutlineError> {
         let ready = |section: &'a Section| -> Result<Ready<'a>, OutlineError> {
             let curve = Curve::of(&section.outline)?;
-            let reach = Reach::new(&curve, &order.facts, section.contacts);
+            let reach = ContactReach::new(&curve, &order.facts, section.contacts);
             Ok(Ready { section, curve, reach })
         };
         let xz = order.part.xz.as_ref().map(ready).transpose()?;
@@ -85,23 +85,23 @@ impl<'a> Sections<'a> {
             known: BTreeMap::new(),
             lapses: BTreeMap::new(),
             lazy: BTreeMap::new(),
-            loaded: Loaded::Asked,
+            loaded: LoadedSections::Asked,
             looks,
         })
     }
 
     /// The hand with its sections, for the ways of its fingers.
-    pub fn hand(&self) -> Hand<'_> {
-        Hand { facts: &self.order.facts, xy: self.xy.side(), xz: self.xz.as_ref().map(Ready::side) }
+    pub fn hand(&self) -> HandSections<'_> {
+        HandSections { facts: &self.order.facts, xy: self.xy.side(), xz: self.xz.as_ref().map(Ready::side) }
     }
 
     /// The looks that its searches may still take.
-    pub fn looks(&self) -> &Rc<Looks> {
+    pub fn looks(&self) -> &Rc<LooksBudget> {
         &self.looks
     }
 
     /// From now on a load is dealt with so.
-    pub fn deal_with_load(&mut self, loaded: Loaded) {
+    pub fn deal_with_load(&mut self, loaded: LoadedSections) {
         self.loaded = loaded;
     }
 
@@ -140,16 +140,16 @@ impl<'a> Sections<'a> {
     ///
     /// # Errors
     /// Where a section has too many contacts for its tables.
-    pub fn legs(&mut self, route: &Route, start: UnitQuaternion<f64>) -> Result<Vec<Leg>, NoTables> {
+    pub fn legs(&mut self, route: &TurnRoute, start: UnitQuaternion<f64>) -> Result<Vec<TurnLeg>, NoTables> {
         let mut legs = Vec::with_capacity(route.len());
         let mut orientation = start;
         let mut before: Option<Plane> = None;
-        for Turning { turn, pin, .. } in route {
+        for RouteTurn { turn, pin, .. } in route {
             let entry = match before {
                 Some(plane) if plane != turn.plane => {
-                    Entry::Across { old: [0, self.opposite(plane)], new: [0, self.opposite(turn.plane)] }
+                    Regrasp::Across { old: [0, self.opposite(plane)], new: [0, self.opposite(turn.plane)] }
                 }
-                Some(_) | None => Entry::Same,
+                Some(_) | None => Regrasp::Same,
             };
             let [lowest, highest] = self.angles(*turn);
             let lazy = self.lazy(turn.plane, orientation, lowest);
@@ -157,7 +157,7 @@ impl<'a> Sections<'a> {
                 Some(_) => self.loosest(turn.plane)?,
                 None => self.tables(turn.plane, orientation, [lowest, highest])?,
             };
-            legs.push(Leg { tables, steps: turn.steps, lowest, highest, entry, end: *pin, lazy });
+            legs.push(TurnLeg { tables, steps: turn.steps, lowest, highest, entry, end: *pin, lazy });
             orientation = self.turned(orientation, *turn);
             before = Some(turn.plane);
         }
@@ -165,13 +165,13 @@ impl<'a> Sections<'a> {
     }
 
     /// The angles that a turn may visit: once round on its own side, as in the paper.
-    fn angles(&self, turn: Turn) -> [i32; 2] {
+    fn angles(&self, turn: FingersTurn) -> [i32; 2] {
         let round = i32::try_from(self.order.facts.steps_per_turn).unwrap_or(i32::MAX);
         if turn.steps < 0 { [turn.steps.min(-round), 0] } else { [0, turn.steps.max(round)] }
     }
 
     /// The orientation after a turn.
-    pub fn turned(&self, orientation: UnitQuaternion<f64>, turn: Turn) -> UnitQuaternion<f64> {
+    pub fn turned(&self, orientation: UnitQuaternion<f64>, turn: FingersTurn) -> UnitQuaternion<f64> {
         let axis = Unit::new_unchecked(Vector3::from(turn.plane.normal()));
         orientation * UnitQuaternion::from_axis_angle(&axis, f64::from(turn.steps) * self.step_rad(turn.plane))
     }
@@ -181,7 +181,7 @@ impl<'a> Sections<'a> {
     /// The tables look at a few instants of each step, a closer look at many. A way that passes is cheapest still, since only edges
     /// that do not exist were taken out. Where a layer lapses again and again, all of it is looked at closely, so that the search is
     /// not repeated for each of its edges.
-    pub fn sift(&mut self, route: &Route, way: &Way, start: UnitQuaternion<f64>) -> Sifted {
+    pub fn sift(&mut self, route: &TurnRoute, way: &GraspPath, start: UnitQuaternion<f64>) -> Sifted {
         let mut orientation = start;
         let mut sifted = Sifted::Sound;
         for (turning, nodes) in route.iter().zip(&way.legs) {
@@ -246,7 +246,7 @@ impl<'a> Sections<'a> {
 
     /// What there is under the load of a leg, unless it has tables of its own.
     fn lazy(&mut self, plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32) -> Option<Rc<Lazy>> {
-        if self.order.load_un == [0.0; 3] || self.loaded == Loaded::Tabulated {
+        if self.order.load_un == [0.0; 3] || self.loaded == LoadedSections::Tabulated {
             return None;
         }
         let key = lazy_key(plane, orientation, lowest);
@@ -267,7 +267,7 @@ impl<'a> Sections<'a> {
         }
         let facts = &self.order.facts;
         let ready = self.ready(plane);
-        let asked = Asked { facts, contacts: ready.contacts(facts), load: Load::NONE, lowest: 0, angles: 1 };
+        let asked = TableRequest { facts, contacts: ready.contacts(facts), load: Load::NONE, lowest: 0, angles: 1 };
         let mut tables = mechanics::tables(&asked, &self.looks, &mut |i, j, k| ready.reach.reaches(i, j, k))?;
         for layer in &mut tables.layers {
             layer.leave = layer.place.clone();
@@ -293,7 +293,7 @@ impl<'a> Sections<'a> {
         let ready = self.ready(plane);
         let contacts = ready.contacts(facts);
         let angles = (highest - lowest) as usize + 1;
-        let asked = Asked { facts, contacts, load, lowest: i64::from(lowest), angles };
+        let asked = TableRequest { facts, contacts, load, lowest: i64::from(lowest), angles };
         let tables = Arc::new(mechanics::tables(&asked, &self.looks, &mut |i, j, k| ready.reach.reaches(i, j, k))?);
         self.known.insert(key, Arc::clone(&tables));
         Ok(tables)
@@ -313,29 +313,29 @@ fn contacts_of(grasp: Grasp) -> Vec<usize> {
 }
 
 /// The steps that a leg rolls: the lower angle of each, and the grasp there.
-fn rolls(nodes: &[Node]) -> impl Iterator<Item = (i32, Grasp)> {
+fn rolls(nodes: &[GraspNode]) -> impl Iterator<Item = (i32, Grasp)> {
     let steps = nodes.windows(2).filter(|pair| pair[0].angle != pair[1].angle);
     steps.filter_map(|pair| pair.iter().min_by_key(|node| node.angle)).map(|node| (node.angle, node.grasp))
 }
 
 /// What the answers of a leg under a load are known by.
-fn lazy_key(plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32) -> Key {
+fn lazy_key(plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32) -> TableKey {
     let [x, y, z, w]: [f64; 4] = orientation.coords.into();
     (plane, Some(([x, y, z, w].map(f64::to_bits), lowest)))
 }
 
 /// What the tables of a leg are known by.
-fn key(plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32, load: &Load) -> Key {
+fn key(plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32, load: &Load) -> TableKey {
     let [x, y, z, w]: [f64; 4] = orientation.coords.into();
     (plane, (!load.is_across()).then_some(([x, y, z, w].map(f64::to_bits), lowest)))
 }
 
 impl Ready<'_> {
-    fn contacts(&self, facts: &Facts) -> Contacts<'_> {
+    fn contacts(&self, facts: &FingersFacts) -> Contacts<'_> {
         Contacts::of(self.section, &self.curve, facts.tip_radius_um)
     }
 
-    fn side(&self) -> Side<'_> {
-        Side { section: self.section, curve: &self.curve, reach: &self.reach }
+    fn side(&self) -> PreparedSection<'_> {
+        PreparedSection { section: self.section, curve: &self.curve, reach: &self.reach }
     }
 }

@@ -4,14 +4,14 @@
 
 /// A set of small whole numbers, one bit each.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Bits {
+pub struct ContactBits {
     words: Vec<u64>,
 }
 
-impl Bits {
+impl ContactBits {
     /// The empty set of numbers below `size`.
     pub fn new(size: usize) -> Self {
-        Bits { words: vec![0; size.div_ceil(64)] }
+        ContactBits { words: vec![0; size.div_ceil(64)] }
     }
 
     /// Whether a number is in it; the number must be below the size.
@@ -57,7 +57,7 @@ impl Bits {
     }
 
     /// Drops the numbers that another set of the same size does not have.
-    pub fn keep(&mut self, other: &Bits) {
+    pub fn keep(&mut self, other: &ContactBits) {
         self.words.iter_mut().zip(&other.words).for_each(|(word, other)| *word &= other);
     }
 
@@ -73,13 +73,13 @@ pub struct Tables {
     /// c: contacts are 0 to c - 1, in the order in which positive turns leave them: one step on, contact i becomes i - 1.
     pub contacts: usize,
     /// One for all angles, or, where a load makes them differ, one for each angle of the leg from its lowest on.
-    pub layers: Vec<Layer>,
+    pub layers: Vec<AngleLayer>,
 }
 
 impl Tables {
     /// The layer of an angle, counted from the lowest one of a leg.
     #[inline]
-    pub fn layer(&self, angle: usize) -> &Layer {
+    pub fn layer(&self, angle: usize) -> &AngleLayer {
         if self.layers.len() == 1 { &self.layers[0] } else { &self.layers[angle] }
     }
 
@@ -98,17 +98,17 @@ impl Tables {
 
 /// What holds at one angle. Sets of pairs are symmetric, sets of triples too but for the last contact of `place` and `leave`.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Layer {
+pub struct AngleLayer {
     /// Two fingers hold.
-    pub pair: Bits,
+    pub pair: ContactBits,
     /// Three fingers hold.
-    pub triple: Bits,
+    pub triple: ContactBits,
     /// Two fingers hold on while the object turns by a step, from here to the next angle.
-    pub roll_pair: Bits,
+    pub roll_pair: ContactBits,
     /// Three fingers do.
-    pub roll_triple: Bits,
+    pub roll_triple: ContactBits,
     /// While the first two hold, a finger may come to the third contact.
-    pub place: Bits,
+    pub place: ContactBits,
     /// While the first two hold, the finger on the third contact may leave.
-    pub leave: Bits,
+    pub leave: ContactBits,
 }

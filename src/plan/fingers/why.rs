@@ -1,18 +1,18 @@
 //! Why a stretch of a task has no plan, in words: which turn, how far it comes, and what would open it.
 
 use super::Stance;
-use super::graph::{Answer, Blocked};
-use super::job::{Asked, First, MOST_LOOKS, carried_out, sound};
-use super::looks::Looks;
-use super::mechanics::{Contacts, Grip, Load, NoTables};
-use super::routes::{Holding, Routes, Turning, routes};
+use super::graph::{FarthestRoute, GraspAnswer};
+use super::job::{AskedStretch, FirstCriterion, MOST_LOOKS, carried_out, sound};
+use super::looks::LooksBudget;
+use super::mechanics::{Contacts, GripModel, Load, NoTables};
+use super::routes::{Holding, RouteTurn, Routes, routes};
 use super::sections::Sections;
 use super::ways::WayError;
 use crate::check::fingers::contacts;
 use crate::claims::Job;
-use crate::claims::fingers::{Action, FingersOrder, Part, Planner, Section};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, HandPart, Section};
 use crate::device::MAX_EXPANSIONS;
-use crate::device::fingers::{AXES, Adhesion, Facts, MAX_CONTACTS, MAX_GRASPS, Plane};
+use crate::device::fingers::{AXES, Adhesion, FingersFacts, MAX_CONTACTS, MAX_GRASPS, Plane};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::outline::{Curve, OutlineError};
 use crate::plan::search::GaveUp;
@@ -35,7 +35,7 @@ const EXPLAINING_LOOKS: u64 = MOST_LOOKS / 5;
 pub type Begins = (Option<Holding>, UnitQuaternion<f64>, Range<usize>);
 
 /// The words for the messages about one step.
-pub struct Why<'a> {
+pub struct HandReasons<'a> {
     pub order: &'a FingersOrder,
     pub job: &'a Job,
     /// Where everything is when the task begins; `None` before the device's first one.
@@ -56,28 +56,28 @@ enum Known {
 
 /// Trials of other figures, which share their looks.
 struct Trials<'a> {
-    why: &'a Why<'a>,
+    why: &'a HandReasons<'a>,
     begins: &'a Begins,
-    looks: Rc<Looks>,
+    looks: Rc<LooksBudget>,
 }
 
-impl Why<'_> {
+impl HandReasons<'_> {
     fn span(&self) -> crate::source::Span {
         self.order.steps.get(self.at).map_or_else(Default::default, |step| step.span)
     }
 
     /// What is said of a stretch for which the search found no way.
-    pub fn stuck(&self, answer: &Answer, planned: &Routes, begins: Begins) -> Diagnostic {
+    pub fn stuck(&self, answer: &GraspAnswer, planned: &Routes, begins: Begins) -> Diagnostic {
         match answer {
-            Answer::Impossible(blocked) => self.impossible(blocked, planned, begins),
-            Answer::GaveUp(gave_up) => self.gave_up(gave_up),
-            Answer::LooksSpent { bound } => self.looks_spent(*bound),
-            Answer::TooLarge { nodes } => {
+            GraspAnswer::Impossible(blocked) => self.impossible(blocked, planned, begins),
+            GraspAnswer::GaveUp(gave_up) => self.gave_up(gave_up),
+            GraspAnswer::LooksSpent { bound } => self.looks_spent(*bound),
+            GraspAnswer::TooLarge { nodes } => {
                 Diagnostic::new(Code::E0602, format!("{} has {nodes} grasps, more than can be searched", self.what()))
                     .label(self.span(), "this turn")
                     .help("take a larger `step`, fewer `fingers`, or several tasks")
             }
-            Answer::Found(_) => unreachable!("a way that was found is no reason"),
+            GraspAnswer::Found(_) => unreachable!("a way that was found is no reason"),
         }
     }
 
@@ -111,18 +111,20 @@ impl Why<'_> {
     /// What a step does, as the subject of a sentence.
     fn what(&self) -> String {
         match self.order.steps.get(self.at).map(|step| &step.action) {
-            Some(Action::Rotate { angle_rad, plane, .. }) => {
+            Some(FingersAction::Rotate { angle_rad, plane, .. }) => {
                 format!("the turn by {} deg about {}", digits(angle_rad.to_degrees()), axis(*plane))
             }
-            Some(Action::Orient { .. }) => "the turn to this orientation".to_owned(),
-            Some(Action::Grasp(_)) => "the change of fingers".to_owned(),
-            Some(Action::Translate(_) | Action::Release | Action::Wait(_)) | None => "the grasp".to_owned(),
+            Some(FingersAction::Orient { .. }) => "the turn to this orientation".to_owned(),
+            Some(FingersAction::Grasp(_)) => "the change of fingers".to_owned(),
+            Some(FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_)) | None => {
+                "the grasp".to_owned()
+            }
         }
     }
 
-    fn impossible(&self, blocked: &Blocked, planned: &Routes, begins: Begins) -> Diagnostic {
-        let trials = Trials { why: self, begins: &begins, looks: Rc::new(Looks::of(EXPLAINING_LOOKS)) };
-        if self.order.planner == Planner::GreedyDecomposition {
+    fn impossible(&self, blocked: &FarthestRoute, planned: &Routes, begins: Begins) -> Diagnostic {
+        let trials = Trials { why: self, begins: &begins, looks: Rc::new(LooksBudget::of(EXPLAINING_LOOKS)) };
+        if self.order.planner == FingersPlanner::GreedyDecomposition {
             return self.greedy(&trials);
         }
         let route = &planned.routes[blocked.route];
@@ -182,7 +184,7 @@ impl Why<'_> {
         let held: Vec<usize> = (0..grasp.0.len()).filter_map(|finger| grasp.contact(finger)).collect();
         let [i, j] = held[..] else { return None };
         let [a, b] = [i, j].map(|contact| contacts.one(contact, 0.0));
-        let grip = Grip::of(&order.facts, contacts.reach_um());
+        let grip = GripModel::of(&order.facts, contacts.reach_um());
         let [asked, borne] = grip.torque_left_un_um([&a, &b], &load)?.map(|torque| digits(rounded(torque)));
         Some(format!(
             "about the line through contacts {} and {} the load has a torque of {asked} uN um, of which tips bear {borne} uN um at most",
@@ -200,7 +202,7 @@ impl Why<'_> {
     }
 
     /// How far the fingers come.
-    fn told(&self, blocked: &Blocked, leg: Turning, next: Option<&Turning>) -> String {
+    fn told(&self, blocked: &FarthestRoute, leg: RouteTurn, next: Option<&RouteTurn>) -> String {
         let step_deg = 360.0 / f64::from(self.order.facts.steps_per_turn);
         let degrees = |steps: i32| digits((f64::from(steps) * step_deg * 1e6).round() / 1e6);
         let [i, j] = [1, self.order.part.section(leg.turn.plane).and_then(|section| section.opposite).unwrap_or(1)];
@@ -232,7 +234,7 @@ impl Why<'_> {
     /// What would open the way: of each figure the value nearest to the device's. Each of them is tried with the whole task.
     fn openings(&self, trials: &Trials) -> Option<String> {
         let order = self.order;
-        let with = |change: &dyn Fn(&mut Facts)| changed(order, change);
+        let with = |change: &dyn Fn(&mut FingersFacts)| changed(order, change);
         let is_there = |changed: &FingersOrder| trials.try_with(changed) == Known::There;
         let mut said = Vec::new();
         if order.facts.adhesion == Adhesion::Absent && order.facts.pull_off_un > 0.0 {
@@ -291,7 +293,7 @@ impl Why<'_> {
 
     /// What is said of fingers that cannot go where a plan wants them.
     pub fn no_way(&self, error: &WayError) -> Diagnostic {
-        let at = |step: usize| Why { at: step, ..*self }.span();
+        let at = |step: usize| HandReasons { at: step, ..*self }.span();
         match *error {
             WayError::Range { step, finger, axis, beyond_um } => {
                 let range_um = self.order.facts.range_um[axis];
@@ -353,11 +355,11 @@ fn axis(plane: Plane) -> &'static str {
     }
 }
 
-fn planner(planner: Planner) -> &'static str {
+fn planner(planner: FingersPlanner) -> &'static str {
     match planner {
-        Planner::JointAstar => "joint_astar",
-        Planner::PublishedAstar => "published_astar",
-        Planner::GreedyDecomposition => "greedy_decomposition",
+        FingersPlanner::JointAstar => "joint_astar",
+        FingersPlanner::PublishedAstar => "published_astar",
+        FingersPlanner::GreedyDecomposition => "greedy_decomposition",
     }
 }
 
@@ -367,13 +369,13 @@ impl Trials<'_> {
         let (held, orientation, steps) = self.begins;
         let Ok(mut sections) = Sections::of(order, Rc::clone(&self.looks)) else { return Known::Nothing };
         let planned = routes(order, steps.clone(), *held);
-        match sound(order, &mut sections, &planned, *orientation, (First::Effort, None)) {
-            Ok(Answer::Found(_)) => {}
-            Ok(Answer::Impossible(_)) if planned.left_out.is_none() => return Known::None,
+        match sound(order, &mut sections, &planned, *orientation, (FirstCriterion::Effort, None)) {
+            Ok(GraspAnswer::Found(_)) => {}
+            Ok(GraspAnswer::Impossible(_)) if planned.left_out.is_none() => return Known::None,
             Ok(_) | Err(_) => return Known::Nothing,
         }
         let (job, stance) = (self.why.job, self.why.stance);
-        let asked = Asked { job, order, stance, first: First::Effort, gaits: Vec::new() };
+        let asked = AskedStretch { job, order, stance, first: FirstCriterion::Effort, gaits: Vec::new() };
         match carried_out(&mut sections, &asked, None) {
             Ok(_) => Known::There,
             Err(_) => Known::Nothing,
@@ -381,11 +383,11 @@ impl Trials<'_> {
     }
 }
 
-fn changed(order: &FingersOrder, change: &dyn Fn(&mut Facts)) -> FingersOrder {
-    let mut facts = Facts::clone(&order.facts);
+fn changed(order: &FingersOrder, change: &dyn Fn(&mut FingersFacts)) -> FingersOrder {
+    let mut facts = FingersFacts::clone(&order.facts);
     change(&mut facts);
     // Whether there is a plan at all is what the default planner tells fastest.
-    FingersOrder { facts: Arc::new(facts), planner: Planner::JointAstar, ..order.clone() }
+    FingersOrder { facts: Arc::new(facts), planner: FingersPlanner::JointAstar, ..order.clone() }
 }
 
 /// The figure nearest to the first one, in whole grains, that opens the way, if the last one does; a figure between them that opens
@@ -418,19 +420,22 @@ fn halved(order: &FingersOrder) -> Option<(FingersOrder, String)> {
         Some(section) => Some(finer(section, &halved.facts)?),
         None => None,
     };
-    halved.part = Arc::new(Part { xy, xz, ..Part::clone(&order.part) });
+    halved.part = Arc::new(HandPart { xy, xz, ..HandPart::clone(&order.part) });
     for step in &mut halved.steps {
         match &mut step.action {
-            Action::Rotate { steps, .. } => *steps *= 2,
-            Action::Grasp(Some(_)) | Action::Orient { .. } => return None,
-            Action::Grasp(None) | Action::Translate(_) | Action::Release | Action::Wait(_) => (),
+            FingersAction::Rotate { steps, .. } => *steps *= 2,
+            FingersAction::Grasp(Some(_)) | FingersAction::Orient { .. } => return None,
+            FingersAction::Grasp(None)
+            | FingersAction::Translate(_)
+            | FingersAction::Release
+            | FingersAction::Wait(_) => (),
         }
     }
     Some((halved, step))
 }
 
 /// A section with twice the contacts, if the device samples it so.
-fn finer(section: &Section, facts: &Facts) -> Option<Section> {
+fn finer(section: &Section, facts: &FingersFacts) -> Option<Section> {
     let finer = Section {
         contacts: section.contacts * 2,
         opposite: section.opposite.map(|contact| 2 * contact - 1),

@@ -11,7 +11,7 @@
 
 use super::free;
 use super::{Crew, Leg, leg_ns};
-use crate::claims::microrobots::{Action, MicrorobotsOrder, Precision, Stop};
+use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop, Precision};
 use crate::geometry::Pose;
 
 /// To so many earlier poses of its robot a stop is related: the latest ones.
@@ -28,7 +28,7 @@ const EXACT: Precision = Precision { place_um: 0.0, heading_rad: 0.0 };
 
 /// A time that no plan of these steps is below, from where the robots are.
 pub fn least_ns(order: &MicrorobotsOrder, start: &Crew) -> u64 {
-    let mut course = Course::new(order, start);
+    let mut course = JobPrefix::new(order, start);
     order.steps.iter().for_each(|step| course.follow(&step.action));
     course.at_ns[course.latest()]
 }
@@ -42,30 +42,30 @@ pub fn least_strokes(order: &MicrorobotsOrder, robot: usize, from: (Pose, Precis
 
 /// Where a robot is at an instant in every plan.
 #[derive(Debug, Clone, Copy)]
-struct Known {
+struct KnownPlace {
     instant: usize,
     pose: Pose,
     slack: Precision,
 }
 
 /// A job up to one of its steps.
-struct Course<'a> {
+struct JobPrefix<'a> {
     order: &'a MicrorobotsOrder,
     /// When each instant is at the earliest.
     at_ns: Vec<u64>,
     /// How much of the time up to each instant has no strokes in every plan: waits and control cycles.
     still_ns: Vec<u64>,
     /// For each robot of the order, in order of time.
-    known: Vec<Vec<Known>>,
+    known: Vec<Vec<KnownPlace>>,
     docked: Vec<bool>,
     /// Where all robots are, as long as that does not depend on the plan.
     poses: Option<Vec<Pose>>,
 }
 
-impl<'a> Course<'a> {
+impl<'a> JobPrefix<'a> {
     fn new(order: &'a MicrorobotsOrder, start: &Crew) -> Self {
-        let known = start.poses.iter().map(|pose| vec![Known { instant: 0, pose: *pose, slack: EXACT }]);
-        Course {
+        let known = start.poses.iter().map(|pose| vec![KnownPlace { instant: 0, pose: *pose, slack: EXACT }]);
+        JobPrefix {
             order,
             at_ns: vec![0],
             still_ns: vec![0],
@@ -79,20 +79,20 @@ impl<'a> Course<'a> {
         self.at_ns.len() - 1
     }
 
-    fn follow(&mut self, action: &Action) {
+    fn follow(&mut self, action: &MicrorobotsAction) {
         match action {
-            Action::Wait(duration_ns) => {
+            MicrorobotsAction::Wait(duration_ns) => {
                 self.goes_by(*duration_ns, *duration_ns);
                 self.know();
             }
-            Action::Apply { state, duration_ns } => self.apply(*state, *duration_ns),
-            Action::Drive { robot, stops } => {
+            MicrorobotsAction::Apply { state, duration_ns } => self.apply(*state, *duration_ns),
+            MicrorobotsAction::Drive { robot, stops } => {
                 self.poses = None;
                 stops.iter().for_each(|stop| self.arrive(&[(*robot, stop)]));
             }
-            Action::Assemble(docks) => {
+            MicrorobotsAction::Assemble(docks) => {
                 self.poses = None;
-                let open: Vec<(usize, &Stop)> =
+                let open: Vec<(usize, &MicrorobotsStop)> =
                     docks.iter().filter(|dock| !self.docked[dock.robot]).map(|dock| (dock.robot, &dock.goal)).collect();
                 self.arrive(&open);
                 open.iter().for_each(|(robot, _)| self.docked[*robot] = true);
@@ -123,12 +123,12 @@ impl<'a> Course<'a> {
     fn know(&mut self) {
         let instant = self.latest();
         for (known, pose) in self.known.iter_mut().zip(self.poses.iter().flatten()) {
-            *known = vec![Known { instant, pose: *pose, slack: EXACT }];
+            *known = vec![KnownPlace { instant, pose: *pose, slack: EXACT }];
         }
     }
 
     /// Robots come to stops of theirs at the same time.
-    fn arrive(&mut self, stops: &[(usize, &Stop)]) {
+    fn arrive(&mut self, stops: &[(usize, &MicrorobotsStop)]) {
         let cycles_ns = stops.iter().map(|(robot, stop)| self.cycles_ns(*robot, stop)).max().unwrap_or(0);
         self.goes_by(cycles_ns, cycles_ns);
         let instant = self.latest();
@@ -140,12 +140,12 @@ impl<'a> Course<'a> {
                 let driven_ns = strokes.saturating_mul(self.order.facts.period_ns).saturating_add(still_ns);
                 self.at_ns[instant] = self.at_ns[instant].max(self.at_ns[known.instant].saturating_add(driven_ns));
             }
-            self.known[*robot].push(Known { instant, pose: goal, slack });
+            self.known[*robot].push(KnownPlace { instant, pose: goal, slack });
         }
     }
 
     /// The control cycles that a robot needs from the instant before, if it is known where it is then.
-    fn cycles_ns(&self, robot: usize, stop: &Stop) -> u64 {
+    fn cycles_ns(&self, robot: usize, stop: &MicrorobotsStop) -> u64 {
         let (order, goal, slack) = (self.order, stop.pose, self.order.precision);
         let Some(known) = self.known[robot].last().filter(|known| known.instant == self.latest()) else { return 0 };
         if self.docked[robot] || least_strokes(order, robot, (known.pose, known.slack), (goal, slack)) == 0 {

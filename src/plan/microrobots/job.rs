@@ -8,17 +8,19 @@ use super::bound;
 use super::drive::{self, Drive};
 use super::guarantee::{Assured, guarantees};
 use super::strategy::{driven, episodes};
-use super::why::Why;
-use super::world::{Bed, World};
-use super::{Docking, Leg, Motion, Stage, StepMotion};
+use super::why::BedReasons;
+use super::world::{BedPoses, World};
+use super::{AssemblyStage, Leg, MicrorobotsMotion, MicrorobotsStepMotion, RobotDocking};
 use crate::claims::Job;
-use crate::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Step, Stop};
+use crate::claims::microrobots::{
+    Assurance, Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop,
+};
 use crate::device::microrobots::Arm;
 use crate::diagnostic::{Remark, Sink};
 use crate::geometry::Pose;
-use crate::plan::requirements::{Kept, Known, require};
-use crate::plan::search::Budget;
-use crate::plan::{Motion as AnyMotion, Optimality, Plan};
+use crate::plan::requirements::{Kept, KnownLimit, require};
+use crate::plan::search::SearchBudget;
+use crate::plan::{Motion, Optimality, Plan};
 use std::collections::BTreeMap;
 
 /// Where the robots of a bed are, one entry for each robot of its orders.
@@ -31,7 +33,7 @@ pub struct Crew {
 
 impl Crew {
     /// Carries all robots through the leg of a step at an index of its legs; some may dock at its end.
-    pub fn follow(&mut self, order: &MicrorobotsOrder, (index, leg): (usize, &Leg), docks: &[Docking]) {
+    pub fn follow(&mut self, order: &MicrorobotsOrder, (index, leg): (usize, &Leg), docks: &[RobotDocking]) {
         for robot in (0..self.poses.len()).filter(|robot| !self.docked[*robot]) {
             self.poses[robot] = leg.carried(order, robot, self.poses[robot]);
         }
@@ -41,12 +43,12 @@ impl Crew {
 
 /// What the plans of a schedule leave behind for those that follow.
 #[derive(Default)]
-pub struct Standing {
+pub struct BedStandings {
     /// By device; `None` where a plan is missing, so that nobody knows where its robots stand.
     crews: BTreeMap<String, Option<Crew>>,
 }
 
-impl Standing {
+impl BedStandings {
     /// Where the robots of an order stand before its job, if that is known.
     fn of(&self, job: &Job, order: &MicrorobotsOrder) -> Option<Crew> {
         let scene = || Crew {
@@ -58,7 +60,7 @@ impl Standing {
 }
 
 /// A plan for a job; without one an error was pushed, for this job or for one of the same bed before it.
-pub fn plan(job: &Job, order: &MicrorobotsOrder, standing: &mut Standing, sink: &mut Sink) -> Option<Plan> {
+pub fn plan(job: &Job, order: &MicrorobotsOrder, standing: &mut BedStandings, sink: &mut Sink) -> Option<Plan> {
     let is_first = !standing.crews.contains_key(&job.device);
     let planned = standing.of(job, order).and_then(|crew| planned(job, order, (crew, is_first), sink));
     let (plan, crew) = planned.map_or((None, None), |(plan, crew)| (plan, Some(crew)));
@@ -74,25 +76,25 @@ fn planned(
     sink: &mut Sink,
 ) -> Option<(Option<Plan>, Crew)> {
     let world = World::new(order);
-    let mut bed = Bed::new(start.poses.clone(), start.docked.clone());
-    let mut tally = Tally { bound_ns: bound::least_ns(order, &start), ..Tally::default() };
+    let mut bed = BedPoses::new(start.poses.clone(), start.docked.clone());
+    let mut tally = BedTally { bound_ns: bound::least_ns(order, &start), ..BedTally::default() };
     let mut steps = Vec::with_capacity(order.steps.len());
     let mut is_given = is_first;
     for step in &order.steps {
-        let done = Planner { order, world: &world, bed: &bed, step, is_given }.done(sink)?;
-        is_given &= matches!(step.action, Action::Wait(_) | Action::Apply { .. });
+        let done = BedStepPlanner { order, world: &world, bed: &bed, step, is_given }.done(sink)?;
+        is_given &= matches!(step.action, MicrorobotsAction::Wait(_) | MicrorobotsAction::Apply { .. });
         match &done.motion {
-            StepMotion::Legs { legs, docks, .. } => bed.follow(&world, legs, docks),
-            StepMotion::Wait(_) => bed.rest(),
+            MicrorobotsStepMotion::Legs { legs, docks, .. } => bed.follow(&world, legs, docks),
+            MicrorobotsStepMotion::Wait(_) => bed.rest(),
         }
         tally.add(order, &done);
         steps.push(done.motion);
     }
-    let motion = Motion { start, steps };
+    let motion = MicrorobotsMotion { start, steps };
     let are_guaranteed = assure(order, &motion, &mut tally.remarks, sink);
     let plan = tally.plan(motion);
     let crew = Crew { poses: bed.poses, docked: bed.docked };
-    let kept = require(job, &plan, &mut |_| Known::default(), sink);
+    let kept = require(job, &plan, &mut |_| KnownLimit::default(), sink);
     Some(((kept == Kept::Yes && are_guaranteed).then_some(plan), crew))
 }
 
@@ -100,7 +102,7 @@ fn planned(
 ///
 /// Without errors the plan is carried out as it is written, and the verifier has looked where that leads. With errors nothing is
 /// guaranteed: what the estimates object to is named first.
-fn assure(order: &MicrorobotsOrder, motion: &Motion, remarks: &mut Vec<Remark>, sink: &mut Sink) -> bool {
+fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Vec<Remark>, sink: &mut Sink) -> bool {
     let is_exact = order.facts.errors.is_some_and(|errors| errors.are_zero());
     let estimates = if is_exact { Vec::new() } else { guarantees(order, motion).unwrap_or_default() };
     let mut all_hold = true;
@@ -120,7 +122,7 @@ fn assure(order: &MicrorobotsOrder, motion: &Motion, remarks: &mut Vec<Remark>, 
         if order.assurance == Assurance::Demanded {
             all_hold = false;
             let step = &order.steps[episode.step];
-            let says = Why { order, step, docked: &motion.start.docked, is_given: false };
+            let says = BedReasons { order, step, docked: &motion.start.docked, is_given: false };
             sink.push(says.not_guaranteed(&subject, &why));
         }
         if order.facts.errors.is_some() {
@@ -131,36 +133,38 @@ fn assure(order: &MicrorobotsOrder, motion: &Motion, remarks: &mut Vec<Remark>, 
 }
 
 /// A step with its plan.
-struct Done {
-    motion: StepMotion,
+struct PlannedStep {
+    motion: MicrorobotsStepMotion,
     remarks: Vec<Remark>,
 }
 
 /// Plans one step, from where the bed is.
-struct Planner<'a> {
+struct BedStepPlanner<'a> {
     order: &'a MicrorobotsOrder,
     world: &'a World,
-    bed: &'a Bed,
-    step: &'a Step,
+    bed: &'a BedPoses,
+    step: &'a MicrorobotsStep,
     /// Whether the bed is now as in every plan: nothing that leaves a choice was driven before.
     is_given: bool,
 }
 
-impl<'a> Planner<'a> {
-    fn done(&self, sink: &mut Sink) -> Option<Done> {
+impl<'a> BedStepPlanner<'a> {
+    fn done(&self, sink: &mut Sink) -> Option<PlannedStep> {
         match &self.step.action {
-            Action::Wait(duration_ns) => Some(Done { motion: StepMotion::Wait(*duration_ns), remarks: Vec::new() }),
-            Action::Apply { state, duration_ns } => self.applied(*state, *duration_ns, sink),
-            Action::Drive { robot, stops } => self.driven(*robot, stops, sink),
-            Action::Assemble(docks) => self.assembled(docks, sink),
+            MicrorobotsAction::Wait(duration_ns) => {
+                Some(PlannedStep { motion: MicrorobotsStepMotion::Wait(*duration_ns), remarks: Vec::new() })
+            }
+            MicrorobotsAction::Apply { state, duration_ns } => self.applied(*state, *duration_ns, sink),
+            MicrorobotsAction::Drive { robot, stops } => self.driven(*robot, stops, sink),
+            MicrorobotsAction::Assemble(docks) => self.assembled(docks, sink),
         }
     }
 
-    fn why(&self) -> Why<'a> {
-        Why { order: self.order, step: self.step, docked: &self.bed.docked, is_given: self.is_given }
+    fn why(&self) -> BedReasons<'a> {
+        BedReasons { order: self.order, step: self.step, docked: &self.bed.docked, is_given: self.is_given }
     }
 
-    fn applied(&self, state: usize, duration_ns: u64, sink: &mut Sink) -> Option<Done> {
+    fn applied(&self, state: usize, duration_ns: u64, sink: &mut Sink) -> Option<PlannedStep> {
         let leg = Leg { state, strokes: duration_ns.div_ceil(self.order.facts.period_ns) };
         let lowers = |robot: &usize| self.bed.docked[*robot] && self.world.arm(state, *robot) == Arm::Down;
         if let Some(robot) = (0..self.world.count()).find(lowers) {
@@ -171,14 +175,14 @@ impl<'a> Planner<'a> {
             sink.push(self.why().applied_into(&hit));
             return None;
         }
-        Some(Done { motion: plain(vec![leg]), remarks: Vec::new() })
+        Some(PlannedStep { motion: plain(vec![leg]), remarks: Vec::new() })
     }
 
-    fn driven(&self, robot: usize, stops: &[Stop], sink: &mut Sink) -> Option<Done> {
+    fn driven(&self, robot: usize, stops: &[MicrorobotsStop], sink: &mut Sink) -> Option<PlannedStep> {
         let poses: Vec<Pose> = stops.iter().map(|stop| stop.pose).collect();
         let request = Drive { order: self.order, world: self.world, bed: self.bed, robot, stops: &poses };
-        match drive::drive(&request, Budget::of(self.order.expansions)) {
-            Ok(driven) => Some(Done { motion: plain(driven.legs), remarks: Vec::new() }),
+        match drive::drive(&request, SearchBudget::of(self.order.expansions)) {
+            Ok(driven) => Some(PlannedStep { motion: plain(driven.legs), remarks: Vec::new() }),
             Err(stuck) => {
                 sink.push(self.why().not_driven(robot, &stuck, stops));
                 None
@@ -186,9 +190,9 @@ impl<'a> Planner<'a> {
         }
     }
 
-    fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<Done> {
+    fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<PlannedStep> {
         let (poses, docked) = (&self.bed.poses, &self.bed.docked);
-        let budget = Budget::of(self.order.expansions);
+        let budget = SearchBudget::of(self.order.expansions);
         let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
         let span = |robot: usize| goal(robot).unwrap_or(self.step.span);
         let assembled = match assembly::assemble(self.order, poses, docked, docks, budget) {
@@ -204,12 +208,12 @@ impl<'a> Planner<'a> {
             sink.push(self.why().still_turning(&hit));
             return None;
         }
-        Some(Done { motion: StepMotion::Legs { legs, docks, stages }, remarks: Vec::new() })
+        Some(PlannedStep { motion: MicrorobotsStepMotion::Legs { legs, docks, stages }, remarks: Vec::new() })
     }
 }
 
-fn plain(legs: Vec<Leg>) -> StepMotion {
-    StepMotion::Legs { legs, docks: Vec::new(), stages: Vec::<Stage>::new() }
+fn plain(legs: Vec<Leg>) -> MicrorobotsStepMotion {
+    MicrorobotsStepMotion::Legs { legs, docks: Vec::new(), stages: Vec::<AssemblyStage>::new() }
 }
 
 /// How long a leg takes: its control cycle, then its strokes.
@@ -220,7 +224,7 @@ pub fn leg_ns(order: &MicrorobotsOrder, leg: Leg) -> u64 {
 
 /// What the steps of a job take together.
 #[derive(Default)]
-struct Tally {
+struct BedTally {
     time_ns: u64,
     /// No plan of the job takes less.
     bound_ns: u64,
@@ -229,12 +233,12 @@ struct Tally {
     remarks: Vec<Remark>,
 }
 
-impl Tally {
-    fn add(&mut self, order: &MicrorobotsOrder, done: &Done) {
+impl BedTally {
+    fn add(&mut self, order: &MicrorobotsOrder, done: &PlannedStep) {
         self.remarks.extend(done.remarks.iter().cloned());
         match &done.motion {
-            StepMotion::Wait(duration_ns) => self.time_ns = self.time_ns.saturating_add(*duration_ns),
-            StepMotion::Legs { legs, .. } => {
+            MicrorobotsStepMotion::Wait(duration_ns) => self.time_ns = self.time_ns.saturating_add(*duration_ns),
+            MicrorobotsStepMotion::Legs { legs, .. } => {
                 self.switches += legs.len() as u64;
                 for leg in legs {
                     self.time_ns = self.time_ns.saturating_add(leg_ns(order, *leg));
@@ -244,7 +248,7 @@ impl Tally {
         }
     }
 
-    fn plan(self, motion: Motion) -> Plan {
+    fn plan(self, motion: MicrorobotsMotion) -> Plan {
         let seconds = |ns: u64| ns as f64 / 1e9;
         let outcomes =
             [("time", seconds(self.time_ns)), ("switches", self.switches as f64), ("strokes", self.strokes as f64)];
@@ -258,7 +262,7 @@ impl Tally {
             bounds: BTreeMap::new(),
             outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).into_iter().collect(),
             remarks: self.remarks,
-            motion: AnyMotion::Microrobots(motion),
+            motion: Motion::Microrobots(motion),
         }
     }
 }

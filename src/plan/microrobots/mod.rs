@@ -14,30 +14,30 @@ pub mod ways;
 mod why;
 pub mod world;
 
-pub use job::{Crew, Standing, leg_ns, plan};
+pub use job::{BedStandings, Crew, leg_ns, plan};
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 
 /// What the bed does.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion {
+pub struct MicrorobotsMotion {
     /// Where the robots are at first.
     pub start: Crew,
     /// One for each step of the order.
-    pub steps: Vec<StepMotion>,
+    pub steps: Vec<MicrorobotsStepMotion>,
 }
 
 /// What the bed does in one step of the task.
 #[derive(Debug, Clone, PartialEq)]
-pub enum StepMotion {
+pub enum MicrorobotsStepMotion {
     Legs {
         /// Each begins with the control cycle of its state; neighbours have different states.
         legs: Vec<Leg>,
         /// The robots that dock in this step, in order of time.
-        docks: Vec<Docking>,
+        docks: Vec<RobotDocking>,
         /// How robots were brought together, for `simulate`: in order of time; empty but for `assemble`.
-        stages: Vec<Stage>,
+        stages: Vec<AssemblyStage>,
     },
     /// In nanoseconds.
     Wait(u64),
@@ -63,7 +63,7 @@ impl Leg {
 
 /// A robot that comes to its goal and stays there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Docking {
+pub struct RobotDocking {
     /// Index of the order's robots.
     pub robot: usize,
     /// It moves no more after this leg of the step.
@@ -72,7 +72,7 @@ pub struct Docking {
 
 /// A stage of an assembly.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Stage {
+pub enum AssemblyStage {
     /// Before a [`Stage::Pair`], of its second robot: it is driven to where it orbits while the first one is driven, and `beside`,
     /// the first one, runs straight meanwhile (it may turn while `robot` does).
     Escort {

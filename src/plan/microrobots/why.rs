@@ -1,26 +1,26 @@
 //! Why a step of microrobots has no plan, in words: which robot, which orbit, which obstacle.
 
-use super::assembly::{Blocker, Stuck};
-use super::drive::{self, Reason, Thing};
-use super::world::{Hit, Meeting};
-use crate::claims::microrobots::{MicrorobotsOrder, Step, Stop};
+use super::assembly::{RobotBlocker, StuckAssembly};
+use super::drive::{self, StuckReason, Thing};
+use super::world::{FirstMeeting, ForbiddenMeeting};
+use crate::claims::microrobots::{MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::source::Span;
 
 /// The words of one step, for the messages about it.
-pub struct Why<'a> {
+pub struct BedReasons<'a> {
     pub order: &'a MicrorobotsOrder,
-    pub step: &'a Step,
+    pub step: &'a MicrorobotsStep,
     /// Which robots of the order have docked before the step.
     pub docked: &'a [bool],
     /// Whether all robots stand before the step where every plan has them.
     pub is_given: bool,
 }
 
-impl Why<'_> {
+impl BedReasons<'_> {
     /// What is said of a raw state whose strokes carry robots into something.
-    pub fn applied_into(&self, hit: &Hit) -> Diagnostic {
+    pub fn applied_into(&self, hit: &FirstMeeting) -> Diagnostic {
         let after = Quantity::new(hit.strokes * self.order.facts.period_ns as f64 / 1e9, Dimension::TIME);
         let title = format!("{} after {}", self.meeting(hit.meeting), rounded(after));
         let diagnostic =
@@ -37,7 +37,7 @@ impl Why<'_> {
     }
 
     /// What is said of an assembly after a step in which robots turned, so that they are on their orbits from its beginning.
-    pub fn still_turning(&self, hit: &Hit) -> Diagnostic {
+    pub fn still_turning(&self, hit: &FirstMeeting) -> Diagnostic {
         let diagnostic = Diagnostic::new(Code::E0602, format!("no way was found: {}", self.meeting(hit.meeting)))
             .label(self.step.span, "it has been turning since the step before");
         self.labelled(diagnostic, hit.meeting).help("put `wait 1 ms` before this step: at 0 V all arms go up")
@@ -51,53 +51,56 @@ impl Why<'_> {
     }
 
     /// What is said of a robot that does not come to one of its stops.
-    pub fn not_driven(&self, robot: usize, stuck: &drive::Stuck, stops: &[Stop]) -> Diagnostic {
-        let is_proof = stuck.reason.is_proof() && (self.is_given && stuck.stop == 0 || stuck.reason == Reason::Docked);
+    pub fn not_driven(&self, robot: usize, stuck: &drive::StuckDrive, stops: &[MicrorobotsStop]) -> Diagnostic {
+        let is_proof =
+            stuck.reason.is_proof() && (self.is_given && stuck.stop == 0 || stuck.reason == StuckReason::Docked);
         let code = if is_proof { Code::E0601 } else { Code::E0602 };
         let name = self.name(robot);
         let goal = stops.get(stuck.stop).map_or(self.step.span, |stop| stop.span);
         let start = self.order.robots[robot].span;
         let clearance = length(self.order.facts.clearance_um);
         match stuck.reason {
-            Reason::Docked => Diagnostic::new(code, format!("{name} has docked and moves no more"))
+            StuckReason::Docked => Diagnostic::new(code, format!("{name} has docked and moves no more"))
                 .label(self.step.span, "it is part of a structure")
                 .help("drive it before it docks"),
-            Reason::NeverTurns => Diagnostic::new(
+            StuckReason::NeverTurns => Diagnostic::new(
                 code,
                 format!("no control state lowers the arm of {name}{}, so it only runs straight", self.beside_docked()),
             )
             .label(goal, "it would have to turn")
             .help("`tweeze devices FILE` shows the control states"),
-            Reason::NeverRuns => Diagnostic::new(
+            StuckReason::NeverRuns => Diagnostic::new(
                 code,
                 format!("no control state raises the arm of {name}{}, so it only turns", self.beside_docked()),
             )
             .label(goal, "it would have to run straight")
             .help("`tweeze devices FILE` shows the control states"),
-            Reason::Start(thing) => {
+            StuckReason::Start(thing) => {
                 let title = format!("{name} stands too near to {} to move: {clearance} are kept", self.thing(thing));
                 let diagnostic = Diagnostic::new(code, title).label(start, "it starts here");
                 self.near(diagnostic, thing, start).help("let it start elsewhere, or turned otherwise")
             }
-            Reason::Goal(thing) => {
+            StuckReason::Goal(thing) => {
                 let title = format!("at its goal {name} is too near to {}: {clearance} are kept", self.thing(thing));
                 let diagnostic = Diagnostic::new(code, title).label(goal, "no way can end here");
                 self.near(diagnostic, thing, goal).help("choose another place or heading")
             }
-            Reason::Blocked(thing) => {
+            StuckReason::Blocked(thing) => {
                 let title = format!("no way was found for {name} round {}", self.thing(thing));
                 let diagnostic = Diagnostic::new(code, title).label(goal, "the way to this pose");
                 self.near(diagnostic, thing, goal).help("name a pose on the way with `via`, or make room")
             }
-            Reason::GaveUp(thing) => {
+            StuckReason::GaveUp(thing) => {
                 let diagnostic = self.gave_up();
                 self.near(diagnostic, thing, self.step.span)
             }
-            Reason::OutOfBudget => self.gave_up(),
-            Reason::TooFine => Diagnostic::new(code, format!("whole strokes do not bring {name} within the precision"))
-                .label(goal, "this pose")
-                .help("ask for less `precision`, or give the bed a smaller `step_size`"),
-            Reason::Meets(hit) => {
+            StuckReason::OutOfBudget => self.gave_up(),
+            StuckReason::TooFine => {
+                Diagnostic::new(code, format!("whole strokes do not bring {name} within the precision"))
+                    .label(goal, "this pose")
+                    .help("ask for less `precision`, or give the bed a smaller `step_size`")
+            }
+            StuckReason::Meets(hit) => {
                 let title = format!("{name} has a way, but all robots move with it: {}", self.meeting(hit.meeting));
                 let diagnostic = Diagnostic::new(code, title)
                     .label(goal, "so it ends with the last of the control states that were tried");
@@ -129,21 +132,21 @@ impl Why<'_> {
     }
 
     /// What is said of an assembly that has no plan.
-    pub fn not_assembled(&self, stuck: &Stuck, span: &dyn Fn(usize) -> Span) -> Diagnostic {
+    pub fn not_assembled(&self, stuck: &StuckAssembly, span: &dyn Fn(usize) -> Span) -> Diagnostic {
         let code = Code::E0602;
         match stuck {
-            Stuck::Unsteerable { robots, orbiting } => self.unsteerable(code, robots, *orbiting, span),
-            Stuck::GoalInOrbit { robot, orbiting, gap_um } => {
+            StuckAssembly::Unsteerable { robots, orbiting } => self.unsteerable(code, robots, *orbiting, span),
+            StuckAssembly::GoalInOrbit { robot, orbiting, gap_um } => {
                 self.goal_in_orbit(code, (*robot, *orbiting), *gap_um, span)
             }
-            Stuck::Apart { robot } => {
+            StuckAssembly::Apart { robot } => {
                 let title = format!("{} touches nothing at its goal when it comes to dock", self.name(*robot));
                 Diagnostic::new(code, title)
                     .label(span(*robot), "no body that has docked before is within the docking tolerance")
                     .help("a robot docks with those that snap down after it: let their goals touch")
             }
-            Stuck::Blocked { robot, partner, hit } => self.blocked(code, (*robot, *partner), hit, span),
-            Stuck::Untimely { first, second } => {
+            StuckAssembly::Blocked { robot, partner, hit } => self.blocked(code, (*robot, *partner), hit, span),
+            StuckAssembly::Untimely { first, second } => {
                 let title = format!(
                     "{} and {} cannot be brought to their goals at the same time",
                     self.name(*first),
@@ -153,13 +156,13 @@ impl Why<'_> {
                     .label(span(*first), "no phase of the other's orbit was found from which both arrive together")
                     .help("let them start farther from their goals, or turned otherwise")
             }
-            Stuck::NoWay { robot, blocker } => {
+            StuckAssembly::NoWay { robot, blocker } => {
                 let title = format!("no way was found for {} round {}", self.name(*robot), self.blocker(*blocker));
                 let diagnostic = Diagnostic::new(code, title).label(span(*robot), "the way to this goal");
                 self.in_the_way(diagnostic, *blocker)
                     .help("move it aside, or allow more: `using one_way_dubins { expansions: 2000000 }`")
             }
-            Stuck::NoOrbit { robot, blocker } => {
+            StuckAssembly::NoOrbit { robot, blocker } => {
                 let title =
                     format!("{} has no room for its orbit: {} is in it", self.name(*robot), self.blocker(*blocker));
                 let reach = Quantity::new(self.order.robot(*robot).orbit_reach_um() / 1e6, Dimension::LENGTH);
@@ -170,15 +173,15 @@ impl Why<'_> {
                 self.in_the_way(diagnostic, *blocker)
                     .help("let it start elsewhere, with room around it, or drive it there before this step")
             }
-            Stuck::Coarse { robot } => {
+            StuckAssembly::Coarse { robot } => {
                 let title =
                     format!("whole strokes do not bring {} to its goal within the precision", self.name(*robot));
                 Diagnostic::new(code, title)
                     .label(span(*robot), "this goal")
                     .help("ask for less `precision`, or give the bed a smaller `step_size`")
             }
-            Stuck::Loose { robot, gap_um } => self.loose(code, *robot, *gap_um, span(*robot)),
-            Stuck::GaveUp => self.gave_up(),
+            StuckAssembly::Loose { robot, gap_um } => self.loose(code, *robot, *gap_um, span(*robot)),
+            StuckAssembly::GaveUp => self.gave_up(),
         }
     }
 
@@ -243,7 +246,7 @@ impl Why<'_> {
         &self,
         code: Code,
         (robot, partner): (usize, Option<usize>),
-        hit: &Hit,
+        hit: &FirstMeeting,
         span: &dyn Fn(usize) -> Span,
     ) -> Diagnostic {
         let driven = match partner {
@@ -258,24 +261,24 @@ impl Why<'_> {
     }
 
     /// A forbidden meeting in words.
-    pub fn meeting(&self, meeting: Meeting) -> String {
+    pub fn meeting(&self, meeting: ForbiddenMeeting) -> String {
         let facts = &self.order.facts;
         let (clearance, orbit) = (length(facts.clearance_um), length(facts.orbit_clearance_um));
         let obstacle = |index: usize| format!("`{}`", self.order.obstacles[index].name);
         match meeting {
-            Meeting::Obstacle { robot, obstacle: index } => {
+            ForbiddenMeeting::Obstacle { robot, obstacle: index } => {
                 format!("{} comes nearer than {clearance} to {}", self.name(robot), obstacle(index))
             }
-            Meeting::Robots { robot, other } => {
+            ForbiddenMeeting::Robots { robot, other } => {
                 format!("{} comes nearer than {clearance} to {}", self.name(robot), self.name(other))
             }
-            Meeting::OrbitObstacle { robot, obstacle: index } => {
+            ForbiddenMeeting::OrbitObstacle { robot, obstacle: index } => {
                 format!("the orbit of {} comes nearer than {orbit} to {}", self.name(robot), obstacle(index))
             }
-            Meeting::OrbitRobot { robot, other } => {
+            ForbiddenMeeting::OrbitRobot { robot, other } => {
                 format!("{} comes nearer than {orbit} to the orbit of {}", self.name(other), self.name(robot))
             }
-            Meeting::Orbits { robot, other } => {
+            ForbiddenMeeting::Orbits { robot, other } => {
                 format!(
                     "the orbits of {} and {} come nearer than {orbit} to each other",
                     self.name(robot),
@@ -286,32 +289,31 @@ impl Why<'_> {
     }
 
     /// Labels what is met, where the program declares it.
-    fn labelled(&self, diagnostic: Diagnostic, meeting: Meeting) -> Diagnostic {
+    fn labelled(&self, diagnostic: Diagnostic, meeting: ForbiddenMeeting) -> Diagnostic {
         let robot = |index: usize| (self.order.robots[index].span, "it starts here");
         let obstacle = |index: usize| (self.order.obstacles[index].span, "in the way");
         let (span, label) = match meeting {
-            Meeting::Obstacle { obstacle: index, .. } | Meeting::OrbitObstacle { obstacle: index, .. } => {
-                obstacle(index)
-            }
-            Meeting::Robots { other, .. } | Meeting::Orbits { other, .. } => robot(other),
-            Meeting::OrbitRobot { robot: orbiting, .. } => robot(orbiting),
+            ForbiddenMeeting::Obstacle { obstacle: index, .. }
+            | ForbiddenMeeting::OrbitObstacle { obstacle: index, .. } => obstacle(index),
+            ForbiddenMeeting::Robots { other, .. } | ForbiddenMeeting::Orbits { other, .. } => robot(other),
+            ForbiddenMeeting::OrbitRobot { robot: orbiting, .. } => robot(orbiting),
         };
         diagnostic.label_elsewhere(span, self.step.span, label)
     }
 
-    fn in_the_way(&self, diagnostic: Diagnostic, blocker: Blocker) -> Diagnostic {
+    fn in_the_way(&self, diagnostic: Diagnostic, blocker: RobotBlocker) -> Diagnostic {
         let span = match blocker {
-            Blocker::Obstacle(index) => self.order.obstacles[index].span,
-            Blocker::Orbit(robot) | Blocker::Docked(robot) => self.order.robots[robot].span,
+            RobotBlocker::Obstacle(index) => self.order.obstacles[index].span,
+            RobotBlocker::Orbit(robot) | RobotBlocker::Docked(robot) => self.order.robots[robot].span,
         };
         diagnostic.label_elsewhere(span, self.step.span, "in the way")
     }
 
-    fn blocker(&self, blocker: Blocker) -> String {
+    fn blocker(&self, blocker: RobotBlocker) -> String {
         match blocker {
-            Blocker::Obstacle(index) => format!("`{}`", self.order.obstacles[index].name),
-            Blocker::Orbit(robot) => format!("the orbit of {}", self.name(robot)),
-            Blocker::Docked(robot) => format!("{}, which has docked", self.name(robot)),
+            RobotBlocker::Obstacle(index) => format!("`{}`", self.order.obstacles[index].name),
+            RobotBlocker::Orbit(robot) => format!("the orbit of {}", self.name(robot)),
+            RobotBlocker::Docked(robot) => format!("{}, which has docked", self.name(robot)),
         }
     }
 

@@ -23,58 +23,67 @@ mod single;
 mod trial;
 mod written;
 
-pub use report::{Dockings, Failures, Report, Spread, wilson};
-pub use trial::Reason;
+pub use report::{Dockings, Failures, SimulationReport, Spread, wilson};
+pub use trial::FailureReason;
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::plan::microrobots::strategy::{Episode, episodes, obstacles};
-use crate::plan::microrobots::{Motion, Stage};
-use single::Task;
-use trial::{Ended, Failure, Trial};
+use crate::plan::microrobots::{AssemblyStage, MicrorobotsMotion};
+use single::SingleStage;
+use trial::{EndedTrial, Trial, TrialFailure};
 
 /// The most trials of one call.
 pub const MAX_TRIALS: u64 = 10_000_000;
 
 /// Report on so many trials (at most [`MAX_TRIALS`]) of a plan; `None` where the device does not say its errors, or nothing is
 /// assembled.
-pub fn simulate(order: &MicrorobotsOrder, motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<Report> {
+pub fn simulate(
+    order: &MicrorobotsOrder,
+    motion: &MicrorobotsMotion,
+    trials: u64,
+    seed: u64,
+    threads: usize,
+) -> Option<SimulationReport> {
     let errors = order.facts.errors?;
     let episodes = episodes(order, motion);
     let first = episodes.first()?;
     let solids = obstacles(order);
     let start = (&first.poses[..], &first.docked[..]);
     let one = |index: u64| run(Trial::new(order, errors, &solids, start, (seed, index)), &episodes);
-    Some(Report::new(&gathered(trials.min(MAX_TRIALS), threads.max(1) as u64, &one)))
+    Some(SimulationReport::new(&gathered(trials.min(MAX_TRIALS), threads.max(1) as u64, &one)))
 }
 
 /// All trials in their order, by several threads.
-fn gathered(trials: u64, threads: u64, one: &(impl Fn(u64) -> Ended + Sync)) -> Vec<Ended> {
+fn gathered(trials: u64, threads: u64, one: &(impl Fn(u64) -> EndedTrial + Sync)) -> Vec<EndedTrial> {
     let share = trials.div_ceil(threads);
     std::thread::scope(|scope| {
         let part = |thread: u64| (thread * share).min(trials)..((thread + 1) * share).min(trials);
-        let handles: Vec<_> =
-            (0..threads).map(|thread| scope.spawn(move || part(thread).map(one).collect::<Vec<Ended>>())).collect();
+        let handles: Vec<_> = (0..threads)
+            .map(|thread| scope.spawn(move || part(thread).map(one).collect::<Vec<EndedTrial>>()))
+            .collect();
         // A trial does not panic; were it to, its thread's share would be missing from the count.
         handles.into_iter().flat_map(|handle| handle.join().unwrap_or_default()).collect()
     })
 }
 
-fn run(mut trial: Trial, episodes: &[Episode]) -> Ended {
+fn run(mut trial: Trial, episodes: &[Episode]) -> EndedTrial {
     let failure = episodes.iter().try_for_each(|episode| stage(&mut trial, episode)).err();
     trial.tick();
-    Ended { failure, time_ns: trial.time_ns(), met: trial.met }
+    EndedTrial { failure, time_ns: trial.time_ns(), met: trial.met }
 }
 
-fn stage(trial: &mut Trial, episode: &Episode) -> Result<(), Failure> {
+fn stage(trial: &mut Trial, episode: &Episode) -> Result<(), TrialFailure> {
     trial.take(episode);
     // Stages without legs are those of tests of the strategy alone.
     if trial.errors.are_zero() && !episode.legs.is_empty() {
         return written::run(trial, episode);
     }
     match *episode.stage {
-        Stage::Single { robot, states, approach, goal } => Task { robot, states, approach, goal }.run(trial, episode),
-        Stage::Escort { .. } => Ok(()),
-        Stage::Pair { .. } => pair::run(trial, episode),
+        AssemblyStage::Single { robot, states, approach, goal } => {
+            SingleStage { robot, states, approach, goal }.run(trial, episode)
+        }
+        AssemblyStage::Escort { .. } => Ok(()),
+        AssemblyStage::Pair { .. } => pair::run(trial, episode),
     }
 }
 

@@ -1,12 +1,12 @@
 //! The first two robots, which are brought together.
 
 use super::single::MAX_ROUNDS;
-use super::trial::{Failure, Manners, Met, Reason, Trial, motion};
+use super::trial::{ContactManners, FailureReason, Met, Trial, TrialFailure, motion};
 use crate::device::microrobots::{Arm, Robot, wrapped_rad};
 use crate::geometry::Pose;
-use crate::plan::microrobots::Stage;
+use crate::plan::microrobots::AssemblyStage;
 use crate::plan::microrobots::strategy::{
-    Couple, Episode, Phase, Pursuit, SHARES, Solid, body, centres, poses_of, steered,
+    Couple, Episode, Phase, Pursuit, SHARES, StrategySolid, body, centres, poses_of, steered,
 };
 use crate::real::Real;
 use std::f64::consts::PI;
@@ -21,7 +21,7 @@ const ALIGNED_SHARE: f64 = 0.5;
 const HALVINGS: usize = 40;
 
 /// The two robots of a stage.
-struct Meeting<'a> {
+struct PairMeeting<'a> {
     couple: Couple<'a>,
     robots: [usize; 2],
     /// Both turn, only the second turns, none of the two turns.
@@ -30,10 +30,12 @@ struct Meeting<'a> {
 }
 
 /// Stage 1, stage 2, and again if they do not come at once; then the fine motion.
-pub fn run(trial: &mut Trial, episode: &Episode) -> Result<(), Failure> {
-    let &Stage::Pair { first, second, states, intermediate, approach, goals } = episode.stage else { return Ok(()) };
+pub fn run(trial: &mut Trial, episode: &Episode) -> Result<(), TrialFailure> {
+    let &AssemblyStage::Pair { first, second, states, intermediate, approach, goals } = episode.stage else {
+        return Ok(());
+    };
     let Some(couple) = Couple::new(trial.order, [first, second], intermediate, approach) else { return Ok(()) };
-    let mut meeting = Meeting { couple, robots: [first, second], states, goals };
+    let mut meeting = PairMeeting { couple, robots: [first, second], states, goals };
     trial.begin(vec![first, second]);
     let [mut first_via_um, mut second_via_um] = meeting.bring_near(trial, episode)?;
     for round in 0..MAX_ROUNDS {
@@ -44,13 +46,13 @@ pub fn run(trial: &mut Trial, episode: &Episode) -> Result<(), Failure> {
             return meeting.dock(trial);
         }
     }
-    Err((second, Reason::LeftCylinder))
+    Err((second, FailureReason::LeftCylinder))
 }
 
-impl Meeting<'_> {
+impl PairMeeting<'_> {
     /// Brings the second robot to the orbit from which it is to be driven, if it is not there yet; and tells by way of which
     /// centres both go on.
-    fn bring_near(&self, trial: &mut Trial, episode: &Episode) -> Result<[Vec<[f64; 2]>; 2], Failure> {
+    fn bring_near(&self, trial: &mut Trial, episode: &Episode) -> Result<[Vec<[f64; 2]>; 2], TrialFailure> {
         let [first, second] = self.robots;
         let Some(&[_, ends]) = episode.gross.first() else { return Ok([Vec::new(), Vec::new()]) };
         let via_um = |at: usize| episode.via_um.get(at).cloned().unwrap_or_default();
@@ -88,7 +90,7 @@ impl Meeting<'_> {
         which: usize,
         pursuit: &mut Pursuit,
         is_done: impl Fn(&Pursuit) -> bool,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), TrialFailure> {
         for _ in 0..MAX_INTERVALS {
             if is_done(pursuit) {
                 return Ok(());
@@ -96,20 +98,20 @@ impl Meeting<'_> {
             trial.tick();
             self.interval(trial, which, pursuit)?;
         }
-        Err((self.robots[which], Reason::TimeLimit))
+        Err((self.robots[which], FailureReason::TimeLimit))
     }
 
-    fn interval(&self, trial: &mut Trial, which: usize, pursuit: &mut Pursuit) -> Result<(), Failure> {
+    fn interval(&self, trial: &mut Trial, which: usize, pursuit: &mut Pursuit) -> Result<(), TrialFailure> {
         let driver = &self.couple.drivers[which];
         let measured = trial.measured(self.robots[which]);
         for piece in pursuit.pieces(driver, measured, driver.interval_um) {
-            trial.drive(self.state(which, piece.arm), self.robots[which], piece.way_um, Manners::Apart)?;
+            trial.drive(self.state(which, piece.arm), self.robots[which], piece.way_um, ContactManners::Apart)?;
         }
         Ok(())
     }
 
     /// The first robot to its line, while the second orbits, until it is there in time.
-    fn stage_1(&mut self, trial: &mut Trial, via_um: &[Vec<[f64; 2]>; 2], round: usize) -> Result<(), Failure> {
+    fn stage_1(&mut self, trial: &mut Trial, via_um: &[Vec<[f64; 2]>; 2], round: usize) -> Result<(), TrialFailure> {
         let (first, accepted) = (self.robots[0], self.couple.drivers[0].accepted());
         let second = Pursuit::new(&self.couple.drivers[1], via_um[1].clone(), self.couple.approach[1]);
         self.couple.give_time(&second, trial.measured(self.robots[1]), round);
@@ -126,7 +128,7 @@ impl Meeting<'_> {
                 }
                 rounds += 1;
                 if rounds > MAX_ROUNDS {
-                    return Err((first, Reason::LeftCylinder));
+                    return Err((first, FailureReason::LeftCylinder));
                 }
                 match is_there {
                     true => {
@@ -140,11 +142,11 @@ impl Meeting<'_> {
             }
             self.interval(trial, 0, &mut pursuit)?;
         }
-        Err((first, Reason::TimeLimit))
+        Err((first, FailureReason::TimeLimit))
     }
 
     /// The second robot to its approach, while the first runs straight; given up when the first has come too far.
-    fn stage_2(&self, trial: &mut Trial, via_um: &[[f64; 2]]) -> Result<(), Failure> {
+    fn stage_2(&self, trial: &mut Trial, via_um: &[[f64; 2]]) -> Result<(), TrialFailure> {
         let (driver, first) = (&self.couple.drivers[1], self.robots[0]);
         let accepted = driver.accepted();
         let mut pursuit = Pursuit::new(driver, via_um.to_vec(), self.couple.approach[1]);
@@ -160,12 +162,12 @@ impl Meeting<'_> {
                 pursuit.retry(driver, measured[1]);
             }
             if pursuit.phase == Phase::Facing && self.couple.has_time(&pursuit, measured) {
-                trial.drive(self.states[1], self.robots[1], driver.interval_um, Manners::Apart)?;
+                trial.drive(self.states[1], self.robots[1], driver.interval_um, ContactManners::Apart)?;
                 continue;
             }
             self.interval(trial, 1, &mut pursuit)?;
         }
-        Err((self.robots[1], Reason::TimeLimit))
+        Err((self.robots[1], FailureReason::TimeLimit))
     }
 
     /// Whether the two come at once, and what the fine motion cannot correct is within what they align themselves.
@@ -178,7 +180,7 @@ impl Meeting<'_> {
         self.couple.run_um(measured[0]).abs() <= self.couple.missed_um && aside_um[0] + aside_um[1] <= most_um
     }
 
-    fn dock(&self, trial: &mut Trial) -> Result<(), Failure> {
+    fn dock(&self, trial: &mut Trial) -> Result<(), TrialFailure> {
         let driver = &self.couple.drivers[0];
         let interval_um = driver.fine_interval_um;
         let (mut shares, mut is_kept) = ([0.0; 2], false);
@@ -202,7 +204,7 @@ impl Meeting<'_> {
             }
             left_um -= way_um;
         }
-        Err((self.robots[0], Reason::MissedCone))
+        Err((self.robots[0], FailureReason::MissedCone))
     }
 
     /// A cycle of three primitives, half before and half after the straight one.
@@ -214,16 +216,16 @@ impl Meeting<'_> {
     }
 
     /// Drives a piece, or until the two touch.
-    fn touch(&self, trial: &mut Trial, state: usize, way_um: f64) -> Result<bool, Failure> {
+    fn touch(&self, trial: &mut Trial, state: usize, way_um: f64) -> Result<bool, TrialFailure> {
         let [first, second] = self.robots;
         let facts = self.robots.map(|robot| trial.order.robot(robot));
         let touches = |trial: &Trial, way_um: f64| {
             let strokes = way_um / facts[0].step_um;
-            let other = Solid::standing(facts[1], trial.gone(second, state, strokes));
+            let other = StrategySolid::standing(facts[1], trial.gone(second, state, strokes));
             other.distance_um(&body(facts[0], trial.gone(first, state, strokes), 0.0), 0.0) <= 0.0
         };
         if !touches(trial, way_um) {
-            trial.drive(state, first, way_um, Manners::Docking)?;
+            trial.drive(state, first, way_um, ContactManners::Docking)?;
             return Ok(false);
         }
         let (mut low_um, mut high_um) = (0.0, way_um);
@@ -231,11 +233,11 @@ impl Meeting<'_> {
             let middle_um = (low_um + high_um) / 2.0;
             if touches(trial, middle_um) { high_um = middle_um } else { low_um = middle_um }
         }
-        trial.drive(state, first, low_um, Manners::Docking)?;
+        trial.drive(state, first, low_um, ContactManners::Docking)?;
         Ok(true)
     }
 
-    fn judge(&self, trial: &mut Trial) -> Result<(), Failure> {
+    fn judge(&self, trial: &mut Trial) -> Result<(), TrialFailure> {
         let docking = trial.order.facts.docking;
         let poses = self.robots.map(|robot| trial.poses[robot]);
         let facts = self.robots.map(|robot| trial.order.robot(robot));
@@ -253,10 +255,10 @@ impl Meeting<'_> {
             trial.met.push(Met { robot, across_um, along_um, incidence_rad, heading_rad: tilt_rad });
         }
         if incidence_rad.abs() > docking.self_aligning_rad {
-            return Err((self.robots[0], Reason::Angle));
+            return Err((self.robots[0], FailureReason::Angle));
         }
         if across_um.abs() > docking.self_aligning_um {
-            return Err((self.robots[0], Reason::Misplaced));
+            return Err((self.robots[0], FailureReason::Misplaced));
         }
         let at = |[x_um, y_um]: [f64; 2], heading_rad: f64| Pose { x_um, y_um, heading_rad };
         trial.structure = motion(at(nominal, 0.0), at(met, tilt_rad));

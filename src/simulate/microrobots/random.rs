@@ -5,13 +5,13 @@
 
 /// A stream of numbers that depends on a seed and a trial alone.
 #[derive(Debug, Clone)]
-pub struct Random(u64);
+pub struct TrialRandom(u64);
 
-impl Random {
+impl TrialRandom {
     pub fn new(seed: u64, trial: u64) -> Self {
-        let mut random = Random(seed);
+        let mut random = TrialRandom(seed);
         let begin = random.bits();
-        Random(begin ^ trial.wrapping_mul(0xD134_2543_DE82_EF95))
+        TrialRandom(begin ^ trial.wrapping_mul(0xD134_2543_DE82_EF95))
     }
 
     fn bits(&mut self) -> u64 {

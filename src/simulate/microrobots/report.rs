@@ -1,6 +1,6 @@
 //! What came of the trials: numbers for people.
 
-use super::trial::{Ended, Met, Reason};
+use super::trial::{EndedTrial, FailureReason, Met};
 use serde::Serialize;
 
 /// The quantile of the normal distribution that belongs to 95 % on both sides.
@@ -36,13 +36,13 @@ pub struct Dockings {
 pub struct Failures {
     /// Index of the order's robots.
     pub robot: usize,
-    pub reason: Reason,
+    pub reason: FailureReason,
     pub count: u64,
 }
 
 /// What came of the trials.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Report {
+pub struct SimulationReport {
     pub trials: u64,
     pub successes: u64,
     /// The share of successes, 95 % sure.
@@ -86,12 +86,12 @@ impl Spread {
     }
 }
 
-impl Report {
+impl SimulationReport {
     /// Of trials in their order.
-    pub fn new(trials: &[Ended]) -> Self {
+    pub fn new(trials: &[EndedTrial]) -> Self {
         let successes = trials.iter().filter(|trial| trial.failure.is_none()).count() as u64;
-        let time_s = |trial: &Ended| trial.failure.is_none().then_some(trial.time_ns as f64 / 1e9);
-        Report {
+        let time_s = |trial: &EndedTrial| trial.failure.is_none().then_some(trial.time_ns as f64 / 1e9);
+        SimulationReport {
             trials: trials.len() as u64,
             successes,
             wilson: wilson(successes, trials.len() as u64),
@@ -102,7 +102,7 @@ impl Report {
     }
 }
 
-fn dockings(trials: &[Ended]) -> Vec<Dockings> {
+fn dockings(trials: &[EndedTrial]) -> Vec<Dockings> {
     let mut robots: Vec<usize> = Vec::new();
     for met in trials.iter().flat_map(|trial| &trial.met) {
         if !robots.contains(&met.robot) {
@@ -112,7 +112,7 @@ fn dockings(trials: &[Ended]) -> Vec<Dockings> {
     robots.into_iter().map(|robot| docking(robot, trials)).collect()
 }
 
-fn docking(robot: usize, trials: &[Ended]) -> Dockings {
+fn docking(robot: usize, trials: &[EndedTrial]) -> Dockings {
     let all: Vec<&Met> = trials.iter().flat_map(|trial| &trial.met).filter(|met| met.robot == robot).collect();
     let spread = |of: fn(&Met) -> f64| Spread::of(all.iter().map(|met| of(met).abs()).collect());
     Dockings {
@@ -125,7 +125,7 @@ fn docking(robot: usize, trials: &[Ended]) -> Dockings {
     }
 }
 
-fn failures(trials: &[Ended]) -> Vec<Failures> {
+fn failures(trials: &[EndedTrial]) -> Vec<Failures> {
     let mut found: Vec<Failures> = Vec::new();
     for (robot, reason) in trials.iter().filter_map(|trial| trial.failure.clone()) {
         match found.iter_mut().find(|known| known.robot == robot && known.reason == reason) {

@@ -1,10 +1,12 @@
 use super::*;
 use crate::claims::microrobots::{Assurance, Placed, Precision};
-use crate::device::microrobots::{Arm, ControlState, Docking as Limits, Errors, Facts, Fine, Robot, Turning};
+use crate::device::microrobots::{
+    Arm, ControlState, Docking as Limits, Errors, Fine, MicrorobotsFacts, Robot, Turning,
+};
 use crate::geometry::Pose;
-use crate::plan::microrobots::guarantee::{Check, Containment, guarantees};
+use crate::plan::microrobots::guarantee::{Containment, ContainmentCheck, guarantees};
 use crate::plan::microrobots::strategy::bent;
-use crate::plan::microrobots::{Crew, Docking, StepMotion};
+use crate::plan::microrobots::{Crew, MicrorobotsStepMotion, RobotDocking};
 use crate::source::Span;
 use std::sync::Arc;
 
@@ -41,7 +43,7 @@ pub fn order(count: usize, turning: Turning, errors: Errors, poses: &[Pose]) -> 
         levels_v: vec![9.0, 120.0],
         slack_v: 1.0,
     };
-    let facts = Facts {
+    let facts = MicrorobotsFacts {
         robots,
         margin_v: 2.0,
         max_v: 200.0,
@@ -86,14 +88,18 @@ pub fn before(robot: &Robot, goal: Pose, share: f64, way_um: f64) -> Pose {
 }
 
 /// One robot, the last, that docks head on with the first, which stands docked at the origin heading for +x.
-pub fn single(start: Pose, turning: Turning, errors: Errors) -> (MicrorobotsOrder, Motion) {
+pub fn single(start: Pose, turning: Turning, errors: Errors) -> (MicrorobotsOrder, MicrorobotsMotion) {
     let order = order(2, turning, errors, &[start, pose(0.0, 0.0, 0.0)]);
     let goal = pose(260.0, 0.0, 180.0);
     let approach = before(order.robot(0), goal, 0.5, 250.0);
-    let stage = Stage::Single { robot: 0, states: [1, 0], approach, goal };
-    let steps =
-        vec![StepMotion::Legs { legs: Vec::new(), docks: vec![Docking { robot: 0, leg: 0 }], stages: vec![stage] }];
-    let motion = Motion { start: Crew { poses: vec![start, pose(0.0, 0.0, 0.0)], docked: vec![false, true] }, steps };
+    let stage = AssemblyStage::Single { robot: 0, states: [1, 0], approach, goal };
+    let steps = vec![MicrorobotsStepMotion::Legs {
+        legs: Vec::new(),
+        docks: vec![RobotDocking { robot: 0, leg: 0 }],
+        stages: vec![stage],
+    }];
+    let motion =
+        MicrorobotsMotion { start: Crew { poses: vec![start, pose(0.0, 0.0, 0.0)], docked: vec![false, true] }, steps };
     (order, motion)
 }
 
@@ -138,7 +144,7 @@ fn threads_change_nothing() {
 }
 
 /// Scales of the published errors, and other figures, that are drawn anew for every configuration.
-fn drawn(random: &mut random::Random) -> (MicrorobotsOrder, Motion) {
+fn drawn(random: &mut random::TrialRandom) -> (MicrorobotsOrder, MicrorobotsMotion) {
     let mut errors = errors([20, 100, 250, 1000][(random.share() * 4.0) as usize]);
     errors.speed_ratio *= 2.0 * random.share();
     errors.turning_rad_per_um *= 2.0 * random.share();
@@ -156,15 +162,15 @@ fn drawn(random: &mut random::Random) -> (MicrorobotsOrder, Motion) {
     let goal = pose(260.0, 0.0, 180.0);
     let share = 0.3 + 0.4 * random.share();
     let approach = before(&facts.robots[0], goal, share, facts.fine.length_um);
-    if let StepMotion::Legs { stages, .. } = &mut motion.steps[0] {
-        stages[0] = Stage::Single { robot: 0, states: [1, 0], approach, goal };
+    if let MicrorobotsStepMotion::Legs { stages, .. } = &mut motion.steps[0] {
+        stages[0] = AssemblyStage::Single { robot: 0, states: [1, 0], approach, goal };
     }
     (order, motion)
 }
 
 #[test]
 fn what_is_guaranteed_does_not_fail() {
-    let mut random = random::Random::new(5, 5);
+    let mut random = random::TrialRandom::new(5, 5);
     let mut count = 0;
     for _ in 0..60 {
         let (order, motion) = drawn(&mut random);
@@ -174,15 +180,16 @@ fn what_is_guaranteed_does_not_fail() {
             let report = simulate(&order, &motion, 100, 11, 2).expect("the errors are known");
             assert_eq!(report.successes, 100, "{:?} {:?}", report.failures, assured[0].containments);
             let docking = &report.dockings[0];
-            let has =
-                |check: Check| assured[0].containments.iter().find(|held| held.check == check).map(|held| held.needs);
-            let (needs_um, fine) = (has(Check::Place), order.facts.fine);
+            let has = |check: ContainmentCheck| {
+                assured[0].containments.iter().find(|held| held.check == check).map(|held| held.needs)
+            };
+            let (needs_um, fine) = (has(ContainmentCheck::Place), order.facts.fine);
             assert!(
                 needs_um.is_some_and(|needs_um| docking.across_um.max <= needs_um),
                 "{needs_um:?} {docking:?} {fine:?} {:?}",
                 order.facts.errors
             );
-            assert!(has(Check::Angle).is_some_and(|needs_rad| docking.incidence_rad.max <= needs_rad));
+            assert!(has(ContainmentCheck::Angle).is_some_and(|needs_rad| docking.incidence_rad.max <= needs_rad));
         }
     }
     assert!(count >= 15, "only {count} of 60 are guaranteed");
@@ -223,17 +230,18 @@ fn a_robot_in_the_way_is_run_into() {
     let (mut order, motion) = single(pose(1500.0, 900.0, 30.0), Turning::Clockwise, errors(100));
     let shape = crate::geometry::Shape::Disc { radius_um: 200.0 };
     let at = pose(900.0, 500.0, 0.0);
-    let wall = crate::claims::microrobots::Obstacle { name: "wall".into(), shape, pose: at, span: Span::default() };
+    let wall =
+        crate::claims::microrobots::MicrorobotsObstacle { name: "wall".into(), shape, pose: at, span: Span::default() };
     order.obstacles = Arc::new(vec![wall]);
     let assured = guarantees(&order, &motion).expect("the errors are known");
-    let is_wall = |held: &&Containment| held.check == Check::Gross("wall".into());
+    let is_wall = |held: &&Containment| held.check == ContainmentCheck::Gross("wall".into());
     assert!(assured[0].containments.iter().find(is_wall).is_some_and(|held| held.margin() < 0.0));
     let report = simulate(&order, &motion, 20, 7, 2).expect("the errors are known");
-    assert_eq!(report.failures[0].reason, Reason::Collision("wall".into()));
+    assert_eq!(report.failures[0].reason, FailureReason::Collision("wall".into()));
 }
 
 /// Two robots that meet head on at the origin, so far from their approaches, and two legs that tell their ways.
-pub fn pair(errors: Errors, second: Pose) -> (MicrorobotsOrder, Motion) {
+pub fn pair(errors: Errors, second: Pose) -> (MicrorobotsOrder, MicrorobotsMotion) {
     let goals = [pose(-130.0, 0.0, 0.0), pose(130.0, 0.0, 180.0)];
     let starts = [pose(-2500.0, -1400.0, 70.0), second];
     let order = order(2, Turning::Clockwise, errors, &[starts[1], starts[0]]);
@@ -249,10 +257,11 @@ pub fn pair(errors: Errors, second: Pose) -> (MicrorobotsOrder, Motion) {
     let run_um = (to[0] - from[0]).hypot(to[1] - from[1]) + 165.0 * (last_rad + std::f64::consts::PI);
     let intermediate =
         Pose { x_um: approach[0].x_um - run_um * cos, y_um: approach[0].y_um - run_um * sin, ..approach[0] };
-    let stage = Stage::Pair { first: robots[0], second: robots[1], states: [2, 1, 0], intermediate, approach, goals };
-    let docks = vec![Docking { robot: robots[0], leg: 0 }, Docking { robot: robots[1], leg: 0 }];
-    let steps = vec![StepMotion::Legs { legs: Vec::new(), docks, stages: vec![stage] }];
-    (order, Motion { start: Crew { poses: vec![starts[1], starts[0]], docked: vec![false, false] }, steps })
+    let stage =
+        AssemblyStage::Pair { first: robots[0], second: robots[1], states: [2, 1, 0], intermediate, approach, goals };
+    let docks = vec![RobotDocking { robot: robots[0], leg: 0 }, RobotDocking { robot: robots[1], leg: 0 }];
+    let steps = vec![MicrorobotsStepMotion::Legs { legs: Vec::new(), docks, stages: vec![stage] }];
+    (order, MicrorobotsMotion { start: Crew { poses: vec![starts[1], starts[0]], docked: vec![false, false] }, steps })
 }
 
 fn scaled(scale: f64, replan_ms: u64) -> Errors {
@@ -274,7 +283,7 @@ fn two_robots_surely_meet() {
         assert_eq!(assured[0].violated(), None, "{scale}");
         let report = simulate(&order, &motion, 300, 7, 2).expect("the errors are known");
         assert_eq!(report.successes, 300, "{:?}", report.failures);
-        let axes = assured[0].containments.iter().find(|held| held.check == Check::Axes);
+        let axes = assured[0].containments.iter().find(|held| held.check == ContainmentCheck::Axes);
         assert!(axes.is_some_and(|held| report.dockings[0].across_um.max <= held.needs));
     }
 }
@@ -289,22 +298,22 @@ fn with_published_errors_two_robots_mostly_meet() {
 }
 
 /// The pair of [`pair`], and a third robot that orbits meanwhile and docks behind the first.
-fn three(errors: Errors) -> (MicrorobotsOrder, Motion) {
+fn three(errors: Errors) -> (MicrorobotsOrder, MicrorobotsMotion) {
     let (_, two) = pair(errors, pose(400.0, 500.0, 10.0));
     let third = pose(-900.0, 1500.0, 120.0);
     let poses = [third, two.start.poses[0], two.start.poses[1]];
     let order = order(3, Turning::Clockwise, errors, &poses);
-    let StepMotion::Legs { stages, .. } = &two.steps[0] else { unreachable!("it has legs") };
-    let Stage::Pair { intermediate, approach, goals, .. } = stages[0] else { unreachable!("it is a pair") };
+    let MicrorobotsStepMotion::Legs { stages, .. } = &two.steps[0] else { unreachable!("it has legs") };
+    let AssemblyStage::Pair { intermediate, approach, goals, .. } = stages[0] else { unreachable!("it is a pair") };
     let goal = pose(-390.0, 0.0, 0.0);
     let tail = before(order.robot(0), goal, 0.5, 250.0);
     let stages = vec![
-        Stage::Pair { first: 2, second: 1, states: [3, 2, 1], intermediate, approach, goals },
-        Stage::Single { robot: 0, states: [1, 0], approach: tail, goal },
+        AssemblyStage::Pair { first: 2, second: 1, states: [3, 2, 1], intermediate, approach, goals },
+        AssemblyStage::Single { robot: 0, states: [1, 0], approach: tail, goal },
     ];
-    let docks = [2, 1, 0].map(|robot| Docking { robot, leg: 0 }).to_vec();
-    let steps = vec![StepMotion::Legs { legs: Vec::new(), docks, stages }];
-    (order, Motion { start: Crew { poses: poses.to_vec(), docked: vec![false; 3] }, steps })
+    let docks = [2, 1, 0].map(|robot| RobotDocking { robot, leg: 0 }).to_vec();
+    let steps = vec![MicrorobotsStepMotion::Legs { legs: Vec::new(), docks, stages }];
+    (order, MicrorobotsMotion { start: Crew { poses: poses.to_vec(), docked: vec![false; 3] }, steps })
 }
 
 #[test]
@@ -315,7 +324,7 @@ fn a_third_robot_follows_the_structure() {
     assert_eq!(assured.iter().map(|stage| stage.robots.len()).collect::<Vec<_>>(), [2, 1]);
     assert_eq!(assured[0].violated(), None);
     // How far the structure may be displaced is reckoned twice near the structure itself, so the room seems too small.
-    assert!(assured[1].violated().is_none_or(|held| held.check == Check::Gross("D3".into())));
+    assert!(assured[1].violated().is_none_or(|held| held.check == ContainmentCheck::Gross("D3".into())));
     let report = simulate(&order, &motion, 300, 7, 2).expect("the errors are known");
     assert_eq!(report.successes, 300, "{:?}", report.failures);
     assert_eq!(report.dockings.iter().map(|docking| docking.robot).collect::<Vec<_>>(), [2, 1, 0]);

@@ -1,10 +1,10 @@
 //! One trial: where robots truly are, what is measured of them, what time it is.
 
-use super::random::Random;
+use super::random::TrialRandom;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Errors};
 use crate::geometry::Pose;
-use crate::plan::microrobots::strategy::{Body, Driver, Episode, Solid, bent, body};
+use crate::plan::microrobots::strategy::{BodyCorners, Driver, Episode, StrategySolid, bent, body};
 use crate::real::Real;
 use nalgebra::{Isometry2, Vector2};
 use serde::Serialize;
@@ -16,7 +16,7 @@ const STRIDE_UM: f64 = 10.0;
 /// Why a trial failed.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Reason {
+pub enum FailureReason {
     /// After so many rounds it was still not where the fine motion may begin.
     LeftCylinder,
     /// The goal was not within the reach of the fine motion.
@@ -32,7 +32,7 @@ pub enum Reason {
 }
 
 /// Which robot of the order failed, and why.
-pub type Failure = (usize, Reason);
+pub type TrialFailure = (usize, FailureReason);
 
 /// How a robot met its structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,9 +46,9 @@ pub struct Met {
 
 /// A trial that is over.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ended {
+pub struct EndedTrial {
     pub met: Vec<Met>,
-    pub failure: Option<Failure>,
+    pub failure: Option<TrialFailure>,
     pub time_ns: u64,
 }
 
@@ -83,13 +83,13 @@ pub struct Trial<'a> {
     /// From where the structure should be to where it is.
     pub structure: Isometry2<f64>,
     pub met: Vec<Met>,
-    obstacles: &'a [Solid],
-    scene: Vec<Solid>,
-    bodies: Vec<Solid>,
+    obstacles: &'a [StrategySolid],
+    scene: Vec<StrategySolid>,
+    bodies: Vec<StrategySolid>,
     active: Vec<usize>,
     drifts: Vec<Drift>,
     manner: Manner,
-    random: Random,
+    random: TrialRandom,
     step: Option<usize>,
     state: Option<usize>,
     time_ns: f64,
@@ -98,7 +98,7 @@ pub struct Trial<'a> {
 
 /// What a moving body may do to docked ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Manners {
+pub enum ContactManners {
     /// Touch none.
     Apart,
     /// Overlap them by the docking tolerance; those that are driven may touch each other.
@@ -109,11 +109,11 @@ impl<'a> Trial<'a> {
     pub fn new(
         order: &'a MicrorobotsOrder,
         errors: Errors,
-        obstacles: &'a [Solid],
+        obstacles: &'a [StrategySolid],
         start: (&[Pose], &[bool]),
         (seed, index): (u64, u64),
     ) -> Self {
-        let mut random = Random::new(seed, index);
+        let mut random = TrialRandom::new(seed, index);
         let manner = [Manner::Corner, Manner::Shaken, Manner::Mixed, Manner::Mixed][(index % 4) as usize];
         let drifts = start.0.iter().map(|_| Drift::biased(&mut random, manner, &errors)).collect();
         Trial {
@@ -145,9 +145,9 @@ impl<'a> Trial<'a> {
         for robot in (0..self.poses.len()).filter(|robot| !active.contains(robot)) {
             let (facts, pose) = (order.robot(robot), self.poses[robot]);
             if self.docked[robot] {
-                self.bodies.push(Solid::standing(facts, pose));
+                self.bodies.push(StrategySolid::standing(facts, pose));
             } else if let Some(driver) = Driver::new(order, robot) {
-                self.scene.push(Solid::orbit(facts, pose, driver.orbit_error_um()));
+                self.scene.push(StrategySolid::orbit(facts, pose, driver.orbit_error_um()));
             }
         }
         self.active = active;
@@ -191,7 +191,13 @@ impl<'a> Trial<'a> {
     }
 
     /// Drives the bed in a state for a nominal way of a robot.
-    pub fn drive(&mut self, state: usize, robot: usize, way_um: f64, manners: Manners) -> Result<(), Failure> {
+    pub fn drive(
+        &mut self,
+        state: usize,
+        robot: usize,
+        way_um: f64,
+        manners: ContactManners,
+    ) -> Result<(), TrialFailure> {
         if way_um <= 0.0 {
             return Ok(());
         }
@@ -238,20 +244,20 @@ impl<'a> Trial<'a> {
         self.spent_ns += strokes * self.order.facts.period_ns as f64;
     }
 
-    fn collide(&self, manners: Manners) -> Result<(), Failure> {
+    fn collide(&self, manners: ContactManners) -> Result<(), TrialFailure> {
         for (index, &robot) in self.active.iter().enumerate().filter(|(_, robot)| !self.docked[**robot]) {
             let facts = self.order.robot(robot);
             let whole = body(facts, self.poses[robot], 0.0);
             hit(robot, &self.scene, &whole)?;
             match manners {
-                Manners::Apart => {
+                ContactManners::Apart => {
                     hit(robot, &self.bodies, &whole)?;
                     for &other in &self.active[index + 1..] {
-                        let solid = Solid::standing(self.order.robot(other), self.poses[other]);
+                        let solid = StrategySolid::standing(self.order.robot(other), self.poses[other]);
                         hit(robot, std::slice::from_ref(&solid), &whole)?;
                     }
                 }
-                Manners::Docking => {
+                ContactManners::Docking => {
                     let core = body(facts, self.poses[robot], self.order.facts.docking.tolerance_um);
                     hit(robot, &self.bodies, &core)?;
                 }
@@ -275,15 +281,15 @@ pub fn motion(from: Pose, to: Pose) -> Isometry2<f64> {
     Isometry2::new(Vector2::new(to.x_um, to.y_um) - start, to.heading_rad - from.heading_rad)
 }
 
-fn hit(robot: usize, solids: &[Solid], body: &Body) -> Result<(), Failure> {
+fn hit(robot: usize, solids: &[StrategySolid], body: &BodyCorners) -> Result<(), TrialFailure> {
     match solids.iter().find(|solid| solid.distance_um(body, 0.0) <= 0.0) {
-        Some(solid) => Err((robot, Reason::Collision(solid.name.clone()))),
+        Some(solid) => Err((robot, FailureReason::Collision(solid.name.clone()))),
         None => Ok(()),
     }
 }
 
 impl Drift {
-    fn biased(random: &mut Random, manner: Manner, errors: &Errors) -> Self {
+    fn biased(random: &mut TrialRandom, manner: Manner, errors: &Errors) -> Self {
         let (speed, curl, heading) = match manner {
             Manner::Corner | Manner::Shaken => (random.sign(), random.sign(), random.sign()),
             Manner::Mixed => (random.either(), random.either(), random.either()),
@@ -293,7 +299,7 @@ impl Drift {
         Drift { speed_bias, curl_bias, speed: speed_bias, curl: curl_bias, noise }
     }
 
-    fn draw(&mut self, random: &mut Random, manner: Manner, errors: &Errors) {
+    fn draw(&mut self, random: &mut TrialRandom, manner: Manner, errors: &Errors) {
         match manner {
             Manner::Corner => {}
             Manner::Shaken => *self = Drift::biased(random, manner, errors),

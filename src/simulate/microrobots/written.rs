@@ -3,19 +3,19 @@
 //! Input: a trial without errors. Output: its robots docked where the legs bring them, or what they ran into, or how far they missed
 //! their goals. What is looked at is the same as in the closed loop: the true bodies, and where they come to lie.
 
-use super::trial::{Failure, Manners, Met, Reason, Trial};
+use super::trial::{ContactManners, FailureReason, Met, Trial, TrialFailure};
 use crate::device::microrobots::wrapped_rad;
 use crate::geometry::Pose;
-use crate::plan::microrobots::Stage;
+use crate::plan::microrobots::AssemblyStage;
 use crate::plan::microrobots::strategy::Episode;
 use crate::real::Real;
 
 /// Carries out the legs of a stage.
-pub fn run(trial: &mut Trial, episode: &Episode) -> Result<(), Failure> {
+pub fn run(trial: &mut Trial, episode: &Episode) -> Result<(), TrialFailure> {
     let goals = match *episode.stage {
-        Stage::Pair { first, second, goals, .. } => vec![(first, goals[0]), (second, goals[1])],
-        Stage::Single { robot, goal, .. } => vec![(robot, goal)],
-        Stage::Escort { .. } => return Ok(()),
+        AssemblyStage::Pair { first, second, goals, .. } => vec![(first, goals[0]), (second, goals[1])],
+        AssemblyStage::Single { robot, goal, .. } => vec![(robot, goal)],
+        AssemblyStage::Escort { .. } => return Ok(()),
     };
     let Some(&(robot, _)) = goals.first() else { return Ok(()) };
     trial.begin(goals.iter().map(|(robot, _)| *robot).collect());
@@ -25,15 +25,15 @@ pub fn run(trial: &mut Trial, episode: &Episode) -> Result<(), Failure> {
     for leg in episode.legs {
         // The last stretch is long enough for what comes near its partner in it.
         let apart_um = (left_um - fine.length_um - fine.cycle_um).clamp(0.0, way_um(leg.strokes));
-        trial.drive(leg.state, robot, apart_um, Manners::Apart)?;
-        trial.drive(leg.state, robot, way_um(leg.strokes) - apart_um, Manners::Docking)?;
+        trial.drive(leg.state, robot, apart_um, ContactManners::Apart)?;
+        trial.drive(leg.state, robot, way_um(leg.strokes) - apart_um, ContactManners::Docking)?;
         left_um -= way_um(leg.strokes);
     }
     goals.into_iter().try_for_each(|(robot, goal)| dock(trial, robot, goal))
 }
 
 /// Looks where a robot has come to lie, in the frame of its goal.
-fn dock(trial: &mut Trial, robot: usize, goal: Pose) -> Result<(), Failure> {
+fn dock(trial: &mut Trial, robot: usize, goal: Pose) -> Result<(), TrialFailure> {
     let (pose, docking) = (trial.poses[robot], trial.order.facts.docking);
     let (dx_um, dy_um) = (pose.x_um - goal.x_um, pose.y_um - goal.y_um);
     let (sin, cos) = goal.heading_rad.sine_cosine();
@@ -41,11 +41,11 @@ fn dock(trial: &mut Trial, robot: usize, goal: Pose) -> Result<(), Failure> {
     let off_rad = wrapped_rad(pose.heading_rad - goal.heading_rad);
     trial.met.push(Met { robot, across_um, along_um, incidence_rad: off_rad, heading_rad: off_rad });
     if off_rad.abs() > docking.sticking_rad {
-        return Err((robot, Reason::Angle));
+        return Err((robot, FailureReason::Angle));
     }
     let precision_um = trial.order.precision.place_um;
     if along_um.hypotenuse(across_um) > precision_um.max(docking.tolerance_um) {
-        return Err((robot, Reason::Misplaced));
+        return Err((robot, FailureReason::Misplaced));
     }
     trial.docked[robot] = true;
     Ok(())

@@ -6,13 +6,13 @@
 //! one instant are held against each other. Cost for n pulses: n for each pair of robots.
 
 use super::super::boxes::Extent;
-use super::super::clock::Run;
+use super::super::clock::JudgedRun;
 use super::super::geometry::convex::apart_um;
 use super::super::rule::{Findings, Rule, Violation, ms};
-use super::scene::{Stand, room_um, swept};
-use super::{Pulse, pulses};
+use super::scene::{FrameTransform, room_um, swept};
+use super::{PulseInstant, pulses};
 use crate::claims::{Claims, SharedScene};
-use crate::device::dimibot::{Cell, Facts, Switch};
+use crate::device::dimibot::{DimibotFacts, LatticeCell, Switch};
 use crate::quantity::digits;
 use crate::source::Span;
 use nalgebra::Point2;
@@ -22,7 +22,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const BOX_MARGIN_UM: f64 = 1e-6;
 
 /// Where a tip may be from one instant to another, both included.
-struct Stretch {
+struct TipInterval {
     start_ns: u64,
     end_ns: u64,
     /// The corners of where it may be, in the scene.
@@ -33,16 +33,17 @@ struct Stretch {
 }
 
 /// Where the tip of a robot is, from the first instant of a schedule to the last.
-struct Trace<'a> {
-    facts: &'a Facts,
-    stretches: Vec<Stretch>,
+struct TipTrace<'a> {
+    facts: &'a DimibotFacts,
+    stretches: Vec<TipInterval>,
 }
 
 /// Holds every two robots that share a scene against each other. `order` are the runs in the order in which devices meet them.
-pub(in super::super) fn tips_apart(runs: &[Run], order: &[usize], claims: &Claims, findings: &mut Findings) {
+pub(in super::super) fn tips_apart(runs: &[JudgedRun], order: &[usize], claims: &Claims, findings: &mut Findings) {
     let frames = claims.shared.iter().flat_map(|scene| &scene.frames);
-    let placed: BTreeMap<&str, Stand> = frames.map(|(device, frame)| (&**device, Stand::of(Some(frame)))).collect();
-    let traces: BTreeMap<&str, Trace> = placed
+    let placed: BTreeMap<&str, FrameTransform> =
+        frames.map(|(device, frame)| (&**device, FrameTransform::of(Some(frame)))).collect();
+    let traces: BTreeMap<&str, TipTrace> = placed
         .into_iter()
         .filter_map(|(device, stand)| {
             let own: Vec<usize> = order.iter().copied().filter(|index| runs[*index].job.device == device).collect();
@@ -69,17 +70,17 @@ fn pairs(shared: &[SharedScene]) -> BTreeSet<[&str; 2]> {
 }
 
 /// Distance of two tips' centres at which they touch.
-fn needed_um(one: &Trace, other: &Trace) -> f64 {
+fn needed_um(one: &TipTrace, other: &TipTrace) -> f64 {
     room_um(one.facts) + room_um(other.facts)
 }
 
-fn trace<'a>(runs: &'a [Run], own: &[usize], stand: &Stand) -> Option<Trace<'a>> {
+fn trace<'a>(runs: &'a [JudgedRun], own: &[usize], stand: &FrameTransform) -> Option<TipTrace<'a>> {
     let first = &runs[*own.first()?];
     let order = first.job.order.dimibot()?;
     let facts = &order.facts;
     let mut cell = order.start.as_ref().map_or(facts.home, |start| start.value);
     let (mut at_ns, mut at_run, mut stretches) = (0, own[0], Vec::new());
-    let at = |area: [Cell; 2], times: [u64; 2], run, step| Stretch {
+    let at = |area: [LatticeCell; 2], times: [u64; 2], run, step| TipInterval {
         start_ns: times[0],
         end_ns: times[1],
         swept: swept(facts, stand, area),
@@ -97,11 +98,11 @@ fn trace<'a>(runs: &'a [Run], own: &[usize], stand: &Stand) -> Option<Trace<'a>>
     }
     stretches.push(at([cell, cell], [at_ns, u64::MAX], at_run, None));
     stretches.sort_by_key(|stretch| stretch.start_ns);
-    Some(Trace { facts, stretches })
+    Some(TipTrace { facts, stretches })
 }
 
 /// The lowest and the highest cell that the modules of a pulse can carry the tip to, in any order.
-fn extremes(pulse: &Pulse) -> [Cell; 2] {
+fn extremes(pulse: &PulseInstant) -> [LatticeCell; 2] {
     let all = |switch| {
         let strokes = pulse.strokes.iter().filter(|stroke| stroke.switch == switch);
         strokes.fold(pulse.before, |cell, stroke| stroke.applied(cell))
@@ -110,7 +111,7 @@ fn extremes(pulse: &Pulse) -> [Cell; 2] {
 }
 
 /// The first two stretches of common time in which two tips may touch, with the least gap between them.
-fn first_touch<'a>(one: &'a Trace, other: &'a Trace) -> Option<(&'a Stretch, &'a Stretch, f64)> {
+fn first_touch<'a>(one: &'a TipTrace, other: &'a TipTrace) -> Option<(&'a TipInterval, &'a TipInterval, f64)> {
     let needed_um = needed_um(one, other);
     let mut from = 0;
     for stretch in &one.stretches {
@@ -132,7 +133,13 @@ fn first_touch<'a>(one: &'a Trace, other: &'a Trace) -> Option<(&'a Stretch, &'a
     None
 }
 
-fn touch(runs: &[Run], devices: [&str; 2], stretches: [&Stretch; 2], distance_um: f64, needed_um: f64) -> Violation {
+fn touch(
+    runs: &[JudgedRun],
+    devices: [&str; 2],
+    stretches: [&TipInterval; 2],
+    distance_um: f64,
+    needed_um: f64,
+) -> Violation {
     let [one, other] = devices;
     let time_ns = stretches[0].start_ns.max(stretches[1].start_ns);
     let title = format!(
@@ -153,7 +160,7 @@ fn touch(runs: &[Run], devices: [&str; 2], stretches: [&Stretch; 2], distance_um
 }
 
 /// The step in which a robot moves, or the run after or before which it stands.
-fn span(run: &Run, step: Option<usize>) -> Span {
+fn span(run: &JudgedRun, step: Option<usize>) -> Span {
     let steps = run.job.order.dimibot().map(|order| order.steps.as_slice()).unwrap_or_default();
     let nth = step.and_then(|step| run.steps.iter().position(|index| *index == step));
     nth.and_then(|nth| steps.get(nth)).map_or(run.job.run_span, |step| step.span)

@@ -7,13 +7,13 @@
 mod beside;
 mod scene;
 
-use super::clock::Run;
+use super::clock::JudgedRun;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{Replay, Standing, Terms, Unfit};
-use crate::claims::dimibot::{Action, DimibotOrder, Method, Objective, Stop};
-use crate::device::dimibot::{Cell, Facts, Side, Simultaneous, Switch};
-use crate::schedule::{Actuation, State, TimedState, Unit};
-use scene::{Scene, Touch, place};
+use super::{RecordTerms, Replay, Standing, Unfit};
+use crate::claims::dimibot::{DimibotAction, DimibotMethod, DimibotObjective, DimibotOrder, DimibotStop};
+use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous, Switch};
+use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
+use scene::{DimibotObstacles, TipTouch, place};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -38,7 +38,7 @@ pub(super) struct Actuator {
 }
 
 impl Actuator {
-    fn state(self, cell: Cell) -> bool {
+    fn state(self, cell: LatticeCell) -> bool {
         let bits = match self.side {
             Side::Left => cell.x,
             Side::Right => cell.y,
@@ -47,21 +47,21 @@ impl Actuator {
     }
 
     /// The cell with the module where this actuator brings it.
-    fn applied(self, cell: Cell) -> Cell {
+    fn applied(self, cell: LatticeCell) -> LatticeCell {
         let bit = 1 << self.module;
         let bits = |old: u32| match self.switch {
             Switch::Set => old | bit,
             Switch::Reset => old & !bit,
         };
         match self.side {
-            Side::Left => Cell { x: bits(cell.x), ..cell },
-            Side::Right => Cell { y: bits(cell.y), ..cell },
+            Side::Left => LatticeCell { x: bits(cell.x), ..cell },
+            Side::Right => LatticeCell { y: bits(cell.y), ..cell },
         }
     }
 
     /// The cell in which its module alone is at 1.
-    fn own_cell(self) -> Cell {
-        Actuator { switch: Switch::Set, ..self }.applied(Cell { x: 0, y: 0 })
+    fn own_cell(self) -> LatticeCell {
+        Actuator { switch: Switch::Set, ..self }.applied(LatticeCell { x: 0, y: 0 })
     }
 
     fn is_opposite(self, other: Actuator) -> bool {
@@ -69,12 +69,12 @@ impl Actuator {
     }
 
     fn name(self) -> String {
-        Facts::channel(self.side, self.module, self.switch)
+        DimibotFacts::channel(self.side, self.module, self.switch)
     }
 }
 
 /// The actuators of a device by the full names of their channels.
-pub(super) fn actuators(device: &str, facts: &Facts) -> BTreeMap<String, Actuator> {
+pub(super) fn actuators(device: &str, facts: &DimibotFacts) -> BTreeMap<String, Actuator> {
     let sides = [(Side::Left, facts.left), (Side::Right, facts.right)].into_iter();
     let modules = sides.flat_map(|(side, count)| (0..count).map(move |module| (side, module)));
     let both =
@@ -83,26 +83,26 @@ pub(super) fn actuators(device: &str, facts: &Facts) -> BTreeMap<String, Actuato
 }
 
 /// What the numbers of a channel are, if the device has one of that name.
-pub(super) fn unit(channel: &str, order: &DimibotOrder) -> Option<Unit> {
-    actuators("", &order.facts).contains_key(&format!(".{channel}")).then_some(Unit::Volt)
+pub(super) fn unit(channel: &str, order: &DimibotOrder) -> Option<ChannelUnit> {
+    actuators("", &order.facts).contains_key(&format!(".{channel}")).then_some(ChannelUnit::Volt)
 }
 
 /// What the claims say of a plan's record.
-pub(super) fn terms(order: &DimibotOrder) -> Terms {
+pub(super) fn terms(order: &DimibotOrder) -> RecordTerms {
     let (objective, unit, scale) = match order.objective {
-        Objective::Distance => ("distance", "um", 1e6),
-        Objective::Switches => ("switches", "", 1.0),
-        Objective::Time => ("time", "ms", 1e3),
-        Objective::Energy => ("energy", "mJ", 1e3),
+        DimibotObjective::Distance => ("distance", "um", 1e6),
+        DimibotObjective::Switches => ("switches", "", 1.0),
+        DimibotObjective::Time => ("time", "ms", 1e3),
+        DimibotObjective::Energy => ("energy", "mJ", 1e3),
     };
     let planner = match order.planner.method {
-        Method::StagedAstar => "staged_astar",
-        Method::Dijkstra => "dijkstra",
-        Method::BidirectionalDijkstra => "bidirectional_dijkstra",
-        Method::Astar => "astar",
-        Method::HypercubeAstar => "hypercube_astar",
+        DimibotMethod::StagedAstar => "staged_astar",
+        DimibotMethod::Dijkstra => "dijkstra",
+        DimibotMethod::BidirectionalDijkstra => "bidirectional_dijkstra",
+        DimibotMethod::Astar => "astar",
+        DimibotMethod::HypercubeAstar => "hypercube_astar",
     };
-    Terms { planner, objective, outcome: objective, unit, scale }
+    RecordTerms { planner, objective, outcome: objective, unit, scale }
 }
 
 /// What `minimize` takes to bring an outcome down: its own name.
@@ -112,26 +112,26 @@ pub(super) fn minimized_as(outcome: &'static str) -> Option<&'static str> {
 
 /// What begins at one instant.
 #[derive(Debug)]
-struct Pulse<'a> {
+struct PulseInstant<'a> {
     start_ns: u64,
     /// Place of its step in the run.
     nth: usize,
     /// Index of its step in the schedule.
     step: usize,
     parts: Vec<(&'a Actuation, Actuator)>,
-    before: Cell,
-    after: Cell,
+    before: LatticeCell,
+    after: LatticeCell,
     /// What really changes.
     strokes: Vec<Actuator>,
 }
 
 /// A run in the kind's own terms.
-struct Task<'a> {
-    run: &'a Run<'a>,
+struct DimibotRun<'a> {
+    run: &'a JudgedRun<'a>,
     order: &'a DimibotOrder,
     /// Where it stands at first.
-    start: Cell,
-    pulses: Vec<Pulse<'a>>,
+    start: LatticeCell,
+    pulses: Vec<PulseInstant<'a>>,
 }
 
 /// Holds a run against its order.
@@ -139,14 +139,14 @@ struct Task<'a> {
 /// # Errors
 /// When a body of the claims cannot be placed.
 pub(super) fn replay<'a>(
-    run: &Run<'a>,
+    run: &JudgedRun<'a>,
     (order, patience): (&DimibotOrder, Patience),
     standing: &mut Standing<'a>,
     findings: &mut Findings,
 ) -> Result<Replay<'a>, Unfit> {
-    let scene = Scene::new(order)?;
+    let scene = DimibotObstacles::new(order)?;
     let start = start(run, order, standing, findings);
-    let task = Task { run, order, start, pulses: pulses(run, order, start) };
+    let task = DimibotRun { run, order, start, pulses: pulses(run, order, start) };
     shapes(&task, findings);
     rests(&task, findings);
     if patience == Patience::None {
@@ -165,18 +165,18 @@ pub(super) fn replay<'a>(
     Ok(Replay { states: task.states().into_iter().map(Cow::Owned).collect(), outcomes: task.outcomes() })
 }
 
-fn state(facts: &Facts, cell: Cell) -> State {
+fn state(facts: &DimibotFacts, cell: LatticeCell) -> State {
     let position = place(facts, cell);
     State::Dimibot { word: facts.word(cell), cell: [cell.x, cell.y], position_um: [position.x, position.y] }
 }
 
 /// Where a run starts: where the device stands, or for its first run where the task says, or at home.
-fn start(run: &Run, order: &DimibotOrder, standing: &Standing, findings: &mut Findings) -> Cell {
+fn start(run: &JudgedRun, order: &DimibotOrder, standing: &Standing, findings: &mut Findings) -> LatticeCell {
     let claimed = order.start.as_ref();
     let Some(State::Dimibot { cell: [x, y], .. }) = standing.get(run.job.device.as_str()) else {
         return claimed.map_or(order.facts.home, |start| start.value);
     };
-    let stands = Cell { x: *x, y: *y };
+    let stands = LatticeCell { x: *x, y: *y };
     if let Some(start) = claimed.filter(|start| start.value != stands) {
         let title = format!(
             "`{}` is to start at cell {}, but `{}` stands at {stands} by then",
@@ -190,7 +190,7 @@ fn start(run: &Run, order: &DimibotOrder, standing: &Standing, findings: &mut Fi
 }
 
 /// Gathers actuations into pulses, and follows the modules through them. A module that is set and reset at once stays.
-fn pulses<'a>(run: &Run<'a>, order: &DimibotOrder, start: Cell) -> Vec<Pulse<'a>> {
+fn pulses<'a>(run: &JudgedRun<'a>, order: &DimibotOrder, start: LatticeCell) -> Vec<PulseInstant<'a>> {
     let actuators = actuators(&run.job.device, &order.facts);
     let nth: BTreeMap<usize, usize> = run.steps.iter().enumerate().map(|(nth, step)| (*step, nth)).collect();
     let mut cell = start;
@@ -201,21 +201,21 @@ fn pulses<'a>(run: &Run<'a>, order: &DimibotOrder, start: Cell) -> Vec<Pulse<'a>
         let parts: Vec<_> = parts.iter().map(|part| (*part, actuator(part))).collect();
         let (before, strokes) = (cell, strokes(cell, &parts));
         cell = strokes.iter().fold(cell, |cell, stroke| stroke.applied(cell));
-        Pulse { start_ns, nth: nth[&step], step, parts, before, after: cell, strokes }
+        PulseInstant { start_ns, nth: nth[&step], step, parts, before, after: cell, strokes }
     };
     together.map(pulse).collect()
 }
 
 /// The parts of a pulse that change their module.
-fn strokes(cell: Cell, parts: &[(&Actuation, Actuator)]) -> Vec<Actuator> {
+fn strokes(cell: LatticeCell, parts: &[(&Actuation, Actuator)]) -> Vec<Actuator> {
     let moves = |actuator: &Actuator| {
         actuator.applied(cell) != cell && !parts.iter().any(|(_, other)| other.is_opposite(*actuator))
     };
     parts.iter().map(|(_, actuator)| *actuator).filter(moves).collect()
 }
 
-impl Task<'_> {
-    fn facts(&self) -> &Facts {
+impl DimibotRun<'_> {
+    fn facts(&self) -> &DimibotFacts {
         &self.order.facts
     }
 
@@ -224,25 +224,25 @@ impl Task<'_> {
         self.facts().pulse_duration_ns + self.facts().rest_ns
     }
 
-    fn end(&self) -> Cell {
+    fn end(&self) -> LatticeCell {
         self.pulses.last().map_or(self.start, |pulse| pulse.after)
     }
 
     /// The cells in which the tip rests during a step, the one before its first pulse included.
-    fn rests_at(&self, nth: usize) -> Vec<Cell> {
+    fn rests_at(&self, nth: usize) -> Vec<LatticeCell> {
         let before = self.pulses.partition_point(|pulse| pulse.nth < nth);
         let first = self.pulses[..before].last().map_or(self.start, |pulse| pulse.after);
         std::iter::once(first).chain(self.of_step(nth).map(|pulse| pulse.after)).collect()
     }
 
-    fn of_step(&self, nth: usize) -> impl DoubleEndedIterator<Item = &Pulse<'_>> {
+    fn of_step(&self, nth: usize) -> impl DoubleEndedIterator<Item = &PulseInstant<'_>> {
         let first = self.pulses.partition_point(|pulse| pulse.nth < nth);
         let end = self.pulses.partition_point(|pulse| pulse.nth <= nth);
         self.pulses[first..end].iter()
     }
 
     /// A violation at a pulse, with its step.
-    fn at(&self, rule: Rule, pulse: &Pulse, title: String) -> Violation {
+    fn at(&self, rule: Rule, pulse: &PulseInstant, title: String) -> Violation {
         let span = self.order.steps[pulse.nth].span;
         Violation::new(rule, pulse.start_ns, title).step(pulse.step).label(span, "in this step")
     }
@@ -282,8 +282,8 @@ impl Task<'_> {
 }
 
 /// Voltage and duration of every pulse are those of the device.
-fn shapes(task: &Task, findings: &mut Findings) {
-    let Facts { pulse_voltage_v: volts, pulse_duration_ns, .. } = *task.facts();
+fn shapes(task: &DimibotRun, findings: &mut Findings) {
+    let DimibotFacts { pulse_voltage_v: volts, pulse_duration_ns, .. } = *task.facts();
     for pulse in &task.pulses {
         for (part, actuator) in &pulse.parts {
             let name = actuator.name();
@@ -302,7 +302,7 @@ fn shapes(task: &Task, findings: &mut Findings) {
 }
 
 /// The rest after a pulse is over before the next pulse, and before the run ends.
-fn rests(task: &Task, findings: &mut Findings) {
+fn rests(task: &DimibotRun, findings: &mut Findings) {
     let next = task.pulses.iter().skip(1).map(|pulse| pulse.start_ns);
     for (pulse, next_ns) in task.pulses.iter().zip(next) {
         let since_ns = next_ns - pulse.start_ns;
@@ -326,11 +326,11 @@ fn rests(task: &Task, findings: &mut Findings) {
 
 /// A step of moves is pulse after pulse, from its beginning to its end. Not asked of robots that may have to wait for another:
 /// their idle time counts as time of the plan.
-fn idle(task: &Task, findings: &mut Findings) {
+fn idle(task: &DimibotRun, findings: &mut Findings) {
     for (nth, claimed) in task.order.steps.iter().enumerate() {
         match claimed.action {
-            Action::Wait(_) => continue,
-            Action::Move(_) | Action::Visit(_) => (),
+            DimibotAction::Wait(_) => continue,
+            DimibotAction::Move(_) | DimibotAction::Visit(_) => (),
         }
         let step = task.run.step(nth);
         let mut due_ns = step.start_ns;
@@ -346,11 +346,11 @@ fn idle(task: &Task, findings: &mut Findings) {
 }
 
 /// A wait lasts as long as claimed, and nothing is switched in it.
-fn waits(task: &Task, findings: &mut Findings) {
+fn waits(task: &DimibotRun, findings: &mut Findings) {
     for (nth, claimed) in task.order.steps.iter().enumerate() {
         let duration_ns = match claimed.action {
-            Action::Wait(duration_ns) => duration_ns,
-            Action::Move(_) | Action::Visit(_) => continue,
+            DimibotAction::Wait(duration_ns) => duration_ns,
+            DimibotAction::Move(_) | DimibotAction::Visit(_) => continue,
         };
         let step = task.run.step(nth);
         if step.duration_ns != duration_ns {
@@ -365,7 +365,7 @@ fn waits(task: &Task, findings: &mut Findings) {
 }
 
 /// A module is not set and reset in one pulse.
-fn opposed(task: &Task, findings: &mut Findings) {
+fn opposed(task: &DimibotRun, findings: &mut Findings) {
     for pulse in &task.pulses {
         let set = pulse.parts.iter().filter(|(_, actuator)| actuator.switch == Switch::Set);
         for (_, actuator) in set {
@@ -379,7 +379,7 @@ fn opposed(task: &Task, findings: &mut Findings) {
 }
 
 /// A pulse sets a module that is 0 or resets one that is 1.
-fn switches(task: &Task, findings: &mut Findings) {
+fn switches(task: &DimibotRun, findings: &mut Findings) {
     for pulse in &task.pulses {
         for (_, actuator) in &pulse.parts {
             let twisted = pulse.parts.iter().any(|(_, other)| other.is_opposite(*actuator));
@@ -393,7 +393,7 @@ fn switches(task: &Task, findings: &mut Findings) {
 }
 
 /// Several modules are switched in one pulse only where the task allows it.
-fn simultaneous(task: &Task, findings: &mut Findings) {
+fn simultaneous(task: &DimibotRun, findings: &mut Findings) {
     match task.order.simultaneous {
         Simultaneous::Safe => return,
         Simultaneous::Never => (),
@@ -406,7 +406,7 @@ fn simultaneous(task: &Task, findings: &mut Findings) {
 }
 
 /// The tip stands clear before the first pulse.
-fn standing_clear(task: &Task, scene: &Scene, findings: &mut Findings) {
+fn standing_clear(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     if let Some(touch) = scene.touch(task.start, task.start) {
         let title = format!("tip stands at cell {} at the start, {}", task.start, touch.told(task.order));
         let violation = Violation::new(Rule::Sweep, task.run.plan.start_ns, title);
@@ -415,12 +415,12 @@ fn standing_clear(task: &Task, scene: &Scene, findings: &mut Findings) {
 }
 
 /// The way that a single module carries the tip is clear.
-fn sweeps(task: &Task, scene: &Scene, findings: &mut Findings) {
+fn sweeps(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     for pulse in &task.pulses {
         let [stroke] = pulse.strokes[..] else { continue };
-        let Cell { x: x0, y: y0 } = pulse.before;
-        let Cell { x: x1, y: y1 } = pulse.after;
-        let (low, high) = (Cell { x: x0.min(x1), y: y0.min(y1) }, Cell { x: x0.max(x1), y: y0.max(y1) });
+        let LatticeCell { x: x0, y: y0 } = pulse.before;
+        let LatticeCell { x: x1, y: y1 } = pulse.after;
+        let (low, high) = (LatticeCell { x: x0.min(x1), y: y0.min(y1) }, LatticeCell { x: x0.max(x1), y: y0.max(y1) });
         if let Some(touch) = scene.touch(low, high) {
             let (name, at, told) = (stroke.name(), ms(pulse.start_ns), touch.told(task.order));
             let title = format!("`{name}` at {at} moves the tip from {} to {}, {told}", pulse.before, pulse.after);
@@ -430,7 +430,7 @@ fn sweeps(task: &Task, scene: &Scene, findings: &mut Findings) {
 }
 
 /// Everywhere that modules switched at once can carry the tip, in any order and by any part of their strokes, is clear.
-fn mixtures(task: &Task, scene: &Scene, findings: &mut Findings) {
+fn mixtures(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     for pulse in task.pulses.iter().filter(|pulse| pulse.strokes.len() > 1) {
         let all = |switch| {
             let strokes = pulse.strokes.iter().filter(move |stroke| stroke.switch == switch);
@@ -444,18 +444,18 @@ fn mixtures(task: &Task, scene: &Scene, findings: &mut Findings) {
     }
 }
 
-fn touched(task: &Task, violation: Violation, touch: &Touch) -> Violation {
+fn touched(task: &DimibotRun, violation: Violation, touch: &TipTouch) -> Violation {
     violation.label(task.order.obstacles[touch.obstacle].span, "this obstacle")
 }
 
 /// Stops are reached: those of a move in their order, those of a visit in any; and the step ends at the last, or at one.
-fn goals(task: &Task, findings: &mut Findings) {
+fn goals(task: &DimibotRun, findings: &mut Findings) {
     for (nth, claimed) in task.order.steps.iter().enumerate() {
         let cells = task.rests_at(nth);
         let missed = match &claimed.action {
-            Action::Wait(_) => None,
-            Action::Move(stops) => missed_in_order(stops, &cells),
-            Action::Visit(stops) => missed_of_all(stops, &cells),
+            DimibotAction::Wait(_) => None,
+            DimibotAction::Move(stops) => missed_in_order(stops, &cells),
+            DimibotAction::Visit(stops) => missed_of_all(stops, &cells),
         };
         let step = task.run.step(nth);
         let end_ns = step.start_ns + step.duration_ns;
@@ -465,7 +465,7 @@ fn goals(task: &Task, findings: &mut Findings) {
     }
 }
 
-fn missed_in_order<'a>(stops: &'a [Stop], cells: &[Cell]) -> Option<(&'a Stop, String)> {
+fn missed_in_order<'a>(stops: &'a [DimibotStop], cells: &[LatticeCell]) -> Option<(&'a DimibotStop, String)> {
     let mut left = stops;
     for cell in cells {
         while left.first().is_some_and(|stop| stop.cell == *cell) {
@@ -479,7 +479,7 @@ fn missed_in_order<'a>(stops: &'a [Stop], cells: &[Cell]) -> Option<(&'a Stop, S
     (goal.cell != *end).then(|| (goal, format!("step goes to cell {} but ends at {end}", goal.cell)))
 }
 
-fn missed_of_all<'a>(stops: &'a [Stop], cells: &[Cell]) -> Option<(&'a Stop, String)> {
+fn missed_of_all<'a>(stops: &'a [DimibotStop], cells: &[LatticeCell]) -> Option<(&'a DimibotStop, String)> {
     let (first, end) = (stops.first()?, cells.last()?);
     if let Some(stop) = stops.iter().find(|stop| !cells.contains(&stop.cell)) {
         return Some((stop, format!("cell {} is not visited, the step ends at {end}", stop.cell)));
@@ -489,11 +489,11 @@ fn missed_of_all<'a>(stops: &'a [Stop], cells: &[Cell]) -> Option<(&'a Stop, Str
 }
 
 /// The cell taken for a place is the nearest one, and as near as the task demands.
-fn places(task: &Task, findings: &mut Findings) {
+fn places(task: &DimibotRun, findings: &mut Findings) {
     for (nth, claimed) in task.order.steps.iter().enumerate() {
-        let stops: &[Stop] = match &claimed.action {
-            Action::Wait(_) => &[],
-            Action::Move(stops) | Action::Visit(stops) => stops,
+        let stops: &[DimibotStop] = match &claimed.action {
+            DimibotAction::Wait(_) => &[],
+            DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops,
         };
         let start_ns = task.run.step(nth).start_ns;
         for stop in stops {

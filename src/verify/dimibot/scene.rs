@@ -5,10 +5,10 @@
 //! the rounding of [`super::super::geometry`]; of lattice cells only those that the centre enters are touched.
 
 use super::super::Unfit;
-use super::super::boxes::{Boxes, Extent};
+use super::super::boxes::{Extent, GroupedBoxes};
 use super::super::geometry::solid::Solid;
-use crate::claims::dimibot::{Action, Asked, Body, DimibotOrder, Stop};
-use crate::device::dimibot::{Cell, Facts, MAX_MODULES};
+use crate::claims::dimibot::{Asked, DimibotAction, DimibotObstacleBody, DimibotOrder, DimibotStop};
+use crate::device::dimibot::{DimibotFacts, LatticeCell, MAX_MODULES};
 use crate::geometry::shape::{MAX_EXTENT_UM, Pose};
 use crate::quantity::digits;
 use crate::real::Real;
@@ -43,8 +43,8 @@ pub(in super::super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> 
         return unfit("hold a pulse without length or a rest without end");
     }
     let stops = order.steps.iter().flat_map(|step| match &step.action {
-        Action::Move(stops) | Action::Visit(stops) => stops.as_slice(),
-        Action::Wait(_) => &[],
+        DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops.as_slice(),
+        DimibotAction::Wait(_) => &[],
     });
     let start = order.start.as_ref().map(|start| start.value);
     if !stops.map(|stop| stop.cell).chain(start).chain([facts.home]).all(|cell| exists(facts, cell)) {
@@ -54,13 +54,13 @@ pub(in super::super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> 
 }
 
 /// Whether a cell needs no module but those that a robot has.
-fn exists(facts: &Facts, cell: Cell) -> bool {
+fn exists(facts: &DimibotFacts, cell: LatticeCell) -> bool {
     cell.x >> facts.left == 0 && cell.y >> facts.right == 0
 }
 
 /// Nominal place of the end-effector in the frame R1.
-pub(super) fn place(facts: &Facts, cell: Cell) -> Point2<f64> {
-    Point2::from(Facts::workspace_frame() * facts.displacement_um(cell))
+pub(super) fn place(facts: &DimibotFacts, cell: LatticeCell) -> Point2<f64> {
+    Point2::from(DimibotFacts::workspace_frame() * facts.displacement_um(cell))
 }
 
 /// Whether numbers can be the place of a frame.
@@ -70,14 +70,14 @@ pub(in super::super) fn is_frame(frame: &Pose) -> bool {
 
 /// Where a robot's frame stands in its scene, as a turn and a shift; without a frame both are none.
 #[derive(Clone, Copy)]
-pub(super) struct Stand {
+pub(super) struct FrameTransform {
     /// Sine and cosine of the heading, and the place.
     turn: Option<([f64; 2], [f64; 2])>,
 }
 
-impl Stand {
-    pub fn of(frame: Option<&Pose>) -> Stand {
-        Stand { turn: frame.map(|frame| (frame.heading_rad.sine_cosine().into(), [frame.x_um, frame.y_um])) }
+impl FrameTransform {
+    pub fn of(frame: Option<&Pose>) -> FrameTransform {
+        FrameTransform { turn: frame.map(|frame| (frame.heading_rad.sine_cosine().into(), [frame.x_um, frame.y_um])) }
     }
 
     /// The scene's coordinates of a place in the robot's frame.
@@ -95,27 +95,27 @@ impl Stand {
 
 /// The corners of what the tip's centre may sweep between two cells, `low` the lower one in both axes, in order round it and in the
 /// scene: a rectangle, a segment where a single module moves, or a point.
-pub(super) fn swept(facts: &Facts, stand: &Stand, [low, high]: [Cell; 2]) -> Vec<Point2<f64>> {
+pub(super) fn swept(facts: &DimibotFacts, stand: &FrameTransform, [low, high]: [LatticeCell; 2]) -> Vec<Point2<f64>> {
     let cells = match (low.x == high.x, low.y == high.y) {
         (true, true) => vec![low],
         (true, false) | (false, true) => vec![low, high],
-        (false, false) => vec![low, Cell { x: high.x, ..low }, high, Cell { y: high.y, ..low }],
+        (false, false) => vec![low, LatticeCell { x: high.x, ..low }, high, LatticeCell { y: high.y, ..low }],
     };
     cells.into_iter().map(|cell| stand.in_scene(place(facts, cell))).collect()
 }
 
 /// The obstacles of an order, ready to be asked.
-pub(super) struct Scene<'a> {
-    facts: &'a Facts,
-    stand: Stand,
+pub(super) struct DimibotObstacles<'a> {
+    facts: &'a DimibotFacts,
+    stand: FrameTransform,
     solids: Vec<(usize, Solid)>,
-    solid_boxes: Boxes,
-    blocks: Vec<(usize, [Cell; 2])>,
-    block_boxes: Boxes,
+    solid_boxes: GroupedBoxes,
+    blocks: Vec<(usize, [LatticeCell; 2])>,
+    block_boxes: GroupedBoxes,
 }
 
 /// What is touched.
-pub(super) struct Touch {
+pub(super) struct TipTouch {
     /// Index of the order's obstacles: the first one touched.
     pub obstacle: usize,
     /// How many more are touched.
@@ -124,7 +124,7 @@ pub(super) struct Touch {
     gap_um: Option<f64>,
 }
 
-impl Touch {
+impl TipTouch {
     /// The end of a title.
     pub fn told(&self, order: &DimibotOrder) -> String {
         let name = &order.obstacles[self.obstacle].name;
@@ -142,40 +142,40 @@ impl Touch {
     }
 }
 
-impl<'a> Scene<'a> {
+impl<'a> DimibotObstacles<'a> {
     /// Puts the obstacles in their places.
     ///
     /// # Errors
     /// When a shape is none.
-    pub fn new(order: &'a DimibotOrder) -> Result<Scene<'a>, Unfit> {
+    pub fn new(order: &'a DimibotOrder) -> Result<DimibotObstacles<'a>, Unfit> {
         let (mut solids, mut blocks) = (Vec::new(), Vec::new());
         for (index, obstacle) in order.obstacles.iter().enumerate() {
             match &obstacle.body {
-                Body::Cells { from, to } => blocks.push((index, [*from, *to])),
-                Body::Solid { shape, pose } => {
+                DimibotObstacleBody::Cells { from, to } => blocks.push((index, [*from, *to])),
+                DimibotObstacleBody::Solid { shape, pose } => {
                     let unfit = || Unfit(format!("the claims' obstacle `{}` has no shape", obstacle.name));
                     solids.push((index, Solid::of(shape, pose).ok_or_else(unfit)?));
                 }
             }
         }
-        let solid_boxes = Boxes::new(solids.iter().map(|(_, body)| body.extent()));
-        let block_boxes = Boxes::new(blocks.iter().map(|(_, corners)| Extent::of(&corners.map(lattice_point))));
-        let stand = Stand::of(order.frame.as_ref());
-        Ok(Scene { facts: &order.facts, stand, solids, solid_boxes, blocks, block_boxes })
+        let solid_boxes = GroupedBoxes::new(solids.iter().map(|(_, body)| body.extent()));
+        let block_boxes = GroupedBoxes::new(blocks.iter().map(|(_, corners)| Extent::of(&corners.map(lattice_point))));
+        let stand = FrameTransform::of(order.frame.as_ref());
+        Ok(DimibotObstacles { facts: &order.facts, stand, solids, solid_boxes, blocks, block_boxes })
     }
 
     /// What the tip touches in the rectangle between two cells, `low` the lower one in both axes; a rectangle without width
     /// is the way of a single module, one without any extent a place.
-    pub fn touch(&self, low: Cell, high: Cell) -> Option<Touch> {
+    pub fn touch(&self, low: LatticeCell, high: LatticeCell) -> Option<TipTouch> {
         let solids = self.touched_solids(low, high);
         let blocks = self.touched_blocks(low, high);
         let others = (solids.len() + blocks.len()).checked_sub(1)?;
         let first = solids.iter().copied().chain(blocks.iter().map(|index| (*index, None)));
         let (obstacle, gap_um) = first.min_by_key(|(index, _)| *index)?;
-        Some(Touch { obstacle, others, gap_um })
+        Some(TipTouch { obstacle, others, gap_um })
     }
 
-    fn touched_solids(&self, low: Cell, high: Cell) -> Vec<(usize, Option<f64>)> {
+    fn touched_solids(&self, low: LatticeCell, high: LatticeCell) -> Vec<(usize, Option<f64>)> {
         let swept = swept(self.facts, &self.stand, [low, high]);
         let room_um = room_um(self.facts);
         let area = Extent::of(&swept).widened(room_um + BOX_MARGIN_UM);
@@ -186,34 +186,35 @@ impl<'a> Scene<'a> {
     }
 
     /// The paper's rule: a row or column of cells is touched if one of its cells is, the two ends included.
-    fn touched_blocks(&self, low: Cell, high: Cell) -> Vec<usize> {
+    fn touched_blocks(&self, low: LatticeCell, high: LatticeCell) -> Vec<usize> {
         let area = Extent::of(&[low, high].map(lattice_point));
         let near = self.block_boxes.meeting(&area).into_iter().map(|at| &self.blocks[at]);
-        let meets = |[from, to]: &[Cell; 2]| from.x <= high.x && low.x <= to.x && from.y <= high.y && low.y <= to.y;
+        let meets =
+            |[from, to]: &[LatticeCell; 2]| from.x <= high.x && low.x <= to.x && from.y <= high.y && low.y <= to.y;
         near.filter(|(_, corners)| meets(corners)).map(|(index, _)| *index).collect()
     }
 }
 
-fn lattice_point(cell: Cell) -> Point2<f64> {
+fn lattice_point(cell: LatticeCell) -> Point2<f64> {
     Point2::new(f64::from(cell.x), f64::from(cell.y))
 }
 
 /// How far from its nominal place something may touch the tip: its radius, and how far it may stand off.
-pub(super) fn room_um(facts: &Facts) -> f64 {
+pub(super) fn room_um(facts: &DimibotFacts) -> f64 {
     facts.tip_radius_um + facts.repeatability_um
 }
 
 /// Why a cell is not the one to be taken for a place, if it is not: the place lies more than half a pitch off along an axis, or
 /// farther than the precision.
-pub(super) fn misplaced(order: &DimibotOrder, stop: &Stop) -> Option<String> {
+pub(super) fn misplaced(order: &DimibotOrder, stop: &DimibotStop) -> Option<String> {
     let Asked::Place([x_um, y_um]) = stop.asked else { return None };
     let (facts, cell) = (&order.facts, stop.cell);
-    let origin = place(facts, Cell { x: 0, y: 0 });
+    let origin = place(facts, LatticeCell { x: 0, y: 0 });
     let pitch_um = Vector2::new(
-        (place(facts, Cell { x: 1, y: 0 }) - origin).norm(),
-        (place(facts, Cell { x: 0, y: 1 }) - origin).norm(),
+        (place(facts, LatticeCell { x: 1, y: 0 }) - origin).norm(),
+        (place(facts, LatticeCell { x: 0, y: 1 }) - origin).norm(),
     );
-    let stand = Stand::of(order.frame.as_ref());
+    let stand = FrameTransform::of(order.frame.as_ref());
     let off_um = Point2::new(x_um, y_um) - stand.in_scene(place(facts, cell));
     let far_um = order.frame.map_or(0.0, |frame| frame.x_um.abs() + frame.y_um.abs());
     let half = |axis: usize| pitch_um[axis] / 2.0 + TOLERANCE * (1.0 + facts.gain * facts.stroke_um + far_um);

@@ -2,12 +2,12 @@
 //!
 //! Every rule is asked of the whole board; the first violation is returned, that of the first part in the order of the scene.
 
-use super::Board;
-use super::bodies::{Way, first_touch, needed};
-use super::pull::{Pull, acting, explained, merging, range};
-use super::stage::Stage;
+use super::JudgedBoard;
+use super::bodies::{SweptCells, first_touch, needed};
+use super::pull::{PartPull, acting, explained, merging, range};
+use super::stage::JudgedStage;
 use crate::claims::electrode_array::Bystanders;
-use crate::device::electrode_array::{Cell, Electrodes, Hold};
+use crate::device::electrode_array::{ElectrodeCell, Electrodes, Hold};
 use crate::verify::Violation;
 use crate::verify::rule::{Rule, ms};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -16,19 +16,19 @@ use rustc_hash::{FxHashMap, FxHashSet};
 const SHOWN: usize = 4;
 
 /// A beat of a step.
-pub(super) struct Moment<'m> {
+pub(super) struct StepBeat<'m> {
     /// Place of the step in the run.
     pub nth: usize,
     pub at_ns: u64,
-    pub stage: &'m Stage<'m>,
-    pub on: &'m FxHashSet<Cell>,
+    pub stage: &'m JudgedStage<'m>,
+    pub on: &'m FxHashSet<ElectrodeCell>,
 }
 
 /// What each part that is there does, by the index of the part.
-type Pulls = Vec<(usize, Pull)>;
+type Pulls = Vec<(usize, PartPull)>;
 
-impl Board<'_, '_> {
-    fn broken(&self, rule: Rule, moment: &Moment, title: String, parts: &[usize]) -> Violation {
+impl JudgedBoard<'_, '_> {
+    fn broken(&self, rule: Rule, moment: &StepBeat, title: String, parts: &[usize]) -> Violation {
         let violation = self.within(rule, moment.nth, moment.at_ns, title);
         parts.iter().fold(violation, |violation, part| violation.label(self.order.parts[*part].span, "this part"))
     }
@@ -38,7 +38,7 @@ impl Board<'_, '_> {
     }
 
     /// Where every part goes, with the rules on electrodes kept.
-    pub(super) fn pulled(&self, moment: &Moment) -> Result<Pulls, Violation> {
+    pub(super) fn pulled(&self, moment: &StepBeat) -> Result<Pulls, Violation> {
         let pulls = self.pulls(moment)?;
         let owners = self.owners(moment, &pulls)?;
         self.strays(moment, &pulls, &owners)?;
@@ -48,10 +48,10 @@ impl Board<'_, '_> {
     }
 
     /// Every part is pulled to one place.
-    fn pulls(&self, moment: &Moment) -> Result<Pulls, Violation> {
+    fn pulls(&self, moment: &StepBeat) -> Result<Pulls, Violation> {
         let electrodes = self.order.facts.layout.electrodes;
         let here = self.cells.iter().enumerate().filter_map(|(part, cell)| Some((part, (*cell)?)));
-        let pull = |(part, at): (usize, Cell)| {
+        let pull = |(part, at): (usize, ElectrodeCell)| {
             let pull = match moment.stage.partner(part) {
                 Some((_, goal)) => merging(moment.on, at, goal),
                 None => explained(moment.on, electrodes, at),
@@ -67,7 +67,7 @@ impl Board<'_, '_> {
     }
 
     /// An electrode carries one part, or two to the cell where they merge.
-    fn owners(&self, moment: &Moment, pulls: &Pulls) -> Result<FxHashMap<Cell, usize>, Violation> {
+    fn owners(&self, moment: &StepBeat, pulls: &Pulls) -> Result<FxHashMap<ElectrodeCell, usize>, Violation> {
         let mut owners = FxHashMap::default();
         for (part, pull) in pulls {
             for electrode in &pull.by {
@@ -83,11 +83,16 @@ impl Board<'_, '_> {
     }
 
     /// No electrode acts on a part that it does not carry, neither at its start nor at its end.
-    fn strays(&self, moment: &Moment, pulls: &Pulls, owners: &FxHashMap<Cell, usize>) -> Result<(), Violation> {
+    fn strays(
+        &self,
+        moment: &StepBeat,
+        pulls: &Pulls,
+        owners: &FxHashMap<ElectrodeCell, usize>,
+    ) -> Result<(), Violation> {
         let electrodes = self.order.facts.layout.electrodes;
         for (part, pull) in pulls {
             let partner = moment.stage.partner(*part);
-            let meant = |electrode: &Cell| {
+            let meant = |electrode: &ElectrodeCell| {
                 let of_partner = partner.is_some_and(|(other, goal)| {
                     let stands = pull.from == goal || pull.to == goal;
                     *electrode == goal || (stands && owners.get(electrode) == Some(&other))
@@ -111,7 +116,7 @@ impl Board<'_, '_> {
     }
 
     /// An electrode that is on carries or holds a part.
-    fn unused(&self, moment: &Moment, owners: &FxHashMap<Cell, usize>) -> Result<(), Violation> {
+    fn unused(&self, moment: &StepBeat, owners: &FxHashMap<ElectrodeCell, usize>) -> Result<(), Violation> {
         if owners.len() == moment.on.len() {
             return Ok(());
         }
@@ -125,7 +130,7 @@ impl Board<'_, '_> {
     }
 
     /// The electrode under a resting droplet is on exactly where the device holds its parts.
-    fn holds(&self, moment: &Moment, pulls: &Pulls) -> Result<(), Violation> {
+    fn holds(&self, moment: &StepBeat, pulls: &Pulls) -> Result<(), Violation> {
         match self.order.facts.layout.electrodes {
             Electrodes::Quad => return Ok(()),
             Electrodes::Single => (),
@@ -147,7 +152,7 @@ impl Board<'_, '_> {
     }
 
     /// An electrode that is on acts on no part that is stuck.
-    pub(super) fn leaves_stuck_parts(&self, nth: usize, electrode: Cell, at_ns: u64) -> Result<(), Violation> {
+    pub(super) fn leaves_stuck_parts(&self, nth: usize, electrode: ElectrodeCell, at_ns: u64) -> Result<(), Violation> {
         let Some(stuck) = self.scene.pulled(electrode, range(self.order.facts.layout.electrodes)) else {
             return Ok(());
         };
@@ -157,20 +162,20 @@ impl Board<'_, '_> {
     }
 
     /// A part without a goal moves only where such parts may yield.
-    pub(super) fn bystanders(&self, moment: &Moment, pulls: &Pulls) -> Result<(), Violation> {
+    pub(super) fn bystanders(&self, moment: &StepBeat, pulls: &Pulls) -> Result<(), Violation> {
         match self.order.bystanders {
             Bystanders::Yield => return Ok(()),
             Bystanders::Stay => (),
         }
         let moved = pulls.iter().find(|(part, pull)| pull.moves() && !moment.stage.is_asked(*part));
-        let Some((part, Pull { from, to, .. })) = moved else { return Ok(()) };
+        let Some((part, PartPull { from, to, .. })) = moved else { return Ok(()) };
         let (name, at) = (self.name(*part), ms(moment.at_ns));
         let title = format!("`{name}` moves from {from} to {to} at {at}, but has no goal in this step");
         Err(self.broken(Rule::Bystander, moment, title, &[*part]))
     }
 
     /// Parts keep clear of each other and of all obstacles, wherever in the beat they are.
-    pub(super) fn sweeps(&self, moment: &Moment, pulls: &Pulls) -> Result<(), Violation> {
+    pub(super) fn sweeps(&self, moment: &StepBeat, pulls: &Pulls) -> Result<(), Violation> {
         let explain = |(rule, title, parts): Broken| self.broken(rule, moment, title, &parts);
         self.touches(moment.stage, moment.at_ns, pulls).map_or(Ok(()), |broken| Err(explain(broken)))?;
         self.clearances(moment.at_ns, pulls).map_or(Ok(()), |broken| Err(explain(broken)))
@@ -179,12 +184,12 @@ impl Board<'_, '_> {
     /// The same before the first beat.
     pub(super) fn stands_clear(&self) -> Result<(), Violation> {
         let at_ns = self.run.plan.start_ns;
-        let rests = |(part, cell): (usize, &Option<Cell>)| {
+        let rests = |(part, cell): (usize, &Option<ElectrodeCell>)| {
             let at = (*cell)?;
-            Some((part, Pull { from: at, to: at, by: Vec::new() }))
+            Some((part, PartPull { from: at, to: at, by: Vec::new() }))
         };
         let pulls: Pulls = self.cells.iter().enumerate().filter_map(rests).collect();
-        let broken = self.touches(&Stage::default(), at_ns, &pulls).or_else(|| self.clearances(at_ns, &pulls));
+        let broken = self.touches(&JudgedStage::default(), at_ns, &pulls).or_else(|| self.clearances(at_ns, &pulls));
         match broken {
             None => Ok(()),
             Some((rule, title, _)) => {
@@ -194,21 +199,21 @@ impl Board<'_, '_> {
     }
 
     /// Two parts keep the separation; of two that merge what is done on their goal does not count.
-    fn touches(&self, stage: &Stage, at_ns: u64, pulls: &Pulls) -> Option<Broken> {
+    fn touches(&self, stage: &JudgedStage, at_ns: u64, pulls: &Pulls) -> Option<Broken> {
         let needed = needed(&self.order.facts);
-        let ways: Vec<Way> = pulls.iter().map(|(_, pull)| Way::new(pull.from, pull.to)).collect();
+        let ways: Vec<SweptCells> = pulls.iter().map(|(_, pull)| SweptCells::new(pull.from, pull.to)).collect();
         let apart = |one: usize, other: usize| {
             let ((part, pull), (second, other_pull)) = (&pulls[one], &pulls[other]);
             match stage.partner(*part).filter(|(partner, _)| partner == second) {
                 None => Some(ways[one].apart(&ways[other])),
                 Some((_, goal)) => {
-                    let besides = |pull: &Pull| Way::besides(pull.from, pull.to, goal);
+                    let besides = |pull: &PartPull| SweptCells::besides(pull.from, pull.to, goal);
                     Some(besides(pull)?.apart(&besides(other_pull)?))
                 }
             }
         };
         let time = ms(at_ns);
-        let told = |(part, pull): &(usize, Pull)| match pull.moves() {
+        let told = |(part, pull): &(usize, PartPull)| match pull.moves() {
             true => format!("`{}` on its way from {} to {}", self.name(*part), pull.from, pull.to),
             false => format!("`{}` at {}", self.name(*part), pull.from),
         };
@@ -218,7 +223,7 @@ impl Board<'_, '_> {
                 format!("{first} and {second} come as near as {near} at {time}, {needed} electrodes are needed");
             return Some((Rule::Touch, title, vec![pulls[one].0, pulls[other].0]));
         }
-        let near_stuck = |(pull, way): (&(usize, Pull), &Way)| Some((pull.clone(), self.scene.stuck(way)?));
+        let near_stuck = |(pull, way): (&(usize, PartPull), &SweptCells)| Some((pull.clone(), self.scene.stuck(way)?));
         let (pull, (stuck, near)) = pulls.iter().zip(&ways).find_map(near_stuck)?;
         let (first, stuck) = (told(&pull), &self.order.obstacles[stuck].name);
         let title = format!("{first} comes as near as {near} to `{stuck}` at {time}, {needed} electrodes are needed");
@@ -227,7 +232,7 @@ impl Board<'_, '_> {
 
     /// Where a part rests or arrives it keeps the clearance from electrodes that an obstacle covers.
     fn clearances(&self, at_ns: u64, pulls: &Pulls) -> Option<Broken> {
-        let near = |(part, pull): &(usize, Pull)| Some((*part, pull.to, self.scene.blocked(pull.to)?));
+        let near = |(part, pull): &(usize, PartPull)| Some((*part, pull.to, self.scene.blocked(pull.to)?));
         let (part, at, (obstacle, near)) = pulls.iter().find_map(near)?;
         let (name, obstacle, time) = (self.name(part), &self.order.obstacles[obstacle].name, ms(at_ns));
         let due = self.order.facts.clearance;
@@ -240,8 +245,8 @@ impl Board<'_, '_> {
 type Broken = (Rule, String, Vec<usize>);
 
 /// Some electrodes in words.
-fn listed(cells: &[Cell]) -> String {
-    let shown: Vec<String> = cells.iter().take(SHOWN).map(Cell::to_string).collect();
+fn listed(cells: &[ElectrodeCell]) -> String {
+    let shown: Vec<String> = cells.iter().take(SHOWN).map(ElectrodeCell::to_string).collect();
     match cells.len().saturating_sub(SHOWN) {
         0 => shown.join(", "),
         others => format!("{} and {others} more", shown.join(", ")),

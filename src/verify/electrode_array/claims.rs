@@ -3,8 +3,10 @@
 //! Input: an order. Output: nothing, or why no run can be held against it. Claims that the checker made always pass.
 
 use super::super::Unfit;
-use crate::claims::electrode_array::{Action, Body, ElectrodeArrayOrder, Move};
-use crate::device::electrode_array::{Cell, Electrodes, Facts, MAX_PARTS, MAX_SIDE, Separation};
+use crate::claims::electrode_array::{
+    ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
+};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, MAX_PARTS, MAX_SIDE, Separation};
 use std::collections::BTreeSet;
 
 /// The largest separation, in electrodes.
@@ -19,8 +21,8 @@ pub(in super::super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), 
     parts(order)?;
     obstacles(order)?;
     order.steps.iter().try_for_each(|step| match &step.action {
-        Action::Move(moves) => goals(order, moves),
-        Action::Wait(_) => Ok(()),
+        ElectrodeArrayAction::Move(moves) => goals(order, moves),
+        ElectrodeArrayAction::Wait(_) => Ok(()),
     })
 }
 
@@ -32,7 +34,7 @@ fn demand(holds: bool, why: &str) -> Result<(), Unfit> {
     if holds { Ok(()) } else { Err(unfit(why)) }
 }
 
-fn facts(facts: &Facts) -> Result<(), Unfit> {
+fn facts(facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
     let sides = 1..=MAX_SIDE;
     demand(sides.contains(&facts.columns) && sides.contains(&facts.rows), "give it no electrode, or too many")?;
     let numbers = [facts.radius_um, facts.pitch_ratio, facts.potential_v, facts.layout.half_width_pitches];
@@ -51,7 +53,7 @@ fn parts(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     demand(order.parts.len() <= MAX_PARTS, "hold too many parts")?;
     let names: BTreeSet<&str> = order.parts.iter().map(|part| part.name.as_str()).collect();
     demand(names.len() == order.parts.len(), "hold two parts of one name")?;
-    let electrodes = |cell: Cell| {
+    let electrodes = |cell: ElectrodeCell| {
         let offsets = order.facts.layout.electrodes.offsets().iter();
         offsets.map(move |[columns, rows]| [i64::from(cell.column) + columns, i64::from(cell.row) + rows])
     };
@@ -61,19 +63,19 @@ fn parts(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
 }
 
 /// Whether there is an electrode at a column and a row.
-fn is_on_board(facts: &Facts, [column, row]: [i64; 2]) -> bool {
+fn is_on_board(facts: &ElectrodeArrayFacts, [column, row]: [i64; 2]) -> bool {
     (1..=i64::from(facts.columns)).contains(&column) && (1..=i64::from(facts.rows)).contains(&row)
 }
 
 fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
-    let is_block = |body: &Body| match body {
-        Body::Electrodes { from, to } => from.column <= to.column && from.row <= to.row,
-        Body::Fixed(_) => true,
+    let is_block = |body: &ElectrodeArrayObstacleBody| match body {
+        ElectrodeArrayObstacleBody::Electrodes { from, to } => from.column <= to.column && from.row <= to.row,
+        ElectrodeArrayObstacleBody::Fixed(_) => true,
     };
     demand(order.obstacles.iter().all(|obstacle| is_block(&obstacle.body)), "hold an obstacle of no electrodes")
 }
 
-fn goals(order: &ElectrodeArrayOrder, moves: &[Move]) -> Result<(), Unfit> {
+fn goals(order: &ElectrodeArrayOrder, moves: &[ElectrodeArrayMove]) -> Result<(), Unfit> {
     let mut met = BTreeSet::new();
     for action in moves {
         let all = std::iter::once(action.part).chain(action.with);

@@ -13,40 +13,42 @@ mod pull;
 mod stage;
 mod switching;
 
-use super::clock::Run;
+use super::clock::JudgedRun;
 use super::record;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{Halt, Replay, Standing, Terms};
-use crate::claims::electrode_array::{Action, ElectrodeArrayOrder, Method, Move, Objective};
-use crate::device::electrode_array::Cell;
-use crate::schedule::{Actuation, State, TimedState, Unit};
-use beat::Moment;
-use bodies::Scene;
+use super::{Halt, RecordTerms, Replay, Standing};
+use crate::claims::electrode_array::{
+    ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayOrder,
+};
+use crate::device::electrode_array::ElectrodeCell;
+use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
+use beat::StepBeat;
+use bodies::BoardObstacles;
 use rustc_hash::FxHashMap;
-use stage::Stage;
+use stage::JudgedStage;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use switching::{Pulse, Switching};
+use switching::{ElectrodePulse, Switching};
 
 pub(super) use claims::check_claims;
 
 /// What the numbers of a channel are, if the device has one of that name.
-pub(super) fn unit(channel: &str, order: &ElectrodeArrayOrder) -> Option<Unit> {
-    order.facts.electrode(channel).map(|_| Unit::Volt)
+pub(super) fn unit(channel: &str, order: &ElectrodeArrayOrder) -> Option<ChannelUnit> {
+    order.facts.electrode(channel).map(|_| ChannelUnit::Volt)
 }
 
 /// What the claims say of a plan's record.
-pub(super) fn terms(order: &ElectrodeArrayOrder) -> Terms {
+pub(super) fn terms(order: &ElectrodeArrayOrder) -> RecordTerms {
     let (objective, outcome) = match order.objective {
-        Objective::Makespan => ("makespan", "steps"),
-        Objective::SumOfCosts => ("sum_of_costs", "sum_of_costs"),
+        ElectrodeArrayObjective::Makespan => ("makespan", "steps"),
+        ElectrodeArrayObjective::SumOfCosts => ("sum_of_costs", "sum_of_costs"),
     };
     let planner = match order.planner.method {
-        Method::Portfolio => "portfolio",
-        Method::CooperativeAstar => "cooperative_astar",
-        Method::PlainCooperativeAstar => "plain_cooperative_astar",
+        ElectrodeArrayMethod::Portfolio => "portfolio",
+        ElectrodeArrayMethod::CooperativeAstar => "cooperative_astar",
+        ElectrodeArrayMethod::PlainCooperativeAstar => "plain_cooperative_astar",
     };
-    Terms { planner, objective, outcome, unit: "", scale: 1.0 }
+    RecordTerms { planner, objective, outcome, unit: "", scale: 1.0 }
 }
 
 /// What `minimize` takes to bring an outcome down, if anything.
@@ -69,19 +71,19 @@ pub(super) fn shown(parts: &BTreeMap<String, [u32; 2]>) -> String {
 /// # Errors
 /// At the first beat that breaks a rule, or the first state that is not the recorded one.
 pub(super) fn replay<'a>(
-    run: &Run<'a>,
+    run: &JudgedRun<'a>,
     order: &ElectrodeArrayOrder,
     standing: &mut Standing<'a>,
     findings: &mut Findings,
 ) -> Result<Replay<'a>, Halt> {
-    let mut board = Board::new(run, order, standing)?;
+    let mut board = JudgedBoard::new(run, order, standing)?;
     board.potentials(findings);
     board.record(run.plan.start_ns)?;
     board.stands_clear()?;
     for (nth, step) in order.steps.iter().enumerate() {
         match &step.action {
-            Action::Wait(duration_ns) => board.wait(nth, *duration_ns, findings)?,
-            Action::Move(moves) => board.follow(nth, moves, findings)?,
+            ElectrodeArrayAction::Wait(duration_ns) => board.wait(nth, *duration_ns, findings)?,
+            ElectrodeArrayAction::Move(moves) => board.follow(nth, moves, findings)?,
         }
     }
     standing.insert(&run.job.device, board.state());
@@ -90,30 +92,30 @@ pub(super) fn replay<'a>(
 }
 
 /// A board in the course of a run.
-struct Board<'r, 'a> {
-    run: &'r Run<'a>,
+struct JudgedBoard<'r, 'a> {
+    run: &'r JudgedRun<'a>,
     order: &'r ElectrodeArrayOrder,
-    scene: Scene,
+    scene: BoardObstacles,
     /// The actuations of each step of the run, with their electrodes.
-    pulses: Vec<Vec<(Cell, &'a Actuation)>>,
+    pulses: Vec<Vec<(ElectrodeCell, &'a Actuation)>>,
     /// Indices of the parts, by name.
     by_name: Vec<usize>,
     /// Where each part is; `None` for one that has merged with another.
-    cells: Vec<Option<Cell>>,
+    cells: Vec<Option<ElectrodeCell>>,
     states: Vec<Cow<'a, TimedState>>,
     beats: u64,
     sum_of_costs: u64,
     moves: u64,
 }
 
-impl<'r, 'a> Board<'r, 'a> {
-    fn new(run: &'r Run<'a>, order: &'r ElectrodeArrayOrder, standing: &Standing) -> Result<Self, Halt> {
+impl<'r, 'a> JudgedBoard<'r, 'a> {
+    fn new(run: &'r JudgedRun<'a>, order: &'r ElectrodeArrayOrder, standing: &Standing) -> Result<Self, Halt> {
         let mut by_name: Vec<usize> = (0..order.parts.len()).collect();
         by_name.sort_unstable_by_key(|part| &order.parts[*part].name);
-        Ok(Board {
+        Ok(JudgedBoard {
             run,
             order,
-            scene: Scene::new(order),
+            scene: BoardObstacles::new(order),
             pulses: pulses(run, order)?,
             by_name,
             cells: start(run, order, standing),
@@ -154,7 +156,7 @@ impl<'r, 'a> Board<'r, 'a> {
         }
         let mut switching = self.switching(nth, step.duration_ns)?;
         switching.advance(0);
-        let moment = Moment { nth, at_ns: step.start_ns, stage: &Stage::default(), on: &switching.on };
+        let moment = StepBeat { nth, at_ns: step.start_ns, stage: &JudgedStage::default(), on: &switching.on };
         let pulls = self.pulled(&moment)?;
         if let Some((part, pull)) = pulls.iter().find(|(_, pull)| pull.moves()) {
             let (name, at) = (&self.order.parts[*part].name, ms(step.start_ns));
@@ -165,12 +167,12 @@ impl<'r, 'a> Board<'r, 'a> {
     }
 
     /// Parts move to their goals, beat by beat.
-    fn follow(&mut self, nth: usize, moves: &[Move], findings: &mut Findings) -> Result<(), Halt> {
+    fn follow(&mut self, nth: usize, moves: &[ElectrodeArrayMove], findings: &mut Findings) -> Result<(), Halt> {
         let step = self.run.step(nth);
         let step_ns = self.order.facts.step_ns;
         let beats = self.whole_beats(nth)?;
         let mut switching = self.switching(nth, step_ns)?;
-        let mut stage = Stage::new(moves, &self.cells);
+        let mut stage = JudgedStage::new(moves, &self.cells);
         let mut moved = 0;
         for beat in 0..beats {
             let at_ns = step.start_ns + beat * step_ns;
@@ -178,7 +180,7 @@ impl<'r, 'a> Board<'r, 'a> {
                 self.record(at_ns)?;
             }
             switching.advance(beat);
-            let moment = Moment { nth, at_ns, stage: &stage, on: &switching.on };
+            let moment = StepBeat { nth, at_ns, stage: &stage, on: &switching.on };
             let pulls = self.pulled(&moment)?;
             self.bystanders(&moment, &pulls)?;
             self.sweeps(&moment, &pulls)?;
@@ -229,7 +231,7 @@ impl<'r, 'a> Board<'r, 'a> {
             }
             self.leaves_stuck_parts(nth, *cell, part.start_ns)?;
             let (from, beats) = (after_ns / beat_ns, part.duration_ns / beat_ns);
-            pulses.push(Pulse { cell: *cell, from, to: from + beats });
+            pulses.push(ElectrodePulse { cell: *cell, from, to: from + beats });
         }
         Ok(Switching::new(&pulses))
     }
@@ -246,7 +248,7 @@ impl<'r, 'a> Board<'r, 'a> {
     }
 
     /// Parts come by their stops in order, and end at their goals.
-    fn goals(&self, nth: usize, stage: &Stage, findings: &mut Findings) {
+    fn goals(&self, nth: usize, stage: &JudgedStage, findings: &mut Findings) {
         let step = self.run.step(nth);
         let end_ns = step.start_ns + step.duration_ns;
         for (part, stop, is_goal) in stage.missed(&self.cells) {
@@ -261,7 +263,7 @@ impl<'r, 'a> Board<'r, 'a> {
     }
 
     /// Parts that yielded are back where they were.
-    fn returns(&self, nth: usize, stage: &Stage, findings: &mut Findings) {
+    fn returns(&self, nth: usize, stage: &JudgedStage, findings: &mut Findings) {
         let step = self.run.step(nth);
         let end_ns = step.start_ns + step.duration_ns;
         for (part, home) in &stage.homes {
@@ -305,8 +307,8 @@ impl<'r, 'a> Board<'r, 'a> {
     /// How many states a record of this run has: one at first and one after each beat of its steps.
     fn due_states(&self) -> u64 {
         let beats = self.order.steps.iter().enumerate().map(|(nth, step)| match step.action {
-            Action::Wait(_) => 0,
-            Action::Move(_) => self.run.step(nth).duration_ns / self.order.facts.step_ns,
+            ElectrodeArrayAction::Wait(_) => 0,
+            ElectrodeArrayAction::Move(_) => self.run.step(nth).duration_ns / self.order.facts.step_ns,
         });
         beats.fold(1, u64::saturating_add)
     }
@@ -322,19 +324,22 @@ impl<'r, 'a> Board<'r, 'a> {
 }
 
 /// Where the parts stand at first: where the last run of the device left them, or where the scene has them.
-fn start(run: &Run, order: &ElectrodeArrayOrder, standing: &Standing) -> Vec<Option<Cell>> {
+fn start(run: &JudgedRun, order: &ElectrodeArrayOrder, standing: &Standing) -> Vec<Option<ElectrodeCell>> {
     let stands = match standing.get(run.job.device.as_str()) {
         Some(State::ElectrodeArray { parts }) => Some(parts),
         Some(State::Dimibot { .. } | State::Microrobots { .. } | State::Fingers { .. }) | None => None,
     };
-    let cell = |[column, row]: [u32; 2]| Cell::new(column, row);
+    let cell = |[column, row]: [u32; 2]| ElectrodeCell::new(column, row);
     let place = |parts: &BTreeMap<String, [u32; 2]>, name: &String| parts.get(name).copied().map(cell);
     order.parts.iter().map(|part| stands.map_or(Some(part.cell), |stands| place(stands, &part.name))).collect()
 }
 
 /// The actuations of each step of a run, with their electrodes.
-fn pulses<'a>(run: &Run<'a>, order: &ElectrodeArrayOrder) -> Result<Vec<Vec<(Cell, &'a Actuation)>>, Violation> {
-    let mut electrodes: FxHashMap<u32, Cell> = FxHashMap::default();
+fn pulses<'a>(
+    run: &JudgedRun<'a>,
+    order: &ElectrodeArrayOrder,
+) -> Result<Vec<Vec<(ElectrodeCell, &'a Actuation)>>, Violation> {
+    let mut electrodes: FxHashMap<u32, ElectrodeCell> = FxHashMap::default();
     let mut pulses = vec![Vec::new(); run.steps.len()];
     for actuation in &run.actuations {
         let cell = match electrodes.get(&actuation.channel) {

@@ -1,30 +1,30 @@
 //! What one step of a task asks of the parts, and how far they have come.
 
-use super::pull::Pull;
-use crate::claims::electrode_array::{Move, Stop};
-use crate::device::electrode_array::Cell;
+use super::pull::PartPull;
+use crate::claims::electrode_array::{ElectrodeArrayMove, ElectrodeArrayStop};
+use crate::device::electrode_array::ElectrodeCell;
 use std::collections::BTreeMap;
 
 /// A step of parts in its course; by default one in which nothing is asked.
 #[derive(Debug, Default)]
-pub(super) struct Stage<'o> {
-    moves: &'o [Move],
+pub(super) struct JudgedStage<'o> {
+    moves: &'o [ElectrodeArrayMove],
     /// The move of each part that has a goal.
     of: BTreeMap<usize, usize>,
     /// For both parts that merge the other one and the goal; none where one of them is gone already.
-    pairs: BTreeMap<usize, (usize, Cell)>,
+    pairs: BTreeMap<usize, (usize, ElectrodeCell)>,
     /// For each move how many of its stops are reached.
     turns: Vec<usize>,
     /// Where the parts without a goal stood that have moved.
-    pub homes: BTreeMap<usize, Cell>,
+    pub homes: BTreeMap<usize, ElectrodeCell>,
     /// The beats, from 1, after which the parts that have moved did so last.
     arrivals: BTreeMap<usize, u64>,
 }
 
-impl<'o> Stage<'o> {
+impl<'o> JudgedStage<'o> {
     /// Before the first beat.
-    pub fn new(moves: &'o [Move], cells: &[Option<Cell>]) -> Stage<'o> {
-        let mut stage = Stage { moves, turns: vec![0; moves.len()], ..Stage::default() };
+    pub fn new(moves: &'o [ElectrodeArrayMove], cells: &[Option<ElectrodeCell>]) -> JudgedStage<'o> {
+        let mut stage = JudgedStage { moves, turns: vec![0; moves.len()], ..JudgedStage::default() };
         for (index, action) in moves.iter().enumerate() {
             let both = std::iter::once(action.part).chain(action.with);
             stage.of.extend(both.map(|part| (part, index)));
@@ -45,12 +45,12 @@ impl<'o> Stage<'o> {
     }
 
     /// The part that another merges with, and where.
-    pub fn partner(&self, part: usize) -> Option<(usize, Cell)> {
+    pub fn partner(&self, part: usize) -> Option<(usize, ElectrodeCell)> {
         self.pairs.get(&part).copied()
     }
 
     /// Notes that a part has moved.
-    pub fn arrive(&mut self, part: usize, pull: &Pull, beat: u64) {
+    pub fn arrive(&mut self, part: usize, pull: &PartPull, beat: u64) {
         self.arrivals.insert(part, beat);
         match self.of.get(&part).copied() {
             None => drop(self.homes.entry(part).or_insert(pull.from)),
@@ -60,7 +60,7 @@ impl<'o> Stage<'o> {
     }
 
     /// The stops that are next in turn are reached by being there.
-    fn pass(&mut self, index: usize, cell: Cell) {
+    fn pass(&mut self, index: usize, cell: ElectrodeCell) {
         let left = &self.moves[index].stops[self.turns[index]..];
         self.turns[index] += left.iter().take_while(|stop| stop.cell == cell).count();
     }
@@ -71,8 +71,8 @@ impl<'o> Stage<'o> {
     }
 
     /// Parts with the first stop that they have not reached, and whether that is where they have to end.
-    pub fn missed(&self, cells: &[Option<Cell>]) -> Vec<(usize, &'o Stop, bool)> {
-        let of_move = |(index, action): (usize, &'o Move)| {
+    pub fn missed(&self, cells: &[Option<ElectrodeCell>]) -> Vec<(usize, &'o ElectrodeArrayStop, bool)> {
+        let of_move = |(index, action): (usize, &'o ElectrodeArrayMove)| {
             let (left, goal) = (&action.stops[self.turns[index]..], action.goal());
             let first = match left {
                 [first, _, ..] => Some((action.part, first, false)),

@@ -5,19 +5,19 @@
 
 use super::super::geometry::contour::{Contour, Foot};
 use super::Point;
-use crate::claims::fingers::{Part, Section};
+use crate::claims::fingers::{HandPart, Section};
 use crate::device::fingers::Plane;
 use nalgebra::UnitQuaternion;
 use std::f64::consts::TAU;
 
 /// Where the part is: its origin in the hand's frame, and the turn that carries its axes there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Pose {
+pub(super) struct ObjectPose {
     pub position_um: Point,
     pub orientation: UnitQuaternion<f64>,
 }
 
-impl Pose {
+impl ObjectPose {
     /// The section's two axes and its normal, in the hand's frame.
     pub fn axes(&self, plane: Plane) -> [Point; 3] {
         let [first, second] = plane.axes();
@@ -85,23 +85,23 @@ impl Surface {
 
 /// The part's outlines.
 #[derive(Debug)]
-pub(super) struct Body {
+pub(super) struct PartOutlines {
     xy: Surface,
     xz: Option<Surface>,
     /// How far from its origin the part reaches.
     pub reach_um: f64,
 }
 
-impl Body {
+impl PartOutlines {
     /// Makes a part ready; `None` if an outline cannot be followed.
-    pub fn of(part: &Part, tip_radius_um: f64) -> Option<Self> {
+    pub fn of(part: &HandPart, tip_radius_um: f64) -> Option<Self> {
         let xy = Surface::of(&part.xy, tip_radius_um)?;
         let xz = match &part.xz {
             Some(section) => Some(Surface::of(section, tip_radius_um)?),
             None => None,
         };
         let reach_um = xz.as_ref().map_or(0.0, |xz| xz.contour.radius_um()).max(xy.contour.radius_um());
-        Some(Body { xy, xz, reach_um })
+        Some(PartOutlines { xy, xz, reach_um })
     }
 
     /// Its outline in a plane, if it has one there.
@@ -118,14 +118,14 @@ impl Body {
     }
 
     /// The place of an outline that is nearest to a tip whose centre lies in its plane.
-    pub fn foot(&self, pose: &Pose, plane: Plane, tip_um: &Point, tolerance_um: f64) -> Option<Foot> {
+    pub fn foot(&self, pose: &ObjectPose, plane: Plane, tip_um: &Point, tolerance_um: f64) -> Option<Foot> {
         let (place_um, height_um) = pose.section_um(plane, tip_um);
         let surface = self.surface(plane).filter(|_| height_um.abs() <= tolerance_um)?;
         surface.contour.foot(place_um)
     }
 
     /// How far from the part a tip's centre is at least; not necessarily the most that is known where it is `enough_um`.
-    pub fn gap_um(&self, pose: &Pose, tip_um: &Point, tolerance_um: f64, enough_um: f64) -> f64 {
+    pub fn gap_um(&self, pose: &ObjectPose, tip_um: &Point, tolerance_um: f64, enough_um: f64) -> f64 {
         let sphere_um = (tip_um - pose.position_um).norm() - self.reach_um;
         if sphere_um >= enough_um {
             return sphere_um;

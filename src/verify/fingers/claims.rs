@@ -5,9 +5,9 @@
 use super::super::Unfit;
 use super::body::Surface;
 use super::hand::nominal_step_rad;
-use crate::claims::fingers::{Action, FingersOrder, Section, Turn};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn, Section};
 use crate::device::fingers::{
-    Facts, MAX_CONTACTS, MAX_FINGERS, MAX_HOLDING, MAX_RESERVE, MAX_STEPS_PER_TURN, MIN_FINGERS, Plane,
+    FingersFacts, MAX_CONTACTS, MAX_FINGERS, MAX_HOLDING, MAX_RESERVE, MAX_STEPS_PER_TURN, MIN_FINGERS, Plane,
 };
 
 /// The largest length, force, speed or other number of the facts, in their own units.
@@ -54,7 +54,7 @@ fn is_number(value: f64) -> bool {
     value.abs() <= MAX_NUMBER
 }
 
-fn facts(facts: &Facts) -> Result<(), Unfit> {
+fn facts(facts: &FingersFacts) -> Result<(), Unfit> {
     demand((MIN_FINGERS..=MAX_FINGERS).contains(&facts.fingers), "give it too few fingers, or too many")?;
     demand((1..=MAX_STEPS_PER_TURN).contains(&facts.steps_per_turn), "hold no step of rotation")?;
     let [x_um, y_um, z_um] = facts.range_um;
@@ -75,7 +75,7 @@ fn facts(facts: &Facts) -> Result<(), Unfit> {
     demand((0.0..=MAX_RESERVE).contains(&facts.rolling_reserve), "hold a reserve out of its range")
 }
 
-fn section(section: &Section, facts: &Facts) -> Result<(), Unfit> {
+fn section(section: &Section, facts: &FingersFacts) -> Result<(), Unfit> {
     let contacts = section.contacts;
     demand((MIN_CONTACTS..=MAX_CONTACTS).contains(&contacts), "hold too few contacts, or too many")?;
     let step_rad = section.step_rad;
@@ -95,20 +95,22 @@ fn section(section: &Section, facts: &Facts) -> Result<(), Unfit> {
     demand(exact_rad.is_some_and(|rad| off_um(rad) <= most_um), "hold an opposite contact off the x axis")
 }
 
-fn action(order: &FingersOrder, action: &Action) -> Result<(), Unfit> {
+fn action(order: &FingersOrder, action: &FingersAction) -> Result<(), Unfit> {
     match action {
-        Action::Grasp(None) | Action::Release | Action::Wait(_) => Ok(()),
-        Action::Grasp(Some(contacts)) => grasp(order, contacts),
-        Action::Rotate { plane, angle_rad, .. } => {
+        FingersAction::Grasp(None) | FingersAction::Release | FingersAction::Wait(_) => Ok(()),
+        FingersAction::Grasp(Some(contacts)) => grasp(order, contacts),
+        FingersAction::Rotate { plane, angle_rad, .. } => {
             has_plane(order, *plane)?;
             demand(is_number(*angle_rad), "turn by what is no angle")
         }
-        Action::Orient { goal, turns, .. } => {
+        FingersAction::Orient { goal, turns, .. } => {
             let norm = goal.iter().map(|value| value * value).sum::<f64>();
             demand((norm - 1.0).abs() <= 1e-6, "orient to what is no orientation")?;
-            turns.iter().flatten().try_for_each(|Turn { plane, .. }| has_plane(order, *plane))
+            turns.iter().flatten().try_for_each(|FingersTurn { plane, .. }| has_plane(order, *plane))
         }
-        Action::Translate(by_um) => demand(by_um.iter().all(|value| is_number(*value)), "carry a part out of reach"),
+        FingersAction::Translate(by_um) => {
+            demand(by_um.iter().all(|value| is_number(*value)), "carry a part out of reach")
+        }
     }
 }
 

@@ -5,9 +5,9 @@
 //! has to spare is safe, and one that is shorter than half of the device's tolerance need not be.
 
 use super::Point;
-use super::body::{Body, Pose};
+use super::body::{ObjectPose, PartOutlines};
 use super::track::Stretch;
-use crate::device::fingers::Facts;
+use crate::device::fingers::FingersFacts;
 
 /// The most strides along one stretch; a tip that needs more all but touches.
 const MAX_STRIDES: usize = 20_000;
@@ -25,7 +25,7 @@ pub(super) fn least_um(stretch: &Stretch, one: usize, other: usize) -> (f64, f64
 }
 
 /// The two tips that come nearest of all in a stretch, of those that come too near; their distance, and at which share.
-pub(super) fn too_near(stretch: &Stretch, facts: &Facts) -> Option<([usize; 2], f64, f64)> {
+pub(super) fn too_near(stretch: &Stretch, facts: &FingersFacts) -> Option<([usize; 2], f64, f64)> {
     let fingers = stretch.from_um.len();
     let pairs = (0..fingers).flat_map(|one| (one + 1..fingers).map(move |other| [one, other]));
     let moving = pairs.filter(|pair| !pair.iter().all(|finger| stretch.rests(*finger)));
@@ -38,12 +38,12 @@ pub(super) fn too_near(stretch: &Stretch, facts: &Facts) -> Option<([usize; 2], 
 }
 
 /// How far the centres of two tips stay apart.
-pub(super) fn apart_um(facts: &Facts) -> f64 {
+pub(super) fn apart_um(facts: &FingersFacts) -> f64 {
     2.0 * facts.tip_radius_um + facts.clearance_um
 }
 
 /// How far the centre of a free tip stays from the part.
-pub(super) fn clear_um(facts: &Facts) -> f64 {
+pub(super) fn clear_um(facts: &FingersFacts) -> f64 {
     facts.tip_radius_um + facts.clearance_um
 }
 
@@ -58,7 +58,7 @@ pub(super) struct Flight {
 
 /// Why a free tip must not be where it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Hit {
+pub(super) struct TipHit {
     pub time_ns: u64,
     pub distance_um: f64,
     pub due_um: f64,
@@ -79,9 +79,9 @@ impl Flight {
     pub fn follow(
         &mut self,
         (stretch, finger): (&Stretch, usize),
-        (body, pose): (&Body, &Pose),
-        facts: &Facts,
-    ) -> Result<(), Hit> {
+        (body, pose): (&PartOutlines, &ObjectPose),
+        facts: &FingersFacts,
+    ) -> Result<(), TipHit> {
         let length_um = (stretch.to_um[finger] - stretch.from_um[finger]).norm();
         let (clear_um, tolerance_um) = (clear_um(facts), facts.tolerance_um);
         let hard_um = facts.tip_radius_um - tolerance_um;
@@ -92,7 +92,7 @@ impl Flight {
             let time_ns = stretch.instant_ns(share);
             let enough_um = clear_um + length_um;
             let distance_um = body.gap_um(pose, &tip_um, tolerance_um, enough_um);
-            let hit = |due_um| Hit { time_ns, distance_um, due_um };
+            let hit = |due_um| TipHit { time_ns, distance_um, due_um };
             if distance_um.is_nan() || distance_um < hard_um {
                 return Err(hit(hard_um));
             }
@@ -107,16 +107,16 @@ impl Flight {
             way_um += spare_um.max(STRIDE * tolerance_um);
         }
         let (time_ns, distance_um) = (stretch.start_ns, facts.tip_radius_um);
-        Err(Hit { time_ns, distance_um, due_um: clear_um })
+        Err(TipHit { time_ns, distance_um, due_um: clear_um })
     }
 
-    fn is_near(&self, tip_um: &Point, distance_um: f64, facts: &Facts) -> bool {
+    fn is_near(&self, tip_um: &Point, distance_um: f64, facts: &FingersFacts) -> bool {
         let leaves = self.left_um.is_some_and(|left_um| (tip_um - left_um).norm() <= retreat_um(facts));
         leaves || distance_um < clear_um(facts) - facts.tolerance_um
     }
 
     /// Remembers where the tip came near the part on its way to a contact.
-    fn note(&mut self, time_ns: u64, tip_um: Point, distance_um: f64, facts: &Facts) -> Result<(), ()> {
+    fn note(&mut self, time_ns: u64, tip_um: Point, distance_um: f64, facts: &FingersFacts) -> Result<(), ()> {
         let is_clear = distance_um >= clear_um(facts) - facts.tolerance_um;
         let leaves = self.left_um.is_some_and(|left_um| (tip_um - left_um).norm() <= retreat_um(facts));
         match &mut self.near {
@@ -135,17 +135,17 @@ impl Flight {
     }
 
     /// The tip touches: it may have come near within the last of its way only.
-    pub fn lands(&self, contact_um: &Point, facts: &Facts) -> Result<(), Hit> {
+    pub fn lands(&self, contact_um: &Point, facts: &FingersFacts) -> Result<(), TipHit> {
         let Some((time_ns, places_um)) = &self.near else { return Ok(()) };
         let is_far = |place_um: &Point| (place_um - contact_um).norm() > retreat_um(facts);
         match places_um.iter().any(is_far) {
-            true => Err(Hit { time_ns: *time_ns, distance_um: facts.tip_radius_um, due_um: clear_um(facts) }),
+            true => Err(TipHit { time_ns: *time_ns, distance_um: facts.tip_radius_um, due_um: clear_um(facts) }),
             false => Ok(()),
         }
     }
 }
 
 /// How far from its contact a tip may be nearer to the part than its clearance.
-fn retreat_um(facts: &Facts) -> f64 {
+fn retreat_um(facts: &FingersFacts) -> f64 {
     facts.retract_um.max(facts.clearance_um) + facts.tolerance_um
 }

@@ -2,9 +2,9 @@
 
 use super::super::rule::{Findings, Rule, ms};
 use super::Point;
-use super::body::Pose;
-use super::hand::{Hand, nominal_step_rad};
-use crate::claims::fingers::{Action, FingersOrder, Turn};
+use super::body::ObjectPose;
+use super::hand::{JudgedHand, nominal_step_rad};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn};
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
 use crate::schedule::Reached;
@@ -22,7 +22,7 @@ const STEADY: f64 = 1e-3;
 /// How a part stood when a step began, and what has turned it since, by plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Since {
-    pub pose: Pose,
+    pub pose: ObjectPose,
     pub turns_rad: [f64; 2],
 }
 
@@ -32,22 +32,26 @@ impl Since {
     }
 }
 
-impl Hand<'_, '_> {
+impl JudgedHand<'_, '_> {
     /// Holds a step that is over against what the task asks for.
     pub(super) fn check_goal(&self, nth: usize, findings: &mut Findings) {
         let fault = match &self.order.steps[nth].action {
-            Action::Grasp(contacts) => self.grasp_fault(nth, contacts.as_deref()).or_else(|| self.turn_fault(None)),
-            Action::Rotate { plane, angle_rad, .. } => self.turn_fault(Some((*plane, *angle_rad))),
-            Action::Orient { goal, .. } => self.orientation_fault(*goal),
-            Action::Translate(by_um) => self.place_fault(Point::from(*by_um)).or_else(|| self.turn_fault(None)),
-            Action::Release => self.release_fault(),
-            Action::Wait(duration_ns) => return self.check_wait(nth, *duration_ns, findings),
+            FingersAction::Grasp(contacts) => {
+                self.grasp_fault(nth, contacts.as_deref()).or_else(|| self.turn_fault(None))
+            }
+            FingersAction::Rotate { plane, angle_rad, .. } => self.turn_fault(Some((*plane, *angle_rad))),
+            FingersAction::Orient { goal, .. } => self.orientation_fault(*goal),
+            FingersAction::Translate(by_um) => self.place_fault(Point::from(*by_um)).or_else(|| self.turn_fault(None)),
+            FingersAction::Release => self.release_fault(),
+            FingersAction::Wait(duration_ns) => return self.check_wait(nth, *duration_ns, findings),
         };
         let by_um = match &self.order.steps[nth].action {
-            Action::Translate(_) => return self.tell(fault, nth, findings),
-            Action::Grasp(_) | Action::Rotate { .. } | Action::Orient { .. } | Action::Release | Action::Wait(_) => {
-                Point::zeros()
-            }
+            FingersAction::Translate(_) => return self.tell(fault, nth, findings),
+            FingersAction::Grasp(_)
+            | FingersAction::Rotate { .. }
+            | FingersAction::Orient { .. }
+            | FingersAction::Release
+            | FingersAction::Wait(_) => Point::zeros(),
         };
         self.tell(fault.or_else(|| self.place_fault(by_um)), nth, findings);
         self.check_told_turn(nth, findings);
@@ -55,7 +59,7 @@ impl Hand<'_, '_> {
 
     /// A turn that the record says to be reached is the one by which the part has turned.
     fn check_told_turn(&self, nth: usize, findings: &mut Findings) {
-        let Action::Rotate { plane, .. } = &self.order.steps[nth].action else { return };
+        let FingersAction::Rotate { plane, .. } = &self.order.steps[nth].action else { return };
         let turned_deg = self.since.turn_rad(*plane).to_degrees();
         for reached in &self.run.step(nth).reached {
             let Reached::Turn { reached_deg, .. } = reached else { continue };
@@ -142,15 +146,19 @@ impl Hand<'_, '_> {
 
 /// The planes in which the contacts of a grasp may be meant: that of the next turn, or of the last one where none follows.
 pub(super) fn planes_after(order: &FingersOrder, nth: usize) -> Vec<Plane> {
-    let first = |action: &Action| match action {
-        Action::Rotate { plane, .. } => vec![*plane],
-        Action::Orient { turns, .. } => ends(turns, |turns| turns.first()),
-        Action::Grasp(_) | Action::Translate(_) | Action::Release | Action::Wait(_) => Vec::new(),
+    let first = |action: &FingersAction| match action {
+        FingersAction::Rotate { plane, .. } => vec![*plane],
+        FingersAction::Orient { turns, .. } => ends(turns, |turns| turns.first()),
+        FingersAction::Grasp(_) | FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_) => {
+            Vec::new()
+        }
     };
-    let last = |action: &Action| match action {
-        Action::Rotate { plane, .. } => vec![*plane],
-        Action::Orient { turns, .. } => ends(turns, |turns| turns.last()),
-        Action::Grasp(_) | Action::Translate(_) | Action::Release | Action::Wait(_) => Vec::new(),
+    let last = |action: &FingersAction| match action {
+        FingersAction::Rotate { plane, .. } => vec![*plane],
+        FingersAction::Orient { turns, .. } => ends(turns, |turns| turns.last()),
+        FingersAction::Grasp(_) | FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_) => {
+            Vec::new()
+        }
     };
     let (before, after) = order.steps.split_at(nth.min(order.steps.len()));
     let next = after.iter().map(|step| first(&step.action)).find(|planes| !planes.is_empty());
@@ -158,7 +166,7 @@ pub(super) fn planes_after(order: &FingersOrder, nth: usize) -> Vec<Plane> {
     next.or_else(|| last.next()).unwrap_or_else(|| vec![Plane::Xy])
 }
 
-fn ends(turns: &[Vec<Turn>], end: fn(&[Turn]) -> Option<&Turn>) -> Vec<Plane> {
+fn ends(turns: &[Vec<FingersTurn>], end: fn(&[FingersTurn]) -> Option<&FingersTurn>) -> Vec<Plane> {
     let mut planes: Vec<Plane> = turns.iter().filter_map(|turns| end(turns)).map(|turn| turn.plane).collect();
     planes.sort_unstable();
     planes.dedup();

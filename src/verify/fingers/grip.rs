@@ -7,7 +7,7 @@
 
 use super::super::geometry::contour::Foot;
 use super::Point;
-use super::body::{Body, Pose, Surface};
+use super::body::{ObjectPose, PartOutlines, Surface};
 use crate::device::fingers::Plane;
 use crate::real::Real;
 use nalgebra::{Matrix3, Vector3};
@@ -20,7 +20,7 @@ const SETTLED_UM: f64 = 1e-11;
 
 /// A tip that holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Hold {
+pub(super) struct HoldingTip {
     pub finger: usize,
     /// Where it touches.
     pub foot: Foot,
@@ -34,10 +34,10 @@ pub(super) struct Hold {
 
 /// Fingers that hold in a plane; also an empty one, which only says where the part is.
 #[derive(Debug, Clone)]
-pub(super) struct Grip {
+pub(super) struct JudgedGrip {
     pub plane: Plane,
     /// From where turns and shifts count.
-    reference: Pose,
+    reference: ObjectPose,
     /// Along the axes of the plane, and the turn times the part's reach.
     shift_um: Vector3<f64>,
     /// Across the plane.
@@ -45,30 +45,38 @@ pub(super) struct Grip {
     reach_um: f64,
     tip_radius_um: f64,
     /// By finger.
-    pub holds: Vec<Hold>,
+    pub holds: Vec<HoldingTip>,
 }
 
 /// How far tips are from touching and rolling exactly.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Misfit {
+pub(super) struct RollingMisfit {
     /// The finger farthest from touching; how far, positive outside of the part.
     pub gap_um: (usize, f64),
     /// The finger that slips most, along the outline or across the plane.
     pub slip_um: (usize, f64),
 }
 
-impl Misfit {
+impl RollingMisfit {
     /// The larger one.
     pub fn most_um(&self) -> f64 {
         self.gap_um.1.abs().max(self.slip_um.1.abs())
     }
 }
 
-impl Grip {
+impl JudgedGrip {
     /// Nothing holds a part.
-    pub fn empty(plane: Plane, pose: Pose, body: &Body, tip_radius_um: f64) -> Self {
+    pub fn empty(plane: Plane, pose: ObjectPose, body: &PartOutlines, tip_radius_um: f64) -> Self {
         let (shift_um, lift_um) = (Vector3::zeros(), 0.0);
-        Grip { plane, reference: pose, shift_um, lift_um, reach_um: body.reach_um, tip_radius_um, holds: Vec::new() }
+        JudgedGrip {
+            plane,
+            reference: pose,
+            shift_um,
+            lift_um,
+            reach_um: body.reach_um,
+            tip_radius_um,
+            holds: Vec::new(),
+        }
     }
 
     /// By how much the part has turned since turns began to count.
@@ -77,10 +85,10 @@ impl Grip {
     }
 
     /// Where the part is.
-    pub fn pose(&self) -> Pose {
+    pub fn pose(&self) -> ObjectPose {
         let [first, second, normal] = self.reference.axes(self.plane);
         let shift_um = first * self.shift_um.x + second * self.shift_um.y + normal * self.lift_um;
-        Pose {
+        ObjectPose {
             position_um: self.reference.position_um + shift_um,
             orientation: self.reference.turned(self.plane, self.turn_rad()),
         }
@@ -98,7 +106,7 @@ impl Grip {
         let Some(foot) = surface.contour.foot(place_um) else { return };
         let gap_um = foot.distance_um - self.tip_radius_um;
         let anchor_rad = surface.turned_rad(&foot) + self.turn_rad();
-        self.holds.push(Hold { finger, foot, anchor_rad, height_um, gap_um });
+        self.holds.push(HoldingTip { finger, foot, anchor_rad, height_um, gap_um });
         self.holds.sort_by_key(|hold| hold.finger);
     }
 
@@ -108,8 +116,8 @@ impl Grip {
     }
 
     /// The same fingers hold in a plane, from now on.
-    pub fn anew(&self, plane: Plane, body: &Body, tips_um: &[Point]) -> Option<Self> {
-        let mut grip = Grip::empty(plane, self.pose(), body, self.tip_radius_um);
+    pub fn anew(&self, plane: Plane, body: &PartOutlines, tips_um: &[Point]) -> Option<Self> {
+        let mut grip = JudgedGrip::empty(plane, self.pose(), body, self.tip_radius_um);
         let surface = body.surface(plane)?;
         for hold in &self.holds {
             grip.add(surface, hold.finger, &tips_um[hold.finger]);
@@ -118,7 +126,7 @@ impl Grip {
     }
 
     /// The tips are somewhere else now, not far away. `None` if no pose is found.
-    pub fn follow(&self, surface: &Surface, tips_um: &[Point]) -> Option<(Self, Misfit)> {
+    pub fn follow(&self, surface: &Surface, tips_um: &[Point]) -> Option<(Self, RollingMisfit)> {
         let mut grip = self.clone();
         let places: Vec<([f64; 2], f64)> =
             self.holds.iter().map(|hold| self.reference.section_um(self.plane, &tips_um[hold.finger])).collect();
@@ -157,7 +165,7 @@ impl Grip {
         pairs.map(|(hold, (place_um, _))| self.equation(surface, hold, *place_um)).collect()
     }
 
-    fn equation(&self, surface: &Surface, hold: &Hold, [x_um, y_um]: [f64; 2]) -> Option<Equation> {
+    fn equation(&self, surface: &Surface, hold: &HoldingTip, [x_um, y_um]: [f64; 2]) -> Option<Equation> {
         let (sin, cos) = self.turn_rad().sine_cosine();
         let (x_um, y_um) = (x_um - self.shift_um.x, y_um - self.shift_um.y);
         let tip_um = [cos * x_um + sin * y_um, cos * y_um - sin * x_um];
@@ -179,9 +187,9 @@ impl Grip {
         })
     }
 
-    fn misfit(&self, surface: &Surface, places: &[([f64; 2], f64)]) -> Option<Misfit> {
+    fn misfit(&self, surface: &Surface, places: &[([f64; 2], f64)]) -> Option<RollingMisfit> {
         let first = self.holds.first().map_or(0, |hold| hold.finger);
-        let mut misfit = Misfit { gap_um: (first, 0.0), slip_um: (first, 0.0) };
+        let mut misfit = RollingMisfit { gap_um: (first, 0.0), slip_um: (first, 0.0) };
         let worse = |most: &mut (usize, f64), finger: usize, off_um: f64| {
             if off_um.is_nan() || off_um.abs() > most.1.abs() {
                 *most = (finger, off_um);

@@ -3,20 +3,20 @@
 //! A tip that was free and whose centre ends a stretch one radius from an outline of the part at rest is placed at that instant. A tip
 //! that held and goes off while others stay is removed. Tips that hold and move carry the part along.
 
-use super::super::clock::Run;
+use super::super::clock::JudgedRun;
 use super::super::rule::{Findings, Rule, Violation, ms};
 use super::super::{Halt, Unfit};
-use super::body::{Body, Pose, Surface};
-use super::clearance::{self, Flight, Hit};
+use super::body::{ObjectPose, PartOutlines, Surface};
+use super::clearance::{self, Flight, TipHit};
 use super::goals::{Since, planes_after};
-use super::grip::Grip;
+use super::grip::JudgedGrip;
 use super::pace::Pace;
 use super::states::{Due, Spans, chosen};
-use super::statics::{Statics, Touch, pull_off_un};
+use super::statics::{ContactPoint, Statics, pull_off_un};
 use super::track::{Stretch, Tracks};
 use super::{Point, orientation_of};
-use crate::claims::fingers::{Action, FingersOrder};
-use crate::device::fingers::{Facts, MAX_HOLDING, Plane};
+use crate::claims::fingers::{FingersAction, FingersOrder};
+use crate::device::fingers::{FingersFacts, MAX_HOLDING, Plane};
 use crate::quantity::digits;
 use crate::schedule::{State, TimedState};
 use std::borrow::Cow;
@@ -33,17 +33,17 @@ enum Held {
 
 /// What has been said of the grip that goes on, so that it is said once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Told {
+enum ReportedGrip {
     Nothing,
     Weak,
 }
 
 /// A hand in the course of a run.
-pub(super) struct Hand<'r, 'a> {
-    pub(super) run: &'r Run<'a>,
+pub(super) struct JudgedHand<'r, 'a> {
+    pub(super) run: &'r JudgedRun<'a>,
     pub(super) order: &'r FingersOrder,
-    pub(super) body: Body,
-    pub(super) grip: Grip,
+    pub(super) body: PartOutlines,
+    pub(super) grip: JudgedGrip,
     pub(super) since: Since,
     pub(super) tips_um: Vec<Point>,
     pub(super) flights: Vec<Flight>,
@@ -51,7 +51,7 @@ pub(super) struct Hand<'r, 'a> {
     /// The last step in which a tip was called too fast.
     pub(super) hurried: Option<usize>,
     held: Held,
-    told: Told,
+    told: ReportedGrip,
     /// The turn of the grip when the step of the task began, or the plane was changed, and how many steps it has come since.
     pub(super) leg_rad: f64,
     pub(super) leg_steps: i64,
@@ -64,21 +64,26 @@ pub(super) struct Hand<'r, 'a> {
     reconfigurations: u64,
 }
 
-impl<'r, 'a> Hand<'r, 'a> {
+impl<'r, 'a> JudgedHand<'r, 'a> {
     /// Where everything is at first: where the last run of the device left it, or where the scene has the part.
-    pub fn new(run: &'r Run<'a>, order: &'r FingersOrder, tracks: &Tracks, left: Option<&State>) -> Result<Self, Halt> {
+    pub fn new(
+        run: &'r JudgedRun<'a>,
+        order: &'r FingersOrder,
+        tracks: &Tracks,
+        left: Option<&State>,
+    ) -> Result<Self, Halt> {
         let facts = &order.facts;
-        let body = Body::of(&order.part, facts.tip_radius_um);
+        let body = PartOutlines::of(&order.part, facts.tip_radius_um);
         let body = body.ok_or_else(|| Unfit("the claims hold an outline that cannot be followed".to_owned()))?;
         let tips_um = tracks.start_um();
-        let start = Pose { position_um: Point::from(order.part.position_um), orientation: Default::default() };
+        let start = ObjectPose { position_um: Point::from(order.part.position_um), orientation: Default::default() };
         let plane = planes_after(order, 0).first().copied().unwrap_or(Plane::Xy);
-        let mut grip = Grip::empty(plane, start, &body, facts.tip_radius_um);
+        let mut grip = JudgedGrip::empty(plane, start, &body, facts.tip_radius_um);
         let mut before_steps = 0;
         if let Some(State::Fingers { grasp, plane, position_um, orientation, angle_index, .. }) = left {
             let orientation = orientation_of(orientation).unwrap_or_default();
-            let pose = Pose { position_um: Point::from(*position_um), orientation };
-            grip = Grip::empty(*plane, pose, &body, facts.tip_radius_um);
+            let pose = ObjectPose { position_um: Point::from(*position_um), orientation };
+            grip = JudgedGrip::empty(*plane, pose, &body, facts.tip_radius_um);
             let holding = grasp.iter().enumerate().filter(|(finger, contact)| **contact > 0 && *finger < tips_um.len());
             for (finger, _) in holding {
                 grip.add(surface_of(&body, *plane)?, finger, &tips_um[finger]);
@@ -86,7 +91,7 @@ impl<'r, 'a> Hand<'r, 'a> {
             before_steps = angle_index.saturating_sub(1);
         }
         let held = if grip.holds.len() < 2 { Held::Supported } else { Held::ByFingers };
-        Ok(Hand {
+        Ok(JudgedHand {
             run,
             order,
             since: Since { pose: grip.pose(), turns_rad: [0.0; 2] },
@@ -98,7 +103,7 @@ impl<'r, 'a> Hand<'r, 'a> {
             hurried: None,
             tips_um,
             held,
-            told: Told::Nothing,
+            told: ReportedGrip::Nothing,
             leg_steps: 0,
             before_steps,
             carried_ns: run.plan.start_ns,
@@ -119,7 +124,7 @@ impl<'r, 'a> Hand<'r, 'a> {
     }
 
     pub(super) fn is_release(&self, nth: usize) -> bool {
-        matches!(self.order.steps[nth].action, Action::Release)
+        matches!(self.order.steps[nth].action, FingersAction::Release)
     }
 
     pub(super) fn surface(&self) -> Result<&Surface, Halt> {
@@ -172,14 +177,14 @@ impl<'r, 'a> Hand<'r, 'a> {
         if self.grip.holds.len() >= 2 && !self.is_release(nth) {
             self.take_load(nth, end_ns, findings);
         }
-        if matches!(self.order.steps[nth].action, Action::Translate(_)) {
+        if matches!(self.order.steps[nth].action, FingersAction::Translate(_)) {
             self.spans.end(self.carried_ns);
             self.spans.begin(self.carried_ns, Due::Always, self.views());
         }
         for finger in 0..self.flights.len() {
             if let Some((time_ns, _)) = self.flights[finger].near.take() {
                 let due_um = clearance::clear_um(&self.order.facts);
-                let hit = Hit { time_ns, distance_um: self.order.facts.tip_radius_um, due_um };
+                let hit = TipHit { time_ns, distance_um: self.order.facts.tip_radius_um, due_um };
                 let title = self.pierce(finger, &hit);
                 findings.push(self.violation(Rule::Pierce, nth, time_ns, title));
             }
@@ -200,7 +205,7 @@ impl<'r, 'a> Hand<'r, 'a> {
             let time_ns = stretch.instant_ns(share);
             findings.push(self.violation(Rule::Apart, nth, time_ns, self.apart(pair, apart_um, time_ns)));
         }
-        if matches!(self.order.steps[nth].action, Action::Wait(_)) {
+        if matches!(self.order.steps[nth].action, FingersAction::Wait(_)) {
             self.check_still(nth, stretch)?;
         }
         for finger in self.leaving(nth, stretch) {
@@ -247,17 +252,17 @@ impl<'r, 'a> Hand<'r, 'a> {
         Statics::of(self.order, self.grip.plane, &self.grip.pose(), self.body.reach_um)
     }
 
-    pub(super) fn touches(&self) -> Vec<(usize, Touch)> {
-        self.grip.holds.iter().map(|hold| (hold.finger, Touch::at(&hold.foot))).collect()
+    pub(super) fn touches(&self) -> Vec<(usize, ContactPoint)> {
+        self.grip.holds.iter().map(|hold| (hold.finger, ContactPoint::at(&hold.foot))).collect()
     }
 
     /// The fingers that hold are in equilibrium.
     pub(super) fn check_hold(&mut self, nth: usize, time_ns: u64, findings: &mut Findings) {
-        let touches: Vec<Touch> = self.touches().into_iter().map(|(_, touch)| touch).collect();
-        if self.told == Told::Weak || self.statics().holds(&touches) {
+        let touches: Vec<ContactPoint> = self.touches().into_iter().map(|(_, touch)| touch).collect();
+        if self.told == ReportedGrip::Weak || self.statics().holds(&touches) {
             return;
         }
-        self.told = Told::Weak;
+        self.told = ReportedGrip::Weak;
         let title = format!("{} are not in equilibrium at {}", self.holding(), ms(time_ns));
         findings.push(self.violation(Rule::Equilibrium, nth, time_ns, title));
     }
@@ -273,7 +278,7 @@ impl<'r, 'a> Hand<'r, 'a> {
         self.grip.remove(finger);
         self.flights[finger] = Flight::from(stretch.from_um[finger]);
         self.paces[finger] = Pace::from(stretch.from_um[finger]);
-        self.told = Told::Nothing;
+        self.told = ReportedGrip::Nothing;
         if self.is_release(nth) || self.held == Held::Supported {
             return self.let_go(nth, stretch, findings);
         }
@@ -282,7 +287,7 @@ impl<'r, 'a> Hand<'r, 'a> {
             return Err(self.violation(Rule::Contact, nth, time_ns, title).into());
         }
         self.check_hold(nth, time_ns, findings);
-        if let Some((_, leaving)) = leaving.filter(|_| self.told == Told::Nothing) {
+        if let Some((_, leaving)) = leaving.filter(|_| self.told == ReportedGrip::Nothing) {
             self.check_removal(nth, (finger, &leaving), time_ns, findings);
         }
         self.count_change();
@@ -295,8 +300,14 @@ impl<'r, 'a> Hand<'r, 'a> {
         self.effort_rad += self.order.facts.gaiting_cost_deg.to_radians();
     }
 
-    fn check_removal(&self, nth: usize, (finger, leaving): (usize, &Touch), time_ns: u64, findings: &mut Findings) {
-        let touches: Vec<Touch> = self.touches().into_iter().map(|(_, touch)| touch).collect();
+    fn check_removal(
+        &self,
+        nth: usize,
+        (finger, leaving): (usize, &ContactPoint),
+        time_ns: u64,
+        findings: &mut Findings,
+    ) {
+        let touches: Vec<ContactPoint> = self.touches().into_iter().map(|(_, touch)| touch).collect();
         if !self.statics().resists(&touches, leaving) {
             let facts = &self.order.facts;
             let (pull, safety) = (digits(pull_off_un(facts)), digits(facts.removal_safety));
@@ -315,8 +326,8 @@ impl<'r, 'a> Hand<'r, 'a> {
         let facts = &self.order.facts;
         let pull_un = pull_off_un(facts) * facts.removal_safety;
         let is_enough = pull_un <= facts.support_un * (1.0 + super::statics::TOLERANCE);
-        if !is_enough && self.told == Told::Nothing {
-            self.told = Told::Weak;
+        if !is_enough && self.told == ReportedGrip::Nothing {
+            self.told = ReportedGrip::Weak;
             let (pull, support) = (digits(pull_un), digits(facts.support_un));
             let title = format!("the last fingers pull with {pull} uN, the part is held with {support} uN");
             findings.push(self.violation(Rule::Support, nth, stretch.start_ns, title));
@@ -395,7 +406,7 @@ impl<'r, 'a> Hand<'r, 'a> {
         let surface = surface_of(&self.body, plane)?;
         self.grip.add(surface, finger, &tip_um);
         self.check_contacts(nth, time_ns, findings);
-        self.told = Told::Nothing;
+        self.told = ReportedGrip::Nothing;
         let due = match self.held {
             Held::Supported => Due::Perhaps,
             Held::ByFingers => {
@@ -435,7 +446,7 @@ impl<'r, 'a> Hand<'r, 'a> {
     }
 
     /// Whether a tip is nearer to a part than it may be: one that holds, elsewhere than where it does.
-    pub(super) fn strays(&self, finger: usize, pose: &Pose, time_ns: u64, tips_um: &[Point]) -> Option<Hit> {
+    pub(super) fn strays(&self, finger: usize, pose: &ObjectPose, time_ns: u64, tips_um: &[Point]) -> Option<TipHit> {
         let facts = &self.order.facts;
         let tip_um = &tips_um[finger];
         let (distance_um, due_um) = match self.grip.has(finger) {
@@ -448,7 +459,7 @@ impl<'r, 'a> Hand<'r, 'a> {
                 (self.body.gap_um(pose, tip_um, facts.tolerance_um, due_um), due_um)
             }
         };
-        (distance_um < due_um - facts.tolerance_um).then_some(Hit { time_ns, distance_um, due_um })
+        (distance_um < due_um - facts.tolerance_um).then_some(TipHit { time_ns, distance_um, due_um })
     }
 
     /// The state at the end of the run, as the record tells it.
@@ -472,11 +483,11 @@ impl<'r, 'a> Hand<'r, 'a> {
 }
 
 /// The step of rotation that the device names.
-pub(super) fn nominal_step_rad(facts: &Facts) -> f64 {
+pub(super) fn nominal_step_rad(facts: &FingersFacts) -> f64 {
     TAU / f64::from(facts.steps_per_turn)
 }
 
-fn surface_of(body: &Body, plane: Plane) -> Result<&Surface, Halt> {
+fn surface_of(body: &PartOutlines, plane: Plane) -> Result<&Surface, Halt> {
     let surface = body.surface(plane);
     surface.ok_or_else(|| Unfit("the claims hold no outline in a plane of a turn".to_owned()).into())
 }

@@ -22,17 +22,17 @@ mod statics;
 mod tell;
 mod track;
 
-use super::clock::Run;
+use super::clock::JudgedRun;
 use super::geometry::contour::Foot;
 use super::rule::Findings;
-use super::{Halt, Replay, Standing, Terms};
-use crate::claims::fingers::{FingersOrder, Planner};
+use super::{Halt, RecordTerms, Replay, Standing};
+use crate::claims::fingers::{FingersOrder, FingersPlanner};
 use crate::device::fingers::{Plane, finger_axis};
 use crate::quantity::digits;
-use crate::schedule::{State, Unit};
-use body::{Body, Pose};
+use crate::schedule::{ChannelUnit, State};
+use body::{ObjectPose, PartOutlines};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use statics::{Statics, Touch};
+use statics::{ContactPoint, Statics};
 
 pub(super) use claims::check_claims;
 
@@ -49,19 +49,19 @@ const TURN_TOLERANCE_RAD: f64 = 1e-4;
 const SHOWN_FORCE: f64 = 0.1;
 
 /// What a channel's numbers are, if the hand has it.
-pub(super) fn unit(channel: &str, order: &FingersOrder) -> Option<Unit> {
+pub(super) fn unit(channel: &str, order: &FingersOrder) -> Option<ChannelUnit> {
     let (finger, _) = finger_axis(channel)?;
-    (finger < order.facts.fingers as usize).then_some(Unit::Micrometre)
+    (finger < order.facts.fingers as usize).then_some(ChannelUnit::Micrometre)
 }
 
 /// What the claims say of a plan's record.
-pub(super) fn terms(order: &FingersOrder) -> Terms {
+pub(super) fn terms(order: &FingersOrder) -> RecordTerms {
     let planner = match order.planner {
-        Planner::JointAstar => "joint_astar",
-        Planner::PublishedAstar => "published_astar",
-        Planner::GreedyDecomposition => "greedy_decomposition",
+        FingersPlanner::JointAstar => "joint_astar",
+        FingersPlanner::PublishedAstar => "published_astar",
+        FingersPlanner::GreedyDecomposition => "greedy_decomposition",
     };
-    Terms { planner, objective: "effort", outcome: "effort", unit: "deg", scale: 180.0 / std::f64::consts::PI }
+    RecordTerms { planner, objective: "effort", outcome: "effort", unit: "deg", scale: 180.0 / std::f64::consts::PI }
 }
 
 /// The objective that minimises an outcome.
@@ -71,7 +71,7 @@ pub(super) fn minimized_as(outcome: &'static str) -> Option<&'static str> {
 
 /// Whether a recorded state is the replayed one, but for rounding.
 pub(super) fn near(recorded: &State, replayed: &State) -> bool {
-    let (Some(recorded), Some(replayed)) = (Told::of(recorded), Told::of(replayed)) else { return false };
+    let (Some(recorded), Some(replayed)) = (HandState::of(recorded), HandState::of(replayed)) else { return false };
     let are_near = |one: &[f64; 3], other: &[f64; 3]| {
         one.iter().zip(other).all(|(one, other)| (one - other).abs() <= PLACE_TOLERANCE_UM)
     };
@@ -90,7 +90,7 @@ pub(super) fn near(recorded: &State, replayed: &State) -> bool {
 }
 
 /// A hand's state.
-struct Told<'a> {
+struct HandState<'a> {
     grasp: &'a [u32],
     angle_index: i64,
     plane: Plane,
@@ -100,10 +100,10 @@ struct Told<'a> {
     orientation: Option<UnitQuaternion<f64>>,
 }
 
-impl<'a> Told<'a> {
+impl<'a> HandState<'a> {
     fn of(state: &'a State) -> Option<Self> {
         match state {
-            State::Fingers { grasp, angle_index, plane, tips_um, position_um, orientation } => Some(Told {
+            State::Fingers { grasp, angle_index, plane, tips_um, position_um, orientation } => Some(HandState {
                 grasp,
                 angle_index: *angle_index,
                 plane: *plane,
@@ -124,7 +124,7 @@ fn orientation_of([w, x, y, z]: &[f64; 4]) -> Option<UnitQuaternion<f64>> {
 
 /// A state in words.
 pub(super) fn shown(state: &State) -> String {
-    let Some(told) = Told::of(state) else { return "a state of another kind".to_owned() };
+    let Some(told) = HandState::of(state) else { return "a state of another kind".to_owned() };
     let contacts: Vec<String> = told.grasp.iter().map(u32::to_string).collect();
     let [x, y, z] = told.position_um.map(digits);
     let turned = told.orientation.map_or("not turned as can be".to_owned(), |orientation| {
@@ -140,13 +140,13 @@ pub(super) fn shown(state: &State) -> String {
 /// Many forces balance a grasp: these are deepest inside the friction cones while their normal parts sum to a tenth of what the
 /// fingers can, or as nearly as can be. `None` if the state is none of the order's, or nothing balances.
 pub fn forces(order: &FingersOrder, state: &State) -> Option<Vec<Option<[f64; 3]>>> {
-    let told = Told::of(state)?;
-    let body = Body::of(&order.part, order.facts.tip_radius_um)?;
+    let told = HandState::of(state)?;
+    let body = PartOutlines::of(&order.part, order.facts.tip_radius_um)?;
     let surface = body.surface(told.plane)?;
-    let pose = Pose { position_um: Point::from(*told.position_um), orientation: told.orientation? };
+    let pose = ObjectPose { position_um: Point::from(*told.position_um), orientation: told.orientation? };
     let holding = told.grasp.iter().filter(|contact| **contact > 0);
     let feet: Option<Vec<Foot>> = holding.map(|contact| surface.contact_place(*contact)).collect();
-    let touches: Vec<Touch> = feet?.iter().map(Touch::at).collect();
+    let touches: Vec<ContactPoint> = feet?.iter().map(ContactPoint::at).collect();
     let sum_un = SHOWN_FORCE * order.facts.max_force_un * touches.len() as f64;
     let statics = Statics::of(order, told.plane, &pose, body.reach_um);
     let mut forces_un = statics.forces_un(&touches, sum_un)?.into_iter();
@@ -163,14 +163,14 @@ pub fn forces(order: &FingersOrder, state: &State) -> Option<Vec<Option<[f64; 3]
 /// # Errors
 /// At the first axis without a value, the first tip that slips or loses its contact, or the first grasp that nothing can be said of.
 pub(super) fn replay<'a>(
-    run: &Run<'a>,
+    run: &JudgedRun<'a>,
     order: &FingersOrder,
     standing: &mut Standing<'a>,
     findings: &mut Findings,
 ) -> Result<Replay<'a>, Halt> {
     let left = standing.get(run.job.device.as_str());
     let tracks = track::Tracks::of(run, order)?;
-    let mut hand = hand::Hand::new(run, order, &tracks, left)?;
+    let mut hand = hand::JudgedHand::new(run, order, &tracks, left)?;
     hand.begin(findings);
     let mut next = 0;
     for nth in 0..order.steps.len() {

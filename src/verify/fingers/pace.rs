@@ -6,9 +6,9 @@
 
 use super::super::rule::{Findings, Rule, ms};
 use super::Point;
-use super::hand::Hand;
+use super::hand::JudgedHand;
 use super::track::Stretch;
-use crate::device::fingers::Facts;
+use crate::device::fingers::FingersFacts;
 use crate::quantity::digits;
 use std::mem::take;
 
@@ -20,7 +20,7 @@ const NEAR_UM: f64 = 1e-6;
 
 /// A straight way of a free tip, without the stretches in which it rests.
 #[derive(Debug, Clone, Copy)]
-struct Leg {
+struct FreeTipLeg {
     start_ns: u64,
     from_um: Point,
     to_um: Point,
@@ -32,7 +32,7 @@ struct Leg {
 pub(super) struct Pace {
     /// The contact that it left, until it is far enough from it.
     left_um: Option<Point>,
-    legs: Vec<Leg>,
+    legs: Vec<FreeTipLeg>,
 }
 
 /// A tip that is too fast.
@@ -45,15 +45,15 @@ pub(super) struct Fast {
     pub doing: &'static str,
 }
 
-impl Leg {
-    fn of(stretch: &Stretch, finger: usize) -> Leg {
+impl FreeTipLeg {
+    fn of(stretch: &Stretch, finger: usize) -> FreeTipLeg {
         let (from_um, to_um) = (stretch.from_um[finger], stretch.to_um[finger]);
         let seconds = (stretch.end_ns - stretch.start_ns) as f64 / 1e9;
-        Leg { start_ns: stretch.start_ns, from_um, to_um, um_per_s: (to_um - from_um).norm() / seconds }
+        FreeTipLeg { start_ns: stretch.start_ns, from_um, to_um, um_per_s: (to_um - from_um).norm() / seconds }
     }
 
     fn against(&self, due_um_per_s: f64, doing: &'static str) -> Result<(), Fast> {
-        let &Leg { start_ns: time_ns, um_per_s, .. } = self;
+        let &FreeTipLeg { start_ns: time_ns, um_per_s, .. } = self;
         match um_per_s <= due_um_per_s * (1.0 + TOO_FAST) {
             true => Ok(()),
             false => Err(Fast { time_ns, um_per_s, due_um_per_s, doing }),
@@ -70,7 +70,7 @@ impl Leg {
 }
 
 /// Whether a place is so near to a contact that tips are slow there.
-fn is_near(distance_um: f64, facts: &Facts) -> bool {
+fn is_near(distance_um: f64, facts: &FingersFacts) -> bool {
     distance_um < facts.retract_um.max(facts.clearance_um) - NEAR_UM
 }
 
@@ -81,14 +81,14 @@ impl Pace {
     }
 
     /// The part moves, or the run ends: the tip came to no contact on its way so far.
-    pub fn settle(&mut self, facts: &Facts) -> Result<(), Fast> {
+    pub fn settle(&mut self, facts: &FingersFacts) -> Result<(), Fast> {
         let legs = take(self).legs;
         legs.iter().try_for_each(|leg| leg.against(facts.speed_um_per_s, "is free"))
     }
 
     /// A free tip moves along a stretch.
-    pub fn follow(&mut self, stretch: &Stretch, finger: usize, facts: &Facts) -> Result<(), Fast> {
-        let leg = Leg::of(stretch, finger);
+    pub fn follow(&mut self, stretch: &Stretch, finger: usize, facts: &FingersFacts) -> Result<(), Fast> {
+        let leg = FreeTipLeg::of(stretch, finger);
         if let Some(left_um) = self.left_um {
             self.left_um = Some(left_um).filter(|left_um| is_near((leg.to_um - left_um).norm(), facts));
             return leg.against(facts.approach_um_per_s, "leaves its contact");
@@ -98,10 +98,10 @@ impl Pace {
     }
 
     /// The tip touches at a place: on the last of its way there it was slow, before that as fast as a free one may be.
-    pub fn lands(&mut self, contact_um: &Point, facts: &Facts) -> Result<(), Fast> {
+    pub fn lands(&mut self, contact_um: &Point, facts: &FingersFacts) -> Result<(), Fast> {
         self.left_um = None;
         let legs = take(&mut self.legs);
-        let outside = |leg: &Leg| !is_near((leg.from_um - contact_um).norm(), facts);
+        let outside = |leg: &FreeTipLeg| !is_near((leg.from_um - contact_um).norm(), facts);
         let begin = legs.iter().rposition(outside).unwrap_or(0);
         legs.iter().enumerate().try_for_each(|(at, leg)| match at >= begin && is_near(leg.off_um(contact_um), facts) {
             true => leg.against(facts.approach_um_per_s, "comes to its contact"),
@@ -110,12 +110,12 @@ impl Pace {
     }
 }
 
-impl Hand<'_, '_> {
+impl JudgedHand<'_, '_> {
     /// Tips that hold move along a stretch, and maybe free ones too.
     pub(super) fn check_carrying_pace(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) {
         let facts = &self.order.facts;
         for finger in (0..self.paces.len()).filter(|finger| !stretch.rests(*finger)) {
-            let leg = Leg::of(stretch, finger);
+            let leg = FreeTipLeg::of(stretch, finger);
             let kept = match self.grip.has(finger) {
                 true => leg.against(facts.rolling_um_per_s, "holds"),
                 false => self.paces[finger].follow(stretch, finger, facts),

@@ -6,11 +6,11 @@ use super::super::Halt;
 use super::super::rule::{Findings, Rule, ms};
 use super::Point;
 use super::clearance::Flight;
-use super::grip::Misfit;
-use super::hand::{Hand, nominal_step_rad};
+use super::grip::RollingMisfit;
+use super::hand::{JudgedHand, nominal_step_rad};
 use super::states::Due;
 use super::track::Stretch;
-use crate::claims::fingers::Action;
+use crate::claims::fingers::FingersAction;
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
 
@@ -26,7 +26,7 @@ const SAME_MISFIT_UM: f64 = 1e-9;
 /// How far from a whole number of steps a turn still counts as one, in steps.
 const GRID_STEPS: f64 = 1e-3;
 
-impl Hand<'_, '_> {
+impl JudgedHand<'_, '_> {
     /// Tips that hold move, and the part with them.
     pub(super) fn carry(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
         let time_ns = stretch.start_ns;
@@ -64,8 +64,12 @@ impl Hand<'_, '_> {
     /// The plane in which tips roll: any in which they touch, if it fits their motion better than the one in which they did.
     fn rolling_plane(&self, nth: usize, stretch: &Stretch) -> Plane {
         let wanted = match &self.order.steps[nth].action {
-            Action::Rotate { plane, .. } => Some(*plane),
-            Action::Grasp(_) | Action::Orient { .. } | Action::Translate(_) | Action::Release | Action::Wait(_) => None,
+            FingersAction::Rotate { plane, .. } => Some(*plane),
+            FingersAction::Grasp(_)
+            | FingersAction::Orient { .. }
+            | FingersAction::Translate(_)
+            | FingersAction::Release
+            | FingersAction::Wait(_) => None,
         };
         let mut best = (self.grip.plane, f64::INFINITY);
         for plane in [self.grip.plane].into_iter().chain(wanted).chain(self.body.planes()) {
@@ -120,7 +124,7 @@ impl Hand<'_, '_> {
         Ok(())
     }
 
-    fn check_misfit(&self, nth: usize, time_ns: u64, misfit: &Misfit) -> Result<(), Halt> {
+    fn check_misfit(&self, nth: usize, time_ns: u64, misfit: &RollingMisfit) -> Result<(), Halt> {
         let tolerance_um = self.order.facts.tolerance_um;
         if misfit.most_um() <= tolerance_um {
             return Ok(());

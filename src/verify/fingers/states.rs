@@ -4,7 +4,7 @@
 //! must be what the replay gives. Where a grasp can be told in two ways (the angle of a turn that is over, the contacts that
 //! two sections share) each of them will do.
 
-use super::super::clock::Run;
+use super::super::clock::JudgedRun;
 use super::super::record::agrees;
 use super::near;
 use crate::schedule::{State, TimedState};
@@ -20,7 +20,7 @@ pub(super) enum Due {
 
 /// A state between two changes.
 #[derive(Debug)]
-pub(super) struct Span {
+pub(super) struct StateSpan {
     pub from_ns: u64,
     /// The beginning of the next change.
     pub until_ns: u64,
@@ -32,13 +32,13 @@ pub(super) struct Span {
 /// All states of a run in order.
 #[derive(Debug, Default)]
 pub(super) struct Spans {
-    list: Vec<Span>,
+    list: Vec<StateSpan>,
 }
 
 impl Spans {
     /// A change has ended.
     pub fn begin(&mut self, from_ns: u64, due: Due, views: Vec<State>) {
-        self.list.push(Span { from_ns, until_ns: u64::MAX, due, views });
+        self.list.push(StateSpan { from_ns, until_ns: u64::MAX, due, views });
     }
 
     /// A change begins: the last state is over after an instant.
@@ -56,7 +56,7 @@ impl Spans {
     }
 
     /// The states that the record should hold, those of the record where it holds them.
-    pub fn states<'a>(self, run: &Run<'a>) -> Vec<Cow<'a, TimedState>> {
+    pub fn states<'a>(self, run: &JudgedRun<'a>) -> Vec<Cow<'a, TimedState>> {
         let mut recorded = run.plan.states.iter().peekable();
         let mut states = Vec::with_capacity(self.list.len());
         for span in self.list {

@@ -9,9 +9,9 @@
 
 use super::super::geometry::contour::Foot;
 use super::Point;
-use super::body::Pose;
+use super::body::ObjectPose;
 use crate::claims::fingers::FingersOrder;
-use crate::device::fingers::{Adhesion, Facts, Plane};
+use crate::device::fingers::{Adhesion, FingersFacts, Plane};
 use crate::real::Real;
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 
@@ -26,15 +26,15 @@ const ROUNDING: f64 = 1e-9;
 
 /// Where a tip touches, in section coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Touch {
+pub(super) struct ContactPoint {
     pub point_um: [f64; 2],
     /// The direction of the outward normal.
     pub normal_rad: f64,
 }
 
-impl Touch {
-    pub fn at(foot: &Foot) -> Touch {
-        Touch { point_um: foot.point_um, normal_rad: foot.normal_rad }
+impl ContactPoint {
+    pub fn at(foot: &Foot) -> ContactPoint {
+        ContactPoint { point_um: foot.point_um, normal_rad: foot.normal_rad }
     }
 
     /// The inward normal and the tangent.
@@ -58,7 +58,7 @@ pub(super) struct Statics<'a> {
 }
 
 /// Pushes and pulls of one contact: along its inward normal and its tangent.
-struct Bearing {
+struct ContactForces {
     normal: Variable,
     tangential: Variable,
     /// Where something acts out of the plane.
@@ -73,13 +73,13 @@ struct Beyond {
 }
 
 /// The force that pulls a tip off, in micronewtons.
-pub(super) fn pull_off_un(facts: &Facts) -> f64 {
+pub(super) fn pull_off_un(facts: &FingersFacts) -> f64 {
     if facts.adhesion == Adhesion::Sticking { facts.pull_off_un } else { 0.0 }
 }
 
 impl<'a> Statics<'a> {
     /// Of a part in a pose.
-    pub fn of(order: &'a FingersOrder, plane: Plane, pose: &Pose, reach_um: f64) -> Self {
+    pub fn of(order: &'a FingersOrder, plane: Plane, pose: &ObjectPose, reach_um: f64) -> Self {
         let load_un = Point::from(order.load_un);
         let [x, y, z] = pose.axes(plane).map(|axis| axis.dot(&load_un));
         let centre_um = Point::from(order.part.centre_um);
@@ -102,19 +102,19 @@ impl<'a> Statics<'a> {
 
     /// Whether contacts hold the part by themselves. Tips that only push must do so without the load too: a part that merely rests
     /// on them is not held.
-    pub fn holds(&self, touches: &[Touch]) -> bool {
+    pub fn holds(&self, touches: &[ContactPoint]) -> bool {
         let holds = |statics: &Statics| statics.margin(touches, None).is_some_and(|margin| margin >= -TOLERANCE);
         let sticks = pull_off_un(&self.order.facts) > 0.0;
         holds(self) && (sticks || holds(&Statics { load_un: [0.0; 2], across_un: 0.0, ..*self }))
     }
 
     /// Whether contacts hold the part while a finger is pulled off elsewhere.
-    pub fn resists(&self, touches: &[Touch], leaving: &Touch) -> bool {
+    pub fn resists(&self, touches: &[ContactPoint], leaving: &ContactPoint) -> bool {
         self.margin(touches, Some(leaving)).is_some_and(|margin| margin >= -TOLERANCE)
     }
 
     /// How deep inside their cones forces can be that balance the load and the pull on a contact that is left; `None` if none balance.
-    fn margin(&self, touches: &[Touch], leaving: Option<&Touch>) -> Option<f64> {
+    fn margin(&self, touches: &[ContactPoint], leaving: Option<&ContactPoint>) -> Option<f64> {
         let facts = &self.order.facts;
         let pull_un = pull_off_un(facts) * facts.removal_safety;
         let load_un = self.size_un();
@@ -141,14 +141,14 @@ impl<'a> Statics<'a> {
     fn bearings(
         &self,
         problem: &mut Problem,
-        touches: &[Touch],
+        touches: &[ContactPoint],
         depth: Variable,
         (unit_un, most): (f64, f64),
-    ) -> Vec<Bearing> {
+    ) -> Vec<ContactForces> {
         let facts = &self.order.facts;
         let sticking = pull_off_un(facts) / unit_un;
         let is_of_space = self.is_of_space();
-        let bearing = |_: &Touch| {
+        let bearing = |_: &ContactPoint| {
             let normal = problem.add_var(0.0, (-sticking, f64::INFINITY));
             let tangential = problem.add_var(0.0, (f64::NEG_INFINITY, f64::INFINITY));
             let room = facts.friction * sticking;
@@ -165,7 +165,7 @@ impl<'a> Statics<'a> {
                 }
             }
             problem.add_constraint([(normal, 1.0), (depth, 1.0)], ComparisonOp::Le, most);
-            Bearing { normal, tangential, beyond }
+            ContactForces { normal, tangential, beyond }
         };
         touches.iter().map(bearing).collect()
     }
@@ -188,8 +188,8 @@ impl<'a> Statics<'a> {
     fn balance(
         &self,
         problem: &mut Problem,
-        touches: &[Touch],
-        bearings: &[Bearing],
+        touches: &[ContactPoint],
+        bearings: &[ContactForces],
         pull: Option<([f64; 2], [f64; 2])>,
         unit_un: f64,
     ) {
@@ -231,7 +231,7 @@ impl<'a> Statics<'a> {
 
     /// The forces of contacts on the part that are deepest inside the cones while their normal parts sum to `sum_un`, or as nearly as
     /// can be: along the section's axes and across it, in micronewtons. `None` if none balance.
-    pub fn forces_un(&self, touches: &[Touch], sum_un: f64) -> Option<Vec<[f64; 3]>> {
+    pub fn forces_un(&self, touches: &[ContactPoint], sum_un: f64) -> Option<Vec<[f64; 3]>> {
         let unit_un = self.order.facts.max_force_un;
         let mut problem = Problem::new(OptimizationDirection::Maximize);
         let depth = problem.add_var(1.0, (-TOLERANCE, 1.0));
@@ -244,7 +244,7 @@ impl<'a> Statics<'a> {
             problem.add_constraint(&sum, op, sum_un / unit_un);
         }
         let solution = problem.solve().ok()?.into_solution().ok()?;
-        let force = |(touch, bearing): (&Touch, &Bearing)| {
+        let force = |(touch, bearing): (&ContactPoint, &ContactForces)| {
             let [inward, tangent] = touch.directions();
             let [normal, tangential] =
                 [bearing.normal, bearing.tangential].map(|variable| solution.var_value(variable));

@@ -1,13 +1,13 @@
 //! A hand's state, and what is wrong with it, as it is told.
 
 use super::super::rule::ms;
-use super::clearance::{self, Hit};
-use super::hand::Hand;
+use super::clearance::{self, TipHit};
+use super::hand::JudgedHand;
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
 use crate::schedule::State;
 
-impl Hand<'_, '_> {
+impl JudgedHand<'_, '_> {
     /// The fingers that hold, in words.
     pub(super) fn holding(&self) -> String {
         let contacts = self.contacts(self.grip.plane).unwrap_or_default();
@@ -15,7 +15,7 @@ impl Hand<'_, '_> {
         format!("fingers on the contacts ({}) in {}", contacts.join(", "), self.grip.plane.name())
     }
 
-    pub(super) fn pierce(&self, finger: usize, hit: &Hit) -> String {
+    pub(super) fn pierce(&self, finger: usize, hit: &TipHit) -> String {
         let (distance, due) = (digits(hit.distance_um), digits(hit.due_um));
         let (finger, when) = (finger + 1, ms(hit.time_ns));
         format!("the tip of finger {finger} is {distance} um from the part at {when}, {due} um are due")

@@ -4,7 +4,7 @@
 //! which any axis takes a new line to the next, how all tips move on straight lines. Promise: every axis has exactly one value
 //! throughout the run, goes on where it was before, and stays in its range.
 
-use super::super::clock::Run;
+use super::super::clock::JudgedRun;
 use super::super::rule::{Rule, Violation, ms};
 use super::Point;
 use crate::claims::fingers::FingersOrder;
@@ -17,12 +17,12 @@ use std::collections::BTreeMap;
 const JUMP_UM: f64 = 1e-6;
 
 /// One axis of one finger: its lines in order of time, without a gap.
-type Axis<'a> = Vec<&'a Actuation>;
+type FingerAxis<'a> = Vec<&'a Actuation>;
 
 /// All axes of a run, finger by finger.
 #[derive(Debug)]
 pub(super) struct Tracks<'a> {
-    axes: Vec<Axis<'a>>,
+    axes: Vec<FingerAxis<'a>>,
     /// At which any axis takes a new line, and the last one of the run.
     instants_ns: Vec<u64>,
     /// Where each axis stays in a run without time.
@@ -60,8 +60,8 @@ impl<'a> Tracks<'a> {
     ///
     /// # Errors
     /// At the first axis without a value, or with one that jumps or leaves its range.
-    pub fn of(run: &Run<'a>, order: &FingersOrder) -> Result<Self, Violation> {
-        let mut axes: Vec<Axis> = vec![Vec::new(); order.facts.fingers as usize * AXES.len()];
+    pub fn of(run: &JudgedRun<'a>, order: &FingersOrder) -> Result<Self, Violation> {
+        let mut axes: Vec<FingerAxis> = vec![Vec::new(); order.facts.fingers as usize * AXES.len()];
         let places = places(run, axes.len());
         for actuation in &run.actuations {
             if let Some(axis) = places.get(&actuation.channel) {
@@ -94,7 +94,7 @@ impl<'a> Tracks<'a> {
     /// One stretch of the run.
     pub fn stretch(&self, index: usize) -> Stretch {
         let (start_ns, end_ns) = (self.instants_ns[index], self.instants_ns[index + 1]);
-        let ends = |axis: &Axis| {
+        let ends = |axis: &FingerAxis| {
             let after = axis.partition_point(|line| line.start_ns <= start_ns);
             let line = axis[after - 1];
             [value_um(line, start_ns), value_um(line, end_ns)]
@@ -115,7 +115,7 @@ impl<'a> Tracks<'a> {
 }
 
 /// The axis of each channel of the run's device.
-fn places(run: &Run, axes: usize) -> BTreeMap<u32, usize> {
+fn places(run: &JudgedRun, axes: usize) -> BTreeMap<u32, usize> {
     let place = |(index, channel): (usize, &crate::schedule::Channel)| {
         let name = channel.name.strip_prefix(&run.job.device)?.strip_prefix('.')?;
         let (finger, axis) = finger_axis(name)?;
@@ -126,7 +126,7 @@ fn places(run: &Run, axes: usize) -> BTreeMap<u32, usize> {
 }
 
 /// Where each axis was left by the runs before.
-fn before_um(run: &Run, places: &BTreeMap<u32, usize>, axes: usize) -> Vec<Option<f64>> {
+fn before_um(run: &JudgedRun, places: &BTreeMap<u32, usize>, axes: usize) -> Vec<Option<f64>> {
     let mut last: Vec<Option<(u64, f64)>> = vec![None; axes];
     for line in run.schedule.actuations.iter().filter(|line| line.end_ns() <= run.plan.start_ns) {
         let Some(at) = places.get(&line.channel) else { continue };
@@ -137,11 +137,11 @@ fn before_um(run: &Run, places: &BTreeMap<u32, usize>, axes: usize) -> Vec<Optio
     last.into_iter().map(|last| last.map(|(_, to_um)| to_um)).collect()
 }
 
-fn name(run: &Run, at: usize) -> String {
+fn name(run: &JudgedRun, at: usize) -> String {
     format!("{}.{}", run.job.device, channel(at / AXES.len(), at % AXES.len()))
 }
 
-fn unbroken(run: &Run, at: usize, axis: &Axis, before_um: Option<f64>) -> Result<(), Violation> {
+fn unbroken(run: &JudgedRun, at: usize, axis: &FingerAxis, before_um: Option<f64>) -> Result<(), Violation> {
     let (mut due_ns, mut due_um) = (run.plan.start_ns, before_um);
     let gap = |due_ns: u64, until_ns: u64| {
         let title = format!("`{}` has no value from {} to {}", name(run, at), ms(due_ns), ms(until_ns));
@@ -161,7 +161,7 @@ fn unbroken(run: &Run, at: usize, axis: &Axis, before_um: Option<f64>) -> Result
     if due_ns == run.end_ns() { Ok(()) } else { Err(gap(due_ns, run.end_ns())) }
 }
 
-fn in_range(run: &Run, order: &FingersOrder, at: usize, line: &Actuation) -> Result<(), Violation> {
+fn in_range(run: &JudgedRun, order: &FingersOrder, at: usize, line: &Actuation) -> Result<(), Violation> {
     let range_um = order.facts.range_um[at % AXES.len()];
     let Some(out_um) = [line.from, line.to].into_iter().find(|value_um| value_um.abs() > range_um + JUMP_UM) else {
         return Ok(());

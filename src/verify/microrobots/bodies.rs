@@ -7,7 +7,7 @@ use nalgebra::{Point2, Vector2};
 
 /// The rectangle of a robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Body {
+pub(super) struct JudgedBody {
     pub centre: Point2<f64>,
     /// Of length 1, along its heading.
     pub along: Vector2<f64>,
@@ -15,7 +15,7 @@ pub(super) struct Body {
     pub half_um: [f64; 2],
 }
 
-impl Body {
+impl JudgedBody {
     fn across(&self) -> Vector2<f64> {
         Vector2::new(-self.along.y, self.along.x)
     }
@@ -33,7 +33,7 @@ impl Body {
     }
 
     /// The distance of two bodies; where they overlap, the negative of the least shift that parts them.
-    pub fn gap_um(&self, other: &Body) -> f64 {
+    pub fn gap_um(&self, other: &JudgedBody) -> f64 {
         let axes = [self.along, self.across(), other.along, other.across()];
         let apart_um = axes.iter().map(|axis| self.apart_along_um(other, *axis)).fold(f64::NEG_INFINITY, f64::max);
         if apart_um <= 0.0 {
@@ -46,17 +46,17 @@ impl Body {
     }
 
     /// What lies between the shadows of two bodies on an axis.
-    fn apart_along_um(&self, other: &Body, axis: Vector2<f64>) -> f64 {
-        let half_um = |body: &Body| {
+    fn apart_along_um(&self, other: &JudgedBody, axis: Vector2<f64>) -> f64 {
+        let half_um = |body: &JudgedBody| {
             body.half_um[0] * body.along.dot(&axis).abs() + body.half_um[1] * body.across().dot(&axis).abs()
         };
         (other.centre - self.centre).dot(&axis).abs() - half_um(self) - half_um(other)
     }
 
     /// What a body covers that goes straight on along its heading.
-    pub fn stretched(&self, way_um: f64) -> Body {
+    pub fn stretched(&self, way_um: f64) -> JudgedBody {
         let [length_um, width_um] = self.half_um;
         let centre = self.centre + self.along * (way_um / 2.0);
-        Body { centre, half_um: [length_um + way_um / 2.0, width_um], ..*self }
+        JudgedBody { centre, half_um: [length_um + way_um / 2.0, width_um], ..*self }
     }
 }

@@ -4,8 +4,8 @@
 
 use super::super::Unfit;
 use super::super::geometry::solid::Solid;
-use crate::claims::microrobots::{Action, MicrorobotsOrder, Stop};
-use crate::device::microrobots::{Arm, Facts, MAX_LEVELS, MAX_OBSTACLES, MAX_ROBOTS, Robot};
+use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop};
+use crate::device::microrobots::{Arm, MAX_LEVELS, MAX_OBSTACLES, MAX_ROBOTS, MicrorobotsFacts, Robot};
 use crate::geometry::Pose;
 use crate::geometry::shape::MAX_EXTENT_UM;
 use std::collections::BTreeSet;
@@ -20,20 +20,22 @@ pub(in super::super) fn check_claims(order: &MicrorobotsOrder) -> Result<(), Unf
     states(order)?;
     scene(order)?;
     order.steps.iter().try_for_each(|step| match &step.action {
-        Action::Apply { state, .. } => demand(*state < order.states.len(), "apply a state that they do not have"),
-        Action::Drive { robot, stops } => {
+        MicrorobotsAction::Apply { state, .. } => {
+            demand(*state < order.states.len(), "apply a state that they do not have")
+        }
+        MicrorobotsAction::Drive { robot, stops } => {
             demand(*robot < order.robots.len(), "drive a robot that they do not have")?;
             demand(!stops.is_empty(), "drive a robot to no goal")?;
             stops.iter().try_for_each(stop)
         }
-        Action::Assemble(docks) => {
+        MicrorobotsAction::Assemble(docks) => {
             let robots: BTreeSet<usize> = docks.iter().map(|dock| dock.robot).collect();
             demand(!docks.is_empty(), "assemble no robot")?;
             demand(robots.len() == docks.len(), "assemble a robot twice in one step")?;
             demand(robots.iter().all(|robot| *robot < order.robots.len()), "assemble a robot that they do not have")?;
             docks.iter().try_for_each(|dock| stop(&dock.goal))
         }
-        Action::Wait(_) => Ok(()),
+        MicrorobotsAction::Wait(_) => Ok(()),
     })
 }
 
@@ -45,7 +47,7 @@ fn is_length(value_um: f64) -> bool {
     (0.0..=MAX_EXTENT_UM).contains(&value_um)
 }
 
-fn facts(facts: &Facts) -> Result<(), Unfit> {
+fn facts(facts: &MicrorobotsFacts) -> Result<(), Unfit> {
     demand((1..=MAX_ROBOTS).contains(&facts.robots.len()), "hold no row in their table, or too many")?;
     let names: BTreeSet<&str> = facts.robots.iter().map(|robot| robot.name.as_str()).collect();
     demand(names.len() == facts.robots.len(), "hold two robots of one name")?;
@@ -95,7 +97,7 @@ fn scene(order: &MicrorobotsOrder) -> Result<(), Unfit> {
     demand(precision.into_iter().all(|value| value.is_finite() && value >= 0.0), "hold no precision")
 }
 
-fn stop(stop: &Stop) -> Result<(), Unfit> {
+fn stop(stop: &MicrorobotsStop) -> Result<(), Unfit> {
     demand(is_place(&stop.pose), "name a goal out of the plane")
 }
 

@@ -7,13 +7,13 @@
 //! the pairs of robots and the obstacles about each; few looks where there is room.
 
 use super::super::Halt;
-use super::super::boxes::{Boxes, Extent};
+use super::super::boxes::{Extent, GroupedBoxes};
 use super::super::geometry::solid::Solid;
 use super::super::rule::{Findings, Rule, Violation, ms};
-use super::bodies::Body;
+use super::bodies::JudgedBody;
 use super::motion::Ride;
-use super::sweep::{Endless, Gap, Looks, ROUNDING_UM, Touch};
-use super::{Bed, Train};
+use super::sweep::{Endless, Looks, ROUNDING_UM, SweptGap, SweptTouch};
+use super::{JudgedBed, JudgedTrain};
 use crate::quantity::digits;
 use nalgebra::Point2;
 use rustc_hash::FxHashSet;
@@ -27,19 +27,19 @@ const BOX_MARGIN_UM: f64 = 1e-3;
 
 /// The disc that an orbiting robot takes.
 #[derive(Debug, Clone, Copy)]
-struct Disc {
+struct TakenDisc {
     centre: Point2<f64>,
     reach_um: f64,
 }
 
 /// What is told at most once in a run: a rule, a robot, and another robot or an obstacle.
-type Told = (Rule, usize, usize);
+type ReportedMeeting = (Rule, usize, usize);
 
 /// Looks at all trains of a run.
 ///
 /// # Errors
 /// When the run cannot be judged in a reasonable time.
-pub(super) fn check(bed: &Bed, findings: &mut Findings) -> Result<(), Halt> {
+pub(super) fn check(bed: &JudgedBed, findings: &mut Findings) -> Result<(), Halt> {
     let mut watch = Watch::new(bed, findings);
     let orbits = orbits(bed);
     for (index, train) in bed.trains.iter().enumerate() {
@@ -55,12 +55,13 @@ pub(super) fn check(bed: &Bed, findings: &mut Findings) -> Result<(), Halt> {
 }
 
 /// For each train the discs of the robots that orbit in it.
-fn orbits(bed: &Bed) -> Vec<Vec<(usize, Disc)>> {
-    let mut orbits: Vec<Vec<(usize, Disc)>> = vec![Vec::new(); bed.trains.len()];
+fn orbits(bed: &JudgedBed) -> Vec<Vec<(usize, TakenDisc)>> {
+    let mut orbits: Vec<Vec<(usize, TakenDisc)>> = vec![Vec::new(); bed.trains.len()];
     for robot in 0..bed.places.len() {
-        let turns = |train: &Train| train.rides[robot].curve_um.filter(|_| train.rides[robot].way_um > 0.0);
-        let goes_on =
-            |one: &Train, other: &Train| one.waits == other.waits && turns(one).is_some() && turns(other).is_some();
+        let turns = |train: &JudgedTrain| train.rides[robot].curve_um.filter(|_| train.rides[robot].way_um > 0.0);
+        let goes_on = |one: &JudgedTrain, other: &JudgedTrain| {
+            one.waits == other.waits && turns(one).is_some() && turns(other).is_some()
+        };
         let mut first = 0;
         for stretch in bed.trains.chunk_by(goes_on) {
             let trains = first..first + stretch.len();
@@ -69,7 +70,7 @@ fn orbits(bed: &Bed) -> Vec<Vec<(usize, Disc)>> {
             let way_um: f64 = stretch.iter().map(|train| train.rides[robot].way_um).sum();
             if way_um / curve_um.abs() >= TAU + ROUNDING_TURN_RAD {
                 let ride = &stretch[0].rides[robot];
-                let disc = Disc { centre: ride.start.centre(curve_um), reach_um: ride.disc_radius_um(curve_um) };
+                let disc = TakenDisc { centre: ride.start.centre(curve_um), reach_um: ride.disc_radius_um(curve_um) };
                 trains.for_each(|train| orbits[train].push((robot, disc)));
             }
         }
@@ -79,23 +80,23 @@ fn orbits(bed: &Bed) -> Vec<Vec<(usize, Disc)>> {
 
 /// What is asked of each train.
 struct Watch<'b, 'r, 'a, 'f> {
-    bed: &'b Bed<'r, 'a>,
+    bed: &'b JudgedBed<'r, 'a>,
     findings: &'f mut Findings,
     solids: Vec<Solid>,
-    boxes: Boxes,
+    boxes: GroupedBoxes,
     looks: Looks,
-    told: FxHashSet<Told>,
+    told: FxHashSet<ReportedMeeting>,
 }
 
 impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
-    fn new(bed: &'b Bed<'r, 'a>, findings: &'f mut Findings) -> Self {
+    fn new(bed: &'b JudgedBed<'r, 'a>, findings: &'f mut Findings) -> Self {
         let placed = bed.order.obstacles.iter().map(|obstacle| Solid::of(&obstacle.shape, &obstacle.pose));
         let solids: Vec<Solid> = placed.map(|body| body.expect("the premise knows every shape")).collect();
-        let boxes = Boxes::new(solids.iter().map(Solid::extent));
+        let boxes = GroupedBoxes::new(solids.iter().map(Solid::extent));
         Watch { bed, findings, solids, boxes, looks: Looks::default(), told: FxHashSet::default() }
     }
 
-    fn train(&mut self, index: usize, train: &Train, orbits: &[(usize, Disc)]) -> Result<(), Endless> {
+    fn train(&mut self, index: usize, train: &JudgedTrain, orbits: &[(usize, TakenDisc)]) -> Result<(), Endless> {
         for (robot, ride) in train.rides.iter().enumerate().filter(|(_, ride)| ride.way_um > 0.0) {
             self.obstacles(train, robot, ride)?;
         }
@@ -121,22 +122,22 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     }
 
     /// A body that moves keeps its clearance from obstacles.
-    fn obstacles(&mut self, train: &Train, robot: usize, ride: &Ride) -> Result<(), Endless> {
+    fn obstacles(&mut self, train: &JudgedTrain, robot: usize, ride: &Ride) -> Result<(), Endless> {
         let needed_um = self.bed.order.facts.clearance_um;
         let (centre, radius_um) = ride.disc([0.0, 1.0]);
         let (round, part) = ride.once_round();
         for obstacle in self.about(centre, radius_um + needed_um) {
             let told = (Rule::Graze, robot, obstacle);
             let solid = &self.solids[obstacle];
-            let gap_um = |body: Body| solid.gap_um(&body.vertices());
+            let gap_um = |body: JudgedBody| solid.gap_um(&body.vertices());
             let swept = ride.curve_um.is_none().then(|| ride.body(0.0).stretched(ride.way_um));
             if self.told.contains(&told) || swept.is_some_and(|swept| gap_um(swept) >= needed_um) {
                 continue;
             }
             let at = |share| gap_um(round.body(share));
-            let gap = Gap { at, floor: |_| f64::NEG_INFINITY, travel_um: round.travel_um() };
+            let gap = SweptGap { at, floor: |_| f64::NEG_INFINITY, travel_um: round.travel_um() };
             if let Some(touch) = gap.below([0.0, 1.0], needed_um, &mut self.looks)? {
-                let touch = Touch { share: touch.share * part, ..touch };
+                let touch = SweptTouch { share: touch.share * part, ..touch };
                 let name = &self.bed.order.obstacles[obstacle].name;
                 let title = |at: &str| {
                     let (gap, needed) = (digits(touch.gap_um.max(0.0)), digits(needed_um));
@@ -154,7 +155,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     }
 
     /// Two bodies of which one moves keep their clearance, but on the last stretch before a docking.
-    fn pair(&mut self, index: usize, train: &Train, robots: [usize; 2]) -> Result<(), Endless> {
+    fn pair(&mut self, index: usize, train: &JudgedTrain, robots: [usize; 2]) -> Result<(), Endless> {
         let rides = robots.map(|robot| &train.rides[robot]);
         let told = (Rule::Meet, robots[0], robots[1]);
         if rides.iter().all(|ride| ride.way_um == 0.0) || self.told.contains(&told) {
@@ -187,7 +188,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     }
 
     /// From which share of a train on two robots may touch: 1 if they may not.
-    fn docking_from(&self, index: usize, train: &Train, [one, other]: [usize; 2]) -> f64 {
+    fn docking_from(&self, index: usize, train: &JudgedTrain, [one, other]: [usize; 2]) -> f64 {
         let fine = self.bed.order.facts.fine;
         let from = |robot: usize, other: usize| {
             let (docks, docked) = (self.bed.docked[robot]?, self.bed.docked[other]?);
@@ -204,7 +205,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     }
 
     /// Obstacles keep clear of an orbit.
-    fn obstacles_of_orbit(&mut self, train: &Train, robot: usize, disc: &Disc) {
+    fn obstacles_of_orbit(&mut self, train: &JudgedTrain, robot: usize, disc: &TakenDisc) {
         let needed_um = self.bed.order.facts.orbit_clearance_um;
         for obstacle in self.about(disc.centre, disc.reach_um + needed_um) {
             let solid = &self.solids[obstacle];
@@ -213,7 +214,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
             let told = (Rule::Orbit, robot, train.rides.len() + obstacle);
             if gap_um < needed_um - ROUNDING_UM && !self.told.contains(&told) {
                 let name = format!("`{}`", self.bed.order.obstacles[obstacle].name);
-                let violation = self.orbit(train, robot, &name, Touch { share: 0.0, gap_um });
+                let violation = self.orbit(train, robot, &name, SweptTouch { share: 0.0, gap_um });
                 let violation = violation.label(self.bed.order.obstacles[obstacle].span, "this obstacle");
                 self.tell(told, violation);
             }
@@ -221,25 +222,25 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     }
 
     /// Two orbits keep clear of each other.
-    fn orbits(&mut self, train: &Train, (robot, disc): (usize, &Disc), (other, guest): &(usize, Disc)) {
+    fn orbits(&mut self, train: &JudgedTrain, (robot, disc): (usize, &TakenDisc), (other, guest): &(usize, TakenDisc)) {
         let needed_um = self.bed.order.facts.orbit_clearance_um;
         let gap_um = (disc.centre - guest.centre).norm() - disc.reach_um - guest.reach_um;
         let told = (Rule::Orbit, robot, *other);
         if gap_um < needed_um - ROUNDING_UM && !self.told.contains(&told) {
             let name = format!("that of `{}`", self.bed.name(*other));
-            let violation = self.orbit(train, robot, &name, Touch { share: 0.0, gap_um });
+            let violation = self.orbit(train, robot, &name, SweptTouch { share: 0.0, gap_um });
             self.tell(told, violation);
         }
     }
 
     /// A robot that does not orbit keeps clear of an orbit, whether it moves or not.
-    fn guest(&mut self, train: &Train, (robot, disc): (usize, &Disc), other: usize) -> Result<(), Endless> {
+    fn guest(&mut self, train: &JudgedTrain, (robot, disc): (usize, &TakenDisc), other: usize) -> Result<(), Endless> {
         let told = (Rule::Orbit, robot, other);
         if self.told.contains(&told) {
             return Ok(());
         }
         let ride = &train.rides[other];
-        let gap = Gap {
+        let gap = SweptGap {
             at: |share| ride.body(share).point_gap_um(disc.centre) - disc.reach_um,
             floor: |span| {
                 let (centre, radius_um) = ride.disc(span);
@@ -255,7 +256,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         Ok(())
     }
 
-    fn orbit(&self, train: &Train, robot: usize, name: &str, touch: Touch) -> Violation {
+    fn orbit(&self, train: &JudgedTrain, robot: usize, name: &str, touch: SweptTouch) -> Violation {
         let needed = digits(self.bed.order.facts.orbit_clearance_um);
         let (owner, gap) = (self.bed.name(robot), digits(touch.gap_um.abs()));
         let how = match touch.gap_um < 0.0 {
@@ -268,22 +269,22 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     }
 
     /// A violation at a share of a train.
-    fn violation(&self, rule: Rule, train: &Train, share: f64, title: impl FnOnce(&str) -> String) -> Violation {
+    fn violation(&self, rule: Rule, train: &JudgedTrain, share: f64, title: impl FnOnce(&str) -> String) -> Violation {
         let stroke = (share * train.leg.strokes as f64) as u64;
         let after_ns = stroke.saturating_mul(self.bed.order.facts.period_ns);
         let time_ns = train.leg.train_ns.saturating_add(after_ns);
         self.bed.within(rule, train.nth, time_ns, title(&ms(time_ns)))
     }
 
-    fn tell(&mut self, told: Told, violation: Violation) {
+    fn tell(&mut self, told: ReportedMeeting, violation: Violation) {
         self.told.insert(told);
         self.findings.push(violation);
     }
 }
 
 /// The distance of two bodies in the course of a train.
-fn pair_gap<'t>([one, other]: [&'t Ride; 2]) -> Gap<impl Fn(f64) -> f64 + 't, impl Fn([f64; 2]) -> f64 + 't> {
-    Gap {
+fn pair_gap<'t>([one, other]: [&'t Ride; 2]) -> SweptGap<impl Fn(f64) -> f64 + 't, impl Fn([f64; 2]) -> f64 + 't> {
+    SweptGap {
         at: |share| one.body(share).gap_um(&other.body(share)),
         floor: |span| {
             let ((a, a_um), (b, b_um)) = (one.disc(span), other.disc(span));

@@ -14,21 +14,21 @@ mod relay;
 mod sweep;
 mod voltage;
 
-use super::clock::Run;
+use super::clock::JudgedRun;
 use super::record;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{Halt, Replay, Standing, Terms};
-use crate::claims::microrobots::{Action, Dock, MicrorobotsOrder, Stop};
+use super::{Halt, RecordTerms, Replay, Standing};
+use crate::claims::microrobots::{Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop};
 use crate::device::microrobots::{Arm, CHANNEL, Robot, Turning};
 use crate::geometry::Pose;
 use crate::quantity::digits;
 use crate::real::Real;
-use crate::schedule::{State, TimedState, Unit};
-use motion::{Place, Ride, turn_between};
+use crate::schedule::{ChannelUnit, State, TimedState};
+use motion::{Ride, RobotPlace, turn_between};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use sweep::ROUNDING_UM;
-use voltage::{Leg, within};
+use voltage::{VoltageLeg, within};
 
 pub(super) use claims::check_claims;
 
@@ -45,13 +45,13 @@ const ROUNDING_RAD: f64 = 1e-9;
 const SHOWN: usize = 4;
 
 /// What a channel's numbers are, if the bed has it.
-pub(super) fn unit(channel: &str) -> Option<Unit> {
-    (channel == CHANNEL).then_some(Unit::Volt)
+pub(super) fn unit(channel: &str) -> Option<ChannelUnit> {
+    (channel == CHANNEL).then_some(ChannelUnit::Volt)
 }
 
 /// What the claims say of a plan's record.
-pub(super) fn terms() -> Terms {
-    Terms { planner: "one_way_dubins", objective: "time", outcome: "time", unit: "s", scale: 1.0 }
+pub(super) fn terms() -> RecordTerms {
+    RecordTerms { planner: "one_way_dubins", objective: "time", outcome: "time", unit: "s", scale: 1.0 }
 }
 
 /// The objective that minimises an outcome.
@@ -85,27 +85,27 @@ pub(super) fn shown(control: usize, docked: &[String], poses: &BTreeMap<String, 
 /// # Errors
 /// At the first voltage that leaves an arm uncertain, or the first state that is not the recorded one.
 pub(super) fn replay<'a>(
-    run: &Run<'a>,
+    run: &JudgedRun<'a>,
     order: &MicrorobotsOrder,
     standing: &mut Standing<'a>,
     findings: &mut Findings,
 ) -> Result<Replay<'a>, Halt> {
     let legs = voltage::legs(run, order, findings)?;
-    let mut bed = Bed::new(run, order, standing);
+    let mut bed = JudgedBed::new(run, order, standing);
     bed.due_states = due_states(order, &legs);
     for (nth, step) in order.steps.iter().enumerate() {
         let ends_from = bed.trains.len();
         match &step.action {
-            Action::Wait(duration_ns) => bed.wait(run.step(nth).start_ns, *duration_ns)?,
-            Action::Apply { state, duration_ns } => {
+            MicrorobotsAction::Wait(duration_ns) => bed.wait(run.step(nth).start_ns, *duration_ns)?,
+            MicrorobotsAction::Apply { state, duration_ns } => {
                 bed.follow(nth, &legs[nth], &[], findings)?;
                 bed.applied(nth, &legs[nth], (*state, *duration_ns), findings);
             }
-            Action::Drive { robot, stops } => {
+            MicrorobotsAction::Drive { robot, stops } => {
                 bed.follow(nth, &legs[nth], &[], findings)?;
                 bed.stops(nth, ends_from, (*robot, stops), findings);
             }
-            Action::Assemble(docks) => {
+            MicrorobotsAction::Assemble(docks) => {
                 bed.follow(nth, &legs[nth], docks, findings)?;
                 bed.assembled(nth, docks, findings);
             }
@@ -120,9 +120,9 @@ pub(super) fn replay<'a>(
 
 /// The strokes of a leg, with what every robot does in them.
 #[derive(Debug)]
-struct Train {
+struct JudgedTrain {
     nth: usize,
-    leg: Leg,
+    leg: VoltageLeg,
     /// One for each robot of the order.
     rides: Vec<Ride>,
     /// How many waits come before it: an arm that goes up in one begins a new turn.
@@ -132,16 +132,16 @@ struct Train {
 }
 
 /// A bed in the course of a run.
-struct Bed<'r, 'a> {
-    run: &'r Run<'a>,
+struct JudgedBed<'r, 'a> {
+    run: &'r JudgedRun<'a>,
     order: &'r MicrorobotsOrder,
     /// The control state with all arms up.
     rest: usize,
     /// One for each robot of the order, like `docked`.
-    places: Vec<Place>,
+    places: Vec<RobotPlace>,
     /// After how many trains of the run the robot docks, 0 if it is docked before; `None` if it is not.
     docked: Vec<Option<usize>>,
-    trains: Vec<Train>,
+    trains: Vec<JudgedTrain>,
     waits: usize,
     strokes: u64,
     states: Vec<Cow<'a, TimedState>>,
@@ -149,22 +149,22 @@ struct Bed<'r, 'a> {
     due_states: u64,
 }
 
-impl<'r, 'a> Bed<'r, 'a> {
+impl<'r, 'a> JudgedBed<'r, 'a> {
     /// Where the robots stand at first: where the last run of the device left them, or where the scene has them.
-    fn new(run: &'r Run<'a>, order: &'r MicrorobotsOrder, standing: &Standing) -> Self {
+    fn new(run: &'r JudgedRun<'a>, order: &'r MicrorobotsOrder, standing: &Standing) -> Self {
         let left = match standing.get(run.job.device.as_str()) {
             Some(State::Microrobots { poses, docked, .. }) => Some((poses, docked)),
             Some(State::Dimibot { .. } | State::ElectrodeArray { .. } | State::Fingers { .. }) | None => None,
         };
         let names = || (0..order.robots.len()).map(|robot| &order.robot(robot).name);
-        let stands = |name: &String| left.and_then(|(poses, _)| poses.get(name)).map(|pose| Place::new(*pose));
+        let stands = |name: &String| left.and_then(|(poses, _)| poses.get(name)).map(|pose| RobotPlace::new(*pose));
         let sticks = |name: &String| left.is_some_and(|(_, docked)| docked.contains(name)).then_some(0);
         let places = names().zip(order.robots.iter());
-        Bed {
+        JudgedBed {
             run,
             order,
             rest: claims::rest(order).unwrap_or(0),
-            places: places.map(|(name, placed)| stands(name).unwrap_or(Place::of(&placed.pose))).collect(),
+            places: places.map(|(name, placed)| stands(name).unwrap_or(RobotPlace::of(&placed.pose))).collect(),
             docked: names().map(sticks).collect(),
             trains: Vec::new(),
             waits: 0,
@@ -195,7 +195,7 @@ impl<'r, 'a> Bed<'r, 'a> {
     }
 
     /// Robots move with the strokes of some legs; after each, those that are to dock may do so.
-    fn follow(&mut self, nth: usize, legs: &[Leg], docks: &[Dock], findings: &mut Findings) -> Result<(), Halt> {
+    fn follow(&mut self, nth: usize, legs: &[VoltageLeg], docks: &[Dock], findings: &mut Findings) -> Result<(), Halt> {
         for leg in legs {
             self.record(leg.start_ns, leg.control)?;
             self.twist(nth, leg).into_iter().for_each(|violation| findings.push(violation));
@@ -205,14 +205,14 @@ impl<'r, 'a> Bed<'r, 'a> {
             }
             let strokes_before = self.strokes;
             self.strokes = self.strokes.saturating_add(leg.strokes);
-            self.trains.push(Train { nth, leg: *leg, rides, waits: self.waits, strokes_before });
+            self.trains.push(JudgedTrain { nth, leg: *leg, rides, waits: self.waits, strokes_before });
             self.dock(docks);
         }
         Ok(())
     }
 
     /// Strokes that are driven with the arm of a docked robot down: the friction of the arm would turn the structure about it.
-    fn twist(&self, nth: usize, leg: &Leg) -> Option<Violation> {
+    fn twist(&self, nth: usize, leg: &VoltageLeg) -> Option<Violation> {
         let arm = |robot: usize| self.order.states[leg.control].arms[self.order.robots[robot].row];
         let robot = (0..self.places.len()).find(|robot| self.docked[*robot].is_some() && arm(*robot) == Arm::Down)?;
         let title = format!(
@@ -223,7 +223,7 @@ impl<'r, 'a> Bed<'r, 'a> {
         Some(self.within(Rule::Twist, nth, leg.train_ns, title))
     }
 
-    fn ride(&self, robot: usize, leg: &Leg) -> Ride {
+    fn ride(&self, robot: usize, leg: &VoltageLeg) -> Ride {
         let facts = self.order.robot(robot);
         let is_docked = self.docked[robot].is_some();
         Ride {
@@ -238,7 +238,7 @@ impl<'r, 'a> Bed<'r, 'a> {
     }
 
     /// Whether a robot is as near to a pose as the task wants it.
-    fn is_at(&self, place: Place, pose: &Pose) -> bool {
+    fn is_at(&self, place: RobotPlace, pose: &Pose) -> bool {
         let [off_um, off_rad] = place.off(pose);
         let precision = self.order.precision;
         off_um <= precision.place_um + ROUNDING_UM && off_rad <= precision.heading_rad + ROUNDING_RAD
@@ -265,7 +265,7 @@ impl<'r, 'a> Bed<'r, 'a> {
     }
 
     /// An `apply` is one leg of its state, for as many strokes as its duration takes.
-    fn applied(&self, nth: usize, legs: &[Leg], (state, duration_ns): (usize, u64), findings: &mut Findings) {
+    fn applied(&self, nth: usize, legs: &[VoltageLeg], (state, duration_ns): (usize, u64), findings: &mut Findings) {
         let step = self.run.step(nth);
         let strokes = duration_ns.div_ceil(self.order.facts.period_ns);
         let title = match legs {
@@ -283,7 +283,7 @@ impl<'r, 'a> Bed<'r, 'a> {
     }
 
     /// A robot comes by its stops in order, at ends of legs, and ends at the last one.
-    fn stops(&self, nth: usize, from: usize, (robot, stops): (usize, &[Stop]), findings: &mut Findings) {
+    fn stops(&self, nth: usize, from: usize, (robot, stops): (usize, &[MicrorobotsStop]), findings: &mut Findings) {
         let starts = self.trains[from..].iter().map(|train| train.rides[robot].start);
         let instants = starts.chain([self.places[robot]]);
         let Some((goal, mut left)) = stops.split_last() else { return };
@@ -371,8 +371,8 @@ impl<'r, 'a> Bed<'r, 'a> {
 }
 
 /// One for each leg, one for each wait, and one for the end.
-fn due_states(order: &MicrorobotsOrder, legs: &[Vec<Leg>]) -> u64 {
-    let waits = order.steps.iter().filter(|step| matches!(step.action, Action::Wait(_))).count();
+fn due_states(order: &MicrorobotsOrder, legs: &[Vec<VoltageLeg>]) -> u64 {
+    let waits = order.steps.iter().filter(|step| matches!(step.action, MicrorobotsAction::Wait(_))).count();
     (waits + 1 + legs.iter().map(Vec::len).sum::<usize>()) as u64
 }
 

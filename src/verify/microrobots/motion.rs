@@ -3,7 +3,7 @@
 //! A heading here is counted from +y, clockwise, and a curve is the radius of a turn, positive for a turn to the right; so x' = sin, y' =
 //! cos (equation 4 of the paper). Input: a place, a curve and a way. Output: the place after it, exact but for rounding.
 
-use super::bodies::Body;
+use super::bodies::JudgedBody;
 use crate::geometry::Pose;
 use crate::real::Real;
 use nalgebra::{Point2, Vector2};
@@ -11,19 +11,19 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Where a robot is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Place {
+pub(super) struct RobotPlace {
     pub at: Point2<f64>,
     /// From +y, clockwise.
     pub theta_rad: f64,
 }
 
-impl Place {
-    pub fn new([x_um, y_um, heading_rad]: [f64; 3]) -> Place {
-        Place { at: Point2::new(x_um, y_um), theta_rad: FRAC_PI_2 - heading_rad }
+impl RobotPlace {
+    pub fn new([x_um, y_um, heading_rad]: [f64; 3]) -> RobotPlace {
+        RobotPlace { at: Point2::new(x_um, y_um), theta_rad: FRAC_PI_2 - heading_rad }
     }
 
-    pub fn of(pose: &Pose) -> Place {
-        Place::new([pose.x_um, pose.y_um, pose.heading_rad])
+    pub fn of(pose: &Pose) -> RobotPlace {
+        RobotPlace::new([pose.x_um, pose.y_um, pose.heading_rad])
     }
 
     /// As states say it: x, y and the heading from +x, counter-clockwise, between -180 and 180 degrees.
@@ -32,15 +32,15 @@ impl Place {
     }
 
     /// After a way, on a curve or straight on.
-    pub fn driven(self, curve_um: Option<f64>, way_um: f64) -> Place {
+    pub fn driven(self, curve_um: Option<f64>, way_um: f64) -> RobotPlace {
         let (sin, cos) = self.theta_rad.sine_cosine();
         let Some(curve_um) = curve_um else {
-            return Place { at: self.at + Vector2::new(sin, cos) * way_um, ..self };
+            return RobotPlace { at: self.at + Vector2::new(sin, cos) * way_um, ..self };
         };
         let theta_rad = self.theta_rad + way_um / curve_um;
         let (later_sin, later_cos) = theta_rad.sine_cosine();
         let at = self.at + Vector2::new(cos - later_cos, later_sin - sin) * curve_um;
-        Place { at, theta_rad: theta_rad.rem_euclid(TAU) }
+        RobotPlace { at, theta_rad: theta_rad.rem_euclid(TAU) }
     }
 
     /// The middle of the circle of a turn.
@@ -51,7 +51,7 @@ impl Place {
 
     /// The distance to a pose, in micrometres and in radians.
     pub fn off(self, pose: &Pose) -> [f64; 2] {
-        let goal = Place::of(pose);
+        let goal = RobotPlace::of(pose);
         [(self.at - goal.at).norm(), turn_between(self.theta_rad, goal.theta_rad).abs()]
     }
 }
@@ -65,7 +65,7 @@ pub(super) fn turn_between(from_rad: f64, to_rad: f64) -> f64 {
 /// How a body goes on in one train of strokes; its share runs from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ride {
-    pub start: Place,
+    pub start: RobotPlace,
     /// `None` with the arm up.
     pub curve_um: Option<f64>,
     /// 0 for a body that rests.
@@ -76,10 +76,10 @@ pub(super) struct Ride {
 
 impl Ride {
     /// The body at a share of the way.
-    pub fn body(&self, share: f64) -> Body {
+    pub fn body(&self, share: f64) -> JudgedBody {
         let place = self.start.driven(self.curve_um, self.way_um * share);
         let (sin, cos) = place.theta_rad.sine_cosine();
-        Body { centre: place.at, along: Vector2::new(sin, cos), half_um: self.half_um }
+        JudgedBody { centre: place.at, along: Vector2::new(sin, cos), half_um: self.half_um }
     }
 
     /// Half of the body's diagonal.

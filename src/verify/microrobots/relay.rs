@@ -3,7 +3,7 @@
 //! Input: the levels of the bed, one after the other. Output: for each arm up, down, or not known. Promise: an arm that is said to be up or
 //! down is so for every combination of transition voltages within their margins, from whatever arms were at first.
 
-use crate::device::microrobots::{Arm, Facts, Robot};
+use crate::device::microrobots::{Arm, MicrorobotsFacts, Robot};
 
 /// Below this two voltages count as one, for the rounding of levels that lie right on their limits.
 const ROUNDING_V: f64 = 1e-9;
@@ -11,14 +11,14 @@ const ROUNDING_V: f64 = 1e-9;
 /// The arms of all rows of the table.
 #[derive(Debug, Clone)]
 pub(super) struct Relays<'f> {
-    facts: &'f Facts,
+    facts: &'f MicrorobotsFacts,
     /// `None` for an arm that may be up or down.
     pub arms: Vec<Option<Arm>>,
 }
 
 impl<'f> Relays<'f> {
     /// Nothing is known of any arm.
-    pub fn new(facts: &'f Facts) -> Relays<'f> {
+    pub fn new(facts: &'f MicrorobotsFacts) -> Relays<'f> {
         Relays { facts, arms: vec![None; facts.robots.len()] }
     }
 

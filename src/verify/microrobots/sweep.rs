@@ -31,13 +31,13 @@ pub(super) struct Endless;
 
 /// Where something is too near, as a share of the way, and how near.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Touch {
+pub(super) struct SweptTouch {
     pub share: f64,
     pub gap_um: f64,
 }
 
 /// A distance that changes along a way.
-pub(super) struct Gap<G, F> {
+pub(super) struct SweptGap<G, F> {
     /// At a share of the way.
     pub at: G,
     /// Something that it never falls below between two shares, and that is cheaper to know.
@@ -46,12 +46,12 @@ pub(super) struct Gap<G, F> {
     pub travel_um: f64,
 }
 
-impl<G: Fn(f64) -> f64, F: Fn([f64; 2]) -> f64> Gap<G, F> {
+impl<G: Fn(f64) -> f64, F: Fn([f64; 2]) -> f64> SweptGap<G, F> {
     /// A place between two shares of the way where it is less than needed.
     ///
     /// # Errors
     /// When all looks are used up, or the way is so long that its halves are none.
-    pub fn below(&self, span: [f64; 2], needed_um: f64, looks: &mut Looks) -> Result<Option<Touch>, Endless> {
+    pub fn below(&self, span: [f64; 2], needed_um: f64, looks: &mut Looks) -> Result<Option<SweptTouch>, Endless> {
         let mut open = vec![span];
         while let Some([from, to]) = open.pop() {
             looks.0 = looks.0.checked_sub(1).ok_or(Endless)?;
@@ -61,7 +61,7 @@ impl<G: Fn(f64) -> f64, F: Fn([f64; 2]) -> f64> Gap<G, F> {
             let share = f64::midpoint(from, to);
             let gap_um = (self.at)(share);
             if gap_um < needed_um - ROUNDING_UM {
-                return Ok(Some(Touch { share, gap_um }));
+                return Ok(Some(SweptTouch { share, gap_um }));
             }
             let lost_um = self.travel_um * (to - from) / 2.0;
             if gap_um - lost_um < needed_um && lost_um > RESOLUTION_UM {

@@ -1,10 +1,10 @@
 //! The parts of the replay by themselves, each against a plainer way to the same answer.
 
-use super::bodies::Body;
-use super::motion::{Place, Ride, turn_between};
+use super::bodies::JudgedBody;
+use super::motion::{Ride, RobotPlace, turn_between};
 use super::relay::Relays;
-use super::sweep::{Gap, Looks};
-use crate::device::microrobots::{Arm, Docking, Facts, Fine, Robot, Turning};
+use super::sweep::{Looks, SweptGap};
+use crate::device::microrobots::{Arm, Docking, Fine, MicrorobotsFacts, Robot, Turning};
 use crate::geometry::Pose;
 use crate::geometry::distance::quadrilateral_core;
 use crate::geometry::shape::Core;
@@ -25,8 +25,8 @@ fn robot([snap_down_v, release_v]: [f64; 2], turning: Turning) -> Robot {
     }
 }
 
-fn facts(robots: Vec<Robot>, margin_v: f64) -> Facts {
-    Facts {
+fn facts(robots: Vec<Robot>, margin_v: f64) -> MicrorobotsFacts {
+    MicrorobotsFacts {
         robots,
         margin_v,
         max_v: 200.0,
@@ -88,12 +88,12 @@ proptest! {
         let robot = robot([100.0, 20.0], turning);
         let pose = Pose { x_um, y_um, heading_rad };
         let (arm, curve_um) = if is_down { (Arm::Down, Some(super::curve_um(&robot))) } else { (Arm::Up, None) };
-        let moved = Place::of(&pose).driven(curve_um, way_um);
+        let moved = RobotPlace::of(&pose).driven(curve_um, way_um);
         let expected = robot.moved(pose, arm, way_um);
         prop_assert!(super::near(&moved.told(), &[expected.x_um, expected.y_um, expected.heading_rad]));
         let [off_um, off_rad] = moved.off(&expected);
         prop_assert!(off_um < 1e-9 && off_rad < 1e-9, "{off_um} {off_rad}");
-        let centre = Place::of(&pose).centre(super::curve_um(&robot));
+        let centre = RobotPlace::of(&pose).centre(super::curve_um(&robot));
         let [x_um, y_um] = robot.orbit_centre_um(pose);
         prop_assert!((centre - Point2::new(x_um, y_um)).norm() < 1e-9);
     }
@@ -105,7 +105,7 @@ proptest! {
     ) {
         let [one, other] = [0, 1].map(|at| {
             let ((x, y, angle_rad), (length, width)) = (places[at], sizes[at]);
-            Body { centre: Point2::new(x, y), along: Vector2::new(angle_rad.cos(), angle_rad.sin()), half_um: [length, width] }
+            JudgedBody { centre: Point2::new(x, y), along: Vector2::new(angle_rad.cos(), angle_rad.sin()), half_um: [length, width] }
         });
         let gap_um = one.gap_um(&other);
         prop_assert!((gap_um - other.gap_um(&one)).abs() < 1e-9);
@@ -128,7 +128,7 @@ proptest! {
         shares in [0.0..1.0f64, 0.0..1.0f64, 0.0..1.0f64],
     ) {
         let curve_um = curve.map(|is_left| if is_left { -90.0 } else { 140.0 });
-        let start = Place { at: Point2::new(3.0, 4.0), theta_rad };
+        let start = RobotPlace { at: Point2::new(3.0, 4.0), theta_rad };
         let ride = Ride { start, curve_um, way_um, half_um: [120.0, 30.0] };
         let mut shares = shares;
         shares.sort_by(f64::total_cmp);
@@ -152,7 +152,7 @@ proptest! {
         (at, width, slope) in (0.0..1.0f64, 0.01..1.0f64, 1.0..1e4f64),
         deep in prop_oneof![Just(1e-3), Just(-1e-9)],
     ) {
-        let gap = Gap {
+        let gap = SweptGap {
             at: |share: f64| 5.0 - deep + slope * (share - at).abs().min(width),
             floor: |_| f64::NEG_INFINITY,
             travel_um: slope,

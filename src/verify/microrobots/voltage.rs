@@ -4,17 +4,17 @@
 //! up or down for certain, as a control state of the claims has it, and no stroke moves it, however many there are: a level that
 //! leaves all arms as they are does so when it comes again. Outside of actuations the bed is at 0 V.
 
-use super::super::clock::Run;
+use super::super::clock::JudgedRun;
 use super::super::rule::{Findings, Rule, Violation, ms};
 use super::relay::Relays;
-use crate::claims::microrobots::{Action, MicrorobotsOrder};
+use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::device::microrobots::Arm;
 use crate::schedule::{Actuation, Swing};
 use rustc_hash::FxHashMap;
 
 /// A control cycle and the train of strokes after it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Leg {
+pub(super) struct VoltageLeg {
     pub start_ns: u64,
     /// When its strokes begin.
     pub train_ns: u64,
@@ -27,9 +27,13 @@ pub(super) struct Leg {
 ///
 /// # Errors
 /// At the first voltage whose effect is unknown.
-pub(super) fn legs(run: &Run, order: &MicrorobotsOrder, findings: &mut Findings) -> Result<Vec<Vec<Leg>>, Violation> {
+pub(super) fn legs(
+    run: &JudgedRun,
+    order: &MicrorobotsOrder,
+    findings: &mut Findings,
+) -> Result<Vec<Vec<VoltageLeg>>, Violation> {
     let states = order.states.iter().enumerate().rev();
-    let mut bed = Bed {
+    let mut bed = DrivenBed {
         run,
         order,
         relays: Relays::new(&order.facts),
@@ -42,11 +46,13 @@ pub(super) fn legs(run: &Run, order: &MicrorobotsOrder, findings: &mut Findings)
         let (here, later) = actuations.split_at(own);
         actuations = later;
         legs.push(match step.action {
-            Action::Wait(duration_ns) => {
+            MicrorobotsAction::Wait(duration_ns) => {
                 bed.wait(nth, duration_ns, here, findings)?;
                 Vec::new()
             }
-            Action::Apply { .. } | Action::Drive { .. } | Action::Assemble(_) => bed.drive(nth, here, findings)?,
+            MicrorobotsAction::Apply { .. } | MicrorobotsAction::Drive { .. } | MicrorobotsAction::Assemble(_) => {
+                bed.drive(nth, here, findings)?
+            }
         });
     }
     bed.rest(run.end_ns(), order.steps.len().checked_sub(1))?;
@@ -55,7 +61,7 @@ pub(super) fn legs(run: &Run, order: &MicrorobotsOrder, findings: &mut Findings)
 
 /// A violation in a step of the run.
 pub(super) fn within(
-    run: &Run,
+    run: &JudgedRun,
     order: &MicrorobotsOrder,
     rule: Rule,
     nth: usize,
@@ -66,15 +72,15 @@ pub(super) fn within(
 }
 
 /// The bed in the course of a run.
-struct Bed<'r, 'a> {
-    run: &'r Run<'a>,
+struct DrivenBed<'r, 'a> {
+    run: &'r JudgedRun<'a>,
     order: &'r MicrorobotsOrder,
     relays: Relays<'r>,
     /// The first state of each pattern of arms.
     controls: FxHashMap<&'r [Arm], usize>,
 }
 
-impl Bed<'_, '_> {
+impl DrivenBed<'_, '_> {
     fn within(&self, rule: Rule, nth: usize, time_ns: u64, title: String) -> Violation {
         within(self.run, self.order, rule, nth, time_ns, title)
     }
@@ -113,7 +119,12 @@ impl Bed<'_, '_> {
         self.rest(step.start_ns, Some(nth))
     }
 
-    fn drive(&mut self, nth: usize, here: &[&Actuation], findings: &mut Findings) -> Result<Vec<Leg>, Violation> {
+    fn drive(
+        &mut self,
+        nth: usize,
+        here: &[&Actuation],
+        findings: &mut Findings,
+    ) -> Result<Vec<VoltageLeg>, Violation> {
         let step = self.run.step(nth);
         let mut legs = Vec::new();
         let (mut due_ns, mut cycle_ns) = (step.start_ns, None);
@@ -166,7 +177,13 @@ impl Bed<'_, '_> {
     }
 
     /// A train of strokes.
-    fn train(&self, nth: usize, actuation: &Actuation, swing: Swing, cycle_ns: Option<u64>) -> Result<Leg, Violation> {
+    fn train(
+        &self,
+        nth: usize,
+        actuation: &Actuation,
+        swing: Swing,
+        cycle_ns: Option<u64>,
+    ) -> Result<VoltageLeg, Violation> {
         let facts = &self.order.facts;
         let train_ns = actuation.start_ns;
         let at = ms(train_ns);
@@ -192,7 +209,7 @@ impl Bed<'_, '_> {
             }
         }
         let control = self.control(nth, train_ns)?;
-        Ok(Leg { start_ns, train_ns, strokes: actuation.duration_ns / swing.period_ns, control })
+        Ok(VoltageLeg { start_ns, train_ns, strokes: actuation.duration_ns / swing.period_ns, control })
     }
 
     /// The control state of the claims that has the arms as they are.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::claims::dimibot::Action;
+use crate::claims::dimibot::DimibotAction;
 use crate::claims::{SharedScene, Timeline};
 use crate::device::dimibot::Simultaneous;
 use crate::geometry::shape::Pose;
@@ -13,7 +13,7 @@ const HAIR_UM: f64 = 1e-10;
 const NEEDED_UM: f64 = 0.2;
 
 /// What two robots do at the same time, the second one placed in the scene of the first.
-fn together(first: Action, second: Vec<Action>, frame: Pose) -> Claims {
+fn together(first: DimibotAction, second: Vec<DimibotAction>, frame: Pose) -> Claims {
     let jobs = vec![job("a", "left", order(facts(3, 3), vec![first])), job("b", "right", order(facts(3, 3), second))];
     let mut claims = claims(jobs, Timeline::Together(vec![Timeline::Run(0), Timeline::Run(1)]));
     let frames = BTreeMap::from([("left".to_owned(), Pose::at(0.0, 0.0)), ("right".to_owned(), frame)]);
@@ -22,7 +22,7 @@ fn together(first: Action, second: Vec<Action>, frame: Pose) -> Claims {
 }
 
 fn stands(x_um: f64, y_um: f64) -> (Schedule, Claims) {
-    let claims = together(go(&[(1, 0)]), vec![Action::Wait(MS)], Pose::at(x_um, y_um));
+    let claims = together(go(&[(1, 0)]), vec![DimibotAction::Wait(MS)], Pose::at(x_um, y_um));
     (schedule(&claims, &[&[&["bl0.set"]], &[&[]]]), claims)
 }
 
@@ -41,7 +41,7 @@ fn where_a_robot_is_turned_to_matters() {
     // A robot that faces +y at (0.85, -0.5) goes across the way of the other, from below.
     let across = |wait_ns: u64| {
         let frame = Pose { x_um: 0.85, y_um: -0.5, heading_rad: FRAC_PI_2 };
-        let claims = together(go(&[(1, 0)]), vec![Action::Wait(wait_ns), go(&[(1, 0)])], frame);
+        let claims = together(go(&[(1, 0)]), vec![DimibotAction::Wait(wait_ns), go(&[(1, 0)])], frame);
         (schedule(&claims, &[&[&["bl0.set"]], &[&[], &["bl0.set"]]]), claims)
     };
     let (sound, claims) = across(15 * MS + 1);
@@ -55,7 +55,7 @@ fn where_a_robot_is_turned_to_matters() {
 
 #[test]
 fn modules_switched_at_once_may_carry_the_tip_anywhere_between() {
-    let mut claims = together(go(&[(1, 1)]), vec![Action::Wait(MS)], Pose::at(0.85, 0.85));
+    let mut claims = together(go(&[(1, 1)]), vec![DimibotAction::Wait(MS)], Pose::at(0.85, 0.85));
     order_of(&mut claims, 0).simultaneous = Simultaneous::Safe;
     only(Rule::Encounter, &schedule(&claims, &[&[&["bl0.set br0.set"]], &[&[]]]), &claims);
     passes(&schedule(&claims, &[&[&["bl0.set", "br0.set"]], &[&[]]]), &claims);
@@ -63,7 +63,7 @@ fn modules_switched_at_once_may_carry_the_tip_anywhere_between() {
 
 #[test]
 fn a_robot_may_wait_for_another_and_no_one_else() {
-    let mut claims = together(go(&[(3, 0)]), vec![Action::Wait(MS)], Pose::at(0.0, 5.0));
+    let mut claims = together(go(&[(3, 0)]), vec![DimibotAction::Wait(MS)], Pose::at(0.0, 5.0));
     let mut waits = schedule(&claims, &[&[&["bl0.set", "bl1.set"]], &[&[]]]);
     let late = 30 * MS;
     waits.actuations[1].start_ns = late;

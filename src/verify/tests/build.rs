@@ -1,48 +1,51 @@
 //! Makes schedules from claims and lists of pulses, with records by a simulator of its own.
 
-use crate::claims::dimibot::{Action, Asked, Body, DimibotOrder, Method, Objective, Obstacle, Planner, Step, Stop};
+use crate::claims::dimibot::{
+    Asked, DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacle, DimibotObstacleBody, DimibotOrder,
+    DimibotPlanner, DimibotStep, DimibotStop,
+};
 use crate::claims::{Claims, Job, Order, Timeline};
 use crate::device::Kind;
 use crate::device::dimibot::tests::femto_st;
-use crate::device::dimibot::{Cell, Facts, Side, Simultaneous};
+use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous};
 use crate::geometry::shape::{Pose, Shape};
-use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, State, TimedState, Unit};
+use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
 use std::collections::BTreeMap;
 
 pub const MS: u64 = 1_000_000;
 
-pub fn facts(left: u32, right: u32) -> Facts {
-    Facts { rest_ns: 5 * MS, tip_radius_um: 0.01, ..femto_st(left, right) }
+pub fn facts(left: u32, right: u32) -> DimibotFacts {
+    DimibotFacts { rest_ns: 5 * MS, tip_radius_um: 0.01, ..femto_st(left, right) }
 }
 
-pub fn cell(x: u32, y: u32) -> Cell {
-    Cell { x, y }
+pub fn cell(x: u32, y: u32) -> LatticeCell {
+    LatticeCell { x, y }
 }
 
-pub fn stop(x: u32, y: u32) -> Stop {
-    Stop { asked: Asked::Cell, cell: cell(x, y), span: Span::default() }
+pub fn stop(x: u32, y: u32) -> DimibotStop {
+    DimibotStop { asked: Asked::Cell, cell: cell(x, y), span: Span::default() }
 }
 
-pub fn stops(cells: &[(u32, u32)]) -> Vec<Stop> {
+pub fn stops(cells: &[(u32, u32)]) -> Vec<DimibotStop> {
     cells.iter().map(|(x, y)| stop(*x, *y)).collect()
 }
 
-pub fn go(cells: &[(u32, u32)]) -> Action {
-    Action::Move(stops(cells))
+pub fn go(cells: &[(u32, u32)]) -> DimibotAction {
+    DimibotAction::Move(stops(cells))
 }
 
-pub fn order(facts: Facts, actions: Vec<Action>) -> DimibotOrder {
+pub fn order(facts: DimibotFacts, actions: Vec<DimibotAction>) -> DimibotOrder {
     DimibotOrder {
         facts,
         frame: None,
         obstacles: Default::default(),
-        objective: Objective::Distance,
-        planner: Planner { method: Method::StagedAstar, expansions: 1000 },
+        objective: DimibotObjective::Distance,
+        planner: DimibotPlanner { method: DimibotMethod::StagedAstar, expansions: 1000 },
         simultaneous: Simultaneous::Never,
         precision_um: None,
         start: None,
-        steps: actions.into_iter().map(|action| Step { action, span: Span::default() }).collect(),
+        steps: actions.into_iter().map(|action| DimibotStep { action, span: Span::default() }).collect(),
     }
 }
 
@@ -92,14 +95,14 @@ pub fn order_of(claims: &mut Claims, job: usize) -> &mut DimibotOrder {
     order
 }
 
-pub fn solid(name: &str, shape: Shape, x_um: f64, y_um: f64) -> Obstacle {
-    let body = Body::Solid { shape, pose: Pose { x_um, y_um, heading_rad: 0.0 } };
-    Obstacle { name: name.into(), body, span: Span::default() }
+pub fn solid(name: &str, shape: Shape, x_um: f64, y_um: f64) -> DimibotObstacle {
+    let body = DimibotObstacleBody::Solid { shape, pose: Pose { x_um, y_um, heading_rad: 0.0 } };
+    DimibotObstacle { name: name.into(), body, span: Span::default() }
 }
 
-pub fn cells(name: &str, from: (u32, u32), to: (u32, u32)) -> Obstacle {
-    let body = Body::Cells { from: cell(from.0, from.1), to: cell(to.0, to.1) };
-    Obstacle { name: name.into(), body, span: Span::default() }
+pub fn cells(name: &str, from: (u32, u32), to: (u32, u32)) -> DimibotObstacle {
+    let body = DimibotObstacleBody::Cells { from: cell(from.0, from.1), to: cell(to.0, to.1) };
+    DimibotObstacle { name: name.into(), body, span: Span::default() }
 }
 
 /// What each step of each job does: pulses one after the other, the channels of one pulse parted by blanks.
@@ -127,7 +130,7 @@ fn channels(claims: &Claims) -> Vec<Channel> {
                 let name = format!("{}.{side}{module}.{switch}", job.device);
                 let wire = claims.wires.get(&name).cloned();
                 if !channels.iter().any(|channel| channel.name == name) {
-                    channels.push(Channel { name, device: job.device.clone(), unit: Unit::Volt, wire });
+                    channels.push(Channel { name, device: job.device.clone(), unit: ChannelUnit::Volt, wire });
                 }
             }
         }
@@ -138,10 +141,10 @@ fn channels(claims: &Claims) -> Vec<Channel> {
 fn empty_plan(job: &Job) -> PlanRecord {
     let Order::Dimibot(order) = &job.order else { panic!("an order of a DiMiBot") };
     let (objective, unit) = match order.objective {
-        Objective::Distance => ("distance", "um"),
-        Objective::Switches => ("switches", ""),
-        Objective::Time => ("time", "ms"),
-        Objective::Energy => ("energy", "mJ"),
+        DimibotObjective::Distance => ("distance", "um"),
+        DimibotObjective::Switches => ("switches", ""),
+        DimibotObjective::Time => ("time", "ms"),
+        DimibotObjective::Energy => ("energy", "mJ"),
     };
     PlanRecord {
         task: job.task.clone(),
@@ -179,7 +182,7 @@ fn lay(part: &Timeline, start_ns: u64, claims: &Claims, pulses: Pulses, schedule
 fn lay_run(index: usize, start_ns: u64, claims: &Claims, pulses: &[&[&str]], schedule: &mut Schedule) -> u64 {
     let job = &claims.jobs[index];
     let Order::Dimibot(order) = &job.order else { panic!("an order of a DiMiBot") };
-    let Facts { pulse_voltage_v: volts, pulse_duration_ns, rest_ns, .. } = order.facts;
+    let DimibotFacts { pulse_voltage_v: volts, pulse_duration_ns, rest_ns, .. } = order.facts;
     let mut at_ns = start_ns;
     for (nth, claimed) in order.steps.iter().enumerate() {
         let (step, step_ns) = (schedule.steps.len() as u32, at_ns);
@@ -200,7 +203,7 @@ fn lay_run(index: usize, start_ns: u64, claims: &Claims, pulses: &[&[&str]], sch
             }
             at_ns += pulse_duration_ns + rest_ns;
         }
-        if let Action::Wait(duration_ns) = claimed.action {
+        if let DimibotAction::Wait(duration_ns) = claimed.action {
             at_ns = step_ns + duration_ns;
         }
         schedule.steps.push(super::step_of(job, index, [step_ns, at_ns]));
@@ -217,7 +220,7 @@ pub fn channel(schedule: &Schedule, name: &str) -> u32 {
 
 /// Writes states, outcomes, cost and bound as they follow from the actuations, however wrong these are.
 pub fn record(schedule: &mut Schedule, claims: &Claims) {
-    let mut standing: BTreeMap<&str, Cell> = BTreeMap::new();
+    let mut standing: BTreeMap<&str, LatticeCell> = BTreeMap::new();
     let mut jobs: Vec<usize> = (0..claims.jobs.len()).collect();
     jobs.sort_by_key(|index| (schedule.plans[*index].start_ns, *index));
     for index in jobs {
@@ -229,7 +232,7 @@ pub fn record(schedule: &mut Schedule, claims: &Claims) {
     }
 }
 
-fn record_run(schedule: &mut Schedule, index: usize, order: &DimibotOrder, start: Cell) -> Cell {
+fn record_run(schedule: &mut Schedule, index: usize, order: &DimibotOrder, start: LatticeCell) -> LatticeCell {
     let facts = &order.facts;
     let of_run = |actuation: &&Actuation| schedule.steps[actuation.step as usize].plan as usize == index;
     let mut actuations: Vec<Actuation> = schedule.actuations.iter().filter(of_run).copied().collect();
@@ -259,17 +262,17 @@ fn record_run(schedule: &mut Schedule, index: usize, order: &DimibotOrder, start
         [("distance", distance_um * 1e-6), ("switches", f64::from(switches)), ("time", seconds), ("energy", energy_j)];
     plan.outcomes = outcomes.map(|(name, value)| (name.to_owned(), value)).into();
     plan.cost = match order.objective {
-        Objective::Distance => distance_um,
-        Objective::Switches => f64::from(switches),
-        Objective::Time => seconds * 1e3,
-        Objective::Energy => energy_j * 1e3,
+        DimibotObjective::Distance => distance_um,
+        DimibotObjective::Switches => f64::from(switches),
+        DimibotObjective::Time => seconds * 1e3,
+        DimibotObjective::Energy => energy_j * 1e3,
     };
     plan.bound = plan.cost;
     plan.states = states;
     cell
 }
 
-fn state(facts: &Facts, t_ns: u64, cell: Cell) -> TimedState {
+fn state(facts: &DimibotFacts, t_ns: u64, cell: LatticeCell) -> TimedState {
     let state = State::Dimibot { word: facts.word(cell), cell: [cell.x, cell.y], position_um: facts.place_um(cell) };
     TimedState { t_ns, state }
 }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::claims::Timeline;
-use crate::claims::dimibot::{Action, Asked, Obstacle, Stop};
-use crate::device::dimibot::{Cell, Facts, Side, Simultaneous};
+use crate::claims::dimibot::{Asked, DimibotAction, DimibotObstacle, DimibotStop};
+use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous};
 use crate::geometry::shape::{Pose, Shape};
 use crate::source::{Span, Spanned};
 
@@ -99,7 +99,7 @@ fn no_time_is_lost_in_a_move() {
 
 #[test]
 fn a_wait_is_quiet_and_as_long_as_claimed() {
-    let claimed = |duration_ns| alone(order(facts(3, 3), vec![go(&[(1, 0)]), Action::Wait(duration_ns)]));
+    let claimed = |duration_ns| alone(order(facts(3, 3), vec![go(&[(1, 0)]), DimibotAction::Wait(duration_ns)]));
     let quiet: Pulses = &[&[&["bl0.set"], &[]]];
     let sound = schedule(&claimed(40 * MS), quiet);
     passes(&sound, &claimed(40 * MS));
@@ -139,7 +139,7 @@ fn one_module_at_a_time_unless_safe() {
 }
 
 /// The claims of one move among obstacles.
-fn among(from: (u32, u32), to: (u32, u32), obstacles: Vec<Obstacle>) -> Claims {
+fn among(from: (u32, u32), to: (u32, u32), obstacles: Vec<DimibotObstacle>) -> Claims {
     let mut order = order(facts(3, 3), vec![go(&[to])]);
     order.start = Some(Spanned::new(cell(from.0, from.1), Span::default()));
     order.simultaneous = Simultaneous::Safe;
@@ -147,10 +147,10 @@ fn among(from: (u32, u32), to: (u32, u32), obstacles: Vec<Obstacle>) -> Claims {
     alone(order)
 }
 
-fn turned(shape: Shape, x_um: f64, y_um: f64, degrees: f64) -> Obstacle {
+fn turned(shape: Shape, x_um: f64, y_um: f64, degrees: f64) -> DimibotObstacle {
     let mut obstacle = solid("bead", shape, 0.0, 0.0);
     let pose = Pose { x_um, y_um, heading_rad: degrees.to_radians() };
-    if let crate::claims::dimibot::Body::Solid { pose: own, .. } = &mut obstacle.body {
+    if let crate::claims::dimibot::DimibotObstacleBody::Solid { pose: own, .. } = &mut obstacle.body {
         *own = pose;
     }
     obstacle
@@ -258,7 +258,10 @@ fn the_edges_that_the_paper_deletes_are_refused() {
             let facts = facts(2, 2);
             let to = from ^ (1 << module);
             let name = format!("{}.{}", ["br0", "br1", "bl0", "bl1"][module], if to > from { "set" } else { "reset" });
-            let mut order = order(facts.clone(), vec![Action::Move(vec![Stop { cell: facts.cell(to), ..stop(0, 0) }])]);
+            let mut order = order(
+                facts.clone(),
+                vec![DimibotAction::Move(vec![DimibotStop { cell: facts.cell(to), ..stop(0, 0) }])],
+            );
             order.start = Some(Spanned::new(facts.cell(from), Span::default()));
             order.obstacles = vec![cells("dust", (1, 2), (1, 2))].into();
             let claims = alone(order);
@@ -332,8 +335,8 @@ fn partial_strokes_of_one_side_reach_beyond_both_ends() {
 }
 
 /// Two runs of one device, the second with a `start at`.
-fn two_runs(first: Option<Cell>, second: Option<Cell>) -> Claims {
-    let spanned = |cell: Option<Cell>| cell.map(|cell| Spanned::new(cell, Span::default()));
+fn two_runs(first: Option<LatticeCell>, second: Option<LatticeCell>) -> Claims {
+    let spanned = |cell: Option<LatticeCell>| cell.map(|cell| Spanned::new(cell, Span::default()));
     let mut there = order(facts(3, 3), vec![go(&[(3, 1)])]);
     let mut back = order(facts(3, 3), vec![go(&[(3, 0)])]);
     (there.start, back.start) = (spanned(first), spanned(second));
@@ -363,7 +366,7 @@ fn a_run_of_no_length_carries_the_place_on() {
     passes(&schedule(&claims, &[&[&["bl0.set"]], &[&[]], &[&[]]]), &claims);
 }
 
-fn goal(action: Action, pulses: &[&str], expected: &[Rule]) {
+fn goal(action: DimibotAction, pulses: &[&str], expected: &[Rule]) {
     let claims = alone(order(facts(3, 3), vec![action.clone()]));
     assert_eq!(rules(&schedule(&claims, &[&[pulses]]), &claims), expected, "{action:?} by {pulses:?}");
 }
@@ -385,7 +388,7 @@ fn a_move_reaches_its_stops_in_order() {
 #[test]
 fn a_visit_reaches_its_stops_in_any_order() {
     let ring = ["bl0.set", "br0.set", "bl0.reset", "br0.reset"];
-    let visit = |cells: &[(u32, u32)]| Action::Visit(stops(cells));
+    let visit = |cells: &[(u32, u32)]| DimibotAction::Visit(stops(cells));
     goal(visit(&[(0, 1), (1, 1), (1, 0)]), &ring[..3], &[]);
     goal(visit(&[(0, 0), (0, 1)]), &ring[..3], &[]);
     goal(visit(&[(0, 1), (1, 1), (2, 0)]), &ring[..3], &[Rule::Goal]);
@@ -396,16 +399,16 @@ fn a_visit_reaches_its_stops_in_any_order() {
 
 #[test]
 fn a_stop_of_one_step_does_not_count_in_the_next() {
-    let claims = alone(order(facts(3, 3), vec![go(&[(1, 0)]), Action::Visit(stops(&[(0, 0), (1, 1)]))]));
+    let claims = alone(order(facts(3, 3), vec![go(&[(1, 0)]), DimibotAction::Visit(stops(&[(0, 0), (1, 1)]))]));
     only(Rule::Goal, &schedule(&claims, &[&[&["bl0.set"], &["br0.set"]]]), &claims);
-    let claims = alone(order(facts(3, 3), vec![go(&[(1, 0)]), Action::Visit(stops(&[(1, 0), (1, 1)]))]));
+    let claims = alone(order(facts(3, 3), vec![go(&[(1, 0)]), DimibotAction::Visit(stops(&[(1, 0), (1, 1)]))]));
     passes(&schedule(&claims, &[&[&["bl0.set"], &["br0.set"]]]), &claims);
 }
 
 /// One move to a place for which the cell (3, 2) is taken.
-fn placed(facts: Facts, place_um: [f64; 2], precision_um: Option<f64>) -> Claims {
-    let place = Stop { asked: Asked::Place(place_um), ..stop(3, 2) };
-    let mut order = order(facts, vec![Action::Move(vec![place])]);
+fn placed(facts: DimibotFacts, place_um: [f64; 2], precision_um: Option<f64>) -> Claims {
+    let place = DimibotStop { asked: Asked::Place(place_um), ..stop(3, 2) };
+    let mut order = order(facts, vec![DimibotAction::Move(vec![place])]);
     order.precision_um = precision_um;
     alone(order)
 }

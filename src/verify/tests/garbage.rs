@@ -2,15 +2,15 @@
 
 use super::*;
 use crate::claims::Timeline;
-use crate::claims::dimibot::{Action, Body};
-use crate::device::dimibot::Cell;
+use crate::claims::dimibot::{DimibotAction, DimibotObstacleBody};
+use crate::device::dimibot::LatticeCell;
 use crate::geometry::shape::Shape;
 use crate::schedule::Actuation;
 use proptest::prelude::*;
 
 fn sound() -> (Claims, Schedule) {
-    let bot = order(facts(3, 3), vec![go(&[(1, 0), (1, 1)]), Action::Wait(3 * MS), go(&[(1, 0)])]);
-    let arm = order(facts(1, 2), vec![Action::Visit(stops(&[(1, 0), (0, 0)]))]);
+    let bot = order(facts(3, 3), vec![go(&[(1, 0), (1, 1)]), DimibotAction::Wait(3 * MS), go(&[(1, 0)])]);
+    let arm = order(facts(1, 2), vec![DimibotAction::Visit(stops(&[(1, 0), (0, 0)]))]);
     let timeline = Timeline::Together(vec![Timeline::Run(0), Timeline::Run(1)]);
     let claims = claims(vec![job("go", "bot", bot), job("wave", "arm", arm)], timeline);
     let schedule = schedule(&claims, &[&[&["bl0.set", "br0.set"], &[], &["br0.reset"]], &[&["bl0.set", "bl0.reset"]]]);
@@ -133,7 +133,7 @@ proptest! {
         (order.facts.gain, order.facts.stroke_um, order.facts.pulse_voltage_v) = (numbers[0], numbers[1], numbers[2]);
         (order.facts.pulse_current_a, order.facts.repeatability_um) = (numbers[3], numbers[4]);
         order.precision_um = Some(numbers[5]);
-        order.facts.home = Cell { x: places[0].0, y: places[0].1 };
+        order.facts.home = LatticeCell { x: places[0].0, y: places[0].1 };
         std::sync::Arc::make_mut(&mut order.obstacles).push(cells("dust", places[1], places[2]));
         verify(schedule, &claims);
     }
@@ -152,7 +152,7 @@ proptest! {
         };
         let (mut claims, schedule) = sound();
         let mut obstacle = solid("bead", shape, numbers[2], numbers[3]);
-        if let Body::Solid { pose, .. } = &mut obstacle.body {
+        if let DimibotObstacleBody::Solid { pose, .. } = &mut obstacle.body {
             pose.heading_rad = numbers[0];
         }
         std::sync::Arc::make_mut(&mut order_of(&mut claims, 0).obstacles).push(obstacle);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::claims::dimibot::{Action, Method, Objective};
+use crate::claims::dimibot::{DimibotAction, DimibotMethod, DimibotObjective};
 use crate::claims::{Job, Relation, Requirement, Timeline};
 use crate::device::dimibot::PLANNERS;
 use crate::diagnostic::{Code, Diagnostic};
@@ -9,8 +9,10 @@ use crate::source::Span;
 /// A program with two devices: bot fetches, then bot returns while arm waves, then after 7 ms bot nods.
 fn day() -> Claims {
     let bot = || facts(3, 3);
-    let fetch =
-        order(bot(), vec![go(&[(2, 0), (2, 4)]), Action::Wait(10 * MS), Action::Visit(stops(&[(3, 5), (3, 4)]))]);
+    let fetch = order(
+        bot(),
+        vec![go(&[(2, 0), (2, 4)]), DimibotAction::Wait(10 * MS), DimibotAction::Visit(stops(&[(3, 5), (3, 4)]))],
+    );
     let back = order(bot(), vec![go(&[(3, 1)])]);
     let wave = order(facts(2, 2), vec![go(&[(1, 0)]), go(&[(0, 0)])]);
     let nod = order(bot(), vec![go(&[(3, 0)])]);
@@ -189,7 +191,7 @@ fn near_misses_pass() {
 fn a_device_is_in_one_run_at_a_time() {
     let jobs = |device| -> Vec<Job> {
         ["bot", device]
-            .map(|device| job("go", device, order(facts(3, 3), vec![go(&[(0, 0)]), Action::Wait(MS)])))
+            .map(|device| job("go", device, order(facts(3, 3), vec![go(&[(0, 0)]), DimibotAction::Wait(MS)])))
             .into()
     };
     let both = Timeline::Together(vec![Timeline::Run(0), Timeline::Run(1)]);
@@ -244,7 +246,9 @@ fn a_broken_requirement_tells_value_and_limit() {
 
 #[test]
 fn the_cost_is_that_of_the_objective() {
-    for objective in [Objective::Distance, Objective::Switches, Objective::Time, Objective::Energy] {
+    for objective in
+        [DimibotObjective::Distance, DimibotObjective::Switches, DimibotObjective::Time, DimibotObjective::Energy]
+    {
         let mut claims = day();
         order_of(&mut claims, 0).objective = objective;
         let sound = schedule(&claims, DAY);
@@ -258,7 +262,7 @@ fn the_cost_is_that_of_the_objective() {
 
 #[test]
 fn every_planner_has_its_name() {
-    use Method::*;
+    use DimibotMethod::*;
     let methods = [StagedAstar, Dijkstra, BidirectionalDijkstra, Astar, HypercubeAstar];
     for (method, planner) in methods.into_iter().zip(PLANNERS) {
         let mut claims = day();

@@ -13,7 +13,7 @@ mod mutants;
 
 use super::*;
 use crate::claims::Job;
-use crate::schedule::{SourceRef, Step};
+use crate::schedule::{ScheduledStep, SourceRef};
 use crate::source::Span;
 use build::*;
 
@@ -75,8 +75,8 @@ fn bare(claims: &Claims) -> Schedule {
 }
 
 /// A step of a job, from an instant to another.
-fn step_of(job: &Job, plan: usize, [start_ns, end_ns]: [u64; 2]) -> Step {
-    Step {
+fn step_of(job: &Job, plan: usize, [start_ns, end_ns]: [u64; 2]) -> ScheduledStep {
+    ScheduledStep {
         task: job.task.clone(),
         plan: plan as u32,
         text: "step".into(),

@@ -1,8 +1,8 @@
 //! Sound schedules of random scenes, changed in one place: each mutant is refused, or the very same schedule.
 
 use super::*;
-use crate::claims::dimibot::{Action, Body, Obstacle};
-use crate::device::dimibot::{Cell, Facts, Side, Simultaneous};
+use crate::claims::dimibot::{DimibotAction, DimibotObstacle, DimibotObstacleBody};
+use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous};
 use crate::geometry::shape::Shape;
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -53,30 +53,30 @@ fn scenario() -> impl Strategy<Value = Scenario> {
         let bodies = bodies.into_iter().map(|(x, y, radius)| {
             solid("bead", Shape::Disc { radius_um: radius * size_um[0] }, x * size_um[0], y * size_um[1])
         });
-        let clear = |body: &Obstacle| areas.iter().all(|area| gap(&facts, body, *area) > facts.growth_um());
+        let clear = |body: &DimibotObstacle| areas.iter().all(|area| gap(&facts, body, *area) > facts.growth_um());
         order.obstacles = std::sync::Arc::new(bodies.filter(clear).collect());
         order.steps = actions
             .into_iter()
-            .map(|action| crate::claims::dimibot::Step { action, span: Default::default() })
+            .map(|action| crate::claims::dimibot::DimibotStep { action, span: Default::default() })
             .collect();
         Scenario { claims: alone(order), pulses }
     })
 }
 
 /// Puts a pulse into the step that goes on, or begins a new one.
-fn take(actions: &mut Vec<Action>, pulses: &mut Vec<Vec<String>>, sort: u8, names: String, to: Cell) {
+fn take(actions: &mut Vec<DimibotAction>, pulses: &mut Vec<Vec<String>>, sort: u8, names: String, to: LatticeCell) {
     let goal = stop(to.x, to.y);
     match (sort, actions.last_mut()) {
-        (0 | 1, Some(Action::Move(stops))) => stops.push(goal),
-        (2, Some(Action::Move(stops))) => *stops.last_mut().expect("a goal") = goal,
-        (0 | 1, Some(Action::Visit(stops))) => stops.insert(0, goal),
+        (0 | 1, Some(DimibotAction::Move(stops))) => stops.push(goal),
+        (2, Some(DimibotAction::Move(stops))) => *stops.last_mut().expect("a goal") = goal,
+        (0 | 1, Some(DimibotAction::Visit(stops))) => stops.insert(0, goal),
         (3, _) => {
-            actions.extend([Action::Wait(7 * MS), Action::Visit(vec![goal])]);
+            actions.extend([DimibotAction::Wait(7 * MS), DimibotAction::Visit(vec![goal])]);
             pulses.extend([vec![], vec![names]]);
             return;
         }
         (_, _) => {
-            actions.push(Action::Move(vec![goal]));
+            actions.push(DimibotAction::Move(vec![goal]));
             return pulses.push(vec![names]);
         }
     }
@@ -84,7 +84,12 @@ fn take(actions: &mut Vec<Action>, pulses: &mut Vec<Vec<String>>, sort: u8, name
 }
 
 /// A pulse of one or two modules: its channels, the corners of what it may sweep, and the cell after it.
-fn pulse(facts: &Facts, cell: Cell, first: Index, second: Option<Index>) -> (String, Cell, Cell, Cell) {
+fn pulse(
+    facts: &DimibotFacts,
+    cell: LatticeCell,
+    first: Index,
+    second: Option<Index>,
+) -> (String, LatticeCell, LatticeCell, LatticeCell) {
     let count = (facts.left + facts.right) as usize;
     let mut modules: Vec<usize> = [Some(first), second].into_iter().flatten().map(|index| index.index(count)).collect();
     modules.dedup();
@@ -104,8 +109,10 @@ fn pulse(facts: &Facts, cell: Cell, first: Index, second: Option<Index>) -> (Str
 }
 
 /// Distance between a rectangle of cells and the surface of a disc.
-fn gap(facts: &Facts, body: &Obstacle, [low, high]: [Cell; 2]) -> f64 {
-    let Body::Solid { shape: Shape::Disc { radius_um }, pose } = &body.body else { panic!("discs alone are drawn") };
+fn gap(facts: &DimibotFacts, body: &DimibotObstacle, [low, high]: [LatticeCell; 2]) -> f64 {
+    let DimibotObstacleBody::Solid { shape: Shape::Disc { radius_um }, pose } = &body.body else {
+        panic!("discs alone are drawn")
+    };
     let (from, to) = (facts.place_um(low), facts.place_um(high));
     let nearest = [0, 1].map(|axis| [pose.x_um, pose.y_um][axis].clamp(from[axis], to[axis]));
     (pose.x_um - nearest[0]).hypot(pose.y_um - nearest[1]) - radius_um
@@ -208,10 +215,11 @@ fn simulated(schedule: &Schedule, claims: &Claims) -> bool {
                 let set = parts[2] == "set";
                 sound &= !touched.contains(&parts[1].to_owned());
                 touched.push(parts[1].to_owned());
-                let bits = |cell: Cell| if left { cell.x } else { cell.y };
+                let bits = |cell: LatticeCell| if left { cell.x } else { cell.y };
                 sound &= (bits(after) & bit != 0) != set;
-                let flip =
-                    |cell: Cell| if left { Cell { x: cell.x ^ bit, ..cell } } else { Cell { y: cell.y ^ bit, ..cell } };
+                let flip = |cell: LatticeCell| {
+                    if left { LatticeCell { x: cell.x ^ bit, ..cell } } else { LatticeCell { y: cell.y ^ bit, ..cell } }
+                };
                 after = flip(after);
                 (low, high) = if set { (low, flip(high)) } else { (flip(low), high) };
             }
@@ -220,11 +228,11 @@ fn simulated(schedule: &Schedule, claims: &Claims) -> bool {
             met.push(cell);
         }
         sound &= match &step.action {
-            Action::Wait(_) => own.is_empty(),
-            Action::Visit(stops) => {
+            DimibotAction::Wait(_) => own.is_empty(),
+            DimibotAction::Visit(stops) => {
                 stops.iter().all(|stop| met.contains(&stop.cell)) && stops.iter().any(|stop| stop.cell == cell)
             }
-            Action::Move(stops) => {
+            DimibotAction::Move(stops) => {
                 let mut rest = met.iter();
                 stops.iter().all(|stop| in_turn(&mut rest, stop.cell))
                     && stops.last().is_some_and(|stop| stop.cell == cell)
@@ -235,7 +243,7 @@ fn simulated(schedule: &Schedule, claims: &Claims) -> bool {
 }
 
 /// Goes on to a cell, which may be met once more by the next stop.
-fn in_turn(rest: &mut std::slice::Iter<'_, Cell>, cell: Cell) -> bool {
+fn in_turn(rest: &mut std::slice::Iter<'_, LatticeCell>, cell: LatticeCell) -> bool {
     let found = rest.as_slice().iter().position(|met| *met == cell);
     found.map(|at| *rest = rest.as_slice()[at..].iter()).is_some()
 }

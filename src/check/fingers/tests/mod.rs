@@ -7,7 +7,7 @@ use super::solid;
 use crate::check::imports::{self, Library};
 use crate::check::{Checked, Options, check};
 use crate::claims::Claims;
-use crate::claims::fingers::{Action, FingersOrder, Planner, Turn};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersTurn};
 use crate::device::fingers::{Adhesion, Plane};
 use crate::diagnostic::Sink;
 use crate::source::Sources;
@@ -94,13 +94,13 @@ fn the_papers_case_has_its_contacts_and_its_turns() {
         assert_eq!((section.contacts, section.opposite), (74, Some(38)));
         assert!((section.step_rad.to_degrees() - 20.0).abs() < 1e-3);
     }
-    let of = |step: &crate::claims::fingers::Step| match step.action {
-        Action::Rotate { plane, steps, .. } => Some((plane, steps)),
+    let of = |step: &crate::claims::fingers::FingersStep| match step.action {
+        FingersAction::Rotate { plane, steps, .. } => Some((plane, steps)),
         _ => None,
     };
     let turned: Vec<_> = order.steps.iter().filter_map(of).collect();
     assert_eq!(turned, [(Plane::Xy, 4), (Plane::Xz, 11), (Plane::Xy, 5)]);
-    assert_eq!((order.planner, order.facts.adhesion), (Planner::JointAstar, Adhesion::Sticking));
+    assert_eq!((order.planner, order.facts.adhesion), (FingersPlanner::JointAstar, Adhesion::Sticking));
     // 4/3 π 16 · 11.845² um³ of 2330 kg/m³.
     assert!((order.load_un[2] + 2.1486e-4).abs() < 1e-8, "{:?}", order.load_un);
 }
@@ -108,8 +108,8 @@ fn the_papers_case_has_its_contacts_and_its_turns() {
 #[test]
 fn an_orientation_stands_for_the_same_turns() {
     let order = order("", BEAD, "orient bead to euler(80 deg, 220 deg, 100 deg)");
-    let Action::Orient { goal, turns, .. } = &order.steps[0].action else { panic!("an orientation") };
-    let whole = |plane, steps| Turn { plane, steps };
+    let FingersAction::Orient { goal, turns, .. } = &order.steps[0].action else { panic!("an orientation") };
+    let whole = |plane, steps| FingersTurn { plane, steps };
     assert!(turns.contains(&vec![whole(Plane::Xy, 4), whole(Plane::Xz, 11), whole(Plane::Xy, 5)]));
     // The second solution, and the long ways.
     assert!(turns.contains(&vec![whole(Plane::Xy, -5), whole(Plane::Xz, 7), whole(Plane::Xy, -4)]));
@@ -123,14 +123,14 @@ fn an_orientation_stands_for_the_same_turns() {
 #[test]
 fn an_orientation_counts_from_where_the_part_is() {
     let order = order("", BEAD, "rotate bead by 80 deg about z, orient bead to euler(120 deg, 0 deg, 0 deg)");
-    let Action::Orient { turns, .. } = &order.steps[1].action else { panic!("an orientation") };
-    assert_eq!(turns[0], [Turn { plane: Plane::Xy, steps: 2 }]);
+    let FingersAction::Orient { turns, .. } = &order.steps[1].action else { panic!("an orientation") };
+    assert_eq!(turns[0], [FingersTurn { plane: Plane::Xy, steps: 2 }]);
 }
 
 #[test]
 fn a_part_that_is_there_needs_no_turn() {
     let order = order("", BEAD, "orient bead to quaternion(1, 0, 0, 0)");
-    let Action::Orient { turns, .. } = &order.steps[0].action else { panic!("an orientation") };
+    let FingersAction::Orient { turns, .. } = &order.steps[0].action else { panic!("an orientation") };
     assert_eq!(turns[0], []);
 }
 
@@ -138,9 +138,9 @@ fn a_part_that_is_there_needs_no_turn() {
 fn a_turn_about_x_needs_a_step_that_divides_90_deg() {
     steps("rotate bead by 80 deg about x", &["E0545"]);
     let order = order("step: 10 deg", BEAD, "precision: 1 deg, rotate bead by 80 deg about x");
-    let Action::Orient { goal, turns, .. } = &order.steps[0].action else { panic!("an orientation") };
+    let FingersAction::Orient { goal, turns, .. } = &order.steps[0].action else { panic!("an orientation") };
     assert!((goal[1] - 40f64.to_radians().sin()).abs() < 1e-9 && goal[2].abs() + goal[3].abs() < 1e-9);
-    let whole = |plane, steps| Turn { plane, steps };
+    let whole = |plane, steps| FingersTurn { plane, steps };
     assert!(turns.contains(&vec![whole(Plane::Xy, -9), whole(Plane::Xz, 8), whole(Plane::Xy, 9)]), "{turns:?}");
 }
 

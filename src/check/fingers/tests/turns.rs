@@ -2,18 +2,18 @@
 
 use super::super::orientation::{self, Orientation};
 use super::{BEAD, order};
-use crate::claims::fingers::{Part, Turn};
+use crate::claims::fingers::{FingersTurn, HandPart};
 use crate::device::fingers::Plane;
 
 /// Every sequence of three turns that comes as near to a goal, none of them empty.
-fn all(goal: &Orientation, part: &Part, near_rad: f64) -> Vec<Vec<Turn>> {
+fn all(goal: &Orientation, part: &HandPart, near_rad: f64) -> Vec<Vec<FingersTurn>> {
     let mut found = Vec::new();
     let steps = || (-18..=18).filter(|steps| *steps != 0);
     for (outer, inner) in [(Plane::Xy, Plane::Xz), (Plane::Xz, Plane::Xy)] {
         for a in steps() {
             for b in steps() {
                 for c in steps() {
-                    let turn = |plane, steps| Turn { plane, steps };
+                    let turn = |plane, steps| FingersTurn { plane, steps };
                     let turns = vec![turn(outer, a), turn(inner, b), turn(outer, c)];
                     if orientation::after(&turns, part).angle_to(goal) <= near_rad {
                         found.push(turns);
@@ -29,7 +29,7 @@ fn all(goal: &Orientation, part: &Part, near_rad: f64) -> Vec<Vec<Turn>> {
 fn no_way_is_missed() {
     let order = order("", BEAD, "grasp bead");
     let part = &order.part;
-    let turn = |plane, steps| Turn { plane, steps };
+    let turn = |plane, steps| FingersTurn { plane, steps };
     for [a, b, c] in [[4, 11, 5], [-3, 2, 7], [1, 8, -8], [6, -5, 2], [9, 3, 1]] {
         let goal = orientation::after(&[turn(Plane::Xy, a), turn(Plane::Xz, b), turn(Plane::Xy, c)], part);
         let ways = orientation::ways(&goal, part);

@@ -26,21 +26,21 @@
 //! follow intervals for its levels; the least half of their widths is at least s, and is the answer if nothing is found above it.
 
 use super::arms;
-use super::table::{Ranked, Table, middle_v, volts_v};
+use super::table::{Ranked, VoltageTable, middle_v, volts_v};
 use crate::device::microrobots::ControlState;
 
 /// Which way the level before the last one lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Side {
+enum LevelSide {
     Above,
     Below,
 }
 
-impl Side {
-    fn other(self) -> Side {
+impl LevelSide {
+    fn other(self) -> LevelSide {
         match self {
-            Side::Above => Side::Below,
-            Side::Below => Side::Above,
+            LevelSide::Above => LevelSide::Below,
+            LevelSide::Below => LevelSide::Above,
         }
     }
 }
@@ -53,7 +53,7 @@ struct Interval {
 }
 
 /// Arms of one set that are not settled, by the voltage that settles them, and what they demand of levels.
-struct Waiting {
+struct WaitingArms {
     /// The hardest to settle first.
     settling: Vec<i64>,
     /// The hardest demand of the first arm, the first two and so on.
@@ -61,32 +61,32 @@ struct Waiting {
 }
 
 /// A pattern to be set.
-pub struct Target<'a> {
-    table: &'a Table,
+pub struct PatternTarget<'a> {
+    table: &'a VoltageTable,
     /// Arms that have to be down: settled by snap-down voltages, they demand by release voltages.
-    downs: Waiting,
+    downs: WaitingArms,
     /// Arms that have to be up: settled by release voltages, they demand by snap-down voltages.
-    ups: Waiting,
+    ups: WaitingArms,
 }
 
 /// A cycle looked at from its end.
-struct Chain {
+struct ReversedCycle {
     /// The last level in time first.
     intervals: Vec<Interval>,
     /// The least half of their widths.
     slack: i64,
     /// To which end of the range the first level in time lies.
-    first: Side,
+    first: LevelSide,
 }
 
-impl<'a> Target<'a> {
-    pub fn new(table: &'a Table, ranked: &Ranked, is_down: &[bool]) -> Self {
+impl<'a> PatternTarget<'a> {
+    pub fn new(table: &'a VoltageTable, ranked: &Ranked, is_down: &[bool]) -> Self {
         let downs = ranked.snap_downs.iter().filter(|row| is_down[**row]);
         let ups = ranked.releases.iter().filter(|row| !is_down[**row]);
-        Target {
+        PatternTarget {
             table,
-            downs: Waiting::new(downs.map(|row| (table.snap_downs[*row], table.releases[*row])), i64::max),
-            ups: Waiting::new(ups.map(|row| (table.releases[*row], table.snap_downs[*row])), i64::min),
+            downs: WaitingArms::new(downs.map(|row| (table.snap_downs[*row], table.releases[*row])), i64::max),
+            ups: WaitingArms::new(ups.map(|row| (table.releases[*row], table.snap_downs[*row])), i64::min),
         }
     }
 
@@ -96,8 +96,8 @@ impl<'a> Target<'a> {
         if length > self.table.most_levels {
             return Err(length);
         }
-        let above = self.best(Side::Above, length);
-        let below = self.best(Side::Below, length);
+        let above = self.best(LevelSide::Above, length);
+        let below = self.best(LevelSide::Below, length);
         let best = match (above, below) {
             (Some(above), Some(below)) if below.slack > above.slack => below,
             (Some(above), _) => above,
@@ -110,11 +110,11 @@ impl<'a> Target<'a> {
     /// How many levels it takes; `usize::MAX` if the pattern cannot be set.
     pub fn length(&self) -> usize {
         let length = |side| self.chain(side, 0, usize::MAX).map_or(usize::MAX, |chain| chain.intervals.len());
-        length(Side::Above).min(length(Side::Below))
+        length(LevelSide::Above).min(length(LevelSide::Below))
     }
 
     /// The chain of a length and a side with the greatest slack.
-    fn best(&self, side: Side, length: usize) -> Option<Chain> {
+    fn best(&self, side: LevelSide, length: usize) -> Option<ReversedCycle> {
         let mut best = self.chain(side, 0, length)?;
         while let Some(better) = self.chain(side, best.slack + 1, length) {
             best = better;
@@ -124,7 +124,7 @@ impl<'a> Target<'a> {
 
     /// The chain whose levels may all be off by `slack`, if it has at most so many; `side` is where the level before the last
     /// one lies.
-    fn chain(&self, side: Side, slack: i64, most: usize) -> Option<Chain> {
+    fn chain(&self, side: LevelSide, slack: i64, most: usize) -> Option<ReversedCycle> {
         let (least, highest) = (slack, self.table.max - slack);
         let reach = self.table.margin + slack;
         let (mut downs, mut ups) = (self.downs.all(), self.ups.all());
@@ -136,7 +136,7 @@ impl<'a> Target<'a> {
             if low > high {
                 return None;
             }
-            let level = if next == Side::Above { high } else { low };
+            let level = if next == LevelSide::Above { high } else { low };
             let downs_left = self.downs.left(downs, |voltage| voltage + reach > level);
             let ups_left = self.ups.left(ups, |voltage| voltage - reach < level);
             if !intervals.is_empty() && (downs_left, ups_left) == (downs, ups) {
@@ -147,7 +147,7 @@ impl<'a> Target<'a> {
             if downs == 0 && ups == 0 {
                 let half = |interval: &Interval| (interval.high - interval.low) / 2;
                 let slack = intervals.iter().map(half).min().unwrap_or_default();
-                return Some(Chain { intervals, slack, first: next });
+                return Some(ReversedCycle { intervals, slack, first: next });
             }
             next = next.other();
         }
@@ -171,17 +171,17 @@ impl<'a> Target<'a> {
     ///
     /// The first level only has to be far enough out. If that costs no slack, it is the one that moves all arms of the table: so
     /// that cycles have few different levels in all.
-    fn levels_v(&self, chain: &Chain) -> Vec<f64> {
+    fn levels_v(&self, chain: &ReversedCycle) -> Vec<f64> {
         let mut intervals = chain.intervals.clone();
         intervals.reverse();
         if let Some(first) = intervals.first_mut() {
             let table = self.table;
             let all = match chain.first {
-                Side::Above => Interval {
+                LevelSide::Above => Interval {
                     low: table.snap_downs.iter().max().map_or(0, |voltage| voltage + table.margin),
                     high: table.max,
                 },
-                Side::Below => Interval {
+                LevelSide::Below => Interval {
                     low: 0,
                     high: table.releases.iter().min().map_or(table.max, |voltage| voltage - table.margin),
                 },
@@ -195,14 +195,14 @@ impl<'a> Target<'a> {
     }
 }
 
-impl Waiting {
+impl WaitingArms {
     /// From the voltages that settle the arms, hardest first, and those by which they demand.
     fn new(arms: impl Iterator<Item = (i64, i64)>, harder: fn(i64, i64) -> i64) -> Self {
         let (settling, mut demands): (Vec<i64>, Vec<i64>) = arms.unzip();
         for at in 1..demands.len() {
             demands[at] = harder(demands[at - 1], demands[at]);
         }
-        Waiting { settling, demands }
+        WaitingArms { settling, demands }
     }
 
     fn all(&self) -> usize {

@@ -1,7 +1,7 @@
 //! What is wrong with a table: rows by themselves, pairs of rows, states.
 
-use super::table::{Table, volts_v};
-use super::{Gap, Gaps, Problem};
+use super::table::{VoltageTable, volts_v};
+use super::{AllowedGaps, Problem, RowGap};
 
 /// How many faults each row has a part in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub struct Census {
 }
 
 impl Census {
-    pub fn of(table: &Table, gaps: Gaps) -> Self {
+    pub fn of(table: &VoltageTable, gaps: AllowedGaps) -> Self {
         let rows = 0..table.len();
         Census {
             alone: rows.clone().map(|row| alone(table, row).count()).collect(),
@@ -32,26 +32,26 @@ impl Census {
 }
 
 /// In how many pairs with others a row is at fault.
-pub fn shared(table: &Table, gaps: Gaps, row: usize) -> usize {
+pub fn shared(table: &VoltageTable, gaps: AllowedGaps, row: usize) -> usize {
     match gaps {
-        Gaps::String => (0..table.len()).filter(|other| *other != row && !table.is_ordered(row, *other)).count(),
-        Gaps::Any => 0,
+        AllowedGaps::String => (0..table.len()).filter(|other| *other != row && !table.is_ordered(row, *other)).count(),
+        AllowedGaps::Any => 0,
     }
 }
 
 /// The faults of rows and pairs, rows first; at most so many.
-pub fn problems(table: &Table, gaps: Gaps, most: usize) -> Vec<Problem> {
+pub fn problems(table: &VoltageTable, gaps: AllowedGaps, most: usize) -> Vec<Problem> {
     let rows = 0..table.len();
     let alone = rows.clone().flat_map(|row| alone(table, row));
     let pairs = rows.flat_map(|one| (one + 1..table.len()).filter_map(move |other| pair(table, one, other)));
     match gaps {
-        Gaps::String => alone.chain(pairs).take(most).collect(),
-        Gaps::Any => alone.take(most).collect(),
+        AllowedGaps::String => alone.chain(pairs).take(most).collect(),
+        AllowedGaps::Any => alone.take(most).collect(),
     }
 }
 
 /// The faults of a row by itself.
-pub fn alone(table: &Table, row: usize) -> impl Iterator<Item = Problem> {
+pub fn alone(table: &VoltageTable, row: usize) -> impl Iterator<Item = Problem> {
     let (snap_down, release) = (table.snap_downs[row], table.releases[row]);
     let gap = 2 * table.margin;
     [
@@ -71,7 +71,7 @@ pub fn alone(table: &Table, row: usize) -> impl Iterator<Item = Problem> {
 }
 
 /// The fault of two rows of a STRING table.
-fn pair(table: &Table, one: usize, other: usize) -> Option<Problem> {
+fn pair(table: &VoltageTable, one: usize, other: usize) -> Option<Problem> {
     let snap_down_gap_v = volts_v((table.snap_downs[one] - table.snap_downs[other]).abs());
     let release_gap_v = volts_v((table.releases[one] - table.releases[other]).abs());
     let least_v = volts_v(2 * table.margin);
@@ -87,11 +87,11 @@ fn pair(table: &Table, one: usize, other: usize) -> Option<Problem> {
 }
 
 /// The fault of a state that takes too many levels, with the rows for which two are not enough.
-pub fn no_sequence(table: &Table, is_down: &[bool], state: usize, levels: usize) -> Problem {
+pub fn no_sequence(table: &VoltageTable, is_down: &[bool], state: usize, levels: usize) -> Problem {
     let gap = |voltages: &[i64]| {
         let down = (0..voltages.len()).filter(|row| is_down[*row]).max_by_key(|row| voltages[*row]).unwrap_or_default();
         let up = (0..voltages.len()).filter(|row| !is_down[*row]).min_by_key(|row| voltages[*row]).unwrap_or_default();
-        Gap { down, up, gap_v: volts_v(voltages[up] - voltages[down]) }
+        RowGap { down, up, gap_v: volts_v(voltages[up] - voltages[down]) }
     };
     Problem::NoSequence {
         state,

@@ -3,10 +3,10 @@
 //! Whether a table is right changes only where a voltage passes a limit of its row or comes two margins from one of the same sort;
 //! so just these places are tried, nearest first, each rounded away from the present voltage to the coarsest decimals that do.
 
-use super::cycles::Target;
+use super::cycles::PatternTarget;
 use super::faults::{self, Census};
-use super::table::{Table, volts_v};
-use super::{Gaps, Mend, Problem, Transition};
+use super::table::{VoltageTable, volts_v};
+use super::{AllowedGaps, Mend, Problem, Transition};
 
 /// Decimals that are tried: a nanovolt to a tenth of a volt.
 const GRAINS: [i64; 5] = [2, 2_000, 2_000_000, 20_000_000, 200_000_000];
@@ -25,7 +25,7 @@ enum Good {
 /// The smallest change for each fault, of those that do the most good to it.
 ///
 /// `problems` are all faults of the table, or as many as are to be reported.
-pub fn mends(table: &Table, gaps: Gaps, problems: &[Problem]) -> Vec<Option<Mend>> {
+pub fn mends(table: &VoltageTable, gaps: AllowedGaps, problems: &[Problem]) -> Vec<Option<Mend>> {
     let census = Census::of(table, gaps);
     let ranks = table.ranks();
     let too_long: Vec<usize> = problems.iter().filter_map(|problem| problem.state()).collect();
@@ -35,7 +35,8 @@ pub fn mends(table: &Table, gaps: Gaps, problems: &[Problem]) -> Vec<Option<Mend
 }
 
 fn mend(clinic: &Clinic) -> Option<Mend> {
-    let mut places: Vec<Place> = clinic.voltages().into_iter().flat_map(|voltage| clinic.places(voltage)).collect();
+    let mut places: Vec<VoltageBreakpoint> =
+        clinic.voltages().into_iter().flat_map(|voltage| clinic.places(voltage)).collect();
     places.sort_by_key(|place| (place.far(), place.row, place.transition, -place.to, place.way));
     places.dedup();
     let mut best: Option<(Good, i64, Mend)> = None;
@@ -54,8 +55,8 @@ fn mend(clinic: &Clinic) -> Option<Mend> {
 
 /// A fault and the table that has it.
 struct Clinic<'a> {
-    table: &'a Table,
-    gaps: Gaps,
+    table: &'a VoltageTable,
+    gaps: AllowedGaps,
     census: &'a Census,
     /// Where each row stands in the order.
     ranks: &'a [usize],
@@ -66,7 +67,7 @@ struct Clinic<'a> {
 
 /// Where moving a voltage may change something.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Place {
+struct VoltageBreakpoint {
     row: usize,
     transition: Transition,
     from: i64,
@@ -75,7 +76,7 @@ struct Place {
     way: i64,
 }
 
-impl Place {
+impl VoltageBreakpoint {
     fn far(&self) -> i64 {
         (self.to - self.from).abs()
     }
@@ -112,7 +113,7 @@ impl Clinic<'_> {
         }
     }
 
-    fn places(&self, (row, transition): (usize, Transition)) -> Vec<Place> {
+    fn places(&self, (row, transition): (usize, Transition)) -> Vec<VoltageBreakpoint> {
         let (table, gap) = (self.table, 2 * self.table.margin);
         let from = table.voltage(row, transition);
         let limits = match transition {
@@ -122,13 +123,13 @@ impl Clinic<'_> {
         let others = table.voltages(transition).iter().flat_map(|voltage| [voltage - gap, voltage + gap]);
         let place = |to: i64| {
             let ways: &[i64] = if to == from { &[1, -1] } else { &[1, -1][usize::from(to < from)..][..1] };
-            ways.iter().map(move |way| Place { row, transition, from, to, way: *way })
+            ways.iter().map(move |way| VoltageBreakpoint { row, transition, from, to, way: *way })
         };
         limits.into_iter().chain(others).filter(|to| (0..=table.max).contains(to)).flat_map(place).collect()
     }
 
     /// The coarsest voltage at a place that does as much good as one just there.
-    fn tried(&self, place: Place) -> Option<(Good, i64)> {
+    fn tried(&self, place: VoltageBreakpoint) -> Option<(Good, i64)> {
         let mut changed = self.table.clone();
         let mut good_of = |to: i64| {
             changed.set(place.row, place.transition, to);
@@ -141,7 +142,7 @@ impl Clinic<'_> {
     }
 
     /// How much good a table with a change in one row does.
-    fn good(&self, changed: &Table, place: Place) -> Option<Good> {
+    fn good(&self, changed: &VoltageTable, place: VoltageBreakpoint) -> Option<Good> {
         let row = place.row;
         if !keeps_limits(changed, row, place.transition) {
             return None;
@@ -161,7 +162,7 @@ impl Clinic<'_> {
         Some(if left < before.max(1) { Good::More } else { Good::Some })
     }
 
-    fn is_mended(&self, changed: &Table) -> bool {
+    fn is_mended(&self, changed: &VoltageTable) -> bool {
         match *self.problem {
             Problem::Hold { row, .. } => changed.releases[row] <= changed.relax - 2 * changed.margin,
             Problem::Drive { row, .. } => changed.snap_downs[row] >= changed.flex + 2 * changed.margin,
@@ -176,23 +177,23 @@ impl Clinic<'_> {
     }
 
     /// Whether each state has a cycle that is short enough, after a change in a row that leaves no other faults.
-    fn has_short_cycles(&self, changed: &Table, row: usize) -> bool {
+    fn has_short_cycles(&self, changed: &VoltageTable, row: usize) -> bool {
         match self.gaps {
-            Gaps::Any => true,
-            Gaps::String => {
+            AllowedGaps::Any => true,
+            AllowedGaps::String => {
                 self.too_long.iter().copied().chain(0..=changed.len()).all(|state| self.is_short(changed, row, state))
             }
         }
     }
 
     /// The same of one state.
-    fn is_short(&self, changed: &Table, row: usize, state: usize) -> bool {
+    fn is_short(&self, changed: &VoltageTable, row: usize, state: usize) -> bool {
         let is_down: Vec<bool> = (0..changed.len()).map(|other| self.rank(changed, row, other) < state).collect();
-        Target::new(changed, &changed.ranked(), &is_down).length() <= changed.most_levels
+        PatternTarget::new(changed, &changed.ranked(), &is_down).length() <= changed.most_levels
     }
 
     /// Where a row stands in the order after a change in one.
-    fn rank(&self, changed: &Table, row: usize, of: usize) -> usize {
+    fn rank(&self, changed: &VoltageTable, row: usize, of: usize) -> usize {
         match of == row {
             true => changed.rank(row),
             false => {
@@ -204,7 +205,7 @@ impl Clinic<'_> {
 }
 
 /// Whether the voltage that was changed keeps the limits of its row.
-fn keeps_limits(table: &Table, row: usize, transition: Transition) -> bool {
+fn keeps_limits(table: &VoltageTable, row: usize, transition: Transition) -> bool {
     let (snap_down, release, gap) = (table.snap_downs[row], table.releases[row], 2 * table.margin);
     snap_down - release >= gap
         && match transition {

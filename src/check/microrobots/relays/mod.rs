@@ -13,9 +13,9 @@ mod patterns;
 pub(super) mod table;
 
 use crate::device::microrobots::{Arm, ControlState};
-use cycles::Target;
+use cycles::PatternTarget;
 use faults::Census;
-use table::Table;
+use table::VoltageTable;
 
 /// The most faults that are reported one by one.
 pub const MAX_FAULTS: usize = 16;
@@ -25,7 +25,7 @@ pub const MAX_STATES: usize = 4_096;
 
 /// The voltages of one robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
+pub struct RelayRow {
     pub snap_down_v: f64,
     pub release_v: f64,
 }
@@ -44,7 +44,7 @@ pub struct Source {
 
 /// Which tables are allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Gaps {
+pub enum AllowedGaps {
     /// Strictly non-nested hysteresis gaps: a chain of n + 1 states.
     String,
     /// Nested gaps and equal rows too.
@@ -68,7 +68,7 @@ pub struct Mend {
 
 /// Something wrong with the table.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fault {
+pub struct TableFault {
     pub problem: Problem,
     /// The smallest change of one voltage after which the table has no fault; where there is none, the smallest that mends this
     /// fault. Rounded so that it holds when typed in. `None` where no single voltage mends it.
@@ -77,7 +77,7 @@ pub struct Fault {
 
 /// Two rows that a state would have to tell apart by one of their voltages.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gap {
+pub struct RowGap {
     /// Its arm has to be down.
     pub down: usize,
     /// Its arm has to be up.
@@ -104,7 +104,7 @@ pub enum Problem {
     /// Neither voltages are `least_v`, two margins, apart: no level moves one arm without the other. Gaps are absolute.
     Alike { one: usize, other: usize, snap_down_gap_v: f64, release_gap_v: f64, least_v: f64 },
     /// The state that lowers the first `state` arms takes `levels` levels, more than allowed, because neither gap is `least_v`.
-    NoSequence { state: usize, levels: usize, snap_down: Gap, release: Gap, least_v: f64 },
+    NoSequence { state: usize, levels: usize, snap_down: RowGap, release: RowGap, least_v: f64 },
     /// More than [`MAX_STATES`] control states.
     Crowd { most: usize },
 }
@@ -134,7 +134,7 @@ pub struct Analysis {
     /// Empty after a fault. With [`Gaps::String`] state j lowers the first j arms of `order`; with [`Gaps::Any`] they are sorted
     /// by how many arms are down, then by their digits.
     pub states: Vec<ControlState>,
-    pub faults: Vec<Fault>,
+    pub faults: Vec<TableFault>,
     /// Faults beyond [`MAX_FAULTS`].
     pub more_faults: usize,
     /// With [`Gaps::Any`]: patterns that only a longer control cycle than allowed would set.
@@ -144,8 +144,8 @@ pub struct Analysis {
 /// Analyses a table of at most [`crate::device::microrobots::MAX_ROBOTS`] rows.
 ///
 /// Limits are met by equality too: a gap of exactly two margins is enough, with a slack of 0 V.
-pub fn analyse(rows: &[Row], source: Source, gaps: Gaps) -> Analysis {
-    let table = Table::new(rows, source);
+pub fn analyse(rows: &[RelayRow], source: Source, gaps: AllowedGaps) -> Analysis {
+    let table = VoltageTable::new(rows, source);
     let census = Census::of(&table, gaps);
     let order = table.order().unwrap_or_default();
     let problems = faults::problems(&table, gaps, MAX_FAULTS);
@@ -153,21 +153,21 @@ pub fn analyse(rows: &[Row], source: Source, gaps: Gaps) -> Analysis {
         return refused(&table, gaps, order, &problems, census.total());
     }
     match gaps {
-        Gaps::String => string(&table, order),
-        Gaps::Any => any(&table, order),
+        AllowedGaps::String => string(&table, order),
+        AllowedGaps::Any => any(&table, order),
     }
 }
 
-fn refused(table: &Table, gaps: Gaps, order: Vec<usize>, problems: &[Problem], total: usize) -> Analysis {
+fn refused(table: &VoltageTable, gaps: AllowedGaps, order: Vec<usize>, problems: &[Problem], total: usize) -> Analysis {
     let problems = &problems[..problems.len().min(MAX_FAULTS)];
     let mends = mends::mends(table, gaps, problems);
-    let faults: Vec<Fault> =
-        problems.iter().zip(mends).map(|(problem, mend)| Fault { problem: *problem, mend }).collect();
+    let faults: Vec<TableFault> =
+        problems.iter().zip(mends).map(|(problem, mend)| TableFault { problem: *problem, mend }).collect();
     Analysis { order, more_faults: total - faults.len(), faults, ..Analysis::default() }
 }
 
 /// The chain of states of a table whose rows are all told apart.
-fn string(table: &Table, order: Vec<usize>) -> Analysis {
+fn string(table: &VoltageTable, order: Vec<usize>) -> Analysis {
     let ranked = table.ranked();
     let mut is_down = vec![false; table.len()];
     let mut states = Vec::with_capacity(table.len() + 1);
@@ -176,26 +176,26 @@ fn string(table: &Table, order: Vec<usize>) -> Analysis {
         if let Some(last) = state.checked_sub(1) {
             is_down[order[last]] = true;
         }
-        match Target::new(table, &ranked, &is_down).state(&is_down) {
+        match PatternTarget::new(table, &ranked, &is_down).state(&is_down) {
             Ok(found) => states.push(found),
             Err(levels) => problems.push(faults::no_sequence(table, &is_down, state, levels)),
         }
     }
     match problems.is_empty() {
         true => Analysis { order, states, ..Analysis::default() },
-        false => refused(table, Gaps::String, order, &problems, problems.len()),
+        false => refused(table, AllowedGaps::String, order, &problems, problems.len()),
     }
 }
 
 /// All patterns of a table, of whatever form.
-fn any(table: &Table, order: Vec<usize>) -> Analysis {
+fn any(table: &VoltageTable, order: Vec<usize>) -> Analysis {
     let Some(patterns) = patterns::accessible(table, MAX_STATES) else {
-        let faults = vec![Fault { problem: Problem::Crowd { most: MAX_STATES }, mend: None }];
+        let faults = vec![TableFault { problem: Problem::Crowd { most: MAX_STATES }, mend: None }];
         return Analysis { order, faults, ..Analysis::default() };
     };
     let ranked = table.ranked();
     let found: Vec<ControlState> =
-        patterns.iter().filter_map(|is_down| Target::new(table, &ranked, is_down).state(is_down).ok()).collect();
+        patterns.iter().filter_map(|is_down| PatternTarget::new(table, &ranked, is_down).state(is_down).ok()).collect();
     Analysis { order, too_long: patterns.len() - found.len(), states: found, ..Analysis::default() }
 }
 

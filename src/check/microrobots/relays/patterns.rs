@@ -4,20 +4,20 @@
 //! closed under this (`cycles` says why). They are listed by deciding one arm after the other and what follows from it, so
 //! that no decision is ever taken back, and n arms cost O(n) for each pattern.
 
-use super::table::Table;
+use super::table::VoltageTable;
 
 /// One bit for each row.
-type Mask = u128;
+type RowMask = u128;
 
 /// The patterns by the number of arms that are down, then by digits; `None` if there are more than so many.
-pub fn accessible(table: &Table, most: usize) -> Option<Vec<Vec<bool>>> {
-    if table.len() > Mask::BITS as usize {
+pub fn accessible(table: &VoltageTable, most: usize) -> Option<Vec<Vec<bool>>> {
+    if table.len() > RowMask::BITS as usize {
         return None;
     }
     let downs = kept_down(table);
-    let ups: Vec<Mask> = (0..table.len()).map(|row| column(&downs, row)).collect();
+    let ups: Vec<RowMask> = (0..table.len()).map(|row| column(&downs, row)).collect();
     let mut patterns = Vec::new();
-    let mut open: Vec<(Mask, Mask)> = vec![(0, 0)];
+    let mut open: Vec<(RowMask, RowMask)> = vec![(0, 0)];
     while let Some((down, up)) = open.pop() {
         let undecided = (down | up).trailing_ones() as usize;
         if undecided >= table.len() {
@@ -30,17 +30,17 @@ pub fn accessible(table: &Table, most: usize) -> Option<Vec<Vec<bool>>> {
         open.push((down | downs[undecided], up));
         open.push((down, up | ups[undecided]));
     }
-    let bools = |mask: Mask| (0..table.len()).map(|row| mask >> row & 1 == 1).collect::<Vec<bool>>();
+    let bools = |mask: RowMask| (0..table.len()).map(|row| mask >> row & 1 == 1).collect::<Vec<bool>>();
     let mut patterns: Vec<Vec<bool>> = patterns.into_iter().map(bools).collect();
     patterns.sort_by_cached_key(|pattern| (pattern.iter().filter(|is_down| **is_down).count(), pattern.clone()));
     Some(patterns)
 }
 
 /// For each row those that are down when it is, itself among them.
-fn kept_down(table: &Table) -> Vec<Mask> {
+fn kept_down(table: &VoltageTable) -> Vec<RowMask> {
     let rows = 0..table.len();
     let direct = |row: usize| rows.clone().filter(move |other| !table.separates(row, *other));
-    let mut kept: Vec<Mask> =
+    let mut kept: Vec<RowMask> =
         rows.clone().map(|row| direct(row).fold(1 << row, |mask, other| mask | 1 << other)).collect();
     for middle in rows.clone() {
         let further = kept[middle];
@@ -54,6 +54,6 @@ fn kept_down(table: &Table) -> Vec<Mask> {
 }
 
 /// The rows whose mask has a bit.
-fn column(masks: &[Mask], bit: usize) -> Mask {
+fn column(masks: &[RowMask], bit: usize) -> RowMask {
     masks.iter().enumerate().fold(0, |rows, (row, mask)| rows | (mask >> bit & 1) << row)
 }

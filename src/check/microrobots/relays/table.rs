@@ -1,6 +1,6 @@
 //! A table of voltages in whole numbers.
 
-use super::{Row, Source, Transition};
+use super::{RelayRow, Source, Transition};
 
 /// How many units a volt has: half nanovolts. What is given is rounded to whole nanovolts, so that the middle of two levels is
 /// a whole number too.
@@ -14,7 +14,7 @@ const MOST_V: f64 = 1e8;
 
 /// The voltages of a table and its source, in units of half a nanovolt.
 #[derive(Debug, Clone)]
-pub struct Table {
+pub struct VoltageTable {
     pub snap_downs: Vec<i64>,
     pub releases: Vec<i64>,
     /// At least a nanovolt: a level at which an arm moves is not one at which it stays.
@@ -33,9 +33,9 @@ pub struct Ranked {
     pub releases: Vec<usize>,
 }
 
-impl Table {
-    pub fn new(rows: &[Row], source: Source) -> Self {
-        Table {
+impl VoltageTable {
+    pub fn new(rows: &[RelayRow], source: Source) -> Self {
+        VoltageTable {
             snap_downs: rows.iter().map(|row| units(row.snap_down_v)).collect(),
             releases: rows.iter().map(|row| units(row.release_v)).collect(),
             margin: units(source.margin_v).max(LEAST_MARGIN),

@@ -13,7 +13,7 @@
 //! s = (m - (f - r) - 6 d - 2 d (n - 1)) / (2 n + 2), whatever p.
 
 use super::relays::table::units;
-use super::relays::{Gaps, Row, Source, analyse};
+use super::relays::{AllowedGaps, RelayRow, Source, analyse};
 use crate::device::microrobots::MAX_ROBOTS;
 
 /// Decimals of the voltages: the coarsest that cost little slack are taken. The last is what voltages are compared in.
@@ -24,7 +24,7 @@ const KEPT: f64 = 0.99;
 
 /// What a suggestion has to keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
+pub struct SuggestLimits {
     /// Each transition voltage will be known to plus or minus this.
     pub margin_v: f64,
     pub max_v: f64,
@@ -40,7 +40,7 @@ pub struct Suggestion {
     /// The largest number of robots that fits, up to [`crate::device::microrobots::MAX_ROBOTS`].
     pub most: usize,
     /// In the order in which arms snap down; `None` where so many do not fit, or none are asked for.
-    pub table: Option<Vec<Row>>,
+    pub table: Option<Vec<RelayRow>>,
     /// As given, or chosen: for the largest table where so many robots do not fit, and without meaning where none does.
     pub relax_v: f64,
     pub flex_v: f64,
@@ -49,7 +49,7 @@ pub struct Suggestion {
 }
 
 /// The STRING table of so many robots whose smallest slack is greatest, in round figures.
-pub fn suggest(robots: usize, limits: Limits) -> Suggestion {
+pub fn suggest(robots: usize, limits: SuggestLimits) -> Suggestion {
     let most = most(limits);
     let best_v = best_slack_v(robots, limits);
     let fits = (1..=most).contains(&robots);
@@ -68,7 +68,7 @@ pub fn suggest(robots: usize, limits: Limits) -> Suggestion {
 }
 
 /// The largest number of robots that fits.
-fn most(limits: Limits) -> usize {
+fn most(limits: SuggestLimits) -> usize {
     let margin = units(limits.margin_v).max(units(1e-9));
     let steps = |room: i64| if room < 0 { None } else { Some(room / (2 * margin)) };
     let most = match limits.drive_v {
@@ -83,7 +83,7 @@ fn most(limits: Limits) -> usize {
 }
 
 /// The greatest slack of any table; negative if there is none.
-fn best_slack_v(robots: usize, limits: Limits) -> f64 {
+fn best_slack_v(robots: usize, limits: SuggestLimits) -> f64 {
     match limits.drive_v {
         Some(drive_v) => split(robots, limits, drive_v).1,
         None => free_slack_v(robots, limits),
@@ -91,14 +91,14 @@ fn best_slack_v(robots: usize, limits: Limits) -> f64 {
 }
 
 /// The greatest slack where the drive levels can be chosen.
-fn free_slack_v(robots: usize, limits: Limits) -> f64 {
+fn free_slack_v(robots: usize, limits: SuggestLimits) -> f64 {
     let steps = robots.saturating_sub(1) as f64;
     let room_v = limits.max_v - limits.swing_v - 6.0 * limits.margin_v - 2.0 * limits.margin_v * steps;
     room_v / (2.0 * steps + 4.0)
 }
 
 /// How many of the steps between robots are best made in snap-down, and the slack then.
-fn split(robots: usize, limits: Limits, drive_v: [f64; 2]) -> (usize, f64) {
+fn split(robots: usize, limits: SuggestLimits, drive_v: [f64; 2]) -> (usize, f64) {
     let steps = robots.saturating_sub(1).min(MAX_ROBOTS);
     let slack_v = |above: usize| {
         let [below_v, above_v] = rooms_v(limits, drive_v);
@@ -109,28 +109,28 @@ fn split(robots: usize, limits: Limits, drive_v: [f64; 2]) -> (usize, f64) {
 }
 
 /// What the limits leave to release and to snap-down voltages.
-fn rooms_v(limits: Limits, [relax_v, flex_v]: [f64; 2]) -> [f64; 2] {
+fn rooms_v(limits: SuggestLimits, [relax_v, flex_v]: [f64; 2]) -> [f64; 2] {
     [relax_v - 3.0 * limits.margin_v, limits.max_v - flex_v - 3.0 * limits.margin_v]
 }
 
 /// The slack of so many equal steps in some room.
-fn step_slack_v(room_v: f64, steps: usize, limits: Limits) -> f64 {
+fn step_slack_v(room_v: f64, steps: usize, limits: SuggestLimits) -> f64 {
     (room_v - 2.0 * limits.margin_v * steps as f64) / (2.0 * steps as f64 + 2.0)
 }
 
 /// The best table with voltages rounded to a grain, if that is one.
-fn fitted(robots: usize, limits: Limits, grain_v: f64) -> Suggestion {
+fn fitted(robots: usize, limits: SuggestLimits, grain_v: f64) -> Suggestion {
     let drive_v = limits.drive_v.unwrap_or_else(|| chosen_v(robots, limits, grain_v));
     let rows = rows(robots, limits, drive_v, grain_v);
     let [relax_v, flex_v] = drive_v;
     let source = Source { margin_v: limits.margin_v, relax_v, flex_v, max_v: limits.max_v, most_levels: 2 };
-    let states = analyse(&rows, source, Gaps::String).states;
+    let states = analyse(&rows, source, AllowedGaps::String).states;
     let slack_v = states.iter().map(|state| state.slack_v).reduce(f64::min);
     Suggestion { most: 0, table: slack_v.map(|_| rows), relax_v, flex_v, slack_v: slack_v.unwrap_or(0.0) }
 }
 
 /// Drive levels that leave half of the steps to snap-down.
-fn chosen_v(robots: usize, limits: Limits, grain_v: f64) -> [f64; 2] {
+fn chosen_v(robots: usize, limits: SuggestLimits, grain_v: f64) -> [f64; 2] {
     let above = (robots / 2) as f64;
     let slack_v = free_slack_v(robots, limits).max(0.0);
     let room_v = limits.margin_v * (3.0 + 2.0 * above) + slack_v * (2.0 + 2.0 * above);
@@ -139,7 +139,7 @@ fn chosen_v(robots: usize, limits: Limits, grain_v: f64) -> [f64; 2] {
 }
 
 /// A chain through a grid: from row to row one of the voltages takes a step.
-fn rows(robots: usize, limits: Limits, drive_v: [f64; 2], grain_v: f64) -> Vec<Row> {
+fn rows(robots: usize, limits: SuggestLimits, drive_v: [f64; 2], grain_v: f64) -> Vec<RelayRow> {
     let [relax_v, flex_v] = drive_v;
     let (above, _) = split(robots, limits, drive_v);
     let steps = robots.saturating_sub(1);
@@ -150,7 +150,7 @@ fn rows(robots: usize, limits: Limits, drive_v: [f64; 2], grain_v: f64) -> Vec<R
     let row = |at: usize| {
         let taken = (at * above).div_ceil(steps.max(1));
         let left = steps - above - (at - taken);
-        Row {
+        RelayRow {
             snap_down_v: rounded_v(lowest_v + taken as f64 * snap_down_v, grain_v),
             release_v: rounded_v(highest_v - left as f64 * release_v, grain_v),
         }

@@ -36,7 +36,7 @@ pub const KNOWS_FILES: bool = cfg!(unix);
 
 /// What could not be done, and to which file.
 #[derive(Debug)]
-pub struct Fault {
+pub struct DiskFault {
     pub path: PathBuf,
     pub error: io::Error,
 }
@@ -76,9 +76,9 @@ pub trait Acts {
 }
 
 /// The disk as it is.
-pub struct Real;
+pub struct RealDisk;
 
-impl Acts for Real {
+impl Acts for RealDisk {
     fn go_on(&self) -> io::Result<()> {
         if signals::is_asked() { Err(io::ErrorKind::Interrupted.into()) } else { Ok(()) }
     }
@@ -89,7 +89,7 @@ impl Acts for Real {
 struct Journal {
     /// Those whose files are gone were made already.
     moves: Vec<Move>,
-    remove: Vec<Removal>,
+    remove: Vec<FileRemoval>,
 }
 
 /// From a name to a name.
@@ -103,7 +103,7 @@ struct Move {
 
 /// A file that was put where none was.
 #[derive(Debug, Serialize, Deserialize)]
-struct Removal {
+struct FileRemoval {
     name: String,
     number: Option<u64>,
 }
@@ -145,20 +145,20 @@ pub struct Folder<'a> {
 
 impl<'a> Folder<'a> {
     /// Waits until nobody builds into the folder, and finishes what a build that was killed has left.
-    pub fn open(path: &'a Path, acts: &'a dyn Acts) -> Result<Folder<'a>, Fault> {
-        let lock = lock(path, acts).map_err(|error| Fault { path: path.to_owned(), error })?;
+    pub fn open(path: &'a Path, acts: &'a dyn Acts) -> Result<Folder<'a>, DiskFault> {
+        let lock = lock(path, acts).map_err(|error| DiskFault { path: path.to_owned(), error })?;
         let folder = Folder { path, acts, _lock: lock };
         folder.finish()?;
         Ok(folder)
     }
 
-    fn fault(&self, name: &str) -> impl Fn(io::Error) -> Fault {
+    fn fault(&self, name: &str) -> impl Fn(io::Error) -> DiskFault {
         let path = self.path.join(name);
-        move |error| Fault { path: path.clone(), error }
+        move |error| DiskFault { path: path.clone(), error }
     }
 
     /// Carries out a journal, and clears files of builds that came to no journal.
-    fn finish(&self) -> Result<(), Fault> {
+    fn finish(&self) -> Result<(), DiskFault> {
         let path = self.path.join(JOURNAL);
         match fs::read(&path) {
             Ok(bytes) => {
@@ -178,7 +178,7 @@ impl<'a> Folder<'a> {
         Ok(())
     }
 
-    fn carry_out(&self, journal: &Journal) -> Result<(), Fault> {
+    fn carry_out(&self, journal: &Journal) -> Result<(), DiskFault> {
         for Move { from, to, .. } in &journal.moves {
             if self.path.join(from).symlink_metadata().is_ok() {
                 self.acts.rename(&self.path.join(from), &self.path.join(to)).map_err(self.fault(to))?;
@@ -207,7 +207,7 @@ impl<'a> Folder<'a> {
     }
 
     /// Puts all files in place, or leaves all as they were.
-    pub fn replace(&self, files: &[(&str, &[u8])]) -> Result<(), Fault> {
+    pub fn replace(&self, files: &[(&str, &[u8])]) -> Result<(), DiskFault> {
         let replaced = self.stage(files).and_then(|journal| match journal.moves.as_slice() {
             [Move { from, to, .. }] => {
                 self.acts.rename(&self.path.join(from), &self.path.join(to)).map_err(self.fault(to))?;
@@ -219,7 +219,7 @@ impl<'a> Folder<'a> {
         replaced
     }
 
-    fn stage(&self, files: &[(&str, &[u8])]) -> Result<Journal, Fault> {
+    fn stage(&self, files: &[(&str, &[u8])]) -> Result<Journal, DiskFault> {
         let mut journal = Journal::default();
         for (index, (name, bytes)) in files.iter().enumerate() {
             self.acts.go_on().map_err(self.fault(name))?;
@@ -236,7 +236,7 @@ impl<'a> Folder<'a> {
         Ok(journal)
     }
 
-    fn commit(&self, journal: &Journal) -> Result<(), Fault> {
+    fn commit(&self, journal: &Journal) -> Result<(), DiskFault> {
         let way_back = self.way_back(journal)?;
         self.publish(journal)?;
         if let Err(fault) = self.carry_out(journal) {
@@ -250,7 +250,7 @@ impl<'a> Folder<'a> {
     }
 
     /// What would bring the old files back, which are kept under second names.
-    fn way_back(&self, journal: &Journal) -> Result<Journal, Fault> {
+    fn way_back(&self, journal: &Journal) -> Result<Journal, DiskFault> {
         let mut back = Journal::default();
         for (index, Move { to: name, number: of_new, .. }) in journal.moves.iter().enumerate() {
             let kept = format!("{PREFIX}old-{index}");
@@ -258,7 +258,7 @@ impl<'a> Folder<'a> {
             match self.acts.link(&target, &copy) {
                 Ok(()) => {}
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                    back.remove.push(Removal { name: name.clone(), number: *of_new });
+                    back.remove.push(FileRemoval { name: name.clone(), number: *of_new });
                     continue;
                 }
                 // Some disks have no hard links: the old file is copied.
@@ -273,7 +273,7 @@ impl<'a> Folder<'a> {
     }
 
     /// Makes a journal count, in place of one that does.
-    fn publish(&self, journal: &Journal) -> Result<(), Fault> {
+    fn publish(&self, journal: &Journal) -> Result<(), DiskFault> {
         let bytes = serde_json::to_vec(journal).expect("names are JSON");
         self.acts.write(&self.path.join(DRAFT), &bytes).map_err(self.fault(DRAFT))?;
         self.acts.sync(self.path).map_err(self.fault(""))?;

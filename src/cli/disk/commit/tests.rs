@@ -27,23 +27,23 @@ impl Acts for Mortal {
         let is_last = self.left.get() == 1;
         self.live()?;
         // The last act of a life is half done.
-        Real.write(path, if is_last { &bytes[..bytes.len() / 2] } else { bytes })
+        RealDisk.write(path, if is_last { &bytes[..bytes.len() / 2] } else { bytes })
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
-        self.live().and_then(|()| Real.rename(from, to))
+        self.live().and_then(|()| RealDisk.rename(from, to))
     }
 
     fn link(&self, from: &Path, to: &Path) -> io::Result<()> {
-        self.live().and_then(|()| Real.link(from, to))
+        self.live().and_then(|()| RealDisk.link(from, to))
     }
 
     fn remove(&self, path: &Path) -> io::Result<()> {
-        self.live().and_then(|()| Real.remove(path))
+        self.live().and_then(|()| RealDisk.remove(path))
     }
 
     fn sync(&self, folder: &Path) -> io::Result<()> {
-        self.live().and_then(|()| Real.sync(folder))
+        self.live().and_then(|()| RealDisk.sync(folder))
     }
 }
 
@@ -65,7 +65,7 @@ fn of(files: &[(&str, &[u8])]) -> Set {
     files.iter().map(|(name, bytes)| ((*name).to_owned(), bytes.to_vec())).collect()
 }
 
-fn write(folder: &Path, acts: &dyn Acts, files: &[(&str, &[u8])]) -> Result<(), Fault> {
+fn write(folder: &Path, acts: &dyn Acts, files: &[(&str, &[u8])]) -> Result<(), DiskFault> {
     Folder::open(folder, acts).and_then(|folder| folder.replace(files))
 }
 
@@ -74,14 +74,14 @@ fn a_kill_before_any_act_leaves_a_whole_set_to_the_next_build() {
     let mut seen = [0, 0];
     for life in 0.. {
         let folder = tempfile::tempdir().expect("a folder");
-        write(folder.path(), &Real, &OLD).expect("the old set");
+        write(folder.path(), &RealDisk, &OLD).expect("the old set");
         let mortal = Mortal::new(life);
         let finished = write(folder.path(), &mortal, &NEW).is_ok();
         let left = set(folder.path());
         for (name, _) in OLD {
             assert!(left.contains_key(name), "`{name}` is missing after {life} acts");
         }
-        drop(Folder::open(folder.path(), &Real).expect("the next build begins"));
+        drop(Folder::open(folder.path(), &RealDisk).expect("the next build begins"));
         let whole = set(folder.path());
         assert!(whole == of(&OLD) || whole == of(&NEW), "after {life} acts: {whole:?}");
         seen[usize::from(whole == of(&NEW))] += 1;
@@ -108,11 +108,11 @@ impl Faulty {
 
 impl Acts for Faulty {
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        self.act().and_then(|()| Real.write(path, bytes))
+        self.act().and_then(|()| RealDisk.write(path, bytes))
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
-        self.act().and_then(|()| Real.rename(from, to))
+        self.act().and_then(|()| RealDisk.rename(from, to))
     }
 }
 
@@ -120,7 +120,7 @@ impl Acts for Faulty {
 fn an_act_that_fails_leaves_the_old_set_and_nothing_else() {
     for at in 0..20 {
         let folder = tempfile::tempdir().expect("a folder");
-        write(folder.path(), &Real, &OLD).expect("the old set");
+        write(folder.path(), &RealDisk, &OLD).expect("the old set");
         let disk = Faulty { at, acts: Cell::new(0) };
         let expected = if write(folder.path(), &disk, &NEW).is_ok() { of(&NEW) } else { of(&OLD) };
         assert_eq!(set(folder.path()), expected, "act {at}");
@@ -140,12 +140,12 @@ fn a_journal_from_a_stranger_changes_nothing() {
         "nonsense",
     ] {
         let folder = tempfile::tempdir().expect("a folder");
-        write(folder.path(), &Real, &OLD).expect("the old set");
+        write(folder.path(), &RealDisk, &OLD).expect("the old set");
         fs::write(folder.path().join(".tweeze-new-0"), "not of this folder").expect("written");
         fs::write(folder.path().join(JOURNAL), journal).expect("written");
         let before = set(folder.path());
         if KNOWS_FILES || !journal.contains("\"a\",\"number") {
-            let refused = Folder::open(folder.path(), &Real).map(drop).expect_err("it is refused");
+            let refused = Folder::open(folder.path(), &RealDisk).map(drop).expect_err("it is refused");
             assert!(refused.error.to_string().contains("not of a build into this folder"), "{journal}");
             assert_eq!(set(folder.path()), before, "{journal}");
         }
@@ -157,12 +157,12 @@ fn a_journal_from_a_stranger_changes_nothing() {
 #[test]
 fn a_removal_is_of_one_file() {
     let folder = tempfile::tempdir().expect("a folder");
-    write(folder.path(), &Real, &OLD).expect("the old set");
+    write(folder.path(), &RealDisk, &OLD).expect("the old set");
     let own = number(&folder.path().join("b")).expect("it has a number");
     for (number, left) in [(own + 1, 2), (own, 1)] {
         let journal = format!(r#"{{"moves":[],"remove":[{{"name":"b","number":{number}}}]}}"#);
         fs::write(folder.path().join(JOURNAL), journal).expect("written");
-        drop(Folder::open(folder.path(), &Real).expect("it is carried out"));
+        drop(Folder::open(folder.path(), &RealDisk).expect("it is carried out"));
         assert_eq!(set(folder.path()).len(), left);
     }
 }
@@ -184,7 +184,7 @@ impl Acts for Asked {
 fn a_build_that_is_asked_to_end_leaves_the_old_set_and_nothing_else() {
     for after in 0..4 {
         let folder = tempfile::tempdir().expect("a folder");
-        write(folder.path(), &Real, &OLD).expect("the old set");
+        write(folder.path(), &RealDisk, &OLD).expect("the old set");
         let fault = write(folder.path(), &Asked { after: Cell::new(after) }, &NEW).expect_err("it is interrupted");
         assert_eq!(fault.error.kind(), io::ErrorKind::Interrupted);
         assert_eq!(set(folder.path()), of(&OLD), "asked after {after} files");
@@ -195,7 +195,7 @@ fn a_build_that_is_asked_to_end_leaves_the_old_set_and_nothing_else() {
 #[test]
 fn waiting_for_a_folder_can_be_interrupted() {
     let folder = tempfile::tempdir().expect("a folder");
-    let held = Folder::open(folder.path(), &Real).expect("the folder is free");
+    let held = Folder::open(folder.path(), &RealDisk).expect("the folder is free");
     let fault = Folder::open(folder.path(), &Asked { after: Cell::new(3) }).map(drop).expect_err("it is held");
     assert_eq!(fault.error.kind(), io::ErrorKind::Interrupted);
     drop(held);

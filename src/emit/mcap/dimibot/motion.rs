@@ -4,7 +4,7 @@
 
 use crate::emit::mcap::bench::plans;
 use crate::emit::mcap::foxglove::{self, PoseInFrame, PosesInFrame};
-use crate::emit::mcap::{Signals, Topic};
+use crate::emit::mcap::{LogTopic, Signals};
 use crate::schedule::{State, TimedState};
 use crate::verify::Verified;
 use std::collections::BTreeSet;
@@ -15,7 +15,7 @@ pub fn tip_frame(device: &str) -> String {
 }
 
 /// `/<device>/pose`, where the end-effector is at each of these instants, and `/<device>/path`.
-pub fn topics(verified: &Verified, device: &str, poses: &[(u64, [f64; 3])]) -> [Topic; 2] {
+pub fn topics(verified: &Verified, device: &str, poses: &[(u64, [f64; 3])]) -> [LogTopic; 2] {
     let pose = |&(t_ns, place): &(u64, [f64; 3])| {
         let message = PoseInFrame {
             timestamp: foxglove::timestamp(t_ns),
@@ -24,7 +24,7 @@ pub fn topics(verified: &Verified, device: &str, poses: &[(u64, [f64; 3])]) -> [
         };
         (t_ns, foxglove::encode(&message))
     };
-    [Topic::new::<PoseInFrame>(format!("/{device}/pose"), poses.iter().map(pose).collect()), path(verified, device)]
+    [LogTopic::new::<PoseInFrame>(format!("/{device}/pose"), poses.iter().map(pose).collect()), path(verified, device)]
 }
 
 /// Where the end-effector is in a state.
@@ -66,7 +66,7 @@ pub fn poses(verified: &Verified, signals: &Signals, device: &str) -> Vec<(u64, 
 const MAX_PLACES: usize = 10_000;
 
 /// The way of each plan. A long one comes in several messages, each at the instant of its first place, which ends the one before.
-fn path(verified: &Verified, device: &str) -> Topic {
+fn path(verified: &Verified, device: &str) -> LogTopic {
     let mut messages = Vec::new();
     for plan in plans(verified, device) {
         for first in (0..plan.states.len().max(1)).step_by(MAX_PLACES) {
@@ -80,5 +80,5 @@ fn path(verified: &Verified, device: &str) -> Topic {
             messages.push((t_ns, foxglove::encode(&message)));
         }
     }
-    Topic::new::<PosesInFrame>(format!("/{device}/path"), messages)
+    LogTopic::new::<PosesInFrame>(format!("/{device}/path"), messages)
 }

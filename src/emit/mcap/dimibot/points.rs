@@ -1,8 +1,8 @@
 //! The scene once more as coloured points: path, stops and the true outlines of obstacles.
 
 use super::{motion, scene};
-use crate::claims::dimibot::{Body, DimibotOrder};
-use crate::emit::mcap::Topic;
+use crate::claims::dimibot::{DimibotObstacleBody, DimibotOrder};
+use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, cloud, outlines, rectangle};
 use crate::emit::mcap::drawing::{self, color};
 use crate::emit::mcap::foxglove::{self, PointCloud};
@@ -16,7 +16,7 @@ const MANY_OBSTACLES: usize = 500;
 const COARSE_CORNERS: usize = 8;
 
 /// `/<device>/scene/points` and `/<device>/plan/points`.
-pub fn topics(verified: &Verified, device: &str) -> [Topic; 2] {
+pub fn topics(verified: &Verified, device: &str) -> [LogTopic; 2] {
     let scene = |(t_ns, order)| (t_ns, foxglove::encode(&cloud(&scenery(order), device, t_ns)));
     let plan = |(order, plan): (&DimibotOrder, &PlanRecord)| {
         (plan.start_ns, foxglove::encode(&cloud(&plan_strokes(order, plan), device, plan.start_ns)))
@@ -24,8 +24,8 @@ pub fn topics(verified: &Verified, device: &str) -> [Topic; 2] {
     let scenes = scene::sceneries(verified, device).into_iter().map(scene).collect();
     let plans = scene::jobs(verified, device).into_iter().map(plan).collect();
     [
-        Topic::new::<PointCloud>(format!("/{device}/scene/points"), scenes),
-        Topic::new::<PointCloud>(format!("/{device}/plan/points"), plans),
+        LogTopic::new::<PointCloud>(format!("/{device}/scene/points"), scenes),
+        LogTopic::new::<PointCloud>(format!("/{device}/plan/points"), plans),
     ]
 }
 
@@ -48,12 +48,12 @@ fn scenery(order: &DimibotOrder) -> Vec<Stroke> {
     let corners = if order.obstacles.len() > MANY_OBSTACLES { COARSE_CORNERS } else { CIRCLE_CORNERS };
     for obstacle in scene::drawn(order) {
         let lines = match &*obstacle.body.seen_from(order.frame.as_ref()) {
-            Body::Cells { from, to } => {
+            DimibotObstacleBody::Cells { from, to } => {
                 let (low, high) = scene::tiles_um(facts, *from, *to);
                 vec![rectangle(low, high)]
             }
             // The checker refuses shapes that cannot be placed; one that slips through is only not drawn.
-            Body::Solid { shape, pose } => {
+            DimibotObstacleBody::Solid { shape, pose } => {
                 shape.grown(pose, 0.0).map_or_else(|_| Vec::new(), |body| outlines(&drawing::on_grid(body), corners))
             }
         };

@@ -4,10 +4,10 @@
 //! message of each topic only: every message shows all there is to show. Scenery is said again when a job brings another.
 
 use super::motion;
-use crate::claims::dimibot::{Action, Body, DimibotOrder, Obstacle, Stop};
+use crate::claims::dimibot::{DimibotAction, DimibotObstacle, DimibotObstacleBody, DimibotOrder, DimibotStop};
 use crate::device::dimibot::Side;
-use crate::device::dimibot::{Cell, Facts};
-use crate::emit::mcap::Topic;
+use crate::device::dimibot::{DimibotFacts, LatticeCell};
+use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::bench;
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, SceneEntity, SceneUpdate, line_primitive};
@@ -40,33 +40,33 @@ const MAX_LABELS: usize = 200;
 const MAX_DRAWN: usize = 20_000;
 
 /// The cell of all modules at 1.
-pub fn last_cell(facts: &Facts) -> Cell {
-    Cell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 }
+pub fn last_cell(facts: &DimibotFacts) -> LatticeCell {
+    LatticeCell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 }
 }
 
-pub fn extent_um(facts: &Facts) -> [f64; 2] {
+pub fn extent_um(facts: &DimibotFacts) -> [f64; 2] {
     facts.place_um(last_cell(facts))
 }
 
 /// The cells that a task asks for, each once, in the order of writing; of very many the first.
-pub fn stops(order: &DimibotOrder) -> Vec<Cell> {
+pub fn stops(order: &DimibotOrder) -> Vec<LatticeCell> {
     let all = order.steps.iter().flat_map(|step| match &step.action {
-        Action::Move(stops) | Action::Visit(stops) => stops.as_slice(),
-        Action::Wait(_) => &[],
+        DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops.as_slice(),
+        DimibotAction::Wait(_) => &[],
     });
     let mut met = BTreeSet::new();
-    all.map(|stop: &Stop| stop.cell).filter(|cell| met.insert(cell.pair())).take(MAX_DRAWN).collect()
+    all.map(|stop: &DimibotStop| stop.cell).filter(|cell| met.insert(cell.pair())).take(MAX_DRAWN).collect()
 }
 
 /// The lower and the upper corner of a block of cells, each cell being a tile.
-pub fn tiles_um(facts: &Facts, from: Cell, to: Cell) -> ([f64; 2], [f64; 2]) {
+pub fn tiles_um(facts: &DimibotFacts, from: LatticeCell, to: LatticeCell) -> ([f64; 2], [f64; 2]) {
     let half = [Side::Left, Side::Right].map(|side| facts.pitch_um(side) * CELL_PART / 2.0);
     let ([x0, y0], [x1, y1]) = (facts.place_um(from), facts.place_um(to));
     ([x0 - half[0], y0 - half[1]], [x1 + half[0], y1 + half[1]])
 }
 
 /// `/<device>/scene` and `/<device>/plan`.
-pub fn topics(verified: &Verified, device: &str) -> [Topic; 2] {
+pub fn topics(verified: &Verified, device: &str) -> [LogTopic; 2] {
     let mut shown = BTreeSet::new();
     let mut scenes = Vec::new();
     for (t_ns, order) in sceneries(verified, device) {
@@ -82,8 +82,8 @@ pub fn topics(verified: &Verified, device: &str) -> [Topic; 2] {
     };
     let plans = jobs(verified, device).into_iter().map(plan).collect();
     [
-        Topic::new::<SceneUpdate>(format!("/{device}/scene"), scenes),
-        Topic::new::<SceneUpdate>(format!("/{device}/plan"), plans),
+        LogTopic::new::<SceneUpdate>(format!("/{device}/scene"), scenes),
+        LogTopic::new::<SceneUpdate>(format!("/{device}/plan"), plans),
     ]
 }
 
@@ -107,7 +107,7 @@ pub fn sceneries<'a>(verified: &'a Verified, device: &str) -> Vec<(u64, &'a Dimi
 }
 
 /// The obstacles that are drawn: a viewer does not show more in useful time.
-pub fn drawn(order: &DimibotOrder) -> &[Obstacle] {
+pub fn drawn(order: &DimibotOrder) -> &[DimibotObstacle] {
     &order.obstacles[..order.obstacles.len().min(MAX_DRAWN)]
 }
 
@@ -171,7 +171,7 @@ fn path(mut entity: SceneEntity, plan: &PlanRecord) -> SceneEntity {
 }
 
 /// The tip as wide as it is, in the frame that goes with it, with a mark that is seen when it is narrow.
-fn tip(device: &str, t_ns: u64, facts: &Facts) -> SceneEntity {
+fn tip(device: &str, t_ns: u64, facts: &DimibotFacts) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/tip"), &motion::tip_frame(device), t_ns);
     let slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT_UM, color: color::TIP };
     drawing::disc(&mut entity, nalgebra::Point2::origin(), facts.tip_radius_um, slab);
@@ -191,17 +191,17 @@ fn mark_stops(mut entity: SceneEntity, order: &DimibotOrder) -> SceneEntity {
 }
 
 /// Draws an obstacle and returns where its label goes.
-fn draw_obstacle(entity: &mut SceneEntity, order: &DimibotOrder, obstacle: &Obstacle) -> [f64; 3] {
+fn draw_obstacle(entity: &mut SceneEntity, order: &DimibotOrder, obstacle: &DimibotObstacle) -> [f64; 3] {
     let facts = &order.facts;
     let true_slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT_UM, color: color::OBSTACLE };
     let grown_slab = Slab { bottom_um: 0.0, height_um: GROWN_HEIGHT_UM, color: color::GROWN };
     match &*obstacle.body.seen_from(order.frame.as_ref()) {
-        Body::Cells { from, to } => {
+        DimibotObstacleBody::Cells { from, to } => {
             let (low, high) = tiles_um(facts, *from, *to);
             drawing::cuboid(entity, low, high, true_slab);
             [(low[0] + high[0]) / 2.0, high[1] + LABEL_GAP_UM, LABEL_HEIGHT_UM]
         }
-        Body::Solid { shape, pose } => {
+        DimibotObstacleBody::Solid { shape, pose } => {
             let mut top_um = pose.y_um;
             for (growth_um, slab) in [(0.0, true_slab), (facts.growth_um(), grown_slab)] {
                 // The checker refuses shapes that cannot be placed; one that slips through is only not drawn.

@@ -4,9 +4,11 @@
 //! planned (`plan`), and what is on (`active`). The first two come once more as points for viewers that show no scenes.
 
 use super::{frame, place};
-use crate::claims::electrode_array::{Action, Body, ElectrodeArrayOrder, Obstacle};
-use crate::device::electrode_array::{Cell, Electrodes, Facts};
-use crate::emit::mcap::Topic;
+use crate::claims::electrode_array::{
+    ElectrodeArrayAction, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
+};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
+use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::bench;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, cloud, rectangle};
 use crate::emit::mcap::drawing::{self, Slab, color};
@@ -40,7 +42,7 @@ const MAX_LABELS: usize = 200;
 const ACTIVE: Color = Color { r: 1.0, g: 0.95, b: 0.4, a: 1.0 };
 
 /// `/<device>/scene`, `/<device>/plan`, `/<device>/active` and the first two as points.
-pub fn topics(verified: &Verified, device: &str) -> Vec<Topic> {
+pub fn topics(verified: &Verified, device: &str) -> Vec<LogTopic> {
     let jobs: Vec<(&ElectrodeArrayOrder, &PlanRecord)> = bench::jobs(verified, device)
         .into_iter()
         .filter_map(|(job, plan)| Some((job.order.electrode_array()?, plan)))
@@ -67,11 +69,11 @@ pub fn topics(verified: &Verified, device: &str) -> Vec<Topic> {
         plan_points.push((t_ns, foxglove::encode(&cloud(&way_strokes(order, &ways), device, t_ns))));
     }
     vec![
-        Topic::new::<SceneUpdate>(format!("/{device}/scene"), scenes),
-        Topic::new::<SceneUpdate>(format!("/{device}/plan"), plans),
+        LogTopic::new::<SceneUpdate>(format!("/{device}/scene"), scenes),
+        LogTopic::new::<SceneUpdate>(format!("/{device}/plan"), plans),
         active(verified, device, jobs.first().map(|(order, _)| &order.facts)),
-        Topic::new::<PointCloud>(format!("/{device}/scene/points"), scene_points),
-        Topic::new::<PointCloud>(format!("/{device}/plan/points"), plan_points),
+        LogTopic::new::<PointCloud>(format!("/{device}/scene/points"), scene_points),
+        LogTopic::new::<PointCloud>(format!("/{device}/plan/points"), plan_points),
     ]
 }
 
@@ -99,12 +101,12 @@ fn scenery(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> Vec<SceneEnt
 }
 
 /// The lower and the upper corner of the board, half a pitch outside its electrodes.
-fn outline(facts: &Facts) -> [[f64; 2]; 2] {
-    let [x, y] = place(Cell::new(facts.columns, facts.rows));
+fn outline(facts: &ElectrodeArrayFacts) -> [[f64; 2]; 2] {
+    let [x, y] = place(ElectrodeCell::new(facts.columns, facts.rows));
     [[-0.5, -0.5], [x + 0.5, y + 0.5]]
 }
 
-fn board(facts: &Facts, device: &str, t_ns: u64) -> SceneEntity {
+fn board(facts: &ElectrodeArrayFacts, device: &str, t_ns: u64) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/board"), device, t_ns);
     let [[x0, y0], [x1, y1]] = outline(facts);
     let corners = [[x0, y0, 0.0], [x1, y0, 0.0], [x1, y1, 0.0], [x0, y1, 0.0]];
@@ -114,7 +116,7 @@ fn board(facts: &Facts, device: &str, t_ns: u64) -> SceneEntity {
         let slab = Slab { bottom_um: 0.0, height_um: ELECTRODE_HEIGHT, color: color::LATTICE };
         for row in 1..=facts.rows {
             for column in 1..=facts.columns {
-                drawing::disc(&mut entity, Point2::from(place(Cell::new(column, row))), radius, slab);
+                drawing::disc(&mut entity, Point2::from(place(ElectrodeCell::new(column, row))), radius, slab);
             }
         }
     }
@@ -125,11 +127,11 @@ fn board(facts: &Facts, device: &str, t_ns: u64) -> SceneEntity {
 }
 
 /// The corners of an obstacle's body.
-fn body(facts: &Facts, obstacle: &Obstacle) -> [[f64; 2]; 2] {
+fn body(facts: &ElectrodeArrayFacts, obstacle: &ElectrodeArrayObstacle) -> [[f64; 2]; 2] {
     let half = OBSTACLE_PART / 2.0;
     let (low, high, half) = match obstacle.body {
-        Body::Electrodes { from, to } => (place(from), place(to), half),
-        Body::Fixed(cell) => (place(cell), place(cell), facts.layout.half_width_pitches),
+        ElectrodeArrayObstacleBody::Electrodes { from, to } => (place(from), place(to), half),
+        ElectrodeArrayObstacleBody::Fixed(cell) => (place(cell), place(cell), facts.layout.half_width_pitches),
     };
     [low.map(|value| value - half), high.map(|value| value + half)]
 }
@@ -149,13 +151,13 @@ fn obstacles(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> SceneEntit
 }
 
 /// The index of each part that moves, and its cells one after the other without repetitions.
-fn ways(order: &ElectrodeArrayOrder, plan: &PlanRecord) -> Vec<(usize, Vec<Cell>)> {
-    let mut ways: BTreeMap<&str, Vec<Cell>> = BTreeMap::new();
+fn ways(order: &ElectrodeArrayOrder, plan: &PlanRecord) -> Vec<(usize, Vec<ElectrodeCell>)> {
+    let mut ways: BTreeMap<&str, Vec<ElectrodeCell>> = BTreeMap::new();
     for timed in &plan.states {
         let State::ElectrodeArray { parts } = &timed.state else { continue };
         for (name, [column, row]) in parts {
             let way = ways.entry(name).or_default();
-            let cell = Cell::new(*column, *row);
+            let cell = ElectrodeCell::new(*column, *row);
             if way.last() != Some(&cell) {
                 way.push(cell);
             }
@@ -166,7 +168,7 @@ fn ways(order: &ElectrodeArrayOrder, plan: &PlanRecord) -> Vec<(usize, Vec<Cell>
     moved.filter(|(_, way)| way.len() > 1).collect()
 }
 
-fn way_lines(ways: &[(usize, Vec<Cell>)], device: &str, t_ns: u64) -> SceneEntity {
+fn way_lines(ways: &[(usize, Vec<ElectrodeCell>)], device: &str, t_ns: u64) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/ways"), device, t_ns);
     for (part, way) in ways {
         let places = way.iter().map(|cell| {
@@ -179,10 +181,10 @@ fn way_lines(ways: &[(usize, Vec<Cell>)], device: &str, t_ns: u64) -> SceneEntit
 }
 
 /// What every step of a task asks for: the part's index and the cell.
-fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (usize, Cell)> + '_ {
+fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (usize, ElectrodeCell)> + '_ {
     let moves = order.steps.iter().flat_map(|step| match &step.action {
-        Action::Move(moves) => moves.as_slice(),
-        Action::Wait(_) => &[],
+        ElectrodeArrayAction::Move(moves) => moves.as_slice(),
+        ElectrodeArrayAction::Wait(_) => &[],
     });
     moves.flat_map(|action| action.stops.iter().map(|stop| (action.part, stop.cell)))
 }
@@ -210,7 +212,7 @@ fn scene_strokes(order: &ElectrodeArrayOrder) -> Vec<Stroke> {
     std::iter::once(board).chain(obstacles).collect()
 }
 
-fn way_strokes(order: &ElectrodeArrayOrder, ways: &[(usize, Vec<Cell>)]) -> Vec<Stroke> {
+fn way_strokes(order: &ElectrodeArrayOrder, ways: &[(usize, Vec<ElectrodeCell>)]) -> Vec<Stroke> {
     let ways = ways.iter().map(|(part, way)| Stroke {
         corners: way.iter().map(|cell| Point2::from(place(*cell))).collect(),
         color: color_of(*part),
@@ -223,20 +225,20 @@ fn way_strokes(order: &ElectrodeArrayOrder, ways: &[(usize, Vec<Cell>)]) -> Vec<
 }
 
 /// `/<device>/active`: the electrodes that are on, whenever one is switched.
-fn active(verified: &Verified, device: &str, facts: Option<&Facts>) -> Topic {
+fn active(verified: &Verified, device: &str, facts: Option<&ElectrodeArrayFacts>) -> LogTopic {
     let schedule = verified.schedule();
     let cell = |channel: u32| {
         let channel = schedule.channels.get(channel as usize).filter(|channel| channel.device == device)?;
         facts?.electrode(channel.name.strip_prefix(device)?.strip_prefix('.')?)
     };
     // For each instant the electrodes that are switched there, and whether on or off.
-    let mut switched: BTreeMap<u64, Vec<(Cell, Switched)>> = BTreeMap::from([(0, Vec::new())]);
+    let mut switched: BTreeMap<u64, Vec<(ElectrodeCell, Switched)>> = BTreeMap::from([(0, Vec::new())]);
     for actuation in &schedule.actuations {
         let Some(cell) = cell(actuation.channel) else { continue };
         switched.entry(actuation.start_ns).or_default().push((cell, Switched::On));
         switched.entry(actuation.end_ns()).or_default().push((cell, Switched::Off));
     }
-    let mut on: BTreeSet<Cell> = BTreeSet::new();
+    let mut on: BTreeSet<ElectrodeCell> = BTreeSet::new();
     let messages = switched.into_iter().map(|(t_ns, mut changes)| {
         changes.sort_by_key(|(_, switched)| *switched);
         for (cell, switched) in changes {
@@ -253,7 +255,7 @@ fn active(verified: &Verified, device: &str, facts: Option<&Facts>) -> Topic {
         }
         (t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities: vec![entity] }))
     });
-    Topic::new::<SceneUpdate>(format!("/{device}/active"), messages.collect())
+    LogTopic::new::<SceneUpdate>(format!("/{device}/active"), messages.collect())
 }
 
 /// What happens to an electrode; what ends at an instant ends before what begins there.

@@ -12,7 +12,7 @@ fn two() -> Verified {
     Verified::assume(schedule, claims)
 }
 
-fn topic<'a>(topics: &'a [Topic], name: &str) -> &'a Topic {
+fn topic<'a>(topics: &'a [LogTopic], name: &str) -> &'a LogTopic {
     topics.iter().find(|topic| topic.name == name).unwrap_or_else(|| panic!("no topic {name}"))
 }
 
@@ -61,7 +61,7 @@ fn each_part_has_a_frame_a_body_and_a_way() {
     }
     let plan = SceneUpdate::decode(topic(&topics, "/plate/plan").messages[0].1.as_slice()).unwrap();
     assert_eq!(plan.entities[0].lines.len(), 2);
-    let frames = super::super::frames::topic(&bench::Bench::all(&verified), &movers);
+    let frames = super::super::frames::topic(&bench::PictureBench::all(&verified), &movers);
     let last = FrameTransforms::decode(frames.messages.last().unwrap().1.as_slice()).unwrap();
     let names: Vec<&str> = last.transforms.iter().map(|frame| frame.child_frame_id.as_str()).collect();
     assert_eq!(names, ["plate", "plate/a", "plate/b"]);

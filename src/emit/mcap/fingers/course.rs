@@ -18,26 +18,26 @@ const STEP_UM: f64 = 1.0;
 pub const MAX_MOMENTS: usize = 20_000;
 
 /// All that a hand does.
-pub struct Course<'a> {
+pub struct HandCourse<'a> {
     pub fingers: usize,
     /// In order of time.
-    pub plans: Vec<PlanCourse<'a>>,
+    pub plans: Vec<HandPlanCourse<'a>>,
 }
 
 /// What a hand does in one plan.
-pub struct PlanCourse<'a> {
+pub struct HandPlanCourse<'a> {
     pub order: &'a FingersOrder,
     pub start_ns: u64,
     /// In order of time.
-    pub grasps: Vec<Grasp<'a>>,
+    pub grasps: Vec<RecordedGrasp<'a>>,
     /// After each grasp but the last, from when to when the fingers that hold then move.
     pub motions: Vec<Option<[u64; 2]>>,
     /// In order of time; the first one is that of the first state.
-    pub moments: Vec<Moment>,
+    pub moments: Vec<HandMoment>,
 }
 
 /// A recorded state.
-pub struct Grasp<'a> {
+pub struct RecordedGrasp<'a> {
     pub t_ns: u64,
     pub state: &'a State,
     /// The contact of each finger, 0 for a free one.
@@ -56,7 +56,7 @@ pub struct PartPose {
 }
 
 /// Where everything is at an instant.
-pub struct Moment {
+pub struct HandMoment {
     pub t_ns: u64,
     pub part: PartPose,
     /// The middle of each tip.
@@ -64,14 +64,14 @@ pub struct Moment {
 }
 
 /// The channels of each finger, in the order of the axes.
-type Stages = Vec<[usize; 3]>;
+type FingerChannels = Vec<[usize; 3]>;
 
-impl<'a> Course<'a> {
+impl<'a> HandCourse<'a> {
     /// What a device does; nothing where it is of another kind.
     pub fn new(verified: &'a Verified, signals: &Signals, device: &str) -> Self {
         let jobs = bench::jobs(verified, device).into_iter();
-        let plans = jobs.filter_map(|(job, plan)| PlanCourse::new(job.order.fingers()?, plan));
-        let mut plans: Vec<PlanCourse> = plans.collect();
+        let plans = jobs.filter_map(|(job, plan)| HandPlanCourse::new(job.order.fingers()?, plan));
+        let mut plans: Vec<HandPlanCourse> = plans.collect();
         let fingers = plans.first().map_or(0, |plan| plan.order.facts.fingers as usize);
         let stages = stages(signals, device, fingers);
         let breaks: Vec<u64> = signals.breaks(stages.iter().flatten().copied()).into_iter().collect();
@@ -87,7 +87,7 @@ impl<'a> Course<'a> {
         if let Some(first) = plans.first_mut().and_then(|plan| plan.moments.first_mut()) {
             first.t_ns = 0;
         }
-        Course { fingers, plans }
+        HandCourse { fingers, plans }
     }
 
     /// The name of the part.
@@ -97,7 +97,7 @@ impl<'a> Course<'a> {
 }
 
 /// The channels of a device by finger and axis.
-fn stages(signals: &Signals, device: &str, fingers: usize) -> Stages {
+fn stages(signals: &Signals, device: &str, fingers: usize) -> FingerChannels {
     let mut stages = vec![[None; AXES.len()]; fingers];
     for (index, channel) in signals.schedule.channels.iter().enumerate().filter(|(_, one)| one.device == device) {
         let name = channel.name.strip_prefix(device).and_then(|name| name.strip_prefix('.'));
@@ -114,7 +114,7 @@ fn tip_um(signals: &Signals, stage: &[usize; 3], t_ns: u64) -> [f64; 3] {
 }
 
 /// Into how many parts a stretch in which all tips go straight should be divided.
-fn wanted(signals: &Signals, stages: &Stages, [start_ns, end_ns]: [u64; 2]) -> f64 {
+fn wanted(signals: &Signals, stages: &FingerChannels, [start_ns, end_ns]: [u64; 2]) -> f64 {
     let way = |stage: &[usize; 3]| {
         let ends = [start_ns, end_ns].map(|t_ns| tip_um(signals, stage, t_ns));
         ends[0].iter().zip(ends[1]).map(|(a, b)| (b - a) * (b - a)).sum::<f64>().sqrt()
@@ -122,14 +122,14 @@ fn wanted(signals: &Signals, stages: &Stages, [start_ns, end_ns]: [u64; 2]) -> f
     (stages.iter().map(way).fold(0.0, f64::max) / STEP_UM).ceil()
 }
 
-impl<'a> PlanCourse<'a> {
+impl<'a> HandPlanCourse<'a> {
     fn new(order: &'a FingersOrder, plan: &'a PlanRecord) -> Option<Self> {
         let mut grasps = Vec::with_capacity(plan.states.len());
         for timed in &plan.states {
             let State::Fingers { grasp, angle_index, plane, position_um, orientation, .. } = &timed.state else {
                 return None;
             };
-            grasps.push(Grasp {
+            grasps.push(RecordedGrasp {
                 t_ns: timed.t_ns,
                 state: &timed.state,
                 contacts: grasp,
@@ -138,7 +138,7 @@ impl<'a> PlanCourse<'a> {
                 part: PartPose { position_um: *position_um, orientation: *orientation },
             });
         }
-        Some(PlanCourse { order, start_ns: plan.start_ns, grasps, motions: Vec::new(), moments: Vec::new() })
+        Some(HandPlanCourse { order, start_ns: plan.start_ns, grasps, motions: Vec::new(), moments: Vec::new() })
     }
 
     /// From one instant to the next at which a tip may bend off or a state is told.
@@ -153,13 +153,19 @@ impl<'a> PlanCourse<'a> {
     }
 
     /// The moments of a plan: the ends of all stretches, and a share of those that are wanted between them.
-    fn moments(&self, signals: &Signals, stages: &Stages, stretches: &[[u64; 2]], share: f64) -> Vec<Moment> {
-        let moment = |t_ns: u64| Moment {
+    fn moments(
+        &self,
+        signals: &Signals,
+        stages: &FingerChannels,
+        stretches: &[[u64; 2]],
+        share: f64,
+    ) -> Vec<HandMoment> {
+        let moment = |t_ns: u64| HandMoment {
             t_ns,
             part: self.part_at(t_ns),
             tips_um: stages.iter().map(|stage| tip_um(signals, stage, t_ns)).collect(),
         };
-        let mut moments: Vec<Moment> = self.grasps.first().map(|first| moment(first.t_ns)).into_iter().collect();
+        let mut moments: Vec<HandMoment> = self.grasps.first().map(|first| moment(first.t_ns)).into_iter().collect();
         for &[start_ns, end_ns] in stretches {
             let length_ns = end_ns - start_ns;
             let parts = (wanted(signals, stages, [start_ns, end_ns]) * share) as u64;
@@ -187,7 +193,7 @@ impl<'a> PlanCourse<'a> {
 }
 
 /// From when to when after a grasp, until an instant, the fingers that hold move.
-fn motion(signals: &Signals, stages: &Stages, grasp: &Grasp, end_ns: u64) -> Option<[u64; 2]> {
+fn motion(signals: &Signals, stages: &FingerChannels, grasp: &RecordedGrasp, end_ns: u64) -> Option<[u64; 2]> {
     let holding = stages.iter().zip(grasp.contacts).filter(|(_, contact)| **contact > 0);
     let channels = holding.flat_map(|(stage, _)| stage);
     let ramps = channels.flat_map(|channel| {

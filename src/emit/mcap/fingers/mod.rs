@@ -7,15 +7,15 @@ mod course;
 mod scene;
 mod solid;
 
-use super::Topic;
+use super::LogTopic;
 use super::drawing;
 use super::foxglove::{self, PoseInFrame};
-use super::frames::{Mover, Place, Stand};
-use crate::claims::fingers::{Action, FingersOrder};
+use super::frames::{FramePlace, Mover, StandingPose};
+use crate::claims::fingers::{FingersAction, FingersOrder};
 use crate::emit::Signals;
 use crate::geometry::outline::Curve;
 use crate::verify::Verified;
-use course::{Course, Moment, PartPose};
+use course::{HandCourse, HandMoment, PartPose};
 
 /// From where to where the picture reaches along x: the part, the tips that go round it, and as far as it is carried.
 pub fn reach_um(order: &FingersOrder) -> [f64; 2] {
@@ -24,8 +24,12 @@ pub fn reach_um(order: &FingersOrder) -> [f64; 2] {
     let facts = &order.facts;
     let round_um = f64::from(facts.fingers) * (2.0 * facts.tip_radius_um + facts.clearance_um);
     let carried_um = order.steps.iter().map(|step| match step.action {
-        Action::Translate([x_um, ..]) => x_um.abs(),
-        Action::Grasp(_) | Action::Rotate { .. } | Action::Orient { .. } | Action::Release | Action::Wait(_) => 0.0,
+        FingersAction::Translate([x_um, ..]) => x_um.abs(),
+        FingersAction::Grasp(_)
+        | FingersAction::Rotate { .. }
+        | FingersAction::Orient { .. }
+        | FingersAction::Release
+        | FingersAction::Wait(_) => 0.0,
     });
     let reach_um = reaches.fold(0.0, f64::max) + round_um + carried_um.sum::<f64>();
     let [x_um, ..] = order.part.position_um;
@@ -43,35 +47,35 @@ fn tip_frame(device: &str, finger: usize) -> String {
 }
 
 /// The nearest pose whose numbers are the same on every machine.
-fn stand(pose: &PartPose) -> Stand {
-    Stand::oriented(pose.position_um.map(drawing::snapped), pose.orientation)
+fn stand(pose: &PartPose) -> StandingPose {
+    StandingPose::oriented(pose.position_um.map(drawing::snapped), pose.orientation)
 }
 
 /// All topics of a device but its positions, and its part and tips, which move.
-pub fn topics(verified: &Verified, device: &str) -> (Vec<Topic>, Vec<Mover>) {
+pub fn topics(verified: &Verified, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
     let signals = Signals::new(verified.schedule());
-    let course = Course::new(verified, &signals, device);
+    let course = HandCourse::new(verified, &signals, device);
     let mut topics = vec![pose(&course, device)];
     topics.extend(scene::topics(&course, device));
     (topics, movers(&course, device))
 }
 
 /// `/<device>/pose`: the part in the hand's frame, told whenever it has moved, and once more before it moves.
-fn pose(course: &Course, device: &str) -> Topic {
-    let message = |(t_ns, place): (u64, Place)| {
+fn pose(course: &HandCourse, device: &str) -> LogTopic {
+    let message = |(t_ns, place): (u64, FramePlace)| {
         let (timestamp, frame_id) = (foxglove::timestamp(t_ns), device.to_owned());
         let pose = place.and_then(|stand| stand.pose());
         (t_ns, foxglove::encode(&PoseInFrame { timestamp, frame_id, pose }))
     };
     let places = told(course, |moment| stand(&moment.part));
-    Topic::new::<PoseInFrame>(format!("/{device}/pose"), places.into_iter().map(message).collect())
+    LogTopic::new::<PoseInFrame>(format!("/{device}/pose"), places.into_iter().map(message).collect())
 }
 
-fn movers(course: &Course, device: &str) -> Vec<Mover> {
+fn movers(course: &HandCourse, device: &str) -> Vec<Mover> {
     let tips = (0..course.fingers).map(|finger| Mover {
         frame: tip_frame(device, finger),
         device: device.to_owned(),
-        places: told(course, |moment| Stand::at(moment.tips_um[finger].map(drawing::snapped))),
+        places: told(course, |moment| StandingPose::at(moment.tips_um[finger].map(drawing::snapped))),
     });
     let part = course.part().map(|part| Mover {
         frame: part_frame(device, part),
@@ -82,9 +86,9 @@ fn movers(course: &Course, device: &str) -> Vec<Mover> {
 }
 
 /// Where something is at each moment at which it has moved, or from which on it moves.
-fn told(course: &Course, of: impl Fn(&Moment) -> Stand) -> Vec<(u64, Place)> {
+fn told(course: &HandCourse, of: impl Fn(&HandMoment) -> StandingPose) -> Vec<(u64, FramePlace)> {
     let moments = course.plans.iter().flat_map(|plan| &plan.moments);
-    let places: Vec<(u64, Stand)> = moments.map(|moment| (moment.t_ns, of(moment))).collect();
+    let places: Vec<(u64, StandingPose)> = moments.map(|moment| (moment.t_ns, of(moment))).collect();
     let moved = |a: usize, b: usize| places[a].1 != places[b].1;
     let is_told = |at: &usize| *at == 0 || moved(at - 1, *at) || (at + 1 < places.len() && moved(*at, at + 1));
     (0..places.len()).filter(is_told).map(|at| (places[at].0, Some(places[at].1))).collect()

@@ -3,12 +3,12 @@
 //! Three topics, since a viewer that jumps in time reads the last message of each only: what is there (`scene`), what is planned
 //! (`plan`), and what holds from state to state (`state`). The first two come once more as points.
 
-use super::course::{Course, Grasp, PlanCourse};
+use super::course::{HandCourse, HandPlanCourse, RecordedGrasp};
 use super::solid;
 use super::{part_frame, stand, tip_frame};
-use crate::claims::fingers::{FingersOrder, Part};
+use crate::claims::fingers::{FingersOrder, HandPart};
 use crate::device::fingers::Plane;
-use crate::emit::mcap::Topic;
+use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{SpaceStroke, space_cloud};
 use crate::emit::mcap::drawing::{self, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, Vector3, line_primitive};
@@ -41,7 +41,7 @@ fn color_of(finger: usize) -> Color {
 }
 
 /// `/<device>/scene`, `/<device>/plan`, `/<device>/state` and the first two as points.
-pub fn topics(course: &Course, device: &str) -> Vec<Topic> {
+pub fn topics(course: &HandCourse, device: &str) -> Vec<LogTopic> {
     let scene = course.plans.first().map(|plan| (0, update(scenery(plan.order, course.fingers, device))));
     let scene_points = course.plans.first().map(|plan| {
         let part = &plan.order.part;
@@ -53,11 +53,11 @@ pub fn topics(course: &Course, device: &str) -> Vec<Topic> {
         (plan.start_ns, foxglove::encode(&space_cloud(&trail_strokes(plan), device, plan.start_ns, POINTS_UM)))
     });
     vec![
-        Topic::new::<SceneUpdate>(format!("/{device}/scene"), scene.into_iter().collect()),
-        Topic::new::<SceneUpdate>(format!("/{device}/plan"), plans.collect()),
+        LogTopic::new::<SceneUpdate>(format!("/{device}/scene"), scene.into_iter().collect()),
+        LogTopic::new::<SceneUpdate>(format!("/{device}/plan"), plans.collect()),
         state(course, device),
-        Topic::new::<PointCloud>(format!("/{device}/scene/points"), scene_points.into_iter().collect()),
-        Topic::new::<PointCloud>(format!("/{device}/plan/points"), plan_points.collect()),
+        LogTopic::new::<PointCloud>(format!("/{device}/scene/points"), scene_points.into_iter().collect()),
+        LogTopic::new::<PointCloud>(format!("/{device}/plan/points"), plan_points.collect()),
     ]
 }
 
@@ -88,7 +88,7 @@ fn ends(entity: &mut SceneEntity, order: &FingersOrder) {
 }
 
 /// The way of each tip that moves.
-fn ways(plan: &PlanCourse) -> impl Iterator<Item = (usize, Vec<[f64; 3]>)> {
+fn ways(plan: &HandPlanCourse) -> impl Iterator<Item = (usize, Vec<[f64; 3]>)> {
     (0..plan.order.facts.fingers as usize).filter_map(|finger| {
         let mut way: Vec<[f64; 3]> =
             plan.moments.iter().map(|moment| moment.tips_um[finger].map(drawing::snapped)).collect();
@@ -97,7 +97,7 @@ fn ways(plan: &PlanCourse) -> impl Iterator<Item = (usize, Vec<[f64; 3]>)> {
     })
 }
 
-fn trails(plan: &PlanCourse, device: &str) -> SceneEntity {
+fn trails(plan: &HandPlanCourse, device: &str) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/trails"), device, plan.start_ns);
     for (finger, way) in ways(plan) {
         drawing::line(&mut entity, way, line_primitive::Type::LineStrip, color_of(finger));
@@ -106,7 +106,7 @@ fn trails(plan: &PlanCourse, device: &str) -> SceneEntity {
 }
 
 /// The outlines of the part where the plan ends.
-fn goal(plan: &PlanCourse, device: &str) -> SceneEntity {
+fn goal(plan: &HandPlanCourse, device: &str) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/goal"), device, plan.start_ns);
     let Some(last) = plan.grasps.last() else { return entity };
     let pose = stand(&last.part).pose();
@@ -122,7 +122,7 @@ fn update(entities: Vec<SceneEntity>) -> Vec<u8> {
 }
 
 /// The contacts taken away, where the fingers that hold in a grasp begin to leave all of them.
-fn letting_go(plan: &PlanCourse, index: usize, place: [f64; 3], device: &str) -> Option<(u64, Vec<u8>)> {
+fn letting_go(plan: &HandPlanCourse, index: usize, place: [f64; 3], device: &str) -> Option<(u64, Vec<u8>)> {
     let next = plan.grasps.get(index + 1).filter(|next| next.contacts.iter().all(|contact| *contact == 0))?;
     let [start_ns, _] = plan.motions.get(index).copied().flatten()?;
     let frame = part_frame(device, &plan.order.part.name);
@@ -133,7 +133,7 @@ fn letting_go(plan: &PlanCourse, index: usize, place: [f64; 3], device: &str) ->
 }
 
 /// `/<device>/state`: the contacts of each grasp, the forces there, and the grasp in words.
-fn state(course: &Course, device: &str) -> Topic {
+fn state(course: &HandCourse, device: &str) -> LogTopic {
     let mut messages: Vec<(u64, Vec<u8>)> = Vec::new();
     for plan in &course.plans {
         let [_, high_um] = super::reach_um(plan.order);
@@ -147,13 +147,13 @@ fn state(course: &Course, device: &str) -> Topic {
             messages.extend(letting_go(plan, index, place, device));
         }
     }
-    Topic::new::<SceneUpdate>(format!("/{device}/state"), messages)
+    LogTopic::new::<SceneUpdate>(format!("/{device}/state"), messages)
 }
 
 /// Where fingers touch the part, and with what force, in the part's frame so that both go with it.
 ///
 /// Many forces balance a grasp; these are some that do, of a moderate size.
-fn contacts(order: &FingersOrder, grasp: &Grasp, curve: Option<&Curve>, device: &str) -> SceneEntity {
+fn contacts(order: &FingersOrder, grasp: &RecordedGrasp, curve: Option<&Curve>, device: &str) -> SceneEntity {
     let frame = part_frame(device, &order.part.name);
     let mut entity = drawing::entity(format!("{device}/contacts"), &frame, grasp.t_ns);
     let (Some(section), Some(curve)) = (order.part.section(grasp.plane), curve) else { return entity };
@@ -174,13 +174,13 @@ fn contacts(order: &FingersOrder, grasp: &Grasp, curve: Option<&Curve>, device: 
 }
 
 /// A direction of the hand's frame in the part's.
-fn turned_back(grasp: &Grasp, direction: [f64; 3]) -> [f64; 3] {
+fn turned_back(grasp: &RecordedGrasp, direction: [f64; 3]) -> [f64; 3] {
     let [w, x, y, z] = grasp.part.orientation;
     let turn = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
     turn.inverse_transform_vector(&direction.into()).into()
 }
 
-fn words(grasp: &Grasp, place: [f64; 3], device: &str) -> SceneEntity {
+fn words(grasp: &RecordedGrasp, place: [f64; 3], device: &str) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/grasp"), device, grasp.t_ns);
     let contacts: Vec<String> = grasp.contacts.iter().map(u32::to_string).collect();
     let text = format!("grasp ({}) in {} at angle {}", contacts.join(", "), grasp.plane.name(), grasp.angle_index);
@@ -188,7 +188,7 @@ fn words(grasp: &Grasp, place: [f64; 3], device: &str) -> SceneEntity {
     entity
 }
 
-fn part_strokes(part: &Part) -> Vec<SpaceStroke> {
+fn part_strokes(part: &HandPart) -> Vec<SpaceStroke> {
     let stroke = |(plane, outline): (Plane, Vec<[f64; 3]>)| {
         let mut corners: Vec<Point3<f64>> = outline.into_iter().map(Point3::from).collect();
         corners.extend(corners.first().copied());
@@ -197,7 +197,7 @@ fn part_strokes(part: &Part) -> Vec<SpaceStroke> {
     solid::outlines(part).into_iter().map(stroke).collect()
 }
 
-fn trail_strokes(plan: &PlanCourse) -> Vec<SpaceStroke> {
+fn trail_strokes(plan: &HandPlanCourse) -> Vec<SpaceStroke> {
     let stroke = |(finger, way): (usize, Vec<[f64; 3]>)| SpaceStroke {
         corners: way.into_iter().map(Point3::from).collect(),
         color: color_of(finger),

@@ -1,6 +1,6 @@
 //! The part of a hand as it is drawn, in its own frame: its sections, and between them what is known of it.
 
-use crate::claims::fingers::{Part, Section};
+use crate::claims::fingers::{HandPart, Section};
 use crate::device::fingers::Plane;
 use crate::emit::mcap::drawing;
 use crate::emit::mcap::foxglove::{
@@ -37,7 +37,7 @@ fn corners(section: &Section) -> Vec<[f64; 2]> {
 }
 
 /// The outlines of a part in its frame, each with its plane.
-pub fn outlines(part: &Part) -> Vec<(Plane, Vec<[f64; 3]>)> {
+pub fn outlines(part: &HandPart) -> Vec<(Plane, Vec<[f64; 3]>)> {
     let sections = Plane::ALL.into_iter().filter_map(|plane| Some((plane, part.section(plane)?)));
     let outline = |(plane, section): (Plane, &Section)| {
         (plane, corners(section).into_iter().map(|corner| in_space(plane, corner)).collect())
@@ -46,7 +46,7 @@ pub fn outlines(part: &Part) -> Vec<(Plane, Vec<[f64; 3]>)> {
 }
 
 /// Adds a part: a solid where its sections are those of an ellipsoid, else the faces that they cut; and their outlines.
-pub fn draw(entity: &mut SceneEntity, part: &Part) {
+pub fn draw(entity: &mut SceneEntity, part: &HandPart) {
     match semi_axes_um(part) {
         Some([x, y, z]) => entity.spheres.push(SpherePrimitive {
             pose: foxglove::pose_at([0.0; 3]),
@@ -61,14 +61,14 @@ pub fn draw(entity: &mut SceneEntity, part: &Part) {
 }
 
 /// Of an ellipsoid.
-fn semi_axes_um(part: &Part) -> Option<[f64; 3]> {
+fn semi_axes_um(part: &HandPart) -> Option<[f64; 3]> {
     let Outline::Ellipse { semi_um: [x, y] } = part.xy.outline else { return None };
     let Outline::Ellipse { semi_um: [other_x, z] } = part.xz.as_ref()?.outline else { return None };
     (x == other_x).then_some([x, y, z])
 }
 
 /// Adds the inside of a section.
-fn face(entity: &mut SceneEntity, part: &Part, plane: Plane) {
+fn face(entity: &mut SceneEntity, part: &HandPart, plane: Plane) {
     let Some(section) = part.section(plane) else { return };
     let corners: Vec<Point2<f64>> = corners(section).into_iter().map(|corner| drawing::snap(corner.into())).collect();
     let point = |corner: &Point2<f64>| {

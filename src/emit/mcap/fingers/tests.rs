@@ -1,15 +1,15 @@
-use super::course::{Course, MAX_MOMENTS};
+use super::course::{HandCourse, MAX_MOMENTS};
 use super::*;
 use crate::emit::fixture;
 use crate::emit::mcap::foxglove::SceneUpdate;
 use crate::schedule::State;
 use prost::Message as _;
 
-fn topic<'a>(topics: &'a [Topic], name: &str) -> &'a Topic {
+fn topic<'a>(topics: &'a [LogTopic], name: &str) -> &'a LogTopic {
     topics.iter().find(|topic| topic.name == name).unwrap_or_else(|| panic!("no topic {name}"))
 }
 
-fn scene(topic: &Topic, at: usize) -> SceneUpdate {
+fn scene(topic: &LogTopic, at: usize) -> SceneUpdate {
     SceneUpdate::decode(topic.messages[at].1.as_slice()).unwrap()
 }
 
@@ -45,7 +45,7 @@ fn the_part_is_where_the_states_say_and_turns_steadily_between_them() {
 fn tips_are_where_the_schedule_has_them() {
     let (hand, _) = fixture::hand();
     let signals = Signals::new(hand.schedule());
-    let course = Course::new(&hand, &signals, "hand");
+    let course = HandCourse::new(&hand, &signals, "hand");
     let moments = &course.plans[0].moments;
     assert!(moments.windows(2).all(|pair| pair[0].t_ns < pair[1].t_ns));
     for moment in &moments[1..] {
@@ -62,7 +62,7 @@ fn tips_are_where_the_schedule_has_them() {
 #[test]
 fn a_ball_a_flat_part_and_another_are_drawn_with_their_sections() {
     let (hand, _) = fixture::hand();
-    let drawn = |change: &dyn Fn(&mut crate::claims::fingers::Part)| {
+    let drawn = |change: &dyn Fn(&mut crate::claims::fingers::HandPart)| {
         let (schedule, mut claims) = (hand.schedule().clone(), hand.claims().clone());
         let crate::claims::Order::Fingers(order) = &mut claims.jobs[0].order else { panic!("a hand") };
         change(std::sync::Arc::make_mut(&mut order.part));
@@ -124,7 +124,7 @@ fn a_long_way_is_a_bounded_number_of_moments() {
         }
     });
     let signals = Signals::new(far.schedule());
-    let course = Course::new(&far, &signals, "hand");
+    let course = HandCourse::new(&far, &signals, "hand");
     let told = course.plans[0].moments.len();
     assert!(told <= MAX_MOMENTS + 100 && told > MAX_MOMENTS / 2, "{told} moments");
 }

@@ -24,30 +24,30 @@ pub const MAX_POSES: usize = 100_000;
 const TURN_ROUNDING: f64 = 1e-9;
 
 /// All that a bed does.
-pub struct Course<'a> {
+pub struct BedCourse<'a> {
     /// The names of the robots on the bed, in the order of the table.
     pub robots: Vec<String>,
     /// In order of time.
-    pub plans: Vec<PlanCourse<'a>>,
+    pub plans: Vec<BedPlanCourse<'a>>,
 }
 
 /// What a bed does in one plan.
-pub struct PlanCourse<'a> {
+pub struct BedPlanCourse<'a> {
     pub order: &'a MicrorobotsOrder,
     pub start_ns: u64,
-    pub legs: Vec<Leg<'a>>,
+    pub legs: Vec<ControlLeg<'a>>,
     /// In order of time; the first one is that of the first state.
-    pub moments: Vec<Moment>,
+    pub moments: Vec<BedMoment>,
 }
 
 /// The poses of all robots at an instant.
-pub struct Moment {
+pub struct BedMoment {
     pub t_ns: u64,
     pub poses: Vec<Pose>,
 }
 
 /// A stretch in one control state; also a wait, and the end of a run.
-pub struct Leg<'a> {
+pub struct ControlLeg<'a> {
     pub start_ns: u64,
     pub end_ns: u64,
     pub control: usize,
@@ -55,11 +55,11 @@ pub struct Leg<'a> {
     pub arms: &'a [u8],
     /// Start and end of its drive train, if it has one.
     pub train_ns: Option<[u64; 2]>,
-    pub movers: Vec<Body>,
+    pub movers: Vec<RobotInLeg>,
 }
 
 /// A robot in a leg.
-pub struct Body {
+pub struct RobotInLeg {
     pub pose: Pose,
     pub arm: Arm,
     /// How far the leg's train carries it.
@@ -68,7 +68,7 @@ pub struct Body {
 }
 
 /// A disc that a robot sweeps while its arm stays down for a whole turn or more.
-pub struct Orbit {
+pub struct SweptDisc {
     pub robot: usize,
     pub start_ns: u64,
     pub end_ns: u64,
@@ -76,16 +76,16 @@ pub struct Orbit {
     pub reach_um: f64,
 }
 
-impl<'a> Course<'a> {
+impl<'a> BedCourse<'a> {
     /// What a device does; nothing where it is of another kind.
     pub fn new(verified: &'a Verified, device: &str) -> Self {
         let trains = trains(verified.schedule(), device);
         let jobs = bench::jobs(verified, device).into_iter();
-        let plans = jobs.filter_map(|(job, plan)| PlanCourse::new(job.order.microrobots()?, plan, &trains));
-        let mut plans: Vec<PlanCourse> = plans.collect();
+        let plans = jobs.filter_map(|(job, plan)| BedPlanCourse::new(job.order.microrobots()?, plan, &trains));
+        let mut plans: Vec<BedPlanCourse> = plans.collect();
         let robots = plans.first().map_or_else(Vec::new, |plan| names(plan.order));
         plans.retain(|plan| plan.order.robots.len() == robots.len());
-        let wanted = plans.iter().map(PlanCourse::wanted).fold(0, usize::saturating_add);
+        let wanted = plans.iter().map(BedPlanCourse::wanted).fold(0, usize::saturating_add);
         let most = MAX_POSES / robots.len().max(1);
         for plan in &mut plans {
             plan.moments = moments(plan, most.min(wanted) as f64 / wanted.max(1) as f64);
@@ -94,7 +94,7 @@ impl<'a> Course<'a> {
         if let Some(first) = plans.first_mut().and_then(|plan| plan.moments.first_mut()) {
             first.t_ns = 0;
         }
-        Course { robots, plans }
+        BedCourse { robots, plans }
     }
 }
 
@@ -111,7 +111,7 @@ fn trains<'a>(schedule: &'a Schedule, device: &str) -> Vec<&'a Actuation> {
     schedule.actuations.iter().filter(of_device).collect()
 }
 
-impl<'a> PlanCourse<'a> {
+impl<'a> BedPlanCourse<'a> {
     fn new(order: &'a MicrorobotsOrder, plan: &'a PlanRecord, trains: &[&Actuation]) -> Option<Self> {
         let mut legs = Vec::with_capacity(plan.states.len());
         for (index, timed) in plan.states.iter().enumerate() {
@@ -125,18 +125,18 @@ impl<'a> PlanCourse<'a> {
                 let &[x_um, y_um, heading_rad] = poses.get(&facts.name)?;
                 let is_docked = docked.contains(&facts.name);
                 let is_down = arms.get(order.robots[robot].row) == Some(&Arm::Down.digit());
-                Some(Body {
+                Some(RobotInLeg {
                     pose: Pose { x_um, y_um, heading_rad },
                     arm: if is_down { Arm::Down } else { Arm::Up },
                     way_um: if is_docked { 0.0 } else { facts.step_um * strokes as f64 },
                     is_docked,
                 })
             };
-            let movers = (0..order.robots.len()).map(body).collect::<Option<Vec<Body>>>()?;
+            let movers = (0..order.robots.len()).map(body).collect::<Option<Vec<RobotInLeg>>>()?;
             let train_ns = train.map(|train| [train.start_ns, train.end_ns()]);
-            legs.push(Leg { start_ns: timed.t_ns, end_ns, control: *control, arms, train_ns, movers });
+            legs.push(ControlLeg { start_ns: timed.t_ns, end_ns, control: *control, arms, train_ns, movers });
         }
-        Some(PlanCourse { order, start_ns: plan.start_ns, legs, moments: Vec::new() })
+        Some(BedPlanCourse { order, start_ns: plan.start_ns, legs, moments: Vec::new() })
     }
 
     /// How many poses of each robot there should be.
@@ -145,10 +145,10 @@ impl<'a> PlanCourse<'a> {
     }
 
     /// The orbits of all robots: an arm that is down in one leg and in the next stays down between them.
-    pub fn orbits(&self) -> Vec<Orbit> {
+    pub fn orbits(&self) -> Vec<SweptDisc> {
         let mut orbits = Vec::new();
         for robot in 0..self.order.robots.len() {
-            let orbits_at = |leg: &&Leg| leg.movers[robot].arm == Arm::Down && !leg.movers[robot].is_docked;
+            let orbits_at = |leg: &&ControlLeg| leg.movers[robot].arm == Arm::Down && !leg.movers[robot].is_docked;
             let mut rest = &self.legs[..];
             while let Some(first) = rest.iter().position(|leg| orbits_at(&leg)) {
                 let length = rest[first..].iter().take_while(orbits_at).count();
@@ -159,12 +159,12 @@ impl<'a> PlanCourse<'a> {
         orbits
     }
 
-    fn orbit(&self, robot: usize, legs: &[Leg]) -> Option<Orbit> {
+    fn orbit(&self, robot: usize, legs: &[ControlLeg]) -> Option<SweptDisc> {
         let facts = self.order.robot(robot);
         let (first, last) = (legs.first()?, legs.last()?);
         let way_um: f64 = legs.iter().map(|leg| leg.movers[robot].way_um).sum();
         let turns = way_um / (TAU * facts.turning_radius_um);
-        (turns >= 1.0 - TURN_ROUNDING).then(|| Orbit {
+        (turns >= 1.0 - TURN_ROUNDING).then(|| SweptDisc {
             robot,
             start_ns: first.start_ns,
             end_ns: last.end_ns,
@@ -174,7 +174,7 @@ impl<'a> PlanCourse<'a> {
     }
 }
 
-impl Leg<'_> {
+impl ControlLeg<'_> {
     /// Into how many parts its train should be divided.
     fn wanted(&self, order: &MicrorobotsOrder) -> usize {
         let parts = self.movers.iter().enumerate().map(|(robot, body)| match body.arm {
@@ -187,7 +187,7 @@ impl Leg<'_> {
 
     /// All robots where a share of the train is over.
     fn poses(&self, order: &MicrorobotsOrder, share: f64) -> Vec<Pose> {
-        let place = |(robot, body): (usize, &Body)| match body.way_um {
+        let place = |(robot, body): (usize, &RobotInLeg)| match body.way_um {
             0.0 => body.pose,
             way_um => order.robot(robot).moved(body.pose, body.arm, way_um * share),
         };
@@ -196,11 +196,11 @@ impl Leg<'_> {
 }
 
 /// The poses of a plan, a share of those that are wanted: at its start, at the start of each train, and along it to its end.
-fn moments(plan: &PlanCourse, share: f64) -> Vec<Moment> {
-    let mut moments: Vec<Moment> = Vec::new();
+fn moments(plan: &BedPlanCourse, share: f64) -> Vec<BedMoment> {
+    let mut moments: Vec<BedMoment> = Vec::new();
     let mut tell = |t_ns: u64, poses: Vec<Pose>| {
         if moments.last().is_none_or(|last| last.t_ns < t_ns) {
-            moments.push(Moment { t_ns, poses });
+            moments.push(BedMoment { t_ns, poses });
         }
     };
     if let Some(first) = plan.legs.first() {

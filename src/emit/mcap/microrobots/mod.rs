@@ -5,14 +5,14 @@ mod course;
 mod scene;
 
 use super::foxglove::{self, PosesInFrame};
-use super::frames::{Mover, Stand};
-use super::voltages::{Shape, encode_fields, schema};
-use super::{Topic, drawing};
+use super::frames::{Mover, StandingPose};
+use super::voltages::{MessageShape, encode_fields, schema};
+use super::{LogTopic, drawing};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::emit::identifier;
 use crate::geometry::Pose;
 use crate::verify::Verified;
-use course::{Course, Moment};
+use course::{BedCourse, BedMoment};
 use std::collections::BTreeMap;
 
 /// The name of the field that tells which control state the bed is in.
@@ -40,14 +40,14 @@ fn frame(device: &str, robot: &str) -> String {
 }
 
 /// The nearest pose whose numbers are the same on every machine.
-fn stand(pose: &Pose) -> Stand {
+fn stand(pose: &Pose) -> StandingPose {
     let place = drawing::snap(nalgebra::Point2::new(pose.x_um, pose.y_um));
-    Stand::turned([place.x, place.y, 0.0], pose.heading_rad)
+    StandingPose::turned([place.x, place.y, 0.0], pose.heading_rad)
 }
 
 /// All topics of a device but its voltages, and its robots, which move.
-pub fn topics(verified: &Verified, device: &str) -> (Vec<Topic>, Vec<Mover>) {
-    let course = Course::new(verified, device);
+pub fn topics(verified: &Verified, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
+    let course = BedCourse::new(verified, device);
     let mut topics = vec![poses(&course, device)];
     topics.extend((0..course.robots.len()).map(|robot| path(&course, device, robot)));
     topics.extend(arms(&course, device));
@@ -56,31 +56,31 @@ pub fn topics(verified: &Verified, device: &str) -> (Vec<Topic>, Vec<Mover>) {
 }
 
 /// `/<device>/poses`: all robots, in the order of the table, which the metadata list.
-fn poses(course: &Course, device: &str) -> Topic {
-    let message = |moment: &Moment| {
+fn poses(course: &BedCourse, device: &str) -> LogTopic {
+    let message = |moment: &BedMoment| {
         let poses = moment.poses.iter().filter_map(|pose| stand(pose).pose()).collect();
         let (timestamp, frame_id) = (foxglove::timestamp(moment.t_ns), device.to_owned());
         (moment.t_ns, foxglove::encode(&PosesInFrame { timestamp, frame_id, poses }))
     };
     let moments = course.plans.iter().flat_map(|plan| &plan.moments);
-    let mut topic = Topic::new::<PosesInFrame>(format!("/{device}/poses"), moments.map(message).collect());
+    let mut topic = LogTopic::new::<PosesInFrame>(format!("/{device}/poses"), moments.map(message).collect());
     topic.metadata.insert("robots".to_owned(), course.robots.join(" "));
     topic
 }
 
 /// `/<device>/path/<robot>`: where a robot goes in each plan.
-fn path(course: &Course, device: &str, robot: usize) -> Topic {
+fn path(course: &BedCourse, device: &str, robot: usize) -> LogTopic {
     let messages = course.plans.iter().map(|plan| {
         let poses = plan.moments.iter().filter_map(|moment| stand(&moment.poses[robot]).pose()).collect();
         let (timestamp, frame_id) = (foxglove::timestamp(plan.start_ns), device.to_owned());
         (plan.start_ns, foxglove::encode(&PosesInFrame { timestamp, frame_id, poses }))
     });
-    Topic::new::<PosesInFrame>(format!("/{device}/path/{}", course.robots[robot]), messages.collect())
+    LogTopic::new::<PosesInFrame>(format!("/{device}/path/{}", course.robots[robot]), messages.collect())
 }
 
 /// `/<device>/arms`: the control state and every arm, 1 for down, as numbers; the old ones once more before each change, so that
 /// a plot does not show a slope.
-fn arms(course: &Course, device: &str) -> Option<Topic> {
+fn arms(course: &BedCourse, device: &str) -> Option<LogTopic> {
     let facts = &course.plans.first()?.order.facts;
     let rows = facts.robots.iter().map(|robot| robot.name.as_str());
     let names = identifier::distinct(std::iter::once(CONTROL).chain(rows.clone()));
@@ -99,17 +99,17 @@ fn arms(course: &Course, device: &str) -> Option<Topic> {
         std::iter::once("index of the control state".to_owned())
             .chain(rows.map(|name| format!("steering arm of {name}: 0 up, 1 down"))),
     );
-    Some(Topic {
+    Some(LogTopic {
         name: format!("/{device}/arms"),
-        schema: schema(&package, "Arms", Shape::Fields(&names)),
+        schema: schema(&package, "Arms", MessageShape::Fields(&names)),
         metadata: metadata.collect(),
         messages: said.into_iter().map(|(t_ns, values)| (t_ns, encode_fields(&values))).collect(),
     })
 }
 
 /// The frame of each robot, told whenever it has moved, and once more before it moves.
-fn movers(course: &Course, device: &str) -> Vec<Mover> {
-    let moments: Vec<&Moment> = course.plans.iter().flat_map(|plan| &plan.moments).collect();
+fn movers(course: &BedCourse, device: &str) -> Vec<Mover> {
+    let moments: Vec<&BedMoment> = course.plans.iter().flat_map(|plan| &plan.moments).collect();
     let of_robot = |(robot, name): (usize, &String)| {
         let moved = |a: usize, b: usize| moments[a].poses[robot] != moments[b].poses[robot];
         let told = |at: &usize| *at == 0 || moved(at - 1, *at) || (at + 1 < moments.len() && moved(*at, at + 1));

@@ -3,11 +3,11 @@
 //! Three topics, since a viewer that jumps in time reads the last message of each only: what stands there (`scene`), what is
 //! planned (`plan`), and what holds from leg to leg (`state`). The first two come once more as points.
 
-use super::course::{Course, Leg, Orbit, PlanCourse};
+use super::course::{BedCourse, BedPlanCourse, ControlLeg, SweptDisc};
 use super::{frame, stand};
-use crate::claims::microrobots::{Action, MicrorobotsOrder, Stop};
+use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop};
 use crate::device::microrobots::{Arm, Robot};
-use crate::emit::mcap::Topic;
+use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, outlines, spaced_cloud};
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
@@ -51,16 +51,16 @@ fn color_of(robot: usize) -> Color {
 }
 
 /// The poses that a task asks for, with the robots that they are for.
-pub fn goals(order: &MicrorobotsOrder) -> impl Iterator<Item = (usize, &Stop)> {
+pub fn goals(order: &MicrorobotsOrder) -> impl Iterator<Item = (usize, &MicrorobotsStop)> {
     order.steps.iter().flat_map(|step| match &step.action {
-        Action::Drive { robot, stops } => stops.iter().map(|stop| (*robot, stop)).collect::<Vec<_>>(),
-        Action::Assemble(docks) => docks.iter().map(|dock| (dock.robot, &dock.goal)).collect(),
-        Action::Apply { .. } | Action::Wait(_) => Vec::new(),
+        MicrorobotsAction::Drive { robot, stops } => stops.iter().map(|stop| (*robot, stop)).collect::<Vec<_>>(),
+        MicrorobotsAction::Assemble(docks) => docks.iter().map(|dock| (dock.robot, &dock.goal)).collect(),
+        MicrorobotsAction::Apply { .. } | MicrorobotsAction::Wait(_) => Vec::new(),
     })
 }
 
 /// `/<device>/scene`, `/<device>/plan`, `/<device>/state` and the first two as points.
-pub fn topics(course: &Course, device: &str) -> Vec<Topic> {
+pub fn topics(course: &BedCourse, device: &str) -> Vec<LogTopic> {
     let (mut scenes, mut scene_points) = (Vec::new(), Vec::new());
     let mut shown: BTreeSet<String> = BTreeSet::new();
     for (index, plan) in course.plans.iter().enumerate() {
@@ -85,11 +85,11 @@ pub fn topics(course: &Course, device: &str) -> Vec<Topic> {
         (plan.start_ns, foxglove::encode(&spaced_cloud(&plan_strokes(plan), device, plan.start_ns, POINTS_UM)))
     });
     vec![
-        Topic::new::<SceneUpdate>(format!("/{device}/scene"), scenes),
-        Topic::new::<SceneUpdate>(format!("/{device}/plan"), plans.collect()),
+        LogTopic::new::<SceneUpdate>(format!("/{device}/scene"), scenes),
+        LogTopic::new::<SceneUpdate>(format!("/{device}/plan"), plans.collect()),
         state(course, device),
-        Topic::new::<PointCloud>(format!("/{device}/scene/points"), scene_points),
-        Topic::new::<PointCloud>(format!("/{device}/plan/points"), plan_points.collect()),
+        LogTopic::new::<PointCloud>(format!("/{device}/scene/points"), scene_points),
+        LogTopic::new::<PointCloud>(format!("/{device}/plan/points"), plan_points.collect()),
     ]
 }
 
@@ -129,7 +129,7 @@ fn nose_corners(robot: &Robot) -> [Point2<f64>; 3] {
 }
 
 /// The way of each robot that moves.
-fn ways<'a>(plan: &'a PlanCourse) -> impl Iterator<Item = (usize, Vec<Point2<f64>>)> + 'a {
+fn ways<'a>(plan: &'a BedPlanCourse) -> impl Iterator<Item = (usize, Vec<Point2<f64>>)> + 'a {
     (0..plan.order.robots.len()).filter_map(|robot| {
         let places = plan.moments.iter().map(|moment| moment.poses[robot]);
         let mut places: Vec<Point2<f64>> =
@@ -139,7 +139,7 @@ fn ways<'a>(plan: &'a PlanCourse) -> impl Iterator<Item = (usize, Vec<Point2<f64
     })
 }
 
-fn trails(plan: &PlanCourse, device: &str) -> SceneEntity {
+fn trails(plan: &BedPlanCourse, device: &str) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/trails"), device, plan.start_ns);
     for (robot, way) in ways(plan) {
         let places = way.iter().map(|place| [place.x, place.y, PLAN_HEIGHT_UM]);
@@ -158,7 +158,7 @@ fn silhouette(robot: &Robot, pose: &Pose) -> Vec<Vec<Point2<f64>>> {
     bodies.flat_map(|body| outlines(&drawing::on_grid(body), CIRCLE_CORNERS)).collect()
 }
 
-fn goal_marks(plan: &PlanCourse, device: &str) -> SceneEntity {
+fn goal_marks(plan: &BedPlanCourse, device: &str) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/goals"), device, plan.start_ns);
     for (index, (robot, stop)) in goals(plan.order).enumerate() {
         let facts = plan.order.robot(robot);
@@ -175,7 +175,7 @@ fn goal_marks(plan: &PlanCourse, device: &str) -> SceneEntity {
 }
 
 /// `/<device>/state`: at each leg the arms that are down, the robots that are docked, and the orbits.
-fn state(course: &Course, device: &str) -> Topic {
+fn state(course: &BedCourse, device: &str) -> LogTopic {
     let legs: usize = course.plans.iter().map(|plan| plan.legs.len()).sum();
     let are_marked = legs * course.robots.len() <= MAX_MARKS;
     let mut messages: Vec<(u64, Vec<u8>)> = Vec::new();
@@ -190,11 +190,11 @@ fn state(course: &Course, device: &str) -> Topic {
             messages.push((t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities })));
         }
     }
-    Topic::new::<SceneUpdate>(format!("/{device}/state"), messages)
+    LogTopic::new::<SceneUpdate>(format!("/{device}/state"), messages)
 }
 
 /// The orbits that go on at an instant.
-fn discs(order: &MicrorobotsOrder, orbits: &[Orbit], device: &str, t_ns: u64) -> SceneEntity {
+fn discs(order: &MicrorobotsOrder, orbits: &[SweptDisc], device: &str, t_ns: u64) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/orbits"), device, t_ns);
     for orbit in orbits.iter().filter(|orbit| orbit.start_ns <= t_ns && t_ns < orbit.end_ns) {
         let centre = drawing::snap(Point2::from(orbit.centre_um));
@@ -208,7 +208,7 @@ fn discs(order: &MicrorobotsOrder, orbits: &[Orbit], device: &str, t_ns: u64) ->
 }
 
 /// What a robot carries in a leg: its arm where that is down, and a frame where it is docked.
-fn marks(order: &MicrorobotsOrder, leg: &Leg, robot: usize, device: &str) -> SceneEntity {
+fn marks(order: &MicrorobotsOrder, leg: &ControlLeg, robot: usize, device: &str) -> SceneEntity {
     let (facts, body) = (order.robot(robot), &leg.movers[robot]);
     let mut entity =
         drawing::entity(format!("{device}/marks/{}", facts.name), &frame(device, &facts.name), leg.start_ns);
@@ -240,7 +240,7 @@ fn scene_strokes(order: &MicrorobotsOrder) -> Vec<Stroke> {
     lines.map(|corners| Stroke { corners, color: color::OBSTACLE }).collect()
 }
 
-fn plan_strokes(plan: &PlanCourse) -> Vec<Stroke> {
+fn plan_strokes(plan: &BedPlanCourse) -> Vec<Stroke> {
     let ways = ways(plan).map(|(robot, corners)| Stroke { corners, color: color_of(robot) });
     let goals = goals(plan.order).flat_map(|(robot, stop)| {
         let lines = silhouette(plan.order.robot(robot), &stop.pose).into_iter();

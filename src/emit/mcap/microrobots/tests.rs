@@ -6,11 +6,11 @@ use crate::emit::mcap::{bench, frames};
 use crate::schedule::State;
 use prost::Message as _;
 
-fn topic<'a>(topics: &'a [Topic], name: &str) -> &'a Topic {
+fn topic<'a>(topics: &'a [LogTopic], name: &str) -> &'a LogTopic {
     topics.iter().find(|topic| topic.name == name).unwrap_or_else(|| panic!("no topic {name}"))
 }
 
-fn scene(topic: &Topic, at: usize) -> SceneUpdate {
+fn scene(topic: &LogTopic, at: usize) -> SceneUpdate {
     SceneUpdate::decode(topic.messages[at].1.as_slice()).unwrap()
 }
 
@@ -59,7 +59,7 @@ fn arms_are_numbers_that_jump() {
 #[test]
 fn an_orbit_is_a_whole_turn_without_interruption() {
     let (bed, _) = fixture::bed();
-    let course = Course::new(&bed, "m");
+    let course = BedCourse::new(&bed, "m");
     let orbits = course.plans[0].orbits();
     // 600 strokes of 2 um on a circle of 942 um; the later turns of 300 um are none.
     let found: Vec<_> = orbits.iter().map(|orbit| (orbit.robot, orbit.start_ns, orbit.end_ns)).collect();
@@ -98,7 +98,7 @@ fn robots_have_bodies_in_frames_that_turn() {
         assert_eq!(body.cubes[0].size.map(|size| (size.x, size.y)), Some((120.0, 60.0)));
         assert_eq!(body.triangles.len(), 1);
     }
-    let tf = frames::topic(&bench::Bench::all(&bed), &movers);
+    let tf = frames::topic(&bench::PictureBench::all(&bed), &movers);
     let last = FrameTransforms::decode(tf.messages.last().unwrap().1.as_slice()).unwrap();
     let state = bed.schedule().plans[0].states.last().unwrap();
     let State::Microrobots { poses, .. } = &state.state else { panic!("a state of microrobots") };
@@ -108,7 +108,7 @@ fn robots_have_bodies_in_frames_that_turn() {
         let found_rad = 2.0 * turn.z.atan2(turn.w);
         assert!((found_rad - heading_rad).sin().abs() < 1e-8 && (found_rad - heading_rad).cos() > 0.0);
     }
-    let bench = &bench::Bench::all(&bed)[0];
+    let bench = &bench::PictureBench::all(&bed)[0];
     assert!(bench.stand.place[0] > 400.0, "what lies left of the origin has its room");
 }
 
@@ -135,7 +135,7 @@ fn an_hour_of_motion_is_a_bounded_number_of_poses() {
         states[1].t_ns = schedule.duration_ns;
         schedule.plans[0].duration_ns = schedule.duration_ns;
     });
-    let course = Course::new(&hour, "m");
+    let course = BedCourse::new(&hour, "m");
     let told = course.plans[0].moments.len() * 3;
     assert!(told <= MAX_POSES + 9 && told > MAX_POSES / 2, "{told} poses");
 }

@@ -7,7 +7,7 @@
 use super::{Profile, Sampling};
 use crate::emit::Signals;
 use crate::emit::signal::half_ns;
-use crate::schedule::Unit;
+use crate::schedule::ChannelUnit;
 use std::collections::BTreeMap;
 
 /// What an instrument takes as a sequence.
@@ -45,7 +45,7 @@ impl Control {
 
 /// One entry of a sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Step {
+pub struct SequenceEntry {
     /// Index of the sequence's segments.
     pub segment: usize,
     pub repeats: u64,
@@ -57,11 +57,11 @@ pub struct Step {
 pub struct Sequence {
     /// Each once.
     pub segments: Vec<Vec<i16>>,
-    pub steps: Vec<Step>,
+    pub steps: Vec<SequenceEntry>,
 }
 
 /// Some samples, so many times.
-struct Piece {
+struct SamplePiece {
     samples: Vec<i16>,
     count: u64,
 }
@@ -69,7 +69,7 @@ struct Piece {
 /// What an output plays: the level that it waits at, the pieces, the level that it rests at.
 struct Score {
     ends: [i16; 2],
-    pieces: Vec<Piece>,
+    pieces: Vec<SamplePiece>,
 }
 
 /// How many times the memory of an instrument may be sampled for positions, to be packed into it.
@@ -87,13 +87,13 @@ pub fn sequence(
     sampling: &Sampling,
 ) -> Option<Sequence> {
     let score = match signals.unit(channel) {
-        Unit::Volt => Score { ends: [0; 2], pieces: pieces(signals, channel, volts, profile, sampling)? },
-        Unit::Micrometre => positions(signals, channel, volts, profile, sampling)?,
+        ChannelUnit::Volt => Score { ends: [0; 2], pieces: pieces(signals, channel, volts, profile, sampling)? },
+        ChannelUnit::Micrometre => positions(signals, channel, volts, profile, sampling)?,
     };
     let mut written_out = WRITTEN_OUT;
     while written_out < profile.most_points {
         // More samples written out fill the memory, so there is no use in going on once it is full.
-        let sequence = Builder::compose(&score, profile, written_out)?;
+        let sequence = SequenceBuilder::compose(&score, profile, written_out)?;
         if sequence.steps.len() <= profile.sequencer.most_steps {
             return Some(sequence);
         }
@@ -102,25 +102,31 @@ pub fn sequence(
     None
 }
 
-fn pieces(signals: &Signals, channel: usize, volts: f64, profile: &Profile, sampling: &Sampling) -> Option<Vec<Piece>> {
+fn pieces(
+    signals: &Signals,
+    channel: usize,
+    volts: f64,
+    profile: &Profile,
+    sampling: &Sampling,
+) -> Option<Vec<SamplePiece>> {
     let period_ns = sampling.period_ns;
     let code = |value: f64| profile.code(value, volts);
     let mut pieces = Vec::new();
-    let rest = |from_ns: u64, to_ns: u64, pieces: &mut Vec<Piece>| {
-        pieces.push(Piece { samples: vec![0], count: to_ns.saturating_sub(from_ns) / period_ns });
+    let rest = |from_ns: u64, to_ns: u64, pieces: &mut Vec<SamplePiece>| {
+        pieces.push(SamplePiece { samples: vec![0], count: to_ns.saturating_sub(from_ns) / period_ns });
     };
     let mut at_ns = 0;
     for actuation in signals.of(channel) {
         rest(at_ns, actuation.start_ns, &mut pieces);
         pieces.push(match actuation.swing {
-            None => Piece { samples: vec![code(actuation.from)], count: actuation.duration_ns / period_ns },
+            None => SamplePiece { samples: vec![code(actuation.from)], count: actuation.duration_ns / period_ns },
             Some(swing) => {
                 let half = half_ns(swing) / period_ns;
                 if 2 * half > profile.most_points {
                     return None;
                 }
                 let [first, second] = swing.levels.map(|level| vec![code(level); half as usize]);
-                Piece { samples: [first, second].concat(), count: actuation.duration_ns / swing.period_ns.max(1) }
+                SamplePiece { samples: [first, second].concat(), count: actuation.duration_ns / swing.period_ns.max(1) }
             }
         });
         at_ns = actuation.end_ns();
@@ -136,14 +142,14 @@ fn positions(signals: &Signals, channel: usize, volts: f64, profile: &Profile, s
     }
     let codes = sampling.positions(signals, channel).map(|position_um| profile.code(position_um, volts));
     let codes: Vec<i16> = codes.collect();
-    let piece = |run: &[i16]| Piece { samples: vec![run[0]], count: run.len() as u64 };
+    let piece = |run: &[i16]| SamplePiece { samples: vec![run[0]], count: run.len() as u64 };
     // The first sample is the one before the trigger.
     let pieces = codes[1..].chunk_by(|a, b| a == b).map(piece).collect();
     Some(Score { ends: [*codes.first()?, *codes.last()?], pieces })
 }
 
 /// Puts pieces together.
-struct Builder<'a> {
+struct SequenceBuilder<'a> {
     profile: &'a Profile,
     sequence: Sequence,
     index: BTreeMap<Vec<i16>, usize>,
@@ -153,11 +159,11 @@ struct Builder<'a> {
     pending: Vec<i16>,
 }
 
-impl<'a> Builder<'a> {
+impl<'a> SequenceBuilder<'a> {
     /// `None` if the segments are too large for the instrument's memory.
     fn compose(score: &Score, profile: &'a Profile, written_out: u64) -> Option<Sequence> {
         let (sequence, index) = (Sequence::default(), BTreeMap::new());
-        let mut builder = Builder { profile, sequence, index, points: 0, pending: Vec::new() };
+        let mut builder = SequenceBuilder { profile, sequence, index, points: 0, pending: Vec::new() };
         let [wait, rest] = score.ends.map(|code| vec![code; profile.least_points as usize]);
         builder.step(wait, 1, Control::OnceWaitTrigger)?;
         for piece in &score.pieces {
@@ -172,7 +178,7 @@ impl<'a> Builder<'a> {
         Some(builder.sequence)
     }
 
-    fn add(&mut self, piece: &Piece, written_out: u64) -> Option<()> {
+    fn add(&mut self, piece: &SamplePiece, written_out: u64) -> Option<()> {
         let (samples, mut count) = (&piece.samples, piece.count);
         let (least, length) = (self.profile.least_points, samples.len() as u64);
         if length.saturating_mul(count) <= written_out {
@@ -224,7 +230,7 @@ impl<'a> Builder<'a> {
                 self.sequence.segments.len() - 1
             }
         };
-        self.sequence.steps.push(Step { segment, repeats, control });
+        self.sequence.steps.push(SequenceEntry { segment, repeats, control });
         (self.points <= self.profile.most_points).then_some(())
     }
 }

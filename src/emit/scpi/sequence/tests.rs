@@ -9,9 +9,9 @@ fn small(most_points: u64, most_repeats: u64) -> Profile {
 }
 
 fn composed(pieces: &[(Vec<i16>, u64)], profile: &Profile, written_out: u64) -> Option<Sequence> {
-    let pieces: Vec<Piece> =
-        pieces.iter().map(|(samples, count)| Piece { samples: samples.clone(), count: *count }).collect();
-    Builder::compose(&Score { ends: [0; 2], pieces }, profile, written_out)
+    let pieces: Vec<SamplePiece> =
+        pieces.iter().map(|(samples, count)| SamplePiece { samples: samples.clone(), count: *count }).collect();
+    SequenceBuilder::compose(&Score { ends: [0; 2], pieces }, profile, written_out)
 }
 
 /// What comes between the wait and the rest.

@@ -16,8 +16,8 @@ use crate::diagnostic::Sink;
 use crate::plan::{Optimality, Plan, errors};
 use crate::quantity::digits;
 use std::collections::BTreeMap;
-use tips::Robot;
-use tries::{Failure, Found, Reason, attempt, tries};
+use tips::PlacedRobot;
+use tries::{FoundPlans, TryFailure, TryReason, attempt, tries};
 
 /// Comparisons of two areas that all tries may take together.
 const COMPARISONS: u64 = 400_000_000;
@@ -29,13 +29,13 @@ pub fn apart(claims: &Claims, plans: Vec<Plan>, sink: &mut Sink) -> Option<Vec<P
     }
     let robots = robots(claims);
     let mut allowed = COMPARISONS;
-    let (mut best, mut first_failure): (Option<Found>, Option<Failure>) = (None, None);
+    let (mut best, mut first_failure): (Option<FoundPlans>, Option<TryFailure>) = (None, None);
     for policy in tries(claims, &robots) {
         match attempt((claims, &robots), &plans, policy, &mut allowed) {
             Ok(found) if found.is_untouched() => return Some(found.plans),
             Ok(found) if best.as_ref().is_none_or(|best| found.rank < best.rank) => best = Some(found),
             Ok(_) => {}
-            Err(failure) if failure.reason == Reason::Spent => {
+            Err(failure) if failure.reason == TryReason::Spent => {
                 first_failure.get_or_insert(failure);
                 break;
             }
@@ -53,32 +53,34 @@ pub fn apart(claims: &Claims, plans: Vec<Plan>, sink: &mut Sink) -> Option<Vec<P
 }
 
 /// The robots that share a scene with another, by device.
-fn robots(claims: &Claims) -> BTreeMap<&str, Robot> {
+fn robots(claims: &Claims) -> BTreeMap<&str, PlacedRobot> {
     let placed = claims.shared.iter().flat_map(|scene| &scene.frames);
     let robot = |(device, frame): (&'_ String, &_)| {
         let job = claims.jobs.iter().find(|job| job.device == *device)?;
-        Some((job.device.as_str(), Robot { facts: job.order.dimibot()?.facts.clone(), frame: *frame }))
+        Some((job.device.as_str(), PlacedRobot { facts: job.order.dimibot()?.facts.clone(), frame: *frame }))
     };
     placed.filter_map(robot).collect()
 }
 
-fn report(claims: &Claims, failure: &Failure) -> crate::diagnostic::Diagnostic {
+fn report(claims: &Claims, failure: &TryFailure) -> crate::diagnostic::Diagnostic {
     let job: &Job = &claims.jobs[failure.job];
     let (device, with) = (&job.device, &failure.with);
     let other = failure.with_job.map(|other| claims.jobs[other].run_span);
     let at_ms = digits(failure.at_ns as f64 / 1e6);
     let why = match failure.reason {
-        Reason::Met => format!("at {at_ms} ms it meets `{with}`"),
-        Reason::EndTogether => format!("at {at_ms} ms it meets `{with}`, and it ends where `{with}` stands by then"),
-        Reason::Missed => {
+        TryReason::Met => format!("at {at_ms} ms it meets `{with}`"),
+        TryReason::EndTogether => format!("at {at_ms} ms it meets `{with}`, and it ends where `{with}` stands by then"),
+        TryReason::Missed => {
             format!("at {at_ms} ms it meets `{with}`, and with waits or ways round a requirement is missed")
         }
-        Reason::NoWay => format!("from where `{device}` stands by then no way was found"),
-        Reason::Spent => format!("at {at_ms} ms it meets `{with}`; the search ended after {COMPARISONS} comparisons"),
+        TryReason::NoWay => format!("from where `{device}` stands by then no way was found"),
+        TryReason::Spent => {
+            format!("at {at_ms} ms it meets `{with}`; the search ended after {COMPARISONS} comparisons")
+        }
     };
     let help = match failure.reason {
-        Reason::EndTogether => errors::Apart::OtherEnds,
-        Reason::Met | Reason::Missed | Reason::NoWay | Reason::Spent => errors::Apart::OtherTimes,
+        TryReason::EndTogether => errors::Apart::OtherEnds,
+        TryReason::Met | TryReason::Missed | TryReason::NoWay | TryReason::Spent => errors::Apart::OtherTimes,
     };
     errors::not_apart([device, with], (job.run_span, &why), other, help)
 }

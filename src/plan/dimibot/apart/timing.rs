@@ -9,7 +9,7 @@ use super::tips::Area;
 
 /// Where a tip is from one instant to another, both included.
 #[derive(Debug, Clone, Copy)]
-pub struct Stretch {
+pub struct TipStay {
     pub start_ns: u64,
     pub end_ns: u64,
     pub area: Area,
@@ -18,13 +18,13 @@ pub struct Stretch {
 /// What another robot does, in order of time, and how far it has to be away.
 #[derive(Debug, Clone, Copy)]
 pub struct Other<'a> {
-    pub stretches: &'a [Stretch],
+    pub stretches: &'a [TipStay],
     pub gap_um: f64,
 }
 
 /// One thing that a robot does on its way.
 #[derive(Debug, Clone, Copy)]
-pub enum Act {
+pub enum TimedAct {
     /// Within an area to a place of it.
     Pulse { within: Area, to: Area },
     /// Nothing, for so long.
@@ -33,13 +33,13 @@ pub enum Act {
 
 /// A way, and when it may begin.
 #[derive(Debug, Clone)]
-pub struct Way {
+pub struct TimedWay {
     /// From this instant on the robot stands where the way begins.
     pub since_ns: u64,
     /// From this instant on it may move.
     pub start_ns: u64,
     pub from: Area,
-    pub acts: Vec<Act>,
+    pub acts: Vec<TimedAct>,
     pub pulse_ns: u64,
     /// From the beginning of a pulse to the end of its rest.
     pub slot_ns: u64,
@@ -49,16 +49,16 @@ pub struct Way {
 
 /// Why a way cannot be gone at any time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stuck {
+pub enum StuckWay {
     /// Somebody is always in the way; the first meeting when it is gone at once.
-    Met(Meeting),
+    Met(TipMeeting),
     /// The comparisons that were allowed are used up.
     Spent,
 }
 
 /// Two tips that may touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Meeting {
+pub struct TipMeeting {
     pub at_ns: u64,
     /// Index of the others.
     pub with: usize,
@@ -79,44 +79,44 @@ struct Arrival {
     pulse_ns: u64,
 }
 
-impl Way {
+impl TimedWay {
     /// How long to wait before each pulse; nothing is longer than it must be for the earliest end.
     ///
     /// # Errors
     /// See [`Stuck`]. `allowed` is the number of comparisons, which is drawn from.
-    pub fn delays(&self, others: &[Other], allowed: &mut u64) -> Result<Vec<u64>, Stuck> {
-        let at_once = vec![0; self.acts.iter().filter(|act| matches!(act, Act::Pulse { .. })).count()];
+    pub fn delays(&self, others: &[Other], allowed: &mut u64) -> Result<Vec<u64>, StuckWay> {
+        let at_once = vec![0; self.acts.iter().filter(|act| matches!(act, TimedAct::Pulse { .. })).count()];
         let Some(meeting) = self.first_meeting(others, allowed)? else { return Ok(at_once) };
         let levels = self.levels(others, allowed)?;
         let last = levels.last().map(Vec::as_slice).unwrap_or_default();
         let best = (0..last.len()).filter(|at| last[*at].until_ns == u64::MAX).min_by_key(|at| last[*at].ready_ns);
-        best.map(|best| self.traced(&levels, best)).ok_or(Stuck::Met(meeting))
+        best.map(|best| self.traced(&levels, best)).ok_or(StuckWay::Met(meeting))
     }
 
     /// Where the tip is at which time, with a delay before each pulse; and when the last rest or wait is over.
-    pub fn stretches(&self, delays: &[u64]) -> (Vec<Stretch>, u64) {
+    pub fn stretches(&self, delays: &[u64]) -> (Vec<TipStay>, u64) {
         let (mut stretches, mut since_ns, mut ready_ns, mut at) = (Vec::new(), self.since_ns, self.start_ns, self.from);
         let mut delays = delays.iter();
         for act in &self.acts {
             match act {
-                Act::Wait(duration_ns) => ready_ns = ready_ns.saturating_add(*duration_ns),
-                Act::Pulse { within, to } => {
+                TimedAct::Wait(duration_ns) => ready_ns = ready_ns.saturating_add(*duration_ns),
+                TimedAct::Pulse { within, to } => {
                     let start_ns = ready_ns.saturating_add(delays.next().copied().unwrap_or(0));
                     let end_ns = start_ns.saturating_add(self.pulse_ns);
-                    stretches.push(Stretch { start_ns: since_ns, end_ns: start_ns, area: at });
-                    stretches.push(Stretch { start_ns, end_ns, area: *within });
+                    stretches.push(TipStay { start_ns: since_ns, end_ns: start_ns, area: at });
+                    stretches.push(TipStay { start_ns, end_ns, area: *within });
                     (at, since_ns, ready_ns) = (*to, end_ns, start_ns.saturating_add(self.slot_ns));
                 }
             }
         }
-        stretches.push(Stretch { start_ns: since_ns, end_ns: u64::MAX, area: at });
+        stretches.push(TipStay { start_ns: since_ns, end_ns: u64::MAX, area: at });
         (stretches, ready_ns)
     }
 
     /// The first meeting if every pulse comes as early as the robot can.
-    fn first_meeting(&self, others: &[Other], allowed: &mut u64) -> Result<Option<Meeting>, Stuck> {
+    fn first_meeting(&self, others: &[Other], allowed: &mut u64) -> Result<Option<TipMeeting>, StuckWay> {
         let (own, _) = self.stretches(&[]);
-        let mut first: Option<Meeting> = None;
+        let mut first: Option<TipMeeting> = None;
         for (with, other) in others.iter().enumerate() {
             let mut from = other.stretches.partition_point(|stretch| stretch.end_ns < self.since_ns);
             for stretch in &own {
@@ -129,7 +129,7 @@ impl Way {
                     let at_ns = stretch.start_ns.max(beside.start_ns);
                     if stretch.area.is_near(&beside.area, other.gap_um) && first.is_none_or(|first| at_ns < first.at_ns)
                     {
-                        first = Some(Meeting { at_ns, with });
+                        first = Some(TipMeeting { at_ns, with });
                     }
                 }
             }
@@ -138,7 +138,7 @@ impl Way {
     }
 
     /// The arrivals after each act, those at the start before them.
-    fn levels(&self, others: &[Other], allowed: &mut u64) -> Result<Vec<Vec<Arrival>>, Stuck> {
+    fn levels(&self, others: &[Other], allowed: &mut u64) -> Result<Vec<Vec<Arrival>>, StuckWay> {
         let mut here = self.free(&self.from, others, allowed)?;
         let stands = here.iter().filter(|[from, to]| *from <= self.since_ns && self.start_ns <= *to);
         let begin = stands.map(|[_, to]| Arrival { ready_ns: self.start_ns, until_ns: *to, before: 0, pulse_ns: 0 });
@@ -146,8 +146,8 @@ impl Way {
         for act in &self.acts {
             let last = levels.last().map(Vec::as_slice).unwrap_or_default();
             let next = match act {
-                Act::Wait(duration_ns) => waited(last, *duration_ns),
-                Act::Pulse { within, to } => {
+                TimedAct::Wait(duration_ns) => waited(last, *duration_ns),
+                TimedAct::Pulse { within, to } => {
                     let moving = self.free(within, others, allowed)?;
                     here = self.free(to, others, allowed)?;
                     self.switched(last, &moving, &here)
@@ -193,7 +193,7 @@ impl Way {
         for (act, pair) in self.acts.iter().zip(levels.windows(2)).rev() {
             let arrival = pair[1][at];
             at = arrival.before;
-            if let Act::Pulse { .. } = act {
+            if let TimedAct::Pulse { .. } = act {
                 delays.push(arrival.pulse_ns - pair[0][at].ready_ns);
             }
         }
@@ -202,7 +202,7 @@ impl Way {
     }
 
     /// The times at which nobody comes near an area, from when the robot stands at the start of its way.
-    fn free(&self, area: &Area, others: &[Other], allowed: &mut u64) -> Result<Free, Stuck> {
+    fn free(&self, area: &Area, others: &[Other], allowed: &mut u64) -> Result<Free, StuckWay> {
         let mut taken: Vec<[u64; 2]> = Vec::new();
         for other in others {
             let from = other.stretches.partition_point(|stretch| stretch.end_ns < self.since_ns);
@@ -236,7 +236,7 @@ fn waited(last: &[Arrival], duration_ns: u64) -> Vec<Arrival> {
     later.filter(|arrival| arrival.ready_ns <= arrival.until_ns).collect()
 }
 
-fn spend(allowed: &mut u64) -> Result<(), Stuck> {
-    *allowed = allowed.checked_sub(1).ok_or(Stuck::Spent)?;
+fn spend(allowed: &mut u64) -> Result<(), StuckWay> {
+    *allowed = allowed.checked_sub(1).ok_or(StuckWay::Spent)?;
     Ok(())
 }

@@ -5,13 +5,13 @@
 //! distance from another is measured between corners and edges, after a search for a line between the two.
 
 use crate::claims::dimibot::in_scene_um;
-use crate::device::dimibot::{Cell, Facts};
+use crate::device::dimibot::{DimibotFacts, LatticeCell};
 use crate::geometry::shape::{Pose, Shape};
 
 /// A robot in its scene.
 #[derive(Debug, Clone)]
-pub struct Robot {
-    pub facts: Facts,
+pub struct PlacedRobot {
+    pub facts: DimibotFacts,
     pub frame: Pose,
 }
 
@@ -24,11 +24,12 @@ pub struct Area {
     high: [f64; 2],
 }
 
-impl Robot {
+impl PlacedRobot {
     /// Everywhere that the tip's centre may be while all modules switch that differ in two cells.
-    pub fn between(&self, from: Cell, to: Cell) -> Area {
-        let (low, high) = (Cell::new(from.x & to.x, from.y & to.y), Cell::new(from.x | to.x, from.y | to.y));
-        let around = [low, Cell::new(high.x, low.y), high, Cell::new(low.x, high.y)];
+    pub fn between(&self, from: LatticeCell, to: LatticeCell) -> Area {
+        let (low, high) =
+            (LatticeCell::new(from.x & to.x, from.y & to.y), LatticeCell::new(from.x | to.x, from.y | to.y));
+        let around = [low, LatticeCell::new(high.x, low.y), high, LatticeCell::new(low.x, high.y)];
         let corners = around.map(|cell| in_scene_um(self.facts.place_um(cell), Some(&self.frame)));
         let extreme = |pick: fn(f64, f64) -> f64| {
             [0, 1].map(|axis| corners[1..].iter().fold(corners[0][axis], |value, corner| pick(value, corner[axis])))
@@ -37,7 +38,7 @@ impl Robot {
     }
 
     /// The place of a cell.
-    pub fn at(&self, cell: Cell) -> Area {
+    pub fn at(&self, cell: LatticeCell) -> Area {
         self.between(cell, cell)
     }
 

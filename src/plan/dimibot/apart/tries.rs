@@ -1,14 +1,14 @@
 //! One way to plan the robots of a program apart: who goes first, and who makes way.
 
 use super::delayed;
-use super::timing::{Act, Other, Stretch, Stuck, Way};
-use super::tips::Robot;
-use crate::claims::dimibot::{Body, DimibotOrder, Obstacle};
+use super::timing::{Other, StuckWay, TimedAct, TimedWay, TipStay};
+use super::tips::PlacedRobot;
+use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, DimibotOrder};
 use crate::claims::{Claims, Job, Order, Timeline};
-use crate::device::dimibot::Cell;
+use crate::device::dimibot::LatticeCell;
 use crate::diagnostic::Sink;
 use crate::plan::Plan;
-use crate::plan::dimibot::{Motion, SAFETY_MARGIN_UM, Standing, StepMotion, plan};
+use crate::plan::dimibot::{DimibotMotion, DimibotStandings, DimibotStepMotion, SAFETY_MARGIN_UM, plan};
 use crate::plan::requirements::{Kept, keeps};
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
@@ -22,7 +22,7 @@ const MAX_PLACES: usize = 2_000;
 
 /// What robots do whose turn has not come, while those before them are planned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Manners {
+enum BystanderManners {
     /// They see to it themselves that they are gone in time.
     MakeWay,
     /// They stand where they stand.
@@ -32,14 +32,14 @@ enum Manners {
 /// How a program is planned.
 #[derive(Debug, Clone)]
 pub struct Policy {
-    manners: Manners,
+    manners: BystanderManners,
     /// In which order the branches of a `together` are planned, by the order of writing.
     order: Vec<usize>,
 }
 
 /// Why a try failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reason {
+pub enum TryReason {
     Met,
     /// The two end where their tips touch.
     EndTogether,
@@ -51,8 +51,8 @@ pub enum Reason {
 
 /// Where a try failed.
 #[derive(Debug, Clone)]
-pub struct Failure {
-    pub reason: Reason,
+pub struct TryFailure {
+    pub reason: TryReason,
     pub job: usize,
     pub with: String,
     pub with_job: Option<usize>,
@@ -60,13 +60,13 @@ pub struct Failure {
 }
 
 /// Plans that keep robots apart.
-pub struct Found {
+pub struct FoundPlans {
     pub plans: Vec<Plan>,
     /// Plans that cost more than alone, the end of the program, and all waits: the less the better.
     pub rank: (usize, u64, u64),
 }
 
-impl Found {
+impl FoundPlans {
     /// Whether all plans are those of robots alone.
     pub fn is_untouched(&self) -> bool {
         let (detours, _, idle_ns) = self.rank;
@@ -77,11 +77,11 @@ impl Found {
 /// The plans of a program in the making.
 struct Try<'a> {
     claims: &'a Claims,
-    robots: &'a BTreeMap<&'a str, Robot>,
+    robots: &'a BTreeMap<&'a str, PlacedRobot>,
     policy: Policy,
     allowed: &'a mut u64,
     plans: Vec<Plan>,
-    traces: BTreeMap<&'a str, Trace>,
+    traces: BTreeMap<&'a str, PlannedTrace>,
     /// Robots whose turn comes, in the branches of a `together` around.
     later: Vec<BTreeSet<&'a str>>,
     /// Plans that cost more than alone, waits aside, and all waits.
@@ -90,19 +90,19 @@ struct Try<'a> {
 }
 
 /// Where a robot is from the first instant to that up to which it is planned; there it stands.
-struct Trace {
+struct PlannedTrace {
     /// In order of time, the last one without end.
-    stretches: Vec<Stretch>,
-    cell: Cell,
+    stretches: Vec<TipStay>,
+    cell: LatticeCell,
     job: Option<usize>,
 }
 
 /// All policies worth a try, the most hopeful first.
-pub fn tries(claims: &Claims, robots: &BTreeMap<&str, Robot>) -> Vec<Policy> {
+pub fn tries(claims: &Claims, robots: &BTreeMap<&str, PlacedRobot>) -> Vec<Policy> {
     let branches = most_branches(&claims.timeline, claims, robots);
     let orders = orders(branches);
     let of = |manners| orders.iter().map(move |order| Policy { manners, order: order.clone() });
-    of(Manners::MakeWay).chain(of(Manners::Stay)).collect()
+    of(BystanderManners::MakeWay).chain(of(BystanderManners::Stay)).collect()
 }
 
 /// The orders of so many branches: all of a few, of many every one first and last.
@@ -124,7 +124,7 @@ fn orders(branches: usize) -> Vec<Vec<usize>> {
 }
 
 /// The most branches with robots of a shared scene in one `together`.
-fn most_branches(timeline: &Timeline, claims: &Claims, robots: &BTreeMap<&str, Robot>) -> usize {
+fn most_branches(timeline: &Timeline, claims: &Claims, robots: &BTreeMap<&str, PlacedRobot>) -> usize {
     let deeper = |parts: &[Timeline]| parts.iter().map(|part| most_branches(part, claims, robots)).max().unwrap_or(0);
     match timeline {
         Timeline::Run(_) | Timeline::Wait(_) => 1,
@@ -137,7 +137,7 @@ fn most_branches(timeline: &Timeline, claims: &Claims, robots: &BTreeMap<&str, R
 }
 
 /// The robots of a part of the timeline that share a scene with others.
-fn devices<'a>(part: &Timeline, claims: &'a Claims, robots: &BTreeMap<&str, Robot>) -> BTreeSet<&'a str> {
+fn devices<'a>(part: &Timeline, claims: &'a Claims, robots: &BTreeMap<&str, PlacedRobot>) -> BTreeSet<&'a str> {
     match part {
         Timeline::Run(job) => {
             let device = claims.jobs[*job].device.as_str();
@@ -155,20 +155,20 @@ fn devices<'a>(part: &Timeline, claims: &'a Claims, robots: &BTreeMap<&str, Robo
 /// # Errors
 /// Where no timing and no way round was found. `allowed` comparisons may be made, and are drawn from.
 pub fn attempt(
-    (claims, robots): (&Claims, &BTreeMap<&str, Robot>),
+    (claims, robots): (&Claims, &BTreeMap<&str, PlacedRobot>),
     alone: &[Plan],
     policy: Policy,
     allowed: &mut u64,
-) -> Result<Found, Failure> {
-    let traces = robots.iter().map(|(device, robot)| (*device, Trace::begin(device, robot, claims))).collect();
+) -> Result<FoundPlans, TryFailure> {
+    let traces = robots.iter().map(|(device, robot)| (*device, PlannedTrace::begin(device, robot, claims))).collect();
     let (plans, later) = (alone.to_vec(), Vec::new());
     let mut attempt = Try { claims, robots, policy, allowed, plans, traces, later, detours: 0, idle_ns: 0 };
     let end_ns = attempt.part(&claims.timeline, 0)?;
-    Ok(Found { rank: (attempt.detours, end_ns, attempt.idle_ns), plans: attempt.plans })
+    Ok(FoundPlans { rank: (attempt.detours, end_ns, attempt.idle_ns), plans: attempt.plans })
 }
 
 impl<'a> Try<'a> {
-    fn part(&mut self, part: &Timeline, start_ns: u64) -> Result<u64, Failure> {
+    fn part(&mut self, part: &Timeline, start_ns: u64) -> Result<u64, TryFailure> {
         match part {
             Timeline::Wait(duration_ns) => Ok(start_ns.saturating_add(*duration_ns)),
             Timeline::Run(job) => self.job(*job, start_ns),
@@ -177,7 +177,7 @@ impl<'a> Try<'a> {
         }
     }
 
-    fn together(&mut self, parts: &[Timeline], start_ns: u64) -> Result<u64, Failure> {
+    fn together(&mut self, parts: &[Timeline], start_ns: u64) -> Result<u64, TryFailure> {
         let robots: Vec<BTreeSet<&str>> = parts.iter().map(|part| devices(part, self.claims, self.robots)).collect();
         let placed: Vec<usize> = (0..parts.len()).filter(|at| !robots[*at].is_empty()).collect();
         let turns = self.policy.order.clone();
@@ -192,14 +192,15 @@ impl<'a> Try<'a> {
         Ok(end_ns)
     }
 
-    fn job(&mut self, index: usize, start_ns: u64) -> Result<u64, Failure> {
+    fn job(&mut self, index: usize, start_ns: u64) -> Result<u64, TryFailure> {
         let job = &self.claims.jobs[index];
         let device = job.device.as_str();
         let (Some(robot), Some(order)) = (self.robots.get(device), job.order.dimibot()) else {
             return Ok(start_ns.saturating_add(duration_ns(&self.plans[index])));
         };
         let cell = self.traces[device].cell;
-        let alone = self.alone(index, order, cell).ok_or_else(|| self.failure(Reason::NoWay, index, None, start_ns))?;
+        let alone =
+            self.alone(index, order, cell).ok_or_else(|| self.failure(TryReason::NoWay, index, None, start_ns))?;
         let (plan, way, delays) = self.timed(index, (robot, order), &alone, start_ns)?;
         let (stretches, end_ns) = way.stretches(&delays);
         self.idle_ns = self.idle_ns.saturating_add(delays.iter().sum());
@@ -214,7 +215,7 @@ impl<'a> Try<'a> {
     }
 
     /// The best plan of a robot by itself, from where it stands.
-    fn alone(&self, index: usize, order: &DimibotOrder, cell: Cell) -> Option<Plan> {
+    fn alone(&self, index: usize, order: &DimibotOrder, cell: LatticeCell) -> Option<Plan> {
         let known = &self.plans[index];
         match known.motion.dimibot().is_some_and(|motion| motion.start == cell) {
             true => Some(known.clone()),
@@ -226,13 +227,13 @@ impl<'a> Try<'a> {
     fn timed(
         &mut self,
         index: usize,
-        (robot, order): (&Robot, &DimibotOrder),
+        (robot, order): (&PlacedRobot, &DimibotOrder),
         alone: &Plan,
         start_ns: u64,
-    ) -> Result<(Plan, Way, Vec<u64>), Failure> {
+    ) -> Result<(Plan, TimedWay, Vec<u64>), TryFailure> {
         let job = &self.claims.jobs[index];
         let mut failure = None;
-        let mut best: Option<(Plan, Way, Vec<u64>)> = None;
+        let mut best: Option<(Plan, TimedWay, Vec<u64>)> = None;
         for round in Round::ALL {
             let plan = match round {
                 Round::Nothing => Some(alone.clone()),
@@ -254,27 +255,27 @@ impl<'a> Try<'a> {
                     }
                 }
                 Ok(_) => {
-                    failure.get_or_insert(self.failure(Reason::Missed, index, None, start_ns));
+                    failure.get_or_insert(self.failure(TryReason::Missed, index, None, start_ns));
                 }
-                Err(met) if met.reason == Reason::Spent => return Err(met),
+                Err(met) if met.reason == TryReason::Spent => return Err(met),
                 Err(met) => {
                     failure.get_or_insert(met);
                 }
             }
         }
-        best.ok_or_else(|| failure.unwrap_or_else(|| self.failure(Reason::NoWay, index, None, start_ns)))
+        best.ok_or_else(|| failure.unwrap_or_else(|| self.failure(TryReason::NoWay, index, None, start_ns)))
     }
 
-    fn way(&self, job: &Job, robot: &Robot, motion: &Motion, start_ns: u64) -> Way {
+    fn way(&self, job: &Job, robot: &PlacedRobot, motion: &DimibotMotion, start_ns: u64) -> TimedWay {
         let mut cell = motion.start;
         let mut acts = Vec::new();
         for step in &motion.steps {
             match step {
-                StepMotion::Wait(duration_ns) => acts.push(Act::Wait(*duration_ns)),
-                StepMotion::Pulses(pulses) => {
+                DimibotStepMotion::Wait(duration_ns) => acts.push(TimedAct::Wait(*duration_ns)),
+                DimibotStepMotion::Pulses(pulses) => {
                     for pulse in pulses {
-                        let after = Cell::new(cell.x ^ pulse.left, cell.y ^ pulse.right);
-                        acts.push(Act::Pulse { within: robot.between(cell, after), to: robot.at(after) });
+                        let after = LatticeCell::new(cell.x ^ pulse.left, cell.y ^ pulse.right);
+                        acts.push(TimedAct::Pulse { within: robot.between(cell, after), to: robot.at(after) });
                         cell = after;
                     }
                 }
@@ -284,10 +285,10 @@ impl<'a> Try<'a> {
         let pulse_ns = robot.facts.pulse_duration_ns;
         let slot_ns = pulse_ns + robot.facts.rest_ns;
         let grain_ns = grain_ns(self.robots);
-        Way { since_ns, start_ns, from: robot.at(motion.start), acts, pulse_ns, slot_ns, grain_ns }
+        TimedWay { since_ns, start_ns, from: robot.at(motion.start), acts, pulse_ns, slot_ns, grain_ns }
     }
 
-    fn delays(&mut self, index: usize, way: &Way) -> Result<Vec<u64>, Failure> {
+    fn delays(&mut self, index: usize, way: &TimedWay) -> Result<Vec<u64>, TryFailure> {
         let own = self.claims.jobs[index].device.as_str();
         let names: Vec<&str> = self.neighbours(own);
         let others: Vec<Other> = names.iter().map(|name| self.other(own, name)).collect();
@@ -296,18 +297,18 @@ impl<'a> Try<'a> {
         drop(others);
         *self.allowed = allowed;
         delays.map_err(|stuck| match stuck {
-            Stuck::Met(meeting) => {
+            StuckWay::Met(meeting) => {
                 let with = names[meeting.with];
-                let reason = if self.end_together(own, way, with) { Reason::EndTogether } else { Reason::Met };
+                let reason = if self.end_together(own, way, with) { TryReason::EndTogether } else { TryReason::Met };
                 self.failure(reason, index, Some(with), meeting.at_ns)
             }
-            Stuck::Spent => self.failure(Reason::Spent, index, None, way.start_ns),
+            StuckWay::Spent => self.failure(TryReason::Spent, index, None, way.start_ns),
         })
     }
 
     /// Whether a way ends where another robot, planned before, stands at last.
-    fn end_together(&self, own: &str, way: &Way, with: &str) -> bool {
-        let last = |stretches: &[Stretch]| stretches.last().map(|stretch| stretch.area);
+    fn end_together(&self, own: &str, way: &TimedWay, with: &str) -> bool {
+        let last = |stretches: &[TipStay]| stretches.last().map(|stretch| stretch.area);
         let (end, beside) = (last(&way.stretches(&[]).0), last(self.other(own, with).stretches));
         let is_planned = self.traces[with].job.is_some();
         is_planned && end.zip(beside).is_some_and(|(end, beside)| end.is_near(&beside, self.gap_um(own, with)))
@@ -323,7 +324,8 @@ impl<'a> Try<'a> {
     /// Another robot as one has to see it: without its last standing place if it is to make way.
     fn other(&self, own: &str, name: &str) -> Other<'_> {
         let stretches = self.traces[name].stretches.as_slice();
-        let makes_way = self.policy.manners == Manners::MakeWay && self.later.iter().any(|later| later.contains(name));
+        let makes_way =
+            self.policy.manners == BystanderManners::MakeWay && self.later.iter().any(|later| later.contains(name));
         let stretches = match makes_way {
             true => &stretches[..stretches.len().saturating_sub(1)],
             false => stretches,
@@ -340,14 +342,14 @@ impl<'a> Try<'a> {
     fn round(
         &self,
         index: usize,
-        (robot, order): (&Robot, &DimibotOrder),
+        (robot, order): (&PlacedRobot, &DimibotOrder),
         alone: &Plan,
         round: Round,
         start_ns: u64,
     ) -> Option<Plan> {
         let job = &self.claims.jobs[index];
         let cell = alone.motion.dimibot()?.start;
-        let mut obstacles: Vec<Obstacle> = Vec::new();
+        let mut obstacles: Vec<DimibotObstacle> = Vec::new();
         for name in self.neighbours(&job.device) {
             let (other, beside) = (self.robots.get(name)?, self.other(&job.device, name));
             let from = beside.stretches.partition_point(|stretch| stretch.end_ns < start_ns);
@@ -357,9 +359,9 @@ impl<'a> Try<'a> {
                 }
                 let around_um = beside.gap_um - robot.facts.growth_um();
                 let (shape, pose) = other.obstacle(&stretch.area, around_um);
-                let body = Body::Solid { shape, pose };
+                let body = DimibotObstacleBody::Solid { shape, pose };
                 if !obstacles.iter().any(|known| known.body == body) {
-                    obstacles.push(Obstacle { name: name.to_owned(), body, span: Span::default() });
+                    obstacles.push(DimibotObstacle { name: name.to_owned(), body, span: Span::default() });
                 }
                 if obstacles.len() > MAX_PLACES {
                     return None;
@@ -374,11 +376,11 @@ impl<'a> Try<'a> {
         replanned(job, &DimibotOrder { obstacles, frame, ..order.clone() }, cell)
     }
 
-    fn failure(&self, reason: Reason, job: usize, with: Option<&str>, at_ns: u64) -> Failure {
+    fn failure(&self, reason: TryReason, job: usize, with: Option<&str>, at_ns: u64) -> TryFailure {
         let own = self.claims.jobs[job].device.as_str();
         let with = with.unwrap_or_else(|| self.neighbours(own).first().copied().unwrap_or_default());
         let with_job = self.traces.get(with).and_then(|trace| trace.job);
-        Failure { reason, job, with: with.to_owned(), with_job, at_ns }
+        TryFailure { reason, job, with: with.to_owned(), with_job, at_ns }
     }
 }
 
@@ -394,13 +396,13 @@ impl Round {
     const ALL: [Round; 3] = [Round::Nothing, Round::WhereTheyStay, Round::WhereTheyCome];
 }
 
-impl Trace {
+impl PlannedTrace {
     /// A robot that stands where its first run begins.
-    fn begin(device: &str, robot: &Robot, claims: &Claims) -> Trace {
+    fn begin(device: &str, robot: &PlacedRobot, claims: &Claims) -> PlannedTrace {
         let first = claims.jobs.iter().find(|job| job.device == device).and_then(|job| job.order.dimibot());
         let cell = first.and_then(|order| order.start).map_or(robot.facts.home, |start| start.value);
-        let stretches = vec![Stretch { start_ns: 0, end_ns: u64::MAX, area: robot.at(cell) }];
-        Trace { stretches, cell, job: None }
+        let stretches = vec![TipStay { start_ns: 0, end_ns: u64::MAX, area: robot.at(cell) }];
+        PlannedTrace { stretches, cell, job: None }
     }
 
     /// Since when it stands where it stands at last.
@@ -408,7 +410,7 @@ impl Trace {
         self.stretches.last().map_or(0, |stretch| stretch.start_ns)
     }
 
-    fn follow(&mut self, stretches: Vec<Stretch>, cell: Cell, job: usize) {
+    fn follow(&mut self, stretches: Vec<TipStay>, cell: LatticeCell, job: usize) {
         self.stretches.pop();
         self.stretches.extend(stretches);
         (self.cell, self.job) = (cell, Some(job));
@@ -416,23 +418,23 @@ impl Trace {
 }
 
 /// Where a motion ends.
-fn end_of(motion: &Motion) -> Cell {
+fn end_of(motion: &DimibotMotion) -> LatticeCell {
     let pulses = motion.steps.iter().flat_map(|step| match step {
-        StepMotion::Pulses(pulses) => pulses.as_slice(),
-        StepMotion::Wait(_) => &[],
+        DimibotStepMotion::Pulses(pulses) => pulses.as_slice(),
+        DimibotStepMotion::Wait(_) => &[],
     });
-    pulses.fold(motion.start, |cell, pulse| Cell::new(cell.x ^ pulse.left, cell.y ^ pulse.right))
+    pulses.fold(motion.start, |cell, pulse| LatticeCell::new(cell.x ^ pulse.left, cell.y ^ pulse.right))
 }
 
 /// A plan from a cell, if the planner finds one.
-fn replanned(job: &Job, order: &DimibotOrder, cell: Cell) -> Option<Plan> {
-    let mut standing = Standing::at(&job.device, cell);
+fn replanned(job: &Job, order: &DimibotOrder, cell: LatticeCell) -> Option<Plan> {
+    let mut standing = DimibotStandings::at(&job.device, cell);
     let job = Job { order: Order::Dimibot(order.clone()), ..job.clone() };
     plan(&job, order, &mut standing, &mut Sink::default())
 }
 
 /// The largest power of ten, in nanoseconds, that divides the pulses and rests of all robots.
-fn grain_ns(robots: &BTreeMap<&str, Robot>) -> u64 {
+fn grain_ns(robots: &BTreeMap<&str, PlacedRobot>) -> u64 {
     let divides = |grain_ns: u64| {
         let times = robots.values().flat_map(|robot| [robot.facts.pulse_duration_ns, robot.facts.rest_ns]);
         times.into_iter().all(|time_ns| time_ns % grain_ns == 0)

@@ -7,12 +7,12 @@
 //! [`Outcome`] says. One step of the budget is one cell queued.
 
 use super::blocks::{BlockDistances, Blocks};
-use super::field::Reader;
-use super::guided::{BlockGuide, Ended, Ground, Guide, Lists, NoBlocks, Search, small_difference};
-use super::lattice::{Flip, Side, Weights, bits};
-use super::outcome::{Outcome, Path, Proof};
+use super::field::FieldReader;
+use super::guided::{BlockGuide, Guide, GuidedSearch, Lists, NoBlocks, SearchEnd, SearchSpace, small_difference};
+use super::lattice::{Flip, Side, SwitchWeights, bits};
+use super::outcome::{DimibotSearchOutcome, FlipPath, Proof};
 use super::seen::Seen;
-use crate::plan::search::{Budget, Meter};
+use crate::plan::search::{Meter, SearchBudget};
 use rustc_hash::FxHashMap;
 
 /// Modules of each side that lead from block to block in the first picture: 64 by 64 blocks.
@@ -38,12 +38,12 @@ pub(super) struct Workspace {
     to_goal: BlockDistances,
     to_start: BlockDistances,
     lists: Lists,
-    flood: Flood,
+    flood: GoalFlood,
 }
 
 /// The cells reached from the goal so far.
 #[derive(Default)]
-struct Flood {
+struct GoalFlood {
     seen: Seen,
     cells: Vec<[u32; 2]>,
     /// Cells whose neighbours have been added.
@@ -53,14 +53,14 @@ struct Flood {
 
 impl Workspace {
     /// Makes the first picture of the field.
-    pub(super) fn prepare(&mut self, reader: &mut Reader<'_>) {
+    pub(super) fn prepare(&mut self, reader: &mut FieldReader<'_>) {
         self.coarse.get_or_insert_with(|| Blocks::new(reader, COARSE));
     }
 }
 
-pub(super) struct Journey<'a, 'f> {
-    reader: Reader<'f>,
-    weights: &'a Weights,
+pub(super) struct LatticeJourney<'a, 'f> {
+    reader: FieldReader<'f>,
+    weights: &'a SwitchWeights,
     start: [u32; 2],
     goal: [u32; 2],
     meter: Meter,
@@ -74,22 +74,27 @@ enum Decided {
     No(Proof),
 }
 
-impl<'a, 'f> Journey<'a, 'f> {
+impl<'a, 'f> LatticeJourney<'a, 'f> {
     /// Both cells must be free and different.
-    pub(super) fn new(reader: Reader<'f>, weights: &'a Weights, ends: [[u32; 2]; 2], budget: Budget) -> Self {
+    pub(super) fn new(
+        reader: FieldReader<'f>,
+        weights: &'a SwitchWeights,
+        ends: [[u32; 2]; 2],
+        budget: SearchBudget,
+    ) -> Self {
         let [start, goal] = ends;
         let bound = weights.of_masks([start[0] ^ goal[0], start[1] ^ goal[1]]);
-        Journey { reader, weights, start, goal, meter: Meter::new(budget), bound }
+        LatticeJourney { reader, weights, start, goal, meter: Meter::new(budget), bound }
     }
 
-    pub(super) fn run(mut self, space: &mut Workspace) -> Outcome<Path> {
+    pub(super) fn run(mut self, space: &mut Workspace) -> DimibotSearchOutcome<FlipPath> {
         let coarse = space.coarse.take().unwrap_or_else(|| Blocks::new(&mut self.reader, COARSE));
         space.flood.begin(self.reader.modules(), self.goal);
         let decided = self.stages(&coarse, space);
         space.coarse = Some(coarse);
         match decided {
             Some(Decided::Path) => self.path(&space.lists, None),
-            Some(Decided::No(proof)) => Outcome::impossible(proof, self.meter.spent()),
+            Some(Decided::No(proof)) => DimibotSearchOutcome::impossible(proof, self.meter.spent()),
             None => self.some_path(space),
         }
     }
@@ -124,22 +129,22 @@ impl<'a, 'f> Journey<'a, 'f> {
         self.search(&guide, &mut space.lists, &mut space.flood, limit)
     }
 
-    fn search(&mut self, guide: &impl Guide, lists: &mut Lists, flood: &mut Flood, limit: u64) -> Option<Decided> {
+    fn search(&mut self, guide: &impl Guide, lists: &mut Lists, flood: &mut GoalFlood, limit: u64) -> Option<Decided> {
         let limit = limit.min(self.allowed());
-        let mut meter = Meter::new(Budget::of(limit));
+        let mut meter = Meter::new(SearchBudget::of(limit));
         let (start, goal) = (self.start, self.goal);
         let ground = &mut self.reader;
-        let mut search = Search { ground, guide, lists, weights: self.weights, target: goal, greed: 1 };
+        let mut search = GuidedSearch { ground, guide, lists, weights: self.weights, target: goal, greed: 1 };
         let Some(estimate) = search.estimate(start) else {
             return Some(Decided::No(Proof::BlocksApart));
         };
         let ended = search.run(start, &mut meter, |ground| flood.keep_pace(ground));
         self.meter.charge(meter.spent());
         match ended {
-            Ended::Found => Some(Decided::Path),
-            Ended::Exhausted(cells) => Some(Decided::No(Proof::StartShut { cells })),
-            Ended::Stopped => Some(Decided::No(Proof::GoalShut { cells: flood.cells.len() as u64 })),
-            Ended::OutOfBudget(excess) => {
+            SearchEnd::Found => Some(Decided::Path),
+            SearchEnd::Exhausted(cells) => Some(Decided::No(Proof::StartShut { cells })),
+            SearchEnd::Stopped => Some(Decided::No(Proof::GoalShut { cells: flood.cells.len() as u64 })),
+            SearchEnd::OutOfBudget(excess) => {
                 self.bound = self.bound.max(estimate + excess);
                 None
             }
@@ -165,46 +170,47 @@ impl<'a, 'f> Journey<'a, 'f> {
         let [start, goal] = [self.start, self.goal].map(small);
         let weights = self.weights.without(middle.fine);
         let limit = self.allowed();
-        let mut meter = Meter::new(Budget::of(limit));
+        let mut meter = Meter::new(SearchBudget::of(limit));
         let mut ground = middle;
         let (lists, guide) = (&mut space.lists, &to_start);
-        let mut search = Search { ground: &mut ground, guide, lists, weights: &weights, target: start, greed: 1 };
+        let mut search = GuidedSearch { ground: &mut ground, guide, lists, weights: &weights, target: start, greed: 1 };
         let estimate = search.estimate(goal)?;
         let ended = search.run(goal, &mut meter, |_| true);
         self.meter.charge(meter.spent());
         match ended {
-            Ended::Found | Ended::OutOfBudget(_) => {}
-            Ended::Exhausted(_) | Ended::Stopped => return Some(Decided::No(Proof::BlocksApart)),
+            SearchEnd::Found | SearchEnd::OutOfBudget(_) => {}
+            SearchEnd::Exhausted(_) | SearchEnd::Stopped => return Some(Decided::No(Proof::BlocksApart)),
         }
         let guide = MiddleGuide::new(middle, [to_start, to_goal], weights, [start, goal], estimate, &space.lists);
         self.search(&guide, &mut space.lists, &mut space.flood, u64::MAX)
     }
 
     /// A path that need not be optimal, by weighted A*.
-    fn some_path(mut self, space: &mut Workspace) -> Outcome<Path> {
+    fn some_path(mut self, space: &mut Workspace) -> DimibotSearchOutcome<FlipPath> {
         let Some(coarse) = &space.coarse else {
-            return Outcome::GaveUp(self.meter.gave_up(self.bound));
+            return DimibotSearchOutcome::GaveUp(self.meter.gave_up(self.bound));
         };
         let guide = BlockGuide { blocks: coarse, distances: &space.to_goal, shift: [0, 0] };
         let limit = self.meter.left().steps / GREEDS.len() as u64;
         for greed in GREEDS {
-            let mut meter = Meter::new(Budget::of(limit));
+            let mut meter = Meter::new(SearchBudget::of(limit));
             let (ground, lists) = (&mut self.reader, &mut space.lists);
-            let mut search = Search { ground, guide: &guide, lists, weights: self.weights, target: self.goal, greed };
+            let mut search =
+                GuidedSearch { ground, guide: &guide, lists, weights: self.weights, target: self.goal, greed };
             let ended = search.run(self.start, &mut meter, |_| true);
             self.meter.charge(meter.spent());
-            if matches!(ended, Ended::Found) {
+            if matches!(ended, SearchEnd::Found) {
                 return self.path(&space.lists, Some(self.bound));
             }
         }
-        Outcome::GaveUp(self.meter.gave_up(self.bound))
+        DimibotSearchOutcome::GaveUp(self.meter.gave_up(self.bound))
     }
 
-    fn path(&self, lists: &Lists, bound: Option<u64>) -> Outcome<Path> {
+    fn path(&self, lists: &Lists, bound: Option<u64>) -> DimibotSearchOutcome<FlipPath> {
         let flips: Vec<Flip> = lists.path();
         let cost = flips.iter().map(|flip| self.weights.of(*flip)).sum();
         let bound = bound.map_or(cost, |bound| bound.min(cost));
-        Outcome::Found(Path { flips, cost, bound, expanded: self.meter.spent() })
+        DimibotSearchOutcome::Found(FlipPath { flips, cost, bound, expanded: self.meter.spent() })
     }
 }
 
@@ -213,7 +219,7 @@ impl<'a, 'f> Journey<'a, 'f> {
 struct MiddleGuide<'a> {
     middle: &'a Blocks,
     to_start: BlockGuide<'a>,
-    weights: Weights,
+    weights: SwitchWeights,
     to_goal: BlockGuide<'a>,
     start: [u32; 2],
     goal: [u32; 2],
@@ -227,7 +233,7 @@ impl<'a> MiddleGuide<'a> {
     fn new(
         middle: &'a Blocks,
         [to_start, to_goal]: [BlockGuide<'a>; 2],
-        weights: Weights,
+        weights: SwitchWeights,
         [start, goal]: [[u32; 2]; 2],
         estimate: u64,
         lists: &Lists,
@@ -267,7 +273,7 @@ impl Guide for MiddleGuide<'_> {
     }
 }
 
-impl Flood {
+impl GoalFlood {
     fn begin(&mut self, modules: [u32; 2], goal: [u32; 2]) {
         self.seen.clear(self.cells.drain(..));
         self.seen.begin(modules);
@@ -277,7 +283,7 @@ impl Flood {
     }
 
     /// Spreads now and then; `false` once there is nothing left to spread from, so that the goal's component is known.
-    fn keep_pace(&mut self, ground: &mut impl Ground) -> bool {
+    fn keep_pace(&mut self, ground: &mut impl SearchSpace) -> bool {
         self.calls += 1;
         if !self.calls.is_multiple_of(PACE) {
             return true;

@@ -1,32 +1,32 @@
 use crate::plan::dimibot::*;
-use crate::plan::search::Budget;
+use crate::plan::search::SearchBudget;
 
 fn symmetric(n: u32) -> Lattice {
     Lattice::new([n, n], [1.0, 1.0]).unwrap()
 }
 
-fn numbered(lattice: &Lattice, number: u32) -> Cell {
-    Cell::new(number >> lattice.modules[1], number & lattice.last(Side::Right))
+fn numbered(lattice: &Lattice, number: u32) -> LatticeCell {
+    LatticeCell::new(number >> lattice.modules[1], number & lattice.last(Side::Right))
 }
 
-fn blocks(lattice: &Lattice, numbers: &[u32]) -> Vec<Obstacle> {
+fn blocks(lattice: &Lattice, numbers: &[u32]) -> Vec<FieldObstacle> {
     let cell = |&k: &u32| numbered(lattice, k).pair();
-    numbers.iter().map(cell).map(|c| Obstacle::Cells { from: c, to: c }).collect()
+    numbers.iter().map(cell).map(|c| FieldObstacle::Cells { from: c, to: c }).collect()
 }
 
 /// From 6 to 10 with N = 2: cost and the number of the first place visited.
 fn six_to_ten(obstacles: &[u32]) -> Option<(u64, u32)> {
     let lattice = symmetric(2);
-    let field = Field::new(lattice, &blocks(&lattice, obstacles)).unwrap();
+    let field = LatticeField::new(lattice, &blocks(&lattice, obstacles)).unwrap();
     let ends = [6, 10].map(|k| numbered(&lattice, k));
-    match shortest(&field, ends[0], ends[1], &Weights::distance(&lattice), Budget::DEFAULT) {
-        Outcome::Found(path) => {
+    match shortest(&field, ends[0], ends[1], &SwitchWeights::distance(&lattice), SearchBudget::DEFAULT) {
+        DimibotSearchOutcome::Found(path) => {
             assert_eq!(path.cost, path.bound);
             let first = ends[0].after(path.flips[0]);
             Some((path.cost, first.x << 2 | first.y))
         }
-        Outcome::Impossible(_) => None,
-        Outcome::GaveUp(gave_up) => panic!("{gave_up:?}"),
+        DimibotSearchOutcome::Impossible(_) => None,
+        DimibotSearchOutcome::GaveUp(gave_up) => panic!("{gave_up:?}"),
     }
 }
 
@@ -42,9 +42,11 @@ fn from_six_to_ten_with_two_modules_a_side() {
 #[test]
 fn four_modules_a_side_across_the_middle_cost_thirty() {
     let lattice = symmetric(4);
-    let field = Field::new(lattice, &[]).unwrap();
-    let (start, goal) = (Cell::new(8, 8), Cell::new(7, 7));
-    let Outcome::Found(path) = shortest(&field, start, goal, &Weights::distance(&lattice), Budget::DEFAULT) else {
+    let field = LatticeField::new(lattice, &[]).unwrap();
+    let (start, goal) = (LatticeCell::new(8, 8), LatticeCell::new(7, 7));
+    let DimibotSearchOutcome::Found(path) =
+        shortest(&field, start, goal, &SwitchWeights::distance(&lattice), SearchBudget::DEFAULT)
+    else {
         panic!("an empty scene has a path")
     };
     assert_eq!((path.cost, path.flips.len()), (30, 8));
@@ -52,8 +54,8 @@ fn four_modules_a_side_across_the_middle_cost_thirty() {
 
 fn edges(obstacles: &[u32]) -> Vec<(u32, u32, u64)> {
     let lattice = symmetric(2);
-    let field = Field::new(lattice, &blocks(&lattice, obstacles)).unwrap();
-    let weights = Weights::distance(&lattice);
+    let field = LatticeField::new(lattice, &blocks(&lattice, obstacles)).unwrap();
+    let weights = SwitchWeights::distance(&lattice);
     let mut edges = Vec::new();
     for number in 0..16 {
         let cell = numbered(&lattice, number);

@@ -11,23 +11,23 @@ type P = [f64; 2];
 
 pub struct Oracle<'a> {
     pub lattice: Lattice,
-    pub obstacles: &'a [Obstacle],
+    pub obstacles: &'a [FieldObstacle],
 }
 
 impl Oracle<'_> {
     /// The closed rectangle spanned by two cells touches no obstacle.
-    pub fn free(&self, a: Cell, b: Cell) -> bool {
+    pub fn free(&self, a: LatticeCell, b: LatticeCell) -> bool {
         !self.obstacles.iter().any(|o| self.hits(o, a, b))
     }
 
-    fn hits(&self, obstacle: &Obstacle, a: Cell, b: Cell) -> bool {
+    fn hits(&self, obstacle: &FieldObstacle, a: LatticeCell, b: LatticeCell) -> bool {
         match obstacle {
-            Obstacle::Cells { from, to } => {
+            FieldObstacle::Cells { from, to } => {
                 let meets =
                     |p: u32, q: u32, f: u32, t: u32| (p.min(q)..=p.max(q)).any(|v| v >= f.min(t) && v <= f.max(t));
                 meets(a.x, b.x, from[0], to[0]) && meets(a.y, b.y, from[1], to[1])
             }
-            Obstacle::Physical { shape, pose, growth_um } => {
+            FieldObstacle::Physical { shape, pose, growth_um } => {
                 let (p, q) = (self.place(a), self.place(b));
                 let outline = [p, [q[0], p[1]], q, [p[0], q[1]]];
                 let turn = |[x, y]: P| {
@@ -41,21 +41,21 @@ impl Oracle<'_> {
         }
     }
 
-    fn place(&self, cell: Cell) -> P {
+    fn place(&self, cell: LatticeCell) -> P {
         [f64::from(cell.x) * self.lattice.pitch_um[0], f64::from(cell.y) * self.lattice.pitch_um[1]]
     }
 
-    pub fn cells(&self) -> Vec<Cell> {
+    pub fn cells(&self) -> Vec<LatticeCell> {
         let [l, r] = self.lattice.modules;
-        (0..1 << l).flat_map(|x| (0..1 << r).map(move |y| Cell::new(x, y))).collect()
+        (0..1 << l).flat_map(|x| (0..1 << r).map(move |y| LatticeCell::new(x, y))).collect()
     }
 
     /// Least cost by Dijkstra's algorithm without a heap.
-    pub fn cost(&self, start: Cell, goal: Cell, weight: impl Fn(Flip) -> u64) -> Option<u64> {
+    pub fn cost(&self, start: LatticeCell, goal: LatticeCell, weight: impl Fn(Flip) -> u64) -> Option<u64> {
         let cells = self.cells();
         let mut cost = vec![u64::MAX; cells.len()];
         let mut done = vec![false; cells.len()];
-        let index = |c: Cell| (c.x as usize) << self.lattice.modules[1] | c.y as usize;
+        let index = |c: LatticeCell| (c.x as usize) << self.lattice.modules[1] | c.y as usize;
         if !self.free(start, start) {
             return None;
         }
@@ -80,15 +80,15 @@ impl Oracle<'_> {
     }
 
     /// Fewest pulses by breadth-first search over all sets of modules.
-    pub fn pulses(&self, start: Cell, goal: Cell) -> Option<usize> {
+    pub fn pulses(&self, start: LatticeCell, goal: LatticeCell) -> Option<usize> {
         let cells = self.cells();
-        let mut layer: Vec<Cell> = vec![start].into_iter().filter(|c| self.free(*c, *c)).collect();
-        let mut seen: std::collections::BTreeSet<Cell> = layer.iter().copied().collect();
+        let mut layer: Vec<LatticeCell> = vec![start].into_iter().filter(|c| self.free(*c, *c)).collect();
+        let mut seen: std::collections::BTreeSet<LatticeCell> = layer.iter().copied().collect();
         for count in 0.. {
             if layer.contains(&goal) {
                 return Some(count);
             }
-            let reach = |c: &Cell| cells.iter().copied().filter(|d| self.free_pulse(*c, *d)).collect::<Vec<_>>();
+            let reach = |c: &LatticeCell| cells.iter().copied().filter(|d| self.free_pulse(*c, *d)).collect::<Vec<_>>();
             layer = layer.iter().flat_map(reach).filter(|d| seen.insert(*d)).collect();
             if layer.is_empty() {
                 return None;
@@ -98,8 +98,8 @@ impl Oracle<'_> {
     }
 
     /// Whether all modules that differ between the two cells may switch at once.
-    pub fn free_pulse(&self, a: Cell, b: Cell) -> bool {
-        self.free(Cell::new(a.x & b.x, a.y & b.y), Cell::new(a.x | b.x, a.y | b.y))
+    pub fn free_pulse(&self, a: LatticeCell, b: LatticeCell) -> bool {
+        self.free(LatticeCell::new(a.x & b.x, a.y & b.y), LatticeCell::new(a.x | b.x, a.y | b.y))
     }
 }
 

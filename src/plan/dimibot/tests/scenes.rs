@@ -2,10 +2,10 @@ use super::oracle::{Oracle, Random};
 use crate::geometry::{Pose, Shape};
 use crate::plan::dimibot::published::*;
 use crate::plan::dimibot::*;
-use crate::plan::search::Budget;
+use crate::plan::search::SearchBudget;
 
 /// A random lattice with up to `most` modules a side and obstacles of all forms, from empty to closed.
-pub fn scene(random: &mut Random, most: u32, crowd: u32) -> (Lattice, Vec<Obstacle>) {
+pub fn scene(random: &mut Random, most: u32, crowd: u32) -> (Lattice, Vec<FieldObstacle>) {
     let modules = [1 + random.below(most), 1 + random.below(most)];
     let lattice = Lattice::of_strokes(modules, 0.138, 35.0).unwrap();
     let cells = 1 << (modules[0] + modules[1]);
@@ -14,12 +14,12 @@ pub fn scene(random: &mut Random, most: u32, crowd: u32) -> (Lattice, Vec<Obstac
     (lattice, obstacles)
 }
 
-fn obstacle(random: &mut Random, lattice: &Lattice) -> Obstacle {
+fn obstacle(random: &mut Random, lattice: &Lattice) -> FieldObstacle {
     let last = [lattice.last(Side::Left), lattice.last(Side::Right)];
     if random.below(2) == 0 {
         let from = last.map(|n| random.below(n + 2));
         let to = from.map(|v| v + random.below(6) / 5);
-        return Obstacle::Cells { from, to };
+        return FieldObstacle::Cells { from, to };
     }
     let pitch = lattice.pitch_um[0].min(lattice.pitch_um[1]);
     let size = |random: &mut Random| random.unit() * pitch * 2.0;
@@ -32,7 +32,7 @@ fn obstacle(random: &mut Random, lattice: &Lattice) -> Obstacle {
     };
     let pose =
         Pose { x_um: random.unit() * 14.0 - 1.0, y_um: random.unit() * 14.0 - 1.0, heading_rad: random.unit() * 7.0 };
-    Obstacle::Physical { shape, pose, growth_um: random.unit() * 0.5 * pitch }
+    FieldObstacle::Physical { shape, pose, growth_um: random.unit() * 0.5 * pitch }
 }
 
 fn horseshoe(random: &mut Random, size: f64) -> Shape {
@@ -41,20 +41,26 @@ fn horseshoe(random: &mut Random, size: f64) -> Shape {
     Shape::Polygon { points_um: outline.map(|p| p.map(|v| v * size)).to_vec() }
 }
 
-pub fn some_cell(random: &mut Random, lattice: &Lattice) -> Cell {
-    Cell::new(random.below(1 << lattice.modules[0]), random.below(1 << lattice.modules[1]))
+pub fn some_cell(random: &mut Random, lattice: &Lattice) -> LatticeCell {
+    LatticeCell::new(random.below(1 << lattice.modules[0]), random.below(1 << lattice.modules[1]))
 }
 
-fn cost_of(outcome: &Outcome<Path>) -> Option<u64> {
+fn cost_of(outcome: &DimibotSearchOutcome<FlipPath>) -> Option<u64> {
     match outcome {
-        Outcome::Found(path) => Some(path.cost),
-        Outcome::Impossible(_) => None,
-        Outcome::GaveUp(gave_up) => panic!("{gave_up:?}"),
+        DimibotSearchOutcome::Found(path) => Some(path.cost),
+        DimibotSearchOutcome::Impossible(_) => None,
+        DimibotSearchOutcome::GaveUp(gave_up) => panic!("{gave_up:?}"),
     }
 }
 
-fn check_path(oracle: &Oracle<'_>, start: Cell, goal: Cell, weights: &Weights, outcome: &Outcome<Path>) {
-    let Outcome::Found(path) = outcome else {
+fn check_path(
+    oracle: &Oracle<'_>,
+    start: LatticeCell,
+    goal: LatticeCell,
+    weights: &SwitchWeights,
+    outcome: &DimibotSearchOutcome<FlipPath>,
+) {
+    let DimibotSearchOutcome::Found(path) = outcome else {
         return;
     };
     let mut at = start;
@@ -73,13 +79,13 @@ fn costs_agree_with_brute_force_in_random_scenes() {
     let (mut found, mut detours, mut closed) = (0, 0, 0);
     for round in 0..1500 {
         let (lattice, obstacles) = scene(&mut random, if round % 25 == 0 { 5 } else { 4 }, 2);
-        let field = Field::new(lattice, &obstacles).unwrap();
+        let field = LatticeField::new(lattice, &obstacles).unwrap();
         let oracle = Oracle { lattice, obstacles: &obstacles };
         let (start, goal) = (some_cell(&mut random, &lattice), some_cell(&mut random, &lattice));
-        for weights in [Weights::distance(&lattice), Weights::switches(&lattice)] {
+        for weights in [SwitchWeights::distance(&lattice), SwitchWeights::switches(&lattice)] {
             let truth = oracle.cost(start, goal, |flip| weights.of(flip));
             for search in [shortest, dijkstra, bidirectional_dijkstra, astar, hypercube_astar] {
-                let outcome = search(&field, start, goal, &weights, Budget::DEFAULT);
+                let outcome = search(&field, start, goal, &weights, SearchBudget::DEFAULT);
                 assert_eq!(cost_of(&outcome), truth, "round {round}: {lattice:?} {obstacles:?} {start:?} {goal:?}");
                 check_path(&oracle, start, goal, &weights, &outcome);
             }
@@ -101,16 +107,16 @@ fn a_larger_lattice_agrees_with_dijkstra_and_hashing_changes_nothing() {
         for round in 0..3 {
             let density = [6, 14, 24][round % 3];
             let mut cells = || some_cell(&mut random, &lattice).pair();
-            let obstacles: Vec<Obstacle> = (0..density << modules[0].min(modules[1]))
+            let obstacles: Vec<FieldObstacle> = (0..density << modules[0].min(modules[1]))
                 .map(|_| cells())
-                .map(|c| Obstacle::Cells { from: c, to: c })
+                .map(|c| FieldObstacle::Cells { from: c, to: c })
                 .collect();
-            let field = Field::new(lattice, &obstacles).unwrap();
+            let field = LatticeField::new(lattice, &obstacles).unwrap();
             let (start, goal) = (some_cell(&mut random, &lattice), some_cell(&mut random, &lattice));
-            for weights in [Weights::distance(&lattice), Weights::switches(&lattice)] {
-                let mine = shortest(&field, start, goal, &weights, Budget::DEFAULT);
-                let theirs = bidirectional_dijkstra(&field, start, goal, &weights, Budget::of(30_000));
-                if let Outcome::GaveUp(gave_up) = theirs {
+            for weights in [SwitchWeights::distance(&lattice), SwitchWeights::switches(&lattice)] {
+                let mine = shortest(&field, start, goal, &weights, SearchBudget::DEFAULT);
+                let theirs = bidirectional_dijkstra(&field, start, goal, &weights, SearchBudget::of(30_000));
+                if let DimibotSearchOutcome::GaveUp(gave_up) = theirs {
                     assert!(cost_of(&mine).is_none_or(|cost| cost >= gave_up.bound));
                     continue;
                 }
@@ -126,23 +132,23 @@ fn a_small_budget_gives_an_honest_bound() {
     let mut random = Random(9);
     let mut gave_up = 0;
     for _ in 0..200 {
-        let obstacles: Vec<Obstacle> = (0..12 << 8)
+        let obstacles: Vec<FieldObstacle> = (0..12 << 8)
             .map(|_| some_cell(&mut random, &lattice).pair())
-            .map(|c| Obstacle::Cells { from: c, to: c })
+            .map(|c| FieldObstacle::Cells { from: c, to: c })
             .collect();
-        let field = Field::new(lattice, &obstacles).unwrap();
+        let field = LatticeField::new(lattice, &obstacles).unwrap();
         let (start, goal) = (some_cell(&mut random, &lattice), some_cell(&mut random, &lattice));
-        let weights = Weights::distance(&lattice);
-        let Outcome::Found(best) = shortest(&field, start, goal, &weights, Budget::DEFAULT) else {
+        let weights = SwitchWeights::distance(&lattice);
+        let DimibotSearchOutcome::Found(best) = shortest(&field, start, goal, &weights, SearchBudget::DEFAULT) else {
             continue;
         };
-        match shortest(&field, start, goal, &weights, Budget::of(best.expanded / 2)) {
-            Outcome::Found(path) => assert!(path.bound <= best.cost && best.cost <= path.cost),
-            Outcome::GaveUp(report) => {
+        match shortest(&field, start, goal, &weights, SearchBudget::of(best.expanded / 2)) {
+            DimibotSearchOutcome::Found(path) => assert!(path.bound <= best.cost && best.cost <= path.cost),
+            DimibotSearchOutcome::GaveUp(report) => {
                 assert!(report.bound <= best.cost && report.spent <= best.expanded / 2 + 200, "{report:?} {best:?}");
                 gave_up += 1;
             }
-            Outcome::Impossible(proof) => panic!("{proof:?}"),
+            DimibotSearchOutcome::Impossible(proof) => panic!("{proof:?}"),
         }
     }
     assert!(gave_up > 20, "{gave_up}");
@@ -154,15 +160,15 @@ fn the_blame_opens_a_path_and_nothing_smaller_does() {
     let (mut by_size, mut smallest) = ([0; 4], 0);
     for _ in 0..1500 {
         let (lattice, obstacles) = scene(&mut random, 3, 8);
-        let field = Field::new(lattice, &obstacles).unwrap();
+        let field = LatticeField::new(lattice, &obstacles).unwrap();
         let (start, goal) = (some_cell(&mut random, &lattice), some_cell(&mut random, &lattice));
         let without = |removed: &[usize]| {
             let kept = obstacles.iter().enumerate().filter(|(k, _)| !removed.contains(k));
-            let obstacles: Vec<Obstacle> = kept.map(|(_, o)| o.clone()).collect();
+            let obstacles: Vec<FieldObstacle> = kept.map(|(_, o)| o.clone()).collect();
             let oracle = Oracle { lattice, obstacles: &obstacles };
             oracle.cost(start, goal, |_| 1).is_some()
         };
-        let Some(why) = why(&field, &obstacles, start, goal, Budget::DEFAULT) else {
+        let Some(why) = why(&field, &obstacles, start, goal, SearchBudget::DEFAULT) else {
             assert!(without(&[]));
             continue;
         };

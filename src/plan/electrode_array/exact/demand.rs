@@ -1,7 +1,7 @@
 //! What a node of the search asks of one agent, and the least cost at which the agent alone can meet it.
 
-use super::super::board::Cell;
-use super::field::{FAR, Field, Node};
+use super::super::board::CellIndex;
+use super::field::{ExactTables, FAR, StagedCell};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashSet;
 
@@ -18,13 +18,13 @@ pub struct Ban {
     /// Last instant, or [`ALWAYS`].
     pub until: u32,
     /// A cell of the box that is allowed all the same.
-    pub except: Option<Cell>,
+    pub except: Option<CellIndex>,
 }
 
 impl Ban {
     /// Whether it forbids a cell, at its instants.
     #[inline]
-    pub fn covers(&self, field: &Field, cell: Cell) -> bool {
+    pub fn covers(&self, field: &ExactTables, cell: CellIndex) -> bool {
         let (column, row) = field.place(cell);
         (self.columns.0..=self.columns.1).contains(&column)
             && (self.rows.0..=self.rows.1).contains(&row)
@@ -40,7 +40,7 @@ impl Ban {
 
 /// What is asked of one agent.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Demand {
+pub struct AgentConstraint {
     pub bans: Vec<Ban>,
     /// It counts as arrived at this instant at the earliest.
     pub least: u32,
@@ -48,7 +48,7 @@ pub struct Demand {
     pub most: u32,
 }
 
-impl Demand {
+impl AgentConstraint {
     /// From this instant on nothing changes any more.
     fn settled_from(&self) -> u32 {
         let end = |ban: &Ban| if ban.until == ALWAYS { ban.from } else { ban.until + 1 };
@@ -56,13 +56,13 @@ impl Demand {
     }
 
     /// The first instant from which on it may stay on its goal for good; none if never.
-    fn may_stay_from(&self, field: &Field, agent: usize) -> Option<u32> {
+    fn may_stay_from(&self, field: &ExactTables, agent: usize) -> Option<u32> {
         let goal = field.cell(field.goal(agent));
         let closing = self.bans.iter().filter(|ban| ban.covers(field, goal));
         closing.map(|ban| ban.until.checked_add(1)).try_fold(self.least, |least, end| Some(least.max(end?)))
     }
 
-    fn forbids(&self, field: &Field, cell: Cell, instant: u32) -> bool {
+    fn forbids(&self, field: &ExactTables, cell: CellIndex, instant: u32) -> bool {
         self.bans.iter().any(|ban| ban.holds_at(instant) && ban.covers(field, cell))
     }
 
@@ -78,10 +78,15 @@ pub struct OutOfSteps;
 
 /// The least cost at which an agent alone meets a demand; none if it cannot. A* over nodes and instants; once nothing changes any
 /// more the instant is no longer told apart, so that the search ends. One step for each node expanded.
-pub fn least_cost(field: &Field, agent: usize, demand: &Demand, meter: &mut Meter) -> Result<Option<u32>, OutOfSteps> {
+pub fn least_cost(
+    field: &ExactTables,
+    agent: usize,
+    demand: &AgentConstraint,
+    meter: &mut Meter,
+) -> Result<Option<u32>, OutOfSteps> {
     let Some(stay_from) = demand.may_stay_from(field, agent) else { return Ok(None) };
     let start = field.start(agent);
-    let cost = |node: Node, instant: u32| match field.distance(agent, node) {
+    let cost = |node: StagedCell, instant: u32| match field.distance(agent, node) {
         FAR => None,
         distance => Some((instant + distance).max(stay_from)).filter(|cost| *cost <= demand.most),
     };
@@ -90,7 +95,7 @@ pub fn least_cost(field: &Field, agent: usize, demand: &Demand, meter: &mut Mete
         return Ok(None);
     }
     let settled_from = demand.settled_from();
-    let mut open: Vec<Vec<(Node, u32)>> = vec![vec![(start, 0)]];
+    let mut open: Vec<Vec<(StagedCell, u32)>> = vec![vec![(start, 0)]];
     let mut closed = FxHashSet::default();
     let mut bucket = 0;
     while bucket < open.len() {

@@ -3,11 +3,11 @@
 //! An agent alone is a walk over nodes: a node is a cell and how many of its stops before the goal are done, in one number,
 //! `stage * cells + cell`. The distances take blocked cells into account and are exact for an agent that is alone.
 
-use super::super::board::{Cell, Instance};
+use super::super::board::{CellIndex, Instance};
 use std::collections::VecDeque;
 
 /// A cell and how many stops are done: `stage * cells + cell`.
-pub type Node = u32;
+pub type StagedCell = u32;
 
 /// Further than any way: there is none.
 pub const FAR: u32 = u32::MAX;
@@ -16,21 +16,21 @@ pub const FAR: u32 = u32::MAX;
 const MOST_ENTRIES: u64 = 1 << 25;
 
 /// The tables of one instance.
-pub struct Field<'a> {
+pub struct ExactTables<'a> {
     pub instance: &'a Instance,
     cells: u32,
     places: Vec<(i32, i32)>,
     /// The free neighbours of each cell, itself first; unused places repeat the cell.
-    steps: Vec<[Cell; 5]>,
-    ways: Vec<Way>,
+    steps: Vec<[CellIndex; 5]>,
+    ways: Vec<AgentDistances>,
     /// For each pair, at `one * agents + other`, whether they merge.
     merged: Vec<bool>,
 }
 
 /// One agent.
-struct Way {
-    start: Node,
-    goal: Node,
+struct AgentDistances {
+    start: StagedCell,
+    goal: StagedCell,
     /// By node: steps to the goal over the stops that are left.
     distances: Vec<u32>,
     /// It never leaves its goal, because it merges there.
@@ -45,9 +45,9 @@ pub enum Closed {
     Stop { agent: usize, stop: usize },
 }
 
-impl<'a> Field<'a> {
+impl<'a> ExactTables<'a> {
     /// Builds the tables, if every agent alone can reach its goal.
-    pub fn new(instance: &'a Instance) -> Result<Field<'a>, Closed> {
+    pub fn new(instance: &'a Instance) -> Result<ExactTables<'a>, Closed> {
         let board = &instance.board;
         let stages = instance.agents.iter().map(|agent| agent.stops.len() as u64).sum::<u64>();
         if (stages + 8).saturating_mul(board.cells() as u64) > MOST_ENTRIES {
@@ -63,7 +63,7 @@ impl<'a> Field<'a> {
             merged[one * count + other] = true;
             merged[other * count + one] = true;
         }
-        let mut field = Field { instance, cells, places, steps, ways: Vec::with_capacity(count), merged };
+        let mut field = ExactTables { instance, cells, places, steps, ways: Vec::with_capacity(count), merged };
         for agent in 0..count {
             let way = field.way(agent)?;
             field.ways.push(way);
@@ -71,7 +71,7 @@ impl<'a> Field<'a> {
         Ok(field)
     }
 
-    fn way(&self, agent: usize) -> Result<Way, Closed> {
+    fn way(&self, agent: usize) -> Result<AgentDistances, Closed> {
         let stops = &self.instance.agents[agent].stops;
         let mut distances = vec![FAR; stops.len() * self.cells as usize];
         let mut onward = 0;
@@ -87,12 +87,12 @@ impl<'a> Field<'a> {
         let goal = self.cells * (stops.len() as u32 - 1) + stops[stops.len() - 1];
         let absorbed = self.instance.merges.iter().any(|pair| pair.contains(&agent));
         let start = self.advanced(agent, 0, self.instance.agents[agent].start);
-        Ok(Way { start, goal, distances, absorbed })
+        Ok(AgentDistances { start, goal, distances, absorbed })
     }
 
     /// The node of an agent that comes to a cell with `stage` stops done.
     #[inline]
-    fn advanced(&self, agent: usize, stage: u32, cell: Cell) -> Node {
+    fn advanced(&self, agent: usize, stage: u32, cell: CellIndex) -> StagedCell {
         let stops = &self.instance.agents[agent].stops;
         let mut stage = stage as usize;
         while stage + 1 < stops.len() && stops[stage] == cell {
@@ -117,13 +117,13 @@ impl<'a> Field<'a> {
     }
 
     #[inline]
-    pub fn start(&self, agent: usize) -> Node {
+    pub fn start(&self, agent: usize) -> StagedCell {
         self.ways[agent].start
     }
 
     /// The node at which it has arrived.
     #[inline]
-    pub fn goal(&self, agent: usize) -> Node {
+    pub fn goal(&self, agent: usize) -> StagedCell {
         self.ways[agent].goal
     }
 
@@ -135,7 +135,7 @@ impl<'a> Field<'a> {
 
     /// Steps from a node to the goal for the agent alone; [`FAR`] if there is no way.
     #[inline]
-    pub fn distance(&self, agent: usize, node: Node) -> u32 {
+    pub fn distance(&self, agent: usize, node: StagedCell) -> u32 {
         self.ways[agent].distances[node as usize]
     }
 
@@ -145,19 +145,19 @@ impl<'a> Field<'a> {
     }
 
     #[inline]
-    pub fn cell(&self, node: Node) -> Cell {
+    pub fn cell(&self, node: StagedCell) -> CellIndex {
         if node < self.cells { node } else { node % self.cells }
     }
 
     /// Column and row of a cell.
     #[inline]
-    pub fn place(&self, cell: Cell) -> (i32, i32) {
+    pub fn place(&self, cell: CellIndex) -> (i32, i32) {
         self.places[cell as usize]
     }
 
     /// Where an agent can be one instant later.
     #[inline]
-    pub fn next(&self, agent: usize, node: Node) -> impl Iterator<Item = Node> + '_ {
+    pub fn next(&self, agent: usize, node: StagedCell) -> impl Iterator<Item = StagedCell> + '_ {
         let cell = self.cell(node);
         let stage = if node < self.cells { 0 } else { node / self.cells };
         let stays = self.ways[agent].absorbed && node == self.ways[agent].goal;
@@ -177,7 +177,7 @@ impl<'a> Field<'a> {
 
     /// Whether two cells of two agents at the same or at neighbouring instants are too near.
     #[inline]
-    pub fn too_near(&self, one: usize, at: Cell, other: usize, other_at: Cell) -> bool {
+    pub fn too_near(&self, one: usize, at: CellIndex, other: usize, other_at: CellIndex) -> bool {
         let ((c, r), (d, s)) = (self.place(at), self.place(other_at));
         if (c - d).abs().max((r - s).abs()) >= self.instance.separation as i32 {
             return false;
@@ -188,7 +188,7 @@ impl<'a> Field<'a> {
 }
 
 /// A cell and its free neighbours; unused places repeat the cell.
-fn steps_from(instance: &Instance, cell: Cell) -> [Cell; 5] {
+fn steps_from(instance: &Instance, cell: CellIndex) -> [CellIndex; 5] {
     let mut steps = [cell; 5];
     for (place, to) in steps[1..].iter_mut().zip(instance.board.neighbours(cell)) {
         *place = to;
@@ -197,7 +197,7 @@ fn steps_from(instance: &Instance, cell: Cell) -> [Cell; 5] {
 }
 
 /// Distances from a cell, counted from `first`.
-fn flood(steps: &[[Cell; 5]], from: Cell, first: u32, distances: &mut [u32]) {
+fn flood(steps: &[[CellIndex; 5]], from: CellIndex, first: u32, distances: &mut [u32]) {
     distances[from as usize] = first;
     let mut queue = VecDeque::from([from]);
     while let Some(cell) = queue.pop_front() {

@@ -3,15 +3,15 @@
 //! Every agent begins as a group of its own. Where the paths of two groups clash the two become one and are searched again. The
 //! bounds of the groups add up to a bound for all at any time, and once no paths clash the plans together are best.
 
-use super::super::board::{Cell, Paths};
-use super::field::Field;
+use super::super::board::{CellIndex, Paths};
+use super::field::ExactTables;
 use super::split::clashes;
-use super::tree::{self, End, Task};
-use crate::plan::search::{Budget, Meter};
+use super::tree::{self, ConstraintTreeTask, End};
+use crate::plan::search::{Meter, SearchBudget};
 
 /// The bounds on the arrival of everyone, and the sum of costs of interest.
 #[derive(Clone, Copy)]
-pub struct Wanted {
+pub struct WantedBounds {
     /// Everyone counts as arrived at this instant at the earliest.
     pub least: u32,
     /// Everyone has arrived at this instant, or `ALWAYS`.
@@ -24,7 +24,7 @@ pub struct Wanted {
 const FIRST_SHARE: u64 = 4;
 
 /// Searches for all agents of the field; the result as of one search for all.
-pub fn search(field: &Field, wanted: Wanted, meter: &mut Meter) -> End {
+pub fn search(field: &ExactTables, wanted: WantedBounds, meter: &mut Meter) -> End {
     let mut groups = Groups { field, wanted, groups: vec![] };
     for agent in 0..field.agents() {
         let cost = field.least(agent).max(wanted.least);
@@ -52,8 +52,8 @@ struct Group {
 }
 
 struct Groups<'a> {
-    field: &'a Field<'a>,
-    wanted: Wanted,
+    field: &'a ExactTables<'a>,
+    wanted: WantedBounds,
     groups: Vec<Group>,
 }
 
@@ -91,7 +91,7 @@ impl Groups<'_> {
     /// Searches for one group; true if there is nothing of interest.
     fn solve(&mut self, index: usize, steps: u64, meter: &mut Meter) -> bool {
         let group = &self.groups[index];
-        let outside: Vec<(usize, &[Cell])> = self
+        let outside: Vec<(usize, &[CellIndex])> = self
             .groups
             .iter()
             .enumerate()
@@ -101,8 +101,8 @@ impl Groups<'_> {
             .collect();
         let elsewhere = self.bound() - group.bound;
         let ceiling = if self.wanted.ceiling == u64::MAX { u64::MAX } else { self.wanted.ceiling - elsewhere };
-        let Wanted { least, most, .. } = self.wanted;
-        let task = Task {
+        let WantedBounds { least, most, .. } = self.wanted;
+        let task = ConstraintTreeTask {
             field: self.field,
             group: &group.members,
             least,
@@ -111,7 +111,7 @@ impl Groups<'_> {
             floor: group.bound,
             outside: &outside,
         };
-        let mut own = Meter::new(Budget::of(steps));
+        let mut own = Meter::new(SearchBudget::of(steps));
         let end = tree::search(task, &mut own);
         meter.charge(own.spent());
         let group = &mut self.groups[index];

@@ -6,10 +6,10 @@
 //! depth first over the places of all members at one instant, each such tuple once; a pair that has no way to the end together cuts
 //! the tuple off (compare the increasing cost tree search, Sharon et al., Artificial Intelligence 195, 2013).
 
-use super::super::board::Cell;
-use super::field::Field;
-use super::layers::Layers;
-use super::pair::{Side, Table};
+use super::super::board::CellIndex;
+use super::field::ExactTables;
+use super::layers::MultiValueDecisionDiagram;
+use super::pair::{CompatiblePairs, PairSide};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashSet;
 use std::rc::Rc;
@@ -23,16 +23,16 @@ const PLACE_BITS: u32 = 14;
 /// One of the agents.
 pub struct Member<'a> {
     pub agent: usize,
-    pub layers: Rc<Layers>,
+    pub layers: Rc<MultiValueDecisionDiagram>,
     /// The path it has now; its next position is tried first.
-    pub path: &'a [Cell],
+    pub path: &'a [CellIndex],
 }
 
 /// What became of it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Jam {
     /// Paths that go together, in the order of the members.
-    Free(Vec<Vec<Cell>>),
+    Free(Vec<Vec<CellIndex>>),
     /// There are none of these costs.
     Stuck,
     /// Too many tuples, or too large layers.
@@ -46,14 +46,14 @@ const ROUNDS: usize = 4;
 const MOST_MOVES: u64 = 20_000;
 
 /// Searches for paths of the members that go together.
-pub fn search(field: &Field, members: &[Member], meter: &mut Meter) -> Jam {
+pub fn search(field: &ExactTables, members: &[Member], meter: &mut Meter) -> Jam {
     let end = members.iter().map(|member| member.layers.cost()).max().unwrap_or(0);
     let too_wide = |member: &Member| (0..=end).any(|instant| member.layers.at(instant).len() >= 1 << PLACE_BITS);
     if members.len() > MOST_MEMBERS || end >= 1 << 16 || members.iter().any(too_wide) {
         return Jam::Unknown;
     }
     let Some(rest) = Consistent::new(field, members, meter) else { return Jam::Stuck };
-    let mut search = Search {
+    let mut search = JamSearch {
         field,
         members,
         rest: &rest,
@@ -95,16 +95,16 @@ fn key(instant: u32, places: &[u16]) -> u128 {
 
 /// What is left of the layers.
 struct Consistent {
-    layers: Vec<Rc<Layers>>,
+    layers: Vec<Rc<MultiValueDecisionDiagram>>,
     /// By the greater member, then by the smaller.
-    tables: Vec<Vec<Table>>,
+    tables: Vec<Vec<CompatiblePairs>>,
 }
 
 impl Consistent {
     /// None if nothing is left of some member.
-    fn new(field: &Field, members: &[Member], meter: &mut Meter) -> Option<Consistent> {
-        let layers: Vec<Rc<Layers>> = members.iter().map(|member| member.layers.clone()).collect();
-        let tables = (0..members.len()).map(|member| (0..member).map(|_| Table::open()).collect()).collect();
+    fn new(field: &ExactTables, members: &[Member], meter: &mut Meter) -> Option<Consistent> {
+        let layers: Vec<Rc<MultiValueDecisionDiagram>> = members.iter().map(|member| member.layers.clone()).collect();
+        let tables = (0..members.len()).map(|member| (0..member).map(|_| CompatiblePairs::open()).collect()).collect();
         let mut rest = Consistent { layers, tables };
         let mut is_stale: Vec<Vec<bool>> = (0..members.len()).map(|member| vec![true; member]).collect();
         for _ in 0..ROUNDS {
@@ -120,18 +120,27 @@ impl Consistent {
             }
         }
         for (row, stale) in rest.tables.iter_mut().zip(&is_stale) {
-            row.iter_mut().zip(stale).filter(|(_, stale)| **stale).for_each(|(table, _)| *table = Table::open());
+            row.iter_mut()
+                .zip(stale)
+                .filter(|(_, stale)| **stale)
+                .for_each(|(table, _)| *table = CompatiblePairs::open());
         }
         Some(rest)
     }
 
     /// Takes out of the layers of a pair what goes together with nothing of the other; says whose have changed.
-    fn revise(&mut self, field: &Field, members: &[Member], pair: [usize; 2], meter: &mut Meter) -> Option<[bool; 2]> {
-        let [one, other] = pair.map(|member| Side { agent: members[member].agent, layers: &self.layers[member] });
-        let table = Table::swept(field, one, other, meter);
+    fn revise(
+        &mut self,
+        field: &ExactTables,
+        members: &[Member],
+        pair: [usize; 2],
+        meter: &mut Meter,
+    ) -> Option<[bool; 2]> {
+        let [one, other] = pair.map(|member| PairSide { agent: members[member].agent, layers: &self.layers[member] });
+        let table = CompatiblePairs::swept(field, one, other, meter);
         let end = one.layers.cost().max(other.layers.cost());
         let stands = (0..=end).all(|instant| {
-            let past = |side: Side| instant > side.layers.cost();
+            let past = |side: PairSide| instant > side.layers.cost();
             (!past(one) || table.allows_first(instant, 0)) && (!past(other) || table.allows_second(instant, 0))
         });
         if !stands {
@@ -149,8 +158,8 @@ impl Consistent {
     }
 }
 
-struct Search<'a> {
-    field: &'a Field<'a>,
+struct JamSearch<'a> {
+    field: &'a ExactTables<'a>,
     members: &'a [Member<'a>],
     rest: &'a Consistent,
     /// The places of all members, by instant.
@@ -159,7 +168,7 @@ struct Search<'a> {
     moves: u64,
 }
 
-impl Search<'_> {
+impl JamSearch<'_> {
     /// The tuples of the next instant that go with the last of the trail; the one to be tried first comes last.
     fn followers(&mut self, instant: u32) -> Vec<Vec<u16>> {
         let here = &self.trail[self.trail.len() - 1];
@@ -179,7 +188,7 @@ impl Search<'_> {
         partial
     }
 
-    fn cell(&self, member: usize, instant: u32, place: u16) -> Cell {
+    fn cell(&self, member: usize, instant: u32, place: u16) -> CellIndex {
         self.field.cell(self.rest.layers[member].at(instant)[place as usize])
     }
 
@@ -191,7 +200,7 @@ impl Search<'_> {
             let (other_from, other_next) =
                 (self.cell(other, instant, here[other]), self.cell(other, instant + 1, *other_to));
             let agents = (self.members[member].agent, self.members[other].agent);
-            let near = |at: Cell, other_at: Cell| self.field.too_near(agents.0, at, agents.1, other_at);
+            let near = |at: CellIndex, other_at: CellIndex| self.field.too_near(agents.0, at, agents.1, other_at);
             self.rest.tables[member][other].allows(instant + 1, *other_to as usize, to as usize)
                 && !near(to_cell, other_next)
                 && !near(to_cell, other_from)
@@ -199,7 +208,7 @@ impl Search<'_> {
         })
     }
 
-    fn paths(&self) -> Vec<Vec<Cell>> {
+    fn paths(&self) -> Vec<Vec<CellIndex>> {
         let path = |(member, asked): (usize, &Member)| {
             let instants = 0..=asked.layers.cost();
             instants.map(|instant| self.cell(member, instant, self.trail[instant as usize][member])).collect()

@@ -1,17 +1,17 @@
 //! All ways of one agent of one cost, as a graph of layers: one layer for each instant (a multi-valued decision diagram, Sharon
 //! et al., "The increasing cost tree search for optimal multi-agent pathfinding", Artificial Intelligence 195, 2013).
 
-use super::super::board::{Cell, position};
-use super::demand::{Ban, Demand, OutOfSteps};
-use super::field::{FAR, Field, Node};
+use super::super::board::{CellIndex, position};
+use super::demand::{AgentConstraint, Ban, OutOfSteps};
+use super::field::{ExactTables, FAR, StagedCell};
 use crate::plan::search::Meter;
 
 /// The nodes that lie on a way of exactly this cost.
 #[derive(Debug)]
-pub struct Layers {
+pub struct MultiValueDecisionDiagram {
     /// Where each layer begins, and the end.
     starts: Vec<u32>,
-    nodes: Vec<Node>,
+    nodes: Vec<StagedCell>,
     /// Column and row of each node.
     places: Vec<(i32, i32)>,
     /// Where the edges of each node begin, and the end.
@@ -19,67 +19,73 @@ pub struct Layers {
     /// Places of nodes in the next layer, counted within it.
     edges: Vec<u32>,
     /// Least and greatest column and row of each layer.
-    extents: Vec<Extent>,
+    extents: Vec<CellExtent>,
 }
 
 /// Least and greatest column and row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Extent {
+pub struct CellExtent {
     pub columns: (i32, i32),
     pub rows: (i32, i32),
 }
 
-impl Extent {
-    const EMPTY: Extent = Extent { columns: (i32::MAX, i32::MIN), rows: (i32::MAX, i32::MIN) };
+impl CellExtent {
+    const EMPTY: CellExtent = CellExtent { columns: (i32::MAX, i32::MIN), rows: (i32::MAX, i32::MIN) };
 
-    fn with(self, (column, row): (i32, i32)) -> Extent {
-        Extent {
+    fn with(self, (column, row): (i32, i32)) -> CellExtent {
+        CellExtent {
             columns: (self.columns.0.min(column), self.columns.1.max(column)),
             rows: (self.rows.0.min(row), self.rows.1.max(row)),
         }
     }
 
     /// Both together.
-    pub fn join(self, other: Extent) -> Extent {
+    pub fn join(self, other: CellExtent) -> CellExtent {
         self.with((other.columns.0, other.rows.0)).with((other.columns.1, other.rows.1))
     }
 
     /// Whether every place of one is at least `distance` (Chebyshev) from every place of the other.
-    pub fn is_apart(&self, other: &Extent, distance: i32) -> bool {
+    pub fn is_apart(&self, other: &CellExtent, distance: i32) -> bool {
         let gap = |one: (i32, i32), two: (i32, i32)| (two.0 - one.1).max(one.0 - two.1);
         gap(self.columns, other.columns).max(gap(self.rows, other.rows)) >= distance
     }
 }
 
-impl Layers {
+impl MultiValueDecisionDiagram {
     /// The ways of an agent that meet a demand and arrive exactly at `cost`, which has to be reachable. One step for each node.
     pub fn new(
-        field: &Field,
+        field: &ExactTables,
         agent: usize,
-        demand: &Demand,
+        demand: &AgentConstraint,
         cost: u32,
         meter: &mut Meter,
-    ) -> Result<Layers, OutOfSteps> {
+    ) -> Result<MultiValueDecisionDiagram, OutOfSteps> {
         let reached = forward(field, agent, demand, cost, meter)?;
         let kept = backward(field, agent, reached);
-        Ok(Layers::linked(field, agent, &kept))
+        Ok(MultiValueDecisionDiagram::linked(field, agent, &kept))
     }
 
     /// The ways over the nodes that are kept; none if there are none.
-    pub fn filtered(&self, field: &Field, agent: usize, keep: impl Fn(u32, usize) -> bool) -> Option<Layers> {
-        let mut kept: Vec<Vec<Node>> = vec![];
+    pub fn filtered(
+        &self,
+        field: &ExactTables,
+        agent: usize,
+        keep: impl Fn(u32, usize) -> bool,
+    ) -> Option<MultiValueDecisionDiagram> {
+        let mut kept: Vec<Vec<StagedCell>> = vec![];
         let mut last_seen = vec![u32::MAX; field.nodes(agent)];
         for instant in 0..=self.cost() {
             let layer =
                 self.at(instant).iter().enumerate().filter(|(place, _)| keep(instant, *place)).map(|(_, node)| *node);
-            let layer: Vec<Node> = layer.filter(|node| instant == 0 || last_seen[*node as usize] == instant).collect();
+            let layer: Vec<StagedCell> =
+                layer.filter(|node| instant == 0 || last_seen[*node as usize] == instant).collect();
             for node in &layer {
                 field.next(agent, *node).for_each(|to| last_seen[to as usize] = instant + 1);
             }
             kept.push(layer);
         }
         let kept = backward(field, agent, kept);
-        (!kept[0].is_empty()).then(|| Layers::linked(field, agent, &kept))
+        (!kept[0].is_empty()).then(|| MultiValueDecisionDiagram::linked(field, agent, &kept))
     }
 
     /// How many nodes there are.
@@ -87,8 +93,8 @@ impl Layers {
         self.nodes.len()
     }
 
-    fn linked(field: &Field, agent: usize, kept: &[Vec<Node>]) -> Layers {
-        let mut layers = Layers {
+    fn linked(field: &ExactTables, agent: usize, kept: &[Vec<StagedCell>]) -> MultiValueDecisionDiagram {
+        let mut layers = MultiValueDecisionDiagram {
             starts: vec![0],
             nodes: vec![],
             places: vec![],
@@ -98,7 +104,7 @@ impl Layers {
         };
         let mut places = vec![u32::MAX; field.nodes(agent)];
         for (instant, layer) in kept.iter().enumerate() {
-            let next: &[Node] = kept.get(instant + 1).map_or(&[], Vec::as_slice);
+            let next: &[StagedCell] = kept.get(instant + 1).map_or(&[], Vec::as_slice);
             next.iter().zip(0..).for_each(|(node, place)| places[*node as usize] = place);
             for node in layer {
                 let targets = field.next(agent, *node).map(|to| places[to as usize]).filter(|place| *place != u32::MAX);
@@ -109,7 +115,8 @@ impl Layers {
             layers.nodes.extend_from_slice(layer);
             layers.places.extend(layer.iter().map(|node| field.place(field.cell(*node))));
             layers.starts.push(layers.nodes.len() as u32);
-            let extent = layer.iter().fold(Extent::EMPTY, |extent, node| extent.with(field.place(field.cell(*node))));
+            let extent =
+                layer.iter().fold(CellExtent::EMPTY, |extent, node| extent.with(field.place(field.cell(*node))));
             layers.extents.push(extent);
         }
         layers
@@ -122,7 +129,7 @@ impl Layers {
 
     /// The nodes at an instant; after the arrival the goal.
     #[inline]
-    pub fn at(&self, instant: u32) -> &[Node] {
+    pub fn at(&self, instant: u32) -> &[StagedCell] {
         let layer = instant.min(self.cost()) as usize;
         &self.nodes[self.starts[layer] as usize..self.starts[layer + 1] as usize]
     }
@@ -135,7 +142,7 @@ impl Layers {
     }
 
     #[inline]
-    pub fn extent(&self, instant: u32) -> Extent {
+    pub fn extent(&self, instant: u32) -> CellExtent {
         self.extents[instant.min(self.cost()) as usize]
     }
 
@@ -150,7 +157,7 @@ impl Layers {
     }
 
     /// How many nodes of the layers `ban` is about are outside of it, and how many there are.
-    pub fn outside(&self, field: &Field, ban: &Ban) -> (usize, usize) {
+    pub fn outside(&self, field: &ExactTables, ban: &Ban) -> (usize, usize) {
         let instants = ban.from..=ban.until.min(self.cost().max(ban.from));
         let counts = instants.map(|instant| {
             let layer = self.at(instant);
@@ -160,7 +167,7 @@ impl Layers {
     }
 
     /// The way that meets the fewest of `others` too near, the earlier in the layers of equals.
-    pub fn best_path(&self, field: &Field, agent: usize, others: &[(usize, &[Cell])]) -> Vec<Cell> {
+    pub fn best_path(&self, field: &ExactTables, agent: usize, others: &[(usize, &[CellIndex])]) -> Vec<CellIndex> {
         let cost = self.cost();
         let mut tolls = vec![0u32; self.nodes.len()];
         for instant in (0..=cost).rev() {
@@ -179,7 +186,7 @@ impl Layers {
         self.walk(field, &tolls)
     }
 
-    fn walk(&self, field: &Field, tolls: &[u32]) -> Vec<Cell> {
+    fn walk(&self, field: &ExactTables, tolls: &[u32]) -> Vec<CellIndex> {
         let mut path = vec![field.cell(self.nodes[0])];
         let mut place = 0;
         for instant in 0..self.cost() {
@@ -192,9 +199,14 @@ impl Layers {
     }
 
     /// The others that come near the layer of an instant, with where they are around it.
-    fn close_by(&self, field: &Field, instant: u32, others: &[(usize, &[Cell])]) -> Vec<(usize, [Cell; 3])> {
+    fn close_by(
+        &self,
+        field: &ExactTables,
+        instant: u32,
+        others: &[(usize, &[CellIndex])],
+    ) -> Vec<(usize, [CellIndex; 3])> {
         let extent = self.extent(instant);
-        let around = |path: &[Cell]| {
+        let around = |path: &[CellIndex]| {
             let instant = instant as usize;
             [position(path, instant.saturating_sub(1)), position(path, instant), position(path, instant + 1)]
         };
@@ -203,7 +215,7 @@ impl Layers {
             .iter()
             .map(|(other, path)| (*other, around(path)))
             .filter(|(_, cells)| {
-                !cells.iter().all(|cell| extent.is_apart(&Extent::EMPTY.with(field.place(*cell)), separation))
+                !cells.iter().all(|cell| extent.is_apart(&CellExtent::EMPTY.with(field.place(*cell)), separation))
             })
             .collect()
     }
@@ -211,12 +223,12 @@ impl Layers {
 
 /// The nodes that can be reached at each instant and leave enough time for the rest.
 fn forward(
-    field: &Field,
+    field: &ExactTables,
     agent: usize,
-    demand: &Demand,
+    demand: &AgentConstraint,
     cost: u32,
     meter: &mut Meter,
-) -> Result<Vec<Vec<Node>>, OutOfSteps> {
+) -> Result<Vec<Vec<StagedCell>>, OutOfSteps> {
     let mut layers = vec![vec![field.start(agent)]];
     let mut last_seen = vec![0u32; field.nodes(agent)];
     for instant in 1..=cost {
@@ -243,7 +255,7 @@ fn forward(
 }
 
 /// Of the nodes that can be reached those from which the last layer can be.
-fn backward(field: &Field, agent: usize, mut layers: Vec<Vec<Node>>) -> Vec<Vec<Node>> {
+fn backward(field: &ExactTables, agent: usize, mut layers: Vec<Vec<StagedCell>>) -> Vec<Vec<StagedCell>> {
     let mut alive_at = vec![u32::MAX; field.nodes(agent)];
     for instant in (0..layers.len()).rev() {
         if instant + 1 < layers.len() {

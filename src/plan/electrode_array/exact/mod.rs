@@ -27,13 +27,13 @@ mod pair;
 mod split;
 mod tree;
 
-use super::board::{Answer, Costs, Instance, Objective, Paths, Why};
-use super::joint::{self, Aim, trim};
+use super::board::{BoardAnswer, BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths};
+use super::joint::{self, JointAim, trim};
 use super::timing;
-use crate::plan::search::{Budget, Meter};
+use crate::plan::search::{Meter, SearchBudget};
 use demand::ALWAYS;
-use field::{Closed, Field};
-use groups::Wanted;
+use field::{Closed, ExactTables};
+use groups::WantedBounds;
 use tree::End;
 
 /// Joint spaces with at most this many states are searched as a whole.
@@ -60,17 +60,17 @@ const POLISH_SHARE: u64 = 4;
 /// is proven to be nothing.
 pub fn prove(
     instance: &Instance,
-    objective: Objective,
+    objective: BoardObjective,
     incumbent: Option<&Paths>,
     limit: Option<u64>,
     meter: &mut Meter,
-) -> Answer {
+) -> BoardAnswer {
     let limit = limit.map(|limit| limit.min(u64::from(ALWAYS - 1)) as u32);
-    let within = |paths: &&Paths| limit.is_none_or(|limit| Costs::of(paths).makespan <= u64::from(limit));
+    let within = |paths: &&Paths| limit.is_none_or(|limit| BoardCosts::of(paths).makespan <= u64::from(limit));
     let best = incumbent.filter(within).cloned();
-    match Field::new(instance) {
+    match ExactTables::new(instance) {
         Ok(field) => Prover::new(&field, objective, best, limit, meter).run(),
-        Err(Closed::Stop { agent, stop }) => Answer::Impossible(Why::Closed { agent, stop }),
+        Err(Closed::Stop { agent, stop }) => BoardAnswer::Impossible(NoBoardPlan::Closed { agent, stop }),
         Err(Closed::TooLarge) => unsearched(best, manhattan_bounds(instance)),
     }
 }
@@ -78,78 +78,78 @@ pub fn prove(
 /// Looks only at a small joint space: the answer as of [`prove`], and whether it is decided.
 pub fn small(
     instance: &Instance,
-    objective: Objective,
+    objective: BoardObjective,
     incumbent: &Paths,
     limit: Option<u64>,
     meter: &mut Meter,
-) -> Option<(Answer, bool)> {
+) -> Option<(BoardAnswer, bool)> {
     let limit = limit.map(|limit| limit.min(u64::from(ALWAYS - 1)) as u32);
-    let field = Field::new(instance).ok()?;
+    let field = ExactTables::new(instance).ok()?;
     let mut prover = Prover::new(&field, objective, Some(incumbent.clone()), limit, meter);
     match prover.by_small_joint_space() {
-        Some(Done::Impossible(why)) => Some((Answer::Impossible(why), true)),
-        Some(Done::Proven) => Some((unsearched(prover.best, prover.bounds), true)),
+        Some(ProofEnd::Impossible(why)) => Some((BoardAnswer::Impossible(why), true)),
+        Some(ProofEnd::Proven) => Some((unsearched(prover.best, prover.bounds), true)),
         None => Some((unsearched(prover.best, prover.bounds), false)),
     }
 }
 
-fn unsearched(best: Option<Paths>, bounds: Costs) -> Answer {
+fn unsearched(best: Option<Paths>, bounds: BoardCosts) -> BoardAnswer {
     match best {
-        Some(paths) => Answer::Found { paths, bounds },
-        None => Answer::GaveUp { bounds },
+        Some(paths) => BoardAnswer::Found { paths, bounds },
+        None => BoardAnswer::GaveUp { bounds },
     }
 }
 
 /// Bounds from the Manhattan distances over the stops.
-fn manhattan_bounds(instance: &Instance) -> Costs {
+fn manhattan_bounds(instance: &Instance) -> BoardCosts {
     let length = |agent: &super::board::Agent| {
         let from = std::iter::once(agent.start).chain(agent.stops.iter().copied());
         from.zip(&agent.stops).map(|(from, to)| u64::from(instance.board.manhattan(from, *to))).sum::<u64>()
     };
     let lengths = instance.agents.iter().map(length);
-    Costs { makespan: lengths.clone().max().unwrap_or(0), sum_of_costs: lengths.sum() }
+    BoardCosts { makespan: lengths.clone().max().unwrap_or(0), sum_of_costs: lengths.sum() }
 }
 
 /// The state of a proof.
 struct Prover<'a, 'm> {
-    field: &'a Field<'a>,
-    objective: Objective,
+    field: &'a ExactTables<'a>,
+    objective: BoardObjective,
     best: Option<Paths>,
     limit: Option<u32>,
-    bounds: Costs,
+    bounds: BoardCosts,
     meter: &'m mut Meter,
 }
 
 /// Why a proof ends.
-enum Done {
+enum ProofEnd {
     /// The best plan meets its bound.
     Proven,
-    Impossible(Why),
+    Impossible(NoBoardPlan),
 }
 
 impl<'a, 'm> Prover<'a, 'm> {
     fn new(
-        field: &'a Field<'a>,
-        objective: Objective,
+        field: &'a ExactTables<'a>,
+        objective: BoardObjective,
         best: Option<Paths>,
         limit: Option<u32>,
         meter: &'m mut Meter,
     ) -> Self {
         let costs = (0..field.agents()).map(|agent| u64::from(field.least(agent)));
-        let bounds = Costs { makespan: costs.clone().max().unwrap_or(0), sum_of_costs: costs.sum() };
+        let bounds = BoardCosts { makespan: costs.clone().max().unwrap_or(0), sum_of_costs: costs.sum() };
         Prover { field, objective, best, limit, bounds, meter }
     }
 
-    fn run(mut self) -> Answer {
+    fn run(mut self) -> BoardAnswer {
         match self.decide() {
-            Some(Done::Impossible(why)) => Answer::Impossible(why),
-            Some(Done::Proven) | None => unsearched(self.best, self.bounds),
+            Some(ProofEnd::Impossible(why)) => BoardAnswer::Impossible(why),
+            Some(ProofEnd::Proven) | None => unsearched(self.best, self.bounds),
         }
     }
 
-    fn decide(&mut self) -> Option<Done> {
+    fn decide(&mut self) -> Option<ProofEnd> {
         if self.is_met() {
-            return Some(Done::Proven);
+            return Some(ProofEnd::Proven);
         }
         if let Some(done) = self.by_small_joint_space() {
             return Some(done);
@@ -157,14 +157,14 @@ impl<'a, 'm> Prover<'a, 'm> {
         if self.best.is_none()
             && let Some(agents) = self.blocked_pair()
         {
-            return Some(Done::Impossible(Why::Blocked { agents }));
+            return Some(ProofEnd::Impossible(NoBoardPlan::Blocked { agents }));
         }
         if self.limit.is_some_and(|limit| u64::from(limit) < self.bounds.makespan) {
             return Some(self.too_few_steps());
         }
         let done = match self.objective {
-            Objective::Makespan => self.by_makespan(),
-            Objective::SumOfCosts => self.by_sum_of_costs(),
+            BoardObjective::Makespan => self.by_makespan(),
+            BoardObjective::SumOfCosts => self.by_sum_of_costs(),
         };
         if done.is_some() || self.best.is_some() {
             return done;
@@ -175,10 +175,10 @@ impl<'a, 'm> Prover<'a, 'm> {
     /// Whether the best plan meets the bound of the objective.
     fn is_met(&self) -> bool {
         self.best.as_ref().is_some_and(|paths| {
-            let costs = Costs::of(paths);
+            let costs = BoardCosts::of(paths);
             match self.objective {
-                Objective::Makespan => costs.makespan <= self.bounds.makespan,
-                Objective::SumOfCosts => costs.sum_of_costs <= self.bounds.sum_of_costs,
+                BoardObjective::Makespan => costs.makespan <= self.bounds.makespan,
+                BoardObjective::SumOfCosts => costs.sum_of_costs <= self.bounds.sum_of_costs,
             }
         })
     }
@@ -186,8 +186,8 @@ impl<'a, 'm> Prover<'a, 'm> {
     /// Keeps a plan if it is better than the best known.
     fn offer(&mut self, mut paths: Paths) {
         paths.iter_mut().for_each(trim);
-        let key = |paths: &Paths| Costs::of(paths).key(self.objective);
-        if self.limit.is_some_and(|limit| Costs::of(&paths).makespan > u64::from(limit)) {
+        let key = |paths: &Paths| BoardCosts::of(paths).key(self.objective);
+        if self.limit.is_some_and(|limit| BoardCosts::of(&paths).makespan > u64::from(limit)) {
             return;
         }
         if self.best.as_ref().is_none_or(|best| key(&paths) < key(best)) {
@@ -208,31 +208,33 @@ impl<'a, 'm> Prover<'a, 'm> {
     }
 
     /// Both costs exactly, each on its share of the budget; ties are then broken by the other cost.
-    fn by_small_joint_space(&mut self) -> Option<Done> {
+    fn by_small_joint_space(&mut self) -> Option<ProofEnd> {
         if !self.is_small() {
             return None;
         }
         if self.best.is_none() {
-            match self.jointly(Aim::Any) {
-                joint::Outcome::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
-                joint::Outcome::Impossible => return Some(Done::Impossible(self.blocked_among(self.everyone()))),
-                joint::Outcome::NotWithin | joint::Outcome::GaveUp { .. } => {}
+            match self.jointly(JointAim::Any) {
+                joint::JointOutcome::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
+                joint::JointOutcome::Impossible => {
+                    return Some(ProofEnd::Impossible(self.blocked_among(self.everyone())));
+                }
+                joint::JointOutcome::NotWithin | joint::JointOutcome::GaveUp { .. } => {}
             }
         }
         match self.objective {
-            Objective::Makespan => {
+            BoardObjective::Makespan => {
                 let decided = self.makespan_of_small_joint_space();
                 if decided.is_some() {
                     return decided;
                 }
                 if self.is_met() {
                     let limit = Some(self.bounds.makespan as u32);
-                    if let joint::Outcome::Found(paths) = self.jointly(Aim::SumOfCosts { limit }) {
+                    if let joint::JointOutcome::Found(paths) = self.jointly(JointAim::SumOfCosts { limit }) {
                         self.offer(paths);
                     }
                 }
             }
-            Objective::SumOfCosts => {
+            BoardObjective::SumOfCosts => {
                 self.sum_of_small_joint_space();
                 let decided = self.makespan_of_small_joint_space();
                 if decided.is_some() {
@@ -241,24 +243,24 @@ impl<'a, 'm> Prover<'a, 'm> {
                 self.fewest_steps_of_least_sum();
             }
         }
-        self.is_met().then_some(Done::Proven)
+        self.is_met().then_some(ProofEnd::Proven)
     }
 
     /// The least makespan, or that there is no plan within the limit.
-    fn makespan_of_small_joint_space(&mut self) -> Option<Done> {
-        let least = match self.jointly(Aim::Makespan { limit: None }) {
-            joint::Outcome::Found(paths) => {
-                let least = Costs::of(&paths).makespan;
+    fn makespan_of_small_joint_space(&mut self) -> Option<ProofEnd> {
+        let least = match self.jointly(JointAim::Makespan { limit: None }) {
+            joint::JointOutcome::Found(paths) => {
+                let least = BoardCosts::of(&paths).makespan;
                 self.offer(paths);
                 least
             }
-            joint::Outcome::Impossible => return Some(Done::Impossible(self.blocked_among(self.everyone()))),
-            joint::Outcome::GaveUp { bound } => bound,
-            joint::Outcome::NotWithin => return None,
+            joint::JointOutcome::Impossible => return Some(ProofEnd::Impossible(self.blocked_among(self.everyone()))),
+            joint::JointOutcome::GaveUp { bound } => bound,
+            joint::JointOutcome::NotWithin => return None,
         };
         self.bounds.makespan = self.bounds.makespan.max(least);
         let exceeds = self.limit.is_some_and(|limit| self.bounds.makespan > u64::from(limit));
-        exceeds.then_some(Done::Impossible(Why::TooFewSteps { least: self.bounds.makespan }))
+        exceeds.then_some(ProofEnd::Impossible(NoBoardPlan::TooFewSteps { least: self.bounds.makespan }))
     }
 
     /// The least sum of costs within the limit.
@@ -271,33 +273,33 @@ impl<'a, 'm> Prover<'a, 'm> {
     }
 
     fn sum_within(&mut self, limit: Option<u32>) {
-        match self.jointly(Aim::SumOfCosts { limit }) {
-            joint::Outcome::Found(paths) => {
-                self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(Costs::of(&paths).sum_of_costs);
+        match self.jointly(JointAim::SumOfCosts { limit }) {
+            joint::JointOutcome::Found(paths) => {
+                self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(BoardCosts::of(&paths).sum_of_costs);
                 self.offer(paths);
             }
-            joint::Outcome::GaveUp { bound } => self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(bound),
-            joint::Outcome::Impossible | joint::Outcome::NotWithin => {}
+            joint::JointOutcome::GaveUp { bound } => self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(bound),
+            joint::JointOutcome::Impossible | joint::JointOutcome::NotWithin => {}
         }
     }
 
     /// The fewest steps that the least sum of costs can have.
     fn fewest_steps_of_least_sum(&mut self) {
-        let Some(least) = self.best.as_ref().filter(|_| self.is_met()).map(Costs::of) else { return };
+        let Some(least) = self.best.as_ref().filter(|_| self.is_met()).map(BoardCosts::of) else { return };
         for steps in self.bounds.makespan..least.makespan {
-            match self.jointly(Aim::SumOfCosts { limit: Some(steps as u32) }) {
-                joint::Outcome::Found(paths) => self.offer(paths),
-                joint::Outcome::NotWithin => {}
-                joint::Outcome::Impossible | joint::Outcome::GaveUp { .. } => return,
+            match self.jointly(JointAim::SumOfCosts { limit: Some(steps as u32) }) {
+                joint::JointOutcome::Found(paths) => self.offer(paths),
+                joint::JointOutcome::NotWithin => {}
+                joint::JointOutcome::Impossible | joint::JointOutcome::GaveUp { .. } => return,
             }
-            if self.best.as_ref().is_some_and(|best| Costs::of(best).makespan <= steps) {
+            if self.best.as_ref().is_some_and(|best| BoardCosts::of(best).makespan <= steps) {
                 return;
             }
         }
     }
 
     /// A search for everyone on a share of the budget.
-    fn jointly(&mut self, aim: Aim) -> joint::Outcome {
+    fn jointly(&mut self, aim: JointAim) -> joint::JointOutcome {
         let group = self.everyone();
         let steps = self.meter.left().steps - self.meter.left().steps / JOINT_SHARE;
         self.spend(steps, |field, meter| joint::search(field, &group, aim, meter))
@@ -309,10 +311,10 @@ impl<'a, 'm> Prover<'a, 'm> {
         self.spend(steps, |field, meter| {
             let pairs = (0..field.agents()).flat_map(|other| (0..other).map(move |one| [one, other]));
             for pair in pairs {
-                let mut own = Meter::new(Budget::of(meter.left().steps / PAIR_SHARE));
-                let outcome = joint::search(field, &pair, Aim::Any, &mut own);
+                let mut own = Meter::new(SearchBudget::of(meter.left().steps / PAIR_SHARE));
+                let outcome = joint::search(field, &pair, JointAim::Any, &mut own);
                 meter.charge(own.spent() + 1);
-                if outcome == joint::Outcome::Impossible {
+                if outcome == joint::JointOutcome::Impossible {
                     return Some(pair.to_vec());
                 }
             }
@@ -321,44 +323,44 @@ impl<'a, 'm> Prover<'a, 'm> {
     }
 
     /// Runs something on a part of the budget.
-    fn spend<T>(&mut self, steps: u64, search: impl FnOnce(&Field, &mut Meter) -> T) -> T {
-        let mut own = Meter::new(Budget::of(steps));
+    fn spend<T>(&mut self, steps: u64, search: impl FnOnce(&ExactTables, &mut Meter) -> T) -> T {
+        let mut own = Meter::new(SearchBudget::of(steps));
         let result = search(self.field, &mut own);
         self.meter.charge(own.spent());
         result
     }
 
     /// The reason for a group without a plan: agents are left out one by one while there is still none.
-    fn blocked_among(&mut self, mut agents: Vec<usize>) -> Why {
+    fn blocked_among(&mut self, mut agents: Vec<usize>) -> NoBoardPlan {
         let mut place = 0;
         while place < agents.len() && agents.len() > 2 {
             let mut fewer = agents.clone();
             fewer.remove(place);
             let steps = self.meter.left().steps / OPEN_SHARE;
-            if self.spend(steps, |field, meter| joint::search(field, &fewer, Aim::Any, meter))
-                == joint::Outcome::Impossible
+            if self.spend(steps, |field, meter| joint::search(field, &fewer, JointAim::Any, meter))
+                == joint::JointOutcome::Impossible
             {
                 agents = fewer;
             } else {
                 place += 1;
             }
         }
-        Why::Blocked { agents }
+        NoBoardPlan::Blocked { agents }
     }
 
     /// Asks for each number of steps from the bound on whether it suffices.
-    fn by_makespan(&mut self) -> Option<Done> {
+    fn by_makespan(&mut self) -> Option<ProofEnd> {
         let share = if self.best.is_some() { 1 } else { OPEN_SHARE };
-        let mut own = Meter::new(Budget::of(self.meter.left().steps / share));
+        let mut own = Meter::new(SearchBudget::of(self.meter.left().steps / share));
         let done = self.raise_makespan(&mut own);
         self.meter.charge(own.spent());
-        if matches!(done, Some(Done::Proven)) {
+        if matches!(done, Some(ProofEnd::Proven)) {
             self.polish();
         }
         done
     }
 
-    fn raise_makespan(&mut self, meter: &mut Meter) -> Option<Done> {
+    fn raise_makespan(&mut self, meter: &mut Meter) -> Option<ProofEnd> {
         while !self.is_met() {
             if self.limit.is_some_and(|limit| self.bounds.makespan > u64::from(limit)) {
                 return Some(self.too_few_steps());
@@ -367,45 +369,45 @@ impl<'a, 'm> Prover<'a, 'm> {
             match groups::search(self.field, exactly(steps), meter) {
                 End::Found { paths, .. } => {
                     self.offer(paths);
-                    return Some(Done::Proven);
+                    return Some(ProofEnd::Proven);
                 }
                 End::Nothing => self.bounds.makespan += 1,
                 End::GaveUp { .. } => return None,
             }
         }
-        Some(Done::Proven)
+        Some(ProofEnd::Proven)
     }
 
     /// Betters the sum of costs of a plan whose makespan is proven.
     fn polish(&mut self) {
         let Some(best) = &self.best else { return };
-        let costs = Costs::of(best);
-        let wanted = Wanted { least: 0, most: costs.makespan as u32, ceiling: costs.sum_of_costs };
+        let costs = BoardCosts::of(best);
+        let wanted = WantedBounds { least: 0, most: costs.makespan as u32, ceiling: costs.sum_of_costs };
         let steps = self.meter.left().steps / POLISH_SHARE;
         if let End::Found { paths, .. } = self.spend(steps, |field, meter| groups::search(field, wanted, meter)) {
             self.offer(paths);
         }
     }
 
-    fn by_sum_of_costs(&mut self) -> Option<Done> {
-        let ceiling = self.best.as_ref().map_or(u64::MAX, |paths| Costs::of(paths).sum_of_costs);
-        let wanted = Wanted { least: 0, most: self.limit.unwrap_or(ALWAYS), ceiling };
+    fn by_sum_of_costs(&mut self) -> Option<ProofEnd> {
+        let ceiling = self.best.as_ref().map_or(u64::MAX, |paths| BoardCosts::of(paths).sum_of_costs);
+        let wanted = WantedBounds { least: 0, most: self.limit.unwrap_or(ALWAYS), ceiling };
         let share = if self.best.is_some() { 1 } else { OPEN_SHARE };
         let steps = self.meter.left().steps / share;
         match self.spend(steps, |field, meter| groups::search(field, wanted, meter)) {
             End::Found { paths, cost } => {
                 self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(cost);
                 self.offer(paths);
-                Some(Done::Proven)
+                Some(ProofEnd::Proven)
             }
             End::Nothing if self.best.is_some() => {
                 self.bounds.sum_of_costs = ceiling;
-                Some(Done::Proven)
+                Some(ProofEnd::Proven)
             }
             End::Nothing if self.limit.is_some() => Some(self.too_few_steps()),
             End::Nothing => {
                 let everyone = self.everyone();
-                Some(Done::Impossible(self.blocked_among(everyone)))
+                Some(ProofEnd::Impossible(self.blocked_among(everyone)))
             }
             End::GaveUp { bound } => {
                 self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(bound);
@@ -415,7 +417,7 @@ impl<'a, 'm> Prover<'a, 'm> {
     }
 
     /// There is nothing within the limit: how many steps would do, as far as the budget goes.
-    fn too_few_steps(&mut self) -> Done {
+    fn too_few_steps(&mut self) -> ProofEnd {
         let past_limit = u64::from(self.limit.unwrap_or(0)) + 1;
         self.bounds.makespan = self.bounds.makespan.max(past_limit);
         loop {
@@ -426,26 +428,26 @@ impl<'a, 'm> Prover<'a, 'm> {
                 End::Found { .. } | End::GaveUp { .. } => break,
             }
         }
-        Done::Impossible(Why::TooFewSteps { least: self.bounds.makespan })
+        ProofEnd::Impossible(NoBoardPlan::TooFewSteps { least: self.bounds.makespan })
     }
 
-    fn by_whole_joint_space(&mut self) -> Option<Done> {
+    fn by_whole_joint_space(&mut self) -> Option<ProofEnd> {
         let group = self.everyone();
-        let aim = Aim::Makespan { limit: self.limit };
-        let aim = if self.limit.is_some() { aim } else { Aim::Any };
+        let aim = JointAim::Makespan { limit: self.limit };
+        let aim = if self.limit.is_some() { aim } else { JointAim::Any };
         match joint::search(self.field, &group, aim, self.meter) {
-            joint::Outcome::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
-            joint::Outcome::Impossible => return Some(Done::Impossible(self.blocked_among(group))),
-            joint::Outcome::NotWithin => return Some(self.too_few_steps()),
-            joint::Outcome::GaveUp { .. } => {}
+            joint::JointOutcome::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
+            joint::JointOutcome::Impossible => return Some(ProofEnd::Impossible(self.blocked_among(group))),
+            joint::JointOutcome::NotWithin => return Some(self.too_few_steps()),
+            joint::JointOutcome::GaveUp { .. } => {}
         }
         None
     }
 }
 
 /// Plans in which everyone arrives within so many steps, whatever their sum of costs.
-fn exactly(steps: u32) -> Wanted {
-    Wanted { least: steps, most: steps, ceiling: u64::MAX }
+fn exactly(steps: u32) -> WantedBounds {
+    WantedBounds { least: steps, most: steps, ceiling: u64::MAX }
 }
 
 #[cfg(test)]

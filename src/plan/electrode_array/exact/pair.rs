@@ -1,7 +1,7 @@
 //! Whether two agents can each take one of their ways of a given cost together, and from where on.
 
-use super::field::Field;
-use super::layers::Layers;
+use super::field::ExactTables;
+use super::layers::MultiValueDecisionDiagram;
 use crate::plan::search::Meter;
 
 /// Pairs of nodes beyond which a table is not made.
@@ -12,29 +12,29 @@ const PAIRS_A_STEP: u64 = 4;
 
 /// One of the two agents.
 #[derive(Clone, Copy)]
-pub struct Side<'a> {
+pub struct PairSide<'a> {
     pub agent: usize,
-    pub layers: &'a Layers,
+    pub layers: &'a MultiValueDecisionDiagram,
 }
 
 /// For each instant, which pairs of nodes of two layers keep the rule and leave both a way to the end that keeps it.
-pub struct Table {
+pub struct CompatiblePairs {
     /// By instant, then by the place of the first agent; none where nothing is forbidden, and past the end.
-    alive: Vec<Option<Vec<Bits>>>,
+    alive: Vec<Option<Vec<PlaceBits>>>,
     /// Words of all bit sets together.
     words: usize,
 }
 
-impl Table {
+impl CompatiblePairs {
     /// The table of two agents; one that forbids nothing if it would be too large or the budget is used up.
-    pub fn new(field: &Field, one: Side, other: Side, meter: &mut Meter) -> Table {
-        let gaps = Gaps::new(field, one, other, meter);
+    pub fn new(field: &ExactTables, one: PairSide, other: PairSide, meter: &mut Meter) -> CompatiblePairs {
+        let gaps = PairGaps::new(field, one, other, meter);
         gaps.alive(one, other)
     }
 
     /// The same, of the pairs that can also be reached from the start.
-    pub fn swept(field: &Field, one: Side, other: Side, meter: &mut Meter) -> Table {
-        let gaps = Gaps::new(field, one, other, meter);
+    pub fn swept(field: &ExactTables, one: PairSide, other: PairSide, meter: &mut Meter) -> CompatiblePairs {
+        let gaps = PairGaps::new(field, one, other, meter);
         let mut table = gaps.alive(one, other);
         for instant in 1..table.alive.len() {
             let (earlier, now) = table.alive.split_at_mut(instant);
@@ -46,8 +46,8 @@ impl Table {
     }
 
     /// The table that forbids nothing.
-    pub fn open() -> Table {
-        Table { alive: vec![], words: 0 }
+    pub fn open() -> CompatiblePairs {
+        CompatiblePairs { alive: vec![], words: 0 }
     }
 
     /// Whether the two may go together from the start.
@@ -87,35 +87,35 @@ impl Table {
 }
 
 /// What may be where between an instant and the next.
-struct Gap {
+struct PairGap {
     /// For each node of the first agent at the instant, those of the second at it, at the next instant; then for each node of the
     /// first at the next instant those of the second at the instant, and at the next, that are not too near.
-    now: Vec<Bits>,
-    now_later: Vec<Bits>,
-    later_now: Vec<Bits>,
-    later: Vec<Bits>,
+    now: Vec<PlaceBits>,
+    now_later: Vec<PlaceBits>,
+    later_now: Vec<PlaceBits>,
+    later: Vec<PlaceBits>,
 }
 
 /// The gaps up to the last instant at which the two can be near; none for a gap in which they cannot.
-struct Gaps {
-    gaps: Vec<Option<Gap>>,
+struct PairGaps {
+    gaps: Vec<Option<PairGap>>,
 }
 
-impl Gaps {
-    fn new(field: &Field, one: Side, other: Side, meter: &mut Meter) -> Gaps {
+impl PairGaps {
+    fn new(field: &ExactTables, one: PairSide, other: PairSide, meter: &mut Meter) -> PairGaps {
         let end = one.layers.cost().max(other.layers.cost());
         let is_near: Vec<bool> = (0..end).map(|instant| !is_apart(field, one, other, instant)).collect();
-        let Some(last_near) = is_near.iter().rposition(|near| *near) else { return Gaps { gaps: vec![] } };
+        let Some(last_near) = is_near.iter().rposition(|near| *near) else { return PairGaps { gaps: vec![] } };
         let pairs = |instant: u32| one.layers.at(instant).len() as u64 * other.layers.at(instant).len() as u64;
         let work: u64 = (0..=last_near as u32).map(pairs).sum();
         if work > MOST_PAIRS || meter.left().steps == 0 {
-            return Gaps { gaps: vec![] };
+            return PairGaps { gaps: vec![] };
         }
         meter.charge(work / PAIRS_A_STEP + u64::from(end));
         let gap = |instant: u32| {
             let clear = |at: u32, other_at: u32| clear_rows(field, one, at, other, other_at);
             let next = instant + 1;
-            Gap {
+            PairGap {
                 now: clear(instant, instant),
                 now_later: clear(instant, next),
                 later_now: clear(next, instant),
@@ -123,12 +123,12 @@ impl Gaps {
             }
         };
         let near_ones = is_near[..=last_near].iter().zip(0..);
-        Gaps { gaps: near_ones.map(|(near, instant)| near.then(|| gap(instant))).collect() }
+        PairGaps { gaps: near_ones.map(|(near, instant)| near.then(|| gap(instant))).collect() }
     }
 
     /// The pairs from which the end can be reached.
-    fn alive(&self, one: Side, other: Side) -> Table {
-        let mut table = Table { alive: vec![None; self.gaps.len()], words: 0 };
+    fn alive(&self, one: PairSide, other: PairSide) -> CompatiblePairs {
+        let mut table = CompatiblePairs { alive: vec![None; self.gaps.len()], words: 0 };
         for instant in (0..self.gaps.len()).rev() {
             let later = table.alive.get(instant + 1).and_then(Option::as_deref);
             let now = match (&self.gaps[instant], later) {
@@ -137,7 +137,7 @@ impl Gaps {
                 (Some(gap), Some(later)) => before_near(one, other, instant as u32, gap, later),
                 (None, Some(later)) => before_apart(one, other, instant as u32, later),
             };
-            if !now.iter().all(Bits::is_full) {
+            if !now.iter().all(PlaceBits::is_full) {
                 table.words += now.iter().map(|bits| bits.words.len()).sum::<usize>();
                 table.alive[instant] = Some(now);
             }
@@ -146,12 +146,19 @@ impl Gaps {
     }
 
     /// Of the pairs alive after an instant those that can be reached from pairs at it.
-    fn reached(&self, one: Side, other: Side, instant: u32, from: &[Bits], alive: &[Bits]) -> Vec<Bits> {
+    fn reached(
+        &self,
+        one: PairSide,
+        other: PairSide,
+        instant: u32,
+        from: &[PlaceBits],
+        alive: &[PlaceBits],
+    ) -> Vec<PlaceBits> {
         let gap = self.gaps[instant as usize].as_ref();
-        let mut reached: Vec<Bits> = alive.iter().map(|bits| Bits::empty(bits.width)).collect();
+        let mut reached: Vec<PlaceBits> = alive.iter().map(|bits| PlaceBits::empty(bits.width)).collect();
         for (place, row) in from.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
             for to in one.layers.edges(instant, place).iter().map(|to| *to as usize) {
-                let mut found = Bits::empty(alive[to].width);
+                let mut found = PlaceBits::empty(alive[to].width);
                 let starts = gap.map_or_else(|| row.clone(), |gap| row.common(&gap.later_now[to]));
                 for other_place in starts.places() {
                     other.layers.edges(instant, other_place).iter().for_each(|other_to| found.set(*other_to as usize));
@@ -165,8 +172,8 @@ impl Gaps {
 }
 
 /// The pairs of an instant from which one of `later` can be reached.
-fn before_near(one: Side, other: Side, instant: u32, gap: &Gap, later: &[Bits]) -> Vec<Bits> {
-    let mut alive: Vec<Bits> = gap.now.iter().map(|bits| Bits::empty(bits.width)).collect();
+fn before_near(one: PairSide, other: PairSide, instant: u32, gap: &PairGap, later: &[PlaceBits]) -> Vec<PlaceBits> {
+    let mut alive: Vec<PlaceBits> = gap.now.iter().map(|bits| PlaceBits::empty(bits.width)).collect();
     for (place, row) in alive.iter_mut().enumerate() {
         for to in one.layers.edges(instant, place).iter().map(|to| *to as usize) {
             let targets = later[to].common(&gap.now_later[place]);
@@ -178,9 +185,9 @@ fn before_near(one: Side, other: Side, instant: u32, gap: &Gap, later: &[Bits]) 
 }
 
 /// The same where no two nodes come near.
-fn before_apart(one: Side, other: Side, instant: u32, later: &[Bits]) -> Vec<Bits> {
+fn before_apart(one: PairSide, other: PairSide, instant: u32, later: &[PlaceBits]) -> Vec<PlaceBits> {
     let width = other.layers.at(instant).len();
-    let mut alive = vec![Bits::empty(width); one.layers.at(instant).len()];
+    let mut alive = vec![PlaceBits::empty(width); one.layers.at(instant).len()];
     for (place, row) in alive.iter_mut().enumerate() {
         for to in one.layers.edges(instant, place) {
             add_leading(other, instant, row, 0..width, &later[*to as usize]);
@@ -190,7 +197,13 @@ fn before_apart(one: Side, other: Side, instant: u32, later: &[Bits]) -> Vec<Bit
 }
 
 /// Adds those places of an instant that lead to one of the targets.
-fn add_leading(side: Side, instant: u32, row: &mut Bits, places: impl Iterator<Item = usize>, targets: &Bits) {
+fn add_leading(
+    side: PairSide,
+    instant: u32,
+    row: &mut PlaceBits,
+    places: impl Iterator<Item = usize>,
+    targets: &PlaceBits,
+) {
     for place in places {
         if !row.has(place) && side.layers.edges(instant, place).iter().any(|to| targets.has(*to as usize)) {
             row.set(place);
@@ -199,19 +212,19 @@ fn add_leading(side: Side, instant: u32, row: &mut Bits, places: impl Iterator<I
 }
 
 /// Whether nothing in the layers of an instant and of the next comes too near.
-fn is_apart(field: &Field, one: Side, other: Side, instant: u32) -> bool {
-    let extent = |side: Side| side.layers.extent(instant).join(side.layers.extent(instant + 1));
+fn is_apart(field: &ExactTables, one: PairSide, other: PairSide, instant: u32) -> bool {
+    let extent = |side: PairSide| side.layers.extent(instant).join(side.layers.extent(instant + 1));
     extent(one).is_apart(&extent(other), field.instance.separation as i32)
 }
 
 /// For each node of `one` at an instant, the nodes of `other` at an instant that are not too near.
-fn clear_rows(field: &Field, one: Side, at: u32, other: Side, other_at: u32) -> Vec<Bits> {
+fn clear_rows(field: &ExactTables, one: PairSide, at: u32, other: PairSide, other_at: u32) -> Vec<PlaceBits> {
     let separation = field.instance.separation as i32;
     let merged = field.is_merged(one.agent, other.agent);
     let goal = field.place(field.cell(field.goal(one.agent)));
     let (nodes, others) = (one.layers.places(at), other.layers.places(other_at));
     let row = |place: (i32, i32)| {
-        let mut bits = Bits::empty(others.len());
+        let mut bits = PlaceBits::empty(others.len());
         for (word, chunk) in bits.words.iter_mut().zip(others.chunks(64)) {
             for (bit, other) in chunk.iter().enumerate() {
                 let is_clear = (place.0 - other.0).abs().max((place.1 - other.1).abs()) >= separation;
@@ -233,14 +246,14 @@ fn clear_rows(field: &Field, one: Side, at: u32, other: Side, other_at: u32) -> 
 
 /// A set of places of a layer.
 #[derive(Clone)]
-struct Bits {
+struct PlaceBits {
     words: Vec<u64>,
     width: usize,
 }
 
-impl Bits {
-    fn empty(width: usize) -> Bits {
-        Bits { words: vec![0; width.div_ceil(64)], width }
+impl PlaceBits {
+    fn empty(width: usize) -> PlaceBits {
+        PlaceBits { words: vec![0; width.div_ceil(64)], width }
     }
 
     #[inline]
@@ -257,7 +270,7 @@ impl Bits {
         self.words.iter().all(|word| *word == 0)
     }
 
-    fn add(&mut self, other: &Bits) {
+    fn add(&mut self, other: &PlaceBits) {
         self.words.iter_mut().zip(&other.words).for_each(|(word, other)| *word |= other);
     }
 
@@ -266,8 +279,11 @@ impl Bits {
     }
 
     /// What is in both.
-    fn common(&self, other: &Bits) -> Bits {
-        Bits { words: self.words.iter().zip(&other.words).map(|(one, other)| one & other).collect(), width: self.width }
+    fn common(&self, other: &PlaceBits) -> PlaceBits {
+        PlaceBits {
+            words: self.words.iter().zip(&other.words).map(|(one, other)| one & other).collect(),
+            width: self.width,
+        }
     }
 
     fn places(&self) -> impl Iterator<Item = usize> + '_ {

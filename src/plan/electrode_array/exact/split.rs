@@ -1,19 +1,23 @@
 //! Where two paths come too near, and the two demands one of which every plan meets.
 
-use super::super::board::{Cell, position};
-use super::demand::{ALWAYS, Ban, Demand};
-use super::field::Field;
-use super::layers::Layers;
+use super::super::board::{CellIndex, position};
+use super::demand::{ALWAYS, AgentConstraint, Ban};
+use super::field::ExactTables;
+use super::layers::MultiValueDecisionDiagram;
 
 /// A position of one agent too near to one of another at the same or a neighbouring instant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Clash {
-    pub cells: [Cell; 2],
+    pub cells: [CellIndex; 2],
     pub instants: [u32; 2],
 }
 
 /// All clashes of two paths in the order of time, as an iterator.
-pub fn clashes<'a>(field: &'a Field, agents: [usize; 2], paths: [&'a [Cell]; 2]) -> impl Iterator<Item = Clash> + 'a {
+pub fn clashes<'a>(
+    field: &'a ExactTables,
+    agents: [usize; 2],
+    paths: [&'a [CellIndex]; 2],
+) -> impl Iterator<Item = Clash> + 'a {
     let end = paths[0].len().max(paths[1].len());
     let near = move |t: usize, u: usize| {
         let cells = [position(paths[0], t), position(paths[1], u)];
@@ -24,7 +28,7 @@ pub fn clashes<'a>(field: &'a Field, agents: [usize; 2], paths: [&'a [Cell]; 2])
 }
 
 /// One way to go on: new demands for one or two agents.
-pub type Branch = Vec<(usize, Demand)>;
+pub type ConstraintBranch = Vec<(usize, AgentConstraint)>;
 
 /// An agent of a clash with what is asked of it and the ways it has.
 #[derive(Clone, Copy)]
@@ -32,27 +36,27 @@ pub struct Party<'a> {
     /// Its place in the group.
     pub member: usize,
     pub agent: usize,
-    pub demand: &'a Demand,
-    pub layers: &'a Layers,
+    pub demand: &'a AgentConstraint,
+    pub layers: &'a MultiValueDecisionDiagram,
 }
 
 /// Costs: the second one rises, or it does not and then the first one rises to `first_least`.
-pub fn by_cost(first: Party, second: Party, first_least: u32) -> [Branch; 2] {
-    let second_rises = Demand { least: second.layers.cost() + 1, ..second.demand.clone() };
-    let second_stays = Demand { most: second.layers.cost(), ..second.demand.clone() };
-    let first_rises = Demand { least: first_least, ..first.demand.clone() };
+pub fn by_cost(first: Party, second: Party, first_least: u32) -> [ConstraintBranch; 2] {
+    let second_rises = AgentConstraint { least: second.layers.cost() + 1, ..second.demand.clone() };
+    let second_stays = AgentConstraint { most: second.layers.cost(), ..second.demand.clone() };
+    let first_rises = AgentConstraint { least: first_least, ..first.demand.clone() };
     [vec![(second.member, second_rises)], vec![(first.member, first_rises), (second.member, second_stays)]]
 }
 
 /// Several that do not all go together at their costs: one of them rises, and those before it do not.
-pub fn by_costs<'a>(parties: impl Iterator<Item = Party<'a>>) -> Vec<Branch> {
-    let mut unchanged: Branch = vec![];
+pub fn by_costs<'a>(parties: impl Iterator<Item = Party<'a>>) -> Vec<ConstraintBranch> {
+    let mut unchanged: ConstraintBranch = vec![];
     let mut branches = vec![];
     for party in parties {
         let cost = party.layers.cost();
-        let rises = Demand { least: cost + 1, ..party.demand.clone() };
+        let rises = AgentConstraint { least: cost + 1, ..party.demand.clone() };
         branches.push(unchanged.iter().cloned().chain([(party.member, rises)]).collect());
-        unchanged.push((party.member, Demand { most: cost, ..party.demand.clone() }));
+        unchanged.push((party.member, AgentConstraint { most: cost, ..party.demand.clone() }));
     }
     branches
 }
@@ -60,14 +64,14 @@ pub fn by_costs<'a>(parties: impl Iterator<Item = Party<'a>>) -> Vec<Branch> {
 /// One stands on its goal for good while the other passes: it arrives later, or the other keeps away from then on (compare the
 /// target reasoning of Li, Harabor, Stuckey, Ma, Gange, Koenig, "Pairwise symmetry reasoning for multi-agent path finding search",
 /// Artificial Intelligence 301, 2021).
-pub fn at_goal(field: &Field, parties: [Party; 2], clash: Clash) -> Option<[Branch; 2]> {
+pub fn at_goal(field: &ExactTables, parties: [Party; 2], clash: Clash) -> Option<[ConstraintBranch; 2]> {
     let standing = (0..2).find(|side| clash.instants[*side] >= parties[*side].layers.cost())?;
     let (still, passing) = (parties[standing], parties[1 - standing]);
     let instant = clash.instants[standing];
     let reach = field.instance.separation as i32 - 1;
     let (column, row) = field.place(clash.cells[standing]);
-    let later = Demand { least: instant + 1, ..still.demand.clone() };
-    let by_then = Demand { most: instant.min(still.demand.most), ..still.demand.clone() };
+    let later = AgentConstraint { least: instant + 1, ..still.demand.clone() };
+    let by_then = AgentConstraint { most: instant.min(still.demand.most), ..still.demand.clone() };
     let zone = Ban {
         columns: (column - reach, column + reach),
         rows: (row - reach, row + reach),
@@ -80,7 +84,7 @@ pub fn at_goal(field: &Field, parties: [Party; 2], clash: Clash) -> Option<[Bran
 
 /// A box as wide and as high as the separation and two instants long: at most one of the two is in it. Returns how little it leaves
 /// the two at best, less being better, with the branches.
-pub fn by_box(field: &Field, parties: [Party; 2], clash: Clash) -> (Leaves, [Branch; 2]) {
+pub fn by_box(field: &ExactTables, parties: [Party; 2], clash: Clash) -> (Leaves, [ConstraintBranch; 2]) {
     let boxes = boxes(field, parties, clash);
     let (leaves, ban) = boxes
         .map(|ban| (Leaves::of(field, parties, &ban), ban))
@@ -89,14 +93,14 @@ pub fn by_box(field: &Field, parties: [Party; 2], clash: Clash) -> (Leaves, [Bra
     (leaves, parties.map(|party| vec![(party.member, with(party.demand, ban))]))
 }
 
-fn with(demand: &Demand, ban: Ban) -> Demand {
+fn with(demand: &AgentConstraint, ban: Ban) -> AgentConstraint {
     let mut demand = demand.clone();
     demand.bans.push(ban);
     demand
 }
 
 /// The boxes that hold both positions of a clash.
-fn boxes<'a>(field: &'a Field, parties: [Party; 2], clash: Clash) -> impl Iterator<Item = Ban> + 'a {
+fn boxes<'a>(field: &'a ExactTables, parties: [Party; 2], clash: Clash) -> impl Iterator<Item = Ban> + 'a {
     let side = field.instance.separation as i32 - 1;
     let [(c, r), (d, s)] = clash.cells.map(|cell| field.place(cell));
     let [t, u] = clash.instants;
@@ -129,7 +133,7 @@ impl Leaves {
         self.with_ways <= 1
     }
 
-    fn of(field: &Field, parties: [Party; 2], ban: &Ban) -> Leaves {
+    fn of(field: &ExactTables, parties: [Party; 2], ban: &Ban) -> Leaves {
         let shares = parties.map(|party| {
             let (outside, all) = party.layers.outside(field, ban);
             (outside * 1000).div_ceil(all)

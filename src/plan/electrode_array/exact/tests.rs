@@ -1,9 +1,9 @@
-use super::super::board::{Agent, Board, Cell};
+use super::super::board::{Agent, BoardGrid, CellIndex};
 use super::super::joint::oracle::{Chance, Shape, fault, least, random};
 use super::*;
 
 fn meter() -> Meter {
-    Meter::new(Budget::of(20_000_000))
+    Meter::new(SearchBudget::of(20_000_000))
 }
 
 fn shape(size: (u32, u32), separation: u32, agents: usize, blocked_percent: u64, vias: u64, merges: bool) -> Shape {
@@ -32,24 +32,24 @@ fn conflict_based_search_agrees_with_plain_searches() {
     for shape in tiny() {
         for round in 0..25 {
             let Some(instance) = random(shape, &mut chance) else { continue };
-            let Ok(field) = Field::new(&instance) else { continue };
-            let Some(makespan) = least(&instance, Objective::Makespan) else { continue };
-            let sum = least(&instance, Objective::SumOfCosts).unwrap();
-            let wanted = Wanted { least: 0, most: ALWAYS, ceiling: u64::MAX };
+            let Ok(field) = ExactTables::new(&instance) else { continue };
+            let Some(makespan) = least(&instance, BoardObjective::Makespan) else { continue };
+            let sum = least(&instance, BoardObjective::SumOfCosts).unwrap();
+            let wanted = WantedBounds { least: 0, most: ALWAYS, ceiling: u64::MAX };
             let found = groups::search(&field, wanted, &mut meter());
             let End::Found { mut paths, cost } = found else { panic!("{round} {instance:?}: {found:?} for {sum}") };
             paths.iter_mut().for_each(trim);
             assert_eq!(fault(&instance, &paths), None, "{instance:?}");
-            assert_eq!((cost, Costs::of(&paths).sum_of_costs), (sum, sum), "{instance:?}");
-            let wanted = Wanted { least: 0, most: makespan as u32, ceiling: u64::MAX };
+            assert_eq!((cost, BoardCosts::of(&paths).sum_of_costs), (sum, sum), "{instance:?}");
+            let wanted = WantedBounds { least: 0, most: makespan as u32, ceiling: u64::MAX };
             let limited = groups::search(&field, wanted, &mut meter());
             let everyone: Vec<usize> = (0..field.agents()).collect();
-            let aim = Aim::SumOfCosts { limit: Some(makespan as u32) };
-            let joint::Outcome::Found(best) = joint::search(&field, &everyone, aim, &mut meter()) else {
+            let aim = JointAim::SumOfCosts { limit: Some(makespan as u32) };
+            let joint::JointOutcome::Found(best) = joint::search(&field, &everyone, aim, &mut meter()) else {
                 panic!("{instance:?}")
             };
             let End::Found { cost, .. } = limited else { panic!("{instance:?}: {limited:?}") };
-            assert_eq!(cost, Costs::of(&best).sum_of_costs, "{instance:?} within {makespan}");
+            assert_eq!(cost, BoardCosts::of(&best).sum_of_costs, "{instance:?} within {makespan}");
             let at = groups::search(&field, exactly(makespan as u32), &mut meter());
             let End::Found { mut paths, .. } = at else { panic!("{instance:?}: {at:?} at {makespan}") };
             paths.iter_mut().for_each(trim);
@@ -74,19 +74,26 @@ fn proofs_agree_with_plain_searches() {
     for shape in tiny() {
         for _ in 0..25 {
             let Some(instance) = random(shape, &mut chance) else { continue };
-            for objective in [Objective::Makespan, Objective::SumOfCosts] {
+            for objective in [BoardObjective::Makespan, BoardObjective::SumOfCosts] {
                 let answer = prove(&instance, objective, None, None, &mut meter());
                 let Some(cost) = least(&instance, objective) else {
                     assert!(
-                        matches!(answer, Answer::Impossible(Why::Blocked { .. } | Why::Closed { .. })),
+                        matches!(
+                            answer,
+                            BoardAnswer::Impossible(NoBoardPlan::Blocked { .. } | NoBoardPlan::Closed { .. })
+                        ),
                         "{instance:?}: {answer:?}"
                     );
                     impossible += 1;
                     continue;
                 };
-                let Answer::Found { paths, bounds } = answer else { panic!("{instance:?}: {answer:?}") };
+                let BoardAnswer::Found { paths, bounds } = answer else { panic!("{instance:?}: {answer:?}") };
                 assert_eq!(fault(&instance, &paths), None, "{instance:?}");
-                assert_eq!((Costs::of(&paths).key(objective).0, bounds.key(objective).0), (cost, cost), "{instance:?}");
+                assert_eq!(
+                    (BoardCosts::of(&paths).key(objective).0, bounds.key(objective).0),
+                    (cost, cost),
+                    "{instance:?}"
+                );
                 solved += 1;
             }
         }
@@ -99,7 +106,7 @@ type Place = (u32, u32);
 
 /// An instance of a board drawn with `#` for blocked cells, the top line the highest row; cells as column and row.
 fn drawn(lines: &[&str], separation: u32, asked: &[(Place, Place)]) -> Instance {
-    let mut board = Board::new(lines[0].len() as u32, lines.len() as u32);
+    let mut board = BoardGrid::new(lines[0].len() as u32, lines.len() as u32);
     for (row, line) in lines.iter().rev().enumerate() {
         for (column, _) in line.chars().enumerate().filter(|(_, mark)| *mark == '#') {
             board.block(board.cell(column as u32, row as u32));
@@ -111,7 +118,7 @@ fn drawn(lines: &[&str], separation: u32, asked: &[(Place, Place)]) -> Instance 
 }
 
 fn table_6() -> Instance {
-    let mut board = Board::new(50, 50);
+    let mut board = BoardGrid::new(50, 50);
     for k in 0..50 {
         for cell in [board.cell(k, 0), board.cell(k, 49), board.cell(0, k), board.cell(49, k)] {
             board.block(cell);
@@ -126,30 +133,30 @@ fn table_6() -> Instance {
 #[test]
 fn table_6_takes_its_lower_bounds_by_both_objectives() {
     let instance = table_6();
-    for objective in [Objective::Makespan, Objective::SumOfCosts] {
-        let answer = prove(&instance, objective, None, None, &mut Meter::new(Budget::of(1_000_000)));
-        let Answer::Found { paths, bounds } = answer else { panic!("{answer:?}") };
+    for objective in [BoardObjective::Makespan, BoardObjective::SumOfCosts] {
+        let answer = prove(&instance, objective, None, None, &mut Meter::new(SearchBudget::of(1_000_000)));
+        let BoardAnswer::Found { paths, bounds } = answer else { panic!("{answer:?}") };
         assert_eq!(fault(&instance, &paths), None);
-        assert_eq!(Costs::of(&paths), Costs { makespan: 86, sum_of_costs: 312 });
-        assert_eq!(bounds, Costs { makespan: 86, sum_of_costs: 49 + 49 + 86 + 73 + 55 });
+        assert_eq!(BoardCosts::of(&paths), BoardCosts { makespan: 86, sum_of_costs: 312 });
+        assert_eq!(bounds, BoardCosts { makespan: 86, sum_of_costs: 49 + 49 + 86 + 73 + 55 });
     }
 }
 
 #[test]
 fn an_incumbent_at_the_bound_is_proven_without_a_step_and_one_above_is_bettered() {
     let instance = drawn(&[".....", ".....", "....."], 1, &[((0, 0), (4, 0)), ((0, 2), (4, 2))]);
-    let straight = |row: Cell| (0..5).map(|column| row * 5 + column).collect::<Vec<Cell>>();
+    let straight = |row: CellIndex| (0..5).map(|column| row * 5 + column).collect::<Vec<CellIndex>>();
     let direct = vec![straight(0), straight(2)];
     let mut meter = meter();
-    let answer = prove(&instance, Objective::SumOfCosts, Some(&direct), None, &mut meter);
-    let bounds = Costs { makespan: 4, sum_of_costs: 8 };
-    assert_eq!((answer, meter.spent()), (Answer::Found { paths: direct.clone(), bounds }, 0));
+    let answer = prove(&instance, BoardObjective::SumOfCosts, Some(&direct), None, &mut meter);
+    let bounds = BoardCosts { makespan: 4, sum_of_costs: 8 };
+    assert_eq!((answer, meter.spent()), (BoardAnswer::Found { paths: direct.clone(), bounds }, 0));
 
     let mut late = direct.clone();
     late[0].insert(0, 0);
-    let answer = prove(&instance, Objective::SumOfCosts, Some(&late), None, &mut meter);
-    let Answer::Found { paths, bounds: proven } = answer else { panic!("{answer:?}") };
-    assert_eq!((Costs::of(&paths), proven), (bounds, bounds));
+    let answer = prove(&instance, BoardObjective::SumOfCosts, Some(&late), None, &mut meter);
+    let BoardAnswer::Found { paths, bounds: proven } = answer else { panic!("{answer:?}") };
+    assert_eq!((BoardCosts::of(&paths), proven), (bounds, bounds));
 }
 
 #[test]
@@ -157,13 +164,13 @@ fn the_pair_that_cannot_pass_is_named_and_no_one_else() {
     // Agents 1 and 2 in a corridor of their own; agent 0 is free.
     let instance =
         drawn(&["..........", "##########", ".........."], 1, &[((0, 2), (9, 2)), ((0, 0), (9, 0)), ((9, 0), (0, 0))]);
-    let answer = prove(&instance, Objective::Makespan, None, None, &mut meter());
-    assert_eq!(answer, Answer::Impossible(Why::Blocked { agents: vec![1, 2] }));
+    let answer = prove(&instance, BoardObjective::Makespan, None, None, &mut meter());
+    assert_eq!(answer, BoardAnswer::Impossible(NoBoardPlan::Blocked { agents: vec![1, 2] }));
     // With a bay they can.
     let instance =
         drawn(&["..........", "####.#####", ".........."], 1, &[((0, 2), (9, 2)), ((0, 0), (9, 0)), ((9, 0), (0, 0))]);
-    let answer = prove(&instance, Objective::Makespan, None, None, &mut meter());
-    assert!(matches!(answer, Answer::Found { .. }), "{answer:?}");
+    let answer = prove(&instance, BoardObjective::Makespan, None, None, &mut meter());
+    assert!(matches!(answer, BoardAnswer::Found { .. }), "{answer:?}");
 }
 
 #[test]
@@ -173,10 +180,10 @@ fn a_blocked_pair_is_found_in_a_joint_space_too_large_to_search() {
     let asked = [((0, 4), (59, 2)), ((59, 4), (0, 2)), ((0, 0), (50, 0)), ((55, 0), (4, 0)), ((30, 3), (31, 3))];
     let instance = drawn(&lines, 2, &asked);
     for (objective, limit) in
-        [(Objective::Makespan, None), (Objective::SumOfCosts, None), (Objective::SumOfCosts, Some(500))]
+        [(BoardObjective::Makespan, None), (BoardObjective::SumOfCosts, None), (BoardObjective::SumOfCosts, Some(500))]
     {
         let answer = prove(&instance, objective, None, limit, &mut meter());
-        assert_eq!(answer, Answer::Impossible(Why::Blocked { agents: vec![2, 3] }));
+        assert_eq!(answer, BoardAnswer::Impossible(NoBoardPlan::Blocked { agents: vec![2, 3] }));
     }
 }
 
@@ -184,47 +191,47 @@ fn a_blocked_pair_is_found_in_a_joint_space_too_large_to_search() {
 fn three_that_block_although_each_pair_passes_are_proven_so() {
     // One free cell beside three agents in a ring of four, each pair alone could pass; odd permutations of all three cannot be.
     let instance = drawn(&["..", ".."], 1, &[((0, 0), (1, 0)), ((1, 0), (0, 0)), ((1, 1), (1, 1))]);
-    let answer = prove(&instance, Objective::SumOfCosts, None, None, &mut meter());
-    assert_eq!(answer, Answer::Impossible(Why::Blocked { agents: vec![0, 1, 2] }));
+    let answer = prove(&instance, BoardObjective::SumOfCosts, None, None, &mut meter());
+    assert_eq!(answer, BoardAnswer::Impossible(NoBoardPlan::Blocked { agents: vec![0, 1, 2] }));
 }
 
 #[test]
 fn a_limit_at_the_optimum_passes_and_one_below_names_it() {
     let instance = table_6();
-    let at = prove(&instance, Objective::SumOfCosts, None, Some(86), &mut meter());
-    assert!(matches!(at, Answer::Found { .. }), "{at:?}");
-    let below = prove(&instance, Objective::SumOfCosts, None, Some(85), &mut meter());
-    assert_eq!(below, Answer::Impossible(Why::TooFewSteps { least: 86 }));
+    let at = prove(&instance, BoardObjective::SumOfCosts, None, Some(86), &mut meter());
+    assert!(matches!(at, BoardAnswer::Found { .. }), "{at:?}");
+    let below = prove(&instance, BoardObjective::SumOfCosts, None, Some(85), &mut meter());
+    assert_eq!(below, BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least: 86 }));
     // Passing in a bay takes longer than the distance, which is 9.
     let narrow = drawn(&["####.#####", ".........."], 1, &[((0, 0), (9, 0)), ((9, 0), (0, 0))]);
-    let Some(optimum) = least(&narrow, Objective::Makespan) else { panic!("they can pass") };
+    let Some(optimum) = least(&narrow, BoardObjective::Makespan) else { panic!("they can pass") };
     assert!(optimum > 9);
-    for objective in [Objective::Makespan, Objective::SumOfCosts] {
+    for objective in [BoardObjective::Makespan, BoardObjective::SumOfCosts] {
         let below = prove(&narrow, objective, None, Some(optimum - 1), &mut meter());
-        assert_eq!(below, Answer::Impossible(Why::TooFewSteps { least: optimum }));
-        assert!(matches!(prove(&narrow, objective, None, Some(optimum), &mut meter()), Answer::Found { .. }));
+        assert_eq!(below, BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least: optimum }));
+        assert!(matches!(prove(&narrow, objective, None, Some(optimum), &mut meter()), BoardAnswer::Found { .. }));
     }
 }
 
 #[test]
 fn walls_are_named_and_a_budget_of_nothing_gives_the_distances() {
     let walled = drawn(&["..#.", "..#."], 1, &[((0, 0), (1, 0)), ((0, 1), (3, 1))]);
-    let answer = prove(&walled, Objective::Makespan, None, None, &mut meter());
-    assert_eq!(answer, Answer::Impossible(Why::Closed { agent: 1, stop: 0 }));
-    let answer = prove(&table_6(), Objective::Makespan, None, None, &mut Meter::new(Budget::of(0)));
-    assert_eq!(answer, Answer::GaveUp { bounds: Costs { makespan: 86, sum_of_costs: 312 } });
-    let nobody = Instance { board: Board::new(3, 3), separation: 2, agents: vec![], merges: vec![] };
-    let answer = prove(&nobody, Objective::Makespan, None, None, &mut meter());
-    assert_eq!(answer, Answer::Found { paths: vec![], bounds: Costs::default() });
+    let answer = prove(&walled, BoardObjective::Makespan, None, None, &mut meter());
+    assert_eq!(answer, BoardAnswer::Impossible(NoBoardPlan::Closed { agent: 1, stop: 0 }));
+    let answer = prove(&table_6(), BoardObjective::Makespan, None, None, &mut Meter::new(SearchBudget::of(0)));
+    assert_eq!(answer, BoardAnswer::GaveUp { bounds: BoardCosts { makespan: 86, sum_of_costs: 312 } });
+    let nobody = Instance { board: BoardGrid::new(3, 3), separation: 2, agents: vec![], merges: vec![] };
+    let answer = prove(&nobody, BoardObjective::Makespan, None, None, &mut meter());
+    assert_eq!(answer, BoardAnswer::Found { paths: vec![], bounds: BoardCosts::default() });
 }
 
 #[test]
 fn a_board_beyond_the_tables_is_bounded_all_the_same() {
-    let board = Board::new(6_000, 6_000);
+    let board = BoardGrid::new(6_000, 6_000);
     let agents = vec![Agent { start: 0, stops: vec![board.cell(10, 7), board.cell(0, 7)] }];
     let instance = Instance { board, separation: 4, agents, merges: vec![] };
-    let answer = prove(&instance, Objective::Makespan, None, None, &mut meter());
-    assert_eq!(answer, Answer::GaveUp { bounds: Costs { makespan: 27, sum_of_costs: 27 } });
+    let answer = prove(&instance, BoardObjective::Makespan, None, None, &mut meter());
+    assert_eq!(answer, BoardAnswer::GaveUp { bounds: BoardCosts { makespan: 27, sum_of_costs: 27 } });
 }
 
 #[test]
@@ -234,18 +241,20 @@ fn every_budget_ends_with_sound_bounds() {
         2,
         &[((0, 0), (11, 4)), ((11, 4), (0, 0)), ((0, 4), (11, 0)), ((11, 0), (0, 4)), ((6, 2), (3, 2))],
     );
-    let Answer::Found { bounds: full, .. } = prove(&instance, Objective::SumOfCosts, None, None, &mut meter()) else {
+    let BoardAnswer::Found { bounds: full, .. } =
+        prove(&instance, BoardObjective::SumOfCosts, None, None, &mut meter())
+    else {
         panic!("solved within the full budget")
     };
     for steps in [1, 10, 100, 1_000, 10_000, 100_000] {
-        let mut meter = Meter::new(Budget::of(steps));
-        let bounds = match prove(&instance, Objective::SumOfCosts, None, None, &mut meter) {
-            Answer::Found { paths, bounds } => {
+        let mut meter = Meter::new(SearchBudget::of(steps));
+        let bounds = match prove(&instance, BoardObjective::SumOfCosts, None, None, &mut meter) {
+            BoardAnswer::Found { paths, bounds } => {
                 assert_eq!(fault(&instance, &paths), None);
                 bounds
             }
-            Answer::GaveUp { bounds } => bounds,
-            Answer::Impossible(why) => panic!("{why:?}"),
+            BoardAnswer::GaveUp { bounds } => bounds,
+            BoardAnswer::Impossible(why) => panic!("{why:?}"),
         };
         assert!(bounds.sum_of_costs <= full.sum_of_costs, "{steps}: {bounds:?}");
     }

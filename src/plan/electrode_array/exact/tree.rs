@@ -7,14 +7,14 @@
 //! finding for large agents", AAAI 2019). Pairs whose least-cost ways do not go together at all are split by their
 //! costs instead, and raise the bound of the node ([`cover`]).
 
-use super::super::board::{Cell, Paths};
+use super::super::board::{CellIndex, Paths};
 use super::cover::{Edge, least_rise};
-use super::demand::{Demand, OutOfSteps, least_cost};
-use super::field::Field;
+use super::demand::{AgentConstraint, OutOfSteps, least_cost};
+use super::field::ExactTables;
 use super::jam::{self, Jam};
-use super::layers::Layers;
-use super::pair::{Side, Table};
-use super::split::{self, Branch, Party, clashes};
+use super::layers::MultiValueDecisionDiagram;
+use super::pair::{CompatiblePairs, PairSide};
+use super::split::{self, ConstraintBranch, Party, clashes};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
@@ -23,8 +23,8 @@ use std::rc::Rc;
 
 /// What is to be found.
 #[derive(Clone, Copy)]
-pub struct Task<'a> {
-    pub field: &'a Field<'a>,
+pub struct ConstraintTreeTask<'a> {
+    pub field: &'a ExactTables<'a>,
     /// The agents, in this order everywhere below.
     pub group: &'a [usize],
     /// Everyone counts as arrived at this instant at the earliest.
@@ -36,7 +36,7 @@ pub struct Task<'a> {
     /// There is known to be nothing with a smaller sum of costs.
     pub floor: u64,
     /// Paths of agents outside of the group that are avoided where that costs nothing.
-    pub outside: &'a [(usize, &'a [Cell])],
+    pub outside: &'a [(usize, &'a [CellIndex])],
 }
 
 /// What became of it.
@@ -75,8 +75,8 @@ const POSITIONS_A_STEP: u64 = 16;
 const POLISHING_ROUNDS: usize = 2;
 
 /// Searches; one step of the budget is a node of an agent's own search or layers expanded.
-pub fn search(task: Task, meter: &mut Meter) -> End {
-    let mut tree = Tree {
+pub fn search(task: ConstraintTreeTask, meter: &mut Meter) -> End {
+    let mut tree = ConstraintTree {
         task,
         meter,
         nodes: vec![],
@@ -95,42 +95,42 @@ pub fn search(task: Task, meter: &mut Meter) -> End {
 }
 
 /// An agent in a node.
-struct Plan {
+struct AgentPlan {
     /// Unlike that of any other.
     id: u32,
-    demand: Demand,
-    layers: Rc<Layers>,
+    demand: AgentConstraint,
+    layers: Rc<MultiValueDecisionDiagram>,
 }
 
 #[derive(Clone)]
-struct Node {
-    plans: Vec<Rc<Plan>>,
-    paths: Vec<Rc<Vec<Cell>>>,
+struct ConstraintNode {
+    plans: Vec<Rc<AgentPlan>>,
+    paths: Vec<Rc<Vec<CellIndex>>>,
     /// Pairs of members whose paths clash, the smaller first.
     clashing: Vec<[usize; 2]>,
     /// No plan that meets the demands has a smaller sum of costs.
     bound: u64,
 }
 
-struct Tree<'a, 'm> {
-    task: Task<'a>,
+struct ConstraintTree<'a, 'm> {
+    task: ConstraintTreeTask<'a>,
     meter: &'m mut Meter,
-    nodes: Vec<Option<Node>>,
+    nodes: Vec<Option<ConstraintNode>>,
     /// By bound, then by clashes, then the newest.
     open: BinaryHeap<Reverse<(u64, usize, Reverse<usize>)>>,
     /// By the ids of two plans: how much their costs together rise at least.
     rises: FxHashMap<[u32; 2], u32>,
     /// Layers of a plan at a greater cost.
-    waits: FxHashMap<(u32, u32), Rc<Layers>>,
+    waits: FxHashMap<(u32, u32), Rc<MultiValueDecisionDiagram>>,
     /// By the ids of two plans.
-    tables: FxHashMap<[u32; 2], Rc<Table>>,
+    tables: FxHashMap<[u32; 2], Rc<CompatiblePairs>>,
     table_words: usize,
     /// By the ids of some plans: that they do not go together, or that this is not known.
     jams: FxHashMap<Vec<u32>, Jam>,
     ids: u32,
 }
 
-impl Tree<'_, '_> {
+impl ConstraintTree<'_, '_> {
     fn run(&mut self) -> Result<End, OutOfSteps> {
         let Some(root) = self.root()? else { return Ok(End::Nothing) };
         self.push(root);
@@ -156,17 +156,17 @@ impl Tree<'_, '_> {
         self.open.peek().map_or(self.task.floor, |Reverse((bound, _, _))| *bound)
     }
 
-    fn push(&mut self, node: Node) {
+    fn push(&mut self, node: ConstraintNode) {
         if node.bound < self.task.ceiling {
             self.open.push(Reverse((node.bound, node.clashing.len(), Reverse(self.nodes.len()))));
             self.nodes.push(Some(node));
         }
     }
 
-    fn root(&mut self) -> Result<Option<Node>, OutOfSteps> {
-        let mut node = Node { plans: vec![], paths: vec![], clashing: vec![], bound: 0 };
+    fn root(&mut self) -> Result<Option<ConstraintNode>, OutOfSteps> {
+        let mut node = ConstraintNode { plans: vec![], paths: vec![], clashing: vec![], bound: 0 };
         for member in 0..self.task.group.len() {
-            let demand = Demand { bans: vec![], least: self.task.least, most: self.task.most };
+            let demand = AgentConstraint { bans: vec![], least: self.task.least, most: self.task.most };
             let Some(plan) = self.plan(member, demand)? else { return Ok(None) };
             let path = self.best_path(&node, member, &plan.layers);
             node.bound += u64::from(plan.layers.cost());
@@ -179,16 +179,21 @@ impl Tree<'_, '_> {
         Ok(Some(node))
     }
 
-    fn plan(&mut self, member: usize, demand: Demand) -> Result<Option<Rc<Plan>>, OutOfSteps> {
+    fn plan(&mut self, member: usize, demand: AgentConstraint) -> Result<Option<Rc<AgentPlan>>, OutOfSteps> {
         let (field, agent) = (self.task.field, self.task.group[member]);
         let Some(cost) = least_cost(field, agent, &demand, self.meter)? else { return Ok(None) };
-        let layers = Rc::new(Layers::new(field, agent, &demand, cost, self.meter)?);
+        let layers = Rc::new(MultiValueDecisionDiagram::new(field, agent, &demand, cost, self.meter)?);
         self.ids += 1;
-        Ok(Some(Rc::new(Plan { id: self.ids, demand, layers })))
+        Ok(Some(Rc::new(AgentPlan { id: self.ids, demand, layers })))
     }
 
     /// One of the ways of a member, with few clashes.
-    fn best_path(&mut self, node: &Node, member: usize, layers: &Layers) -> Vec<Cell> {
+    fn best_path(
+        &mut self,
+        node: &ConstraintNode,
+        member: usize,
+        layers: &MultiValueDecisionDiagram,
+    ) -> Vec<CellIndex> {
         let others = self.others(node, member);
         let positions = others.len() as u64 * u64::from(layers.cost());
         let path = layers.best_path(self.task.field, self.task.group[member], &others);
@@ -197,14 +202,14 @@ impl Tree<'_, '_> {
     }
 
     /// The paths of all but one, outsiders with them.
-    fn others<'n>(&'n self, node: &'n Node, member: usize) -> Vec<(usize, &'n [Cell])> {
+    fn others<'n>(&'n self, node: &'n ConstraintNode, member: usize) -> Vec<(usize, &'n [CellIndex])> {
         let inside = node.paths.iter().enumerate().filter(|(other, _)| *other != member);
         let inside = inside.map(|(other, path)| (self.task.group[other], path.as_slice()));
         inside.chain(self.task.outside.iter().copied()).collect()
     }
 
     /// Brings the clashing pairs of one member up to date.
-    fn find_clashes(&mut self, node: &mut Node, member: usize) {
+    fn find_clashes(&mut self, node: &mut ConstraintNode, member: usize) {
         self.meter.charge((node.paths.len() * node.paths[member].len()) as u64 / POSITIONS_A_STEP + 1);
         node.clashing.retain(|pair| !pair.contains(&member));
         for other in (0..node.paths.len()).filter(|other| *other != member) {
@@ -219,7 +224,7 @@ impl Tree<'_, '_> {
     }
 
     /// Chooses other ways of the same cost while that leaves fewer clashes.
-    fn polish(&mut self, node: &mut Node) {
+    fn polish(&mut self, node: &mut ConstraintNode) {
         for _ in 0..POLISHING_ROUNDS {
             let before = node.clashing.len();
             let members: Vec<usize> =
@@ -243,7 +248,7 @@ impl Tree<'_, '_> {
     }
 
     /// The bound of a node with what its clashing pairs add.
-    fn raised(&mut self, node: &Node) -> Result<u64, OutOfSteps> {
+    fn raised(&mut self, node: &ConstraintNode) -> Result<u64, OutOfSteps> {
         let sum: u64 = node.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
         let mut edges = vec![];
         for pair in &node.clashing {
@@ -253,7 +258,7 @@ impl Tree<'_, '_> {
     }
 
     /// How much the costs of a pair rise at least, up to one more than [`MOST_RISE`].
-    fn rise(&mut self, node: &Node, pair: [usize; 2]) -> Result<u32, OutOfSteps> {
+    fn rise(&mut self, node: &ConstraintNode, pair: [usize; 2]) -> Result<u32, OutOfSteps> {
         let key = pair.map(|member| node.plans[member].id);
         if let Some(rise) = self.rises.get(&key) {
             return Ok(*rise);
@@ -266,7 +271,7 @@ impl Tree<'_, '_> {
         Ok(rise)
     }
 
-    fn some_division_goes(&mut self, node: &Node, pair: [usize; 2], rise: u32) -> Result<bool, OutOfSteps> {
+    fn some_division_goes(&mut self, node: &ConstraintNode, pair: [usize; 2], rise: u32) -> Result<bool, OutOfSteps> {
         for first in 0..=rise {
             if self.goes(node, pair, [first, rise - first])? {
                 return Ok(true);
@@ -276,7 +281,7 @@ impl Tree<'_, '_> {
     }
 
     /// Whether a pair may go together at costs that rise by so much.
-    fn goes(&mut self, node: &Node, pair: [usize; 2], rises: [u32; 2]) -> Result<bool, OutOfSteps> {
+    fn goes(&mut self, node: &ConstraintNode, pair: [usize; 2], rises: [u32; 2]) -> Result<bool, OutOfSteps> {
         let one = self.longer(node, pair[0], rises[0])?;
         let other = self.longer(node, pair[1], rises[1])?;
         let (Some(one), Some(other)) = (one, other) else { return Ok(false) };
@@ -284,20 +289,20 @@ impl Tree<'_, '_> {
             return Ok(self.table(node, pair).allows_start());
         }
         let [first, second] = [(pair[0], &one), (pair[1], &other)]
-            .map(|(member, layers)| Side { agent: self.task.group[member], layers });
-        Ok(Table::new(self.task.field, first, second, self.meter).allows_start())
+            .map(|(member, layers)| PairSide { agent: self.task.group[member], layers });
+        Ok(CompatiblePairs::new(self.task.field, first, second, self.meter).allows_start())
     }
 
     /// The table of a pair, the smaller member first.
-    fn table(&mut self, node: &Node, pair: [usize; 2]) -> Rc<Table> {
+    fn table(&mut self, node: &ConstraintNode, pair: [usize; 2]) -> Rc<CompatiblePairs> {
         let plans = pair.map(|member| &node.plans[member]);
         let key = plans.map(|plan| plan.id);
         if let Some(table) = self.tables.get(&key) {
             return table.clone();
         }
         let [one, other] =
-            pair.map(|member| Side { agent: self.task.group[member], layers: &node.plans[member].layers });
-        let table = Rc::new(Table::new(self.task.field, one, other, self.meter));
+            pair.map(|member| PairSide { agent: self.task.group[member], layers: &node.plans[member].layers });
+        let table = Rc::new(CompatiblePairs::new(self.task.field, one, other, self.meter));
         if self.table_words > MOST_TABLE_WORDS {
             self.tables.clear();
             self.table_words = 0;
@@ -308,7 +313,12 @@ impl Tree<'_, '_> {
     }
 
     /// The ways of a member that count as `rise` longer; none if it may not take so long.
-    fn longer(&mut self, node: &Node, member: usize, rise: u32) -> Result<Option<Rc<Layers>>, OutOfSteps> {
+    fn longer(
+        &mut self,
+        node: &ConstraintNode,
+        member: usize,
+        rise: u32,
+    ) -> Result<Option<Rc<MultiValueDecisionDiagram>>, OutOfSteps> {
         let plan = &node.plans[member];
         let cost = plan.layers.cost() + rise;
         if rise == 0 || cost > plan.demand.most {
@@ -317,7 +327,13 @@ impl Tree<'_, '_> {
         if let Some(layers) = self.waits.get(&(plan.id, rise)) {
             return Ok(Some(layers.clone()));
         }
-        let layers = Rc::new(Layers::new(self.task.field, self.task.group[member], &plan.demand, cost, self.meter)?);
+        let layers = Rc::new(MultiValueDecisionDiagram::new(
+            self.task.field,
+            self.task.group[member],
+            &plan.demand,
+            cost,
+            self.meter,
+        )?);
         if self.waits.len() >= MOST_WAITS {
             self.waits.clear();
         }
@@ -326,7 +342,7 @@ impl Tree<'_, '_> {
     }
 
     /// What takes the place of a node whose paths clash: itself with a higher bound or with fewer clashes, or its children.
-    fn successors(&mut self, node: &mut Node) -> Result<Vec<Node>, OutOfSteps> {
+    fn successors(&mut self, node: &mut ConstraintNode) -> Result<Vec<ConstraintNode>, OutOfSteps> {
         let raised = self.raised(node)?;
         if raised > node.bound {
             node.bound = raised;
@@ -338,7 +354,11 @@ impl Tree<'_, '_> {
     }
 
     /// The children of a node by branches.
-    fn children(&mut self, node: &Node, branches: Vec<Branch>) -> Result<Vec<Node>, OutOfSteps> {
+    fn children(
+        &mut self,
+        node: &ConstraintNode,
+        branches: Vec<ConstraintBranch>,
+    ) -> Result<Vec<ConstraintNode>, OutOfSteps> {
         let mut children = vec![];
         for branch in branches {
             children.extend(self.child(node, branch)?);
@@ -347,7 +367,7 @@ impl Tree<'_, '_> {
     }
 
     /// The pair whose costs rise most, if those of one rise.
-    fn worst_pair(&mut self, node: &Node) -> Result<Option<[usize; 2]>, OutOfSteps> {
+    fn worst_pair(&mut self, node: &ConstraintNode) -> Result<Option<[usize; 2]>, OutOfSteps> {
         let mut worst = (0, None);
         for pair in &node.clashing {
             let rise = self.rise(node, *pair)?;
@@ -359,7 +379,7 @@ impl Tree<'_, '_> {
     }
 
     /// Pair by pair the clashing agents go together: so they may all, or some of them do not.
-    fn jam_successors(&mut self, node: &mut Node) -> Result<Vec<Node>, OutOfSteps> {
+    fn jam_successors(&mut self, node: &mut ConstraintNode) -> Result<Vec<ConstraintNode>, OutOfSteps> {
         let mut members: Vec<usize> = node.clashing[0].to_vec();
         loop {
             members = self.clashing_with(node, members);
@@ -403,7 +423,7 @@ impl Tree<'_, '_> {
     }
 
     /// Some members and all whose paths clash with theirs, and so on.
-    fn clashing_with(&self, node: &Node, mut members: Vec<usize>) -> Vec<usize> {
+    fn clashing_with(&self, node: &ConstraintNode, mut members: Vec<usize>) -> Vec<usize> {
         loop {
             let joins = |pair: &&[usize; 2]| members.contains(&pair[0]) != members.contains(&pair[1]);
             let Some(pair) = node.clashing.iter().find(joins) else {
@@ -414,7 +434,7 @@ impl Tree<'_, '_> {
         }
     }
 
-    fn jam(&mut self, node: &Node, members: &[usize]) -> Jam {
+    fn jam(&mut self, node: &ConstraintNode, members: &[usize]) -> Jam {
         let ids: Vec<u32> = members.iter().map(|member| node.plans[*member].id).collect();
         if let Some(known) = self.jams.get(&ids) {
             return known.clone();
@@ -438,7 +458,7 @@ impl Tree<'_, '_> {
     }
 
     /// Leaves out members one by one while the rest is still stuck.
-    fn fewest_stuck(&mut self, node: &Node, mut members: Vec<usize>) -> Vec<usize> {
+    fn fewest_stuck(&mut self, node: &ConstraintNode, mut members: Vec<usize>) -> Vec<usize> {
         let mut place = 0;
         while place < members.len() && members.len() > 2 {
             let mut fewer = members.clone();
@@ -452,7 +472,7 @@ impl Tree<'_, '_> {
         members
     }
 
-    fn split_by_cost(&mut self, node: &Node, pair: [usize; 2]) -> Result<[Branch; 2], OutOfSteps> {
+    fn split_by_cost(&mut self, node: &ConstraintNode, pair: [usize; 2]) -> Result<[ConstraintBranch; 2], OutOfSteps> {
         let parties = self.parties(node, pair);
         let at_goal = self.clashes_of(node, pair).find_map(|clash| split::at_goal(self.task.field, parties, clash));
         if let Some(branches) = at_goal {
@@ -466,7 +486,7 @@ impl Tree<'_, '_> {
 
     /// The least rise of one of a pair alone at which the two may go together, up to one more than [`FARTHEST_WAIT`]: who may take
     /// longer has all the shorter ways too, so it is searched for by halving.
-    fn wait_alone(&mut self, node: &Node, pair: [usize; 2], side: usize) -> Result<u32, OutOfSteps> {
+    fn wait_alone(&mut self, node: &ConstraintNode, pair: [usize; 2], side: usize) -> Result<u32, OutOfSteps> {
         let plan = &node.plans[pair[side]];
         let farthest = FARTHEST_WAIT.min(plan.demand.most - plan.layers.cost());
         let (mut fails, mut goes) = (0, farthest + 1);
@@ -484,17 +504,17 @@ impl Tree<'_, '_> {
     }
 
     /// The box that leaves the least to the agents of one of some clashing pairs.
-    fn best_box(&self, node: &Node, pairs: &[[usize; 2]]) -> Option<(split::Leaves, [Branch; 2])> {
+    fn best_box(&self, node: &ConstraintNode, pairs: &[[usize; 2]]) -> Option<(split::Leaves, [ConstraintBranch; 2])> {
         pairs.iter().flat_map(|pair| self.box_splits(node, *pair)).min_by_key(|(leaves, _)| *leaves)
     }
 
-    fn box_splits(&self, node: &Node, pair: [usize; 2]) -> Vec<(split::Leaves, [Branch; 2])> {
+    fn box_splits(&self, node: &ConstraintNode, pair: [usize; 2]) -> Vec<(split::Leaves, [ConstraintBranch; 2])> {
         let parties = self.parties(node, pair);
         let weighed = self.clashes_of(node, pair).take(CLASHES_WEIGHED);
         weighed.map(|clash| split::by_box(self.task.field, parties, clash)).collect()
     }
 
-    fn clashes_of<'n>(&'n self, node: &'n Node, pair: [usize; 2]) -> impl Iterator<Item = split::Clash> + 'n {
+    fn clashes_of<'n>(&'n self, node: &'n ConstraintNode, pair: [usize; 2]) -> impl Iterator<Item = split::Clash> + 'n {
         clashes(
             self.task.field,
             pair.map(|member| self.task.group[member]),
@@ -502,17 +522,17 @@ impl Tree<'_, '_> {
         )
     }
 
-    fn parties<'n>(&self, node: &'n Node, pair: [usize; 2]) -> [Party<'n>; 2] {
+    fn parties<'n>(&self, node: &'n ConstraintNode, pair: [usize; 2]) -> [Party<'n>; 2] {
         pair.map(|member| self.party(node, member))
     }
 
-    fn party<'n>(&self, node: &'n Node, member: usize) -> Party<'n> {
+    fn party<'n>(&self, node: &'n ConstraintNode, member: usize) -> Party<'n> {
         let plan = &node.plans[member];
         Party { member, agent: self.task.group[member], demand: &plan.demand, layers: &plan.layers }
     }
 
     /// A node with some demands replaced; none if one of them cannot be met.
-    fn child(&mut self, node: &Node, branch: Branch) -> Result<Option<Node>, OutOfSteps> {
+    fn child(&mut self, node: &ConstraintNode, branch: ConstraintBranch) -> Result<Option<ConstraintNode>, OutOfSteps> {
         let mut child = node.clone();
         for (member, demand) in branch {
             let Some(plan) = self.plan(member, demand)? else { return Ok(None) };

@@ -1,17 +1,17 @@
 //! What all stages of the fast planner share: the instance, distances, reservations and the search of one agent.
 
-use super::super::board::{Cell, Instance, Paths, Why};
+use super::super::board::{CellIndex, Instance, NoBoardPlan, Paths};
 use super::distances::Distances;
-use super::random::Random;
+use super::random::PlannerRandom;
 use super::reservations::{Asking, Others, Reservations};
-use super::sipp::{Query, Route, Sipp};
+use super::sipp::{Query, Sipp, StopRoute};
 use crate::plan::search::Meter;
 
 /// One instance being planned.
-pub(super) struct Crew<'a> {
+pub(super) struct PlannedInstance<'a> {
     pub(super) instance: &'a Instance,
     pub(super) table: Reservations,
-    pub(super) random: Random,
+    pub(super) random: PlannerRandom,
     /// The last instant at which an agent may arrive.
     pub(super) step_limit: u32,
     /// By agent: the steps that it needs when it is alone.
@@ -34,12 +34,16 @@ pub(super) struct Wish {
     /// Until this instant it stays on its start.
     pub(super) delay: u32,
     /// Where it comes by before its stops.
-    pub(super) detour: Option<Cell>,
+    pub(super) detour: Option<CellIndex>,
 }
 
-impl<'a> Crew<'a> {
+impl<'a> PlannedInstance<'a> {
     /// Fails where an agent alone cannot come to one of its stops.
-    pub(super) fn new(instance: &'a Instance, seed: u64, meter: &mut Meter) -> Result<Crew<'a>, Why> {
+    pub(super) fn new(
+        instance: &'a Instance,
+        seed: u64,
+        meter: &mut Meter,
+    ) -> Result<PlannedInstance<'a>, NoBoardPlan> {
         let mut partners = vec![Vec::new(); instance.agents.len()];
         for [one, other] in &instance.merges {
             partners[*one].push(*other as u32);
@@ -47,10 +51,10 @@ impl<'a> Crew<'a> {
         }
         let mut distances = Distances::of(&instance.board);
         let least = individual(instance, &mut distances, meter)?;
-        Ok(Crew {
+        Ok(PlannedInstance {
             instance,
             table: Reservations::new(instance),
-            random: Random::new(seed),
+            random: PlannerRandom::new(seed),
             step_limit: u32::MAX - 1,
             least,
             distances,
@@ -65,7 +69,7 @@ impl<'a> Crew<'a> {
     }
 
     /// A path of one agent, which must not be in the table itself.
-    pub(super) fn plan(&mut self, agent: usize, wish: Wish, meter: &mut Meter) -> Option<Vec<Cell>> {
+    pub(super) fn plan(&mut self, agent: usize, wish: Wish, meter: &mut Meter) -> Option<Vec<CellIndex>> {
         let it = &self.instance.agents[agent];
         let stops = wish.detour.iter().chain(&it.stops);
         let route = route(self.instance, it.start, stops, &mut self.distances, meter).ok()?;
@@ -84,7 +88,7 @@ impl<'a> Crew<'a> {
     }
 
     /// The agents in the table that a path comes too near to, sorted.
-    pub(super) fn conflicts(&self, agent: usize, path: &[Cell]) -> Vec<usize> {
+    pub(super) fn conflicts(&self, agent: usize, path: &[CellIndex]) -> Vec<usize> {
         let goal = self.instance.agents[agent].goal();
         let asking = Asking { goal, partners: &self.partners[agent], others: Others::Hard };
         let mut found = Vec::new();
@@ -99,7 +103,7 @@ impl<'a> Crew<'a> {
     }
 
     /// A shortest path of one agent without the others, one of many.
-    pub(super) fn alone(&mut self, agent: usize, meter: &mut Meter) -> Vec<Cell> {
+    pub(super) fn alone(&mut self, agent: usize, meter: &mut Meter) -> Vec<CellIndex> {
         let it = &self.instance.agents[agent];
         let mut path = vec![it.start];
         let Ok(route) = route(self.instance, it.start, &it.stops, &mut self.distances, meter) else { return path };
@@ -128,10 +132,14 @@ impl<'a> Crew<'a> {
 }
 
 /// By agent: the steps that it needs when it is alone.
-pub(super) fn individual(instance: &Instance, distances: &mut Distances, meter: &mut Meter) -> Result<Vec<u32>, Why> {
+pub(super) fn individual(
+    instance: &Instance,
+    distances: &mut Distances,
+    meter: &mut Meter,
+) -> Result<Vec<u32>, NoBoardPlan> {
     let one = |agent: usize| {
         let it = &instance.agents[agent];
-        let closed = |stop| Why::Closed { agent, stop };
+        let closed = |stop| NoBoardPlan::Closed { agent, stop };
         let way = route(instance, it.start, &it.stops, distances, meter).map_err(closed)?;
         Ok(way.steps(it.start, 0))
     };
@@ -141,11 +149,11 @@ pub(super) fn individual(instance: &Instance, distances: &mut Distances, meter: 
 /// The way by these stops; the index of the first that cannot be reached if there is one.
 fn route<'s>(
     instance: &Instance,
-    start: Cell,
-    stops: impl IntoIterator<Item = &'s Cell>,
+    start: CellIndex,
+    stops: impl IntoIterator<Item = &'s CellIndex>,
     distances: &mut Distances,
     meter: &mut Meter,
-) -> Result<Route, usize> {
+) -> Result<StopRoute, usize> {
     let stops = stops.into_iter().map(|stop| (*stop, distances.to(&instance.board, *stop, meter))).collect();
-    Route::new(start, stops)
+    StopRoute::new(start, stops)
 }

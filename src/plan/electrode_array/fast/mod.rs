@@ -22,18 +22,18 @@ mod repair;
 mod reservations;
 mod sipp;
 
-use super::board::{Costs, Instance, Objective, Paths, Why};
-use crate::plan::search::{Budget, Meter};
-use crew::Crew;
-use prioritise::First;
-pub(super) use random::Random;
+use super::board::{BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths};
+use crate::plan::search::{Meter, SearchBudget};
+use crew::PlannedInstance;
+use prioritise::PrioritisedOutcome;
+pub(super) use random::PlannerRandom;
 
 /// On boards with more cells nothing is planned.
 pub const MAX_CELLS: usize = 1 << 21;
 
 /// What a first plan has to keep besides the instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Terms {
+pub struct FirstPlanTerms {
     /// Decides between plans that are as good; any number.
     pub seed: u64,
     /// The last instant at which an agent may arrive.
@@ -42,41 +42,41 @@ pub struct Terms {
 
 /// Bounds below every plan: the makespan and the sum of costs of agents that do not see one another. An agent that alone cannot
 /// come to a stop is an error. Costs a breadth-first search for each stop, none where the free cells are a rectangle.
-pub fn bounds(instance: &Instance) -> Result<Costs, Why> {
-    let mut unlimited = Meter::new(Budget::of(u64::MAX));
+pub fn bounds(instance: &Instance) -> Result<BoardCosts, NoBoardPlan> {
+    let mut unlimited = Meter::new(SearchBudget::of(u64::MAX));
     let mut distances = distances::Distances::of(&instance.board);
     let least = crew::individual(instance, &mut distances, &mut unlimited)?;
     Ok(total(&least))
 }
 
 /// A first plan, unless the meter runs out, an agent is walled in, or the board has more than [`MAX_CELLS`].
-pub fn first(instance: &Instance, terms: Terms, meter: &mut Meter) -> Option<Paths> {
+pub fn first(instance: &Instance, terms: FirstPlanTerms, meter: &mut Meter) -> Option<Paths> {
     if instance.board.cells() > MAX_CELLS {
         return None;
     }
-    let mut crew = Crew::new(instance, terms.seed, meter).ok()?;
+    let mut crew = PlannedInstance::new(instance, terms.seed, meter).ok()?;
     crew.step_limit = terms.step_limit.unwrap_or(crew.step_limit);
     if u64::from(crew.step_limit) < total(&crew.least).makespan {
         return None;
     }
     match prioritise::prioritise(&mut crew, meter) {
-        First::Plan(paths) => Some(paths),
-        First::Part(part) => repair::repair(&mut crew, part, meter),
+        PrioritisedOutcome::Plan(paths) => Some(paths),
+        PrioritisedOutcome::Part(part) => repair::repair(&mut crew, part, meter),
     }
 }
 
 /// The best plan found from a legal one, itself at worst; ends early where both bounds are met.
-pub fn improve(instance: &Instance, paths: Paths, objective: Objective, seed: u64, meter: &mut Meter) -> Paths {
+pub fn improve(instance: &Instance, paths: Paths, objective: BoardObjective, seed: u64, meter: &mut Meter) -> Paths {
     if instance.board.cells() > MAX_CELLS {
         return paths;
     }
-    let Ok(mut crew) = Crew::new(instance, seed, meter) else { return paths };
+    let Ok(mut crew) = PlannedInstance::new(instance, seed, meter) else { return paths };
     let bounds = total(&crew.least);
     polish::polish(&mut crew, paths, objective, bounds, meter)
 }
 
-fn total(least: &[u32]) -> Costs {
-    Costs {
+fn total(least: &[u32]) -> BoardCosts {
+    BoardCosts {
         makespan: least.iter().copied().max().unwrap_or(0).into(),
         sum_of_costs: least.iter().copied().map(u64::from).sum(),
     }

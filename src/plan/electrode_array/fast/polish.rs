@@ -6,9 +6,9 @@
 //! Guaranteed: the plan stays legal and never gets worse; it is optimal where it meets the bounds. Not guaranteed: an optimum
 //! within any budget. Cost: one search for each agent of a neighbourhood ([`SIZES`]).
 
-use super::super::board::{Cell, Costs, Objective, Paths};
-use super::crew::{Crew, Wish};
-use super::random::Random;
+use super::super::board::{BoardCosts, BoardObjective, CellIndex, Paths};
+use super::crew::{PlannedInstance, Wish};
+use super::random::PlannerRandom;
 use super::reservations::Others;
 use crate::plan::search::Meter;
 
@@ -16,11 +16,11 @@ use crate::plan::search::Meter;
 const SIZES: [usize; 6] = [1, 2, 3, 4, 5, 8];
 
 /// How an objective compares two plans: makespan, how much too late in all, sum of costs; or sum of costs, makespan.
-type Key = (u64, u64, u64);
+type PlanKey = (u64, u64, u64);
 
 /// The ways to choose a neighbourhood.
 #[derive(Debug, Clone, Copy)]
-enum Choice {
+enum NeighbourhoodChoice {
     /// A late agent and those who are in its way.
     Blockers,
     /// Those who come by one place.
@@ -28,13 +28,14 @@ enum Choice {
     Random,
 }
 
-const CHOICES: [Choice; 3] = [Choice::Blockers, Choice::Crossing, Choice::Random];
+const CHOICES: [NeighbourhoodChoice; 3] =
+    [NeighbourhoodChoice::Blockers, NeighbourhoodChoice::Crossing, NeighbourhoodChoice::Random];
 
 /// Options of which those are taken the more often that have gained more for a step lately.
 #[derive(Debug)]
-struct Weights<const N: usize>([u64; N]);
+struct AdaptiveWeights<const N: usize>([u64; N]);
 
-impl<const N: usize> Weights<N> {
+impl<const N: usize> AdaptiveWeights<N> {
     /// Credit of a gain that cost nothing.
     const MOST: u64 = 1 << 20;
     /// No option falls lower, as a share of [`Self::MOST`].
@@ -42,7 +43,7 @@ impl<const N: usize> Weights<N> {
     /// How many steps halve the credit of a gain.
     const HALVE: u64 = 64;
 
-    fn pick(&self, random: &mut Random) -> usize {
+    fn pick(&self, random: &mut PlannerRandom) -> usize {
         let mut left = random.below(self.0.iter().sum::<u64>() as usize) as u64;
         for (option, weight) in self.0.iter().enumerate() {
             if left < *weight {
@@ -64,39 +65,45 @@ impl<const N: usize> Weights<N> {
 const EVEN: u64 = 1 << 14;
 
 struct Polish<'c, 'a> {
-    crew: &'c mut Crew<'a>,
+    crew: &'c mut PlannedInstance<'a>,
     paths: Paths,
-    objective: Objective,
-    bounds: Costs,
-    choices: Weights<{ CHOICES.len() }>,
-    sizes: Weights<{ SIZES.len() }>,
+    objective: BoardObjective,
+    bounds: BoardCosts,
+    choices: AdaptiveWeights<{ CHOICES.len() }>,
+    sizes: AdaptiveWeights<{ SIZES.len() }>,
     /// Whose turn it is to be the late agent.
     turn: usize,
 }
 
 /// Improves a plan; `bounds` are those of the agents alone.
-pub(super) fn polish(crew: &mut Crew, paths: Paths, objective: Objective, bounds: Costs, meter: &mut Meter) -> Paths {
+pub(super) fn polish(
+    crew: &mut PlannedInstance,
+    paths: Paths,
+    objective: BoardObjective,
+    bounds: BoardCosts,
+    meter: &mut Meter,
+) -> Paths {
     crew.enter_all(&paths);
     let mut state = Polish {
         crew,
         paths: paths.clone(),
         objective,
         bounds,
-        choices: Weights([EVEN; CHOICES.len()]),
-        sizes: Weights([EVEN; SIZES.len()]),
+        choices: AdaptiveWeights([EVEN; CHOICES.len()]),
+        sizes: AdaptiveWeights([EVEN; SIZES.len()]),
         turn: 0,
     };
     while state.is_open() && meter.step().is_some() {
         state.round(meter);
     }
     // Less too late in all may have cost more in sum than the last arrival has gained.
-    let worse = Costs::of(&state.paths).key(objective) > Costs::of(&paths).key(objective);
+    let worse = BoardCosts::of(&state.paths).key(objective) > BoardCosts::of(&paths).key(objective);
     if worse { paths } else { state.paths }
 }
 
 impl Polish<'_, '_> {
     fn is_open(&self) -> bool {
-        Costs::of(&self.paths) != self.bounds
+        BoardCosts::of(&self.paths) != self.bounds
     }
 
     fn arrival(&self, agent: usize) -> u64 {
@@ -107,14 +114,14 @@ impl Polish<'_, '_> {
         self.arrival(agent) - u64::from(self.crew.least[agent])
     }
 
-    fn key(&self) -> Key {
-        let costs = Costs::of(&self.paths);
+    fn key(&self) -> PlanKey {
+        let costs = BoardCosts::of(&self.paths);
         match self.objective {
-            Objective::Makespan => {
-                let late = |path: &Vec<Cell>| (path.len() as u64 - 1).saturating_sub(self.bounds.makespan);
+            BoardObjective::Makespan => {
+                let late = |path: &Vec<CellIndex>| (path.len() as u64 - 1).saturating_sub(self.bounds.makespan);
                 (costs.makespan, self.paths.iter().map(late).sum(), costs.sum_of_costs)
             }
-            Objective::SumOfCosts => (costs.sum_of_costs, costs.makespan, 0),
+            BoardObjective::SumOfCosts => (costs.sum_of_costs, costs.makespan, 0),
         }
     }
 
@@ -124,9 +131,9 @@ impl Polish<'_, '_> {
         let pick_size = self.sizes.pick(&mut self.crew.random);
         let size = SIZES[pick_size];
         let chosen = match CHOICES[pick] {
-            Choice::Blockers => self.blockers(size, meter),
-            Choice::Crossing => self.crossing(size),
-            Choice::Random => self.any(size),
+            NeighbourhoodChoice::Blockers => self.blockers(size, meter),
+            NeighbourhoodChoice::Crossing => self.crossing(size),
+            NeighbourhoodChoice::Random => self.any(size),
         };
         let (before, spent) = (self.key(), meter.spent());
         let gained = self.again(&chosen, before, meter);
@@ -138,8 +145,8 @@ impl Polish<'_, '_> {
     /// A late agent, by turns; where the makespan counts and is too long, every other time one that arrives last.
     fn late(&mut self) -> usize {
         let count = self.crew.count();
-        let makespan = Costs::of(&self.paths).makespan;
-        let too_long = self.objective == Objective::Makespan && makespan > self.bounds.makespan;
+        let makespan = BoardCosts::of(&self.paths).makespan;
+        let too_long = self.objective == BoardObjective::Makespan && makespan > self.bounds.makespan;
         let last_ones = too_long && self.crew.random.below(2) == 0;
         for step in 1..=count {
             let agent = (self.turn + step) % count;
@@ -191,7 +198,7 @@ impl Polish<'_, '_> {
     }
 
     /// Plans the chosen agents again and keeps what is not worse; whether it is better.
-    fn again(&mut self, chosen: &[usize], before: Key, meter: &mut Meter) -> bool {
+    fn again(&mut self, chosen: &[usize], before: PlanKey, meter: &mut Meter) -> bool {
         for agent in chosen {
             self.crew.table.hide(*agent);
         }
@@ -214,14 +221,14 @@ impl Polish<'_, '_> {
         false
     }
 
-    fn swap(&mut self, order: &[usize], found: &mut [Vec<Cell>]) {
+    fn swap(&mut self, order: &[usize], found: &mut [Vec<CellIndex>]) {
         for (agent, path) in order.iter().zip(found) {
             std::mem::swap(&mut self.paths[*agent], path);
         }
     }
 
     /// The table follows the paths; the last one in the order is not in it yet.
-    fn accept(&mut self, order: &[usize], old: &[Vec<Cell>]) {
+    fn accept(&mut self, order: &[usize], old: &[Vec<CellIndex>]) {
         if let Some(last) = order.last() {
             self.crew.table.add_instead(*last, &self.paths[*last]);
         }
@@ -231,7 +238,7 @@ impl Polish<'_, '_> {
     }
 
     /// Plans agents in an order, up to the first that has no path that could do; all but the last of the order are entered.
-    fn place(&mut self, order: &[usize], meter: &mut Meter) -> Vec<Vec<Cell>> {
+    fn place(&mut self, order: &[usize], meter: &mut Meter) -> Vec<Vec<CellIndex>> {
         let (limit, mut slack) = self.allowance(order);
         let mut found = Vec::with_capacity(order.len());
         for (turn, agent) in order.iter().enumerate() {
@@ -255,10 +262,10 @@ impl Polish<'_, '_> {
         let rest = (0..self.crew.count()).filter(|agent| !chosen.contains(agent));
         let theirs = rest.map(|agent| self.arrival(agent)).max().unwrap_or(0);
         match self.objective {
-            Objective::SumOfCosts => (u64::MAX, slack),
-            Objective::Makespan if ours.max(theirs) <= self.bounds.makespan => (self.bounds.makespan, slack),
-            Objective::Makespan if ours > theirs => (ours - 1, u64::MAX),
-            Objective::Makespan => (theirs, u64::MAX),
+            BoardObjective::SumOfCosts => (u64::MAX, slack),
+            BoardObjective::Makespan if ours.max(theirs) <= self.bounds.makespan => (self.bounds.makespan, slack),
+            BoardObjective::Makespan if ours > theirs => (ours - 1, u64::MAX),
+            BoardObjective::Makespan => (theirs, u64::MAX),
         }
     }
 }

@@ -5,10 +5,10 @@
 //! Guaranteed: a plan that is returned is legal. Not guaranteed: that there is one; some solvable instances have no order that works.
 //! Cost: at most [`ORDERS`] orders of one search for each agent.
 
-use super::super::board::{Cell, Paths};
-use super::crew::{Crew, Wish};
+use super::super::board::{CellIndex, Paths};
+use super::crew::{PlannedInstance, Wish};
 use super::reservations::{Others, Reservations};
-use crate::plan::search::{Budget, Meter};
+use crate::plan::search::{Meter, SearchBudget};
 
 /// How many orders are tried.
 const ORDERS: usize = 8;
@@ -29,22 +29,22 @@ const HAZARD_WEIGHT: u32 = 1;
 const HASTE: u32 = 2;
 
 /// What an order came to.
-pub(super) enum First {
+pub(super) enum PrioritisedOutcome {
     /// A legal plan.
     Plan(Paths),
     /// Of the order that left the fewest agents without a path: the paths found.
-    Part(Vec<Option<Vec<Cell>>>),
+    Part(Vec<Option<Vec<CellIndex>>>),
 }
 
 /// Tries orders: the shortest way first, then those that found no path earlier each time.
-pub(super) fn prioritise(crew: &mut Crew, meter: &mut Meter) -> First {
+pub(super) fn prioritise(crew: &mut PlannedInstance, meter: &mut Meter) -> PrioritisedOutcome {
     let mut order: Vec<usize> = (0..crew.count()).collect();
     order.sort_by_key(|agent| crew.least[*agent]);
     let (mut best, mut fewest) = (vec![None; crew.count()], crew.count() + 1);
     for _ in 0..ORDERS {
         let (paths, failed) = attempt(crew, &order, fewest, meter);
         if failed.is_empty() {
-            return First::Plan(paths.into_iter().flatten().collect());
+            return PrioritisedOutcome::Plan(paths.into_iter().flatten().collect());
         }
         if failed.len() < fewest {
             (best, fewest) = (paths, failed.len());
@@ -55,11 +55,16 @@ pub(super) fn prioritise(crew: &mut Crew, meter: &mut Meter) -> First {
         order.retain(|agent| !failed.contains(agent));
         order.splice(0..0, failed);
     }
-    First::Part(best)
+    PrioritisedOutcome::Part(best)
 }
 
 /// Plans in an order until as many found no path as `most`; the paths, and who found none.
-fn attempt(crew: &mut Crew, order: &[usize], most: usize, meter: &mut Meter) -> (Vec<Option<Vec<Cell>>>, Vec<usize>) {
+fn attempt(
+    crew: &mut PlannedInstance,
+    order: &[usize],
+    most: usize,
+    meter: &mut Meter,
+) -> (Vec<Option<Vec<CellIndex>>>, Vec<usize>) {
     crew.table = Reservations::new(crew.instance);
     let until = HAZARD_SEPARATIONS * crew.instance.separation;
     for agent in order {
@@ -71,7 +76,7 @@ fn attempt(crew: &mut Crew, order: &[usize], most: usize, meter: &mut Meter) -> 
     for agent in order {
         crew.table.remove_hazard(*agent, crew.instance.agents[*agent].start);
         let allowed = (SEARCH_STEPS + SEARCH_STEPS_PER_MOVE * u64::from(crew.least[*agent])).min(meter.left().steps);
-        let mut part = Meter::new(Budget::of(allowed));
+        let mut part = Meter::new(SearchBudget::of(allowed));
         let path = crew.plan(*agent, wish, &mut part);
         meter.charge(part.spent());
         match &path {

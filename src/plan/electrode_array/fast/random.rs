@@ -3,11 +3,11 @@
 
 /// A stream of numbers that its seed determines.
 #[derive(Debug, Clone)]
-pub struct Random(u64);
+pub struct PlannerRandom(u64);
 
-impl Random {
-    pub fn new(seed: u64) -> Random {
-        Random(seed)
+impl PlannerRandom {
+    pub fn new(seed: u64) -> PlannerRandom {
+        PlannerRandom(seed)
     }
 
     /// The next number of the stream.

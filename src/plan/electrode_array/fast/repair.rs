@@ -6,8 +6,8 @@
 //! Guaranteed: a plan that is returned is legal. Not guaranteed: that it ends in one; it ends with its meter.
 //! Cost: one search for each agent of a neighbourhood of at most [`LARGEST`].
 
-use super::super::board::{Cell, Paths};
-use super::crew::{Crew, Wish};
+use super::super::board::{CellIndex, Paths};
+use super::crew::{PlannedInstance, Wish};
 use super::reservations::Others;
 use crate::plan::search::Meter;
 
@@ -33,12 +33,12 @@ const DETOURED: usize = 12;
 const DETOUR_SEPARATIONS: u32 = 3;
 
 /// Paths and who is in conflict with whom.
-struct State {
+struct RepairState {
     paths: Paths,
     near: Vec<Vec<usize>>,
 }
 
-impl State {
+impl RepairState {
     fn pairs(&self) -> usize {
         self.near.iter().map(Vec::len).sum::<usize>() / 2
     }
@@ -58,7 +58,11 @@ impl State {
 }
 
 /// Completes and repairs the paths of an attempt.
-pub(super) fn repair(crew: &mut Crew, part: Vec<Option<Vec<Cell>>>, meter: &mut Meter) -> Option<Paths> {
+pub(super) fn repair(
+    crew: &mut PlannedInstance,
+    part: Vec<Option<Vec<CellIndex>>>,
+    meter: &mut Meter,
+) -> Option<Paths> {
     let mut state = begin(crew, part, meter)?;
     while state.pairs() > 0 {
         meter.step()?;
@@ -69,14 +73,14 @@ pub(super) fn repair(crew: &mut Crew, part: Vec<Option<Vec<Cell>>>, meter: &mut 
 }
 
 /// Enters the paths of an attempt and plans the missing ones through them.
-fn begin(crew: &mut Crew, part: Vec<Option<Vec<Cell>>>, meter: &mut Meter) -> Option<State> {
+fn begin(crew: &mut PlannedInstance, part: Vec<Option<Vec<CellIndex>>>, meter: &mut Meter) -> Option<RepairState> {
     let known = part.iter().flatten().cloned().collect::<Vec<_>>();
     let agents: Vec<usize> = (0..part.len()).filter(|agent| part[*agent].is_some()).collect();
     crew.table = super::reservations::Reservations::new(crew.instance);
     for (agent, path) in agents.iter().zip(&known) {
         crew.table.add(*agent, path);
     }
-    let mut state = State { paths: vec![Vec::new(); part.len()], near: vec![Vec::new(); part.len()] };
+    let mut state = RepairState { paths: vec![Vec::new(); part.len()], near: vec![Vec::new(); part.len()] };
     for (agent, path) in part.into_iter().enumerate() {
         state.paths[agent] = match path {
             Some(path) => path,
@@ -95,7 +99,7 @@ fn begin(crew: &mut Crew, part: Vec<Option<Vec<Cell>>>, meter: &mut Meter) -> Op
 const SOFT: Wish = Wish { others: Others::Soft, weight: WEIGHT, haste: HASTE, limit: u32::MAX, delay: 0, detour: None };
 
 /// A few agents round a conflict: a walk from conflict to conflict, filled up with agents that pass near.
-fn neighbourhood(crew: &mut Crew, state: &State) -> Vec<usize> {
+fn neighbourhood(crew: &mut PlannedInstance, state: &RepairState) -> Vec<usize> {
     let troubled: Vec<usize> = (0..crew.count()).filter(|agent| !state.near[*agent].is_empty()).collect();
     let size = (2 + crew.random.below(LARGEST - 1)).min(crew.count());
     let mut chosen = vec![troubled[crew.random.below(troubled.len())]];
@@ -119,7 +123,7 @@ fn neighbourhood(crew: &mut Crew, state: &State) -> Vec<usize> {
 }
 
 /// Someone who passes near a random position of a path.
-fn passer(crew: &mut Crew, path: &[Cell]) -> usize {
+fn passer(crew: &mut PlannedInstance, path: &[CellIndex]) -> usize {
     let cell = path[crew.random.below(path.len())];
     let count = crew.table.visitors(cell).count();
     let pick = crew.random.below(count);
@@ -127,7 +131,7 @@ fn passer(crew: &mut Crew, path: &[Cell]) -> usize {
 }
 
 /// Plans the chosen agents again; undoes it if there are more conflicts than before. `None` when the meter ran out.
-fn again(crew: &mut Crew, state: &mut State, mut chosen: Vec<usize>, meter: &mut Meter) -> Option<()> {
+fn again(crew: &mut PlannedInstance, state: &mut RepairState, mut chosen: Vec<usize>, meter: &mut Meter) -> Option<()> {
     let before = state.pairs();
     let old: Vec<_> = chosen.iter().map(|agent| (*agent, state.paths[*agent].clone())).collect();
     for (agent, path) in &old {
@@ -165,7 +169,7 @@ fn again(crew: &mut Crew, state: &mut State, mut chosen: Vec<usize>, meter: &mut
 }
 
 /// Mostly the shortest way; of some agents one that waits or goes round for a while, for those who cannot pass otherwise.
-fn otherwise(crew: &mut Crew, path: &[Cell]) -> Wish {
+fn otherwise(crew: &mut PlannedInstance, path: &[CellIndex]) -> Wish {
     if crew.random.below(DELAYED) == 0 {
         return Wish { delay: crew.random.below(path.len() + LONGEST_DELAY) as u32, ..SOFT };
     }
@@ -176,7 +180,7 @@ fn otherwise(crew: &mut Crew, path: &[Cell]) -> Wish {
 }
 
 /// A random cell near a random position of a path, unless it is blocked.
-fn beside(crew: &mut Crew, path: &[Cell]) -> Option<Cell> {
+fn beside(crew: &mut PlannedInstance, path: &[CellIndex]) -> Option<CellIndex> {
     let board = &crew.instance.board;
     let (column, row) = board.place(path[crew.random.below(path.len())]);
     let reach = DETOUR_SEPARATIONS * crew.instance.separation;

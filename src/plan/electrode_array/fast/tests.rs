@@ -1,13 +1,13 @@
 //! Plans against a checker that knows nothing of spans and boxes, on many small instances and some large ones.
 
-use super::super::board::{Agent, Board, Cell, position};
-use super::random::Random;
+use super::super::board::{Agent, BoardGrid, CellIndex, position};
+use super::random::PlannerRandom;
 use super::*;
 
 const PLENTY: u64 = 3_000_000;
 
 fn meter(steps: u64) -> Meter {
-    Meter::new(Budget::of(steps))
+    Meter::new(SearchBudget::of(steps))
 }
 
 /// Everything that is wrong with a plan, in words.
@@ -39,7 +39,7 @@ fn violations(instance: &Instance, paths: &Paths) -> Vec<String> {
     wrong
 }
 
-fn alone(instance: &Instance, agent: usize, path: &[Cell]) -> Vec<String> {
+fn alone(instance: &Instance, agent: usize, path: &[CellIndex]) -> Vec<String> {
     let it = &instance.agents[agent];
     let mut wrong = Vec::new();
     if path.first() != Some(&it.start) || path.last() != Some(&it.goal()) {
@@ -81,10 +81,10 @@ struct Shape {
 }
 
 /// Up to as many free cells as wanted, that far apart.
-fn scattered(random: &mut Random, board: &Board, count: usize, apart: u32) -> Vec<Cell> {
-    let mut cells: Vec<Cell> = Vec::new();
+fn scattered(random: &mut PlannerRandom, board: &BoardGrid, count: usize, apart: u32) -> Vec<CellIndex> {
+    let mut cells: Vec<CellIndex> = Vec::new();
     for _ in 0..count * 200 {
-        let cell = random.below(board.cells()) as Cell;
+        let cell = random.below(board.cells()) as CellIndex;
         if cells.len() < count && !board.is_blocked(cell) && cells.iter().all(|one| board.apart(*one, cell) >= apart) {
             cells.push(cell);
         }
@@ -92,9 +92,9 @@ fn scattered(random: &mut Random, board: &Board, count: usize, apart: u32) -> Ve
     cells
 }
 
-fn random_instance(random: &mut Random, shape: Shape) -> Instance {
-    let side = |random: &mut Random| (shape.sides.0 + random.below(shape.sides.1 - shape.sides.0 + 1)) as u32;
-    let mut board = Board::new(side(random), side(random));
+fn random_instance(random: &mut PlannerRandom, shape: Shape) -> Instance {
+    let side = |random: &mut PlannerRandom| (shape.sides.0 + random.below(shape.sides.1 - shape.sides.0 + 1)) as u32;
+    let mut board = BoardGrid::new(side(random), side(random));
     for _ in 0..shape.obstacles {
         let (column, row) = (random.below(board.width() as usize), random.below(board.height() as usize));
         board.block_around((column as i64, row as i64), 1 + random.below(3) as u32);
@@ -123,14 +123,14 @@ fn with_merges(mut instance: Instance) -> Instance {
 
 /// Plans, checks, improves both ways, checks; whether there was a plan.
 fn plan_and_check(instance: &Instance, seed: u64, steps: u64) -> bool {
-    let terms = Terms { seed, step_limit: None };
+    let terms = FirstPlanTerms { seed, step_limit: None };
     let Some(paths) = first(instance, terms, &mut meter(steps)) else { return false };
     assert_eq!(violations(instance, &paths), Vec::<String>::new(), "{instance:?}");
     let below = bounds(instance).expect("there is a plan");
-    for objective in [Objective::Makespan, Objective::SumOfCosts] {
+    for objective in [BoardObjective::Makespan, BoardObjective::SumOfCosts] {
         let better = improve(instance, paths.clone(), objective, seed, &mut meter(3_000));
         assert_eq!(violations(instance, &better), Vec::<String>::new(), "{objective:?} {instance:?}");
-        let (old, new) = (Costs::of(&paths), Costs::of(&better));
+        let (old, new) = (BoardCosts::of(&paths), BoardCosts::of(&better));
         assert!(new.key(objective) <= old.key(objective));
         assert!(new.makespan >= below.makespan && new.sum_of_costs >= below.sum_of_costs);
     }
@@ -139,7 +139,7 @@ fn plan_and_check(instance: &Instance, seed: u64, steps: u64) -> bool {
 
 #[test]
 fn small_random_instances_have_legal_plans() {
-    let mut random = Random::new(1);
+    let mut random = PlannerRandom::new(1);
     let mut solved = 0;
     for round in 0..300 {
         let separation = [1, 2, 3, 4][round % 4];
@@ -154,7 +154,7 @@ fn small_random_instances_have_legal_plans() {
 
 #[test]
 fn dense_boards_are_solved() {
-    let mut random = Random::new(2);
+    let mut random = PlannerRandom::new(2);
     for (separation, side, agents) in [(1, 12, 60), (2, 16, 20), (4, 26, 11), (4, 48, 40)] {
         let shape = Shape { sides: (side, side), agents, separation, obstacles: 0, stops: 0 };
         for seed in 0..3 {
@@ -166,7 +166,7 @@ fn dense_boards_are_solved() {
 
 #[test]
 fn thirty_microparts_are_always_planned() {
-    let mut random = Random::new(3);
+    let mut random = PlannerRandom::new(3);
     let shape = Shape { sides: (48, 48), agents: 30, separation: 4, obstacles: 0, stops: 0 };
     for seed in 0..10 {
         let instance = random_instance(&mut random, shape);
@@ -178,7 +178,7 @@ fn thirty_microparts_are_always_planned() {
 #[test]
 fn the_checker_finds_each_fault() {
     let agent = |start, goal| Agent { start, stops: vec![goal] };
-    let board = Board::new(8, 1);
+    let board = BoardGrid::new(8, 1);
     let instance = Instance { board, separation: 2, agents: vec![agent(0, 1), agent(3, 5)], merges: vec![] };
     let faults = |paths: Paths| violations(&instance, &paths).len();
     assert_eq!(faults(vec![vec![0, 1], vec![3, 4, 5]]), 0);
@@ -189,8 +189,8 @@ fn the_checker_finds_each_fault() {
 }
 
 /// A corridor of one row with a bay below its middle.
-fn corridor(length: u32, bay: bool) -> Board {
-    let mut board = Board::new(length, 2);
+fn corridor(length: u32, bay: bool) -> BoardGrid {
+    let mut board = BoardGrid::new(length, 2);
     for column in 0..length {
         if column != length / 2 || !bay {
             board.block(board.cell(column, 1));
@@ -199,7 +199,7 @@ fn corridor(length: u32, bay: bool) -> Board {
     board
 }
 
-fn swap(board: Board) -> Instance {
+fn swap(board: BoardGrid) -> Instance {
     let last = board.width() - 1;
     let agents = vec![Agent { start: 0, stops: vec![last] }, Agent { start: last, stops: vec![0] }];
     Instance { board, separation: 1, agents, merges: Vec::new() }
@@ -212,7 +212,7 @@ fn two_swap_in_a_corridor_with_a_bay() {
 
 #[test]
 fn two_swap_in_a_room_that_is_hardly_wide_enough() {
-    let board = Board::new(10, 7);
+    let board = BoardGrid::new(10, 7);
     let (left, right) = (board.cell(0, 3), board.cell(9, 3));
     let agents = vec![Agent { start: left, stops: vec![right] }, Agent { start: right, stops: vec![left] }];
     for separation in [1, 2, 3] {
@@ -224,20 +224,20 @@ fn two_swap_in_a_room_that_is_hardly_wide_enough() {
 #[test]
 fn without_a_bay_the_search_ends_with_its_meter() {
     let mut spent = meter(20_000);
-    assert_eq!(first(&swap(corridor(9, false)), Terms::default(), &mut spent), None);
+    assert_eq!(first(&swap(corridor(9, false)), FirstPlanTerms::default(), &mut spent), None);
     assert_eq!(spent.left().steps, 0);
 }
 
 #[test]
 fn nobody_needs_no_plan() {
-    let instance = Instance { board: Board::new(5, 5), separation: 4, agents: vec![], merges: vec![] };
+    let instance = Instance { board: BoardGrid::new(5, 5), separation: 4, agents: vec![], merges: vec![] };
     assert!(plan_and_check(&instance, 1, 10));
-    assert_eq!(bounds(&instance), Ok(Costs::default()));
+    assert_eq!(bounds(&instance), Ok(BoardCosts::default()));
 }
 
 #[test]
 fn starts_stops_and_goals_may_be_one() {
-    let board = Board::new(14, 14);
+    let board = BoardGrid::new(14, 14);
     let here = board.cell(5, 5);
     let ring = [board.cell(1, 1), board.cell(1, 9), board.cell(9, 9), board.cell(9, 1)];
     let mut agents: Vec<Agent> =
@@ -245,22 +245,22 @@ fn starts_stops_and_goals_may_be_one() {
     agents.push(Agent { start: here, stops: vec![here, here, here] });
     let instance = Instance { board, separation: 4, agents, merges: Vec::new() };
     assert!(plan_and_check(&instance, 1, PLENTY));
-    assert_eq!(bounds(&instance), Ok(Costs { makespan: 8, sum_of_costs: 32 }));
+    assert_eq!(bounds(&instance), Ok(BoardCosts { makespan: 8, sum_of_costs: 32 }));
 }
 
 #[test]
 fn two_droplets_merge_on_their_goal_only() {
-    let board = Board::new(9, 1);
+    let board = BoardGrid::new(9, 1);
     let agents = vec![Agent { start: 0, stops: vec![4] }, Agent { start: 8, stops: vec![4] }];
     let apart = Instance { board: board.clone(), separation: 2, agents: agents.clone(), merges: vec![] };
-    assert_eq!(first(&apart, Terms::default(), &mut meter(20_000)), None);
+    assert_eq!(first(&apart, FirstPlanTerms::default(), &mut meter(20_000)), None);
     let instance = Instance { board, separation: 2, agents, merges: vec![[0, 1]] };
     assert!(plan_and_check(&instance, 1, PLENTY));
 }
 
 #[test]
 fn a_walled_in_stop_is_named() {
-    let mut board = Board::new(9, 9);
+    let mut board = BoardGrid::new(9, 9);
     for cell in [board.cell(1, 0), board.cell(0, 1)] {
         board.block(cell);
     }
@@ -270,36 +270,36 @@ fn a_walled_in_stop_is_named() {
         Agent { start: board.cell(4, 4), stops: vec![far - 1, 0, far - 3] },
     ];
     let instance = Instance { board, separation: 1, agents, merges: Vec::new() };
-    assert_eq!(bounds(&instance), Err(Why::Closed { agent: 1, stop: 1 }));
-    assert_eq!(first(&instance, Terms::default(), &mut meter(PLENTY)), None);
+    assert_eq!(bounds(&instance), Err(NoBoardPlan::Closed { agent: 1, stop: 1 }));
+    assert_eq!(first(&instance, FirstPlanTerms::default(), &mut meter(PLENTY)), None);
 }
 
 #[test]
 fn the_step_limit_holds() {
     let instance = swap(corridor(9, true));
-    let with = |limit| first(&instance, Terms { seed: 1, step_limit: Some(limit) }, &mut meter(100_000));
+    let with = |limit| first(&instance, FirstPlanTerms { seed: 1, step_limit: Some(limit) }, &mut meter(100_000));
     assert_eq!(with(7), None);
-    let best = improve(&instance, with(40).expect("enough"), Objective::Makespan, 1, &mut meter(PLENTY));
-    let least = Costs::of(&best).makespan;
-    assert_eq!(with(least as u32).map(|paths| Costs::of(&paths).makespan), Some(least));
+    let best = improve(&instance, with(40).expect("enough"), BoardObjective::Makespan, 1, &mut meter(PLENTY));
+    let least = BoardCosts::of(&best).makespan;
+    assert_eq!(with(least as u32).map(|paths| BoardCosts::of(&paths).makespan), Some(least));
 }
 
 #[test]
 fn the_same_seed_means_the_same_plan() {
-    let mut random = Random::new(4);
+    let mut random = PlannerRandom::new(4);
     let shape = Shape { sides: (30, 30), agents: 14, separation: 4, obstacles: 3, stops: 1 };
     let instance = random_instance(&mut random, shape);
     let run = || {
-        let paths = first(&instance, Terms::default(), &mut meter(PLENTY)).expect("solvable");
-        improve(&instance, paths, Objective::SumOfCosts, 5, &mut meter(50_000))
+        let paths = first(&instance, FirstPlanTerms::default(), &mut meter(PLENTY)).expect("solvable");
+        improve(&instance, paths, BoardObjective::SumOfCosts, 5, &mut meter(50_000))
     };
     assert_eq!(run(), run());
 }
 
 #[test]
 fn a_board_that_is_too_large_is_left_alone() {
-    let board = Board::new(1 << 11, (1 << 10) + 1);
+    let board = BoardGrid::new(1 << 11, (1 << 10) + 1);
     let instance = Instance { board, separation: 1, agents: vec![Agent { start: 0, stops: vec![0] }], merges: vec![] };
-    assert_eq!(first(&instance, Terms::default(), &mut meter(PLENTY)), None);
-    assert_eq!(improve(&instance, vec![vec![0]], Objective::Makespan, 0, &mut meter(9)), vec![vec![0]]);
+    assert_eq!(first(&instance, FirstPlanTerms::default(), &mut meter(PLENTY)), None);
+    assert_eq!(improve(&instance, vec![vec![0]], BoardObjective::Makespan, 0, &mut meter(9)), vec![vec![0]]);
 }

@@ -15,8 +15,8 @@
 //! of the agents' nodes, so it fits two parts on most boards and more on small ones. One step of the budget is one move of
 //! one agent that is tried; memory is at most some 50 bytes for each, and some 400 MB in all.
 
-use super::board::{Cell, Paths};
-use super::exact::field::{FAR, Field, Node};
+use super::board::{CellIndex, Paths};
+use super::exact::field::{ExactTables, FAR, StagedCell};
 use crate::plan::search::Meter;
 use states::States;
 
@@ -24,7 +24,7 @@ pub mod states;
 
 /// What the search is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Aim {
+pub enum JointAim {
     /// Any plan, or the proof that there is none.
     Any,
     /// The fewest moves, whatever the steps.
@@ -37,7 +37,7 @@ pub enum Aim {
 
 /// What became of a group.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Outcome {
+pub enum JointOutcome {
     /// A plan, best for the aim; one path for each member of the group, in its order.
     Found(Paths),
     /// There is no plan at all.
@@ -58,28 +58,28 @@ const MOST_MEMBERS: usize = 64;
 const MOST_SUMMED: usize = 12;
 
 /// Searches for the agents of `group` alone.
-pub fn search(field: &Field, group: &[usize], aim: Aim, meter: &mut Meter) -> Outcome {
+pub fn search(field: &ExactTables, group: &[usize], aim: JointAim, meter: &mut Meter) -> JointOutcome {
     if group.is_empty() {
-        return Outcome::Found(vec![]);
+        return JointOutcome::Found(vec![]);
     }
-    let most = if matches!(aim, Aim::SumOfCosts { .. }) { MOST_SUMMED } else { MOST_MEMBERS };
+    let most = if matches!(aim, JointAim::SumOfCosts { .. }) { MOST_SUMMED } else { MOST_MEMBERS };
     if group.len() > most {
-        return Outcome::GaveUp { bound: 0 };
+        return JointOutcome::GaveUp { bound: 0 };
     }
-    let mut search = Search::new(field, group, aim);
+    let mut search = JointSearch::new(field, group, aim);
     search.begin();
     search.run(meter)
 }
 
 /// One agent's part of a joint node: its node, and whether it has arrived for good.
-type Word = u32;
+type AgentWord = u32;
 
-const PARKED: Word = 1;
+const PARKED: AgentWord = 1;
 
-struct Search<'a> {
-    field: &'a Field<'a>,
+struct JointSearch<'a> {
+    field: &'a ExactTables<'a>,
     group: &'a [usize],
-    aim: Aim,
+    aim: JointAim,
     states: States,
     /// Indices of states by their bound on the whole cost.
     open: Vec<Vec<u32>>,
@@ -88,23 +88,30 @@ struct Search<'a> {
     limited: bool,
 }
 
-impl<'a> Search<'a> {
-    fn new(field: &'a Field, group: &'a [usize], aim: Aim) -> Self {
-        let timed = matches!(aim, Aim::SumOfCosts { limit: Some(_) });
+impl<'a> JointSearch<'a> {
+    fn new(field: &'a ExactTables, group: &'a [usize], aim: JointAim) -> Self {
+        let timed = matches!(aim, JointAim::SumOfCosts { limit: Some(_) });
         let states = States::new(group.len() + usize::from(timed));
-        Search { field, group, aim, states, open: vec![], lowest: 0, limited: false }
+        JointSearch { field, group, aim, states, open: vec![], lowest: 0, limited: false }
     }
 
     fn begin(&mut self) {
-        let mut words: Vec<Word> = self.group.iter().map(|agent| self.field.start(*agent) * 2).collect();
+        let mut words: Vec<AgentWord> = self.group.iter().map(|agent| self.field.start(*agent) * 2).collect();
         words.resize(self.states.width(), 0);
         self.insert_with_parking(&mut words, 0, 0, u32::MAX, &[]);
     }
 
     /// Inserts a state in each variant of who, of those who have just come to their goals, stays for good. Calls itself
     /// at most [`MOST_SUMMED`] deep.
-    fn insert_with_parking(&mut self, words: &mut Vec<Word>, member: usize, cost: u32, parent: u32, before: &[Word]) {
-        if !matches!(self.aim, Aim::SumOfCosts { .. }) || member == self.group.len() {
+    fn insert_with_parking(
+        &mut self,
+        words: &mut Vec<AgentWord>,
+        member: usize,
+        cost: u32,
+        parent: u32,
+        before: &[AgentWord],
+    ) {
+        if !matches!(self.aim, JointAim::SumOfCosts { .. }) || member == self.group.len() {
             return self.insert(words, cost, parent);
         }
         let arrives = words[member] >> 1 == self.field.goal(self.group[member]);
@@ -120,7 +127,7 @@ impl<'a> Search<'a> {
         self.insert_with_parking(words, member + 1, cost, parent, before);
     }
 
-    fn insert(&mut self, words: &[Word], cost: u32, parent: u32) {
+    fn insert(&mut self, words: &[AgentWord], cost: u32, parent: u32) {
         let Some(ahead) = self.ahead(words) else { return };
         if self.exceeds_limit(words, cost) {
             self.limited = true;
@@ -128,8 +135,8 @@ impl<'a> Search<'a> {
         }
         if let Some(state) = self.states.insert(words, cost, parent) {
             let bound = match self.aim {
-                Aim::Any => (cost + ahead.saturating_mul(HURRY)) as usize,
-                Aim::Moves | Aim::Makespan { .. } | Aim::SumOfCosts { .. } => (cost + ahead) as usize,
+                JointAim::Any => (cost + ahead.saturating_mul(HURRY)) as usize,
+                JointAim::Moves | JointAim::Makespan { .. } | JointAim::SumOfCosts { .. } => (cost + ahead) as usize,
             };
             if self.open.len() <= bound {
                 self.open.resize_with(bound + 1, Vec::new);
@@ -140,7 +147,7 @@ impl<'a> Search<'a> {
     }
 
     /// A bound on the cost from here; none if an agent cannot come to its goal.
-    fn ahead(&self, words: &[Word]) -> Option<u32> {
+    fn ahead(&self, words: &[AgentWord]) -> Option<u32> {
         let mut largest = 0;
         let mut sum = 0u32;
         for (agent, word) in self.group.iter().zip(words) {
@@ -152,44 +159,47 @@ impl<'a> Search<'a> {
             sum = sum.saturating_add(distance);
         }
         Some(match self.aim {
-            Aim::Makespan { .. } => largest,
-            Aim::Any | Aim::Moves | Aim::SumOfCosts { .. } => sum,
+            JointAim::Makespan { .. } => largest,
+            JointAim::Any | JointAim::Moves | JointAim::SumOfCosts { .. } => sum,
         })
     }
 
     /// Who waits on his goal without having arrived for good has to leave it and to come back.
-    fn own_distance(&self, agent: usize, word: Word) -> u32 {
+    fn own_distance(&self, agent: usize, word: AgentWord) -> u32 {
         let distance = self.field.distance(agent, word >> 1);
-        let unsettled = matches!(self.aim, Aim::SumOfCosts { .. }) && word & PARKED == 0 && distance == 0;
+        let unsettled = matches!(self.aim, JointAim::SumOfCosts { .. }) && word & PARKED == 0 && distance == 0;
         if unsettled { 2 } else { distance }
     }
 
-    fn exceeds_limit(&self, words: &[Word], cost: u32) -> bool {
+    fn exceeds_limit(&self, words: &[AgentWord], cost: u32) -> bool {
         let largest =
             || self.group.iter().zip(words).map(|(agent, word)| self.own_distance(*agent, *word)).max().unwrap_or(0);
         match self.aim {
-            Aim::Any | Aim::Moves | Aim::Makespan { limit: None } | Aim::SumOfCosts { limit: None } => false,
-            Aim::Makespan { limit: Some(limit) } => cost + largest() > limit,
-            Aim::SumOfCosts { limit: Some(limit) } => words[self.group.len()] + largest() > limit,
+            JointAim::Any
+            | JointAim::Moves
+            | JointAim::Makespan { limit: None }
+            | JointAim::SumOfCosts { limit: None } => false,
+            JointAim::Makespan { limit: Some(limit) } => cost + largest() > limit,
+            JointAim::SumOfCosts { limit: Some(limit) } => words[self.group.len()] + largest() > limit,
         }
     }
 
-    fn run(&mut self, meter: &mut Meter) -> Outcome {
+    fn run(&mut self, meter: &mut Meter) -> JointOutcome {
         let mut ply = Ply::new(self.group.len());
         while let Some(state) = self.pop() {
             if self.is_final(state) {
-                return Outcome::Found(self.paths(state));
+                return JointOutcome::Found(self.paths(state));
             }
             let expanded = match self.aim {
-                Aim::Any | Aim::Moves => self.expand_in_turns(state, meter),
-                Aim::Makespan { .. } | Aim::SumOfCosts { .. } => self.expand(state, &mut ply, meter),
+                JointAim::Any | JointAim::Moves => self.expand_in_turns(state, meter),
+                JointAim::Makespan { .. } | JointAim::SumOfCosts { .. } => self.expand(state, &mut ply, meter),
             };
             if self.states.is_full() || expanded.is_none() {
-                let bound = if self.aim == Aim::Any { 0 } else { self.lowest as u64 };
-                return Outcome::GaveUp { bound };
+                let bound = if self.aim == JointAim::Any { 0 } else { self.lowest as u64 };
+                return JointOutcome::GaveUp { bound };
             }
         }
-        if self.limited { Outcome::NotWithin } else { Outcome::Impossible }
+        if self.limited { JointOutcome::NotWithin } else { JointOutcome::Impossible }
     }
 
     /// The open state with the least bound, each state once.
@@ -207,8 +217,8 @@ impl<'a> Search<'a> {
     fn is_final(&self, state: u32) -> bool {
         let words = self.states.words(state);
         self.group.iter().zip(words).all(|(agent, word)| match self.aim {
-            Aim::Any | Aim::Moves | Aim::Makespan { .. } => word >> 1 == self.field.goal(*agent),
-            Aim::SumOfCosts { .. } => word & PARKED != 0,
+            JointAim::Any | JointAim::Moves | JointAim::Makespan { .. } => word >> 1 == self.field.goal(*agent),
+            JointAim::SumOfCosts { .. } => word & PARKED != 0,
         })
     }
 
@@ -263,29 +273,30 @@ impl<'a> Search<'a> {
     }
 
     /// Whether a member may come to a node while the others stand still.
-    fn is_clear(&self, member: usize, node: Node, words: &[Word]) -> bool {
+    fn is_clear(&self, member: usize, node: StagedCell, words: &[AgentWord]) -> bool {
         let (agent, cell) = (self.group[member], self.field.cell(node));
         let mut others = self.group.iter().zip(words).enumerate().filter(|(other, _)| *other != member);
         others.all(|(_, (other, word))| !self.field.too_near(agent, cell, *other, self.field.cell(word >> 1)))
     }
 
-    fn step_cost(&self, before: &[Word]) -> u32 {
+    fn step_cost(&self, before: &[AgentWord]) -> u32 {
         match self.aim {
-            Aim::Any | Aim::Moves | Aim::Makespan { .. } => 1,
-            Aim::SumOfCosts { .. } => {
+            JointAim::Any | JointAim::Moves | JointAim::Makespan { .. } => 1,
+            JointAim::SumOfCosts { .. } => {
                 before[..self.group.len()].iter().filter(|word| **word & PARKED == 0).count() as u32
             }
         }
     }
 
     /// Whether a move of a member goes together with those of the members before it.
-    fn fits(&self, member: usize, word: Word, before: &[Word], words: &[Word]) -> bool {
-        let cell = |word: Word| self.field.cell(word >> 1);
+    fn fits(&self, member: usize, word: AgentWord, before: &[AgentWord], words: &[AgentWord]) -> bool {
+        let cell = |word: AgentWord| self.field.cell(word >> 1);
         let (from, to) = (cell(before[member]), cell(word));
         (0..member).all(|other| {
             let (other_from, other_to) = (cell(before[other]), cell(words[other]));
-            let near =
-                |at: Cell, other_at: Cell| self.field.too_near(self.group[member], at, self.group[other], other_at);
+            let near = |at: CellIndex, other_at: CellIndex| {
+                self.field.too_near(self.group[member], at, self.group[other], other_at)
+            };
             !near(to, other_to) && !near(to, other_from) && !near(from, other_to)
         })
     }
@@ -310,7 +321,7 @@ impl<'a> Search<'a> {
 
 /// The moves that are still to be tried, of each member.
 struct Ply {
-    moves: Vec<Vec<Word>>,
+    moves: Vec<Vec<AgentWord>>,
 }
 
 impl Ply {
@@ -318,13 +329,13 @@ impl Ply {
         Ply { moves: vec![Vec::with_capacity(5); members] }
     }
 
-    fn fill(&mut self, field: &Field, agent: usize, member: usize, word: Word) {
+    fn fill(&mut self, field: &ExactTables, agent: usize, member: usize, word: AgentWord) {
         let moves = &mut self.moves[member];
         if word & PARKED != 0 {
             moves.push(word);
             return;
         }
-        moves.extend(field.next(agent, word >> 1).map(|node: Node| node * 2));
+        moves.extend(field.next(agent, word >> 1).map(|node: StagedCell| node * 2));
         // The one that comes closest to the goal is tried, and put into the bucket, last, and so comes out first.
         moves.sort_by_key(|word| std::cmp::Reverse(field.distance(agent, *word >> 1)));
         moves.reverse();
@@ -332,7 +343,7 @@ impl Ply {
 }
 
 /// Cuts off the waiting at the end, so that the last position is the last arrival.
-pub(super) fn trim(path: &mut Vec<Cell>) {
+pub(super) fn trim(path: &mut Vec<CellIndex>) {
     while path.len() > 1 && path[path.len() - 2] == path[path.len() - 1] {
         path.pop();
     }

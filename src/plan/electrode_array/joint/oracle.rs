@@ -1,14 +1,14 @@
 //! Plain searches and a plain check for the tests, written from the definitions alone.
 
-use super::super::board::{Agent, Board, Cell, Instance, Objective, Paths, position};
+use super::super::board::{Agent, BoardGrid, BoardObjective, CellIndex, Instance, Paths, position};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Cells, stops done, and who has settled for good.
-type Joint = (Vec<Cell>, Vec<usize>, Vec<bool>);
+type Joint = (Vec<CellIndex>, Vec<usize>, Vec<bool>);
 
 /// The least makespan or sum of costs, or none if there is no plan.
-pub fn least(instance: &Instance, objective: Objective) -> Option<u64> {
-    let cells: Vec<Cell> = instance.agents.iter().map(|agent| agent.start).collect();
+pub fn least(instance: &Instance, objective: BoardObjective) -> Option<u64> {
+    let cells: Vec<CellIndex> = instance.agents.iter().map(|agent| agent.start).collect();
     let done = cells.iter().enumerate().map(|(agent, cell)| passed(instance, agent, 0, *cell)).collect();
     let first: Joint = (cells, done, vec![false; instance.agents.len()]);
     let mut open = BTreeSet::from([(0, first.clone())]);
@@ -30,7 +30,7 @@ pub fn least(instance: &Instance, objective: Objective) -> Option<u64> {
     None
 }
 
-fn passed(instance: &Instance, agent: usize, mut done: usize, at: Cell) -> usize {
+fn passed(instance: &Instance, agent: usize, mut done: usize, at: CellIndex) -> usize {
     while instance.agents[agent].stops.get(done) == Some(&at) {
         done += 1;
     }
@@ -38,7 +38,7 @@ fn passed(instance: &Instance, agent: usize, mut done: usize, at: Cell) -> usize
 }
 
 /// One agent settles at no cost, or all make a step.
-fn followers(instance: &Instance, objective: Objective, joint: &Joint) -> Vec<(u64, Joint)> {
+fn followers(instance: &Instance, objective: BoardObjective, joint: &Joint) -> Vec<(u64, Joint)> {
     let (cells, done, settled) = joint;
     let mut found = vec![];
     for (agent, asked) in instance.agents.iter().enumerate() {
@@ -49,8 +49,8 @@ fn followers(instance: &Instance, objective: Objective, joint: &Joint) -> Vec<(u
         }
     }
     let moving = settled.iter().filter(|settled| !**settled).count() as u64;
-    let cost = if objective == Objective::Makespan { 1 } else { moving };
-    let mut partial: Vec<Vec<Cell>> = vec![vec![]];
+    let cost = if objective == BoardObjective::Makespan { 1 } else { moving };
+    let mut partial: Vec<Vec<CellIndex>> = vec![vec![]];
     for agent in 0..cells.len() {
         let goal = instance.agents[agent].goal();
         let merged_there = instance.merges.iter().any(|pair| pair.contains(&agent)) && cells[agent] == goal;
@@ -68,10 +68,10 @@ fn followers(instance: &Instance, objective: Objective, joint: &Joint) -> Vec<(u
     found
 }
 
-fn keeps_rule(instance: &Instance, from: &[Cell], to: &[Cell]) -> bool {
+fn keeps_rule(instance: &Instance, from: &[CellIndex], to: &[CellIndex]) -> bool {
     let pairs = (0..from.len()).flat_map(|one| (0..one).map(move |other| (one, other)));
     pairs.into_iter().all(|(one, other)| {
-        let near = |at: Cell, other_at: Cell| instance.too_near((one, at), (other, other_at));
+        let near = |at: CellIndex, other_at: CellIndex| instance.too_near((one, at), (other, other_at));
         !near(to[one], to[other]) && !near(to[one], from[other]) && !near(from[one], to[other])
     })
 }
@@ -101,7 +101,7 @@ pub fn fault(instance: &Instance, paths: &Paths) -> Option<String> {
         }
     }
     for instant in 0..end {
-        let at = |instant: usize| -> Vec<Cell> { paths.iter().map(|path| position(path, instant)).collect() };
+        let at = |instant: usize| -> Vec<CellIndex> { paths.iter().map(|path| position(path, instant)).collect() };
         if !keeps_rule(instance, &at(instant), &at(instant)) || !keeps_rule(instance, &at(instant), &at(instant + 1)) {
             return Some(format!("the rule after instant {instant}"));
         }
@@ -136,8 +136,8 @@ pub struct Shape {
 
 /// A random instance that keeps the invariants, or none if the places do not suffice.
 pub fn random(shape: Shape, chance: &mut Chance) -> Option<Instance> {
-    let mut board = Board::new(shape.width, shape.height);
-    for cell in 0..board.cells() as Cell {
+    let mut board = BoardGrid::new(shape.width, shape.height);
+    for cell in 0..board.cells() as CellIndex {
         if chance.below(100) < shape.blocked_percent {
             board.block(cell);
         }
@@ -161,14 +161,14 @@ pub fn random(shape: Shape, chance: &mut Chance) -> Option<Instance> {
     Some(Instance { board, separation: shape.separation, agents, merges })
 }
 
-fn free(board: &Board, chance: &mut Chance) -> Option<Cell> {
-    (0..200).map(|_| chance.below(board.cells() as u64) as Cell).find(|cell| !board.is_blocked(*cell))
+fn free(board: &BoardGrid, chance: &mut Chance) -> Option<CellIndex> {
+    (0..200).map(|_| chance.below(board.cells() as u64) as CellIndex).find(|cell| !board.is_blocked(*cell))
 }
 
-fn spread(board: &Board, shape: Shape, count: usize, chance: &mut Chance) -> Option<Vec<Cell>> {
-    let mut found: Vec<Cell> = vec![];
+fn spread(board: &BoardGrid, shape: Shape, count: usize, chance: &mut Chance) -> Option<Vec<CellIndex>> {
+    let mut found: Vec<CellIndex> = vec![];
     for _ in 0..count {
-        let fits = |cell: &Cell| found.iter().all(|other| board.apart(*cell, *other) >= shape.separation);
+        let fits = |cell: &CellIndex| found.iter().all(|other| board.apart(*cell, *other) >= shape.separation);
         let cell = (0..200).filter_map(|_| free(board, chance)).find(fits)?;
         found.push(cell);
     }

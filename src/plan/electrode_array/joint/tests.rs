@@ -1,14 +1,14 @@
-use super::super::board::{Agent, Board, Costs, Instance, Objective};
-use super::super::exact::field::Field;
+use super::super::board::{Agent, BoardCosts, BoardGrid, BoardObjective, Instance};
+use super::super::exact::field::ExactTables;
 use super::oracle::{Chance, Shape, fault, least, random};
 use super::*;
-use crate::plan::search::Budget;
+use crate::plan::search::SearchBudget;
 
 fn meter() -> Meter {
-    Meter::new(Budget::of(20_000_000))
+    Meter::new(SearchBudget::of(20_000_000))
 }
 
-fn everyone(field: &Field) -> Vec<usize> {
+fn everyone(field: &ExactTables) -> Vec<usize> {
     (0..field.agents()).collect()
 }
 
@@ -43,29 +43,29 @@ fn optima_and_impossibility_agree_with_plain_searches() {
     for shape in shapes() {
         for _ in 0..25 {
             let Some(instance) = random(shape, &mut chance) else { continue };
-            let Ok(field) = Field::new(&instance) else {
-                assert_eq!(least(&instance, Objective::Makespan), None);
+            let Ok(field) = ExactTables::new(&instance) else {
+                assert_eq!(least(&instance, BoardObjective::Makespan), None);
                 continue;
             };
             let group = everyone(&field);
-            for objective in [Objective::Makespan, Objective::SumOfCosts] {
+            for objective in [BoardObjective::Makespan, BoardObjective::SumOfCosts] {
                 let aim = match objective {
-                    Objective::Makespan => Aim::Makespan { limit: None },
-                    Objective::SumOfCosts => Aim::SumOfCosts { limit: None },
+                    BoardObjective::Makespan => JointAim::Makespan { limit: None },
+                    BoardObjective::SumOfCosts => JointAim::SumOfCosts { limit: None },
                 };
                 let found = search(&field, &group, aim, &mut meter());
-                let any = search(&field, &group, Aim::Any, &mut meter());
+                let any = search(&field, &group, JointAim::Any, &mut meter());
                 match least(&instance, objective) {
                     Some(cost) => {
-                        let Outcome::Found(paths) = &found else { panic!("{instance:?}: {found:?}") };
+                        let JointOutcome::Found(paths) = &found else { panic!("{instance:?}: {found:?}") };
                         assert_eq!(fault(&instance, paths), None, "{instance:?}");
-                        assert_eq!(Costs::of(paths).key(objective).0, cost, "{instance:?} {objective:?}");
-                        let Outcome::Found(paths) = &any else { panic!("{instance:?}: {any:?}") };
+                        assert_eq!(BoardCosts::of(paths).key(objective).0, cost, "{instance:?} {objective:?}");
+                        let JointOutcome::Found(paths) = &any else { panic!("{instance:?}: {any:?}") };
                         assert_eq!(fault(&instance, paths), None, "{instance:?}");
                         solved += 1;
                     }
                     None => {
-                        assert_eq!((found, any), (Outcome::Impossible, Outcome::Impossible), "{instance:?}");
+                        assert_eq!((found, any), (JointOutcome::Impossible, JointOutcome::Impossible), "{instance:?}");
                         impossible += 1;
                     }
                 }
@@ -82,16 +82,16 @@ fn a_limit_just_at_the_optimum_passes_and_one_below_does_not() {
     for shape in shapes() {
         for _ in 0..10 {
             let Some(instance) = random(shape, &mut chance) else { continue };
-            let Ok(field) = Field::new(&instance) else { continue };
-            let Some(least) = least(&instance, Objective::Makespan) else { continue };
+            let Ok(field) = ExactTables::new(&instance) else { continue };
+            let Some(least) = least(&instance, BoardObjective::Makespan) else { continue };
             let group = everyone(&field);
-            for aim in [|limit| Aim::Makespan { limit }, |limit| Aim::SumOfCosts { limit }] {
+            for aim in [|limit| JointAim::Makespan { limit }, |limit| JointAim::SumOfCosts { limit }] {
                 let at = search(&field, &group, aim(Some(least as u32)), &mut meter());
-                let Outcome::Found(paths) = at else { panic!("{instance:?}: {at:?}") };
-                assert_eq!((fault(&instance, &paths), Costs::of(&paths).makespan), (None, least));
+                let JointOutcome::Found(paths) = at else { panic!("{instance:?}: {at:?}") };
+                assert_eq!((fault(&instance, &paths), BoardCosts::of(&paths).makespan), (None, least));
                 if least > 0 {
                     let below = search(&field, &group, aim(Some(least as u32 - 1)), &mut meter());
-                    assert_eq!(below, Outcome::NotWithin, "{instance:?}");
+                    assert_eq!(below, JointOutcome::NotWithin, "{instance:?}");
                 }
                 compared += 1;
             }
@@ -103,10 +103,10 @@ fn a_limit_just_at_the_optimum_passes_and_one_below_does_not() {
 #[test]
 fn a_budget_ends_the_search_with_a_bound() {
     let agents = vec![Agent { start: 0, stops: vec![99] }, Agent { start: 99, stops: vec![0] }];
-    let instance = Instance { board: Board::new(10, 10), separation: 3, agents, merges: vec![] };
-    let field = Field::new(&instance).ok().unwrap();
-    let mut meter = Meter::new(Budget::of(50));
-    let outcome = search(&field, &[0, 1], Aim::SumOfCosts { limit: None }, &mut meter);
-    assert_eq!(outcome, Outcome::GaveUp { bound: 36 });
+    let instance = Instance { board: BoardGrid::new(10, 10), separation: 3, agents, merges: vec![] };
+    let field = ExactTables::new(&instance).ok().unwrap();
+    let mut meter = Meter::new(SearchBudget::of(50));
+    let outcome = search(&field, &[0, 1], JointAim::SumOfCosts { limit: None }, &mut meter);
+    assert_eq!(outcome, JointOutcome::GaveUp { bound: 36 });
     assert_eq!(meter.spent(), 50);
 }

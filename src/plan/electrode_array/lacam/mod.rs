@@ -11,14 +11,14 @@
 
 mod step;
 
-use super::board::{Cell, Instance, Paths};
-use super::exact::field::{Field, Node};
-use super::fast::Random;
+use super::board::{CellIndex, Instance, Paths};
+use super::exact::field::{ExactTables, StagedCell};
+use super::fast::PlannerRandom;
 use super::joint::states::States;
 use super::{joint, timing};
 use crate::plan::search::Meter;
 use std::collections::VecDeque;
-use step::Step;
+use step::ConfigurationGenerator;
 
 /// No constraint, or no agent.
 const NONE: u32 = u32::MAX;
@@ -30,42 +30,42 @@ struct Constraint {
     /// How many agents are told, this one with them.
     depth: u32,
     agent: u32,
-    to: Node,
+    to: StagedCell,
 }
 
-struct Search<'a> {
-    field: &'a Field<'a>,
+struct LacamSearch<'a> {
+    field: &'a ExactTables<'a>,
     states: States,
     /// For each state and each agent: the steps since it was last at its goal.
     waited: Vec<u16>,
     /// For each state, the constraints that have not been tried.
     open: Vec<VecDeque<u32>>,
     constraints: Vec<Constraint>,
-    random: Random,
+    random: PlannerRandom,
 }
 
 /// A plan, if one is found before the meter or the memory ends.
 pub fn first(instance: &Instance, seed: u64, meter: &mut Meter) -> Option<Paths> {
-    let field = Field::new(instance).ok()?;
-    let mut search = Search {
+    let field = ExactTables::new(instance).ok()?;
+    let mut search = LacamSearch {
         field: &field,
         states: States::new(field.agents()),
         waited: vec![],
         open: vec![],
         constraints: vec![],
-        random: Random::new(seed),
+        random: PlannerRandom::new(seed),
     };
     let last = search.run(meter)?;
     Some(timing::earliest(instance, &search.paths(last)))
 }
 
-impl Search<'_> {
+impl LacamSearch<'_> {
     /// The state in which everyone is at the goal.
     fn run(&mut self, meter: &mut Meter) -> Option<u32> {
         let agents = self.field.agents();
-        let starts: Vec<Node> = (0..agents).map(|agent| self.field.start(agent)).collect();
+        let starts: Vec<StagedCell> = (0..agents).map(|agent| self.field.start(agent)).collect();
         let mut stack = vec![self.enter(&starts, NONE)?];
-        let mut step = Step::new(self.field);
+        let mut step = ConfigurationGenerator::new(self.field);
         while let Some(&state) = stack.last() {
             if self.is_final(state) {
                 return Some(state);
@@ -91,7 +91,7 @@ impl Search<'_> {
     }
 
     /// A new state.
-    fn enter(&mut self, nodes: &[Node], parent: u32) -> Option<u32> {
+    fn enter(&mut self, nodes: &[StagedCell], parent: u32) -> Option<u32> {
         let state = self.states.insert(nodes, 0, parent)?;
         for (agent, node) in nodes.iter().enumerate() {
             let before = if parent == NONE { 0 } else { self.waited[parent as usize * nodes.len() + agent] };
@@ -119,7 +119,7 @@ impl Search<'_> {
     fn refine(&mut self, state: u32, constraint: u32, order: &[usize]) {
         let depth = self.constraints.get(constraint as usize).map_or(0, |constraint| constraint.depth);
         let Some(&agent) = order.get(depth as usize) else { return };
-        let mut moves: Vec<Node> = self.field.next(agent, self.states.words(state)[agent]).collect();
+        let mut moves: Vec<StagedCell> = self.field.next(agent, self.states.words(state)[agent]).collect();
         self.random.shuffle(&mut moves);
         for to in moves {
             self.open[state as usize].push_back(self.constraints.len() as u32);
@@ -128,7 +128,7 @@ impl Search<'_> {
     }
 
     /// All agents that a constraint tells where to go.
-    fn told(&self, mut constraint: u32) -> Vec<(usize, Node)> {
+    fn told(&self, mut constraint: u32) -> Vec<(usize, StagedCell)> {
         let mut told = vec![];
         while let Some(one) = self.constraints.get(constraint as usize) {
             told.push((one.agent as usize, one.to));
@@ -138,7 +138,7 @@ impl Search<'_> {
     }
 
     fn paths(&self, mut state: u32) -> Paths {
-        let mut paths: Vec<Vec<Cell>> = vec![vec![]; self.field.agents()];
+        let mut paths: Vec<Vec<CellIndex>> = vec![vec![]; self.field.agents()];
         while state != NONE {
             for (path, node) in paths.iter_mut().zip(self.states.words(state)) {
                 path.push(self.field.cell(*node));

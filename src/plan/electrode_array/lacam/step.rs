@@ -5,9 +5,9 @@
 //! leaves in the same step, so an agent whose way is taken waits, which the rule always allows, and those in its way choose before
 //! all others: the first move of a shortest way, past nothing but blocked cells and the agent, to where they are in its way no more.
 
-use super::super::board::Cell;
-use super::super::exact::field::{Field, Node};
-use super::super::fast::Random;
+use super::super::board::CellIndex;
+use super::super::exact::field::{ExactTables, StagedCell};
+use super::super::fast::PlannerRandom;
 use super::NONE;
 use rustc_hash::FxHashSet;
 use std::collections::VecDeque;
@@ -31,27 +31,27 @@ const RETREAT: usize = 16;
 /// An agent wants others away.
 struct Push {
     /// Where it stands.
-    at: Cell,
+    at: CellIndex,
     /// The cells that it wants to go over, and those that are wanted by whoever wants it away itself.
-    way: Vec<Cell>,
+    way: Vec<CellIndex>,
 }
 
 /// Makes configurations; its tables are empty in between.
-pub(super) struct Step<'a> {
-    field: &'a Field<'a>,
+pub(super) struct ConfigurationGenerator<'a> {
+    field: &'a ExactTables<'a>,
     here: Places,
     next: Places,
     /// By agent where it goes, once that is decided.
-    to: Vec<Option<Node>>,
+    to: Vec<Option<StagedCell>>,
     /// Those that choose next, with who wants them away.
     queue: VecDeque<(usize, Option<Rc<Push>>)>,
-    seen: FxHashSet<Cell>,
+    seen: FxHashSet<CellIndex>,
 }
 
-impl<'a> Step<'a> {
-    pub(super) fn new(field: &'a Field<'a>) -> Step<'a> {
+impl<'a> ConfigurationGenerator<'a> {
+    pub(super) fn new(field: &'a ExactTables<'a>) -> ConfigurationGenerator<'a> {
         let empty = vec![[NONE; MOST_ON_CELL]; field.instance.board.cells()];
-        Step {
+        ConfigurationGenerator {
             field,
             here: empty.clone(),
             next: empty,
@@ -64,11 +64,11 @@ impl<'a> Step<'a> {
     /// A configuration that may follow, in which the agents that are told go where they are told; none if those cannot.
     pub(super) fn make(
         &mut self,
-        from: &[Node],
+        from: &[StagedCell],
         order: &[usize],
-        told: &[(usize, Node)],
-        random: &mut Random,
-    ) -> Option<Vec<Node>> {
+        told: &[(usize, StagedCell)],
+        random: &mut PlannerRandom,
+    ) -> Option<Vec<StagedCell>> {
         for (agent, node) in from.iter().enumerate() {
             put(&mut self.here, self.field.cell(*node), agent);
         }
@@ -87,12 +87,12 @@ impl<'a> Step<'a> {
                 }
             }
         }
-        let made: Option<Vec<Node>> = if fits { self.to.iter().copied().collect() } else { None };
+        let made: Option<Vec<StagedCell>> = if fits { self.to.iter().copied().collect() } else { None };
         self.clear(from);
         made
     }
 
-    fn clear(&mut self, from: &[Node]) {
+    fn clear(&mut self, from: &[StagedCell]) {
         for node in from {
             self.here[self.field.cell(*node) as usize] = [NONE; MOST_ON_CELL];
         }
@@ -103,13 +103,13 @@ impl<'a> Step<'a> {
         }
     }
 
-    fn go(&mut self, agent: usize, node: Node) {
+    fn go(&mut self, agent: usize, node: StagedCell) {
         put(&mut self.next, self.field.cell(node), agent);
         self.to[agent] = Some(node);
     }
 
     /// The best move that is free; else the agent waits and pushes those who are in the way of the best.
-    fn decide(&mut self, from: &[Node], agent: usize, push: Option<&Push>, random: &mut Random) {
+    fn decide(&mut self, from: &[StagedCell], agent: usize, push: Option<&Push>, random: &mut PlannerRandom) {
         let here = from[agent];
         let candidates = match push {
             None => self.nearer(agent, here, random),
@@ -143,7 +143,7 @@ impl<'a> Step<'a> {
     }
 
     /// The cells of the next steps of an agent that goes the shortest way.
-    fn way(&self, agent: usize, mut node: Node) -> Vec<Cell> {
+    fn way(&self, agent: usize, mut node: StagedCell) -> Vec<CellIndex> {
         let mut way = vec![self.field.cell(node)];
         while way.len() < (WAY_SEPARATIONS * self.field.instance.separation) as usize {
             let distance = self.field.distance(agent, node);
@@ -158,25 +158,25 @@ impl<'a> Step<'a> {
     }
 
     /// The moves that come nearer to the goal.
-    fn nearer(&self, agent: usize, here: Node, random: &mut Random) -> Vec<Node> {
+    fn nearer(&self, agent: usize, here: StagedCell, random: &mut PlannerRandom) -> Vec<StagedCell> {
         let distance = self.field.distance(agent, here);
-        let nearer = |node: &Node| self.field.distance(agent, *node) < distance;
-        let mut moves: Vec<Node> = self.field.next(agent, here).filter(nearer).collect();
+        let nearer = |node: &StagedCell| self.field.distance(agent, *node) < distance;
+        let mut moves: Vec<StagedCell> = self.field.next(agent, here).filter(nearer).collect();
         random.shuffle(&mut moves);
         moves
     }
 
     /// The moves out of someone's way, that of the shortest way out first.
-    fn aside(&mut self, agent: usize, here: Node, push: &Push, random: &mut Random) -> Vec<Node> {
+    fn aside(&mut self, agent: usize, here: StagedCell, push: &Push, random: &mut PlannerRandom) -> Vec<StagedCell> {
         let (field, instance) = (self.field, self.field.instance);
-        let is_out = |cell: Cell| push.way.iter().all(|at| instance.board.apart(cell, *at) >= instance.separation);
-        let mut moves: Vec<Node> = field.next(agent, here).skip(1).collect();
+        let is_out = |cell: CellIndex| push.way.iter().all(|at| instance.board.apart(cell, *at) >= instance.separation);
+        let mut moves: Vec<StagedCell> = field.next(agent, here).skip(1).collect();
         random.shuffle(&mut moves);
         let mut lengths = vec![NONE; moves.len()];
         self.seen.clear();
         self.seen.insert(field.cell(here));
         let firsts = moves.iter().enumerate().map(|(first, node)| (field.cell(*node), first, 1));
-        let mut open: VecDeque<(Cell, usize, u32)> = firsts.collect();
+        let mut open: VecDeque<(CellIndex, usize, u32)> = firsts.collect();
         let mut looks = 0;
         while let Some((cell, first, length)) = open.pop_front() {
             let taken = instance.board.apart(cell, push.at) < instance.separation;
@@ -198,12 +198,12 @@ impl<'a> Step<'a> {
         order.into_iter().map(|first| moves[first]).collect()
     }
 
-    fn is_clear(&self, places: &Places, agent: usize, node: Node) -> bool {
+    fn is_clear(&self, places: &Places, agent: usize, node: StagedCell) -> bool {
         self.near(places, agent, self.field.cell(node)).next().is_none()
     }
 
     /// The others that are too near to a cell.
-    fn near<'s>(&'s self, places: &'s Places, agent: usize, cell: Cell) -> impl Iterator<Item = usize> + 's {
+    fn near<'s>(&'s self, places: &'s Places, agent: usize, cell: CellIndex) -> impl Iterator<Item = usize> + 's {
         let around = self.field.instance.board.around(cell, self.field.instance.separation);
         let others = around.flat_map(|at| places[at as usize].iter().map(move |other| (at, *other as usize)));
         others
@@ -214,7 +214,7 @@ impl<'a> Step<'a> {
     }
 }
 
-fn put(places: &mut Places, cell: Cell, agent: usize) {
+fn put(places: &mut Places, cell: CellIndex, agent: usize) {
     let slots = &mut places[cell as usize];
     let free = slots.iter().position(|slot| *slot == NONE).unwrap_or(MOST_ON_CELL - 1);
     slots[free] = agent as u32;

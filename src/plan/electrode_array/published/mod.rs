@@ -12,8 +12,8 @@
 
 mod table;
 
-use super::board::{Board, Cell, Instance, position};
-pub use table::{Motion, Zero};
+use super::board::{BoardGrid, CellIndex, Instance, position};
+pub use table::{PartMotion, Zero};
 
 /// The function whose least value chooses the next position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,7 +27,7 @@ pub enum Heuristic {
 
 /// What decides whether two moves go together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Check {
+pub enum PairCheck {
     /// The rule of the board: all four combinations of starts and ends keep the separation.
     Clean,
     /// Table 3 as printed, with its unsafe and its over-strict entries; made for a separation of 4.
@@ -38,48 +38,48 @@ pub enum Check {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ties {
     /// The order in which the candidates are made, each motion once; the first of the best survives.
-    pub order: [Motion; 5],
+    pub order: [PartMotion; 5],
 }
 
 impl Default for Ties {
     /// The order of the paper's action space: right, left, down, up, stay.
     fn default() -> Self {
-        Ties { order: [Motion::Right, Motion::Left, Motion::Down, Motion::Up, Motion::Stay] }
+        Ties { order: [PartMotion::Right, PartMotion::Left, PartMotion::Down, PartMotion::Up, PartMotion::Stay] }
     }
 }
 
 /// One reading of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Reading {
+pub struct PaperReading {
     pub heuristic: Heuristic,
-    pub check: Check,
+    pub check: PairCheck,
     pub ties: Ties,
 }
 
 /// What became of one part.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Outcome {
+pub enum PublishedOutcome {
     /// Its way up to its last arrival at its goal; it stays there up to the horizon.
-    Arrived(Vec<Cell>),
+    Arrived(Vec<CellIndex>),
     /// "There is no path": after this way no candidate was allowed.
-    Stuck(Vec<Cell>),
+    Stuck(Vec<CellIndex>),
     /// The horizon came first; this is the way up to it.
-    OutOfTime(Vec<Cell>),
+    OutOfTime(Vec<CellIndex>),
 }
 
-impl Outcome {
+impl PublishedOutcome {
     /// The steps to the last arrival, if it arrived.
     pub fn finish(&self) -> Option<usize> {
         match self {
-            Outcome::Arrived(path) => Some(path.len() - 1),
-            Outcome::Stuck(_) | Outcome::OutOfTime(_) => None,
+            PublishedOutcome::Arrived(path) => Some(path.len() - 1),
+            PublishedOutcome::Stuck(_) | PublishedOutcome::OutOfTime(_) => None,
         }
     }
 }
 
 /// A candidate's value `goal_distance + others / spread`; with the plain function, or for the first part, `others` is 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Value {
+pub struct CandidateValue {
     /// Manhattan distance from the next stop, and from there over the remaining ones.
     pub goal_distance: u64,
     /// How many parts of higher priority are looked at.
@@ -88,23 +88,24 @@ pub struct Value {
     pub spread: u64,
 }
 
-impl Value {
+impl CandidateValue {
     /// The order of the values, exactly.
-    fn less_than(&self, other: &Value) -> bool {
-        let scaled =
-            |one: &Value, by: &Value| u128::from(one.goal_distance * one.spread + one.others) * u128::from(by.spread);
+    fn less_than(&self, other: &CandidateValue) -> bool {
+        let scaled = |one: &CandidateValue, by: &CandidateValue| {
+            u128::from(one.goal_distance * one.spread + one.others) * u128::from(by.spread)
+        };
         scaled(self, other) < scaled(other, self)
     }
 }
 
 /// Plans every part in the order of the instance over `horizon` steps; one outcome for each.
-pub fn plan(instance: &Instance, reading: Reading, horizon: usize) -> Vec<Outcome> {
-    let mut outcomes: Vec<Outcome> = Vec::with_capacity(instance.agents.len());
-    let mut walks: Vec<(usize, Vec<Cell>)> = Vec::new();
+pub fn plan(instance: &Instance, reading: PaperReading, horizon: usize) -> Vec<PublishedOutcome> {
+    let mut outcomes: Vec<PublishedOutcome> = Vec::with_capacity(instance.agents.len());
+    let mut walks: Vec<(usize, Vec<CellIndex>)> = Vec::new();
     for agent in 0..instance.agents.len() {
-        let walk = Walk { instance, reading, agent, higher: &walks };
+        let walk = PublishedWalk { instance, reading, agent, higher: &walks };
         let outcome = walk.run(horizon);
-        if let Outcome::Arrived(path) | Outcome::OutOfTime(path) = &outcome {
+        if let PublishedOutcome::Arrived(path) | PublishedOutcome::OutOfTime(path) = &outcome {
             walks.push((agent, path.clone()));
         }
         outcomes.push(outcome);
@@ -113,23 +114,23 @@ pub fn plan(instance: &Instance, reading: Reading, horizon: usize) -> Vec<Outcom
 }
 
 /// One part on its way past the parts of higher priority.
-struct Walk<'a> {
+struct PublishedWalk<'a> {
     instance: &'a Instance,
-    reading: Reading,
+    reading: PaperReading,
     agent: usize,
     /// The agents that have a way, with it.
-    higher: &'a [(usize, Vec<Cell>)],
+    higher: &'a [(usize, Vec<CellIndex>)],
 }
 
-impl Walk<'_> {
-    fn run(&self, horizon: usize) -> Outcome {
+impl PublishedWalk<'_> {
+    fn run(&self, horizon: usize) -> PublishedOutcome {
         let agent = &self.instance.agents[self.agent];
         let mut path = vec![agent.start];
         let mut stops_done = self.stops_done(0, agent.start);
         let mut arrived = (stops_done == agent.stops.len()).then_some(0);
         for instant in 1..=horizon {
             let here = path[instant - 1];
-            let Some((next, _)) = self.best(instant, here, stops_done) else { return Outcome::Stuck(path) };
+            let Some((next, _)) = self.best(instant, here, stops_done) else { return PublishedOutcome::Stuck(path) };
             path.push(next);
             stops_done = self.stops_done(stops_done, next);
             let at_goal = stops_done == agent.stops.len() && next == agent.goal();
@@ -138,19 +139,19 @@ impl Walk<'_> {
         match arrived {
             Some(last) => {
                 path.truncate(last + 1);
-                Outcome::Arrived(path)
+                PublishedOutcome::Arrived(path)
             }
-            None => Outcome::OutOfTime(path),
+            None => PublishedOutcome::OutOfTime(path),
         }
     }
 
-    fn stops_done(&self, done: usize, at: Cell) -> usize {
+    fn stops_done(&self, done: usize, at: CellIndex) -> usize {
         done + self.instance.agents[self.agent].stops[done..].iter().take_while(|stop| **stop == at).count()
     }
 
     /// The candidate that survives at an instant.
-    fn best(&self, instant: usize, here: Cell, stops_done: usize) -> Option<(Cell, Value)> {
-        let mut best: Option<(Cell, Value)> = None;
+    fn best(&self, instant: usize, here: CellIndex, stops_done: usize) -> Option<(CellIndex, CandidateValue)> {
+        let mut best: Option<(CellIndex, CandidateValue)> = None;
         for (cell, value) in self.candidates(instant, here, stops_done) {
             if best.as_ref().is_none_or(|(_, least)| value.less_than(least)) {
                 best = Some((cell, value));
@@ -160,7 +161,7 @@ impl Walk<'_> {
     }
 
     /// The allowed candidates in the order of the motions, each with its value.
-    fn candidates(&self, instant: usize, here: Cell, stops_done: usize) -> Vec<(Cell, Value)> {
+    fn candidates(&self, instant: usize, here: CellIndex, stops_done: usize) -> Vec<(CellIndex, CandidateValue)> {
         let moves = self.reading.ties.order.iter().filter_map(|motion| moved(&self.instance.board, here, *motion));
         moves
             .filter(|next| self.is_allowed(instant, here, *next))
@@ -168,24 +169,24 @@ impl Walk<'_> {
             .collect()
     }
 
-    fn is_allowed(&self, instant: usize, here: Cell, next: Cell) -> bool {
+    fn is_allowed(&self, instant: usize, here: CellIndex, next: CellIndex) -> bool {
         self.higher.iter().all(|(other, way)| {
             let theirs = [position(way, instant - 1), position(way, instant)];
             match self.reading.check {
-                Check::Clean => self.keeps_rule([here, next], *other, theirs),
-                Check::AsPublished(_) if self.instance.merge_cell(self.agent, *other).is_some() => {
+                PairCheck::Clean => self.keeps_rule([here, next], *other, theirs),
+                PairCheck::AsPublished(_) if self.instance.merge_cell(self.agent, *other).is_some() => {
                     self.keeps_rule([here, next], *other, theirs)
                 }
-                Check::AsPublished(zero) => table::allows(&self.instance.board, theirs, [here, next], zero),
+                PairCheck::AsPublished(zero) => table::allows(&self.instance.board, theirs, [here, next], zero),
             }
         })
     }
 
-    fn keeps_rule(&self, own: [Cell; 2], other: usize, theirs: [Cell; 2]) -> bool {
+    fn keeps_rule(&self, own: [CellIndex; 2], other: usize, theirs: [CellIndex; 2]) -> bool {
         own.iter().all(|at| theirs.iter().all(|their| !self.instance.too_near((self.agent, *at), (other, *their))))
     }
 
-    fn value(&self, instant: usize, at: Cell, stops_done: usize) -> Value {
+    fn value(&self, instant: usize, at: CellIndex, stops_done: usize) -> CandidateValue {
         let board = &self.instance.board;
         let agent = &self.instance.agents[self.agent];
         let ahead = &agent.stops[stops_done..];
@@ -197,25 +198,25 @@ impl Walk<'_> {
         let onward = goals.windows(2).map(|pair| u64::from(board.manhattan(pair[0], pair[1]))).sum::<u64>();
         let goal_distance = u64::from(board.manhattan(at, goals[0])) + onward;
         match self.reading.heuristic {
-            Heuristic::Plain => Value { goal_distance, others: 0, spread: 1 },
+            Heuristic::Plain => CandidateValue { goal_distance, others: 0, spread: 1 },
             Heuristic::Spread => {
-                let from = |(_, way): &(usize, Vec<Cell>)| u64::from(board.manhattan(at, position(way, instant)));
+                let from = |(_, way): &(usize, Vec<CellIndex>)| u64::from(board.manhattan(at, position(way, instant)));
                 let spread = self.higher.iter().map(from).sum::<u64>().max(1);
-                Value { goal_distance, others: self.higher.len() as u64, spread }
+                CandidateValue { goal_distance, others: self.higher.len() as u64, spread }
             }
         }
     }
 }
 
 /// Where a motion leads, if that is on the board and free.
-fn moved(board: &Board, here: Cell, motion: Motion) -> Option<Cell> {
+fn moved(board: &BoardGrid, here: CellIndex, motion: PartMotion) -> Option<CellIndex> {
     let (column, row) = board.place(here);
     let cell = match motion {
-        Motion::Right => (column + 1 < board.width()).then(|| here + 1),
-        Motion::Left => (column > 0).then(|| here - 1),
-        Motion::Down => (row > 0).then(|| here - board.width()),
-        Motion::Up => (row + 1 < board.height()).then(|| here + board.width()),
-        Motion::Stay => Some(here),
+        PartMotion::Right => (column + 1 < board.width()).then(|| here + 1),
+        PartMotion::Left => (column > 0).then(|| here - 1),
+        PartMotion::Down => (row > 0).then(|| here - board.width()),
+        PartMotion::Up => (row + 1 < board.height()).then(|| here + board.width()),
+        PartMotion::Stay => Some(here),
     };
     cell.filter(|cell| !board.is_blocked(*cell))
 }

@@ -4,11 +4,11 @@
 //! quadrants follow by mirroring both motions; beyond 6 on an axis every pair is safe. Several printed entries are unsafe
 //! and others stricter than the rule; they stand here as printed.
 
-use super::super::board::{Board, Cell};
+use super::super::board::{BoardGrid, CellIndex};
 
 /// What a part does in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Motion {
+pub enum PartMotion {
     Right,
     Left,
     Down,
@@ -30,46 +30,46 @@ pub enum Zero {
 /// Beyond this distance on one axis the table says nothing: the parts do not influence one another.
 const REACH: i64 = 6;
 
-impl Motion {
-    fn of(board: &Board, [from, to]: [Cell; 2]) -> Motion {
+impl PartMotion {
+    fn of(board: &BoardGrid, [from, to]: [CellIndex; 2]) -> PartMotion {
         let ((c, r), (d, s)) = (board.place(from), board.place(to));
         match ((i64::from(d) - i64::from(c)).signum(), (i64::from(s) - i64::from(r)).signum()) {
-            (1, _) => Motion::Right,
-            (-1, _) => Motion::Left,
-            (_, -1) => Motion::Down,
-            (_, 1) => Motion::Up,
-            (_, _) => Motion::Stay,
+            (1, _) => PartMotion::Right,
+            (-1, _) => PartMotion::Left,
+            (_, -1) => PartMotion::Down,
+            (_, 1) => PartMotion::Up,
+            (_, _) => PartMotion::Stay,
         }
     }
 
-    fn mirrored(self, columns: Side, rows: Side) -> Motion {
+    fn mirrored(self, columns: MotionSide, rows: MotionSide) -> PartMotion {
         match (self, columns, rows) {
-            (Motion::Right, Side::Mirrored, _) => Motion::Left,
-            (Motion::Left, Side::Mirrored, _) => Motion::Right,
-            (Motion::Down, _, Side::Mirrored) => Motion::Up,
-            (Motion::Up, _, Side::Mirrored) => Motion::Down,
+            (PartMotion::Right, MotionSide::Mirrored, _) => PartMotion::Left,
+            (PartMotion::Left, MotionSide::Mirrored, _) => PartMotion::Right,
+            (PartMotion::Down, _, MotionSide::Mirrored) => PartMotion::Up,
+            (PartMotion::Up, _, MotionSide::Mirrored) => PartMotion::Down,
             (motion, _, _) => motion,
         }
     }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Side {
+enum MotionSide {
     AsIs,
     Mirrored,
 }
 
 /// Whether `j` may make its move while `i` makes its own; each is a start and an end.
-pub(super) fn allows(board: &Board, i: [Cell; 2], j: [Cell; 2], zero: Zero) -> bool {
+pub(super) fn allows(board: &BoardGrid, i: [CellIndex; 2], j: [CellIndex; 2], zero: Zero) -> bool {
     let ((ci, ri), (cj, rj)) = (board.place(i[0]), board.place(j[0]));
     let (dc, dl) = (i64::from(ci) - i64::from(cj), i64::from(ri) - i64::from(rj));
     if dc.abs() > REACH || dl.abs() > REACH {
         return true;
     }
-    let (motion_i, motion_j) = (Motion::of(board, i), Motion::of(board, j));
+    let (motion_i, motion_j) = (PartMotion::of(board, i), PartMotion::of(board, j));
     let mut verdicts = sides(dc, zero).iter().flat_map(|columns| {
         sides(dl, zero).iter().map(|rows| {
-            let turned = |motion: Motion| motion.mirrored(*columns, *rows);
+            let turned = |motion: PartMotion| motion.mirrored(*columns, *rows);
             printed(turned(motion_i), turned(motion_j), dc.abs(), dl.abs())
         })
     });
@@ -79,17 +79,17 @@ pub(super) fn allows(board: &Board, i: [Cell; 2], j: [Cell; 2], zero: Zero) -> b
     }
 }
 
-fn sides(difference: i64, zero: Zero) -> &'static [Side] {
+fn sides(difference: i64, zero: Zero) -> &'static [MotionSide] {
     match (difference.signum(), zero) {
-        (-1, _) => &[Side::Mirrored],
-        (0, Zero::EitherSide | Zero::BothSides) => &[Side::AsIs, Side::Mirrored],
-        (_, _) => &[Side::AsIs],
+        (-1, _) => &[MotionSide::Mirrored],
+        (0, Zero::EitherSide | Zero::BothSides) => &[MotionSide::AsIs, MotionSide::Mirrored],
+        (_, _) => &[MotionSide::AsIs],
     }
 }
 
 /// The printed entry for motions of `i` and `j` at distances `dc` and `dl`.
-fn printed(i: Motion, j: Motion, dc: i64, dl: i64) -> bool {
-    use Motion::{Down, Left, Right, Stay, Up};
+fn printed(i: PartMotion, j: PartMotion, dc: i64, dl: i64) -> bool {
+    use PartMotion::{Down, Left, Right, Stay, Up};
     match (i, j) {
         (Right, Right) | (Left, Left) | (Left, Stay) | (Stay, Right) => dc >= 5,
         (Right, Left) | (Left, Right) => dc >= 6,

@@ -5,7 +5,7 @@
 
 use super::greedy::{alone, grasp};
 use super::route::cheapest;
-use super::{Answer, Entry, Estimator, Leg, Request, Start, Within};
+use super::{Estimator, GraspAnswer, GraspRequest, Regrasp, Start, TurnLeg, Within};
 use crate::plan::search::Meter;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -14,9 +14,9 @@ use std::sync::Arc;
 pub const FEW: usize = 4;
 
 /// A leg that was searched by itself.
-struct Known<'a> {
-    leg: &'a Leg,
-    next: Option<&'a Leg>,
+struct KnownLeg<'a> {
+    leg: &'a TurnLeg,
+    next: Option<&'a TurnLeg>,
     start: Start,
     /// `None` where it has no way.
     cost: Option<u64>,
@@ -24,19 +24,19 @@ struct Known<'a> {
 
 /// A bound for each route in the unit of the request's costs, whatever the limit of reconfigurations; `None` for one that has no way.
 /// Without bounds where the budget runs out meanwhile.
-pub fn bounds(request: &Request, estimator: Estimator, meter: &mut Meter) -> Option<Vec<Option<u64>>> {
-    let mut known: Vec<Known> = Vec::new();
+pub fn bounds(request: &GraspRequest, estimator: Estimator, meter: &mut Meter) -> Option<Vec<Option<u64>>> {
+    let mut known: Vec<KnownLeg> = Vec::new();
     let mut bounds = Vec::with_capacity(request.routes.len());
     for route in &request.routes {
         let mut sum = Some(0);
         for (at, leg) in route.iter().enumerate() {
             let start = begins(request, route, at);
-            let next = route.get(at + 1).filter(|next| next.entry != Entry::Same);
+            let next = route.get(at + 1).filter(|next| next.entry != Regrasp::Same);
             let cost = match known.iter().find(|known| known.is(leg, next, start)) {
                 Some(known) => known.cost,
                 None => {
                     let cost = apart(request, leg, next, start, estimator, meter)?;
-                    known.push(Known { leg, next, start, cost });
+                    known.push(KnownLeg { leg, next, start, cost });
                     cost
                 }
             };
@@ -47,9 +47,9 @@ pub fn bounds(request: &Request, estimator: Estimator, meter: &mut Meter) -> Opt
     Some(bounds)
 }
 
-impl Known<'_> {
-    fn is(&self, leg: &Leg, next: Option<&Leg>, start: Start) -> bool {
-        let same = |one: &Leg, other: &Leg| {
+impl KnownLeg<'_> {
+    fn is(&self, leg: &TurnLeg, next: Option<&TurnLeg>, start: Start) -> bool {
+        let same = |one: &TurnLeg, other: &TurnLeg| {
             Arc::ptr_eq(&one.tables, &other.tables)
                 && (one.steps, one.lowest, one.highest, one.end)
                     == (other.steps, other.lowest, other.highest, other.end)
@@ -64,30 +64,33 @@ impl Known<'_> {
 }
 
 /// With what the leg of a route begins, as far as it matters to its cost.
-fn begins(request: &Request, route: &[Leg], at: usize) -> Start {
+fn begins(request: &GraspRequest, route: &[TurnLeg], at: usize) -> Start {
     match (at, route[at].entry) {
         (0, _) => request.start,
         // A grasp at its end tells fingers apart.
-        (_, Entry::Across { new, .. }) if route[at].end.is_none() => Start::At(grasp(&[0, 1], new)),
-        (_, Entry::Across { .. } | Entry::Same) => Start::Any,
+        (_, Regrasp::Across { new, .. }) if route[at].end.is_none() => Start::At(grasp(&[0, 1], new)),
+        (_, Regrasp::Across { .. } | Regrasp::Same) => Start::Any,
     }
 }
 
 /// What a leg costs by itself; `None` where the budget runs out.
 fn apart(
-    request: &Request,
-    leg: &Leg,
-    next: Option<&Leg>,
+    request: &GraspRequest,
+    leg: &TurnLeg,
+    next: Option<&TurnLeg>,
     start: Start,
     estimator: Estimator,
     meter: &mut Meter,
 ) -> Option<Option<u64>> {
     let routes = vec![alone(leg, next)];
     let within = Within { gaits: None, looks: Rc::clone(&request.within.looks) };
-    match cheapest(&Request { fingers: request.fingers, start, routes, costs: request.costs, within }, estimator, meter)
-    {
-        Answer::Found(way) => Some(Some(way.cost)),
-        Answer::Impossible(_) => Some(None),
-        Answer::GaveUp(_) | Answer::LooksSpent { .. } | Answer::TooLarge { .. } => None,
+    match cheapest(
+        &GraspRequest { fingers: request.fingers, start, routes, costs: request.costs, within },
+        estimator,
+        meter,
+    ) {
+        GraspAnswer::Found(way) => Some(Some(way.cost)),
+        GraspAnswer::Impossible(_) => Some(None),
+        GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } | GraspAnswer::TooLarge { .. } => None,
     }
 }

@@ -1,13 +1,13 @@
 //! A route made ready: its legs with their strands, and how nodes of one leg go on in the next.
 
 use super::flood::removed;
-use super::layout::{Chain, MAX_DIGIT, MAX_LEGS, Sets, Spot, wrapped};
-use super::strands::{Mask, Strands, below};
-use super::{Entry, Grasp, Leg, MAX_NODES, Request};
+use super::layout::{GraspChain, MAX_DIGIT, MAX_LEGS, NodeSpot, Sets, wrapped};
+use super::strands::{AngleMask, Strands, below};
+use super::{Grasp, GraspRequest, MAX_NODES, Regrasp, TurnLeg};
 use crate::device::fingers::MAX_FINGERS;
-use crate::plan::fingers::looks::Looks;
+use crate::plan::fingers::looks::LooksBudget;
 use crate::plan::fingers::mechanics::Lazy;
-use crate::plan::fingers::tables::{Bits, Tables};
+use crate::plan::fingers::tables::{ContactBits, Tables};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ pub struct Sheet {
     pub start: usize,
     pub end: usize,
     /// How it follows the one before; [`Entry::Same`] for the first.
-    pub entry: Entry,
+    pub entry: Regrasp,
     pub pin: Option<Grasp>,
     /// See [`Leg::lazy`].
     pub lazy: Option<Rc<Lazy>>,
@@ -33,16 +33,16 @@ pub struct Sheet {
 
 /// A route made ready.
 #[derive(Debug)]
-pub struct Course {
+pub struct PreparedRoute {
     pub sets: Rc<Sets>,
     pub sheets: Vec<Sheet>,
     /// The most reconfigurations, if they are limited.
     pub most_gaits: Option<u32>,
-    pub looks: Rc<Looks>,
+    pub looks: Rc<LooksBudget>,
 }
 
 /// The routes of a request made ready, or the nodes of one that has too many. Legs with the same tables share their strands.
-pub fn courses(request: &Request) -> Result<Vec<Course>, u64> {
+pub fn courses(request: &GraspRequest) -> Result<Vec<PreparedRoute>, u64> {
     let sets = Rc::new(Sets::of(request.fingers));
     let nodes = request.routes.iter().map(|route| nodes(&sets, route)).max().unwrap_or(0);
     if nodes > MAX_NODES {
@@ -51,7 +51,7 @@ pub fn courses(request: &Request) -> Result<Vec<Course>, u64> {
     let mut known: Vec<(Arc<Tables>, Rc<Strands>)> = Vec::new();
     let angles = |tables: &Arc<Tables>| {
         let legs = request.routes.iter().flatten().filter(|leg| Arc::ptr_eq(&leg.tables, tables));
-        legs.map(Leg::angles).max().unwrap_or(1)
+        legs.map(TurnLeg::angles).max().unwrap_or(1)
     };
     let mut strands = |tables: &Arc<Tables>| match known.iter().find(|(other, _)| Arc::ptr_eq(other, tables)) {
         Some((_, strands)) => strands.clone(),
@@ -62,23 +62,28 @@ pub fn courses(request: &Request) -> Result<Vec<Course>, u64> {
             made
         }
     };
-    let course = |route: &Vec<Leg>| {
+    let course = |route: &Vec<TurnLeg>| {
         let sheets = route.iter().map(|leg| sheet(leg, strands(&leg.tables))).collect();
-        Course { sets: sets.clone(), sheets, most_gaits: request.within.gaits, looks: Rc::clone(&request.within.looks) }
+        PreparedRoute {
+            sets: sets.clone(),
+            sheets,
+            most_gaits: request.within.gaits,
+            looks: Rc::clone(&request.within.looks),
+        }
     };
     Ok(request.routes.iter().map(course).collect())
 }
 
 /// The nodes of a route, or more than are allowed where its legs are beyond what can be numbered.
-fn nodes(sets: &Sets, route: &[Leg]) -> u64 {
-    let leg = |leg: &Leg| {
+fn nodes(sets: &Sets, route: &[TurnLeg]) -> u64 {
+    let leg = |leg: &TurnLeg| {
         let fits = leg.tables.contacts <= MAX_DIGIT && leg.angles() <= MAX_DIGIT;
         if fits { sets.chains(leg.tables.contacts) * leg.angles() as u64 } else { u64::MAX }
     };
     if route.len() > MAX_LEGS { u64::MAX } else { route.iter().map(leg).fold(0, u64::saturating_add) }
 }
 
-fn sheet(leg: &Leg, strands: Rc<Strands>) -> Sheet {
+fn sheet(leg: &TurnLeg, strands: Rc<Strands>) -> Sheet {
     Sheet {
         tables: leg.tables.clone(),
         strands,
@@ -96,27 +101,27 @@ fn sheet(leg: &Leg, strands: Rc<Strands>) -> Sheet {
 impl Sheet {
     /// Where three fingers may roll on, from each angle to the next.
     #[inline]
-    pub fn rolls_three<const N: usize>(&self, phases: [u16; 3]) -> Mask<N> {
+    pub fn rolls_three<const N: usize>(&self, phases: [u16; 3]) -> AngleMask<N> {
         let head = self.strands.head(phases[0]);
         self.rolling(self.strands.roll_triple.window(self.strands.triple(head, phases), head.bit))
     }
 
     /// Where two fingers may.
     #[inline]
-    pub fn rolls_two<const N: usize>(&self, phases: [u16; 2]) -> Mask<N> {
+    pub fn rolls_two<const N: usize>(&self, phases: [u16; 2]) -> AngleMask<N> {
         let head = self.strands.head(phases[0]);
         self.rolling(self.strands.roll_pair.window(self.strands.pair(head, phases), head.bit))
     }
 
     /// A window of rolling steps cut off at the last angle, from which nothing rolls on.
     #[inline]
-    pub fn rolling<const N: usize>(&self, window: Mask<N>) -> Mask<N> {
+    pub fn rolling<const N: usize>(&self, window: AngleMask<N>) -> AngleMask<N> {
         below(window, self.angles - 1)
     }
 
     /// The angles at which a pair's chain has nodes.
     #[inline]
-    pub fn nodes_of_two<const N: usize>(&self, phases: [u16; 2]) -> Mask<N> {
+    pub fn nodes_of_two<const N: usize>(&self, phases: [u16; 2]) -> AngleMask<N> {
         let head = self.strands.head(phases[0]);
         below(self.strands.hold_pair.window(self.strands.pair(head, phases), head.bit), self.angles)
     }
@@ -163,30 +168,30 @@ impl Sheet {
     }
 }
 
-impl Course {
+impl PreparedRoute {
     /// The number of a pair's chain among those of its leg.
     #[inline]
-    pub fn pair_index(&self, leg: usize, chain: Chain) -> usize {
+    pub fn pair_index(&self, leg: usize, chain: GraspChain) -> usize {
         self.sets.index(self.sheets[leg].contacts, chain)
     }
 
     /// The number of the pair that is left at a place of a triple, as a number for phase 0 of its last member and a step for each more.
-    pub fn pair_steps(&self, leg: usize, triple: impl Fn(u16) -> Chain, place: usize) -> (usize, usize) {
+    pub fn pair_steps(&self, leg: usize, triple: impl Fn(u16) -> GraspChain, place: usize) -> (usize, usize) {
         let index = |third: u16| {
             let chain = triple(third);
             let ([p, q], _) = removed(chain.phases, place);
-            self.pair_index(leg, Chain { set: self.sets.without(chain.set, place), phases: [p, q, 0] })
+            self.pair_index(leg, GraspChain { set: self.sets.without(chain.set, place), phases: [p, q, 0] })
         };
         (index(0), index(1) - index(0))
     }
 
     /// The contacts of a node, of each member of its set.
-    pub fn contacts(&self, spot: Spot) -> [usize; 3] {
+    pub fn contacts(&self, spot: NodeSpot) -> [usize; 3] {
         spot.chain.phases.map(|phase| self.sheets[spot.leg].contact(spot.angle, phase))
     }
 
     /// The grasp of a node.
-    pub fn grasp(&self, spot: Spot) -> Grasp {
+    pub fn grasp(&self, spot: NodeSpot) -> Grasp {
         let mut grasp = Grasp([0; MAX_FINGERS as usize]);
         let contacts = self.contacts(spot);
         for (finger, contact) in self.sets.members(spot.chain.set).iter().zip(contacts) {
@@ -197,18 +202,18 @@ impl Course {
 
     /// The node of a set of fingers on contacts; `None` where they do not hold.
     #[inline]
-    pub fn spot(&self, leg: usize, angle: usize, set: u8, contacts: &[usize]) -> Option<Spot> {
+    pub fn spot(&self, leg: usize, angle: usize, set: u8, contacts: &[usize]) -> Option<NodeSpot> {
         let sheet = &self.sheets[leg];
         let mut phases = [0; 3];
         for (phase, contact) in phases.iter_mut().zip(contacts) {
             *phase = sheet.phase(angle, *contact);
         }
         let holds = sheet.holds(angle, contacts) && sheet.bears(angle, contacts);
-        holds.then_some(Spot { leg, angle, chain: Chain { set, phases } })
+        holds.then_some(NodeSpot { leg, angle, chain: GraspChain { set, phases } })
     }
 
     /// The node of a grasp; `None` where it does not hold, or is no grasp of this hand on this section.
-    pub fn place(&self, leg: usize, angle: usize, grasp: &Grasp) -> Option<Spot> {
+    pub fn place(&self, leg: usize, angle: usize, grasp: &Grasp) -> Option<NodeSpot> {
         let fingers: Vec<usize> = (0..grasp.0.len()).filter(|finger| grasp.0[*finger] != 0).collect();
         let contacts: Vec<usize> = fingers.iter().filter_map(|finger| grasp.contact(*finger)).collect();
         let set = self.sets.find(&fingers)?;
@@ -217,17 +222,17 @@ impl Course {
     }
 
     /// Whether a leg may end with a node at its end, as far as its pinned grasp goes.
-    fn may_end(&self, spot: Spot) -> bool {
+    fn may_end(&self, spot: NodeSpot) -> bool {
         self.sheets[spot.leg].pin.is_none_or(|pin| self.grasp(spot) == pin)
     }
 
     /// The nodes with which a leg may end, where they are few; `None` where any grasp will do.
-    pub fn few_ends(&self, leg: usize) -> Option<Vec<Spot>> {
+    pub fn few_ends(&self, leg: usize) -> Option<Vec<NodeSpot>> {
         let sheet = &self.sheets[leg];
         if let Some(pin) = &sheet.pin {
             return Some(self.place(leg, sheet.end, pin).into_iter().collect());
         }
-        let Entry::Across { old, .. } = self.sheets.get(leg + 1)?.entry else { return None };
+        let Regrasp::Across { old, .. } = self.sheets.get(leg + 1)?.entry else { return None };
         let turned = [old, [old[1], old[0]]];
         let pairs = (0..self.sets.len() as u8).filter(|set| self.sets.is_pair(*set));
         let ends = pairs.flat_map(|set| turned.map(|contacts| self.spot(leg, sheet.end, set, &contacts)));
@@ -235,33 +240,33 @@ impl Course {
     }
 
     /// Whether a node of the tables holds under the load.
-    pub fn holds(&self, spot: Spot) -> bool {
+    pub fn holds(&self, spot: NodeSpot) -> bool {
         let (contacts, count) = self.held(spot);
         self.sheets[spot.leg].bears(spot.angle, &contacts[..count])
     }
 
     /// The contacts that the fingers of a node hold.
     #[inline]
-    pub fn held(&self, spot: Spot) -> ([usize; 3], usize) {
+    pub fn held(&self, spot: NodeSpot) -> ([usize; 3], usize) {
         (self.contacts(spot), if self.sets.is_pair(spot.chain.set) { 2 } else { 3 })
     }
 
     /// How many nodes there are at an angle of a leg, as far as the tables know.
     pub fn count(&self, leg: usize, angle: usize) -> u64 {
         let layer = self.sheets[leg].tables.layer(angle);
-        let ones = |bits: &Bits| bits.words().iter().map(|word| u64::from(word.count_ones())).sum::<u64>();
+        let ones = |bits: &ContactBits| bits.words().iter().map(|word| u64::from(word.count_ones())).sum::<u64>();
         let pairs = self.sets.pairs() as u64;
         pairs * ones(&layer.pair) + (self.sets.len() as u64 - pairs) * ones(&layer.triple)
     }
 
     /// Whether a node is an end of the route.
     #[inline]
-    pub fn is_goal(&self, spot: Spot) -> bool {
+    pub fn is_goal(&self, spot: NodeSpot) -> bool {
         spot.leg + 1 == self.sheets.len() && spot.angle == self.sheets[spot.leg].end && self.may_end(spot)
     }
 
     /// The node with which the next leg begins where this one ends.
-    pub fn next(&self, spot: Spot) -> Option<Spot> {
+    pub fn next(&self, spot: NodeSpot) -> Option<NodeSpot> {
         let next = self.sheets.get(spot.leg + 1)?;
         if spot.angle != self.sheets[spot.leg].end || !self.may_end(spot) {
             return None;
@@ -269,13 +274,13 @@ impl Course {
         let contacts = self.contacts(spot);
         let set = spot.chain.set;
         match next.entry {
-            Entry::Same => self.kept(set, contacts, (spot.leg + 1, next.start)),
-            Entry::Across { old, new } => self.crossed(set, contacts, [old, new], (spot.leg + 1, next.start)),
+            Regrasp::Same => self.kept(set, contacts, (spot.leg + 1, next.start)),
+            Regrasp::Across { old, new } => self.crossed(set, contacts, [old, new], (spot.leg + 1, next.start)),
         }
     }
 
     /// The node with which the leg before ended where this one begins.
-    pub fn previous(&self, spot: Spot) -> Option<Spot> {
+    pub fn previous(&self, spot: NodeSpot) -> Option<NodeSpot> {
         let sheet = &self.sheets[spot.leg];
         let leg = spot.leg.checked_sub(1)?;
         if spot.angle != sheet.start {
@@ -283,14 +288,14 @@ impl Course {
         }
         let (contacts, set, to) = (self.contacts(spot), spot.chain.set, (leg, self.sheets[leg].end));
         let found = match sheet.entry {
-            Entry::Same => self.kept(set, contacts, to),
-            Entry::Across { old, new } => self.crossed(set, contacts, [new, old], to),
+            Regrasp::Same => self.kept(set, contacts, to),
+            Regrasp::Across { old, new } => self.crossed(set, contacts, [new, old], to),
         };
         found.filter(|spot| self.may_end(*spot))
     }
 
     /// The same grasp in another leg.
-    fn kept(&self, set: u8, contacts: [usize; 3], (leg, angle): (usize, usize)) -> Option<Spot> {
+    fn kept(&self, set: u8, contacts: [usize; 3], (leg, angle): (usize, usize)) -> Option<NodeSpot> {
         let contacts = &contacts[..self.sets.members(set).len()];
         let fits = contacts.iter().all(|contact| *contact < self.sheets[leg].contacts);
         if fits { self.spot(leg, angle, set, contacts) } else { None }
@@ -303,7 +308,7 @@ impl Course {
         contacts: [usize; 3],
         [from, to]: [[usize; 2]; 2],
         (leg, angle): (usize, usize),
-    ) -> Option<Spot> {
+    ) -> Option<NodeSpot> {
         let [i, j, _] = contacts;
         let turned = if [i, j] == from { to } else { [to[1], to[0]] };
         let is_there = self.sets.is_pair(set) && ([i, j] == from || [j, i] == from);

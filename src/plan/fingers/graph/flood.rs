@@ -4,10 +4,10 @@
 //! mask, and so a flood looks at each of the pairs' C(F,2)·c² chains once for each third contact. The layer of a triple is found
 //! from those of the pairs that it becomes, when it is asked for.
 
-use super::Entry;
-use super::course::{Course, Sheet};
-use super::layout::{Chain, Spot, wrapped};
-use super::strands::{Mask, below, both, except, has, single, spread};
+use super::Regrasp;
+use super::course::{PreparedRoute, Sheet};
+use super::layout::{GraspChain, NodeSpot, wrapped};
+use super::strands::{AngleMask, below, both, except, has, single, spread};
 use rustc_hash::FxHashMap;
 
 /// Which way edges are followed.
@@ -21,10 +21,10 @@ pub enum Direction {
 
 /// A part of a chain of pairs, newly reached.
 #[derive(Debug, Clone, Copy)]
-struct Piece<const N: usize> {
+struct FloodPiece<const N: usize> {
     leg: usize,
-    chain: Chain,
-    mask: Mask<N>,
+    chain: GraspChain,
+    mask: AngleMask<N>,
 }
 
 /// In `Field::first`: look the layers up in `Field::pieces`.
@@ -35,29 +35,29 @@ const LAST: u32 = SEVERAL as u32 - 1;
 
 /// What is reached of a leg's pairs.
 #[derive(Debug)]
-struct Field<const N: usize> {
+struct ReachedPairs<const N: usize> {
     /// The angles of each chain that are nodes and not reached.
-    open: Vec<Mask<N>>,
+    open: Vec<AngleMask<N>>,
     /// For each set, member and phase of it how many chains have angles in `open`.
     left: Vec<u16>,
     /// The layer of each chain's first piece.
     first: Vec<u8>,
     /// The layers of all pieces, of chains with several.
-    pieces: FxHashMap<usize, Vec<(Mask<N>, u8)>>,
+    pieces: FxHashMap<usize, Vec<(AngleMask<N>, u8)>>,
     /// All angles at which anything is reached.
-    angles: Mask<N>,
+    angles: AngleMask<N>,
     /// Whether triples go on to the neighbouring leg, against the direction of the edges if the flood runs back.
     hands_on: bool,
 }
 
 /// A flood that goes on when asked.
 #[derive(Debug)]
-pub struct Flood<'a, const N: usize> {
-    course: &'a Course,
+pub struct GraspFlood<'a, const N: usize> {
+    course: &'a PreparedRoute,
     direction: Direction,
-    fields: Vec<Field<N>>,
+    fields: Vec<ReachedPairs<N>>,
     /// The pieces of the layer to be looked at next, and of the two after it.
-    fronts: [Vec<Piece<N>>; 3],
+    fronts: [Vec<FloodPiece<N>>; 3],
     /// The layer to be looked at next: all pairs up to the one after it are known.
     layer: u32,
     /// Whether the newest pieces touch the start of the route.
@@ -66,11 +66,11 @@ pub struct Flood<'a, const N: usize> {
     is_seeded: bool,
 }
 
-impl<'a, const N: usize> Flood<'a, N> {
+impl<'a, const N: usize> GraspFlood<'a, N> {
     /// A flood that knows its sources, and the pairs next to them.
-    pub fn from(course: &'a Course, direction: Direction, sources: &[Spot]) -> Self {
-        let mut flood = Flood::dry(course, direction);
-        let (pairs, triples): (Vec<&Spot>, Vec<&Spot>) =
+    pub fn from(course: &'a PreparedRoute, direction: Direction, sources: &[NodeSpot]) -> Self {
+        let mut flood = GraspFlood::dry(course, direction);
+        let (pairs, triples): (Vec<&NodeSpot>, Vec<&NodeSpot>) =
             sources.iter().partition(|spot| course.sets.is_pair(spot.chain.set));
         for spot in pairs {
             flood.meet(spot.leg, spot.chain, single(spot.angle), 0);
@@ -86,8 +86,8 @@ impl<'a, const N: usize> Flood<'a, N> {
     }
 
     /// A flood from all nodes of a leg at an angle, one after the other: there may be tens of millions.
-    pub fn from_all(course: &'a Course, direction: Direction, leg: usize, angle: usize) -> Self {
-        let mut flood = Flood::dry(course, direction);
+    pub fn from_all(course: &'a PreparedRoute, direction: Direction, leg: usize, angle: usize) -> Self {
+        let mut flood = GraspFlood::dry(course, direction);
         let sheet = &course.sheets[leg];
         let contacts = sheet.contacts;
         let phases = || (0..contacts as u16).flat_map(|p| (0..contacts as u16).map(move |q| (p, q)));
@@ -95,11 +95,11 @@ impl<'a, const N: usize> Flood<'a, N> {
         let (pairs, triples) = sets();
         for (set, (p, q)) in pairs.iter().flat_map(|set| phases().map(move |both| (*set, both))) {
             if has(&sheet.nodes_of_two::<N>([p, q]), angle) {
-                flood.meet(leg, Chain { set, phases: [p, q, 0] }, single(angle), 0);
+                flood.meet(leg, GraspChain { set, phases: [p, q, 0] }, single(angle), 0);
             }
         }
         for (set, (p, q)) in triples.iter().flat_map(|set| phases().map(move |both| (*set, both))) {
-            let chain = |third: u16| Chain { set, phases: [p, q, third] };
+            let chain = |third: u16| GraspChain { set, phases: [p, q, third] };
             let goes_over = flood.fields[leg].hands_on || flood.wants_angles(leg);
             course.looks.take(1);
             if course.looks.are_spent() {
@@ -111,7 +111,7 @@ impl<'a, const N: usize> Flood<'a, N> {
             }
             course.looks.take(contacts as u64);
             for third in 0..contacts as u16 {
-                let spot = Spot { leg, angle, chain: chain(third) };
+                let spot = NodeSpot { leg, angle, chain: chain(third) };
                 if sheet.holds(angle, &course.contacts(spot)) && (goes_over || flood.is_news(&spot)) {
                     let rolls = sheet.rolls_three(spot.chain.phases);
                     flood.part(leg, spot.chain, spread(single(angle), rolls), 1);
@@ -122,12 +122,12 @@ impl<'a, const N: usize> Flood<'a, N> {
     }
 
     /// A flood that has no source yet.
-    fn dry(course: &'a Course, direction: Direction) -> Self {
+    fn dry(course: &'a PreparedRoute, direction: Direction) -> Self {
         let chains = |leg: usize| course.sets.pairs() * course.sheets[leg].contacts.pow(2);
         course.looks.take((0..course.sheets.len()).map(chains).sum::<usize>() as u64);
-        let fields = (0..course.sheets.len()).map(|leg| Field::of(course, leg, direction)).collect();
+        let fields = (0..course.sheets.len()).map(|leg| ReachedPairs::of(course, leg, direction)).collect();
         let fronts = [Vec::new(), Vec::new(), Vec::new()];
-        Flood { course, direction, fields, fronts, layer: 0, arrives: false, is_seeded: true }
+        GraspFlood { course, direction, fields, fronts, layer: 0, arrives: false, is_seeded: true }
     }
 
     /// Whether nothing more can be reached.
@@ -146,12 +146,12 @@ impl<'a, const N: usize> Flood<'a, N> {
     }
 
     /// The angles of a leg at which anything is reached.
-    pub fn angles(&self, leg: usize) -> Mask<N> {
+    pub fn angles(&self, leg: usize) -> AngleMask<N> {
         self.fields[leg].angles
     }
 
     /// No node that is not known has a layer below this.
-    pub fn floor(&self, spot: Spot) -> u32 {
+    pub fn floor(&self, spot: NodeSpot) -> u32 {
         if !self.is_seeded {
             return 0;
         }
@@ -180,7 +180,7 @@ impl<'a, const N: usize> Flood<'a, N> {
 
     /// The layer of a node, if it is known. Triples are known of floods from the goals only.
     #[inline]
-    pub fn layer_of(&self, spot: Spot) -> Option<u32> {
+    pub fn layer_of(&self, spot: NodeSpot) -> Option<u32> {
         if self.course.sets.is_pair(spot.chain.set) {
             let chain = self.course.pair_index(spot.leg, spot.chain);
             self.fields[spot.leg].least(chain, single(spot.angle))
@@ -189,21 +189,21 @@ impl<'a, const N: usize> Flood<'a, N> {
         }
     }
 
-    fn layer_of_three(&self, mut spot: Spot) -> Option<u32> {
+    fn layer_of_three(&self, mut spot: NodeSpot) -> Option<u32> {
         let course = self.course;
         let mut least: Option<u32> = None;
         loop {
             let sheet = &course.sheets[spot.leg];
-            let segment: Mask<N> = spread(single(spot.angle), sheet.rolls_three(spot.chain.phases));
+            let segment: AngleMask<N> = spread(single(spot.angle), sheet.rolls_three(spot.chain.phases));
             for place in 0..3 {
                 let ([p, q], third) = removed(spot.chain.phases, place);
                 let head = sheet.strands.head(p);
                 let leaving = sheet.strands.leave.window(sheet.strands.triple(head, [p, q, third]), head.bit);
-                let chain = Chain { set: course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
+                let chain = GraspChain { set: course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
                 let layer = self.fields[spot.leg].least(course.pair_index(spot.leg, chain), both(leaving, segment));
                 least = least.into_iter().chain(layer.map(|layer| layer + 1)).min();
             }
-            let border = Spot { angle: sheet.end, ..spot };
+            let border = NodeSpot { angle: sheet.end, ..spot };
             if !has(&segment, sheet.end) {
                 return least;
             }
@@ -218,7 +218,7 @@ impl<'a, const N: usize> Flood<'a, N> {
     }
 
     /// From a pair over all triples with a finger more.
-    fn widen(&mut self, piece: &Piece<N>) {
+    fn widen(&mut self, piece: &FloodPiece<N>) {
         let course = self.course;
         let (leg, [p, q, _]) = (piece.leg, piece.chain.phases);
         let sheet = &course.sheets[leg];
@@ -232,7 +232,7 @@ impl<'a, const N: usize> Flood<'a, N> {
         let layer = self.layer + 2;
         let wants_angles = self.wants_angles(leg);
         for (set, place) in course.sets.wider(piece.chain.set) {
-            let chain = |third: u16| Chain { set: *set, phases: inserted([p, q], third, *place) };
+            let chain = |third: u16| GraspChain { set: *set, phases: inserted([p, q], third, *place) };
             let goes_over = self.fields[leg].hands_on || wants_angles;
             if !goes_over && !self.has_open(leg, chain(0), *place) {
                 continue;
@@ -262,19 +262,19 @@ impl<'a, const N: usize> Flood<'a, N> {
     }
 
     /// Whether a pair is open that a triple becomes.
-    fn is_news(&self, spot: &Spot) -> bool {
+    fn is_news(&self, spot: &NodeSpot) -> bool {
         (0..3).any(|place| {
             let ([p, q], _) = removed(spot.chain.phases, place);
-            let pair = Chain { set: self.course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
+            let pair = GraspChain { set: self.course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
             self.fields[spot.leg].open[self.course.pair_index(spot.leg, pair)] != [0; N]
         })
     }
 
     /// Whether any pair is open that a triple becomes, whatever the phase at a place.
-    fn has_open(&self, leg: usize, triple: Chain, place: usize) -> bool {
+    fn has_open(&self, leg: usize, triple: GraspChain, place: usize) -> bool {
         let (course, field) = (self.course, &self.fields[leg]);
         let ([p, q], _) = removed(triple.phases, place);
-        let pair = Chain { set: course.sets.without(triple.set, place), phases: [p, q, 0] };
+        let pair = GraspChain { set: course.sets.without(triple.set, place), phases: [p, q, 0] };
         field.open[course.pair_index(leg, pair)] != [0; N]
             || (0..3).filter(|without| *without != place).any(|without| {
                 let fixed = 3 - without - place;
@@ -286,7 +286,7 @@ impl<'a, const N: usize> Flood<'a, N> {
     }
 
     /// From a part of a triple's chain to all pairs with a finger less; over to the neighbouring leg where it touches the border.
-    fn part(&mut self, mut leg: usize, mut chain: Chain, mut mask: Mask<N>, layer: u32) {
+    fn part(&mut self, mut leg: usize, mut chain: GraspChain, mut mask: AngleMask<N>, layer: u32) {
         let course = self.course;
         loop {
             let strands = &course.sheets[leg].strands;
@@ -300,7 +300,7 @@ impl<'a, const N: usize> Flood<'a, N> {
                 let ([p, q], third) = removed(chain.phases, place);
                 let head = strands.head(p);
                 let going = both(bits.window(strands.triple(head, [p, q, third]), head.bit), mask);
-                let pair = Chain { set: course.sets.without(chain.set, place), phases: [p, q, 0] };
+                let pair = GraspChain { set: course.sets.without(chain.set, place), phases: [p, q, 0] };
                 self.meet(leg, pair, going, layer);
             }
             let beyond = if self.fields[leg].hands_on { self.beyond(leg, chain, mask) } else { None };
@@ -311,7 +311,7 @@ impl<'a, const N: usize> Flood<'a, N> {
     }
 
     /// Takes angles of a pair's chain, and all to which they roll, into a layer, as far as they are new.
-    fn meet(&mut self, mut leg: usize, mut chain: Chain, mut nodes: Mask<N>, layer: u32) {
+    fn meet(&mut self, mut leg: usize, mut chain: GraspChain, mut nodes: AngleMask<N>, layer: u32) {
         let course = self.course;
         loop {
             let index = course.pair_index(leg, chain);
@@ -326,7 +326,7 @@ impl<'a, const N: usize> Flood<'a, N> {
             if field.open[index] == [0; N] {
                 field.close(chain, course.sheets[leg].contacts);
             }
-            self.fronts[(layer - self.layer) as usize].push(Piece { leg, chain, mask });
+            self.fronts[(layer - self.layer) as usize].push(FloodPiece { leg, chain, mask });
             self.arrives |= leg == 0 && has(&mask, course.sheets[0].start);
             let Some(spot) = self.beyond(leg, chain, mask) else { return };
             (leg, chain, nodes) = (spot.leg, spot.chain, single(spot.angle));
@@ -334,7 +334,7 @@ impl<'a, const N: usize> Flood<'a, N> {
     }
 
     /// Where a chain goes on in the neighbouring leg, if a part of it touches the border.
-    fn beyond(&self, leg: usize, chain: Chain, mask: Mask<N>) -> Option<Spot> {
+    fn beyond(&self, leg: usize, chain: GraspChain, mask: AngleMask<N>) -> Option<NodeSpot> {
         let sheet = &self.course.sheets[leg];
         let angle = match self.direction {
             Direction::Onward => sheet.end,
@@ -344,14 +344,14 @@ impl<'a, const N: usize> Flood<'a, N> {
             return None;
         }
         match self.direction {
-            Direction::Onward => self.course.next(Spot { leg, angle, chain }),
-            Direction::Back => self.course.previous(Spot { leg, angle, chain }),
+            Direction::Onward => self.course.next(NodeSpot { leg, angle, chain }),
+            Direction::Back => self.course.previous(NodeSpot { leg, angle, chain }),
         }
     }
 }
 
-impl<const N: usize> Field<N> {
-    fn of(course: &Course, leg: usize, direction: Direction) -> Self {
+impl<const N: usize> ReachedPairs<N> {
+    fn of(course: &PreparedRoute, leg: usize, direction: Direction) -> Self {
         let sheet: &Sheet = &course.sheets[leg];
         let border = match direction {
             Direction::Onward => course.sheets.get(leg + 1),
@@ -362,26 +362,26 @@ impl<const N: usize> Field<N> {
             let phases = [index / sheet.contacts % sheet.contacts, index % sheet.contacts].map(|phase| phase as u16);
             sheet.nodes_of_two(phases)
         };
-        let open: Vec<Mask<N>> = (0..count).map(node).collect();
+        let open: Vec<AngleMask<N>> = (0..count).map(node).collect();
         let mut left = vec![0; course.sets.pairs() * 2 * sheet.contacts];
         for index in (0..count).filter(|index| open[*index] != [0; N]) {
             let [first, second] = members(course.sets.chain(sheet.contacts, index), sheet.contacts);
             left[first] += 1;
             left[second] += 1;
         }
-        Field {
+        ReachedPairs {
             open,
             left,
             first: vec![0; count],
             pieces: FxHashMap::default(),
             angles: [0; N],
-            hands_on: border.is_some_and(|sheet| sheet.entry == Entry::Same),
+            hands_on: border.is_some_and(|sheet| sheet.entry == Regrasp::Same),
         }
     }
 
     /// The least layer of some angles of a chain.
     #[inline]
-    fn least(&self, index: usize, angles: Mask<N>) -> Option<u32> {
+    fn least(&self, index: usize, angles: AngleMask<N>) -> Option<u32> {
         let reached = except(angles, self.open[index]);
         if reached == [0; N] {
             return None;
@@ -396,14 +396,14 @@ impl<const N: usize> Field<N> {
     }
 
     /// Counts a chain out that has become wholly known.
-    fn close(&mut self, chain: Chain, contacts: usize) {
+    fn close(&mut self, chain: GraspChain, contacts: usize) {
         for member in members(chain, contacts) {
             self.left[member] -= 1;
         }
     }
 
     /// Marks a part of a chain as reached.
-    fn take(&mut self, index: usize, mask: Mask<N>, nodes: Mask<N>, layer: u32) {
+    fn take(&mut self, index: usize, mask: AngleMask<N>, nodes: AngleMask<N>, layer: u32) {
         let before = except(nodes, self.open[index]);
         self.open[index] = except(self.open[index], mask);
         self.angles = std::array::from_fn(|at| self.angles[at] | mask[at]);
@@ -419,7 +419,7 @@ impl<const N: usize> Field<N> {
 }
 
 /// Where a pair's two members and phases are counted.
-fn members(pair: Chain, contacts: usize) -> [usize; 2] {
+fn members(pair: GraspChain, contacts: usize) -> [usize; 2] {
     let set = usize::from(pair.set) * 2;
     [set * contacts + usize::from(pair.phases[0]), (set + 1) * contacts + usize::from(pair.phases[1])]
 }

@@ -4,69 +4,75 @@
 //! be one from which the next leg has none.
 
 use super::route::{bound, cheapest};
-use super::{Answer, Blocked, Entry, Estimator, Grasp, Leg, Request, Start, Way, Within};
+use super::{Estimator, FarthestRoute, Grasp, GraspAnswer, GraspPath, GraspRequest, Regrasp, Start, TurnLeg, Within};
 use crate::device::fingers::MAX_FINGERS;
-use crate::plan::search::{Budget, Meter};
+use crate::plan::search::{Meter, SearchBudget};
 use std::rc::Rc;
 
 /// See [`super::decompose`].
-pub fn decompose(request: &Request, estimator: Estimator, budget: Budget) -> Answer {
+pub fn decompose(request: &GraspRequest, estimator: Estimator, budget: SearchBudget) -> GraspAnswer {
     let mut meter = Meter::new(budget);
-    let mut farthest: Option<Blocked> = None;
+    let mut farthest: Option<FarthestRoute> = None;
     for route in 0..request.routes.len() {
         match by_legs(request, route, estimator, &mut meter) {
-            Answer::Impossible(blocked) => {
+            GraspAnswer::Impossible(blocked) => {
                 if farthest.as_ref().is_none_or(|other| other.leg < blocked.leg) {
                     farthest = Some(blocked);
                 }
             }
-            Answer::Found(way) => {
-                let one = Request {
+            GraspAnswer::Found(way) => {
+                let one = GraspRequest {
                     within: Within { gaits: None, looks: Rc::clone(&request.within.looks) },
                     ..request.clone()
                 };
-                return Answer::Found(Way { bound: bound(&one).unwrap_or(0).min(way.cost), ..way });
+                return GraspAnswer::Found(GraspPath { bound: bound(&one).unwrap_or(0).min(way.cost), ..way });
             }
-            other @ (Answer::GaveUp(_) | Answer::LooksSpent { .. } | Answer::TooLarge { .. }) => return other,
+            other @ (GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } | GraspAnswer::TooLarge { .. }) => {
+                return other;
+            }
         }
     }
-    Answer::Impossible(farthest.unwrap_or(Blocked::NOWHERE))
+    GraspAnswer::Impossible(farthest.unwrap_or(FarthestRoute::NOWHERE))
 }
 
-fn by_legs(request: &Request, route: usize, estimator: Estimator, meter: &mut Meter) -> Answer {
+fn by_legs(request: &GraspRequest, route: usize, estimator: Estimator, meter: &mut Meter) -> GraspAnswer {
     let legs = &request.routes[route];
-    let mut way = Way { route, cost: 0, bound: 0, legs: Vec::new(), expanded: 0 };
+    let mut way = GraspPath { route, cost: 0, bound: 0, legs: Vec::new(), expanded: 0 };
     let mut start = request.start;
     for (at, leg) in legs.iter().enumerate() {
         let routes = vec![alone(leg, legs.get(at + 1))];
         let within = Within { gaits: None, looks: Rc::clone(&request.within.looks) };
-        let alone = Request { fingers: request.fingers, start, routes, costs: request.costs, within };
+        let alone = GraspRequest { fingers: request.fingers, start, routes, costs: request.costs, within };
         let nodes = match cheapest(&alone, estimator, meter) {
-            Answer::Found(part) => {
+            GraspAnswer::Found(part) => {
                 way.cost += part.cost;
                 way.expanded += part.expanded;
                 part.legs.into_iter().next().unwrap_or_default()
             }
-            Answer::Impossible(blocked) => return Answer::Impossible(Blocked { route, leg: at, ..blocked }),
-            other @ (Answer::GaveUp(_) | Answer::LooksSpent { .. } | Answer::TooLarge { .. }) => return other,
+            GraspAnswer::Impossible(blocked) => {
+                return GraspAnswer::Impossible(FarthestRoute { route, leg: at, ..blocked });
+            }
+            other @ (GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } | GraspAnswer::TooLarge { .. }) => {
+                return other;
+            }
         };
         let last = nodes.last().map(|node| node.grasp);
         way.legs.push(nodes);
-        let entry = legs.get(at + 1).map_or(Entry::Same, |next| next.entry);
+        let entry = legs.get(at + 1).map_or(Regrasp::Same, |next| next.entry);
         match last.and_then(|grasp| carried(grasp, entry)) {
             Some(grasp) => start = Start::At(grasp),
-            None => return Answer::Impossible(Blocked { route, leg: at, ..Blocked::NOWHERE }),
+            None => return GraspAnswer::Impossible(FarthestRoute { route, leg: at, ..FarthestRoute::NOWHERE }),
         }
     }
-    Answer::Found(way)
+    GraspAnswer::Found(way)
 }
 
 /// A leg by itself. Where it has to end at a junction the next one follows without its turn: the search then takes the cheapest of
 /// all permutations of fingers.
-pub fn alone(leg: &Leg, next: Option<&Leg>) -> Vec<Leg> {
-    let crossed = next.filter(|next| next.entry != Entry::Same);
-    let standing = crossed.map(|next| Leg { steps: 0, end: None, ..next.clone() });
-    std::iter::once(Leg { entry: Entry::Same, ..leg.clone() }).chain(standing).collect()
+pub fn alone(leg: &TurnLeg, next: Option<&TurnLeg>) -> Vec<TurnLeg> {
+    let crossed = next.filter(|next| next.entry != Regrasp::Same);
+    let standing = crossed.map(|next| TurnLeg { steps: 0, end: None, ..next.clone() });
+    std::iter::once(TurnLeg { entry: Regrasp::Same, ..leg.clone() }).chain(standing).collect()
 }
 
 /// Two fingers on two contacts, from 0.
@@ -77,8 +83,8 @@ pub fn grasp(fingers: &[usize], contacts: [usize; 2]) -> Grasp {
 }
 
 /// The grasp with which the next leg begins; `None` where it cannot go on.
-fn carried(held: Grasp, entry: Entry) -> Option<Grasp> {
-    let Entry::Across { old, new } = entry else { return Some(held) };
+fn carried(held: Grasp, entry: Regrasp) -> Option<Grasp> {
+    let Regrasp::Across { old, new } = entry else { return Some(held) };
     let fingers: Vec<usize> = (0..held.0.len()).filter(|finger| held.contact(*finger).is_some()).collect();
     let contacts: Vec<usize> = fingers.iter().filter_map(|finger| held.contact(*finger)).collect();
     let to = |contact: usize| old.iter().position(|old| *old == contact).map(|at| new[at]);

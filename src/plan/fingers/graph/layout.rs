@@ -90,7 +90,7 @@ impl Sets {
 
     /// The number of a chain, below [`Sets::chains`].
     #[inline]
-    pub fn index(&self, contacts: usize, chain: Chain) -> usize {
+    pub fn index(&self, contacts: usize, chain: GraspChain) -> usize {
         let [a, b, c] = chain.phases.map(usize::from);
         let set = usize::from(chain.set);
         if set < self.pairs {
@@ -103,22 +103,22 @@ impl Sets {
 
 impl Sets {
     /// The chain of a number.
-    pub fn chain(&self, contacts: usize, index: usize) -> Chain {
+    pub fn chain(&self, contacts: usize, index: usize) -> GraspChain {
         let (pairs, digit) =
             (self.pairs * contacts * contacts, |power: u32, at: usize| at / contacts.pow(power) % contacts);
         if index < pairs {
             let set = (index / contacts.pow(2)) as u8;
-            return Chain { set, phases: [digit(1, index) as u16, digit(0, index) as u16, 0] };
+            return GraspChain { set, phases: [digit(1, index) as u16, digit(0, index) as u16, 0] };
         }
         let at = index - pairs;
         let set = (self.pairs + at / contacts.pow(3)) as u8;
-        Chain { set, phases: [2, 1, 0].map(|power| digit(power, at) as u16) }
+        GraspChain { set, phases: [2, 1, 0].map(|power| digit(power, at) as u16) }
     }
 }
 
 /// Grasps of one set of fingers that roll into each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Chain {
+pub struct GraspChain {
     pub set: u8,
     /// Of each member of the set; 0 for the third of a pair.
     pub phases: [u16; 3],
@@ -126,11 +126,11 @@ pub struct Chain {
 
 /// A node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Spot {
+pub struct NodeSpot {
     pub leg: usize,
     /// Counted from the lowest of the leg.
     pub angle: usize,
-    pub chain: Chain,
+    pub chain: GraspChain,
 }
 
 /// Bits of a phase, and of an angle, in a packed spot.
@@ -142,7 +142,7 @@ pub const MAX_DIGIT: usize = 1 << DIGIT;
 /// Legs of a route stay within this.
 pub const MAX_LEGS: usize = 1 << 16;
 
-impl Spot {
+impl NodeSpot {
     /// As one number, smaller for earlier legs.
     #[inline]
     pub fn pack(self) -> u64 {
@@ -157,7 +157,7 @@ impl Spot {
         let digit = |place: u32| (number >> (place * DIGIT)) as usize & (MAX_DIGIT - 1);
         let phases = [digit(3) as u16, digit(2) as u16, digit(1) as u16];
         let set = (number >> (4 * DIGIT)) as u8 & 63;
-        Spot { leg: (number >> (4 * DIGIT + 6)) as usize, angle: digit(0), chain: Chain { set, phases } }
+        NodeSpot { leg: (number >> (4 * DIGIT + 6)) as usize, angle: digit(0), chain: GraspChain { set, phases } }
     }
 }
 

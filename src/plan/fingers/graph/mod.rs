@@ -27,10 +27,10 @@ mod walk;
 mod weave;
 
 use crate::device::fingers::MAX_FINGERS;
-use crate::plan::fingers::looks::Looks;
+use crate::plan::fingers::looks::LooksBudget;
 use crate::plan::fingers::mechanics::Lazy;
 use crate::plan::fingers::tables::Tables;
-use crate::plan::search::{Budget, GaveUp, Meter};
+use crate::plan::search::{GaveUp, Meter, SearchBudget};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -69,7 +69,7 @@ impl Grasp {
 
 /// How the grasp at the end of a leg becomes the one at the beginning of the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Entry {
+pub enum Regrasp {
     /// Both are in the same plane: all fingers stay on their contacts.
     Same,
     /// Exactly two fingers hold, on the contacts `old` (from 0) of the leg before; they are then on `new` of this leg, in this order.
@@ -78,7 +78,7 @@ pub enum Entry {
 
 /// A turn in one plane, from angle 0 to angle `steps`.
 #[derive(Debug, Clone)]
-pub struct Leg {
+pub struct TurnLeg {
     /// Of its section; with one layer for each angle, or with one for all. Legs with the same `Arc` share what is made of it.
     pub tables: Arc<Tables>,
     /// Where it ends; any sign, 0 for a leg that only takes another grasp.
@@ -88,14 +88,14 @@ pub struct Leg {
     /// The highest angle that it may visit, at least 0 and `steps`.
     pub highest: i32,
     /// How it follows the leg before it. Without meaning for the first leg.
-    pub entry: Entry,
+    pub entry: Regrasp,
     /// The grasp at its end; `None`: any.
     pub end: Option<Grasp>,
     /// Under a load: which of the grasps, steps and removals of the tables there really are. The tables are then those without it.
     pub lazy: Option<Rc<Lazy>>,
 }
 
-impl Leg {
+impl TurnLeg {
     /// How many angles it may visit.
     pub fn angles(&self) -> usize {
         (self.highest - self.lowest) as usize + 1
@@ -111,7 +111,7 @@ pub enum Start {
 
 /// What a way costs, in any unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Costs {
+pub struct GraspCosts {
     /// Rolling by one step, for each finger that holds. At least 1.
     pub roll: u32,
     /// Placing a finger, or taking one away.
@@ -120,13 +120,13 @@ pub struct Costs {
 
 /// What is asked.
 #[derive(Debug, Clone)]
-pub struct Request {
+pub struct GraspRequest {
     /// Of the device, 3 to 6.
     pub fingers: usize,
     pub start: Start,
     /// Each a sequence of at least one leg, to be taken from its first to its last.
-    pub routes: Vec<Vec<Leg>>,
-    pub costs: Costs,
+    pub routes: Vec<Vec<TurnLeg>>,
+    pub costs: GraspCosts,
     pub within: Within,
 }
 
@@ -136,7 +136,7 @@ pub struct Within {
     /// The most reconfigurations of a way; `None`: any number.
     pub gaits: Option<u32>,
     /// Shared by all searches of a task.
-    pub looks: Rc<Looks>,
+    pub looks: Rc<LooksBudget>,
 }
 
 /// How the way to go is estimated. Neither estimate is ever too large, so that both find ways of the same cost.
@@ -151,14 +151,14 @@ pub enum Estimator {
 
 /// A grasp at an angle of a leg, in steps from where the leg begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Node {
+pub struct GraspNode {
     pub grasp: Grasp,
     pub angle: i32,
 }
 
 /// A way.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Way {
+pub struct GraspPath {
     /// Index of the request's routes.
     pub route: usize,
     /// In the unit of the request's costs.
@@ -166,14 +166,14 @@ pub struct Way {
     /// No way of any route costs less; the cost itself where the way is proven cheapest.
     pub bound: u64,
     /// For each leg all nodes from its first at angle 0 to its last at its end; neighbours are joined by an edge.
-    pub legs: Vec<Vec<Node>>,
+    pub legs: Vec<Vec<GraspNode>>,
     /// How many nodes were expanded for it.
     pub expanded: u64,
 }
 
 /// The farthest that any route comes.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Blocked {
+pub struct FarthestRoute {
     /// Index of the request's routes: the first of those that come farthest.
     pub route: usize,
     /// Index of its first leg whose end is out of reach.
@@ -187,17 +187,17 @@ pub struct Blocked {
     pub is_known: bool,
 }
 
-impl Blocked {
+impl FarthestRoute {
     /// No route, or none of which anything is known.
-    const NOWHERE: Blocked = Blocked { route: 0, leg: 0, farthest: None, ends: 0, is_known: false };
+    const NOWHERE: FarthestRoute = FarthestRoute { route: 0, leg: 0, farthest: None, ends: 0, is_known: false };
 }
 
 /// What came of a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Answer {
-    Found(Way),
+pub enum GraspAnswer {
+    Found(GraspPath),
     /// Proven: there is no way.
-    Impossible(Blocked),
+    Impossible(FarthestRoute),
     /// The budget of expanded nodes ran out.
     GaveUp(GaveUp),
     /// The looks that all searches of a task share ran out; no way costs less than the bound.
@@ -213,7 +213,7 @@ pub enum Answer {
 /// The cheapest way of all routes within the limit of reconfigurations; of equally cheap ways one with the fewest reconfigurations.
 ///
 /// A step of the budget is a node that is expanded; what floods and placements look at is counted apart, by [`Looks`].
-pub fn solve(request: &Request, estimator: Estimator, budget: Budget) -> Answer {
+pub fn solve(request: &GraspRequest, estimator: Estimator, budget: SearchBudget) -> GraspAnswer {
     named::by_few(request, |request| route::cheapest(request, estimator, &mut Meter::new(budget)))
 }
 
@@ -222,6 +222,6 @@ pub fn solve(request: &Request, estimator: Estimator, budget: Budget) -> Answer 
 ///
 /// The bound of the way is one for the joint problem. [`Answer::Impossible`] is no proof here: it tells where the route that came
 /// farthest got stuck. Limits of reconfigurations are not searched for.
-pub fn decompose(request: &Request, estimator: Estimator, budget: Budget) -> Answer {
+pub fn decompose(request: &GraspRequest, estimator: Estimator, budget: SearchBudget) -> GraspAnswer {
     named::by_few(request, |request| greedy::decompose(request, estimator, budget))
 }

@@ -3,11 +3,11 @@
 //! At most three fingers hold at the same time, and a finger comes only where two hold. So of the fingers that neither the beginning nor a
 //! grasp that is asked for names, three stand for all: whichever comes, one of the three is free.
 
-use super::{Answer, Grasp, Request, Start, Way};
+use super::{Grasp, GraspAnswer, GraspPath, GraspRequest, Start};
 use crate::device::fingers::{MAX_FINGERS, MAX_HOLDING};
 
 /// The answer to a request, searched with the fewest fingers that it needs.
-pub fn by_few(request: &Request, solve: impl Fn(&Request) -> Answer) -> Answer {
+pub fn by_few(request: &GraspRequest, solve: impl Fn(&GraspRequest) -> GraspAnswer) -> GraspAnswer {
     let kept = kept(request);
     if kept.len() == request.fingers {
         return solve(request);
@@ -22,15 +22,16 @@ pub fn by_few(request: &Request, solve: impl Fn(&Request) -> Answer) -> Answer {
         leg.end = leg.end.map(few);
     }
     match solve(&fewer) {
-        Answer::Found(way) => Answer::Found(restored(way, &kept)),
-        other @ (Answer::Impossible(_) | Answer::GaveUp(_) | Answer::LooksSpent { .. } | Answer::TooLarge { .. }) => {
-            other
-        }
+        GraspAnswer::Found(way) => GraspAnswer::Found(restored(way, &kept)),
+        other @ (GraspAnswer::Impossible(_)
+        | GraspAnswer::GaveUp(_)
+        | GraspAnswer::LooksSpent { .. }
+        | GraspAnswer::TooLarge { .. }) => other,
     }
 }
 
 /// The fingers that are named, and three more if there are.
-fn kept(request: &Request) -> Vec<usize> {
+fn kept(request: &GraspRequest) -> Vec<usize> {
     let start = match request.start {
         Start::At(grasp) => Some(grasp),
         Start::Any => None,
@@ -55,7 +56,7 @@ fn moved(grasp: Grasp, from: impl Fn(usize) -> Option<usize>) -> Grasp {
     other
 }
 
-fn restored(mut way: Way, kept: &[usize]) -> Way {
+fn restored(mut way: GraspPath, kept: &[usize]) -> GraspPath {
     for node in way.legs.iter_mut().flatten() {
         node.grasp = moved(node.grasp, |to| kept.iter().position(|finger| *finger == to));
     }

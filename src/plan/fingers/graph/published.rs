@@ -11,13 +11,13 @@
 //! the same two fingers, the sum makes up for (checked on all classes in the tests). So the count is consistent. Where a leg ends in
 //! one of several grasps it is the least over them, each with what is to go from there.
 
-use super::course::Course;
-use super::layout::{Sets, Spot};
+use super::course::PreparedRoute;
+use super::layout::{NodeSpot, Sets};
 use super::walk::{Estimate, NEVER};
 
 /// A grasp that a leg may end with.
 #[derive(Debug, Clone, Copy)]
-struct Goal {
+struct EndGrasp {
     set: u8,
     /// In phases of the leg.
     phases: [u16; 3],
@@ -28,14 +28,14 @@ struct Goal {
 /// The estimate for one route.
 #[derive(Debug)]
 pub struct Published<'a> {
-    course: &'a Course,
+    course: &'a PreparedRoute,
     /// For each leg the grasps to aim at; `None` where any will do.
-    goals: Vec<Option<Vec<Goal>>>,
+    goals: Vec<Option<Vec<EndGrasp>>>,
 }
 
 impl<'a> Published<'a> {
     /// Reads off the goals of all legs, from the last to the first.
-    pub fn of(course: &'a Course) -> Self {
+    pub fn of(course: &'a PreparedRoute) -> Self {
         let mut published = Published { course, goals: vec![None; course.sheets.len()] };
         for leg in (0..course.sheets.len()).rev() {
             published.goals[leg] = published.aims(leg);
@@ -43,12 +43,12 @@ impl<'a> Published<'a> {
         published
     }
 
-    fn aims(&self, leg: usize) -> Option<Vec<Goal>> {
+    fn aims(&self, leg: usize) -> Option<Vec<EndGrasp>> {
         let course = self.course;
         let sheet = &course.sheets[leg];
-        let goal = |spot: Spot| {
+        let goal = |spot: NodeSpot| {
             let rest = if course.is_goal(spot) { 0 } else { self.gaits(course.next(spot)?) };
-            Some(Goal { set: spot.chain.set, phases: spot.chain.phases, rest }).filter(|goal| goal.rest != NEVER)
+            Some(EndGrasp { set: spot.chain.set, phases: spot.chain.phases, rest }).filter(|goal| goal.rest != NEVER)
         };
         if let Some(ends) = course.few_ends(leg) {
             return Some(ends.into_iter().filter_map(goal).collect());
@@ -57,21 +57,21 @@ impl<'a> Published<'a> {
         let next = course.sheets.get(leg + 1)?;
         let carried = |phase: u16| sheet.phase(sheet.end, next.contact(next.start, phase));
         let goals = self.goals[leg + 1].as_ref()?.iter();
-        Some(goals.map(|goal| Goal { phases: goal.phases.map(carried), ..*goal }).collect())
+        Some(goals.map(|goal| EndGrasp { phases: goal.phases.map(carried), ..*goal }).collect())
     }
 }
 
 impl Estimate for Published<'_> {
-    fn gaits(&self, spot: Spot) -> u32 {
+    fn gaits(&self, spot: NodeSpot) -> u32 {
         let Some(goals) = &self.goals[spot.leg] else { return 0 };
-        let count = |goal: &Goal| {
+        let count = |goal: &EndGrasp| {
             reconfigurations(&self.course.sets, (spot.chain.set, spot.chain.phases), (goal.set, goal.phases))
                 + goal.rest
         };
         goals.iter().map(count).min().unwrap_or(NEVER)
     }
 
-    fn is_settled(&self, _spot: Spot) -> bool {
+    fn is_settled(&self, _spot: NodeSpot) -> bool {
         true
     }
 

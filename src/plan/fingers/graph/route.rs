@@ -1,22 +1,22 @@
 //! Alternative routes as one search: the one with the least bound goes on, until it is at its goal.
 
 use super::apart;
-use super::course::{Course, courses};
-use super::flood::{Direction, Flood};
-use super::layout::Spot;
+use super::course::{PreparedRoute, courses};
+use super::flood::{Direction, GraspFlood};
+use super::layout::NodeSpot;
 use super::published::Published;
 use super::strands::has;
-use super::walk::{Estimate, NEVER, Progress, Ranked, Walk, ranked, unranked};
-use super::{Answer, Blocked, Costs, Estimator, Leg, Node, Request, Start, Way};
+use super::walk::{Estimate, NEVER, RankedEntry, RouteWalk, WalkProgress, ranked, unranked};
+use super::{Estimator, FarthestRoute, GraspAnswer, GraspCosts, GraspNode, GraspPath, GraspRequest, Start, TurnLeg};
 use crate::plan::search::Meter;
 
 /// The exact number of reconfigurations to go, as far as the flood has come; what it has not reached is farther.
 #[derive(Debug)]
-pub struct Layers<'a, const N: usize>(pub Flood<'a, N>);
+pub struct RemainingReconfigurations<'a, const N: usize>(pub GraspFlood<'a, N>);
 
-impl<const N: usize> Estimate for Layers<'_, N> {
+impl<const N: usize> Estimate for RemainingReconfigurations<'_, N> {
     #[inline]
-    fn gaits(&self, spot: Spot) -> u32 {
+    fn gaits(&self, spot: NodeSpot) -> u32 {
         match self.0.layer_of(spot) {
             Some(layer) => layer,
             None if self.0.ended() => NEVER,
@@ -25,7 +25,7 @@ impl<const N: usize> Estimate for Layers<'_, N> {
     }
 
     #[inline]
-    fn is_settled(&self, spot: Spot) -> bool {
+    fn is_settled(&self, spot: NodeSpot) -> bool {
         self.0.ended() || self.0.stopped() || self.0.layer_of(spot).is_some()
     }
 
@@ -35,12 +35,12 @@ impl<const N: usize> Estimate for Layers<'_, N> {
 }
 
 /// See [`super::solve`].
-pub fn cheapest(request: &Request, estimator: Estimator, meter: &mut Meter) -> Answer {
+pub fn cheapest(request: &GraspRequest, estimator: Estimator, meter: &mut Meter) -> GraspAnswer {
     let courses = match courses(request) {
         Ok(courses) => courses,
-        Err(nodes) => return Answer::TooLarge { nodes },
+        Err(nodes) => return GraspAnswer::TooLarge { nodes },
     };
-    let search = Search { request, courses: &courses, meter };
+    let search = RouteSearch { request, courses: &courses, meter };
     match angles(request) {
         0..=64 => search.run::<1>(estimator),
         65..=128 => search.run::<2>(estimator),
@@ -50,9 +50,9 @@ pub fn cheapest(request: &Request, estimator: Estimator, meter: &mut Meter) -> A
 
 /// No way of any route costs less; `None` where there is none, or where a route is too large. Where the looks run out, fewer
 /// reconfigurations are counted.
-pub fn bound(request: &Request) -> Option<u64> {
+pub fn bound(request: &GraspRequest) -> Option<u64> {
     let courses = courses(request).ok()?;
-    let bound = |course: &Course| {
+    let bound = |course: &PreparedRoute| {
         let gaits = match angles(request) {
             0..=64 => gaits::<1>(course, request.start),
             65..=128 => gaits::<2>(course, request.start),
@@ -65,11 +65,11 @@ pub fn bound(request: &Request) -> Option<u64> {
 }
 
 /// The least number of reconfigurations from the start to the end.
-fn gaits<const N: usize>(course: &Course, start: Start) -> u32 {
+fn gaits<const N: usize>(course: &PreparedRoute, start: Start) -> u32 {
     if course.looks.are_spent() {
         return 0;
     }
-    let layers = Layers(flooded::<N>(course, start));
+    let layers = RemainingReconfigurations(flooded::<N>(course, start));
     let sheet = &course.sheets[0];
     let mut least = NEVER;
     match start {
@@ -81,7 +81,7 @@ fn gaits<const N: usize>(course: &Course, start: Start) -> u32 {
                     return 0;
                 }
                 let chain = course.sets.chain(sheet.contacts, number);
-                let spot = Spot { leg: 0, angle: sheet.start, chain };
+                let spot = NodeSpot { leg: 0, angle: sheet.start, chain };
                 let held = &course.contacts(spot)[..course.sets.members(chain.set).len()];
                 if sheet.holds(sheet.start, held) {
                     least = least.min(layers.gaits(spot));
@@ -93,8 +93,8 @@ fn gaits<const N: usize>(course: &Course, start: Start) -> u32 {
 }
 
 /// The most angles of a leg.
-fn angles(request: &Request) -> usize {
-    request.routes.iter().flatten().map(Leg::angles).max().unwrap_or(1)
+fn angles(request: &GraspRequest) -> usize {
+    request.routes.iter().flatten().map(TurnLeg::angles).max().unwrap_or(1)
 }
 
 /// A route that may still be the cheapest.
@@ -103,19 +103,19 @@ struct Candidate<'a, E> {
     /// No way of it costs less.
     bound: u64,
     /// `None` until its turn comes.
-    walk: Option<Walk<'a, E>>,
+    walk: Option<RouteWalk<'a, E>>,
 }
 
-struct Search<'a> {
-    request: &'a Request,
-    courses: &'a [Course],
+struct RouteSearch<'a> {
+    request: &'a GraspRequest,
+    courses: &'a [PreparedRoute],
     meter: &'a mut Meter,
 }
 
-impl<'a> Search<'a> {
-    fn run<const N: usize>(mut self, estimator: Estimator) -> Answer {
+impl<'a> RouteSearch<'a> {
+    fn run<const N: usize>(mut self, estimator: Estimator) -> GraspAnswer {
         if let Some(route) = self.courses.iter().position(|course| course.sheets.is_empty()) {
-            return Answer::Found(Way { route, cost: 0, bound: 0, legs: Vec::new(), expanded: 0 });
+            return GraspAnswer::Found(GraspPath { route, cost: 0, bound: 0, legs: Vec::new(), expanded: 0 });
         }
         let bounds = match self.request.routes.len() {
             0..=apart::FEW => None,
@@ -125,7 +125,7 @@ impl<'a> Search<'a> {
             Estimator::Published => self.portfolio(bounds.as_deref(), Published::of),
             Estimator::Layers => {
                 let start = self.request.start;
-                self.portfolio(bounds.as_deref(), |course| Layers::<N>(flooded(course, start)))
+                self.portfolio(bounds.as_deref(), |course| RemainingReconfigurations::<N>(flooded(course, start)))
             }
         };
         if let Some(found) = found {
@@ -133,10 +133,10 @@ impl<'a> Search<'a> {
         }
         // How far ways within a limit come is not asked.
         let blocked = match self.request.within.gaits {
-            Some(_) => Blocked::NOWHERE,
+            Some(_) => FarthestRoute::NOWHERE,
             None => blocked::<N>(self.courses, self.request.start),
         };
-        Answer::Impossible(blocked)
+        GraspAnswer::Impossible(blocked)
     }
 
     /// Lets the route with the least bound, the first of several, go on up to the bound of the next one.
@@ -145,8 +145,8 @@ impl<'a> Search<'a> {
     fn portfolio<E: Estimate>(
         &mut self,
         bounds: Option<&[Option<u64>]>,
-        estimate: impl Fn(&'a Course) -> E,
-    ) -> Option<Answer> {
+        estimate: impl Fn(&'a PreparedRoute) -> E,
+    ) -> Option<GraspAnswer> {
         let (all, costs) = (self.request.costs, reduced(self.request.costs));
         let unit = u64::from(all.roll.max(all.gait) / costs.roll.max(costs.gait).max(1));
         let mut open: Vec<Candidate<'a, E>> = (self.courses.iter().enumerate())
@@ -159,7 +159,7 @@ impl<'a> Search<'a> {
             })
             .collect();
         let before = self.meter.spent();
-        let costs = Ranked::of(costs);
+        let costs = RankedEntry::of(costs);
         loop {
             let at = (0..open.len()).min_by_key(|at| (open[*at].bound, open[*at].route))?;
             let limit = (open.iter().enumerate())
@@ -177,18 +177,20 @@ impl<'a> Search<'a> {
                 continue;
             };
             match walk.advance(limit.unwrap_or(u64::MAX), self.meter) {
-                Progress::Found(cost) => {
+                WalkProgress::Found(cost) => {
                     let (route, expanded) = (candidate.route, self.meter.spent() - before);
                     let cost = unranked(cost) * unit;
                     let legs = legs(&self.courses[route], &walk.way());
-                    return Some(Answer::Found(Way { route, cost, bound: cost, legs, expanded }));
+                    return Some(GraspAnswer::Found(GraspPath { route, cost, bound: cost, legs, expanded }));
                 }
-                Progress::AtLeast(bound) => candidate.bound = bound,
-                Progress::Exhausted => drop(open.remove(at)),
-                Progress::Spent(bound) if self.courses[candidate.route].looks.are_spent() => {
-                    return Some(Answer::LooksSpent { bound: unranked(bound) * unit });
+                WalkProgress::AtLeast(bound) => candidate.bound = bound,
+                WalkProgress::Exhausted => drop(open.remove(at)),
+                WalkProgress::Spent(bound) if self.courses[candidate.route].looks.are_spent() => {
+                    return Some(GraspAnswer::LooksSpent { bound: unranked(bound) * unit });
                 }
-                Progress::Spent(bound) => return Some(Answer::GaveUp(self.meter.gave_up(unranked(bound) * unit))),
+                WalkProgress::Spent(bound) => {
+                    return Some(GraspAnswer::GaveUp(self.meter.gave_up(unranked(bound) * unit)));
+                }
             }
         }
     }
@@ -197,42 +199,42 @@ impl<'a> Search<'a> {
     fn begun<E: Estimate>(
         &self,
         route: usize,
-        costs: Ranked,
-        estimate: impl Fn(&'a Course) -> E,
-    ) -> Option<Walk<'a, E>> {
+        costs: RankedEntry,
+        estimate: impl Fn(&'a PreparedRoute) -> E,
+    ) -> Option<RouteWalk<'a, E>> {
         let course = &self.courses[route];
         match self.request.start {
-            Start::Any => Some(Walk::anywhere(course, costs, estimate(course))),
+            Start::Any => Some(RouteWalk::anywhere(course, costs, estimate(course))),
             Start::At(grasp) => {
                 let start = course.place(0, course.sheets[0].start, &grasp)?;
-                Some(Walk::at(course, costs, estimate(course), start))
+                Some(RouteWalk::at(course, costs, estimate(course), start))
             }
         }
     }
 }
 
 /// The costs divided by what they have in common.
-fn reduced(costs: Costs) -> Costs {
+fn reduced(costs: GraspCosts) -> GraspCosts {
     let (mut a, mut b) = (costs.roll, costs.gait);
     while b != 0 {
         (a, b) = (b, a % b);
     }
     let unit = a.max(1);
-    Costs { roll: costs.roll / unit, gait: costs.gait / unit }
+    GraspCosts { roll: costs.roll / unit, gait: costs.gait / unit }
 }
 
 /// What two fingers cost that roll all the way.
-fn least(course: &Course, costs: Costs) -> u64 {
+fn least(course: &PreparedRoute, costs: GraspCosts) -> u64 {
     let steps = course.sheets.iter().map(|sheet| sheet.start.abs_diff(sheet.end) as u64);
     2 * u64::from(costs.roll) * steps.sum::<u64>()
 }
 
 /// A flood from the goals that has come to the start, or to its end.
-pub fn flooded<const N: usize>(course: &Course, start: Start) -> Flood<'_, N> {
+pub fn flooded<const N: usize>(course: &PreparedRoute, start: Start) -> GraspFlood<'_, N> {
     let leg = course.sheets.len() - 1;
     let mut flood = match course.few_ends(leg) {
-        Some(ends) => Flood::from(course, Direction::Back, &ends),
-        None => Flood::from_all(course, Direction::Back, leg, course.sheets[leg].end),
+        Some(ends) => GraspFlood::from(course, Direction::Back, &ends),
+        None => GraspFlood::from_all(course, Direction::Back, leg, course.sheets[leg].end),
     };
     while !flood.ended() && !flood.stopped() && !arrived(&flood, course, start) {
         flood.deepen();
@@ -241,7 +243,7 @@ pub fn flooded<const N: usize>(course: &Course, start: Start) -> Flood<'_, N> {
 }
 
 /// Whether a flood from the goals has just come to the start.
-fn arrived<const N: usize>(flood: &Flood<N>, course: &Course, start: Start) -> bool {
+fn arrived<const N: usize>(flood: &GraspFlood<N>, course: &PreparedRoute, start: Start) -> bool {
     match start {
         Start::Any => flood.arrives(),
         Start::At(grasp) => {
@@ -251,34 +253,34 @@ fn arrived<const N: usize>(flood: &Flood<N>, course: &Course, start: Start) -> b
 }
 
 /// The nodes of a way by legs.
-fn legs(course: &Course, way: &[Spot]) -> Vec<Vec<Node>> {
-    let mut legs: Vec<Vec<Node>> = vec![Vec::new(); course.sheets.len()];
+fn legs(course: &PreparedRoute, way: &[NodeSpot]) -> Vec<Vec<GraspNode>> {
+    let mut legs: Vec<Vec<GraspNode>> = vec![Vec::new(); course.sheets.len()];
     for spot in way {
         let angle = spot.angle as i32 - course.sheets[spot.leg].start as i32;
-        legs[spot.leg].push(Node { grasp: course.grasp(*spot), angle });
+        legs[spot.leg].push(GraspNode { grasp: course.grasp(*spot), angle });
     }
     legs
 }
 
 /// The farthest that any route comes, when none comes to its end.
-fn blocked<const N: usize>(courses: &[Course], start: Start) -> Blocked {
+fn blocked<const N: usize>(courses: &[PreparedRoute], start: Start) -> FarthestRoute {
     let reports = courses.iter().enumerate().map(|(route, course)| stuck::<N>(route, course, start));
-    let mut farthest: Option<Blocked> = None;
+    let mut farthest: Option<FarthestRoute> = None;
     for report in reports {
         if farthest.as_ref().is_none_or(|other| other.leg < report.leg) {
             farthest = Some(report);
         }
     }
-    farthest.unwrap_or(Blocked::NOWHERE)
+    farthest.unwrap_or(FarthestRoute::NOWHERE)
 }
 
 /// Where a route that has no way comes to a stop.
-fn stuck<const N: usize>(route: usize, course: &Course, start: Start) -> Blocked {
-    let mut flood: Flood<N> = match start {
-        Start::Any => Flood::from_all(course, Direction::Onward, 0, course.sheets[0].start),
+fn stuck<const N: usize>(route: usize, course: &PreparedRoute, start: Start) -> FarthestRoute {
+    let mut flood: GraspFlood<N> = match start {
+        Start::Any => GraspFlood::from_all(course, Direction::Onward, 0, course.sheets[0].start),
         Start::At(grasp) => {
             let spot = course.place(0, course.sheets[0].start, &grasp);
-            Flood::from(course, Direction::Onward, spot.as_slice())
+            GraspFlood::from(course, Direction::Onward, spot.as_slice())
         }
     };
     while !flood.ended() && !flood.stopped() {
@@ -290,7 +292,7 @@ fn stuck<const N: usize>(route: usize, course: &Course, start: Start) -> Blocked
     let sheet = &course.sheets[leg];
     let reached = (0..sheet.angles).filter(|angle| has(&flood.angles(leg), *angle));
     let farthest = reached.min_by_key(|angle| angle.abs_diff(sheet.end)).map(|angle| angle as i32 - sheet.start as i32);
-    let may_end = |spot: &Spot| course.is_goal(*spot) || course.next(*spot).is_some();
+    let may_end = |spot: &NodeSpot| course.is_goal(*spot) || course.next(*spot).is_some();
     let ends = match course.few_ends(leg) {
         Some(ends) => ends.iter().filter(|spot| may_end(spot)).count() as u64,
         None => course.count(leg, sheet.end),
@@ -299,5 +301,5 @@ fn stuck<const N: usize>(route: usize, course: &Course, start: Start) -> Blocked
     let is_known = !flood.stopped() && course.sheets.iter().all(|sheet| sheet.lazy.is_none());
     // Any grasp holds somewhere, unless it was found that none does.
     let farthest = farthest.or((start == Start::Any && !is_known).then_some(0));
-    Blocked { route, leg, farthest, ends, is_known }
+    FarthestRoute { route, leg, farthest, ends, is_known }
 }

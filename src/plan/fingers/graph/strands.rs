@@ -5,10 +5,10 @@
 
 use super::layout::{ahead, wrapped};
 use super::weave::columns;
-use crate::plan::fingers::tables::{Layer, Tables};
+use crate::plan::fingers::tables::{AngleLayer, Tables};
 
 /// One bit for each angle.
-pub type Mask<const N: usize> = [u64; N];
+pub type AngleMask<const N: usize> = [u64; N];
 
 /// Bits of many strands, the same number of words for each.
 #[derive(Debug)]
@@ -59,7 +59,7 @@ impl Strand {
 
     /// The bits of a strand from one on; those behind the leg's angles have no meaning.
     #[inline]
-    pub fn window<const N: usize>(&self, strand: usize, bit: usize) -> Mask<N> {
+    pub fn window<const N: usize>(&self, strand: usize, bit: usize) -> AngleMask<N> {
         let from = strand * self.stride + bit / 64;
         let shift = bit % 64;
         let mut mask = [0; N];
@@ -77,7 +77,7 @@ impl Strand {
 pub struct Strands {
     contacts: usize,
     /// Whether all angles have the same layer.
-    turning: Turning,
+    turning: StrandTurning,
     /// Pairs that are nodes.
     pub hold_pair: Strand,
     /// From an angle to the next, with a node at both ends.
@@ -91,7 +91,7 @@ pub struct Strands {
 
 /// How strands go with angles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Turning {
+enum StrandTurning {
     /// One cyclic strand for each distance between contacts.
     Alike,
     /// One strand for each chain.
@@ -100,7 +100,7 @@ enum Turning {
 
 /// Where the strands of chains with the same first phase begin.
 #[derive(Debug, Clone, Copy)]
-pub struct Head {
+pub struct StrandHead {
     /// Of the strands, in units of first phases.
     row: usize,
     /// The bit of the lowest angle.
@@ -111,16 +111,16 @@ impl Strands {
     /// Of tables for legs of at most so many angles.
     pub fn of(tables: &Tables, angles: usize) -> Self {
         let contacts = tables.contacts;
-        let turning = if tables.layers.len() == 1 { Turning::Alike } else { Turning::Apart };
+        let turning = if tables.layers.len() == 1 { StrandTurning::Alike } else { StrandTurning::Apart };
         let (rows, bits) = match turning {
-            Turning::Alike => (1, contacts + angles),
-            Turning::Apart => (contacts, angles),
+            StrandTurning::Alike => (1, contacts + angles),
+            StrandTurning::Apart => (contacts, angles),
         };
         let [hold_pair, roll_pair] = std::array::from_fn(|_| Strand::new(rows * contacts, bits));
         let [roll_triple, place, leave] = std::array::from_fn(|_| Strand::new(rows * contacts * contacts, bits));
         let mut strands = Strands { contacts, turning, hold_pair, roll_pair, roll_triple, place, leave };
         match turning {
-            Turning::Alike => {
+            StrandTurning::Alike => {
                 let here = &tables.layers[0];
                 for first in 0..contacts {
                     strands.lay_pairs(tables, [here, here], first, (0, wrapped(contacts - first, contacts)));
@@ -128,7 +128,7 @@ impl Strands {
                 (0..contacts).for_each(|one| strands.weave(tables, one));
                 strands.repeat(contacts, bits);
             }
-            Turning::Apart => {
+            StrandTurning::Apart => {
                 for angle in 0..angles {
                     let above = tables.layer((angle + 1).min(tables.layers.len() - 1));
                     for first in 0..contacts {
@@ -177,7 +177,13 @@ impl Strands {
     }
 
     /// The bits of all pairs with a first contact, whose strands are in a row, at one bit of them.
-    fn lay_pairs(&mut self, tables: &Tables, [here, above]: [&Layer; 2], first: usize, (row, bit): (usize, usize)) {
+    fn lay_pairs(
+        &mut self,
+        tables: &Tables,
+        [here, above]: [&AngleLayer; 2],
+        first: usize,
+        (row, bit): (usize, usize),
+    ) {
         let contacts = self.contacts;
         for one in 0..contacts {
             let second = wrapped(first + one, contacts);
@@ -194,7 +200,13 @@ impl Strands {
     }
 
     /// The bits of all triples with a first contact.
-    fn lay_triples(&mut self, tables: &Tables, [here, above]: [&Layer; 2], first: usize, (row, bit): (usize, usize)) {
+    fn lay_triples(
+        &mut self,
+        tables: &Tables,
+        [here, above]: [&AngleLayer; 2],
+        first: usize,
+        (row, bit): (usize, usize),
+    ) {
         let contacts = self.contacts;
         for (one, two) in (0..contacts).flat_map(|one| (0..contacts).map(move |two| (one, two))) {
             let [second, third] = [one, two].map(|apart| wrapped(first + apart, contacts));
@@ -219,22 +231,24 @@ impl Strands {
 
     /// Where chains with a first phase begin.
     #[inline]
-    pub fn head(&self, phase: u16) -> Head {
+    pub fn head(&self, phase: u16) -> StrandHead {
         match self.turning {
-            Turning::Alike => Head { row: 0, bit: wrapped(self.contacts - usize::from(phase), self.contacts) },
-            Turning::Apart => Head { row: usize::from(phase), bit: 0 },
+            StrandTurning::Alike => {
+                StrandHead { row: 0, bit: wrapped(self.contacts - usize::from(phase), self.contacts) }
+            }
+            StrandTurning::Apart => StrandHead { row: usize::from(phase), bit: 0 },
         }
     }
 
     /// The strand of a pair.
     #[inline]
-    pub fn pair(&self, head: Head, phases: [u16; 2]) -> usize {
+    pub fn pair(&self, head: StrandHead, phases: [u16; 2]) -> usize {
         head.row * self.contacts + ahead(phases[0], phases[1], self.contacts)
     }
 
     /// The strand of a triple; the third phase counts as the one that comes or leaves.
     #[inline]
-    pub fn triple(&self, head: Head, phases: [u16; 3]) -> usize {
+    pub fn triple(&self, head: StrandHead, phases: [u16; 3]) -> usize {
         self.pair(head, [phases[0], phases[1]]) * self.contacts + ahead(phases[0], phases[2], self.contacts)
     }
 }
@@ -246,7 +260,7 @@ fn before(contact: usize, contacts: usize) -> usize {
 
 /// The bits below one.
 #[inline]
-pub fn below<const N: usize>(mut mask: Mask<N>, end: usize) -> Mask<N> {
+pub fn below<const N: usize>(mut mask: AngleMask<N>, end: usize) -> AngleMask<N> {
     for (at, word) in mask.iter_mut().enumerate() {
         let kept = end.saturating_sub(at * 64);
         if kept < 64 {
@@ -258,25 +272,25 @@ pub fn below<const N: usize>(mut mask: Mask<N>, end: usize) -> Mask<N> {
 
 /// What two masks have in common.
 #[inline]
-pub fn both<const N: usize>(a: Mask<N>, b: Mask<N>) -> Mask<N> {
+pub fn both<const N: usize>(a: AngleMask<N>, b: AngleMask<N>) -> AngleMask<N> {
     std::array::from_fn(|at| a[at] & b[at])
 }
 
 /// What the first has and the second has not.
 #[inline]
-pub fn except<const N: usize>(a: Mask<N>, b: Mask<N>) -> Mask<N> {
+pub fn except<const N: usize>(a: AngleMask<N>, b: AngleMask<N>) -> AngleMask<N> {
     std::array::from_fn(|at| a[at] & !b[at])
 }
 
 /// Whether a mask has a bit.
 #[inline]
-pub fn has<const N: usize>(mask: &Mask<N>, bit: usize) -> bool {
+pub fn has<const N: usize>(mask: &AngleMask<N>, bit: usize) -> bool {
     mask[bit / 64] >> (bit % 64) & 1 == 1
 }
 
 /// The mask of one bit.
 #[inline]
-pub fn single<const N: usize>(bit: usize) -> Mask<N> {
+pub fn single<const N: usize>(bit: usize) -> AngleMask<N> {
     let mut mask = [0; N];
     mask[bit / 64] = 1 << (bit % 64);
     mask
@@ -287,7 +301,7 @@ pub fn single<const N: usize>(bit: usize) -> Mask<N> {
 /// A carry runs upwards from a seed through the steps above it and comes to rest one past their end: that is the upper part for
 /// masks of one word. The rest doubles the way with each shift.
 #[inline]
-pub fn spread<const N: usize>(seeds: Mask<N>, rolls: Mask<N>) -> Mask<N> {
+pub fn spread<const N: usize>(seeds: AngleMask<N>, rolls: AngleMask<N>) -> AngleMask<N> {
     let mut filled = seeds;
     if N == 1 {
         filled[0] |= rolls[0] ^ rolls[0].wrapping_add(seeds[0] & rolls[0]);
@@ -315,7 +329,7 @@ pub fn spread<const N: usize>(seeds: Mask<N>, rolls: Mask<N>) -> Mask<N> {
 }
 
 #[inline]
-fn shifted_up<const N: usize>(mask: Mask<N>, by: usize) -> Mask<N> {
+fn shifted_up<const N: usize>(mask: AngleMask<N>, by: usize) -> AngleMask<N> {
     let (words, bits) = (by / 64, by % 64);
     std::array::from_fn(|at| {
         let low = |back: usize| at.checked_sub(words + back).map_or(0, |from| mask[from]);
@@ -324,7 +338,7 @@ fn shifted_up<const N: usize>(mask: Mask<N>, by: usize) -> Mask<N> {
 }
 
 #[inline]
-fn shifted_down<const N: usize>(mask: Mask<N>, by: usize) -> Mask<N> {
+fn shifted_down<const N: usize>(mask: AngleMask<N>, by: usize) -> AngleMask<N> {
     let (words, bits) = (by / 64, by % 64);
     std::array::from_fn(|at| {
         let high = |on: usize| mask.get(at + words + on).copied().unwrap_or(0);

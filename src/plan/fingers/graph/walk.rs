@@ -12,9 +12,9 @@
 //! Placements are expanded partially: those that do not raise the estimated cost are met at once, the rest when their own cost
 //! comes up.
 
-use super::course::Course;
+use super::course::PreparedRoute;
 use super::flood::{inserted, removed};
-use super::layout::{Chain, Spot, wrapped};
+use super::layout::{GraspChain, NodeSpot, wrapped};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
@@ -31,14 +31,14 @@ const COUNT: u32 = 20;
 /// Costs as the search adds them up: of two ways of the same cost that with fewer reconfigurations counts less, and how many it has can
 /// be read off.
 #[derive(Debug, Clone, Copy)]
-pub struct Ranked {
+pub struct RankedEntry {
     roll: u64,
     gait: u64,
 }
 
-impl Ranked {
-    pub fn of(costs: super::Costs) -> Ranked {
-        Ranked { roll: ranked(u64::from(costs.roll)), gait: ranked(u64::from(costs.gait)) + 1 }
+impl RankedEntry {
+    pub fn of(costs: super::GraspCosts) -> RankedEntry {
+        RankedEntry { roll: ranked(u64::from(costs.roll)), gait: ranked(u64::from(costs.gait)) + 1 }
     }
 }
 
@@ -60,10 +60,10 @@ fn gaits_of(cost: u64) -> u32 {
 /// Counts reconfigurations to go.
 pub trait Estimate {
     /// A bound from below for a node; [`NEVER`] where no goal can be reached. It may grow by [`Estimate::deepen`] only.
-    fn gaits(&self, spot: Spot) -> u32;
+    fn gaits(&self, spot: NodeSpot) -> u32;
 
     /// Whether the bound of a node will not grow any more.
-    fn is_settled(&self, spot: Spot) -> bool;
+    fn is_settled(&self, spot: NodeSpot) -> bool;
 
     /// Works on, so that bounds that are not settled may grow.
     fn deepen(&mut self);
@@ -71,7 +71,7 @@ pub trait Estimate {
 
 /// How far a walk came.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Progress {
+pub enum WalkProgress {
     /// The goal, at this cost.
     Found(u64),
     /// No goal costs less than this.
@@ -84,7 +84,7 @@ pub enum Progress {
 
 /// A node that was met.
 #[derive(Debug, Clone, Copy)]
-struct Record {
+struct WalkRecord {
     spot: u64,
     /// The least cost from the start so far.
     cost: u64,
@@ -96,7 +96,7 @@ const NO_PARENT: u32 = u32::MAX;
 
 /// A record at a cost, and by how much the placements that are not met yet raise the estimated cost at least.
 #[derive(Debug, Clone, Copy)]
-struct Entry {
+struct WalkEntry {
     record: u32,
     cost: u64,
     raise: u64,
@@ -113,17 +113,17 @@ struct Starts {
 
 /// The search through one route.
 #[derive(Debug)]
-pub struct Walk<'a, E> {
-    course: &'a Course,
-    costs: Ranked,
+pub struct RouteWalk<'a, E> {
+    course: &'a PreparedRoute,
+    costs: RankedEntry,
     pub estimate: E,
-    records: Vec<Record>,
+    records: Vec<WalkRecord>,
     /// By the node, and by the reconfigurations so far where these are limited.
     known: FxHashMap<(u64, u32), u32>,
     /// The fewest reconfigurations with which a node was expanded, where they are limited: who comes later with as many costs more.
     expanded: FxHashMap<u64, u32>,
     /// By estimated cost of the whole way, then by what is to go.
-    open: BTreeMap<(u64, u64), Vec<Entry>>,
+    open: BTreeMap<(u64, u64), Vec<WalkEntry>>,
     starts: Option<Starts>,
     /// The steps of all legs after each one.
     behind: Vec<u64>,
@@ -131,41 +131,52 @@ pub struct Walk<'a, E> {
 }
 
 /// The record of an entry that stands for the starts.
-const STARTS: Entry = Entry { record: u32::MAX, cost: 0, raise: 0 };
+const STARTS: WalkEntry = WalkEntry { record: u32::MAX, cost: 0, raise: 0 };
 
-impl<'a, E: Estimate> Walk<'a, E> {
+impl<'a, E: Estimate> RouteWalk<'a, E> {
     /// A walk from one node.
-    pub fn at(course: &'a Course, costs: Ranked, estimate: E, start: Spot) -> Self {
-        let mut walk = Walk::new(course, costs, estimate);
+    pub fn at(course: &'a PreparedRoute, costs: RankedEntry, estimate: E, start: NodeSpot) -> Self {
+        let mut walk = RouteWalk::new(course, costs, estimate);
         walk.meet(start, 0, NO_PARENT);
         walk
     }
 
     /// A walk from any node at the beginning.
-    pub fn anywhere(course: &'a Course, costs: Ranked, estimate: E) -> Self {
-        let mut walk = Walk::new(course, costs, estimate);
+    pub fn anywhere(course: &'a PreparedRoute, costs: RankedEntry, estimate: E) -> Self {
+        let mut walk = RouteWalk::new(course, costs, estimate);
         walk.queue_starts(Starts { gaits: 0, from: 0 });
         walk
     }
 
-    fn new(course: &'a Course, costs: Ranked, estimate: E) -> Self {
+    fn new(course: &'a PreparedRoute, costs: RankedEntry, estimate: E) -> Self {
         let steps = |leg: usize| course.sheets[leg].start.abs_diff(course.sheets[leg].end) as u64;
         let behind = (0..course.sheets.len()).map(|leg| (leg + 1..course.sheets.len()).map(steps).sum()).collect();
         let (known, expanded, open) = (FxHashMap::default(), FxHashMap::default(), BTreeMap::new());
-        Walk { course, costs, estimate, records: Vec::new(), known, expanded, open, starts: None, behind, goal: None }
+        RouteWalk {
+            course,
+            costs,
+            estimate,
+            records: Vec::new(),
+            known,
+            expanded,
+            open,
+            starts: None,
+            behind,
+            goal: None,
+        }
     }
 
     /// Goes on while the estimated cost is at most a limit.
-    pub fn advance(&mut self, limit: u64, meter: &mut Meter) -> Progress {
+    pub fn advance(&mut self, limit: u64, meter: &mut Meter) -> WalkProgress {
         loop {
             let Some((key, entry)) = self.pop(limit) else {
                 return self
                     .open
                     .first_key_value()
-                    .map_or(Progress::Exhausted, |((cost, _), _)| Progress::AtLeast(*cost));
+                    .map_or(WalkProgress::Exhausted, |((cost, _), _)| WalkProgress::AtLeast(*cost));
             };
             if self.course.looks.are_spent() {
-                return Progress::Spent(key.0);
+                return WalkProgress::Spent(key.0);
             }
             if entry.record == STARTS.record {
                 self.begin();
@@ -175,17 +186,17 @@ impl<'a, E: Estimate> Walk<'a, E> {
             if record.cost != entry.cost {
                 continue;
             }
-            let spot = Spot::unpack(record.spot);
+            let spot = NodeSpot::unpack(record.spot);
             if entry.raise == 0 && (self.is_covered(record) || !self.is_due(spot, key.1, entry)) {
                 continue;
             }
             if entry.raise == 0 && self.course.is_goal(spot) {
                 self.goal = Some(entry.record);
-                return Progress::Found(entry.cost);
+                return WalkProgress::Found(entry.cost);
             }
             if meter.step().is_none() {
                 self.open.entry(key).or_default().push(entry);
-                return Progress::Spent(key.0);
+                return WalkProgress::Spent(key.0);
             }
             if self.course.most_gaits.is_some() && entry.raise == 0 {
                 self.expanded.insert(record.spot, gaits_of(entry.cost));
@@ -194,7 +205,7 @@ impl<'a, E: Estimate> Walk<'a, E> {
         }
     }
 
-    fn pop(&mut self, limit: u64) -> Option<((u64, u64), Entry)> {
+    fn pop(&mut self, limit: u64) -> Option<((u64, u64), WalkEntry)> {
         loop {
             let mut first = self.open.first_entry().filter(|first| first.key().0 <= limit)?;
             match first.get_mut().pop() {
@@ -205,7 +216,7 @@ impl<'a, E: Estimate> Walk<'a, E> {
     }
 
     /// Whether a node's estimate is still what it was queued with, and final; if not it is queued anew.
-    fn is_due(&mut self, spot: Spot, queued: u64, entry: Entry) -> bool {
+    fn is_due(&mut self, spot: NodeSpot, queued: u64, entry: WalkEntry) -> bool {
         let to_go = self.to_go(spot, entry.cost);
         if to_go == Some(queued) && self.estimate.is_settled(spot) {
             return true;
@@ -220,13 +231,13 @@ impl<'a, E: Estimate> Walk<'a, E> {
     }
 
     /// Whether a node was expanded with no more reconfigurations so far, and thus at no more cost, where they are limited.
-    fn is_covered(&self, record: Record) -> bool {
+    fn is_covered(&self, record: WalkRecord) -> bool {
         self.expanded.get(&record.spot).is_some_and(|gaits| *gaits <= gaits_of(record.cost))
     }
 
     /// h of a node that was reached at a cost; `None` where no goal can be reached within the limit.
     #[inline]
-    fn to_go(&self, spot: Spot, cost: u64) -> Option<u64> {
+    fn to_go(&self, spot: NodeSpot, cost: u64) -> Option<u64> {
         let gaits = self.estimate.gaits(spot);
         let steps = self.course.sheets[spot.leg].end.abs_diff(spot.angle) as u64 + self.behind[spot.leg];
         let rolling = 2 * self.costs.roll * steps;
@@ -236,25 +247,25 @@ impl<'a, E: Estimate> Walk<'a, E> {
     }
 
     /// Takes a node into the queue, unless it is known at this cost or less.
-    fn meet(&mut self, spot: Spot, cost: u64, parent: u32) {
+    fn meet(&mut self, spot: NodeSpot, cost: u64, parent: u32) {
         let Some(to_go) = self.to_go(spot, cost) else { return };
         let number = spot.pack();
         let next = self.records.len() as u32;
         let counted = self.course.most_gaits.map_or(0, |_| gaits_of(cost));
         let record = *self.known.entry((number, counted)).or_insert(next);
         if record == next {
-            self.records.push(Record { spot: number, cost, parent });
+            self.records.push(WalkRecord { spot: number, cost, parent });
         } else if self.records[record as usize].cost <= cost {
             return;
         } else {
-            self.records[record as usize] = Record { spot: number, cost, parent };
+            self.records[record as usize] = WalkRecord { spot: number, cost, parent };
         }
-        self.open.entry((cost + to_go, to_go)).or_default().push(Entry { record, cost, raise: 0 });
+        self.open.entry((cost + to_go, to_go)).or_default().push(WalkEntry { record, cost, raise: 0 });
     }
 
     /// Meets the neighbours: of the many placements those that raise the estimated cost just so much, and queues the node anew for
     /// those that raise it more.
-    fn expand(&mut self, spot: Spot, entry: Entry, (estimated, to_go): (u64, u64)) {
+    fn expand(&mut self, spot: NodeSpot, entry: WalkEntry, (estimated, to_go): (u64, u64)) {
         self.course.looks.take(4 * LOOKS);
         if entry.raise == 0 {
             self.roll(spot, entry);
@@ -265,16 +276,16 @@ impl<'a, E: Estimate> Walk<'a, E> {
         if !self.course.sets.is_pair(spot.chain.set) {
             return self.leave(spot, entry);
         }
-        let mut turn = Turn { entry, to_go, next: u64::MAX };
+        let mut turn = PlacementTurn { entry, to_go, next: u64::MAX };
         self.place(spot, &mut turn);
         if turn.next != u64::MAX {
             let later = estimated + (turn.next - entry.raise);
-            self.open.entry((later, to_go)).or_default().push(Entry { raise: turn.next, ..entry });
+            self.open.entry((later, to_go)).or_default().push(WalkEntry { raise: turn.next, ..entry });
         }
     }
 
     #[inline]
-    fn offer(&mut self, spot: Spot, edge: u64, turn: &mut Turn) {
+    fn offer(&mut self, spot: NodeSpot, edge: u64, turn: &mut PlacementTurn) {
         let Some(to_go) = self.to_go(spot, turn.entry.cost + edge) else { return };
         let raise = (edge + to_go).saturating_sub(turn.to_go);
         if raise == turn.entry.raise {
@@ -287,7 +298,7 @@ impl<'a, E: Estimate> Walk<'a, E> {
         }
     }
 
-    fn roll(&mut self, spot: Spot, entry: Entry) {
+    fn roll(&mut self, spot: NodeSpot, entry: WalkEntry) {
         let sheet = &self.course.sheets[spot.leg];
         let phases = spot.chain.phases;
         let head = sheet.strands.head(phases[0]);
@@ -300,19 +311,19 @@ impl<'a, E: Estimate> Walk<'a, E> {
         let up = spot.angle + 1 < sheet.angles && bits.has(strand, head.bit + spot.angle);
         let down = spot.angle > 0 && bits.has(strand, head.bit + spot.angle - 1);
         let bears_on = |angle: usize| {
-            let (contacts, count) = self.course.held(Spot { angle, ..spot });
+            let (contacts, count) = self.course.held(NodeSpot { angle, ..spot });
             sheet.bears_on(angle, &contacts[..count])
         };
         let [up, down] = [up && bears_on(spot.angle), down && bears_on(spot.angle - 1)];
         if up {
-            self.meet(Spot { angle: spot.angle + 1, ..spot }, cost, entry.record);
+            self.meet(NodeSpot { angle: spot.angle + 1, ..spot }, cost, entry.record);
         }
         if down {
-            self.meet(Spot { angle: spot.angle - 1, ..spot }, cost, entry.record);
+            self.meet(NodeSpot { angle: spot.angle - 1, ..spot }, cost, entry.record);
         }
     }
 
-    fn place(&mut self, spot: Spot, turn: &mut Turn) {
+    fn place(&mut self, spot: NodeSpot, turn: &mut PlacementTurn) {
         let course = self.course;
         let sheet = &course.sheets[spot.leg];
         let [p, q, _] = spot.chain.phases;
@@ -325,13 +336,13 @@ impl<'a, E: Estimate> Walk<'a, E> {
             }
             let third = wrapped(usize::from(p) + two, sheet.contacts) as u16;
             for (set, place) in course.sets.wider(spot.chain.set) {
-                let chain = Chain { set: *set, phases: inserted([p, q], third, *place) };
-                self.offer(Spot { chain, ..spot }, self.costs.gait, turn);
+                let chain = GraspChain { set: *set, phases: inserted([p, q], third, *place) };
+                self.offer(NodeSpot { chain, ..spot }, self.costs.gait, turn);
             }
         }
     }
 
-    fn leave(&mut self, spot: Spot, entry: Entry) {
+    fn leave(&mut self, spot: NodeSpot, entry: WalkEntry) {
         let course = self.course;
         let strands = &course.sheets[spot.leg].strands;
         for place in 0..3 {
@@ -341,8 +352,8 @@ impl<'a, E: Estimate> Walk<'a, E> {
             let held = [p, q, third].map(|phase| sheet.contact(spot.angle, phase));
             let may_leave = strands.leave.has(strands.triple(head, [p, q, third]), head.bit + spot.angle);
             if may_leave && sheet.lets_go(spot.angle, held) {
-                let chain = Chain { set: course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
-                self.meet(Spot { chain, ..spot }, entry.cost + self.costs.gait, entry.record);
+                let chain = GraspChain { set: course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
+                self.meet(NodeSpot { chain, ..spot }, entry.cost + self.costs.gait, entry.record);
             }
         }
     }
@@ -386,7 +397,7 @@ impl<'a, E: Estimate> Walk<'a, E> {
     }
 
     /// The start of a number, where it is a node as far as the tables know.
-    fn start(&self, number: usize) -> Option<Spot> {
+    fn start(&self, number: usize) -> Option<NodeSpot> {
         let sheet = &self.course.sheets[0];
         let chain = self.course.sets.chain(sheet.contacts, number);
         let contacts = chain.phases.map(usize::from);
@@ -394,17 +405,17 @@ impl<'a, E: Estimate> Walk<'a, E> {
         sheet.holds(sheet.start, held).then(|| {
             let phases = contacts.map(|contact| sheet.phase(sheet.start, contact));
             let phases = if self.course.sets.is_pair(chain.set) { [phases[0], phases[1], 0] } else { phases };
-            Spot { leg: 0, angle: sheet.start, chain: Chain { phases, ..chain } }
+            NodeSpot { leg: 0, angle: sheet.start, chain: GraspChain { phases, ..chain } }
         })
     }
 
     /// The nodes of the way that was found, from its start.
-    pub fn way(&self) -> Vec<Spot> {
+    pub fn way(&self) -> Vec<NodeSpot> {
         let mut spots = Vec::new();
         let mut at = self.goal;
         while let Some(record) = at {
             let record = self.records[record as usize];
-            spots.push(Spot::unpack(record.spot));
+            spots.push(NodeSpot::unpack(record.spot));
             at = Some(record.parent).filter(|parent| *parent != NO_PARENT);
         }
         spots.reverse();
@@ -414,8 +425,8 @@ impl<'a, E: Estimate> Walk<'a, E> {
 
 /// The placements of an expansion.
 #[derive(Debug)]
-struct Turn {
-    entry: Entry,
+struct PlacementTurn {
+    entry: WalkEntry,
     /// h of the node.
     to_go: u64,
     /// The least raise above the entry's.

@@ -1,10 +1,16 @@
 //! Rows of bits turned into columns, 64 by 64 at a time.
 
-use crate::plan::fingers::tables::Bits;
+use crate::plan::fingers::tables::ContactBits;
 
 /// The bits of all triples whose first two contacts are so far apart, as columns: one for each distance to the third, and in it bit
 /// t for the first contact -t modulo the number of contacts. `rows` says which pairs of contacts count.
-pub fn columns(bits: &Bits, contacts: usize, apart: usize, counts: impl Fn(usize, usize) -> bool, column: &mut [u64]) {
+pub fn columns(
+    bits: &ContactBits,
+    contacts: usize,
+    apart: usize,
+    counts: impl Fn(usize, usize) -> bool,
+    column: &mut [u64],
+) {
     let width = contacts.div_ceil(64);
     let mut rows = vec![0; width * 64 * width];
     let (mut row, mut turned) = (vec![0; width], vec![0; width]);

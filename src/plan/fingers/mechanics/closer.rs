@@ -4,9 +4,9 @@
 //! tables without the steps in which one lapses. Promise: a grasp that passes holds with the device's reserve at each of
 //! [`INSTANTS`] - 1 instants within the step, evenly spaced, those of the tables among them.
 
-use super::{Contact, Contacts, Grip, Load};
-use crate::device::fingers::Facts;
-use crate::plan::fingers::tables::{Layer, Tables};
+use super::{Contact, Contacts, GripModel, Load};
+use crate::device::fingers::FingersFacts;
+use crate::plan::fingers::tables::{AngleLayer, Tables};
 
 /// How many parts a rolling step is cut into.
 pub const INSTANTS: u32 = 64;
@@ -15,18 +15,18 @@ pub const INSTANTS: u32 = 64;
 #[derive(Debug, Clone, Copy)]
 pub struct Closer<'a> {
     contacts: Contacts<'a>,
-    grip: Grip,
+    grip: GripModel,
     /// At angle 0 of the leg.
     load: Load,
 }
 
 /// All contacts and the load at an instant.
-type Instant = (Vec<Contact>, Load);
+type ContactInstant = (Vec<Contact>, Load);
 
 impl<'a> Closer<'a> {
     /// Of a hand on the contacts of a section, under a load as it is at angle 0.
-    pub fn of(facts: &Facts, contacts: Contacts<'a>, load: Load) -> Self {
-        Closer { contacts, grip: Grip::of(facts, contacts.reach_um()).with_reserve(), load }
+    pub fn of(facts: &FingersFacts, contacts: Contacts<'a>, load: Load) -> Self {
+        Closer { contacts, grip: GripModel::of(facts, contacts.reach_um()).with_reserve(), load }
     }
 
     fn parts() -> impl Iterator<Item = f64> {
@@ -47,11 +47,11 @@ impl<'a> Closer<'a> {
 
     /// Takes every step out of the layer of an angle in which a grasp lapses.
     pub fn sift(&self, tables: &mut Tables, layer: usize, angle: i32) {
-        let instants: Vec<Instant> =
+        let instants: Vec<ContactInstant> =
             Self::parts().map(|part| (self.contacts.after(part), self.load(angle, part))).collect();
         let lasts = |held: &[usize]| instants.iter().all(|instant| self.holds(instant, held));
         let size = tables.contacts;
-        let has_pair = |layer: &Layer, i: usize, j: usize| layer.roll_pair.has(i * size + j);
+        let has_pair = |layer: &AngleLayer, i: usize, j: usize| layer.roll_pair.has(i * size + j);
         for (i, j) in (0..size).flat_map(|i| (i + 1..size).map(move |j| (i, j))) {
             if has_pair(&tables.layers[layer], i, j) && !lasts(&[i, j]) {
                 forbid(tables, layer, &[i, j]);
@@ -69,7 +69,7 @@ impl<'a> Closer<'a> {
         }
     }
 
-    fn holds(&self, (contacts, load): &Instant, held: &[usize]) -> bool {
+    fn holds(&self, (contacts, load): &ContactInstant, held: &[usize]) -> bool {
         let touched: Vec<Contact> = held.iter().map(|contact| contacts[*contact]).collect();
         self.grip.holds(&touched, load)
     }

@@ -3,10 +3,10 @@
 //! Input: contacts with their normals, and the wrench that the fingers have to exert on the object. Output: yes or no, exact up to
 //! [`TOLERANCE`].
 
-use super::pair::{Line, Reach, are_antipodal};
-use super::space::{Bearing, Lever, three_bear};
+use super::pair::{ForceCone, LineForce, are_antipodal};
+use super::space::{Lever, SpatialBearing, three_bear};
 use super::{Contact, Load, TOLERANCE};
-use crate::device::fingers::Facts;
+use crate::device::fingers::FingersFacts;
 
 /// A force in the plane on the object, and its moment about the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +36,7 @@ impl Wrench {
 
 /// What fingers have to do so that a grasp holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Demand {
+pub enum GripDemand {
     /// Nothing acts and nothing sticks: any balance of forces that are not all zero.
     Squeeze,
     /// Exert this wrench.
@@ -45,7 +45,7 @@ pub enum Demand {
 
 /// What the hand can do at a contact, and how exactly it is looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grip {
+pub struct GripModel {
     pub(super) friction: f64,
     pub(super) sticking_un: f64,
     pub(super) max_force_un: f64,
@@ -59,10 +59,10 @@ pub struct Grip {
     pub(super) arm_um: f64,
 }
 
-impl Grip {
+impl GripModel {
     /// Of a hand on a part that reaches so far from its origin.
-    pub fn of(facts: &Facts, reach_um: f64) -> Grip {
-        Grip {
+    pub fn of(facts: &FingersFacts, reach_um: f64) -> GripModel {
+        GripModel {
             friction: facts.friction,
             sticking_un: facts.sticking_un(),
             max_force_un: facts.max_force_un,
@@ -74,9 +74,9 @@ impl Grip {
     }
 
     /// The same hand while its fingers roll: without the reserve that the device keeps back.
-    pub fn with_reserve(&self) -> Grip {
+    pub fn with_reserve(&self) -> GripModel {
         let kept = 1.0 - self.reserve;
-        Grip {
+        GripModel {
             friction: self.friction * kept,
             sticking_un: self.sticking_un * kept,
             max_force_un: self.max_force_un * kept,
@@ -124,21 +124,21 @@ impl Grip {
     }
 
     /// What the fingers have to do under a load.
-    pub(super) fn demand(&self, load: &Load) -> Demand {
+    pub(super) fn demand(&self, load: &Load) -> GripDemand {
         if load.is_none() && self.sticking_un == 0.0 {
-            return Demand::Squeeze;
+            return GripDemand::Squeeze;
         }
-        Demand::Exert(Wrench::of(load.force_un, load.at_um).against(Wrench::NONE))
+        GripDemand::Exert(Wrench::of(load.force_un, load.at_um).against(Wrench::NONE))
     }
 
     /// What the two that stay have to do while a third is pulled off; without adhesion they just hold.
-    pub(super) fn removal(&self, leaves: &Contact, load: &Load) -> Demand {
+    pub(super) fn removal(&self, leaves: &Contact, load: &Load) -> GripDemand {
         if self.removal_un == 0.0 {
             return self.demand(load);
         }
         let pull_un = leaves.normal.map(|part| part * self.removal_un);
         let pull = Wrench::of(pull_un, leaves.point_um);
-        Demand::Exert(pull.against(Wrench::of(load.force_un, load.at_um)))
+        GripDemand::Exert(pull.against(Wrench::of(load.force_un, load.at_um)))
     }
 
     /// Whether every grasp holds in which tips have room: the load is none, and forces near zero of every direction are to be had.
@@ -152,23 +152,23 @@ impl Grip {
     }
 
     /// The forces of a finger in the plane.
-    pub(super) fn reach(&self, contact: &Contact, demand: &Demand) -> Reach {
+    pub(super) fn reach(&self, contact: &Contact, demand: &GripDemand) -> ForceCone {
         match demand {
-            Demand::Squeeze => Reach::of(contact, self.friction, self.sticking_un, f64::INFINITY),
-            Demand::Exert(_) => self.pressing(contact, 0.0),
+            GripDemand::Squeeze => ForceCone::of(contact, self.friction, self.sticking_un, f64::INFINITY),
+            GripDemand::Exert(_) => self.pressing(contact, 0.0),
         }
     }
 
     /// The same up to the greatest force, where a part of what presses and sticks is needed otherwise.
-    pub(super) fn pressing(&self, contact: &Contact, withheld_un: f64) -> Reach {
-        Reach::of(contact, self.friction, self.sticking_un - withheld_un, self.max_force_un)
+    pub(super) fn pressing(&self, contact: &Contact, withheld_un: f64) -> ForceCone {
+        ForceCone::of(contact, self.friction, self.sticking_un - withheld_un, self.max_force_un)
     }
 
     /// Whether two fingers do what is asked, and bear what acts out of the plane.
-    pub(super) fn two_hold(&self, [a, b]: [&Contact; 2], load: &Load, demand: &Demand) -> bool {
+    pub(super) fn two_hold(&self, [a, b]: [&Contact; 2], load: &Load, demand: &GripDemand) -> bool {
         match demand {
-            Demand::Squeeze => are_antipodal(&self.reach(a, demand), &self.reach(b, demand)),
-            Demand::Exert(wrench) => self.two([a, b], load).is_some_and(|two| two.bear(self, wrench)),
+            GripDemand::Squeeze => are_antipodal(&self.reach(a, demand), &self.reach(b, demand)),
+            GripDemand::Exert(wrench) => self.two([a, b], load).is_some_and(|two| two.bear(self, wrench)),
         }
     }
 
@@ -178,16 +178,16 @@ impl Grip {
             let [a, b] = [a, b].map(|contact| self.pressing(contact, 0.0));
             return Some(Two::InPlane(self.line([&a, &b], load)));
         }
-        Bearing::of(self, [a, b], &load.across(), self.slack_un(load)).map(Two::InSpace)
+        SpatialBearing::of(self, [a, b], &load.across(), self.slack_un(load)).map(Two::InSpace)
     }
 
     /// Whether three fingers do what is asked together, each of them with some force.
-    pub(super) fn three_hold(&self, [a, b, c]: [&Contact; 3], load: &Load, demand: &Demand) -> bool {
+    pub(super) fn three_hold(&self, [a, b, c]: [&Contact; 3], load: &Load, demand: &GripDemand) -> bool {
         match demand {
-            Demand::Exert(wrench) if !load.is_in_plane() => {
+            GripDemand::Exert(wrench) if !load.is_in_plane() => {
                 three_bear(self, [a, b, c], &load.across(), wrench, self.slack_un(load))
             }
-            Demand::Squeeze | Demand::Exert(_) => {
+            GripDemand::Squeeze | GripDemand::Exert(_) => {
                 let [a, b, c] = [a, b, c].map(|contact| self.reach(contact, demand));
                 self.line([&a, &b], load).takes(&c, demand)
             }
@@ -195,12 +195,12 @@ impl Grip {
     }
 
     /// What two of them bear together in the plane.
-    pub(super) fn line(&self, [a, b]: [&Reach; 2], load: &Load) -> Line {
+    pub(super) fn line(&self, [a, b]: [&ForceCone; 2], load: &Load) -> LineForce {
         let slack_un = match self.demand(load) {
-            Demand::Squeeze => TOLERANCE,
-            Demand::Exert(_) => self.slack_un(load),
+            GripDemand::Squeeze => TOLERANCE,
+            GripDemand::Exert(_) => self.slack_un(load),
         };
-        Line::between(a, b, self.arm_um, slack_un)
+        LineForce::between(a, b, self.arm_um, slack_un)
     }
 
     fn slack_un(&self, load: &Load) -> f64 {
@@ -212,14 +212,14 @@ impl Grip {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "one at a time, on the stack")]
 pub(super) enum Two {
-    InPlane(Line),
+    InPlane(LineForce),
     /// Under a load that acts out of the plane as well.
-    InSpace(Bearing),
+    InSpace(SpatialBearing),
 }
 
 impl Two {
     /// Whether they exert a wrench.
-    pub fn bear(&self, grip: &Grip, wrench: &Wrench) -> bool {
+    pub fn bear(&self, grip: &GripModel, wrench: &Wrench) -> bool {
         match self {
             Two::InPlane(line) => line.bears(wrench),
             Two::InSpace(bearing) => bearing.bears(grip, wrench),

@@ -1,44 +1,50 @@
 //! Which grasps hold at one instant of rolling.
 
-use super::grip::{Demand, Grip};
-use super::pair::{Line, Reach};
-use super::rows::{Rows, numbers};
+use super::grip::{GripDemand, GripModel};
+use super::pair::{ForceCone, LineForce};
+use super::rows::{PairRows, numbers};
 use super::{Contact, Load, TOLERANCE};
-use crate::plan::fingers::looks::Looks;
-use crate::plan::fingers::tables::{Bits, Tables};
+use crate::plan::fingers::looks::LooksBudget;
+use crate::plan::fingers::tables::{ContactBits, Tables};
 
 /// The contacts at an instant, and what pairs of fingers on them do.
-pub(super) struct Instant<'a> {
-    grip: &'a Grip,
+pub(super) struct PairsInstant<'a> {
+    grip: &'a GripModel,
     pub contacts: Vec<Contact>,
     pub load: Load,
-    demand: Demand,
+    demand: GripDemand,
     /// Tips on both have room, and both are usable.
-    pub clear: Rows,
+    pub clear: PairRows,
     /// Two fingers on them have room and hold, also with any third finger that has room and need not do anything.
-    pub pair: Rows,
+    pub pair: PairRows,
     /// The forces in the plane of a finger on each contact; empty where every grasp holds that has room.
-    reaches: Vec<Reach>,
-    looks: &'a Looks,
+    reaches: Vec<ForceCone>,
+    looks: &'a LooksBudget,
 }
 
 /// Looks that a grasp takes whose forces act out of the plane as well.
 const LOOKS_IN_SPACE: u64 = 16;
 
-impl<'a> Instant<'a> {
+impl<'a> PairsInstant<'a> {
     /// Tips stay `apart_um` from each other, centre to centre.
-    pub fn of(grip: &'a Grip, contacts: Vec<Contact>, load: Load, apart_um: f64, looks: &'a Looks) -> Instant<'a> {
+    pub fn of(
+        grip: &'a GripModel,
+        contacts: Vec<Contact>,
+        load: Load,
+        apart_um: f64,
+        looks: &'a LooksBudget,
+    ) -> PairsInstant<'a> {
         looks.take(contacts.len().pow(2) as u64);
         let clear = room(&contacts, apart_um);
         let demand = grip.demand(&load);
         if grip.holds_anyway(&load) {
             let pair = clear.clone();
-            return Instant { grip, contacts, load, demand, clear, pair, reaches: Vec::new(), looks };
+            return PairsInstant { grip, contacts, load, demand, clear, pair, reaches: Vec::new(), looks };
         }
         let reaches = contacts.iter().map(|at| grip.reach(at, &demand)).collect();
         let holds = |i: usize, j: usize| grip.two_hold([&contacts[i], &contacts[j]], &load, &demand);
-        let pair = Rows::symmetric(contacts.len(), |i, j| clear.has(i, j) && holds(i, j));
-        Instant { grip, contacts, load, demand, clear, pair, reaches, looks }
+        let pair = PairRows::symmetric(contacts.len(), |i, j| clear.has(i, j) && holds(i, j));
+        PairsInstant { grip, contacts, load, demand, clear, pair, reaches, looks }
     }
 
     /// Puts into a row the contacts that have room beside two others that have.
@@ -49,7 +55,7 @@ impl<'a> Instant<'a> {
     }
 
     /// Takes out of a set of triples in which tips have room, in all orders, those that do not hold.
-    pub fn sift(&self, triples: &mut Bits, tables: &Tables) {
+    pub fn sift(&self, triples: &mut ContactBits, tables: &Tables) {
         if self.reaches.is_empty() {
             return;
         }
@@ -80,20 +86,20 @@ impl<'a> Instant<'a> {
         }
     }
 
-    fn line(&self, i: usize, j: usize) -> Line {
+    fn line(&self, i: usize, j: usize) -> LineForce {
         self.grip.line([&self.reaches[i], &self.reaches[j]], &self.load)
     }
 }
 
 /// The pairs of usable contacts on which tips stay so far apart, centre to centre.
-pub(super) fn room(contacts: &[Contact], apart_um: f64) -> Rows {
+pub(super) fn room(contacts: &[Contact], apart_um: f64) -> PairRows {
     let least_um = apart_um * (1.0 - TOLERANCE);
     let has_room = |a: &Contact, b: &Contact| a.usable && b.usable && a.tips_apart_um(b) >= least_um;
-    Rows::symmetric(contacts.len(), |i, j| has_room(&contacts[i], &contacts[j]))
+    PairRows::symmetric(contacts.len(), |i, j| has_room(&contacts[i], &contacts[j]))
 }
 
 /// The pairs of a symmetric set, the lower number first.
-pub(super) fn pairs(rows: &Rows) -> impl Iterator<Item = (usize, usize)> + '_ {
+pub(super) fn pairs(rows: &PairRows) -> impl Iterator<Item = (usize, usize)> + '_ {
     (0..rows.size()).flat_map(|i| numbers(rows.row(i)).filter(move |&j| j > i).map(move |j| (i, j)))
 }
 

@@ -5,9 +5,9 @@
 //! [`super::tables`], each found out when it is asked for and kept. Promise: every answer that says yes is one for which the tables
 //! without the load say yes as well, if fingers may leave there wherever they may come; only those are to be asked for.
 
-use super::{Contact, Contacts, Grip, Load, PARTS_OF_STEP};
-use crate::device::fingers::Facts;
-use crate::plan::fingers::looks::Looks;
+use super::{Contact, Contacts, GripModel, Load, PARTS_OF_STEP};
+use crate::device::fingers::FingersFacts;
+use crate::plan::fingers::looks::LooksBudget;
 use rustc_hash::FxHashMap;
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -21,14 +21,14 @@ const DIGIT: u32 = 10;
 /// The answers of one leg.
 #[derive(Debug)]
 pub struct Lazy {
-    grip: Grip,
-    firm: Grip,
+    grip: GripModel,
+    firm: GripModel,
     /// All contacts at each part of a step.
     contacts: [Vec<Contact>; PARTS_OF_STEP],
     step_rad: f64,
     /// At angle 0 of the leg.
     load: Load,
-    looks: Rc<Looks>,
+    looks: Rc<LooksBudget>,
     /// By angle, question and contacts.
     known: RefCell<FxHashMap<u64, bool>>,
 }
@@ -43,8 +43,8 @@ enum Question {
 
 impl Lazy {
     /// Of a hand on the contacts of a section, under a load as it is at angle 0.
-    pub fn of(facts: &Facts, contacts: &Contacts, load: Load, looks: Rc<Looks>) -> Lazy {
-        let grip = Grip::of(facts, contacts.reach_um());
+    pub fn of(facts: &FingersFacts, contacts: &Contacts, load: Load, looks: Rc<LooksBudget>) -> Lazy {
+        let grip = GripModel::of(facts, contacts.reach_um());
         Lazy {
             grip,
             firm: grip.with_reserve(),

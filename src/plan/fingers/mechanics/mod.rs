@@ -25,10 +25,10 @@ mod tabulate;
 
 pub use closer::{Closer, forbid};
 pub use contact::{Contact, Contacts};
-pub use grip::{Grip, Wrench};
+pub use grip::{GripModel, Wrench};
 pub use lazy::Lazy;
 pub use load::Load;
-pub use tabulate::{Asked, NoTables, PARTS_OF_ROLLING, PARTS_OF_STEP, tables};
+pub use tabulate::{NoTables, PARTS_OF_ROLLING, PARTS_OF_STEP, TableRequest, tables};
 
 /// By how much a balance may be missed, relative to the forces in play: what is exactly balanced holds, whatever the rounding.
 pub const TOLERANCE: f64 = 1e-9;

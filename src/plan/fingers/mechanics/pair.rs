@@ -1,6 +1,6 @@
 //! The wrenches that two fingers bear, as half-spaces, and whether a third finger can make up what is missing.
 
-use super::grip::{Demand, Wrench};
+use super::grip::{GripDemand, Wrench};
 use super::{Contact, TOLERANCE};
 use crate::real::Real;
 
@@ -9,12 +9,12 @@ const PARALLEL: f64 = 1e-12;
 
 /// A side of a triangle of forces: `normal · f <= bound_un`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Side {
+struct ForceHalfPlane {
     normal: [f64; 2],
     bound_un: f64,
 }
 
-impl Side {
+impl ForceHalfPlane {
     fn over_un(&self, force_un: &[f64; 2]) -> f64 {
         dot(self.normal, *force_un) - self.bound_un
     }
@@ -26,10 +26,10 @@ impl Side {
 
 /// The forces that a finger can exert: a friction cone with a shifted apex, cut off at the greatest normal force.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Reach {
+pub(super) struct ForceCone {
     at_um: [f64; 2],
     /// The first two are those of the cone.
-    sides: [Side; 3],
+    sides: [ForceHalfPlane; 3],
     /// In order; of an endless cone the two at the normal force 1.
     corners_un: [[f64; 2]; 3],
     /// How many sides and corners there are: 2 of an endless cone.
@@ -38,13 +38,13 @@ pub(super) struct Reach {
     nothing: bool,
 }
 
-impl Reach {
+impl ForceCone {
     /// `|tangential| <= friction (normal + apex_un)` and `normal <= most_un`; infinite where no greatest force counts.
-    pub fn of(contact: &Contact, friction: f64, apex_un: f64, most_un: f64) -> Reach {
+    pub fn of(contact: &Contact, friction: f64, apex_un: f64, most_un: f64) -> ForceCone {
         let inward = contact.normal.map(|part| -part);
         let along = [-inward[1], inward[0]];
         let size = friction.hypotenuse(1.0);
-        let cone = |sign: f64| Side {
+        let cone = |sign: f64| ForceHalfPlane {
             normal: [0, 1].map(|k| (sign * along[k] - friction * inward[k]) / size),
             bound_un: friction * apex_un / size,
         };
@@ -55,11 +55,11 @@ impl Reach {
         let corners_un = [force(base_un, half_un), force(base_un, -half_un), force(-apex_un, 0.0)];
         let count = if most_un.is_finite() { 3 } else { 2 };
         let nothing = half_un < -TOLERANCE * friction * (base_un + apex_un.abs());
-        let cap = Side { normal: inward, bound_un: most_un };
-        Reach { at_um: contact.point_um, sides: [cone(1.0), cone(-1.0), cap], corners_un, count, nothing }
+        let cap = ForceHalfPlane { normal: inward, bound_un: most_un };
+        ForceCone { at_um: contact.point_um, sides: [cone(1.0), cone(-1.0), cap], corners_un, count, nothing }
     }
 
-    fn cone(&self) -> &[Side] {
+    fn cone(&self) -> &[ForceHalfPlane] {
         &self.sides[..2]
     }
 
@@ -100,15 +100,15 @@ impl Half {
     }
 
     /// The forces at a point after which what is left of a wrench is in the half-space: half · (wrench − force) <= bound.
-    fn left_at(&self, [x_um, y_um]: [f64; 2], wrench: &Wrench, slack_un: f64) -> Side {
+    fn left_at(&self, [x_um, y_um]: [f64; 2], wrench: &Wrench, slack_un: f64) -> ForceHalfPlane {
         let normal = [self.moment_per_um * y_um - self.force[0], -self.moment_per_um * x_um - self.force[1]];
-        Side { normal, bound_un: self.bound_un - self.of(wrench) + slack_un }
+        ForceHalfPlane { normal, bound_un: self.bound_un - self.of(wrench) + slack_un }
     }
 }
 
 /// What two fingers bear: only the force along the line through both contacts is free, and it is eliminated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Line {
+pub(super) struct LineForce {
     halves: [Half; 9],
     count: usize,
     /// Whether one of the two can exert nothing at all.
@@ -116,16 +116,16 @@ pub(super) struct Line {
     slack_un: f64,
 }
 
-impl Line {
+impl LineForce {
     /// Of two fingers on different places.
-    pub fn between(a: &Reach, b: &Reach, arm_um: f64, slack_un: f64) -> Line {
-        let mut line = Line { halves: [Half::NONE; 9], count: 0, nothing: true, slack_un };
+    pub fn between(a: &ForceCone, b: &ForceCone, arm_um: f64, slack_un: f64) -> LineForce {
+        let mut line = LineForce { halves: [Half::NONE; 9], count: 0, nothing: true, slack_un };
         let (along, length_um) = chord(a, b);
         if a.nothing || b.nothing || length_um == 0.0 {
             return line;
         }
         line.nothing = false;
-        let bounds = Bounds::of(a, b, along, length_um);
+        let bounds = WrenchBounds::of(a, b, along, length_um);
         for (low, slope) in bounds.each() {
             if slope.abs() <= PARALLEL {
                 line.push(low.scaled(arm_um));
@@ -152,15 +152,15 @@ impl Line {
     }
 
     /// Whether the two and a third together do what is asked; where nothing acts and nothing sticks, the third presses.
-    pub fn takes(&self, third: &Reach, demand: &Demand) -> bool {
+    pub fn takes(&self, third: &ForceCone, demand: &GripDemand) -> bool {
         let wrench = match demand {
-            Demand::Squeeze => Wrench::NONE,
-            Demand::Exert(wrench) => *wrench,
+            GripDemand::Squeeze => Wrench::NONE,
+            GripDemand::Exert(wrench) => *wrench,
         };
         if self.nothing || third.nothing {
             return false;
         }
-        let mut sides = [Side { normal: [0.0; 2], bound_un: 0.0 }; 9];
+        let mut sides = [ForceHalfPlane { normal: [0.0; 2], bound_un: 0.0 }; 9];
         let mut within = [true; 3];
         for (half, side) in self.halves().iter().zip(&mut sides) {
             *side = half.left_at(third.at_um, &wrench, self.slack_un);
@@ -173,14 +173,14 @@ impl Line {
         if within[..third.count].contains(&true) {
             return true;
         }
-        let mut left = Corners::of(third);
+        let mut left = ForcePolygon::of(third);
         sides[..self.count].iter().for_each(|side| left.cut(side));
         left.count > 0
     }
 }
 
 /// Whether a force along the line through both contacts is in both cones, so that it may be as large as one likes.
-pub(super) fn are_antipodal(a: &Reach, b: &Reach) -> bool {
+pub(super) fn are_antipodal(a: &ForceCone, b: &ForceCone) -> bool {
     let (along, _) = chord(a, b);
     let slopes = || {
         let of_a = a.cone().iter().map(|side| dot(side.normal, along));
@@ -190,25 +190,25 @@ pub(super) fn are_antipodal(a: &Reach, b: &Reach) -> bool {
 }
 
 // The direction from one contact to the other, and how far it is.
-fn chord(a: &Reach, b: &Reach) -> ([f64; 2], f64) {
+fn chord(a: &ForceCone, b: &ForceCone) -> ([f64; 2], f64) {
     let run_um = [b.at_um[0] - a.at_um[0], b.at_um[1] - a.at_um[1]];
     let length_um = dot(run_um, run_um).sqrt();
     (run_um.map(|part| part / length_um), length_um)
 }
 
 /// Half-spaces of wrenches and the force along the line: `half + slope · force <= bound`.
-struct Bounds {
+struct WrenchBounds {
     all: [(Half, f64); 6],
     count: usize,
 }
 
-impl Bounds {
-    fn of(a: &Reach, b: &Reach, along: [f64; 2], length_um: f64) -> Bounds {
+impl WrenchBounds {
+    fn of(a: &ForceCone, b: &ForceCone, along: [f64; 2], length_um: f64) -> WrenchBounds {
         let across = [-along[1], along[0]];
         // The force of b across the line is what its moment about a has to be, over the distance.
         let [x, y] = a.at_um.map(|part| part / length_um);
         let of_b = Half { force: [y, -x], moment_per_um: 1.0 / length_um, bound_un: 0.0 };
-        let mut bounds = Bounds { all: [(Half::NONE, 0.0); 6], count: 0 };
+        let mut bounds = WrenchBounds { all: [(Half::NONE, 0.0); 6], count: 0 };
         for side in &a.sides[..a.count] {
             let free = Half { force: side.normal, moment_per_um: 0.0, bound_un: side.bound_un };
             bounds.push(free.plus(1.0, &of_b, -dot(side.normal, across)), dot(side.normal, along));
@@ -231,20 +231,20 @@ impl Bounds {
 }
 
 /// The corners of a convex polygon of forces, in order.
-struct Corners {
+struct ForcePolygon {
     at_un: [[f64; 2]; 12],
     count: usize,
 }
 
-impl Corners {
-    fn of(reach: &Reach) -> Corners {
-        let mut corners = Corners { at_un: [[0.0; 2]; 12], count: reach.count };
+impl ForcePolygon {
+    fn of(reach: &ForceCone) -> ForcePolygon {
+        let mut corners = ForcePolygon { at_un: [[0.0; 2]; 12], count: reach.count };
         corners.at_un[..3].copy_from_slice(&reach.corners_un);
         corners
     }
 
     /// Keeps what lies on the inner side (Sutherland and Hodgman).
-    fn cut(&mut self, side: &Side) {
+    fn cut(&mut self, side: &ForceHalfPlane) {
         let (all, count) = (self.at_un, self.count);
         self.count = 0;
         for k in 0..count {

@@ -2,22 +2,22 @@
 
 /// Pairs of numbers below a size.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Rows {
+pub(super) struct PairRows {
     size: usize,
     width: usize,
     words: Vec<u64>,
 }
 
-impl Rows {
+impl PairRows {
     /// No pair.
-    pub fn new(size: usize) -> Rows {
+    pub fn new(size: usize) -> PairRows {
         let width = size.div_ceil(64);
-        Rows { size, width, words: vec![0; width * size] }
+        PairRows { size, width, words: vec![0; width * size] }
     }
 
     /// The pairs of different numbers, in both orders, that `holds` says yes to.
-    pub fn symmetric(size: usize, holds: impl Fn(usize, usize) -> bool) -> Rows {
-        let mut rows = Rows::new(size);
+    pub fn symmetric(size: usize, holds: impl Fn(usize, usize) -> bool) -> PairRows {
+        let mut rows = PairRows::new(size);
         for (i, j) in (0..size).flat_map(|i| (i + 1..size).map(move |j| (i, j))).filter(|&(i, j)| holds(i, j)) {
             rows.put(i, j);
             rows.put(j, i);
@@ -50,8 +50,8 @@ impl Rows {
     }
 
     /// The pairs (i, j) of which the pair one lower, round the circle, is in it.
-    pub fn stepped(&self) -> Rows {
-        let mut stepped = Rows::new(self.size);
+    pub fn stepped(&self) -> PairRows {
+        let mut stepped = PairRows::new(self.size);
         for i in 0..self.size {
             let from = (i + self.size - 1) % self.size * self.width;
             let to = i * self.width;
@@ -61,7 +61,7 @@ impl Rows {
     }
 
     /// Keeps the pairs that are in the other too.
-    pub fn keep(&mut self, other: &Rows) {
+    pub fn keep(&mut self, other: &PairRows) {
         for (word, other) in self.words.iter_mut().zip(&other.words) {
             *word &= other;
         }

@@ -17,15 +17,15 @@ const INEQUALITIES: usize = 21;
 const NOTHING: f64 = 1e-11;
 
 /// A row: shares of the variables, and what they come to.
-type Row = [f64; VARIABLES + 1];
+type SimplexRow = [f64; VARIABLES + 1];
 
 /// Conditions that are to be kept together.
 #[derive(Debug, Clone)]
 pub struct Conditions {
     /// The shares sum to exactly the last number.
-    pub equalities: [Row; EQUALITIES],
+    pub equalities: [SimplexRow; EQUALITIES],
     /// The shares sum to at most the last number.
-    inequalities: [Row; INEQUALITIES],
+    inequalities: [SimplexRow; INEQUALITIES],
     count: usize,
 }
 
@@ -75,7 +75,7 @@ fn solve(conditions: &mut Conditions, slack: f64) -> Option<[bool; VARIABLES]> {
         let best = places.max_by(|one, other| size(one).total_cmp(&size(other)));
         let (row, variable) = best.filter(|place| size(place) > NOTHING).unwrap_or((EQUALITIES, 0));
         if row == EQUALITIES {
-            let is_kept = |row: &Row| row[VARIABLES].abs() <= slack;
+            let is_kept = |row: &SimplexRow| row[VARIABLES].abs() <= slack;
             return conditions.equalities[at..].iter().all(is_kept).then_some(solved);
         }
         conditions.equalities.swap(at, row);

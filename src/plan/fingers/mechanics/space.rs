@@ -9,8 +9,8 @@
 //! eliminated (Fourier and Motzkin), which leaves intervals of the other. Three are first tried without torsion, where the forces
 //! across are those of a lever, and without the load across; only what both leave open takes a linear program.
 
-use super::grip::{Grip, Wrench};
-use super::pair::{Line, Reach};
+use super::grip::{GripModel, Wrench};
+use super::pair::{ForceCone, LineForce};
 use super::simplex;
 use super::{Contact, TOLERANCE};
 
@@ -79,7 +79,7 @@ impl Lever {
 
     /// What the fingers need of friction and torsion at least, as a force that they must do without, if they share the torque about
     /// the chord by their leverage.
-    fn withheld_un(&self, grip: &Grip) -> [f64; 2] {
+    fn withheld_un(&self, grip: &GripModel) -> [f64; 2] {
         [0, 1].map(|k| {
             let torque_un_um = self.torque_un_um[k][0].abs();
             let by_torsion_un = if torque_un_um > 0.0 { torque_un_um / grip.torsion_um } else { 0.0 };
@@ -88,11 +88,11 @@ impl Lever {
     }
 
     /// Whether the two exert a wrench of the plane as well.
-    fn bears(&self, grip: &Grip, wrench: &Wrench, slack_un: f64) -> bool {
+    fn bears(&self, grip: &GripModel, wrench: &Wrench, slack_un: f64) -> bool {
         if self.left_over_un_um > slack_un * grip.arm_um {
             return false;
         }
-        let mut rows = Rows { all: [Row::NONE; 14], count: 0 };
+        let mut rows = WrenchRows { all: [WrenchRow::NONE; 14], count: 0 };
         let [x_um, y_um] = self.touch[0].point_um;
         let [fx_un, fy_un] = wrench.force_un;
         let moment_un_um = wrench.moment_un_um - (x_um * fy_un - y_um * fx_un);
@@ -107,16 +107,16 @@ impl Lever {
                 [inward, tangent].map(|axis| [dot(force_un, axis), sign * dot(self.along, axis)]);
             let (across, torque) = (self.across_un[k], self.torque_un_um[k]);
             for (one, other) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
-                rows.push(Row {
+                rows.push(WrenchRow {
                     chord: one * tangential[1] - grip.friction * normal[1],
                     share: other * across[1],
                     bound: grip.friction * (normal[0] + grip.sticking_un) - one * tangential[0] - other * across[0]
                         + slack_un,
                 });
             }
-            rows.push(Row { chord: normal[1], share: 0.0, bound: grip.max_force_un - normal[0] + slack_un });
+            rows.push(WrenchRow { chord: normal[1], share: 0.0, bound: grip.max_force_un - normal[0] + slack_un });
             for sign in [1.0, -1.0] {
-                rows.push(Row {
+                rows.push(WrenchRow {
                     chord: -grip.torsion_um * normal[1],
                     share: sign * torque[1],
                     bound: grip.torsion_um * (normal[0] + grip.sticking_un) - sign * torque[0] + slack_un * grip.arm_um,
@@ -129,23 +129,23 @@ impl Lever {
 
 /// `chord · s + share · t <= bound`.
 #[derive(Debug, Clone, Copy)]
-struct Row {
+struct WrenchRow {
     chord: f64,
     share: f64,
     bound: f64,
 }
 
-impl Row {
-    const NONE: Row = Row { chord: 0.0, share: 0.0, bound: 0.0 };
+impl WrenchRow {
+    const NONE: WrenchRow = WrenchRow { chord: 0.0, share: 0.0, bound: 0.0 };
 }
 
-struct Rows {
-    all: [Row; 14],
+struct WrenchRows {
+    all: [WrenchRow; 14],
     count: usize,
 }
 
-impl Rows {
-    fn push(&mut self, row: Row) {
+impl WrenchRows {
+    fn push(&mut self, row: WrenchRow) {
         self.all[self.count] = row;
         self.count += 1;
     }
@@ -184,29 +184,29 @@ impl Rows {
 
 /// Two fingers under a load that acts out of the plane, ready to be asked for wrenches of the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Bearing {
+pub(super) struct SpatialBearing {
     lever: Lever,
     /// As if nothing acted out of the plane: what this does not bear, nothing does.
-    most: Line,
+    most: LineForce,
     /// With what the load across needs at least held back: what this bears is borne.
-    least: Line,
+    least: LineForce,
     slack_un: f64,
 }
 
-impl Bearing {
+impl SpatialBearing {
     /// `None` for two contacts on one place.
-    pub fn of(grip: &Grip, touch: [&Contact; 2], across: &Across, slack_un: f64) -> Option<Bearing> {
+    pub fn of(grip: &GripModel, touch: [&Contact; 2], across: &Across, slack_un: f64) -> Option<SpatialBearing> {
         let lever = Lever::of(touch, across, grip.torsion_um)?;
         let [a, b] = touch.map(|contact| grip.pressing(contact, 0.0));
-        let most = Line::between(&a, &b, grip.arm_um, slack_un);
+        let most = LineForce::between(&a, &b, grip.arm_um, slack_un);
         let withheld_un = lever.withheld_un(grip);
         let [a, b] = [0, 1].map(|k| grip.pressing(touch[k], withheld_un[k]));
-        let least = Line::between(&a, &b, grip.arm_um, 0.0);
-        Some(Bearing { lever, most, least, slack_un })
+        let least = LineForce::between(&a, &b, grip.arm_um, 0.0);
+        Some(SpatialBearing { lever, most, least, slack_un })
     }
 
     /// Whether the two exert a wrench of the plane besides.
-    pub fn bears(&self, grip: &Grip, wrench: &Wrench) -> bool {
+    pub fn bears(&self, grip: &GripModel, wrench: &Wrench) -> bool {
         let is_balanced = self.lever.left_over_un_um <= self.slack_un * grip.arm_um;
         is_balanced
             && self.most.bears(wrench)
@@ -215,10 +215,16 @@ impl Bearing {
 }
 
 /// Whether three fingers exert a wrench of the plane and what is asked out of it.
-pub(super) fn three_bear(grip: &Grip, touch: [&Contact; 3], across: &Across, wrench: &Wrench, slack_un: f64) -> bool {
+pub(super) fn three_bear(
+    grip: &GripModel,
+    touch: [&Contact; 3],
+    across: &Across,
+    wrench: &Wrench,
+    slack_un: f64,
+) -> bool {
     let bear = |withheld_un: [f64; 3], slack_un: f64| {
-        let [a, b, c]: [Reach; 3] = [0, 1, 2].map(|k| grip.pressing(touch[k], withheld_un[k]));
-        Line::between(&a, &b, grip.arm_um, slack_un).takes(&c, &super::grip::Demand::Exert(*wrench))
+        let [a, b, c]: [ForceCone; 3] = [0, 1, 2].map(|k| grip.pressing(touch[k], withheld_un[k]));
+        LineForce::between(&a, &b, grip.arm_um, slack_un).takes(&c, &super::grip::GripDemand::Exert(*wrench))
     };
     if !bear([0.0; 3], slack_un) {
         return false;
@@ -252,7 +258,7 @@ fn levers(touch: [&Contact; 3], across: &Across, arm_um: f64) -> Option<[f64; 3]
 }
 
 /// The conditions of three fingers: for each its normal, tangential and across force, and its torque as a force at the arm.
-fn program(grip: &Grip, touch: [&Contact; 3], across: &Across, wrench: &Wrench) -> simplex::Conditions {
+fn program(grip: &GripModel, touch: [&Contact; 3], across: &Across, wrench: &Wrench) -> simplex::Conditions {
     let mut conditions = simplex::Conditions::none();
     let sums = [wrench.force_un[0], wrench.force_un[1], wrench.moment_un_um / grip.arm_um, across.force_un];
     let torques = across.torque_un_um.map(|torque| torque / grip.arm_um);

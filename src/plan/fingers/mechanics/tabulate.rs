@@ -4,13 +4,13 @@
 //! looked at one by one, each set of three once. Cost: with adhesion and without a load c² rows of c/64 words, and c³/6 looks at
 //! removals; otherwise up to c³/6 looks for each instant that is looked at.
 
-use super::grip::{Demand, Grip};
-use super::instant::{self, Instant, pairs};
-use super::rows::{Rows, retain, step};
+use super::grip::{GripDemand, GripModel};
+use super::instant::{self, PairsInstant, pairs};
+use super::rows::{PairRows, retain, step};
 use super::{Contacts, Load};
-use crate::device::fingers::{Facts, MAX_GRASPS};
-use crate::plan::fingers::looks::Looks;
-use crate::plan::fingers::tables::{Bits, Layer, Tables};
+use crate::device::fingers::{FingersFacts, MAX_GRASPS};
+use crate::plan::fingers::looks::LooksBudget;
+use crate::plan::fingers::tables::{AngleLayer, ContactBits, Tables};
 
 /// Into how many parts a rolling step is cut for holding: where they meet, a grasp must hold with the device's reserve.
 /// What holds there and lapses between them is found by [`super::Closer`] before a way is taken.
@@ -26,8 +26,8 @@ pub const PARTS_OF_ROLLING: usize = 16;
 
 /// What tables are asked for.
 #[derive(Debug, Clone, Copy)]
-pub struct Asked<'a> {
-    pub facts: &'a Facts,
+pub struct TableRequest<'a> {
+    pub facts: &'a FingersFacts,
     pub contacts: Contacts<'a>,
     /// At angle 0 of the leg.
     pub load: Load,
@@ -54,8 +54,8 @@ pub enum NoTables {
 /// # Errors
 /// [`NoTables::TooManyGrasps`] where contacts and layers ask for more than [`MAX_GRASPS`]: four sets of them, a bit each, take 256 MiB.
 pub fn tables(
-    asked: &Asked,
-    looks: &Looks,
+    asked: &TableRequest,
+    looks: &LooksBudget,
     reaches: &mut dyn FnMut(usize, usize, usize) -> bool,
 ) -> Result<Tables, NoTables> {
     let contacts = asked.contacts.number();
@@ -64,7 +64,7 @@ pub fn tables(
     if bits.is_none_or(|bits| bits > MAX_GRASPS) {
         return Err(NoTables::TooManyGrasps { contacts, layers });
     }
-    let grip = Grip::of(asked.facts, asked.contacts.reach_um());
+    let grip = GripModel::of(asked.facts, asked.contacts.reach_um());
     let mut tables = Tables { contacts, layers: Vec::with_capacity(layers) };
     let mut open = None;
     for layer in 0..layers {
@@ -78,14 +78,14 @@ pub fn tables(
     }
     roll(asked, &grip, looks, &mut tables);
     if grip.only_leans(&asked.load) {
-        let unloaded = self::tables(&Asked { load: Load::NONE, ..*asked }, looks, reaches)?;
+        let unloaded = self::tables(&TableRequest { load: Load::NONE, ..*asked }, looks, reaches)?;
         tables.layers.iter_mut().for_each(|layer| keep(layer, &unloaded.layers[0]));
     }
     if looks.are_spent() { Err(NoTables::LooksSpent) } else { Ok(tables) }
 }
 
 // Drops the grasps that another layer does not have.
-fn keep(layer: &mut Layer, other: &Layer) {
+fn keep(layer: &mut AngleLayer, other: &AngleLayer) {
     layer.pair.keep(&other.pair);
     layer.triple.keep(&other.triple);
     layer.roll_pair.keep(&other.roll_pair);
@@ -95,13 +95,13 @@ fn keep(layer: &mut Layer, other: &Layer) {
     layer.leave.keep(&other.leave);
 }
 
-impl Asked<'_> {
+impl TableRequest<'_> {
     // Some parts of a step after the angle of a layer.
-    fn instant<'a>(&self, grip: &'a Grip, looks: &'a Looks, layer: usize, parts: usize) -> Instant<'a> {
+    fn instant<'a>(&self, grip: &'a GripModel, looks: &'a LooksBudget, layer: usize, parts: usize) -> PairsInstant<'a> {
         let part_of_step = parts as f64 / PARTS_OF_STEP as f64;
         let angle_rad = ((self.lowest + layer as i64) as f64 + part_of_step) * self.contacts.step_rad();
         let contacts = self.contacts.after(part_of_step);
-        Instant::of(grip, contacts, self.load.after_turn(angle_rad), self.apart_um(), looks)
+        PairsInstant::of(grip, contacts, self.load.after_turn(angle_rad), self.apart_um(), looks)
     }
 
     fn apart_um(&self) -> f64 {
@@ -109,8 +109,8 @@ impl Asked<'_> {
     }
 
     // Pairs that have room all along a step.
-    fn room(&self) -> Rows {
-        let mut room = Rows::symmetric(self.contacts.number(), |_, _| true);
+    fn room(&self) -> PairRows {
+        let mut room = PairRows::symmetric(self.contacts.number(), |_, _| true);
         for part in 1..PARTS_OF_ROLLING {
             room.keep(&instant::room(&self.contacts.after(part as f64 / PARTS_OF_ROLLING as f64), self.apart_um()));
         }
@@ -119,8 +119,13 @@ impl Asked<'_> {
 }
 
 // Which contacts can be come to and left, as far as tips have room there; of one layer only what it may ask for.
-fn ways(now: &Instant, layers: usize, tables: &Tables, reaches: &mut dyn FnMut(usize, usize, usize) -> bool) -> Bits {
-    let mut open = Bits::new(tables.contacts.pow(3));
+fn ways(
+    now: &PairsInstant,
+    layers: usize,
+    tables: &Tables,
+    reaches: &mut dyn FnMut(usize, usize, usize) -> bool,
+) -> ContactBits {
+    let mut open = ContactBits::new(tables.contacts.pow(3));
     let mut row = vec![0; now.clear.width()];
     for (i, j) in pairs(if layers == 1 { &now.pair } else { &now.clear }) {
         now.beside(i, j, &mut row);
@@ -131,12 +136,12 @@ fn ways(now: &Instant, layers: usize, tables: &Tables, reaches: &mut dyn FnMut(u
 }
 
 // All of a layer but rolling.
-fn standing(grip: &Grip, now: &Instant, open: &Bits, tables: &Tables) -> Layer {
-    let cube = || Bits::new(tables.contacts.pow(3));
-    let mut layer = Layer {
+fn standing(grip: &GripModel, now: &PairsInstant, open: &ContactBits, tables: &Tables) -> AngleLayer {
+    let cube = || ContactBits::new(tables.contacts.pow(3));
+    let mut layer = AngleLayer {
         pair: flat(&now.pair),
         triple: cube(),
-        roll_pair: Bits::new(tables.contacts.pow(2)),
+        roll_pair: ContactBits::new(tables.contacts.pow(2)),
         roll_triple: cube(),
         place: cube(),
         leave: cube(),
@@ -151,8 +156,8 @@ fn standing(grip: &Grip, now: &Instant, open: &Bits, tables: &Tables) -> Layer {
     layer
 }
 
-fn come_and_go(grip: &Grip, now: &Instant, open: &Bits, tables: &Tables, layer: &mut Layer) {
-    let demands: Vec<Demand> = now.contacts.iter().map(|leaves| grip.removal(leaves, &now.load)).collect();
+fn come_and_go(grip: &GripModel, now: &PairsInstant, open: &ContactBits, tables: &Tables, layer: &mut AngleLayer) {
+    let demands: Vec<GripDemand> = now.contacts.iter().map(|leaves| grip.removal(leaves, &now.load)).collect();
     let mut row = vec![0; now.clear.width()];
     let mut holding = row.clone();
     for (i, j) in pairs(&now.pair) {
@@ -162,15 +167,15 @@ fn come_and_go(grip: &Grip, now: &Instant, open: &Bits, tables: &Tables, layer: 
         put_both(&mut layer.place, tables, [i, j], &row);
         let two = grip.two([&now.contacts[i], &now.contacts[j]], &now.load);
         retain(&mut row, |k| match demands[k] {
-            Demand::Squeeze => true,
-            Demand::Exert(wrench) => two.is_some_and(|two| two.bear(grip, &wrench)),
+            GripDemand::Squeeze => true,
+            GripDemand::Exert(wrench) => two.is_some_and(|two| two.bear(grip, &wrench)),
         });
         put_both(&mut layer.leave, tables, [i, j], &row);
     }
 }
 
 // Which grasps hold all the way from each layer to the next; nothing rolls on from the last one of several.
-fn roll(asked: &Asked, grip: &Grip, looks: &Looks, tables: &mut Tables) {
+fn roll(asked: &TableRequest, grip: &GripModel, looks: &LooksBudget, tables: &mut Tables) {
     let count = tables.layers.len();
     let firm = grip.with_reserve();
     let room = asked.room();
@@ -179,7 +184,8 @@ fn roll(asked: &Asked, grip: &Grip, looks: &Looks, tables: &mut Tables) {
         if next == count || looks.are_spent() {
             return;
         }
-        let between: Vec<Instant> = (1..PARTS_OF_STEP).map(|parts| asked.instant(&firm, looks, at, parts)).collect();
+        let between: Vec<PairsInstant> =
+            (1..PARTS_OF_STEP).map(|parts| asked.instant(&firm, looks, at, parts)).collect();
         let mut pairs_on = rows(&tables.layers[at].pair, tables.contacts);
         pairs_on.keep(&rows(&tables.layers[next].pair, tables.contacts).stepped());
         pairs_on.keep(&room);
@@ -190,9 +196,9 @@ fn roll(asked: &Asked, grip: &Grip, looks: &Looks, tables: &mut Tables) {
     }
 }
 
-fn rolling_triples(tables: &Tables, [at, next]: [usize; 2], room: &Rows, between: &[Instant]) -> Bits {
+fn rolling_triples(tables: &Tables, [at, next]: [usize; 2], room: &PairRows, between: &[PairsInstant]) -> ContactBits {
     let size = tables.contacts;
-    let mut triples = Bits::new(size.pow(3));
+    let mut triples = ContactBits::new(size.pow(3));
     let (mut row, mut then) = (vec![0; room.width()], vec![0; room.width()]);
     let mut then_here = row.clone();
     for (i, j) in pairs(room) {
@@ -209,17 +215,17 @@ fn rolling_triples(tables: &Tables, [at, next]: [usize; 2], room: &Rows, between
     triples
 }
 
-fn put_both(bits: &mut Bits, tables: &Tables, [i, j]: [usize; 2], row: &[u64]) {
+fn put_both(bits: &mut ContactBits, tables: &Tables, [i, j]: [usize; 2], row: &[u64]) {
     bits.put_row(tables.three(i, j, 0), row);
     bits.put_row(tables.three(j, i, 0), row);
 }
 
-fn flat(rows: &Rows) -> Bits {
-    let mut bits = Bits::new(rows.size().pow(2));
+fn flat(rows: &PairRows) -> ContactBits {
+    let mut bits = ContactBits::new(rows.size().pow(2));
     (0..rows.size()).for_each(|i| bits.put_row(i * rows.size(), rows.row(i)));
     bits
 }
 
-fn rows(bits: &Bits, size: usize) -> Rows {
-    Rows::symmetric(size, |i, j| bits.has(i * size + j))
+fn rows(bits: &ContactBits, size: usize) -> PairRows {
+    PairRows::symmetric(size, |i, j| bits.has(i * size + j))
 }

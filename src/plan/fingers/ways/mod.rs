@@ -17,11 +17,11 @@ mod reach;
 pub mod rolling;
 mod sphere;
 
-pub use reach::{Reach, Way};
+pub use reach::{ContactReach, RetreatPath};
 
-use super::{Hold, Motion, Stance};
+use super::{FingersMotion, HeldGrasp, Stance};
 use crate::claims::fingers::Section;
-use crate::device::fingers::{Facts, Plane};
+use crate::device::fingers::{FingersFacts, Plane};
 use crate::geometry::outline::Curve;
 use crate::real::Real;
 use std::f64::consts::TAU;
@@ -31,35 +31,35 @@ pub const MAX_MOVES: usize = 1_000_000;
 
 /// A hand, and the sections of its part.
 #[derive(Debug, Clone, Copy)]
-pub struct Hand<'a> {
-    pub facts: &'a Facts,
-    pub xy: Side<'a>,
+pub struct HandSections<'a> {
+    pub facts: &'a FingersFacts,
+    pub xy: PreparedSection<'a>,
     /// `None` for a flat part.
-    pub xz: Option<Side<'a>>,
+    pub xz: Option<PreparedSection<'a>>,
 }
 
 /// A section made ready.
 #[derive(Debug, Clone, Copy)]
-pub struct Side<'a> {
+pub struct PreparedSection<'a> {
     pub section: &'a Section,
     /// Of the section's outline.
     pub curve: &'a Curve,
     /// Of the curve with the section's contacts.
-    pub reach: &'a Reach,
+    pub reach: &'a ContactReach,
 }
 
 /// What the fingers do, as a plan has it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Course {
+pub struct FingersCourse {
     /// Where everything is at first.
     pub start: Stance,
     /// One for each step of the order.
-    pub steps: Vec<Vec<Act>>,
+    pub steps: Vec<Vec<FingerAct>>,
 }
 
 /// One thing that the fingers do.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Act {
+pub enum FingerAct {
     /// All fingers are free, and those that hold a contact of this grasp come to it, one after the other. A state is recorded at the
     /// end; its angle index is 1.
     Begin { plane: Plane, grasp: Vec<u32> },
@@ -96,9 +96,9 @@ pub enum WayError {
     Unfit { step: usize },
 }
 
-impl<'a> Hand<'a> {
+impl<'a> HandSections<'a> {
     /// The section in a plane, if the part has one.
-    pub fn side(&self, plane: Plane) -> Option<Side<'a>> {
+    pub fn side(&self, plane: Plane) -> Option<PreparedSection<'a>> {
         match plane {
             Plane::Xy => Some(self.xy),
             Plane::Xz => self.xz,
@@ -119,7 +119,7 @@ impl<'a> Hand<'a> {
             let [x, y, z] = position_um;
             [x + self.sphere_um(finger) * cos, y + self.sphere_um(finger) * sin, z]
         };
-        let hold = Hold {
+        let hold = HeldGrasp {
             grasp: vec![0; fingers],
             plane: Plane::Xy,
             angle_index: 1,
@@ -133,13 +133,13 @@ impl<'a> Hand<'a> {
     ///
     /// # Errors
     /// See [`WayError`]; [`WayError::Range`] only where nothing else is wrong.
-    pub fn motion(&self, course: &Course) -> Result<Motion, WayError> {
+    pub fn motion(&self, course: &FingersCourse) -> Result<FingersMotion, WayError> {
         motion::motion(self, course)
     }
 }
 
 /// Where everything is after a motion.
-pub fn end(motion: &Motion) -> Stance {
+pub fn end(motion: &FingersMotion) -> Stance {
     let moves = || motion.steps.iter().flatten().rev();
     let tips_um = moves().next().map_or(&motion.start.tips_um, |last| &last.tips_um);
     let hold = moves().find_map(|last| last.state.as_ref()).unwrap_or(&motion.start.hold);
@@ -147,7 +147,7 @@ pub fn end(motion: &Motion) -> Stance {
 }
 
 /// How long a motion lasts; `None` if that is longer than a `u64` counts.
-pub fn duration_ns(motion: &Motion) -> Option<u64> {
+pub fn duration_ns(motion: &FingersMotion) -> Option<u64> {
     motion.steps.iter().flatten().try_fold(0, |sum: u64, stretch| sum.checked_add(stretch.duration_ns))
 }
 

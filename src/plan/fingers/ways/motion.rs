@@ -2,9 +2,9 @@
 
 use super::rolling;
 use super::sphere::{self, Arc};
-use super::{Act, Course, Hand, MAX_MOVES, Side, WayError};
+use super::{FingerAct, FingersCourse, HandSections, MAX_MOVES, PreparedSection, WayError};
 use crate::device::fingers::{AXES, Plane};
-use crate::plan::fingers::{Hold, Motion, Move, Stance};
+use crate::plan::fingers::{FingersMotion, HeldGrasp, Stance, TipsMove};
 use crate::real::Real;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector2, Vector3};
 
@@ -15,11 +15,11 @@ const THERE_UM: f64 = 1e-9;
 const ADRIFT: f64 = 0.9;
 
 /// How the fingers move in a course.
-pub fn motion(hand: &Hand, course: &Course) -> Result<Motion, WayError> {
+pub fn motion(hand: &HandSections, course: &FingersCourse) -> Result<FingersMotion, WayError> {
     if !is_sound(hand, &course.start) {
         return Err(WayError::Unfit { step: 0 });
     }
-    let mut walk = Walk::new(hand, &course.start);
+    let mut walk = MotionWalk::new(hand, &course.start);
     let mut steps = Vec::with_capacity(course.steps.len());
     walk.check_range();
     for (step, acts) in course.steps.iter().enumerate() {
@@ -30,11 +30,11 @@ pub fn motion(hand: &Hand, course: &Course) -> Result<Motion, WayError> {
         walk.count += walk.moves.len();
         steps.push(std::mem::take(&mut walk.moves));
     }
-    walk.beyond.map_or(Ok(Motion { start: course.start.clone(), steps }), Err)
+    walk.beyond.map_or(Ok(FingersMotion { start: course.start.clone(), steps }), Err)
 }
 
 /// Whether a stance has all fingers of the hand, and only contacts of its part.
-fn is_sound(hand: &Hand, start: &Stance) -> bool {
+fn is_sound(hand: &HandSections, start: &Stance) -> bool {
     let fingers = hand.facts.fingers as usize;
     let contacts = hand.side(start.hold.plane).map_or(0, |side| side.reach.contacts());
     let are_there = start.hold.grasp.iter().all(|contact| *contact as usize <= contacts);
@@ -55,8 +55,8 @@ struct Seat {
 }
 
 /// Where everything is on the way.
-struct Walk<'a> {
-    hand: &'a Hand<'a>,
+struct MotionWalk<'a> {
+    hand: &'a HandSections<'a>,
     tips_um: Vec<Vector3<f64>>,
     grasp: Vec<u32>,
     /// By finger.
@@ -68,7 +68,7 @@ struct Walk<'a> {
     base: UnitQuaternion<f64>,
     base_index: i64,
     /// Of the step that goes on.
-    moves: Vec<Move>,
+    moves: Vec<TipsMove>,
     /// Moves of the steps before.
     count: usize,
     step: usize,
@@ -77,10 +77,10 @@ struct Walk<'a> {
     worst_um: f64,
 }
 
-impl<'a> Walk<'a> {
-    fn new(hand: &'a Hand<'a>, start: &Stance) -> Self {
+impl<'a> MotionWalk<'a> {
+    fn new(hand: &'a HandSections<'a>, start: &Stance) -> Self {
         let [w, x, y, z] = start.hold.orientation;
-        let mut walk = Walk {
+        let mut walk = MotionWalk {
             hand,
             seats: vec![Seat::default(); start.hold.grasp.len()],
             tips_um: start.tips_um.iter().map(|tip| Vector3::from(*tip)).collect(),
@@ -127,25 +127,25 @@ impl<'a> Walk<'a> {
         Vector3::new(rolled_rad * self.hand.facts.tip_radius_um, gap_um, height_um).norm()
     }
 
-    fn act(&mut self, act: &Act) -> Result<(), WayError> {
+    fn act(&mut self, act: &FingerAct) -> Result<(), WayError> {
         match act {
-            Act::Begin { plane, grasp } => self.begin(*plane, grasp),
-            Act::Turn(plane) => self.turn(*plane),
-            Act::Roll(steps) => (0..steps.unsigned_abs()).try_for_each(|_| self.roll(i64::from(steps.signum()))),
-            Act::Place { finger, contact } => {
+            FingerAct::Begin { plane, grasp } => self.begin(*plane, grasp),
+            FingerAct::Turn(plane) => self.turn(*plane),
+            FingerAct::Roll(steps) => (0..steps.unsigned_abs()).try_for_each(|_| self.roll(i64::from(steps.signum()))),
+            FingerAct::Place { finger, contact } => {
                 self.come(*finger, *contact)?;
                 self.record();
                 Ok(())
             }
-            Act::Leave { finger } => {
+            FingerAct::Leave { finger } => {
                 self.go(*finger)?;
                 self.record();
                 Ok(())
             }
-            Act::Release { order } => self.release(order),
-            Act::Translate(by_um) => self.translate(Vector3::from(*by_um)),
-            Act::Wait(0) => Ok(()),
-            Act::Wait(duration_ns) => self.push(*duration_ns, self.tips_um.clone()),
+            FingerAct::Release { order } => self.release(order),
+            FingerAct::Translate(by_um) => self.translate(Vector3::from(*by_um)),
+            FingerAct::Wait(0) => Ok(()),
+            FingerAct::Wait(duration_ns) => self.push(*duration_ns, self.tips_um.clone()),
         }
     }
 
@@ -339,7 +339,7 @@ impl<'a> Walk<'a> {
         self.base * UnitQuaternion::from_axis_angle(&axis, steps * step_rad + further_rad)
     }
 
-    fn side(&self) -> Result<Side<'a>, WayError> {
+    fn side(&self) -> Result<PreparedSection<'a>, WayError> {
         self.hand.side(self.plane).ok_or(self.unfit())
     }
 
@@ -364,7 +364,7 @@ impl<'a> Walk<'a> {
         self.tips_um = tips_um;
         self.check_range();
         let tips_um = self.tips_um.iter().map(|tip| [tip.x, tip.y, tip.z]).collect();
-        self.moves.push(Move { duration_ns, tips_um, state: None });
+        self.moves.push(TipsMove { duration_ns, tips_um, state: None });
         Ok(())
     }
 
@@ -372,7 +372,7 @@ impl<'a> Walk<'a> {
     fn record(&mut self) {
         let orientation = self.orientation(0.0).normalize();
         let orientation = if orientation.w < 0.0 { -orientation } else { orientation };
-        let state = Hold {
+        let state = HeldGrasp {
             grasp: self.grasp.clone(),
             plane: self.plane,
             angle_index: self.angle_index,

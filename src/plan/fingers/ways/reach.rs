@@ -10,7 +10,7 @@
 //! a part in 10⁹. Not promised: that a contact has no way where the fan has none. Cost grows with contacts² × directions.
 
 use super::rolling;
-use crate::device::fingers::Facts;
+use crate::device::fingers::FingersFacts;
 use crate::geometry::outline::Curve;
 use crate::real::Real;
 use nalgebra::Vector2;
@@ -32,8 +32,8 @@ const SAMPLES: [f64; 2] = [256.0, 16_384.0];
 
 /// The ways to the contacts of one section, in its coordinates. Contacts are counted from 0.
 #[derive(Debug, Clone)]
-pub struct Reach {
-    exits: Vec<Exit>,
+pub struct ContactReach {
+    exits: Vec<WayStart>,
     /// At k·c + i: the directions in which the way of contact k is clear of a tip on contact i, and of the outline; at k·c + k:
     /// in which it is clear of the outline.
     masks: Vec<u16>,
@@ -41,7 +41,7 @@ pub struct Reach {
 
 /// Where the ways of one contact begin.
 #[derive(Debug, Clone, Copy)]
-struct Exit {
+struct WayStart {
     touch_um: Vector2<f64>,
     bend_um: Vector2<f64>,
     normal_rad: f64,
@@ -49,7 +49,7 @@ struct Exit {
 
 /// The way of a tip's centre from its contact outwards, in the section's coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Way {
+pub struct RetreatPath {
     /// Where it touches.
     pub touch_um: Vector2<f64>,
     /// Where the slow stretch ends.
@@ -58,19 +58,19 @@ pub struct Way {
     pub towards: Vector2<f64>,
 }
 
-impl Way {
+impl RetreatPath {
     /// Where it meets a circle about the part's origin that encloses it so far.
     pub fn end_um(&self, radius_um: f64) -> Vector2<f64> {
         self.bend_um + self.towards * ray_um(self.bend_um, self.towards, radius_um)
     }
 }
 
-impl Reach {
+impl ContactReach {
     /// Tests all ways.
-    pub fn new(curve: &Curve, facts: &Facts, contacts: u32) -> Reach {
+    pub fn new(curve: &Curve, facts: &FingersFacts, contacts: u32) -> ContactReach {
         let count = contacts as usize;
-        let exits: Vec<Exit> = (0..count).map(|contact| exit(curve, facts, contact, contacts)).collect();
-        let mut reach = Reach { masks: vec![0; count * count], exits };
+        let exits: Vec<WayStart> = (0..count).map(|contact| exit(curve, facts, contact, contacts)).collect();
+        let mut reach = ContactReach { masks: vec![0; count * count], exits };
         // A tip that goes away from a convex outline keeps clear of it.
         let rim = (curve.least_curvature_per_um() < 0.0).then(|| Rim::of(curve, facts));
         let radius_um = facts.sphere_um(0, curve.reach_um());
@@ -93,7 +93,7 @@ impl Reach {
     }
 
     /// The way of a contact that is clear of tips on others: the first one of the fan.
-    pub fn way(&self, contact: usize, holding: &[usize]) -> Option<Way> {
+    pub fn way(&self, contact: usize, holding: &[usize]) -> Option<RetreatPath> {
         if holding.contains(&contact) {
             return None;
         }
@@ -115,7 +115,7 @@ impl Reach {
     }
 
     /// Fills the row of a contact.
-    fn test(&mut self, contact: usize, rim: Option<&Rim>, facts: &Facts, radius_um: f64) {
+    fn test(&mut self, contact: usize, rim: Option<&Rim>, facts: &FingersFacts, radius_um: f64) {
         let exit = self.exits[contact];
         let ways: Vec<(u16, Vector2<f64>)> = (0..FAN)
             .map(|direction| (1 << direction, exit.way(direction).end_um(radius_um)))
@@ -137,21 +137,21 @@ impl Reach {
     }
 }
 
-impl Exit {
+impl WayStart {
     /// The way in a direction of the fan: the normal, then to its sides in turn.
-    fn way(&self, direction: u32) -> Way {
+    fn way(&self, direction: u32) -> RetreatPath {
         let side = if direction % 2 == 1 { 1.0 } else { -1.0 };
         let towards_rad = self.normal_rad + side * f64::from(direction.div_ceil(2)) * FAN_STEP_RAD;
         let (sin, cos) = towards_rad.sine_cosine();
-        Way { touch_um: self.touch_um, bend_um: self.bend_um, towards: Vector2::new(cos, sin) }
+        RetreatPath { touch_um: self.touch_um, bend_um: self.bend_um, towards: Vector2::new(cos, sin) }
     }
 }
 
-fn exit(curve: &Curve, facts: &Facts, contact: usize, contacts: u32) -> Exit {
+fn exit(curve: &Curve, facts: &FingersFacts, contact: usize, contacts: u32) -> WayStart {
     let round_rad = curve.rolled_rad(curve.perimeter_um(), facts.tip_radius_um);
     let (touch_um, normal_rad) = rolling::tip(curve, facts, contact as f64 * round_rad / f64::from(contacts));
     let (sin, cos) = normal_rad.sine_cosine();
-    Exit { touch_um, bend_um: touch_um + Vector2::new(cos, sin) * facts.slow_um(), normal_rad }
+    WayStart { touch_um, bend_um: touch_um + Vector2::new(cos, sin) * facts.slow_um(), normal_rad }
 }
 
 /// An outline as points so close together that the nearest one is hardly farther than the outline.
@@ -163,7 +163,7 @@ struct Rim {
 
 impl Rim {
     /// A sample that lies h/2 beside the nearest place is farther by about h²/8·(1/l2 + κ): h makes that an eighth of the tolerance.
-    fn of(curve: &Curve, facts: &Facts) -> Rim {
+    fn of(curve: &Curve, facts: &FingersFacts) -> Rim {
         let perimeter_um = curve.perimeter_um();
         let coarse = (0..256).map(|index| curve.spot(perimeter_um * f64::from(index) / 256.0).curvature_per_um.abs());
         let bend_per_um = coarse.fold(1.0 / facts.tip_radius_um, f64::max) + 1.0 / facts.tip_radius_um;
@@ -176,7 +176,7 @@ impl Rim {
     }
 
     /// Whether a tip keeps clear on the way to a contact from a place far away.
-    fn lets_pass(&self, exit: &Exit, end_um: Vector2<f64>, facts: &Facts) -> bool {
+    fn lets_pass(&self, exit: &WayStart, end_um: Vector2<f64>, facts: &FingersFacts) -> bool {
         let slow_um = facts.tip_radius_um - facts.tolerance_um / 8.0;
         self.keeps([exit.touch_um, exit.bend_um], slow_um)
             && self.keeps([exit.bend_um, end_um], slow_um + facts.clearance_um)

@@ -4,7 +4,7 @@
 //! gives u + θ = const for its rolling coordinate u (the turn of the normal plus the way over the tip's radius) and the part's angle θ.
 //! So the tip's centre is R(θ)(p(u) + l2·n(u)) exactly, and nothing is integrated.
 
-use crate::device::fingers::Facts;
+use crate::device::fingers::FingersFacts;
 use crate::geometry::outline::Curve;
 use crate::real::Real;
 use nalgebra::Vector2;
@@ -13,7 +13,7 @@ use nalgebra::Vector2;
 pub const MAX_CHORDS: f64 = 4096.0;
 
 /// The centre of a tip that touches at a rolling coordinate, and the direction of the normal there, in the section's coordinates.
-pub fn tip(curve: &Curve, facts: &Facts, rolled_rad: f64) -> (Vector2<f64>, f64) {
+pub fn tip(curve: &Curve, facts: &FingersFacts, rolled_rad: f64) -> (Vector2<f64>, f64) {
     let spot = curve.spot(curve.way_rolled_um(rolled_rad, facts.tip_radius_um));
     let (sin, cos) = spot.normal_rad.sine_cosine();
     (Vector2::from(spot.point_um) + Vector2::new(cos, sin) * facts.tip_radius_um, spot.normal_rad)
@@ -30,7 +30,7 @@ const CHORD_RAD: f64 = 1e-4;
 ///
 /// The second derivative of the centre by the angle is R(θ)(n/(κ + 1/l2) − p), and a chord over an angle h is off by at most an
 /// eighth of h² times its norm.
-pub fn chords(curve: &Curve, facts: &Facts, step_rad: f64) -> Option<u32> {
+pub fn chords(curve: &Curve, facts: &FingersFacts, step_rad: f64) -> Option<u32> {
     let least_per_um = curve.least_curvature_per_um() + 1.0 / facts.tip_radius_um;
     let bend_um = curve.reach_um() + 1.0 / least_per_um;
     let off_um = (facts.tolerance_um / 2.0).min(CHORD_RAD * curve.reach_um());

@@ -1,36 +1,36 @@
 //! The bed in the course of an assembly: where the robots are, what has been driven, and what states steer whom.
 
-use super::track::Track;
+use super::track::ArmTrack;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
-use crate::plan::microrobots::{Docking, Leg, Stage};
+use crate::plan::microrobots::{AssemblyStage, Leg, RobotDocking};
 
 /// A bed at some time of an assembly.
 #[derive(Debug, Clone)]
-pub struct Bed<'a> {
+pub struct AssemblyState<'a> {
     pub order: &'a MicrorobotsOrder,
     /// One for each robot of the order, like `docked`.
     pub poses: Vec<Pose>,
     pub docked: Vec<bool>,
     pub legs: Vec<Leg>,
-    pub docks: Vec<Docking>,
-    pub stages: Vec<Stage>,
+    pub docks: Vec<RobotDocking>,
+    pub stages: Vec<AssemblyStage>,
 }
 
 /// What a stage adds: its legs, at the end of which these robots dock.
 #[derive(Debug, Clone)]
-pub struct Stretch {
+pub struct StageAddition {
     pub legs: Vec<Leg>,
     pub docking: Vec<usize>,
     /// In order of time.
-    pub stages: Vec<Stage>,
+    pub stages: Vec<AssemblyStage>,
 }
 
-impl<'a> Bed<'a> {
+impl<'a> AssemblyState<'a> {
     pub fn new(order: &'a MicrorobotsOrder, poses: &[Pose], docked: &[bool]) -> Self {
         let (poses, docked) = (poses.to_vec(), docked.to_vec());
-        Bed { order, poses, docked, legs: Vec::new(), docks: Vec::new(), stages: Vec::new() }
+        AssemblyState { order, poses, docked, legs: Vec::new(), docks: Vec::new(), stages: Vec::new() }
     }
 
     pub fn robot(&self, index: usize) -> &'a Robot {
@@ -56,12 +56,12 @@ impl<'a> Bed<'a> {
     }
 
     /// The bed after one more stage.
-    pub fn after(&self, stretch: Stretch) -> Bed<'a> {
+    pub fn after(&self, stretch: StageAddition) -> AssemblyState<'a> {
         let mut bed = self.clone();
         bed.poses = self.poses_after(&stretch.legs);
         bed.legs.extend(stretch.legs);
         let leg = bed.legs.len() - 1;
-        bed.docks.extend(stretch.docking.iter().map(|&robot| Docking { robot, leg }));
+        bed.docks.extend(stretch.docking.iter().map(|&robot| RobotDocking { robot, leg }));
         stretch.docking.iter().for_each(|&robot| bed.docked[robot] = true);
         bed.stages.extend(stretch.stages);
         bed
@@ -95,7 +95,7 @@ impl<'a> Bed<'a> {
 }
 
 /// Legs from the track of the one robot that is steered, by the states in which it turns and runs straight.
-pub fn legs_of_one(track: &Track, [turn, straight]: [usize; 2]) -> Vec<Leg> {
+pub fn legs_of_one(track: &ArmTrack, [turn, straight]: [usize; 2]) -> Vec<Leg> {
     let state = |arm| match arm {
         Arm::Down => turn,
         Arm::Up => straight,
@@ -105,7 +105,7 @@ pub fn legs_of_one(track: &Track, [turn, straight]: [usize; 2]) -> Vec<Leg> {
 
 /// Legs from the tracks of two robots, by the states in which both turn, only the second turns, and none turns. Where only the first
 /// would turn there is none.
-pub fn legs_of_two(first: &Track, second: &Track, [both, one, none]: [usize; 3]) -> Option<Vec<Leg>> {
+pub fn legs_of_two(first: &ArmTrack, second: &ArmTrack, [both, one, none]: [usize; 3]) -> Option<Vec<Leg>> {
     let mut legs = Vec::new();
     let (mut firsts, mut seconds) = (first.pieces.iter().copied(), second.pieces.iter().copied());
     let (mut at, mut beside) = (firsts.next(), seconds.next());

@@ -8,7 +8,7 @@
 
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
-use crate::plan::microrobots::free::{Segment, length_um, turn_rad};
+use crate::plan::microrobots::free::{ArmSegment, length_um, turn_rad};
 use crate::real::Real;
 use std::f64::consts::TAU;
 
@@ -26,7 +26,7 @@ const ROUNDING_UM: f64 = 1e-6;
 
 /// What is asked of a way.
 #[derive(Debug, Clone, Copy)]
-pub struct Asked {
+pub struct ClosingRequest {
     pub from: Pose,
     pub to: Pose,
     pub length_um: f64,
@@ -34,28 +34,28 @@ pub struct Asked {
 }
 
 /// Turn, straight, turn: the way from one pose to another that there always is; none of its arcs is a full circle.
-pub fn turn_straight_turn(robot: &Robot, from: Pose, to: Pose) -> [Segment; 3] {
+pub fn turn_straight_turn(robot: &Robot, from: Pose, to: Pose) -> [ArmSegment; 3] {
     let [from_centre, to_centre] = [from, to].map(|pose| robot.orbit_centre_um(pose));
     let (dx_um, dy_um) = (to_centre[0] - from_centre[0], to_centre[1] - from_centre[1]);
     let straight_um = dx_um.hypotenuse(dy_um);
     let heading_rad = if straight_um > ROUNDING_UM { dy_um.arc_tangent_over(dx_um) } else { from.heading_rad };
     let turn_um = |from_rad, to_rad| robot.turning_radius_um * turn_rad(robot, from_rad, to_rad);
     [
-        Segment { arm: Arm::Down, way_um: turn_um(from.heading_rad, heading_rad) },
-        Segment { arm: Arm::Up, way_um: straight_um },
-        Segment { arm: Arm::Down, way_um: turn_um(heading_rad, to.heading_rad) },
+        ArmSegment { arm: Arm::Down, way_um: turn_um(from.heading_rad, heading_rad) },
+        ArmSegment { arm: Arm::Up, way_um: straight_um },
+        ArmSegment { arm: Arm::Down, way_um: turn_um(heading_rad, to.heading_rad) },
     ]
 }
 
 /// Ways from pose to pose, the shortest first: straight for one of these stretches, turn–straight–turn, straight for one of those.
-pub fn detours(robot: &Robot, from: Pose, to: Pose, firsts_um: &[f64], lasts_um: &[f64]) -> Vec<Vec<Segment>> {
+pub fn detours(robot: &Robot, from: Pose, to: Pose, firsts_um: &[f64], lasts_um: &[f64]) -> Vec<Vec<ArmSegment>> {
     let way = |first_um: f64, last_um: f64| {
         let [leave, arrive] = [robot.moved(from, Arm::Up, first_um), robot.moved(to, Arm::Up, -last_um)];
-        let run = |way_um| Segment { arm: Arm::Up, way_um };
+        let run = |way_um| ArmSegment { arm: Arm::Up, way_um };
         let middle = turn_straight_turn(robot, leave, arrive);
-        [run(first_um)].into_iter().chain(middle).chain([run(last_um)]).collect::<Vec<Segment>>()
+        [run(first_um)].into_iter().chain(middle).chain([run(last_um)]).collect::<Vec<ArmSegment>>()
     };
-    let mut ways: Vec<Vec<Segment>> = firsts_um
+    let mut ways: Vec<Vec<ArmSegment>> = firsts_um
         .iter()
         .flat_map(|&first_um| lasts_um.iter().map(move |&last_um| (first_um, last_um)))
         .map(|(a, b)| way(a, b))
@@ -70,7 +70,7 @@ pub fn stretches(robot: &Robot, count: usize) -> Vec<f64> {
 }
 
 /// Ways of the length that was asked for, those without a first stretch before others, and those with few full circles first.
-pub fn closings(robot: &Robot, asked: &Asked) -> Vec<Vec<Segment>> {
+pub fn closings(robot: &Robot, asked: &ClosingRequest) -> Vec<Vec<ArmSegment>> {
     let most_um = asked.length_um - asked.least_last_um;
     let first_um = |index: usize| most_um * index as f64 / FIRST_STRETCHES as f64;
     let circles = |index: usize| (0..=MAX_CIRCLES).map(move |circles| (first_um(index), circles));
@@ -79,8 +79,8 @@ pub fn closings(robot: &Robot, asked: &Asked) -> Vec<Vec<Segment>> {
 }
 
 /// The way with this first stretch and so many full circles: none, one, or two that differ in where the circles are.
-fn closing(robot: &Robot, asked: &Asked, first_um: f64, circles: usize) -> Vec<Vec<Segment>> {
-    let Asked { from, to, length_um, least_last_um } = *asked;
+fn closing(robot: &Robot, asked: &ClosingRequest, first_um: f64, circles: usize) -> Vec<Vec<ArmSegment>> {
+    let ClosingRequest { from, to, length_um, least_last_um } = *asked;
     let [from_centre, to_centre] = [from, to].map(|pose| robot.orbit_centre_um(pose));
     let [(from_sin, from_cos), (sin, cos)] = [from, to].map(|pose| pose.heading_rad.sine_cosine());
     let dx_um = to_centre[0] - from_centre[0] - first_um * from_cos;
@@ -101,15 +101,15 @@ fn closing(robot: &Robot, asked: &Asked, first_um: f64, circles: usize) -> Vec<V
     let turn_rad = turn_rad(robot, from.heading_rad, heading_rad);
     let way = |first_rad: f64| {
         vec![
-            Segment { arm: Arm::Up, way_um: first_um },
-            Segment { arm: Arm::Down, way_um: radius_um * first_rad },
-            Segment { arm: Arm::Up, way_um: middle_um },
-            Segment { arm: Arm::Down, way_um: radius_um * (turned_rad - first_rad) },
-            Segment { arm: Arm::Up, way_um: last_um },
+            ArmSegment { arm: Arm::Up, way_um: first_um },
+            ArmSegment { arm: Arm::Down, way_um: radius_um * first_rad },
+            ArmSegment { arm: Arm::Up, way_um: middle_um },
+            ArmSegment { arm: Arm::Down, way_um: radius_um * (turned_rad - first_rad) },
+            ArmSegment { arm: Arm::Up, way_um: last_um },
         ]
     };
     let turns = [turn_rad, turn_rad + TAU * circles as f64, turn_rad + TAU * circles.saturating_sub(1) as f64];
-    let mut ways: Vec<Vec<Segment>> = Vec::new();
+    let mut ways: Vec<Vec<ArmSegment>> = Vec::new();
     for first_rad in turns.into_iter().filter(|first_rad| *first_rad <= turned_rad) {
         let way = way(first_rad);
         if !ways.contains(&way) {

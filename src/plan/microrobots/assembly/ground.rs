@@ -1,39 +1,39 @@
 //! The rules of collision, asked for a bed in the course of an assembly.
 
-use super::bed::{Bed, Stretch};
-use super::{Blocker, Stuck, recognition};
+use super::bed::{AssemblyState, StageAddition};
+use super::{RobotBlocker, StuckAssembly, recognition};
 use crate::claims::microrobots::Dock;
 use crate::geometry::Pose;
-use crate::plan::microrobots::free::Segment;
-use crate::plan::microrobots::ways::{NoWay, Task};
-use crate::plan::microrobots::world::{Fixtures, Hit, Obstruction, World};
-use crate::plan::microrobots::{Docking, Leg};
-use crate::plan::search::{Budget, Meter};
+use crate::plan::microrobots::free::ArmSegment;
+use crate::plan::microrobots::ways::{DriveTask, NoWay};
+use crate::plan::microrobots::world::{FirstMeeting, Fixtures, Obstruction, World};
+use crate::plan::microrobots::{Leg, RobotDocking};
+use crate::plan::search::{Meter, SearchBudget};
 use std::f64::consts::TAU;
 
 /// States of one search for a way.
 const MAX_STATES: u64 = 2_000;
 
 /// The bed's world, and where everything stood when the assembly began.
-pub struct Ground<'a> {
+pub struct AssemblyGround<'a> {
     pub world: World,
     docks: &'a [Dock],
     start: Vec<Pose>,
     docked: Vec<bool>,
 }
 
-impl<'a> Ground<'a> {
-    pub fn new(bed: &Bed, docks: &'a [Dock]) -> Self {
-        Ground { world: World::new(bed.order), docks, start: bed.poses.clone(), docked: bed.docked.clone() }
+impl<'a> AssemblyGround<'a> {
+    pub fn new(bed: &AssemblyState, docks: &'a [Dock]) -> Self {
+        AssemblyGround { world: World::new(bed.order), docks, start: bed.poses.clone(), docked: bed.docked.clone() }
     }
 
     /// A stretch up to where its robots dock.
-    pub fn settled(&self, bed: &Bed, stretch: Stretch) -> Result<Stretch, Stuck> {
+    pub fn settled(&self, bed: &AssemblyState, stretch: StageAddition) -> Result<StageAddition, StuckAssembly> {
         recognition::settled(bed, self.docks, stretch)
     }
 
     /// What rests while some robots are steered: docked bodies, and the discs of all others, which have to have room.
-    pub fn fixtures(&self, bed: &Bed, steered: &[usize]) -> Result<Fixtures, Stuck> {
+    pub fn fixtures(&self, bed: &AssemblyState, steered: &[usize]) -> Result<Fixtures, StuckAssembly> {
         let rests = (0..bed.poses.len()).filter(|robot| bed.docked[*robot]);
         let bodies = rests.map(|robot| self.world.rectangle(robot, bed.poses[robot])).collect();
         let mut fixtures = Fixtures { discs: Vec::new(), bodies };
@@ -41,7 +41,7 @@ impl<'a> Ground<'a> {
             let disc = self.world.disc(robot, bed.poses[robot]);
             if let Some(obstruction) = self.world.obstruction_of_orbit(&disc, &fixtures) {
                 let blocker = blocker(bed, steered, obstruction);
-                return Err(Stuck::NoOrbit { robot, blocker });
+                return Err(StuckAssembly::NoOrbit { robot, blocker });
             }
             fixtures.discs.push(disc);
         }
@@ -49,25 +49,31 @@ impl<'a> Ground<'a> {
     }
 
     /// A way of a robot around what rests while some robots are steered.
-    pub fn way(&self, bed: &Bed, steered: &[usize], task: &Task, meter: &mut Meter) -> Result<Vec<Segment>, Stuck> {
-        let mut own = Meter::new(Budget::of(meter.left().steps.min(MAX_STATES)));
+    pub fn way(
+        &self,
+        bed: &AssemblyState,
+        steered: &[usize],
+        task: &DriveTask,
+        meter: &mut Meter,
+    ) -> Result<Vec<ArmSegment>, StuckAssembly> {
+        let mut own = Meter::new(SearchBudget::of(meter.left().steps.min(MAX_STATES)));
         let found = task.find(&mut own);
         meter.charge(own.spent());
         match found {
             Ok(found) => Ok(found.way),
-            Err(NoWay::GaveUp(_)) if meter.left().steps == 0 => Err(Stuck::GaveUp),
+            Err(NoWay::GaveUp(_)) if meter.left().steps == 0 => Err(StuckAssembly::GaveUp),
             Err(NoWay::Start(by) | NoWay::Goal(by) | NoWay::Blocked(by) | NoWay::GaveUp(by)) => {
-                Err(Stuck::NoWay { robot: task.robot, blocker: blocker(bed, steered, by) })
+                Err(StuckAssembly::NoWay { robot: task.robot, blocker: blocker(bed, steered, by) })
             }
         }
     }
 
     /// What one more stretch brings too near to one another, with the robots that wait orbiting once more afterwards: they will.
     /// So their discs are kept clear in every stretch, and each can be looked at by itself. The leg is counted from the assembly's first.
-    pub fn first_hit(&self, bed: &Bed, stretch: &Stretch) -> Option<Hit> {
+    pub fn first_hit(&self, bed: &AssemblyState, stretch: &StageAddition) -> Option<FirstMeeting> {
         let mut legs = stretch.legs.clone();
         let leg = legs.len() - 1;
-        let docks: Vec<Docking> = stretch.docking.iter().map(|&robot| Docking { robot, leg }).collect();
+        let docks: Vec<RobotDocking> = stretch.docking.iter().map(|&robot| RobotDocking { robot, leg }).collect();
         let circles = bed.others(&stretch.docking).map(|robot| {
             let facts = bed.robot(robot);
             (TAU * facts.turning_radius_um / facts.step_um).ceil() as u64
@@ -76,22 +82,22 @@ impl<'a> Ground<'a> {
             legs.push(Leg { strokes: strokes.saturating_add(1), ..legs[leg] });
         }
         let hit = self.world.first_hit(&bed.poses, &bed.docked, &legs, &docks);
-        hit.map(|hit| Hit { leg: hit.leg + bed.legs.len(), ..hit })
+        hit.map(|hit| FirstMeeting { leg: hit.leg + bed.legs.len(), ..hit })
     }
 
     /// What the whole of an assembly brings too near to one another.
-    pub fn any_hit(&self, bed: &Bed) -> Option<Hit> {
+    pub fn any_hit(&self, bed: &AssemblyState) -> Option<FirstMeeting> {
         self.world.first_hit(&self.start, &self.docked, &bed.legs, &bed.docks)
     }
 }
 
 /// What is in the way, by its index in the order.
-fn blocker(bed: &Bed, steered: &[usize], obstruction: Obstruction) -> Blocker {
+fn blocker(bed: &AssemblyState, steered: &[usize], obstruction: Obstruction) -> RobotBlocker {
     let waiting = |index| bed.others(steered).nth(index).unwrap_or(usize::MAX);
     let docked = |index| (0..bed.poses.len()).filter(|robot| bed.docked[*robot]).nth(index).unwrap_or(usize::MAX);
     match obstruction {
-        Obstruction::Obstacle(index) => Blocker::Obstacle(index),
-        Obstruction::Disc(index) => Blocker::Orbit(waiting(index)),
-        Obstruction::Body(index) => Blocker::Docked(docked(index)),
+        Obstruction::Obstacle(index) => RobotBlocker::Obstacle(index),
+        Obstruction::Disc(index) => RobotBlocker::Orbit(waiting(index)),
+        Obstruction::Body(index) => RobotBlocker::Docked(docked(index)),
     }
 }

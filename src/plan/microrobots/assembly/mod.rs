@@ -19,14 +19,14 @@ mod roundabout;
 mod single;
 mod track;
 
-use super::world::Hit;
-use super::{Docking, Leg, Stage, bound};
+use super::world::FirstMeeting;
+use super::{AssemblyStage, Leg, RobotDocking, bound};
 use crate::claims::microrobots::{Dock, MicrorobotsOrder, Precision};
 use crate::geometry::Pose;
-use crate::plan::search::{Budget, Meter};
-use bed::{Bed, Stretch};
-use ground::Ground;
-use orders::{Move, Orders};
+use crate::plan::search::{Meter, SearchBudget};
+use bed::{AssemblyState, StageAddition};
+use ground::AssemblyGround;
+use orders::{AssemblyMove, Orders};
 
 /// Stages that are planned in all, while orders are tried.
 pub const MAX_PLANS: usize = 400;
@@ -39,15 +39,15 @@ pub const MAX_MORE_PLANS: usize = 24;
 pub struct Assembled {
     /// Neighbours have different states.
     pub legs: Vec<Leg>,
-    pub docks: Vec<Docking>,
-    pub stages: Vec<Stage>,
+    pub docks: Vec<RobotDocking>,
+    pub stages: Vec<AssemblyStage>,
     /// Trains and control cycles.
     pub duration_ns: u64,
 }
 
 /// Why no assembly was found. Robots are indices of the order's robots.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Stuck {
+pub enum StuckAssembly {
     /// No control states steer these robots (one, or the first two) while this one orbits; without it: while all others orbit that are
     /// not docked, and those that are keep their arms up.
     Unsteerable { robots: Vec<usize>, orbiting: Option<usize> },
@@ -57,13 +57,13 @@ pub enum Stuck {
     /// At its goal the robot touches neither what is docked nor another robot's goal that could be reached.
     Apart { robot: usize },
     /// All ways that were tried come too near to something; the last of them so.
-    Blocked { robot: usize, partner: Option<usize>, hit: Hit },
+    Blocked { robot: usize, partner: Option<usize>, hit: FirstMeeting },
     /// No two ways that were tried bring both to their goals at the same time, with whole strokes within precision.
     Untimely { first: usize, second: usize },
     /// No way was found around obstacles, docked bodies and the discs of those that orbit; the shortest one meets this.
-    NoWay { robot: usize, blocker: Blocker },
+    NoWay { robot: usize, blocker: RobotBlocker },
     /// The robot has to orbit while others are driven, and has no room for it.
-    NoOrbit { robot: usize, blocker: Blocker },
+    NoOrbit { robot: usize, blocker: RobotBlocker },
     /// Whole strokes do not bring the robot to its goal within precision.
     Coarse { robot: usize },
     /// The robot ends within the precision of its goal, but so far from what it docks with: more than the docking tolerance.
@@ -74,7 +74,7 @@ pub enum Stuck {
 
 /// What is in the way of a robot, or of its orbit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Blocker {
+pub enum RobotBlocker {
     /// Index of the order's obstacles.
     Obstacle(usize),
     /// The disc of this robot, which orbits.
@@ -90,16 +90,16 @@ pub fn assemble(
     poses: &[Pose],
     docked: &[bool],
     docks: &[Dock],
-    budget: Budget,
-) -> Result<Assembled, Stuck> {
-    let bed = Bed::new(order, poses, docked);
+    budget: SearchBudget,
+) -> Result<Assembled, StuckAssembly> {
+    let bed = AssemblyState::new(order, poses, docked);
     let orders = Orders { docks };
     if let Some(stuck) = orders.dead_end(&bed) {
         return Err(stuck);
     }
-    let mut search = Search {
+    let mut search = AssemblySearch {
         orders,
-        ground: Ground::new(&bed, docks),
+        ground: AssemblyGround::new(&bed, docks),
         meter: Meter::new(budget),
         best: None,
         stuck: None,
@@ -111,12 +111,12 @@ pub fn assemble(
             Ok(Assembled { legs: bed.legs, docks: bed.docks, stages: bed.stages, duration_ns })
         }
         (None, Some((_, stuck))) => Err(stuck),
-        (None, None) => Err(Stuck::GaveUp),
+        (None, None) => Err(StuckAssembly::GaveUp),
     }
 }
 
 /// A time that no assembly of these robots is below: the slowest one's shortest way to its goal, alone on the bed.
-fn least_ns(bed: &Bed, docks: &[Dock]) -> u64 {
+fn least_ns(bed: &AssemblyState, docks: &[Dock]) -> u64 {
     let facts = &bed.order.facts;
     let least_ns = |dock: &Dock| {
         let from = (bed.poses[dock.robot], Precision { place_um: 0.0, heading_rad: 0.0 });
@@ -128,21 +128,21 @@ fn least_ns(bed: &Bed, docks: &[Dock]) -> u64 {
 }
 
 /// The search for an order.
-struct Search<'a> {
+struct AssemblySearch<'a> {
     orders: Orders<'a>,
-    ground: Ground<'a>,
+    ground: AssemblyGround<'a>,
     meter: Meter,
     /// The fastest assembly so far, and how long it lasts.
-    best: Option<(u64, Bed<'a>)>,
+    best: Option<(u64, AssemblyState<'a>)>,
     /// Of the failures, the one with the most robots docked; of these the first.
-    stuck: Option<(usize, Stuck)>,
+    stuck: Option<(usize, StuckAssembly)>,
     /// Stages that may still be planned.
     plans: usize,
 }
 
-impl<'a> Search<'a> {
+impl<'a> AssemblySearch<'a> {
     /// Tries all orders from here on. As deep as there are robots to be docked.
-    fn descend(&mut self, bed: &Bed<'a>) {
+    fn descend(&mut self, bed: &AssemblyState<'a>) {
         let duration_ns = bed.duration_ns(&bed.legs);
         let least_ns = duration_ns.saturating_add(least_ns(bed, self.orders.docks));
         if self.best.as_ref().is_some_and(|best| best.0 <= least_ns) {
@@ -150,7 +150,7 @@ impl<'a> Search<'a> {
         }
         if self.orders.open(bed).next().is_none() {
             if let (Some(hit), Some(dock)) = (self.ground.any_hit(bed), bed.docks.last()) {
-                return self.note(bed.docks.len(), Stuck::Blocked { robot: dock.robot, partner: None, hit });
+                return self.note(bed.docks.len(), StuckAssembly::Blocked { robot: dock.robot, partner: None, hit });
             }
             self.best = Some((duration_ns, bed.clone()));
             self.plans = self.plans.min(MAX_MORE_PLANS);
@@ -169,19 +169,19 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn plan(&mut self, bed: &Bed<'a>, step: &Move) -> Result<Stretch, Stuck> {
+    fn plan(&mut self, bed: &AssemblyState<'a>, step: &AssemblyMove) -> Result<StageAddition, StuckAssembly> {
         match step {
-            Move::Pair(roles) => {
+            AssemblyMove::Pair(roles) => {
                 let docks = [self.orders.dock(roles.first), self.orders.dock(roles.second)];
                 pair::plan(bed, *roles, docks, &self.ground, &mut self.meter)
             }
-            Move::Single { robot, states } => {
+            AssemblyMove::Single { robot, states } => {
                 single::plan(bed, (self.orders.dock(*robot), *states), &self.ground, &mut self.meter)
             }
         }
     }
 
-    fn note(&mut self, docked: usize, stuck: Stuck) {
+    fn note(&mut self, docked: usize, stuck: StuckAssembly) {
         if self.stuck.as_ref().is_none_or(|worst| worst.0 < docked) {
             self.stuck = Some((docked, stuck));
         }

@@ -5,8 +5,8 @@
 //! for those in which robots that are neither docked nor steered orbit where they are. What is docked keeps its arm up, which takes
 //! control states from those that come later, so orders are searched through to see whether one leads to the end.
 
-use super::Stuck;
-use super::bed::Bed;
+use super::StuckAssembly;
+use super::bed::AssemblyState;
 use super::pair::{Roles, roles};
 use crate::claims::microrobots::{Dock, Precision};
 use crate::device::microrobots::Arm;
@@ -22,7 +22,7 @@ const MAX_DEAD_ENDS: usize = 64;
 
 /// What is done next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Move {
+pub enum AssemblyMove {
     Pair(Roles),
     /// States in which it turns and runs straight.
     Single {
@@ -43,14 +43,14 @@ impl<'a> Orders<'a> {
     }
 
     /// Goals that are still to be reached, those of the robots that snap last first.
-    pub fn open<'b>(&'b self, bed: &'b Bed) -> impl Iterator<Item = &'a Dock> + 'b {
+    pub fn open<'b>(&'b self, bed: &'b AssemblyState) -> impl Iterator<Item = &'a Dock> + 'b {
         let mut open: Vec<&Dock> = self.docks.iter().filter(|dock| !bed.docked[dock.robot]).collect();
         open.sort_by_key(|dock| downs(bed, dock.robot));
         open.into_iter()
     }
 
     /// What may be done next: single robots before pairs.
-    pub fn moves(&self, bed: &Bed) -> Vec<Move> {
+    pub fn moves(&self, bed: &AssemblyState) -> Vec<AssemblyMove> {
         let open: Vec<&Dock> = self.open(bed).collect();
         let single = |dock: &&Dock| self.single(bed, dock).ok();
         let pairs = open.iter().flat_map(|first| open.iter().map(move |second| (*first, *second)));
@@ -59,23 +59,23 @@ impl<'a> Orders<'a> {
     }
 
     /// Whether a robot may be docked next, or why not.
-    fn single(&self, bed: &Bed, dock: &Dock) -> Result<Move, Stuck> {
+    fn single(&self, bed: &AssemblyState, dock: &Dock) -> Result<AssemblyMove, StuckAssembly> {
         if !touches_structure(bed, dock) {
-            return Err(Stuck::Apart { robot: dock.robot });
+            return Err(StuckAssembly::Apart { robot: dock.robot });
         }
         let states = [Arm::Down, Arm::Up].map(|arm| bed.state(&[(dock.robot, arm)]));
         let [Some(turn), Some(straight)] = states else {
             return Err(unsteerable(bed, &[dock.robot], &[&[Arm::Down], &[Arm::Up]]));
         };
         goal_in_orbit(bed, &[dock])?;
-        Ok(Move::Single { robot: dock.robot, states: [turn, straight] })
+        Ok(AssemblyMove::Single { robot: dock.robot, states: [turn, straight] })
     }
 
     /// Whether two robots may be docked together, or why not.
-    fn pair(&self, bed: &Bed, first: &Dock, second: &Dock) -> Result<Move, Stuck> {
+    fn pair(&self, bed: &AssemblyState, first: &Dock, second: &Dock) -> Result<AssemblyMove, StuckAssembly> {
         let apart = first.robot == second.robot || touches_structure(bed, first) || touches_structure(bed, second);
         if apart || !touch(bed, (first.robot, first.goal.pose), (second.robot, second.goal.pose)) {
-            return Err(Stuck::Apart { robot: first.robot });
+            return Err(StuckAssembly::Apart { robot: first.robot });
         }
         let robots = [first.robot, second.robot];
         let Some(roles) = roles(bed, first.robot, second.robot) else {
@@ -83,18 +83,18 @@ impl<'a> Orders<'a> {
             return Err(unsteerable(bed, &robots, &arms));
         };
         goal_in_orbit(bed, &[first, second])?;
-        Ok(Move::Pair(roles))
+        Ok(AssemblyMove::Pair(roles))
     }
 
     /// Whether all goals can be reached after this move, as far as control states and what holds still are asked.
-    pub fn leads_on(&self, bed: &Bed, step: &Move) -> bool {
+    pub fn leads_on(&self, bed: &AssemblyState, step: &AssemblyMove) -> bool {
         let mut bed = bed.clone();
         self.carry_out(&mut bed, step);
         self.reaches_end(&bed, &mut BTreeSet::new())
     }
 
     /// Whether some order of moves docks all robots that are still open. As deep as there are of them.
-    fn reaches_end(&self, bed: &Bed, dead_ends: &mut BTreeSet<Vec<bool>>) -> bool {
+    fn reaches_end(&self, bed: &AssemblyState, dead_ends: &mut BTreeSet<Vec<bool>>) -> bool {
         if self.open(bed).next().is_none() || dead_ends.len() >= MAX_DEAD_ENDS {
             return true;
         }
@@ -113,7 +113,7 @@ impl<'a> Orders<'a> {
     }
 
     /// Why no order of moves reaches all goals, if none does: of the order that gets farthest.
-    pub fn dead_end(&self, bed: &Bed) -> Option<Stuck> {
+    pub fn dead_end(&self, bed: &AssemblyState) -> Option<StuckAssembly> {
         if self.reaches_end(bed, &mut BTreeSet::new()) {
             return None;
         }
@@ -131,50 +131,50 @@ impl<'a> Orders<'a> {
         let pairs = open.iter().flat_map(|first| open.iter().map(move |second| (*first, *second)));
         let reasons = singles.chain(pairs.filter_map(|(first, second)| self.pair(end, first, second).err()));
         reasons.min_by_key(|stuck| match stuck {
-            Stuck::GoalInOrbit { .. } => 0,
-            Stuck::Unsteerable { .. } => 1,
-            Stuck::Apart { .. } => 2,
-            Stuck::Blocked { .. }
-            | Stuck::Untimely { .. }
-            | Stuck::NoWay { .. }
-            | Stuck::NoOrbit { .. }
-            | Stuck::Coarse { .. }
-            | Stuck::Loose { .. }
-            | Stuck::GaveUp => 3,
+            StuckAssembly::GoalInOrbit { .. } => 0,
+            StuckAssembly::Unsteerable { .. } => 1,
+            StuckAssembly::Apart { .. } => 2,
+            StuckAssembly::Blocked { .. }
+            | StuckAssembly::Untimely { .. }
+            | StuckAssembly::NoWay { .. }
+            | StuckAssembly::NoOrbit { .. }
+            | StuckAssembly::Coarse { .. }
+            | StuckAssembly::Loose { .. }
+            | StuckAssembly::GaveUp => 3,
         })
     }
 
     /// Carries out moves until there is none.
-    fn exhaust(&self, bed: &mut Bed) {
+    fn exhaust(&self, bed: &mut AssemblyState) {
         while let Some(step) = self.moves(bed).first() {
             self.carry_out(bed, step);
         }
     }
 
     /// Puts robots at their goals.
-    fn carry_out(&self, bed: &mut Bed, step: &Move) {
+    fn carry_out(&self, bed: &mut AssemblyState, step: &AssemblyMove) {
         let mut put = |robot: usize| {
             bed.poses[robot] = self.dock(robot).goal.pose;
             bed.docked[robot] = true;
         };
         match step {
-            Move::Pair(roles) => {
+            AssemblyMove::Pair(roles) => {
                 put(roles.first);
                 put(roles.second);
             }
-            Move::Single { robot, .. } => put(*robot),
+            AssemblyMove::Single { robot, .. } => put(*robot),
         }
     }
 }
 
 /// In how many states a robot's arm is down: few for those that snap last.
-fn downs(bed: &Bed, robot: usize) -> usize {
+fn downs(bed: &AssemblyState, robot: usize) -> usize {
     let row = bed.order.robots[robot].row;
     bed.order.states.iter().filter(|state| state.arms[row] == Arm::Down).count()
 }
 
 /// Which robot keeps the others from being steered.
-fn unsteerable(bed: &Bed, robots: &[usize], patterns: &[&[Arm]]) -> Stuck {
+fn unsteerable(bed: &AssemblyState, robots: &[usize], patterns: &[&[Arm]]) -> StuckAssembly {
     let arm = |state: usize, robot: usize| bed.order.states[state].arms[bed.order.robots[robot].row];
     let steers =
         |state: usize, pattern: &[Arm]| robots.iter().zip(pattern).all(|(robot, wanted)| arm(state, *robot) == *wanted);
@@ -183,11 +183,11 @@ fn unsteerable(bed: &Bed, robots: &[usize], patterns: &[&[Arm]]) -> Stuck {
         states.clone().any(|state| steers(state, pattern) && arm(state, other) == Arm::Down)
     };
     let orbiting = bed.others(robots).find(|other| !patterns.iter().all(|pattern| holds(*other, pattern)));
-    Stuck::Unsteerable { robots: robots.to_vec(), orbiting }
+    StuckAssembly::Unsteerable { robots: robots.to_vec(), orbiting }
 }
 
 /// Whether goals keep clear of the discs of the robots that orbit meanwhile.
-fn goal_in_orbit(bed: &Bed, docks: &[&Dock]) -> Result<(), Stuck> {
+fn goal_in_orbit(bed: &AssemblyState, docks: &[&Dock]) -> Result<(), StuckAssembly> {
     let steered: Vec<usize> = docks.iter().map(|dock| dock.robot).collect();
     for orbiting in bed.others(&steered) {
         let facts = bed.robot(orbiting);
@@ -201,7 +201,7 @@ fn goal_in_orbit(bed: &Bed, docks: &[&Dock]) -> Result<(), Stuck> {
             let precision = bed.order.precision;
             let give_um = precision.place_um + corner_um * precision.heading_rad;
             if gap_um < bed.order.facts.orbit_clearance_um - give_um {
-                return Err(Stuck::GoalInOrbit { robot: dock.robot, orbiting, gap_um });
+                return Err(StuckAssembly::GoalInOrbit { robot: dock.robot, orbiting, gap_um });
             }
         }
     }
@@ -210,31 +210,31 @@ fn goal_in_orbit(bed: &Bed, docks: &[&Dock]) -> Result<(), Stuck> {
 
 /// Whether a robot that orbits turns round at least once while another one goes its shortest way to its goal: else nothing has to
 /// keep clear of the disc.
-fn orbits_meanwhile(bed: &Bed, orbiting: usize, dock: &Dock) -> bool {
+fn orbits_meanwhile(bed: &AssemblyState, orbiting: usize, dock: &Dock) -> bool {
     let (facts, robot) = (bed.robot(orbiting), bed.robot(dock.robot));
     let exact = Precision { place_um: 0.0, heading_rad: 0.0 };
     let least_um = free::least_um(robot, (bed.poses[dock.robot], exact), (dock.goal.pose, bed.order.precision));
     least_um / robot.step_um * facts.step_um >= TAU * facts.turning_radius_um
 }
 
-fn touches_structure(bed: &Bed, dock: &Dock) -> bool {
+fn touches_structure(bed: &AssemblyState, dock: &Dock) -> bool {
     let docked = (0..bed.poses.len()).filter(|robot| bed.docked[*robot]);
     docked.into_iter().any(|other| touch(bed, (dock.robot, dock.goal.pose), (other, bed.poses[other])))
 }
 
 /// Whether two bodies are near enough to be docked.
-fn touch(bed: &Bed, one: (usize, Pose), other: (usize, Pose)) -> bool {
+fn touch(bed: &AssemblyState, one: (usize, Pose), other: (usize, Pose)) -> bool {
     gap_um(bed, one, other) <= bed.order.facts.docking.tolerance_um
 }
 
 /// How far two bodies lie apart; no more than 0 where they overlap.
-pub fn gap_um(bed: &Bed, one: (usize, Pose), other: (usize, Pose)) -> f64 {
+pub fn gap_um(bed: &AssemblyState, one: (usize, Pose), other: (usize, Pose)) -> f64 {
     let core = Core::Polygon(outline(bed, other.0, other.1).to_vec());
     distance::quadrilateral_core(outline(bed, one.0, one.1), &core)
 }
 
 /// The corners of a body, in order around it.
-fn outline(bed: &Bed, robot: usize, pose: Pose) -> [Point2<f64>; 4] {
+fn outline(bed: &AssemblyState, robot: usize, pose: Pose) -> [Point2<f64>; 4] {
     let facts = bed.robot(robot);
     let (sin, cos) = pose.heading_rad.sine_cosine();
     let (half_um, side_um) = (facts.length_um / 2.0, facts.width_um / 2.0);

@@ -11,19 +11,19 @@
 //! Promise: the stretch that is returned meets no rule of collision's objection, and brings both robots to their goals within
 //! precision. No promise that there is no shorter one; cost grows with the times that have to be looked at.
 
-use super::Stuck;
-use super::bed::{Bed, Stretch, joined, legs_of_two};
-use super::closing::{Asked, closings, detours, stretches};
-use super::ground::Ground;
-use super::track::{Aim, Track, whole};
+use super::StuckAssembly;
+use super::bed::{AssemblyState, StageAddition, joined, legs_of_two};
+use super::closing::{ClosingRequest, closings, detours, stretches};
+use super::ground::AssemblyGround;
+use super::track::{ArmTrack, TrackAim, whole};
 use crate::claims::microrobots::Dock;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
 use crate::plan::microrobots::fine::Cycles;
-use crate::plan::microrobots::free::{Segment, joined as joined_segments, length_um};
-use crate::plan::microrobots::ways::Task;
+use crate::plan::microrobots::free::{ArmSegment, joined as joined_segments, length_um};
+use crate::plan::microrobots::ways::DriveTask;
 use crate::plan::microrobots::world::Fixtures;
-use crate::plan::microrobots::{Leg, Stage};
+use crate::plan::microrobots::{AssemblyStage, Leg};
 use crate::plan::search::Meter;
 use std::f64::consts::TAU;
 
@@ -55,35 +55,45 @@ pub struct Roles {
 const ARMS: [[Arm; 3]; 2] = [[Arm::Down, Arm::Up, Arm::Up], [Arm::Down, Arm::Down, Arm::Up]];
 
 /// How two robots can be steered, if they can.
-pub fn roles(bed: &Bed, first: usize, second: usize) -> Option<Roles> {
+pub fn roles(bed: &AssemblyState, first: usize, second: usize) -> Option<Roles> {
     let state = |part: usize| bed.state(&[(first, ARMS[0][part]), (second, ARMS[1][part])]);
     Some(Roles { first, second, states: [state(0)?, state(1)?, state(2)?] })
 }
 
 /// The stretch that docks both.
-pub fn plan(bed: &Bed, roles: Roles, docks: [&Dock; 2], ground: &Ground, meter: &mut Meter) -> Result<Stretch, Stuck> {
+pub fn plan(
+    bed: &AssemblyState,
+    roles: Roles,
+    docks: [&Dock; 2],
+    ground: &AssemblyGround,
+    meter: &mut Meter,
+) -> Result<StageAddition, StuckAssembly> {
     let fixtures = ground.fixtures(bed, &[roles.first, roles.second])?;
     let mut worst = None;
     for share in FINE_SHARES {
-        let pairing = Pairing::new(bed, roles, docks, share);
+        let pairing = PairingContext::new(bed, roles, docks, share);
         match brought_together(&pairing, (ground, &fixtures), meter) {
             Ok(stretch) => return Ok(stretch),
-            Err(Stuck::GaveUp) => return Err(Stuck::GaveUp),
+            Err(StuckAssembly::GaveUp) => return Err(StuckAssembly::GaveUp),
             Err(stuck) => worst = worst.or(Some(stuck)),
         }
     }
-    Err(worst.unwrap_or(Stuck::GaveUp))
+    Err(worst.unwrap_or(StuckAssembly::GaveUp))
 }
 
 /// The same with one length of the fine motion.
-fn brought_together(pairing: &Pairing, site: Site, meter: &mut Meter) -> Result<Stretch, Stuck> {
+fn brought_together(
+    pairing: &PairingContext,
+    site: PairSite,
+    meter: &mut Meter,
+) -> Result<StageAddition, StuckAssembly> {
     let (ground, roles) = (site.0, pairing.roles);
-    let mut stuck = Stuck::Untimely { first: roles.first, second: roles.second };
+    let mut stuck = StuckAssembly::Untimely { first: roles.first, second: roles.second };
     let ways = pairing.ways_of_second(site, meter)?;
     let mut departures: Vec<Departure> = ways.iter().flat_map(|way| pairing.with_circles(way)).collect();
     departures.sort_by(|a, b| a.total_um.total_cmp(&b.total_um));
     for stages in pairing.stages() {
-        let kept = |departure: &&Departure| *stages == Stages::Mingled || departure.halt.is_none();
+        let kept = |departure: &&Departure| *stages == PairStages::Mingled || departure.halt.is_none();
         for departure in departures.iter().filter(kept) {
             let legs = pairing.timed(departure, *stages, site);
             if let Some(stretch) = pairing.first_free(departure, legs, (ground, meter), &mut stuck)? {
@@ -102,7 +112,7 @@ fn brought_together(pairing: &Pairing, site: Site, meter: &mut Meter) -> Result<
 
 /// How the two stages of the paper lie to one another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stages {
+pub(super) enum PairStages {
     /// The first robot has turned for the last time before the second leaves the orbit that it begins on.
     Apart,
     /// It may turn whenever the second does.
@@ -110,33 +120,33 @@ pub(super) enum Stages {
 }
 
 /// What does not change while ways are looked for.
-pub(super) struct Pairing<'a> {
-    pub bed: &'a Bed<'a>,
+pub(super) struct PairingContext<'a> {
+    pub bed: &'a AssemblyState<'a>,
     pub roles: Roles,
     pub facts: [&'a Robot; 2],
     from: [Pose; 2],
     goals: [Pose; 2],
     pub approach: [Pose; 2],
-    aims: [Aim; 2],
+    aims: [TrackAim; 2],
     cycles: Cycles<3>,
     /// How the first robot's arm has to be at first, since legs that follow one another differ in their states.
     forced: Option<Arm>,
 }
 
 /// The rules of collision, and what rests while the two are steered.
-pub(super) type Site<'a> = (&'a Ground<'a>, &'a Fixtures);
+pub(super) type PairSite<'a> = (&'a AssemblyGround<'a>, &'a Fixtures);
 
 /// A way of the second robot from where it is to its approach; it turns at first.
 #[derive(Debug, Clone)]
 pub(super) struct Departure {
-    pub way: Vec<Segment>,
+    pub way: Vec<ArmSegment>,
     pub total_um: f64,
     /// Where it orbits a second time, if it does.
     pub halt: Option<Pose>,
 }
 
-impl<'a> Pairing<'a> {
-    fn new(bed: &'a Bed<'a>, roles: Roles, docks: [&Dock; 2], share: u64) -> Self {
+impl<'a> PairingContext<'a> {
+    fn new(bed: &'a AssemblyState<'a>, roles: Roles, docks: [&Dock; 2], share: u64) -> Self {
         let robots = [roles.first, roles.second];
         let facts = robots.map(|robot| bed.robot(robot));
         let goals = docks.map(|dock| dock.goal.pose);
@@ -144,19 +154,19 @@ impl<'a> Pairing<'a> {
         let cycles = Cycles { count: cycles.count.div_ceil(share), ..cycles };
         let approach = [0, 1].map(|at| cycles.backward(facts[at], ARMS[at], goals[at]));
         let motion = [0, 1].map(|at| cycles.forward(facts[at], ARMS[at], Pose::at(0.0, 0.0)));
-        let aims = [0, 1].map(|at| Aim { goal: goals[at], precision: bed.order.precision, motion: motion[at] });
+        let aims = [0, 1].map(|at| TrackAim { goal: goals[at], precision: bed.order.precision, motion: motion[at] });
         let [both, one, _] = roles.states.map(|state| bed.last_state() == Some(state));
         let forced = if both { Some(Arm::Up) } else { one.then_some(Arm::Down) };
         let from = robots.map(|robot| bed.poses[robot]);
-        Pairing { bed, roles, facts, from, goals, approach, aims, cycles, forced }
+        PairingContext { bed, roles, facts, from, goals, approach, aims, cycles, forced }
     }
 
     /// How the stages may lie, the better first: what is carried out in a closed loop, where the device says its errors, keeps them
     /// apart as long as it can.
-    fn stages(&self) -> &'static [Stages] {
+    fn stages(&self) -> &'static [PairStages] {
         match self.bed.order.facts.errors {
-            Some(_) => &[Stages::Apart, Stages::Mingled],
-            None => &[Stages::Mingled],
+            Some(_) => &[PairStages::Apart, PairStages::Mingled],
+            None => &[PairStages::Mingled],
         }
     }
 
@@ -165,17 +175,18 @@ impl<'a> Pairing<'a> {
         &self,
         departure: &Departure,
         legs: Vec<Vec<Leg>>,
-        (ground, meter): (&Ground, &mut Meter),
-        stuck: &mut Stuck,
-    ) -> Result<Option<Stretch>, Stuck> {
+        (ground, meter): (&AssemblyGround, &mut Meter),
+        stuck: &mut StuckAssembly,
+    ) -> Result<Option<StageAddition>, StuckAssembly> {
         for legs in legs {
-            meter.step().ok_or(Stuck::GaveUp)?;
+            meter.step().ok_or(StuckAssembly::GaveUp)?;
             match ground.settled(self.bed, self.stretch(legs, departure.halt)) {
                 Err(apart) => *stuck = apart,
                 Ok(stretch) => match ground.first_hit(self.bed, &stretch) {
                     None => return Ok(Some(stretch)),
                     Some(hit) => {
-                        *stuck = Stuck::Blocked { robot: self.roles.first, partner: Some(self.roles.second), hit }
+                        *stuck =
+                            StuckAssembly::Blocked { robot: self.roles.first, partner: Some(self.roles.second), hit }
                     }
                 },
             }
@@ -184,35 +195,39 @@ impl<'a> Pairing<'a> {
     }
 
     /// Ways of the second robot that meet nothing that rests, those along its goal's axis first, the shortest first.
-    fn ways_of_second(&self, (ground, fixtures): Site, meter: &mut Meter) -> Result<Vec<Vec<Segment>>, Stuck> {
+    fn ways_of_second(
+        &self,
+        (ground, fixtures): PairSite,
+        meter: &mut Meter,
+    ) -> Result<Vec<Vec<ArmSegment>>, StuckAssembly> {
         let (second, from, to) = (self.facts[1], self.from[1], self.approach[1]);
         let index = self.roles.second;
-        let clear = |way: &Vec<Segment>| ground.world.obstruction_on(index, from, way, fixtures).is_none();
-        let mut ways: Vec<Vec<Segment>> =
+        let clear = |way: &Vec<ArmSegment>| ground.world.obstruction_on(index, from, way, fixtures).is_none();
+        let mut ways: Vec<Vec<ArmSegment>> =
             detours(second, from, to, &[0.0], &stretches(second, RUNS)).into_iter().filter(clear).collect();
-        let task = Task { world: &ground.world, robot: index, from, to, fixtures };
+        let task = DriveTask { world: &ground.world, robot: index, from, to, fixtures };
         match ground.way(self.bed, &[self.roles.first, index], &task, meter) {
             Ok(way) => ways.push(way),
-            Err(stuck) if ways.is_empty() || stuck == Stuck::GaveUp => return Err(stuck),
+            Err(stuck) if ways.is_empty() || stuck == StuckAssembly::GaveUp => return Err(stuck),
             Err(_) => {}
         }
         Ok(ways)
     }
 
     /// Ways of the second robot with full circles at its start, and where it turns last: the first can be driven meanwhile.
-    fn with_circles(&self, way: &[Segment]) -> Vec<Departure> {
+    fn with_circles(&self, way: &[ArmSegment]) -> Vec<Departure> {
         let counts = (0..=MAX_ORBITS).flat_map(|all| (0..=all).map(move |late| [all - late, late]));
         counts.map(|circles| self.departure(way, circles)).collect()
     }
 
-    pub fn departure(&self, way: &[Segment], [early, late]: [usize; 2]) -> Departure {
+    pub fn departure(&self, way: &[ArmSegment], [early, late]: [usize; 2]) -> Departure {
         let second = self.facts[1];
         let circles =
-            |count: usize| [Segment { arm: Arm::Down, way_um: TAU * second.turning_radius_um * count as f64 }];
+            |count: usize| [ArmSegment { arm: Arm::Down, way_um: TAU * second.turning_radius_um * count as f64 }];
         let way = joined_segments(way.iter().copied());
         let later = way.iter().rposition(|segment| segment.arm == Arm::Down).filter(|at| *at > 0).unwrap_or(way.len());
         let (before, after) = way.split_at(later);
-        let go = |pose, segment: &Segment| second.moved(pose, segment.arm, segment.way_um);
+        let go = |pose, segment: &ArmSegment| second.moved(pose, segment.arm, segment.way_um);
         let halt = (late > 0).then(|| before.iter().fold(self.from[1], go));
         let before = circles(early).into_iter().chain(before.iter().copied());
         let way = joined_segments(before.chain(circles(late)).chain(after.iter().copied()));
@@ -220,16 +235,16 @@ impl<'a> Pairing<'a> {
     }
 
     /// Legs that bring both robots to their approaches at the same time, the second by this way.
-    fn timed(&self, departure: &Departure, stages: Stages, site: Site) -> Vec<Vec<Leg>> {
+    fn timed(&self, departure: &Departure, stages: PairStages, site: PairSite) -> Vec<Vec<Leg>> {
         let first = self.facts[0];
         let later_um = match stages {
-            Stages::Apart => departure.way.iter().skip(1).map(|segment| segment.way_um).sum(),
-            Stages::Mingled => {
+            PairStages::Apart => departure.way.iter().skip(1).map(|segment| segment.way_um).sum(),
+            PairStages::Mingled => {
                 let last = departure.way.last().filter(|segment| segment.arm == Arm::Up);
                 last.map_or(0.0, |segment| segment.way_um)
             }
         };
-        let asked = Asked {
+        let asked = ClosingRequest {
             from: self.first_from(),
             to: self.approach[0],
             length_um: (self.total(departure) - self.forced_strokes()) as f64 * first.step_um,
@@ -254,18 +269,18 @@ impl<'a> Pairing<'a> {
     }
 
     /// Legs for those ways of the first robot that fit the second's, and meet nothing that rests.
-    fn legs(&self, departure: &Departure, ways: Vec<Vec<Segment>>, (ground, fixtures): Site) -> Vec<Vec<Leg>> {
+    fn legs(&self, departure: &Departure, ways: Vec<Vec<ArmSegment>>, (ground, fixtures): PairSite) -> Vec<Vec<Leg>> {
         let ([first, second], index, start) = (self.facts, self.roles.first, self.first_from());
         let forced = self.forced_strokes();
         let fits =
-            |way: &Vec<Segment>| turns_within((way, forced as f64, first.step_um), (&departure.way, second.step_um));
-        let clear = |way: &Vec<Segment>| ground.world.obstruction_on(index, start, way, fixtures).is_none();
-        let ways: Vec<Vec<Segment>> = ways.into_iter().filter(fits).filter(clear).take(MAX_WAYS).collect();
+            |way: &Vec<ArmSegment>| turns_within((way, forced as f64, first.step_um), (&departure.way, second.step_um));
+        let clear = |way: &Vec<ArmSegment>| ground.world.obstruction_on(index, start, way, fixtures).is_none();
+        let ways: Vec<Vec<ArmSegment>> = ways.into_iter().filter(fits).filter(clear).take(MAX_WAYS).collect();
         let total = self.total(departure);
         let whole_second = || whole(second, self.from[1], &departure.way, &self.aims[1], total);
         let Some(seconds) = (!ways.is_empty()).then(whole_second).flatten() else { return Vec::new() };
-        let legs = |way: &Vec<Segment>| {
-            let mut track = Track::default();
+        let legs = |way: &Vec<ArmSegment>| {
+            let mut track = ArmTrack::default();
             self.forced.into_iter().for_each(|arm| track.push(arm, 1));
             track.extend(&whole(first, start, way, &self.aims[0], total - forced)?);
             legs_of_two(&track, &seconds, self.roles.states)
@@ -274,24 +289,28 @@ impl<'a> Pairing<'a> {
     }
 
     /// The whole stage, after legs that bring both to their approaches.
-    fn stretch(&self, legs: Vec<Leg>, halt: Option<Pose>) -> Stretch {
+    fn stretch(&self, legs: Vec<Leg>, halt: Option<Pose>) -> StageAddition {
         let Roles { first, second, states } = self.roles;
         let driven = legs.iter().rposition(|leg| leg.state == states[0]).map_or(0, |last| last + 1);
         let intermediate = legs[..driven].iter().fold(self.from[0], |pose, leg| {
             let arm = if leg.state == states[0] { Arm::Down } else { Arm::Up };
             self.facts[0].moved(pose, arm, self.facts[0].step_um * leg.strokes as f64)
         });
-        let pair = Stage::Pair { first, second, states, intermediate, approach: self.approach, goals: self.goals };
-        let escort = halt.map(|to| Stage::Escort { robot: second, beside: first, states, to });
+        let pair =
+            AssemblyStage::Pair { first, second, states, intermediate, approach: self.approach, goals: self.goals };
+        let escort = halt.map(|to| AssemblyStage::Escort { robot: second, beside: first, states, to });
         let legs = joined(legs.into_iter().chain(self.cycles.legs(states)));
-        Stretch { legs, docking: vec![first, second], stages: escort.into_iter().chain([pair]).collect() }
+        StageAddition { legs, docking: vec![first, second], stages: escort.into_iter().chain([pair]).collect() }
     }
 }
 
 /// Whether one robot turns only while the other does, up to a few strokes. The ways come with what one stroke is of them, the first one
 /// with the strokes before it, too.
-fn turns_within((way, before, step_um): (&[Segment], f64, f64), (other, other_step_um): (&[Segment], f64)) -> bool {
-    let turns = |way: &[Segment], before: f64, step_um: f64| {
+fn turns_within(
+    (way, before, step_um): (&[ArmSegment], f64, f64),
+    (other, other_step_um): (&[ArmSegment], f64),
+) -> bool {
+    let turns = |way: &[ArmSegment], before: f64, step_um: f64| {
         let mut end = before;
         let mut spans: Vec<[f64; 2]> = Vec::new();
         for segment in way {

@@ -4,8 +4,8 @@
 //! Input: a stretch whose robots end at their goals. Output: the same, cut after the leg at which they dock: with short cycles that is
 //! before the last one. Promise: the judge, whose arithmetic differs in its last digits, sees these dockings and no others.
 
-use super::Stuck;
-use super::bed::{Bed, Stretch};
+use super::StuckAssembly;
+use super::bed::{AssemblyState, StageAddition};
 use super::orders::gap_um;
 use super::track::miss;
 use crate::claims::microrobots::{Dock, Precision};
@@ -25,7 +25,11 @@ const ROUNDING_SHARE: f64 = 0.01;
 ///
 /// # Errors
 /// Where they do not dock, or not all at the same time, or where another robot docks.
-pub fn settled(bed: &Bed, docks: &[Dock], mut stretch: Stretch) -> Result<Stretch, Stuck> {
+pub fn settled(
+    bed: &AssemblyState,
+    docks: &[Dock],
+    mut stretch: StageAddition,
+) -> Result<StageAddition, StuckAssembly> {
     let [surely, perhaps] = [-1.0, 1.0].map(|sign| first_docking(bed, docks, &stretch.legs, sign));
     let mut due = stretch.docking.clone();
     due.sort_unstable();
@@ -39,7 +43,7 @@ pub fn settled(bed: &Bed, docks: &[Dock], mut stretch: Stretch) -> Result<Stretc
 }
 
 /// The first leg after which robots dock, and which, with limits that are wider or narrower by what roundings may decide.
-fn first_docking(bed: &Bed, docks: &[Dock], legs: &[Leg], sign: f64) -> Option<(usize, Vec<usize>)> {
+fn first_docking(bed: &AssemblyState, docks: &[Dock], legs: &[Leg], sign: f64) -> Option<(usize, Vec<usize>)> {
     let limit = |value: f64, rounding: f64| value + sign * rounding.min(ROUNDING_SHARE * value);
     let Precision { place_um, heading_rad } = bed.order.precision;
     let precision = Precision { place_um: limit(place_um, ROUNDING_UM), heading_rad: limit(heading_rad, ROUNDING_RAD) };
@@ -61,14 +65,14 @@ fn first_docking(bed: &Bed, docks: &[Dock], legs: &[Leg], sign: f64) -> Option<(
 }
 
 /// How far a robot is from the nearest one that it may dock with.
-fn nearest_um(bed: &Bed, poses: &[Pose], robot: usize, there: &[usize]) -> f64 {
+fn nearest_um(bed: &AssemblyState, poses: &[Pose], robot: usize, there: &[usize]) -> f64 {
     let holds = |other: &usize| *other != robot && (bed.docked[*other] || there.contains(other));
     let gap_um = |other: usize| gap_um(bed, (robot, poses[robot]), (other, poses[other]));
     (0..poses.len()).filter(holds).map(gap_um).fold(f64::INFINITY, f64::min)
 }
 
 /// Why the robots of a stretch do not dock at its end.
-fn apart(bed: &Bed, docks: &[Dock], stretch: &Stretch) -> Stuck {
+fn apart(bed: &AssemblyState, docks: &[Dock], stretch: &StageAddition) -> StuckAssembly {
     let go = |mut poses: Vec<Pose>, leg: &Leg| {
         bed.others(&[]).for_each(|robot| poses[robot] = leg.carried(bed.order, robot, poses[robot]));
         poses
@@ -78,8 +82,8 @@ fn apart(bed: &Bed, docks: &[Dock], stretch: &Stretch) -> Stuck {
     let widest = gaps.max_by(|a, b| a.1.total_cmp(&b.1));
     let tolerance_um = bed.order.facts.docking.tolerance_um;
     match widest.filter(|(_, gap_um)| *gap_um > (1.0 - ROUNDING_SHARE) * tolerance_um - ROUNDING_UM) {
-        Some((robot, gap_um)) => Stuck::Loose { robot, gap_um },
-        None => Stuck::Coarse {
+        Some((robot, gap_um)) => StuckAssembly::Loose { robot, gap_um },
+        None => StuckAssembly::Coarse {
             robot: stretch.docking.first().or(docks.first().map(|dock| &dock.robot)).copied().unwrap_or(0),
         },
     }

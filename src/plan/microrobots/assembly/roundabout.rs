@@ -4,12 +4,12 @@
 //! goal's axis as early as the second robot's last run asks for; what it is too short then is driven as half a circle, a straight
 //! stretch, half a circle and the same stretch back, somewhere on the way.
 
-use super::Stuck;
-use super::pair::{Departure, Pairing, Site};
+use super::StuckAssembly;
+use super::pair::{Departure, PairSite, PairingContext};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
-use crate::plan::microrobots::free::{Segment, joined, length_um};
-use crate::plan::microrobots::ways::Task;
+use crate::plan::microrobots::free::{ArmSegment, joined, length_um};
+use crate::plan::microrobots::ways::DriveTask;
 use crate::plan::search::Meter;
 use std::f64::consts::{PI, TAU};
 
@@ -27,22 +27,22 @@ const MAX_CIRCLES: usize = 40;
 
 /// Where the second robot orbits while the first is driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Orbit {
+enum OrbitChoice {
     Early,
     Late,
 }
 
-impl Pairing<'_> {
+impl PairingContext<'_> {
     /// Ways of both robots, with few circles of the second one first.
     pub fn roundabout(
         &self,
-        ways: &[Vec<Segment>],
-        site: Site,
+        ways: &[Vec<ArmSegment>],
+        site: PairSite,
         meter: &mut Meter,
-    ) -> Result<Vec<(Departure, Vec<Segment>)>, Stuck> {
+    ) -> Result<Vec<(Departure, Vec<ArmSegment>)>, StuckAssembly> {
         let mut found = Vec::new();
         for way in ways.iter().take(MAX_WAYS) {
-            for orbit in [Orbit::Early, Orbit::Late] {
+            for orbit in [OrbitChoice::Early, OrbitChoice::Late] {
                 for lead in LEADS {
                     found.extend(self.around(way, (orbit, lead), site, meter)?);
                 }
@@ -55,27 +55,27 @@ impl Pairing<'_> {
     /// The same for one way of the second robot, one place of its orbit, and one lead.
     fn around(
         &self,
-        way: &[Segment],
-        (orbit, lead): (Orbit, f64),
-        (ground, fixtures): Site,
+        way: &[ArmSegment],
+        (orbit, lead): (OrbitChoice, f64),
+        (ground, fixtures): PairSite,
         meter: &mut Meter,
-    ) -> Result<Vec<(Departure, Vec<Segment>)>, Stuck> {
+    ) -> Result<Vec<(Departure, Vec<ArmSegment>)>, StuckAssembly> {
         let first = self.facts[0];
         let [before_um, after_um] = self.outside(way, orbit);
         let lead_um = lead * first.turning_radius_um;
-        let run = |way_um: f64| Segment { arm: Arm::Up, way_um };
+        let run = |way_um: f64| ArmSegment { arm: Arm::Up, way_um };
         let from: Pose = first.moved(self.first_from(), Arm::Up, before_um);
         let to: Pose = first.moved(self.approach[0], Arm::Up, -after_um - lead_um);
-        let task = Task { world: &ground.world, robot: self.roles.first, from, to, fixtures };
+        let task = DriveTask { world: &ground.world, robot: self.roles.first, from, to, fixtures };
         let middle = match ground.way(self.bed, &[self.roles.first, self.roles.second], &task, meter) {
             Ok(way) => way,
-            Err(Stuck::GaveUp) => return Err(Stuck::GaveUp),
+            Err(StuckAssembly::GaveUp) => return Err(StuckAssembly::GaveUp),
             Err(_) => return Ok(Vec::new()),
         };
         let needed_um = length_um(&middle) + before_um + after_um + lead_um + TAU * first.turning_radius_um;
         let departures = (0..=MAX_CIRCLES).map(|circles| match orbit {
-            Orbit::Early => self.departure(way, [circles, 0]),
-            Orbit::Late => self.departure(way, [0, circles]),
+            OrbitChoice::Early => self.departure(way, [circles, 0]),
+            OrbitChoice::Late => self.departure(way, [0, circles]),
         });
         let spare_um =
             |departure: &Departure| (self.total(departure) - self.forced_strokes()) as f64 * first.step_um - needed_um;
@@ -95,14 +95,14 @@ impl Pairing<'_> {
     }
 
     /// How far the first robot has to run straight before the second's orbit and after it.
-    fn outside(&self, way: &[Segment], orbit: Orbit) -> [f64; 2] {
+    fn outside(&self, way: &[ArmSegment], orbit: OrbitChoice) -> [f64; 2] {
         let way = joined(way.iter().copied());
         let per_um = self.facts[0].step_um / self.facts[1].step_um;
         let turns = |at: usize| way.get(at).is_some_and(|segment| segment.arm == Arm::Down);
         let later = way.iter().rposition(|segment| segment.arm == Arm::Down).filter(|at| *at > 0).unwrap_or(way.len());
         match orbit {
-            Orbit::Early => [0.0, length_um(&way[usize::from(turns(0))..]) * per_um],
-            Orbit::Late => {
+            OrbitChoice::Early => [0.0, length_um(&way[usize::from(turns(0))..]) * per_um],
+            OrbitChoice::Late => {
                 let end = if turns(later) { later + 1 } else { later };
                 [length_um(&way[..later]) * per_um, length_um(&way[end..]) * per_um]
             }
@@ -111,8 +111,8 @@ impl Pairing<'_> {
 }
 
 /// Half a circle, a straight stretch, half a circle, and as much back.
-fn racetrack(radius_um: f64, side_um: f64) -> [Segment; 4] {
-    let half = Segment { arm: Arm::Down, way_um: PI * radius_um };
-    let side = Segment { arm: Arm::Up, way_um: side_um };
+fn racetrack(radius_um: f64, side_um: f64) -> [ArmSegment; 4] {
+    let half = ArmSegment { arm: Arm::Down, way_um: PI * radius_um };
+    let side = ArmSegment { arm: Arm::Up, way_um: side_um };
     [half, side, half, side]
 }

@@ -1,18 +1,18 @@
 //! One robot to the structure, while those that are still to come orbit.
 
-use super::Stuck;
-use super::bed::{Bed, Stretch, joined, legs_of_one};
+use super::StuckAssembly;
+use super::bed::{AssemblyState, StageAddition, joined, legs_of_one};
 use super::closing::{detours, stretches};
-use super::ground::Ground;
+use super::ground::AssemblyGround;
 use super::pair::FINE_SHARES;
-use super::track::{Aim, Track, whole};
+use super::track::{ArmTrack, TrackAim, whole};
 use crate::claims::microrobots::Dock;
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
-use crate::plan::microrobots::Stage;
+use crate::plan::microrobots::AssemblyStage;
 use crate::plan::microrobots::fine::Cycles;
-use crate::plan::microrobots::free::{Segment, distance_um, length_um};
-use crate::plan::microrobots::ways::Task;
+use crate::plan::microrobots::free::{ArmSegment, distance_um, length_um};
+use crate::plan::microrobots::ways::DriveTask;
 use crate::plan::microrobots::world::Fixtures;
 use crate::plan::search::Meter;
 use std::f64::consts::TAU;
@@ -25,53 +25,62 @@ const FIRST_RUNS: usize = 24;
 const LAST_RUNS: usize = 40;
 
 /// The stretch that docks one robot, with the states in which it turns and runs straight.
-pub fn plan(bed: &Bed, seat: (&Dock, [usize; 2]), ground: &Ground, meter: &mut Meter) -> Result<Stretch, Stuck> {
+pub fn plan(
+    bed: &AssemblyState,
+    seat: (&Dock, [usize; 2]),
+    ground: &AssemblyGround,
+    meter: &mut Meter,
+) -> Result<StageAddition, StuckAssembly> {
     let fixtures = ground.fixtures(bed, &[seat.0.robot])?;
     let mut stuck = None;
     for share in FINE_SHARES {
         match Visit::new(bed, seat, share).stretch((ground, &fixtures), meter) {
             Ok(stretch) => return Ok(stretch),
-            Err(Stuck::GaveUp) => return Err(Stuck::GaveUp),
+            Err(StuckAssembly::GaveUp) => return Err(StuckAssembly::GaveUp),
             Err(other) => stuck = stuck.or(Some(other)),
         }
     }
-    Err(stuck.unwrap_or(Stuck::GaveUp))
+    Err(stuck.unwrap_or(StuckAssembly::GaveUp))
 }
 
 /// One robot on its way to the structure.
 struct Visit<'a> {
-    bed: &'a Bed<'a>,
+    bed: &'a AssemblyState<'a>,
     index: usize,
     states: [usize; 2],
     goal: Pose,
     approach: Pose,
-    aim: Aim,
+    aim: TrackAim,
     cycles: Cycles<2>,
     /// A first stroke that keeps legs that follow one another from having the same state.
-    before: Track,
+    before: ArmTrack,
 }
 
 impl<'a> Visit<'a> {
-    fn new(bed: &'a Bed<'a>, (dock, states): (&Dock, [usize; 2]), share: u64) -> Self {
+    fn new(bed: &'a AssemblyState<'a>, (dock, states): (&Dock, [usize; 2]), share: u64) -> Self {
         let (index, goal) = (dock.robot, dock.goal.pose);
         let robot = bed.robot(index);
         let cycles = Cycles::symmetric(&bed.order.facts.fine, &[robot.step_um]);
         let cycles = Cycles { count: cycles.count.div_ceil(share), ..cycles };
         let approach = cycles.backward(robot, ARMS, goal);
         let motion = cycles.forward(robot, ARMS, Pose::at(0.0, 0.0));
-        let aim = Aim { goal, precision: bed.order.precision, motion };
-        let mut before = Track::default();
+        let aim = TrackAim { goal, precision: bed.order.precision, motion };
+        let mut before = ArmTrack::default();
         let others = [Arm::Up, Arm::Down].into_iter().zip(states);
         others.filter(|(_, state)| bed.last_state() == Some(*state)).for_each(|(other, _)| before.push(other, 1));
         Visit { bed, index, states, goal, approach, aim, cycles, before }
     }
 
-    fn stretch(&self, (ground, fixtures): (&Ground, &Fixtures), meter: &mut Meter) -> Result<Stretch, Stuck> {
+    fn stretch(
+        &self,
+        (ground, fixtures): (&AssemblyGround, &Fixtures),
+        meter: &mut Meter,
+    ) -> Result<StageAddition, StuckAssembly> {
         let robot = self.bed.robot(self.index);
         let from = self.before.end(robot, self.bed.poses[self.index]);
-        let task = Task { world: &ground.world, robot: self.index, from, to: self.approach, fixtures };
+        let task = DriveTask { world: &ground.world, robot: self.index, from, to: self.approach, fixtures };
         let most_um = distance_um(robot, from, self.approach) + TAU * robot.turning_radius_um;
-        let clear = |way: &Vec<Segment>| ground.world.obstruction_on(self.index, from, way, fixtures).is_none();
+        let clear = |way: &Vec<ArmSegment>| ground.world.obstruction_on(self.index, from, way, fixtures).is_none();
         let detours = detours(robot, from, self.approach, &stretches(robot, FIRST_RUNS), &stretches(robot, LAST_RUNS));
         let (near, far): (Vec<_>, Vec<_>) = detours.into_iter().partition(|way| length_um(way) <= most_um);
         let near = task.direct().map(|found| found.way).into_iter().chain(near.into_iter().filter(clear));
@@ -80,25 +89,25 @@ impl<'a> Visit<'a> {
             return Ok(stretch);
         }
         let found = ground.way(self.bed, &[self.index], &task, meter);
-        if found == Err(Stuck::GaveUp) {
-            return Err(Stuck::GaveUp);
+        if found == Err(StuckAssembly::GaveUp) {
+            return Err(StuckAssembly::GaveUp);
         }
         let far = found.iter().cloned().chain(far.into_iter().filter(clear));
         match self.first_free(far, (ground, meter), &mut stuck)? {
             Some(stretch) => Ok(stretch),
-            None => Err(stuck.or(found.err()).unwrap_or(Stuck::GaveUp)),
+            None => Err(stuck.or(found.err()).unwrap_or(StuckAssembly::GaveUp)),
         }
     }
 
     /// The stretch with the first of these ways that the rules of collision allow; what stops the last one is noted.
     fn first_free(
         &self,
-        ways: impl Iterator<Item = Vec<Segment>>,
-        (ground, meter): (&Ground, &mut Meter),
-        stuck: &mut Option<Stuck>,
-    ) -> Result<Option<Stretch>, Stuck> {
+        ways: impl Iterator<Item = Vec<ArmSegment>>,
+        (ground, meter): (&AssemblyGround, &mut Meter),
+        stuck: &mut Option<StuckAssembly>,
+    ) -> Result<Option<StageAddition>, StuckAssembly> {
         for way in ways {
-            meter.step().ok_or(Stuck::GaveUp)?;
+            meter.step().ok_or(StuckAssembly::GaveUp)?;
             match self.along(&way, ground) {
                 Ok(stretch) => return Ok(Some(stretch)),
                 Err(other) => *stuck = Some(other),
@@ -108,21 +117,21 @@ impl<'a> Visit<'a> {
     }
 
     /// The stretch with this way to the approach.
-    fn along(&self, way: &[Segment], ground: &Ground) -> Result<Stretch, Stuck> {
+    fn along(&self, way: &[ArmSegment], ground: &AssemblyGround) -> Result<StageAddition, StuckAssembly> {
         let robot = self.bed.robot(self.index);
         let from = self.before.end(robot, self.bed.poses[self.index]);
         let total = (length_um(way) / robot.step_um).round() as u64;
-        let driven = whole(robot, from, way, &self.aim, total).ok_or(Stuck::Coarse { robot: self.index })?;
+        let driven = whole(robot, from, way, &self.aim, total).ok_or(StuckAssembly::Coarse { robot: self.index })?;
         let mut track = self.before.clone();
         track.extend(&driven);
         let legs = legs_of_one(&track, self.states).into_iter().chain(self.cycles.legs(self.states));
         let Visit { index: robot, states, approach, goal, .. } = *self;
-        let stage = Stage::Single { robot, states, approach, goal };
-        let stretch = Stretch { legs: joined(legs), docking: vec![robot], stages: vec![stage] };
+        let stage = AssemblyStage::Single { robot, states, approach, goal };
+        let stretch = StageAddition { legs: joined(legs), docking: vec![robot], stages: vec![stage] };
         let stretch = ground.settled(self.bed, stretch)?;
         match ground.first_hit(self.bed, &stretch) {
             None => Ok(stretch),
-            Some(hit) => Err(Stuck::Blocked { robot, partner: None, hit }),
+            Some(hit) => Err(StuckAssembly::Blocked { robot, partner: None, hit }),
         }
     }
 }

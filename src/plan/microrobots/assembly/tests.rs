@@ -1,8 +1,10 @@
 //! Assemblies on made-up beds, with a direct simulation as their oracle.
 
 use super::*;
-use crate::claims::microrobots::{Assurance, Obstacle, Placed, Precision, Stop};
-use crate::device::microrobots::{Arm, ControlState, Docking as Limits, Facts, Fine, Robot, Turning, wrapped_rad};
+use crate::claims::microrobots::{Assurance, MicrorobotsObstacle, MicrorobotsStop, Placed, Precision};
+use crate::device::microrobots::{
+    Arm, ControlState, Docking as Limits, Fine, MicrorobotsFacts, Robot, Turning, wrapped_rad,
+};
 use crate::geometry::Shape;
 use crate::plan::microrobots::world::World;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -25,8 +27,8 @@ fn row(index: usize) -> Robot {
     }
 }
 
-fn facts(count: usize) -> Facts {
-    Facts {
+fn facts(count: usize) -> MicrorobotsFacts {
+    MicrorobotsFacts {
         robots: (0..count).map(row).collect(),
         margin_v: 5.0,
         max_v: 200.0,
@@ -61,7 +63,7 @@ fn pose(x_um: f64, y_um: f64, heading_deg: f64) -> Pose {
     Pose { x_um, y_um, heading_rad: heading_deg.to_radians() }
 }
 
-fn order(starts: &[Pose], states: Vec<ControlState>, obstacles: Vec<Obstacle>) -> MicrorobotsOrder {
+fn order(starts: &[Pose], states: Vec<ControlState>, obstacles: Vec<MicrorobotsObstacle>) -> MicrorobotsOrder {
     let placed = |(row, pose): (usize, &Pose)| Placed { row, pose: *pose, span: Default::default() };
     MicrorobotsOrder {
         facts: Arc::new(facts(starts.len())),
@@ -76,7 +78,7 @@ fn order(starts: &[Pose], states: Vec<ControlState>, obstacles: Vec<Obstacle>) -
 }
 
 fn dock(robot: usize, pose: Pose) -> Dock {
-    Dock { robot, goal: Stop { pose, span: Default::default() } }
+    Dock { robot, goal: MicrorobotsStop { pose, span: Default::default() } }
 }
 
 /// A structure of so many robots about a place: the last two head on, the others to their sides.
@@ -100,7 +102,7 @@ fn simulated(
     docked: &[bool],
     legs: &[Leg],
     docks: &[Dock],
-) -> (Vec<Pose>, Vec<Docking>) {
+) -> (Vec<Pose>, Vec<RobotDocking>) {
     let (mut poses, mut docked, mut found) = (starts.to_vec(), docked.to_vec(), Vec::new());
     let world = World::new(order);
     for (index, leg) in legs.iter().enumerate() {
@@ -123,7 +125,7 @@ fn simulated(
         };
         for robot in there.iter().copied().filter(touches).collect::<Vec<_>>() {
             docked[robot] = true;
-            found.push(Docking { robot, leg: index });
+            found.push(RobotDocking { robot, leg: index });
         }
     }
     (poses, found)
@@ -140,17 +142,17 @@ fn bodies_gap_um(world: &World, one: (usize, Pose), other: (usize, Pose)) -> f64
 }
 
 /// Plans, and holds the result against the simulation and the rules.
-fn assembled(order: &MicrorobotsOrder, docks: &[Dock]) -> Result<Assembled, Stuck> {
+fn assembled(order: &MicrorobotsOrder, docks: &[Dock]) -> Result<Assembled, StuckAssembly> {
     let starts: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
     let docked = vec![false; starts.len()];
-    let found = assemble(order, &starts, &docked, docks, Budget::of(order.expansions))?;
+    let found = assemble(order, &starts, &docked, docks, SearchBudget::of(order.expansions))?;
     check(order, &starts, &docked, docks, &found);
     Ok(found)
 }
 
 fn check(order: &MicrorobotsOrder, starts: &[Pose], docked: &[bool], docks: &[Dock], found: &Assembled) {
     let (ends, docking) = simulated(order, starts, docked, &found.legs, docks);
-    let sorted = |docks: &[Docking]| {
+    let sorted = |docks: &[RobotDocking]| {
         let mut docks: Vec<(usize, usize)> = docks.iter().map(|dock| (dock.leg, dock.robot)).collect();
         docks.sort_unstable();
         docks
@@ -183,7 +185,7 @@ fn structures_of_two_to_five_robots_are_assembled() {
         let order = order(&in_a_row(count), string_states(count), Vec::new());
         let docks = structure(count, pose(1000.0, 1800.0, 20.0));
         let found = assembled(&order, &docks).unwrap_or_else(|stuck| panic!("{count} robots: {stuck:?}"));
-        let docking = found.stages.iter().filter(|stage| !matches!(stage, Stage::Escort { .. }));
+        let docking = found.stages.iter().filter(|stage| !matches!(stage, AssemblyStage::Escort { .. }));
         assert_eq!(docking.count(), count - 1);
     }
 }
@@ -199,8 +201,8 @@ impl Dice {
 }
 
 /// A disc in the scene.
-fn disc(x_um: f64, y_um: f64, radius_um: f64) -> Obstacle {
-    Obstacle {
+fn disc(x_um: f64, y_um: f64, radius_um: f64) -> MicrorobotsObstacle {
+    MicrorobotsObstacle {
         name: "disc".into(),
         shape: Shape::Disc { radius_um },
         pose: pose(x_um, y_um, 0.0),
@@ -272,7 +274,7 @@ fn a_structure_grows() {
     built.iter().for_each(|dock| starts[dock.robot] = dock.goal.pose);
     let order = order(&starts, string_states(4), Vec::new());
     let docked = [false, false, true, true];
-    let found = assemble(&order, &starts, &docked, new, Budget::of(100_000)).unwrap();
+    let found = assemble(&order, &starts, &docked, new, SearchBudget::of(100_000)).unwrap();
     check(&order, &starts, &docked, new, &found);
     let robots: Vec<usize> = found.docks.iter().map(|dock| dock.robot).collect();
     assert_eq!(robots, [1, 0]);
@@ -287,11 +289,11 @@ fn what_has_docked_keeps_its_arm_up() {
     let docked = [true, false, true];
     let alone = |states: Vec<ControlState>| {
         let order = order(&starts, states, Vec::new());
-        let found = assemble(&order, &starts, &docked, &docks[1..2], Budget::of(100_000))?;
+        let found = assemble(&order, &starts, &docked, &docks[1..2], SearchBudget::of(100_000))?;
         check(&order, &starts, &docked, &docks[1..2], &found);
         Ok(found)
     };
-    assert_eq!(alone(string_states(3)), Err(Stuck::Unsteerable { robots: vec![1], orbiting: None }));
+    assert_eq!(alone(string_states(3)), Err(StuckAssembly::Unsteerable { robots: vec![1], orbiting: None }));
     assert!(alone(all_states(3)).is_ok());
 }
 
@@ -302,8 +304,8 @@ fn a_string_table_leaves_one_order() {
     // Robot 0 in the first pair: robot 1 would have to orbit while robot 2 and it are steered.
     let swapped = [dock(2, seats[0].goal.pose), dock(0, seats[1].goal.pose), dock(1, seats[2].goal.pose)];
     let starts = in_a_row(3);
-    let found = assemble(&order, &starts, &[false; 3], &swapped[..2], Budget::of(100_000));
-    assert_eq!(found, Err(Stuck::Unsteerable { robots: vec![2, 0], orbiting: Some(1) }));
+    let found = assemble(&order, &starts, &[false; 3], &swapped[..2], SearchBudget::of(100_000));
+    assert_eq!(found, Err(StuckAssembly::Unsteerable { robots: vec![2, 0], orbiting: Some(1) }));
 }
 
 #[test]
@@ -323,7 +325,7 @@ fn other_tables_allow_other_orders() {
 fn the_first_pair_needs_a_state_in_which_only_one_of_it_turns() {
     let order = order(&in_a_row(2), vec![state(vec![UP, UP]), state(vec![DOWN, DOWN])], Vec::new());
     let found = assembled(&order, &structure(2, pose(900.0, 1700.0, 10.0)));
-    assert_eq!(found, Err(Stuck::Unsteerable { robots: vec![1, 0], orbiting: None }));
+    assert_eq!(found, Err(StuckAssembly::Unsteerable { robots: vec![1, 0], orbiting: None }));
 }
 
 #[test]
@@ -335,17 +337,17 @@ fn a_goal_in_an_orbit_is_told() {
     let pair = |gap_um: f64| structure(2, pose(x, y + reach_um + 30.0 + gap_um, 0.0));
     let docks = |gap_um: f64| -> Vec<Dock> { pair(gap_um).iter().map(|d| dock(d.robot + 1, d.goal.pose)).collect() };
     let found = assembled(&order, &docks(-200.0));
-    let Err(Stuck::GoalInOrbit { orbiting: 0, gap_um, .. }) = found else { panic!("{found:?}") };
+    let Err(StuckAssembly::GoalInOrbit { orbiting: 0, gap_um, .. }) = found else { panic!("{found:?}") };
     assert!(gap_um < order.facts.orbit_clearance_um);
     let near = assembled(&order, &docks(60.0));
-    assert!(!matches!(near, Err(Stuck::GoalInOrbit { .. })), "{near:?}");
+    assert!(!matches!(near, Err(StuckAssembly::GoalInOrbit { .. })), "{near:?}");
 }
 
 #[test]
 fn goals_apart_are_told() {
     let order = order(&in_a_row(2), string_states(2), Vec::new());
     let docks = [dock(1, pose(900.0, 1700.0, 0.0)), dock(0, pose(1300.0, 1700.0, 180.0))];
-    assert_eq!(assembled(&order, &docks), Err(Stuck::Apart { robot: 1 }));
+    assert_eq!(assembled(&order, &docks), Err(StuckAssembly::Apart { robot: 1 }));
 }
 
 #[test]
@@ -357,7 +359,7 @@ fn an_orbit_without_room_is_told() {
     };
     let order = order(&starts, string_states(3), vec![near]);
     let found = assembled(&order, &structure(3, pose(900.0, 1900.0, 10.0)));
-    assert_eq!(found, Err(Stuck::NoOrbit { robot: 0, blocker: Blocker::Obstacle(0) }));
+    assert_eq!(found, Err(StuckAssembly::NoOrbit { robot: 0, blocker: RobotBlocker::Obstacle(0) }));
 }
 
 #[test]
@@ -366,18 +368,18 @@ fn a_walled_goal_is_told() {
         let (sin, cos) = (turn as f64 * FRAC_PI_2).sin_cos();
         let size_um = [10.0 + 1400.0 * sin.abs(), 10.0 + 1400.0 * cos.abs()];
         let at = pose(1000.0 + 700.0 * cos, 2000.0 + 700.0 * sin, 0.0);
-        Obstacle { name: "wall".into(), shape: Shape::Box { size_um }, pose: at, span: Default::default() }
+        MicrorobotsObstacle { name: "wall".into(), shape: Shape::Box { size_um }, pose: at, span: Default::default() }
     };
     let order = order(&in_a_row(2), string_states(2), (0..4).map(wall).collect());
     let found = assembled(&order, &structure(2, pose(1000.0, 2000.0, 0.0)));
-    let Err(Stuck::NoWay { robot: 0, blocker: Blocker::Obstacle(_) }) = found else { panic!("{found:?}") };
+    let Err(StuckAssembly::NoWay { robot: 0, blocker: RobotBlocker::Obstacle(_) }) = found else { panic!("{found:?}") };
 }
 
 #[test]
 fn a_spent_budget_is_told() {
     let mut order = order(&in_a_row(2), string_states(2), Vec::new());
     order.expansions = 0;
-    assert_eq!(assembled(&order, &structure(2, pose(900.0, 1700.0, 10.0))), Err(Stuck::GaveUp));
+    assert_eq!(assembled(&order, &structure(2, pose(900.0, 1700.0, 10.0))), Err(StuckAssembly::GaveUp));
 }
 
 /// A way of a given length has that length, and ends where it should.
@@ -388,8 +390,12 @@ fn closings_close() {
     for _ in 0..300 {
         let mut any = || pose(3000.0 * dice.roll(), 3000.0 * dice.roll(), 360.0 * dice.roll());
         let (from, to) = (any(), any());
-        let asked =
-            super::closing::Asked { from, to, length_um: 9000.0 * dice.roll(), least_last_um: 800.0 * dice.roll() };
+        let asked = super::closing::ClosingRequest {
+            from,
+            to,
+            length_um: 9000.0 * dice.roll(),
+            least_last_um: 800.0 * dice.roll(),
+        };
         for way in super::closing::closings(&robot, &asked) {
             let end = way.iter().fold(from, |pose, piece| robot.moved(pose, piece.arm, piece.way_um));
             let length_um: f64 = way.iter().map(|piece| piece.way_um).sum();

@@ -7,7 +7,7 @@
 use crate::claims::microrobots::Precision;
 use crate::device::microrobots::{Arm, Robot, wrapped_rad};
 use crate::geometry::Pose;
-use crate::plan::microrobots::free::Segment;
+use crate::plan::microrobots::free::ArmSegment;
 use crate::real::Real;
 
 /// Changes of a piece that are tried, in strokes: the larger first.
@@ -21,12 +21,12 @@ const MAX_ROUNDS: usize = 40;
 
 /// The arm of one robot in time.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Track {
+pub struct ArmTrack {
     /// Neighbours differ; each is at least one stroke.
     pub pieces: Vec<(Arm, u64)>,
 }
 
-impl Track {
+impl ArmTrack {
     pub fn push(&mut self, arm: Arm, strokes: u64) {
         match self.pieces.last_mut() {
             Some((last, count)) if *last == arm => *count += strokes,
@@ -35,7 +35,7 @@ impl Track {
         }
     }
 
-    pub fn extend(&mut self, other: &Track) {
+    pub fn extend(&mut self, other: &ArmTrack) {
         other.pieces.iter().for_each(|&(arm, strokes)| self.push(arm, strokes));
     }
 
@@ -58,14 +58,14 @@ pub fn miss(precision: Precision, pose: Pose, goal: Pose) -> f64 {
 
 /// Where a way has to end: a fixed motion comes after it, and then the robot has to be at its goal.
 #[derive(Debug, Clone, Copy)]
-pub struct Aim {
+pub struct TrackAim {
     pub goal: Pose,
     pub precision: Precision,
     /// What comes after the way, as the pose that it brings a robot to from the origin.
     pub motion: Pose,
 }
 
-impl Aim {
+impl TrackAim {
     /// How far a robot that ends its way here comes to stand from its goal.
     pub fn miss(&self, pose: Pose) -> f64 {
         miss(self.precision, composed(pose, self.motion), self.goal)
@@ -86,13 +86,13 @@ pub fn composed(frame: Pose, pose: Pose) -> Pose {
 ///
 /// Rounding keeps the sums of turns and of straight lines near theirs; what error is left is taken up by a descent over strokes
 /// that are moved from one piece to another.
-pub fn whole(robot: &Robot, from: Pose, way: &[Segment], aim: &Aim, total: u64) -> Option<Track> {
+pub fn whole(robot: &Robot, from: Pose, way: &[ArmSegment], aim: &TrackAim, total: u64) -> Option<ArmTrack> {
     let mut pieces = rounded(robot, way);
     let excess = pieces.iter().map(|piece| piece.1).sum::<u64>() as i64 - total as i64;
     let longest = (0..pieces.len()).filter(|&at| pieces[at].0 == Arm::Up).max_by_key(|&at| pieces[at].1)?;
     pieces[longest].1 = pieces[longest].1.checked_add_signed(-excess)?;
     let best = descend(robot, from, &mut pieces, aim);
-    let track = pieces.into_iter().fold(Track::default(), |mut track, (arm, strokes)| {
+    let track = pieces.into_iter().fold(ArmTrack::default(), |mut track, (arm, strokes)| {
         track.push(arm, strokes);
         track
     });
@@ -100,7 +100,7 @@ pub fn whole(robot: &Robot, from: Pose, way: &[Segment], aim: &Aim, total: u64) 
 }
 
 /// Moves strokes between pieces as long as that brings the end nearer to the goal; returns the miss that is left.
-fn descend(robot: &Robot, from: Pose, pieces: &mut [(Arm, u64)], aim: &Aim) -> f64 {
+fn descend(robot: &Robot, from: Pose, pieces: &mut [(Arm, u64)], aim: &TrackAim) -> f64 {
     let mut best = aim.miss(end(robot, from, pieces));
     for _ in 0..MAX_ROUNDS {
         let before = best;
@@ -135,9 +135,9 @@ fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// Each piece in whole strokes, so that neither the turns nor the straight lines add up to more than half a stroke of error.
-fn rounded(robot: &Robot, way: &[Segment]) -> Vec<(Arm, u64)> {
+fn rounded(robot: &Robot, way: &[ArmSegment]) -> Vec<(Arm, u64)> {
     let mut owed = [0.0; 2];
-    let round = |&Segment { arm, way_um }: &Segment| {
+    let round = |&ArmSegment { arm, way_um }: &ArmSegment| {
         let owed = &mut owed[usize::from(arm.digit())];
         let wanted = (way_um / robot.step_um + *owed).max(0.0);
         *owed = wanted - wanted.round();

@@ -1,19 +1,19 @@
 //! Which control state drives each train of one robot.
 
-use super::{Drive, Reason};
+use super::{Drive, StuckReason};
 use crate::device::microrobots::Arm;
 use crate::plan::microrobots::Leg;
-use crate::plan::microrobots::strokes::Train;
-use crate::plan::microrobots::world::Hit;
+use crate::plan::microrobots::strokes::StrokeTrain;
+use crate::plan::microrobots::world::FirstMeeting;
 use crate::plan::search::Meter;
 
 /// The most choices that are looked at for one way.
 const MAX_CHOICES: u32 = 2_000;
 
 /// A depth-first search over the states of trains, one after the other.
-pub(super) struct Choice<'a> {
+pub(super) struct TrainChoice<'a> {
     request: &'a Drive<'a>,
-    trains: &'a [Train],
+    trains: &'a [StrokeTrain],
     /// Of the legs, those that were there before.
     before: usize,
     legs: Vec<Leg>,
@@ -22,12 +22,12 @@ pub(super) struct Choice<'a> {
     up: Vec<usize>,
     left: u32,
     /// What happened the latest.
-    latest: Option<Hit>,
+    latest: Option<FirstMeeting>,
 }
 
-impl<'a> Choice<'a> {
+impl<'a> TrainChoice<'a> {
     /// States for trains that follow legs.
-    pub(super) fn new(request: &'a Drive<'a>, legs: &[Leg], trains: &'a [Train]) -> Self {
+    pub(super) fn new(request: &'a Drive<'a>, legs: &[Leg], trains: &'a [StrokeTrain]) -> Self {
         let world = request.world;
         let with = |arm: Arm| {
             let mut states: Vec<usize> =
@@ -35,7 +35,7 @@ impl<'a> Choice<'a> {
             states.sort_by_key(|state| (running(request, *state), request.order.states[*state].levels_v.len()));
             states
         };
-        Choice {
+        TrainChoice {
             request,
             trains,
             before: legs.len(),
@@ -50,7 +50,7 @@ impl<'a> Choice<'a> {
     /// The legs with those of the trains, or what meets at the latest.
     ///
     /// A search without recursion: for each leg, which of its states is tried.
-    pub(super) fn run(mut self, meter: &mut Meter) -> Result<Vec<Leg>, Reason> {
+    pub(super) fn run(mut self, meter: &mut Meter) -> Result<Vec<Leg>, StuckReason> {
         let mut tried: Vec<usize> = vec![0];
         while let Some(next) = tried.last_mut() {
             let index = self.legs.len() - self.before;
@@ -81,12 +81,13 @@ impl<'a> Choice<'a> {
             }
         }
         let begun = meter.left().steps > 0;
-        Err(self.latest.map_or(if begun { Reason::TooFine } else { Reason::OutOfBudget }, Reason::Meets))
+        Err(self.latest.map_or(if begun { StuckReason::TooFine } else { StuckReason::OutOfBudget }, StuckReason::Meets))
     }
 
     fn is_free(&mut self) -> bool {
         let hit = self.request.bed.first_hit(self.request.world, &self.legs, &[]);
-        let later = |hit: &Hit| self.latest.is_none_or(|other| (other.leg, other.strokes) < (hit.leg, hit.strokes));
+        let later =
+            |hit: &FirstMeeting| self.latest.is_none_or(|other| (other.leg, other.strokes) < (hit.leg, hit.strokes));
         if let Some(hit) = hit.filter(later) {
             self.latest = Some(hit);
         }

@@ -15,16 +15,16 @@
 mod choice;
 
 use super::Leg;
-use super::free::{self, Segment};
-use super::strokes::{self, Train};
-use super::ways::{NoWay, Task};
-use super::world::{Bed, Fixtures, Hit, Meeting, Obstruction, World};
+use super::free::{self, ArmSegment};
+use super::strokes::{self, StrokeTrain};
+use super::ways::{DriveTask, NoWay};
+use super::world::{BedPoses, FirstMeeting, Fixtures, ForbiddenMeeting, Obstruction, World};
 use crate::claims::microrobots::{MicrorobotsOrder, Precision};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
-use crate::plan::search::{Budget, Meter};
+use crate::plan::search::{Meter, SearchBudget};
 use crate::real::Real;
-use choice::Choice;
+use choice::TrainChoice;
 
 /// How often what was met is put in the way of one stop.
 const MAX_ROUNDS: usize = 8;
@@ -34,7 +34,7 @@ const MAX_ROUNDS: usize = 8;
 pub struct Drive<'a> {
     pub order: &'a MicrorobotsOrder,
     pub world: &'a World,
-    pub bed: &'a Bed,
+    pub bed: &'a BedPoses,
     pub robot: usize,
     /// In their order; the last one is the goal.
     pub stops: &'a [Pose],
@@ -65,10 +65,10 @@ pub struct Driven {
 
 /// Why a robot does not come to a stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stuck {
+pub struct StuckDrive {
     /// Index of the stops.
     pub stop: usize,
-    pub reason: Reason,
+    pub reason: StuckReason,
     /// Steps of the budget that were taken.
     pub spent: u64,
     /// How many ways were tried with every choice of control states.
@@ -88,7 +88,7 @@ pub enum Thing {
 
 /// Why.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Reason {
+pub enum StuckReason {
     /// A proof: the robot sticks in a structure.
     Docked,
     /// A proof if every plan has the robot here before this stop: it has to turn, and no control state lowers its arm and keeps those of docked robots up.
@@ -108,16 +108,16 @@ pub enum Reason {
     /// The budget ran out over the choice of control states. No proof.
     OutOfBudget,
     /// It has a way, but with every choice of control states that was tried something meets; this is what happened last. No proof.
-    Meets(Hit),
+    Meets(FirstMeeting),
 }
 
-impl Reason {
+impl StuckReason {
     /// Whether there is no drive at all from where the robot is.
     pub fn is_proof(&self) -> bool {
         match self {
-            Reason::Docked | Reason::NeverTurns | Reason::NeverRuns | Reason::Start(_) => true,
-            Reason::Goal(_) | Reason::Blocked(_) | Reason::GaveUp(_) | Reason::TooFine => false,
-            Reason::OutOfBudget | Reason::Meets(_) => false,
+            StuckReason::Docked | StuckReason::NeverTurns | StuckReason::NeverRuns | StuckReason::Start(_) => true,
+            StuckReason::Goal(_) | StuckReason::Blocked(_) | StuckReason::GaveUp(_) | StuckReason::TooFine => false,
+            StuckReason::OutOfBudget | StuckReason::Meets(_) => false,
         }
     }
 }
@@ -126,11 +126,15 @@ impl Reason {
 ///
 /// # Errors
 /// See [`Reason`].
-pub fn drive(request: &Drive, budget: Budget) -> Result<Driven, Stuck> {
-    let mut progress = Progress { request, meter: Meter::new(budget), legs: Vec::new(), met: Vec::new(), ways: 0 };
+pub fn drive(request: &Drive, budget: SearchBudget) -> Result<Driven, StuckDrive> {
+    let mut progress = DriveProgress { request, meter: Meter::new(budget), legs: Vec::new(), met: Vec::new(), ways: 0 };
     for (stop, goal) in request.stops.iter().enumerate() {
-        let stuck =
-            |reason, progress: &Progress| Stuck { stop, reason, spent: progress.meter.spent(), ways: progress.ways };
+        let stuck = |reason, progress: &DriveProgress| StuckDrive {
+            stop,
+            reason,
+            spent: progress.meter.spent(),
+            ways: progress.ways,
+        };
         progress.reach(*goal).map_err(|reason| stuck(reason, &progress))?;
         progress.met.push(progress.legs.len());
     }
@@ -138,7 +142,7 @@ pub fn drive(request: &Drive, budget: Budget) -> Result<Driven, Stuck> {
 }
 
 /// Legs up to a stop.
-struct Progress<'a> {
+struct DriveProgress<'a> {
     request: &'a Drive<'a>,
     meter: Meter,
     legs: Vec<Leg>,
@@ -146,7 +150,7 @@ struct Progress<'a> {
     ways: usize,
 }
 
-impl Progress<'_> {
+impl DriveProgress<'_> {
     fn pose(&self) -> Pose {
         let mut poses = self.request.bed.poses.clone();
         self.legs.iter().for_each(|leg| self.request.world.advance(&mut poses, &self.request.bed.docked, *leg));
@@ -154,14 +158,14 @@ impl Progress<'_> {
     }
 
     /// Adds the legs to a stop.
-    fn reach(&mut self, goal: Pose) -> Result<(), Reason> {
+    fn reach(&mut self, goal: Pose) -> Result<(), StuckReason> {
         let Drive { order, world, bed, robot, .. } = *self.request;
         let from = self.pose();
         if strokes::is_within(from, goal, order.precision) {
             return Ok(());
         }
         if bed.docked[robot] {
-            return Err(Reason::Docked);
+            return Err(StuckReason::Docked);
         }
         self.can_steer(from, goal)?;
         let mut around = Around::docked(world, bed, robot);
@@ -170,15 +174,15 @@ impl Progress<'_> {
             let found = match self.find(from, goal, &around) {
                 Ok(way) => way,
                 // What was put in the way closes it: what was met before says more.
-                Err(reason) => return Err(last.map_or(reason, Reason::Meets)),
+                Err(reason) => return Err(last.map_or(reason, StuckReason::Meets)),
             };
             let trains = strokes::whole(&world.body(robot).robot, from, goal, &found, order.precision);
-            match self.choose(&trains.ok_or(Reason::TooFine)?) {
+            match self.choose(&trains.ok_or(StuckReason::TooFine)?) {
                 Ok(legs) => {
                     self.legs = legs;
                     return Ok(());
                 }
-                Err(Reason::Meets(hit)) => {
+                Err(StuckReason::Meets(hit)) => {
                     last = Some(hit);
                     if !around.add(self.request, &self.legs, hit) {
                         break;
@@ -191,14 +195,14 @@ impl Progress<'_> {
     }
 
     /// A way of the robot alone. Unless the free optimum is clear, it keeps room for the rounding to whole strokes where there is room.
-    fn find(&mut self, from: Pose, to: Pose, around: &Around) -> Result<Vec<Segment>, Reason> {
+    fn find(&mut self, from: Pose, to: Pose, around: &Around) -> Result<Vec<ArmSegment>, StuckReason> {
         let Drive { order, world, robot, .. } = *self.request;
-        let exact = Task { world, robot, from, to, fixtures: &around.fixtures };
+        let exact = DriveTask { world, robot, from, to, fixtures: &around.fixtures };
         if let Ok(found) = exact.direct() {
             return Ok(found.way);
         }
         let wide = world.widened(strokes::ASTRAY * order.precision.place_um);
-        let found = Task { world: &wide, ..exact }.find(&mut self.meter);
+        let found = DriveTask { world: &wide, ..exact }.find(&mut self.meter);
         let found = found.or_else(|no_way| match no_way {
             NoWay::GaveUp(_) => Err(no_way),
             NoWay::Start(_) | NoWay::Goal(_) | NoWay::Blocked(_) => exact.find(&mut self.meter),
@@ -207,12 +211,12 @@ impl Progress<'_> {
     }
 
     /// The other free way, which lets the others move otherwise.
-    fn other_word(&mut self, from: Pose, goal: Pose, last: Option<Hit>) -> Result<(), Reason> {
+    fn other_word(&mut self, from: Pose, goal: Pose, last: Option<FirstMeeting>) -> Result<(), StuckReason> {
         let Drive { order, world, bed, robot, .. } = *self.request;
         let around = Around::docked(world, bed, robot);
         let facts = &world.body(robot).robot;
         let way = free::words(facts, from, goal)[1].segments(facts.turning_radius_um);
-        let meets = last.map_or(Reason::TooFine, Reason::Meets);
+        let meets = last.map_or(StuckReason::TooFine, StuckReason::Meets);
         if world.obstruction_on(robot, from, &way, &around.fixtures).is_some() {
             return Err(meets);
         }
@@ -221,13 +225,13 @@ impl Progress<'_> {
         Ok(())
     }
 
-    fn choose(&mut self, trains: &[Train]) -> Result<Vec<Leg>, Reason> {
+    fn choose(&mut self, trains: &[StrokeTrain]) -> Result<Vec<Leg>, StuckReason> {
         self.ways += 1;
-        Choice::new(self.request, &self.legs, trains).run(&mut self.meter)
+        TrainChoice::new(self.request, &self.legs, trains).run(&mut self.meter)
     }
 
     /// Whether control states have the arm where every way needs it.
-    fn can_steer(&self, from: Pose, goal: Pose) -> Result<(), Reason> {
+    fn can_steer(&self, from: Pose, goal: Pose) -> Result<(), StuckReason> {
         let Drive { order, world, robot, .. } = *self.request;
         let has = |arm: Arm| self.request.states().any(|state| world.arm(state, robot) == arm);
         let facts = &world.body(robot).robot;
@@ -241,8 +245,8 @@ impl Progress<'_> {
         let [a, b] = [from, goal].map(|pose| facts.orbit_centre_um(pose));
         let about = (a[0] - b[0]).hypotenuse(a[1] - b[1]) <= place_um + facts.turning_radius_um * heading_rad;
         match () {
-            () if !straight && !has(Arm::Down) => Err(Reason::NeverTurns),
-            () if !about && !has(Arm::Up) => Err(Reason::NeverRuns),
+            () if !straight && !has(Arm::Down) => Err(StuckReason::NeverTurns),
+            () if !about && !has(Arm::Up) => Err(StuckReason::NeverRuns),
             () => Ok(()),
         }
     }
@@ -278,7 +282,7 @@ struct Around {
 
 impl Around {
     /// The bodies that are docked.
-    fn docked(world: &World, bed: &Bed, robot: usize) -> Self {
+    fn docked(world: &World, bed: &BedPoses, robot: usize) -> Self {
         let bodies: Vec<usize> = (0..world.count()).filter(|other| bed.docked[*other] && *other != robot).collect();
         let rectangles = bodies.iter().map(|other| world.rectangle(*other, bed.poses[*other])).collect();
         Around { fixtures: Fixtures { discs: Vec::new(), bodies: rectangles }, bodies, discs: Vec::new() }
@@ -292,27 +296,27 @@ impl Around {
         }
     }
 
-    fn reason(&self, no_way: NoWay) -> Reason {
+    fn reason(&self, no_way: NoWay) -> StuckReason {
         match no_way {
-            NoWay::Start(found) => Reason::Start(self.thing(found)),
-            NoWay::Goal(found) => Reason::Goal(self.thing(found)),
-            NoWay::Blocked(found) => Reason::Blocked(self.thing(found)),
-            NoWay::GaveUp(found) => Reason::GaveUp(self.thing(found)),
+            NoWay::Start(found) => StuckReason::Start(self.thing(found)),
+            NoWay::Goal(found) => StuckReason::Goal(self.thing(found)),
+            NoWay::Blocked(found) => StuckReason::Blocked(self.thing(found)),
+            NoWay::GaveUp(found) => StuckReason::GaveUp(self.thing(found)),
         }
     }
 
     /// Puts what the driven robot met in its way; `false` if it is not the driven robot that met, or is there already.
-    fn add(&mut self, request: &Drive, legs: &[Leg], hit: Hit) -> bool {
+    fn add(&mut self, request: &Drive, legs: &[Leg], hit: FirstMeeting) -> bool {
         let Drive { world, bed, robot, .. } = *request;
         let (other, with) = match hit.meeting {
-            Meeting::Robots { robot: one, other } if one == robot => (other, hit.with),
-            Meeting::Robots { robot: other, other: one } if one == robot => (other, hit.at),
-            Meeting::OrbitRobot { robot: other, other: one } if one == robot => (other, hit.at),
-            Meeting::Robots { .. }
-            | Meeting::OrbitRobot { .. }
-            | Meeting::Obstacle { .. }
-            | Meeting::OrbitObstacle { .. }
-            | Meeting::Orbits { .. } => return false,
+            ForbiddenMeeting::Robots { robot: one, other } if one == robot => (other, hit.with),
+            ForbiddenMeeting::Robots { robot: other, other: one } if one == robot => (other, hit.at),
+            ForbiddenMeeting::OrbitRobot { robot: other, other: one } if one == robot => (other, hit.at),
+            ForbiddenMeeting::Robots { .. }
+            | ForbiddenMeeting::OrbitRobot { .. }
+            | ForbiddenMeeting::Obstacle { .. }
+            | ForbiddenMeeting::OrbitObstacle { .. }
+            | ForbiddenMeeting::Orbits { .. } => return false,
         };
         let mut poses = bed.poses.clone();
         legs.iter().for_each(|leg| world.advance(&mut poses, &bed.docked, *leg));

@@ -1,20 +1,20 @@
 //! Drives end to end: every plan is integrated and looked at again.
 
 use super::*;
-use crate::claims::microrobots::Obstacle;
+use crate::claims::microrobots::MicrorobotsObstacle;
 use crate::device::microrobots::Robot;
 use crate::geometry::Shape;
 use crate::plan::microrobots::world::fixture::{bed, obstacle, pose, robot};
 use proptest::prelude::*;
 use std::sync::Arc;
 
-fn drive_in(order: &MicrorobotsOrder, docked: &[usize], driven: usize, stops: &[Pose]) -> Result<Driven, Stuck> {
+fn drive_in(order: &MicrorobotsOrder, docked: &[usize], driven: usize, stops: &[Pose]) -> Result<Driven, StuckDrive> {
     let world = World::new(order);
     let start: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
     let docked: Vec<bool> = (0..start.len()).map(|robot| docked.contains(&robot)).collect();
-    let bed = Bed::new(start.clone(), docked.clone());
+    let bed = BedPoses::new(start.clone(), docked.clone());
     let request = Drive { order, world: &world, bed: &bed, robot: driven, stops };
-    let plan = drive(&request, Budget::of(500_000))?;
+    let plan = drive(&request, SearchBudget::of(500_000))?;
     assert_eq!(world.first_hit(&start, &docked, &plan.legs, &[]), None);
     let mut poses = start;
     let mut stop = 0;
@@ -31,7 +31,7 @@ fn drive_in(order: &MicrorobotsOrder, docked: &[usize], driven: usize, stops: &[
     Ok(plan)
 }
 
-fn three(at: [Pose; 3], obstacles: Vec<Obstacle>) -> MicrorobotsOrder {
+fn three(at: [Pose; 3], obstacles: Vec<MicrorobotsObstacle>) -> MicrorobotsOrder {
     let robots = ["D1", "D2", "D3"].map(|name| robot(name, 150.0, 0.015));
     bed(robots.into_iter().zip(at).collect(), obstacles)
 }
@@ -102,8 +102,8 @@ fn docked_robots_are_driven_around() {
     let plan = drive_in(&order, &[1], 0, &[Pose::at(2_000.0, 0.0)]).unwrap();
     assert!(!plan.direct);
     let stuck = drive_in(&order, &[1], 0, &[Pose::at(1_000.0, 50.0)]).unwrap_err();
-    assert!(stuck.reason == Reason::Goal(Thing::Robot(1)) && !stuck.reason.is_proof());
-    assert_eq!(drive_in(&order, &[1], 1, &[Pose::at(1_000.0, 500.0)]).unwrap_err().reason, Reason::Docked);
+    assert!(stuck.reason == StuckReason::Goal(Thing::Robot(1)) && !stuck.reason.is_proof());
+    assert_eq!(drive_in(&order, &[1], 1, &[Pose::at(1_000.0, 500.0)]).unwrap_err().reason, StuckReason::Docked);
 }
 
 /// Of the second robot the arm is down whenever the first one's is not the only one.
@@ -114,7 +114,7 @@ fn the_arms_of_docked_robots_stay_up() {
     let plan = drive_in(&order, &[1], 0, &[goal]).unwrap();
     assert!(plan.legs.iter().all(|leg| leg.state < 2), "{plan:?}");
     let order = three([pose(3_000.0, 0.0, 90.0), Pose::at(0.0, 0.0), far(2)], Vec::new());
-    assert_eq!(drive_in(&order, &[0], 1, &[goal]).unwrap_err().reason, Reason::NeverTurns);
+    assert_eq!(drive_in(&order, &[0], 1, &[goal]).unwrap_err().reason, StuckReason::NeverTurns);
 }
 
 #[test]
@@ -123,8 +123,8 @@ fn what_others_hit_is_told() {
     let wall = obstacle("wall", Shape::Box { size_um: [40.0, 4_000.0] }, Pose::at(5_300.0, 0.0));
     let order = three([Pose::at(0.0, 0.0), far(1), pose(5_000.0, 0.0, 0.0)], vec![wall]);
     let stuck = drive_in(&order, &[], 0, &[Pose::at(2_000.0, 0.0)]).unwrap_err();
-    let Reason::Meets(hit) = stuck.reason else { panic!("{stuck:?}") };
-    assert_eq!(hit.meeting, Meeting::Obstacle { robot: 2, obstacle: 0 });
+    let StuckReason::Meets(hit) = stuck.reason else { panic!("{stuck:?}") };
+    assert_eq!(hit.meeting, ForbiddenMeeting::Obstacle { robot: 2, obstacle: 0 });
     assert!(!stuck.reason.is_proof());
     // Where its legs are chosen so, it turns in time: with all arms down in between it comes back.
     let wall = obstacle("wall", Shape::Box { size_um: [40.0, 4_000.0] }, Pose::at(9_000.0, 0.0));
@@ -145,6 +145,6 @@ fn without_an_arm_down_there_is_no_turn() {
     let mut order = three([Pose::at(0.0, 0.0), far(1), far(2)], Vec::new());
     Arc::make_mut(&mut order.states).truncate(1);
     let stuck = drive_in(&order, &[], 0, &[pose(900.0, -900.0, 180.0)]).unwrap_err();
-    assert_eq!(stuck.reason, Reason::NeverTurns);
+    assert_eq!(stuck.reason, StuckReason::NeverTurns);
     assert!(drive_in(&order, &[], 0, &[Pose::at(1_000.0, 0.0)]).unwrap().direct);
 }

@@ -36,7 +36,7 @@ pub const SLACK_RAD: f64 = 1e-9;
 
 /// A stretch of a robot's way with its arm in one place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Segment {
+pub struct ArmSegment {
     pub arm: Arm,
     /// Of its centre, at least 0.
     pub way_um: f64,
@@ -44,28 +44,28 @@ pub struct Segment {
 
 /// A way in at most five stretches: turn, run, turn, run, turn.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Word {
+pub struct DubinsWord {
     pub turns_rad: [f64; 3],
     pub runs_um: [f64; 2],
 }
 
-impl Word {
+impl DubinsWord {
     /// The way of the centre of a robot with this turning radius.
     pub fn length_um(&self, radius_um: f64) -> f64 {
         self.runs_um[0] + self.runs_um[1] + radius_um * (self.turns_rad[0] + self.turns_rad[1] + self.turns_rad[2])
     }
 
     /// The stretches that are not empty, neighbours of the same arm as one.
-    pub fn segments(&self, radius_um: f64) -> Vec<Segment> {
-        let turn = |index: usize| Segment { arm: Arm::Down, way_um: radius_um * self.turns_rad[index] };
-        let run = |index: usize| Segment { arm: Arm::Up, way_um: self.runs_um[index] };
+    pub fn segments(&self, radius_um: f64) -> Vec<ArmSegment> {
+        let turn = |index: usize| ArmSegment { arm: Arm::Down, way_um: radius_um * self.turns_rad[index] };
+        let run = |index: usize| ArmSegment { arm: Arm::Up, way_um: self.runs_um[index] };
         joined([turn(0), run(0), turn(1), run(1), turn(2)])
     }
 }
 
 /// The same way without empty stretches, neighbours of the same arm as one.
-pub fn joined(segments: impl IntoIterator<Item = Segment>) -> Vec<Segment> {
-    let mut kept: Vec<Segment> = Vec::new();
+pub fn joined(segments: impl IntoIterator<Item = ArmSegment>) -> Vec<ArmSegment> {
+    let mut kept: Vec<ArmSegment> = Vec::new();
     for segment in segments.into_iter().filter(|segment| segment.way_um > 0.0) {
         match kept.last_mut() {
             Some(last) if last.arm == segment.arm => last.way_um += segment.way_um,
@@ -76,12 +76,12 @@ pub fn joined(segments: impl IntoIterator<Item = Segment>) -> Vec<Segment> {
 }
 
 /// Length of a way.
-pub fn length_um(way: &[Segment]) -> f64 {
+pub fn length_um(way: &[ArmSegment]) -> f64 {
     way.iter().map(|segment| segment.way_um).sum()
 }
 
 /// A shortest way.
-pub fn shortest(robot: &Robot, from: Pose, to: Pose) -> Vec<Segment> {
+pub fn shortest(robot: &Robot, from: Pose, to: Pose) -> Vec<ArmSegment> {
     best(robot, from, to).segments(robot.turning_radius_um)
 }
 
@@ -90,14 +90,14 @@ pub fn distance_um(robot: &Robot, from: Pose, to: Pose) -> f64 {
     best(robot, from, to).length_um(robot.turning_radius_um)
 }
 
-fn best(robot: &Robot, from: Pose, to: Pose) -> Word {
+fn best(robot: &Robot, from: Pose, to: Pose) -> DubinsWord {
     words(robot, from, to)[0]
 }
 
 /// The ways without a needless edge, the shortest first: turn–straight–turn, and straight–turn–straight where there is one. If there is none,
 /// both are the same.
-pub fn words(robot: &Robot, from: Pose, to: Pose) -> [Word; 2] {
-    let journey = Journey::new(robot, from, to);
+pub fn words(robot: &Robot, from: Pose, to: Pose) -> [DubinsWord; 2] {
+    let journey = MirroredJourney::new(robot, from, to);
     let one = journey.turn_run_turn();
     match journey.run_turn_run() {
         None => [one, one],
@@ -118,7 +118,7 @@ fn snapped(turn_rad: f64, slack_rad: f64) -> f64 {
 }
 
 /// A start and a goal in terms of the middles, mirrored so that headings rise while the robot turns.
-struct Journey {
+struct MirroredJourney {
     radius_um: f64,
     /// From the first middle to the last one, in the frame of the first heading.
     along_um: [f64; 2],
@@ -129,7 +129,7 @@ struct Journey {
     turn_rad: f64,
 }
 
-impl Journey {
+impl MirroredJourney {
     fn new(robot: &Robot, from: Pose, to: Pose) -> Self {
         let ([ax, ay], [bx, by]) = (robot.orbit_centre_um(from), robot.orbit_centre_um(to));
         let (sin, cos) = from.heading_rad.sine_cosine();
@@ -138,12 +138,12 @@ impl Journey {
         let distance_um = along_um[0].hypotenuse(along_um[1]);
         let aim_rad = along_um[1].arc_tangent_over(along_um[0]).rem_euclid(TAU);
         let turn_rad = turn_rad(robot, from.heading_rad, to.heading_rad);
-        Journey { radius_um: robot.turning_radius_um, along_um, distance_um, aim_rad, turn_rad }
+        MirroredJourney { radius_um: robot.turning_radius_um, along_um, distance_um, aim_rad, turn_rad }
     }
 
-    fn turn_run_turn(&self) -> Word {
+    fn turn_run_turn(&self) -> DubinsWord {
         if self.distance_um <= SLACK_UM {
-            return Word { turns_rad: [self.turn_rad, 0.0, 0.0], runs_um: [0.0; 2] };
+            return DubinsWord { turns_rad: [self.turn_rad, 0.0, 0.0], runs_um: [0.0; 2] };
         }
         let slack_rad = SLACK_RAD.max(SLACK_UM / self.distance_um);
         let aim_rad = snapped(self.aim_rad, slack_rad);
@@ -152,15 +152,15 @@ impl Journey {
         } else {
             (aim_rad, self.turn_rad + TAU)
         };
-        Word { turns_rad: [first_rad, all_rad - first_rad, 0.0], runs_um: [self.distance_um, 0.0] }
+        DubinsWord { turns_rad: [first_rad, all_rad - first_rad, 0.0], runs_um: [self.distance_um, 0.0] }
     }
 
-    fn run_turn_run(&self) -> Option<Word> {
+    fn run_turn_run(&self) -> Option<DubinsWord> {
         let (sin, cos) = self.turn_rad.sine_cosine();
         let last_um = self.along_um[1] / sin;
         let first_um = self.along_um[0] - last_um * cos;
         let holds = sin.abs() > SLACK_RAD && first_um >= 0.0 && last_um >= 0.0;
-        holds.then_some(Word { turns_rad: [0.0, self.turn_rad, 0.0], runs_um: [first_um, last_um] })
+        holds.then_some(DubinsWord { turns_rad: [0.0, self.turn_rad, 0.0], runs_um: [first_um, last_um] })
     }
 }
 
@@ -169,7 +169,7 @@ impl Journey {
 /// The optimum of the module's documentation with every quantity taken at its cheapest within the slacks: each middle lies within
 /// place + r × heading of the pose's own, and the frame of the first heading is turned by as much as that is off.
 pub fn least_um(robot: &Robot, (from, before): (Pose, Precision), (to, after): (Pose, Precision)) -> f64 {
-    let journey = Journey::new(robot, from, to);
+    let journey = MirroredJourney::new(robot, from, to);
     let off_rad = before.heading_rad + after.heading_rad + SLACK_RAD;
     let off_um = before.place_um + after.place_um + journey.radius_um * off_rad + SLACK_UM;
     let turn_rad = journey.turn_rad;
@@ -194,7 +194,7 @@ pub fn least_um(robot: &Robot, (from, before): (Pose, Precision), (to, after): (
     circled_um.min(chord_um.max(near_um) + journey.radius_um * least_rad)
 }
 
-impl Journey {
+impl MirroredJourney {
     /// The least sum of two edges along the first and the last heading, no more than this off, in a frame that may be turned. The chord's
     /// normal points to the middle of the gap between the two headings, and the sum is the part of d along it / the cosine of half the gap.
     fn chord_um(&self, off_um: f64, off_rad: f64, tilt_rad: f64) -> f64 {
@@ -209,7 +209,7 @@ impl Journey {
 
 /// How many stretches every way has at least that ends within `slack` of the goal.
 pub fn fewest_segments(robot: &Robot, from: Pose, to: Pose, slack: Precision) -> usize {
-    let journey = Journey::new(robot, from, to);
+    let journey = MirroredJourney::new(robot, from, to);
     let off_um = slack.place_um + journey.radius_um * slack.heading_rad;
     let straight = journey.turn_rad <= slack.heading_rad || journey.turn_rad >= TAU - slack.heading_rad;
     let (sin, cos) = journey.turn_rad.sine_cosine();

@@ -21,7 +21,7 @@ fn pose(x_um: f64, y_um: f64, heading_rad: f64) -> Pose {
     Pose { x_um, y_um, heading_rad }
 }
 
-fn end(robot: &Robot, from: Pose, way: &[Segment]) -> Pose {
+fn end(robot: &Robot, from: Pose, way: &[ArmSegment]) -> Pose {
     way.iter().fold(from, |pose, segment| robot.moved(pose, segment.arm, segment.way_um))
 }
 

@@ -6,7 +6,7 @@
 //! be kept in reserve on both sides. ε has two parts: that of the measurement, E(D) / S(D), and the robot's own.
 
 use crate::geometry::Pose;
-use crate::plan::microrobots::strategy::{Cylinder, Driver, Frame, steered};
+use crate::plan::microrobots::strategy::{Cylinder, Driver, GoalFrame, steered};
 use crate::real::Real;
 
 /// The steepest heading that is reckoned with, against the normal of the edge.
@@ -38,7 +38,7 @@ pub struct Last {
     pub bend_per_um: f64,
 }
 
-struct Bounds<'a> {
+struct FineBounds<'a> {
     driver: &'a Driver<'a>,
     incidence_rad: f64,
     /// Of the heading when the fine motion begins.
@@ -49,11 +49,11 @@ struct Bounds<'a> {
 
 impl Last {
     /// Of a robot that steers by a share of turning between two bounds.
-    pub fn new(driver: &Driver, frame: &Frame, approach: Pose, region: Region, shares: [f64; 2]) -> Self {
+    pub fn new(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, shares: [f64; 2]) -> Self {
         let seen = frame.seen(approach);
         let steepest_rad = (seen.heading_rad.abs() + region.cylinder.heading_rad).min(STEEPEST_RAD);
         let [begin_rad, begin_bend_per_um, way_um] = met(driver, frame, approach, region, shares);
-        let mut bounds = Bounds { driver, incidence_rad: begin_rad, steepest_rad, way_um };
+        let mut bounds = FineBounds { driver, incidence_rad: begin_rad, steepest_rad, way_um };
         for _ in 0..ROUNDS {
             bounds.incidence_rad = (begin_rad + bounds.reserve()[1]).min(STEEPEST_RAD);
         }
@@ -69,7 +69,7 @@ impl Last {
 }
 
 /// Eight corners of a box that holds a cylinder, as poses of the world, and whether they are seen to lie apart from its middle.
-fn corners(frame: &Frame, approach: Pose, region: Region) -> Vec<Pose> {
+fn corners(frame: &GoalFrame, approach: Pose, region: Region) -> Vec<Pose> {
     let seen = frame.seen(approach);
     let off = |index: usize, bit: usize| if index & bit == 0 { -1.0 } else { 1.0 };
     let corner = |index: usize| Pose {
@@ -82,7 +82,7 @@ fn corners(frame: &Frame, approach: Pose, region: Region) -> Vec<Pose> {
 
 /// If nothing went wrong any more: the steepest incidence from a cylinder, how far curvatures differ from the middle's, the
 /// longest way.
-fn met(driver: &Driver, frame: &Frame, approach: Pose, region: Region, shares: [f64; 2]) -> [f64; 3] {
+fn met(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, shares: [f64; 2]) -> [f64; 3] {
     let per_um = 1.0 / driver.robot.turning_radius_um;
     let share = |seen: Pose| steered(driver, frame, frame.placed(seen), shares).0;
     let middle = share(frame.seen(approach));
@@ -101,7 +101,7 @@ fn met(driver: &Driver, frame: &Frame, approach: Pose, region: Region, shares: [
 /// By how much a cylinder could be larger and still be steered to the goal by shares that keep a reserve of curvature.
 fn slack(
     driver: &Driver,
-    frame: &Frame,
+    frame: &GoalFrame,
     seen: Pose,
     region: Region,
     ([least, most], reserve_per_um): ([f64; 2], f64),
@@ -123,7 +123,7 @@ fn slack(
     (-most_um).min(least_um)
 }
 
-impl Bounds<'_> {
+impl FineBounds<'_> {
     fn length_um(&self) -> f64 {
         self.driver.robot.length_um
     }

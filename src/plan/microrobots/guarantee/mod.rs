@@ -17,16 +17,16 @@ mod pair;
 mod room;
 mod said;
 
-use super::strategy::{Driver, Episode, Frame, Solid, edge_gap_um, episodes, obstacles};
-use super::{Motion, Stage};
+use super::strategy::{Driver, Episode, GoalFrame, StrategySolid, edge_gap_um, episodes, obstacles};
+use super::{AssemblyStage, MicrorobotsMotion};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 use crate::real::Real;
-use room::{Surroundings, Way};
+use room::{GrossMotion, Surroundings};
 
 /// What has to lie within what.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Check {
+pub enum ContainmentCheck {
     /// The cylinder about the approach in the preimage of the fine motion: its radius, and what can be corrected; in micrometres.
     Cone,
     /// How far from its place the robot may come to lie, and the docking tolerance; in micrometres.
@@ -54,7 +54,7 @@ pub enum Check {
 pub struct Containment {
     /// Index of the order's robots.
     pub robot: usize,
-    pub check: Check,
+    pub check: ContainmentCheck,
     pub needs: f64,
     pub has: f64,
 }
@@ -77,9 +77,14 @@ impl Containment {
 
     fn is_angle(&self) -> bool {
         match self.check {
-            Check::Angle | Check::Directions | Check::Turn => true,
-            Check::Cone | Check::Place | Check::Axes | Check::Gross(_) | Check::Fine(_) | Check::Edge => false,
-            Check::Meeting => false,
+            ContainmentCheck::Angle | ContainmentCheck::Directions | ContainmentCheck::Turn => true,
+            ContainmentCheck::Cone
+            | ContainmentCheck::Place
+            | ContainmentCheck::Axes
+            | ContainmentCheck::Gross(_)
+            | ContainmentCheck::Fine(_)
+            | ContainmentCheck::Edge => false,
+            ContainmentCheck::Meeting => false,
         }
     }
 }
@@ -95,7 +100,7 @@ impl Assured {
     pub fn tightest_um(&self) -> Option<&Containment> {
         self.containments
             .iter()
-            .filter(|containment| !containment.is_angle() && containment.check != Check::Edge)
+            .filter(|containment| !containment.is_angle() && containment.check != ContainmentCheck::Edge)
             .min_by(|a, b| a.margin().total_cmp(&b.margin()))
     }
 
@@ -107,7 +112,7 @@ impl Assured {
 }
 
 /// The stages of a plan in order of time; `None` where the device does not say its errors.
-pub fn guarantees(order: &MicrorobotsOrder, motion: &Motion) -> Option<Vec<Assured>> {
+pub fn guarantees(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> Option<Vec<Assured>> {
     order.facts.errors?;
     let solids = obstacles(order);
     let mut structure = Displaced::default();
@@ -115,11 +120,11 @@ pub fn guarantees(order: &MicrorobotsOrder, motion: &Motion) -> Option<Vec<Assur
     let mut last_step = None;
     for episode in &episodes(order, motion) {
         let is_first = last_step.replace(episode.step) != Some(episode.step);
-        let bed = Bed { order, episode, obstacles: &solids, is_first, structure };
+        let bed = StageContext { order, episode, obstacles: &solids, is_first, structure };
         let containments = match episode.stage {
-            Stage::Pair { .. } => pair::containments(&bed, &mut structure),
-            Stage::Escort { .. } => continue,
-            Stage::Single { robot, approach, goal, .. } => single(&bed, *robot, *approach, *goal),
+            AssemblyStage::Pair { .. } => pair::containments(&bed, &mut structure),
+            AssemblyStage::Escort { .. } => continue,
+            AssemblyStage::Single { robot, approach, goal, .. } => single(&bed, *robot, *approach, *goal),
         };
         let robots = super::strategy::driven(episode.stage).into_iter().map(|(robot, _)| robot).collect();
         found.push(Assured { step: episode.step, robots, containments: containments.unwrap_or_default() });
@@ -144,16 +149,16 @@ impl Displaced {
 }
 
 /// A stage with all that matters to it.
-struct Bed<'a> {
+struct StageContext<'a> {
     order: &'a MicrorobotsOrder,
     episode: &'a Episode<'a>,
-    obstacles: &'a [Solid],
+    obstacles: &'a [StrategySolid],
     /// Its step begins with it: where robots are on their orbits is known.
     is_first: bool,
     structure: Displaced,
 }
 
-impl Bed<'_> {
+impl StageContext<'_> {
     /// What the robots other than these are to them: the docked ones, and the discs of those that orbit.
     fn surroundings(&self, driven: &[usize]) -> Surroundings {
         let order = self.order;
@@ -164,9 +169,9 @@ impl Bed<'_> {
                 let stray_um = self.structure.of_um(pose)
                     + self.structure.heading_rad * facts.length_um.hypotenuse(facts.width_um) / 2.0
                     + order.facts.docking.tolerance_um;
-                around.docked.push((Solid::standing(facts, pose), stray_um));
+                around.docked.push((StrategySolid::standing(facts, pose), stray_um));
             } else if let Some(driver) = Driver::new(order, robot) {
-                around.free.push(Solid::orbit(facts, pose, driver.orbit_error_um()));
+                around.free.push(StrategySolid::orbit(facts, pose, driver.orbit_error_um()));
             }
         }
         around
@@ -179,23 +184,23 @@ impl Bed<'_> {
     }
 }
 
-fn single(bed: &Bed, robot: usize, approach: Pose, goal: Pose) -> Option<Vec<Containment>> {
+fn single(bed: &StageContext, robot: usize, approach: Pose, goal: Pose) -> Option<Vec<Containment>> {
     let driver = Driver::new(bed.order, robot)?;
     let cylinder = driver.cylinder();
     let docking = bed.order.facts.docking;
-    let held = |check: Check, needs: f64, has: f64| Containment { robot, check, needs, has };
+    let held = |check: ContainmentCheck, needs: f64, has: f64| Containment { robot, check, needs, has };
     let gap_um = bed.gap_um(robot, goal);
-    let mut found = vec![held(Check::Edge, 1.0, f64::from(u8::from(gap_um.is_some())))];
-    let frame = Frame::new(driver.robot, goal, gap_um.unwrap_or(0.0));
+    let mut found = vec![held(ContainmentCheck::Edge, 1.0, f64::from(u8::from(gap_um.is_some())))];
+    let frame = GoalFrame::new(driver.robot, goal, gap_um.unwrap_or(0.0));
     let region = fine::Region { cylinder, along_um: cylinder.radius_um };
     let last = fine::Last::new(&driver, &frame, approach, region, [0.0, 1.0]);
-    found.push(held(Check::Cone, cylinder.radius_um, last.reach_um));
-    found.push(held(Check::Angle, last.incidence_rad, docking.sticking_rad));
-    found.push(held(Check::Place, last.across_um, docking.tolerance_um));
+    found.push(held(ContainmentCheck::Cone, cylinder.radius_um, last.reach_um));
+    found.push(held(ContainmentCheck::Angle, last.incidence_rad, docking.sticking_rad));
+    found.push(held(ContainmentCheck::Place, last.across_um, docking.tolerance_um));
     let around = bed.surroundings(&[robot]);
-    let way = Way::new(bed, &driver, robot, &bed.episode.via_um[0], approach);
-    found.extend(way.tightest(&around).map(|(name, needs, has)| held(Check::Gross(name), needs, has)));
-    let stretch = room::Stretch { driver: &driver, frame: &frame, last: &last, approach, shift_um: way.shift_um };
-    found.extend(stretch.tightest(&around).map(|(name, needs, has)| held(Check::Fine(name), needs, has)));
+    let way = GrossMotion::new(bed, &driver, robot, &bed.episode.via_um[0], approach);
+    found.extend(way.tightest(&around).map(|(name, needs, has)| held(ContainmentCheck::Gross(name), needs, has)));
+    let stretch = room::FineMotion { driver: &driver, frame: &frame, last: &last, approach, shift_um: way.shift_um };
+    found.extend(stretch.tightest(&around).map(|(name, needs, has)| held(ContainmentCheck::Fine(name), needs, has)));
     Some(found)
 }

@@ -5,12 +5,12 @@
 //! of the range of curvatures. What that does not correct is left to their aligning themselves.
 
 use super::fine::{Last, Region};
-use super::room::{ENOUGH_UM, Stretch, Surroundings, Way, is_looked_at, unbounded};
-use super::{Bed, Check, Containment, Displaced};
+use super::room::{ENOUGH_UM, FineMotion, GrossMotion, Surroundings, is_looked_at, unbounded};
+use super::{Containment, ContainmentCheck, Displaced, StageContext};
 use crate::device::microrobots::{Arm, wrapped_rad};
 use crate::geometry::Pose;
-use crate::plan::microrobots::Stage;
-use crate::plan::microrobots::strategy::{Couple, Cylinder, Frame, SHARES, Solid, body, poses_of};
+use crate::plan::microrobots::AssemblyStage;
+use crate::plan::microrobots::strategy::{Couple, Cylinder, GoalFrame, SHARES, StrategySolid, body, poses_of};
 use crate::real::Real;
 use std::f64::consts::{PI, TAU};
 
@@ -20,25 +20,27 @@ const HEAD_ON_RAD: f64 = 0.02;
 /// Between two looks at both bodies.
 const LOOK_UM: f64 = 5.0;
 
-struct Pairing<'a, 'b> {
-    bed: &'a Bed<'b>,
+struct PairGuarantee<'a, 'b> {
+    bed: &'a StageContext<'b>,
     couple: Couple<'a>,
     robots: [usize; 2],
     intermediate: Pose,
     goals: [Pose; 2],
 }
 
-pub fn containments(bed: &Bed, structure: &mut Displaced) -> Option<Vec<Containment>> {
-    let &Stage::Pair { first, second, intermediate, approach, goals, .. } = bed.episode.stage else { return None };
+pub fn containments(bed: &StageContext, structure: &mut Displaced) -> Option<Vec<Containment>> {
+    let &AssemblyStage::Pair { first, second, intermediate, approach, goals, .. } = bed.episode.stage else {
+        return None;
+    };
     let couple = Couple::new(bed.order, [first, second], intermediate, approach)?;
-    let pairing = Pairing { bed, couple, robots: [first, second], intermediate, goals };
+    let pairing = PairGuarantee { bed, couple, robots: [first, second], intermediate, goals };
     let mut found = vec![pairing.edge()];
     let ways = pairing.ways();
     found.extend(pairing.turns(&ways));
     let (missed_um, meeting) = pairing.meeting(&ways[1]);
     found.extend(meeting);
     let cylinders = pairing.cylinders(&ways[1], missed_um);
-    let frames = [0, 1].map(|at| Frame::new(pairing.couple.drivers[at].robot, goals[at], 0.0));
+    let frames = [0, 1].map(|at| GoalFrame::new(pairing.couple.drivers[at].robot, goals[at], 0.0));
     let lasts = [0, 1].map(|at| {
         // Where they meet is shifted by half of what they miss each other: as if both had begun so much nearer or farther.
         let driver = &pairing.couple.drivers[at];
@@ -56,28 +58,28 @@ pub fn containments(bed: &Bed, structure: &mut Displaced) -> Option<Vec<Containm
     Some(found)
 }
 
-impl<'a> Pairing<'a, '_> {
-    fn held(&self, which: usize, check: Check, needs: f64, has: f64) -> Containment {
+impl<'a> PairGuarantee<'a, '_> {
+    fn held(&self, which: usize, check: ContainmentCheck, needs: f64, has: f64) -> Containment {
         Containment { robot: self.robots[which], check, needs, has }
     }
 
     /// The two touch at their goals, and face each other there.
     fn edge(&self) -> Containment {
         let facts = [0, 1].map(|at| self.couple.drivers[at].robot);
-        let other = Solid::standing(facts[1], self.goals[1]);
+        let other = StrategySolid::standing(facts[1], self.goals[1]);
         let tolerance_um = self.bed.order.facts.docking.tolerance_um;
         let touch = other.distance_um(&body(facts[0], self.goals[0], 0.0), tolerance_um) <= tolerance_um + 1e-6;
         let between_rad = wrapped_rad(self.goals[0].heading_rad - self.goals[1].heading_rad - PI);
         let face = other.is_ahead(facts[0], self.goals[0]) && between_rad.abs() <= HEAD_ON_RAD;
-        self.held(0, Check::Edge, 1.0, f64::from(u8::from(touch && face)))
+        self.held(0, ContainmentCheck::Edge, 1.0, f64::from(u8::from(touch && face)))
     }
 
     /// The way of the first to its intermediate pose, slid as far as it may, and of the second to its approach.
-    fn ways(&'a self) -> [Way<'a>; 2] {
+    fn ways(&'a self) -> [GrossMotion<'a>; 2] {
         let via_um = |at: usize| self.bed.episode.via_um.get(at).map_or(&[][..], |via_um| &via_um[..]);
-        let mut first = Way::between(&self.couple.drivers[0], self.couple.slide_um());
+        let mut first = GrossMotion::between(&self.couple.drivers[0], self.couple.slide_um());
         first.walk(self.bed.episode.poses[self.robots[0]], via_um(0), self.intermediate, 0.0, !self.bed.is_first);
-        let mut second = Way::between(&self.couple.drivers[1], 0.0);
+        let mut second = GrossMotion::between(&self.couple.drivers[1], 0.0);
         second.walk(self.halt(), via_um(1), self.couple.approach[1], 0.0, true);
         [first, second]
     }
@@ -91,21 +93,21 @@ impl<'a> Pairing<'a, '_> {
     }
 
     /// The second robot leaves its orbit when it wants; any later turn has to be long enough.
-    fn turns(&self, ways: &[Way; 2]) -> Option<Containment> {
+    fn turns(&self, ways: &[GrossMotion; 2]) -> Option<Containment> {
         let shortage = |[needs, has]: &[f64; 2]| has - needs;
         let tightest = ways[1].turns_rad.iter().skip(1).min_by(|a, b| shortage(a).total_cmp(&shortage(b)));
-        tightest.map(|[needs, has]| self.held(1, Check::Turn, *needs, *has))
+        tightest.map(|[needs, has]| self.held(1, ContainmentCheck::Turn, *needs, *has))
     }
 
     /// How long the second robot is driven, at most: from anywhere on its orbit, in micrometres of the first one's way.
-    fn run_um(&self, second: &Way) -> f64 {
+    fn run_um(&self, second: &GrossMotion) -> f64 {
         let circle_um = TAU * self.couple.drivers[1].robot.turning_radius_um;
         let nominal_um = self.couple.run_um(self.intermediate) + self.couple.slide_um();
         nominal_um.max((second.length_um[0] + second.length_um[1]) / self.couple.ratio).min(nominal_um + circle_um)
     }
 
     /// By how much they may miss each other when the second is there, and what is accepted.
-    fn meeting(&self, second: &Way) -> (f64, [Containment; 2]) {
+    fn meeting(&self, second: &GrossMotion) -> (f64, [Containment; 2]) {
         let drivers = &self.couple.drivers;
         let speed = drivers[0].errors.speed_ratio + drivers[1].errors.speed_ratio;
         let unsure_um = drivers[0].errors.place_um + drivers[1].centre_error_um();
@@ -113,12 +115,12 @@ impl<'a> Pairing<'a, '_> {
         // After the last slide there are a circle and two intervals.
         let circle_um = TAU * drivers[0].robot.turning_radius_um;
         let late_um = speed * (circle_um + 2.0 * (drivers[0].interval_um + drivers[0].guard_um())) + unsure_um;
-        let late = self.held(1, Check::Meeting, late_um, self.couple.begun_um());
-        (missed_um, [late, self.held(0, Check::Meeting, missed_um, self.couple.missed_um)])
+        let late = self.held(1, ContainmentCheck::Meeting, late_um, self.couple.begun_um());
+        (missed_um, [late, self.held(0, ContainmentCheck::Meeting, missed_um, self.couple.missed_um)])
     }
 
     /// Where both are when the fine motion begins, what they miss each other in time left out.
-    fn cylinders(&self, second: &Way, missed_um: f64) -> [Cylinder; 2] {
+    fn cylinders(&self, second: &GrossMotion, missed_um: f64) -> [Cylinder; 2] {
         let [first, other] = [0, 1].map(|at| self.couple.drivers[at].cylinder());
         let drift =
             self.couple.drivers[0].errors.turning_rad_per_um * (1.0 + self.couple.drivers[0].errors.speed_ratio);
@@ -146,12 +148,18 @@ impl<'a> Pairing<'a, '_> {
         // The axes are compared at the fronts, which lie as far apart as a corner leans.
         let lean_um = self.couple.drivers[0].robot.width_um * between_rad.min(1.0).sine();
         [
-            self.held(0, Check::Axes, aside_um[0] + aside_um[1] + lean_um, docking.self_aligning_um),
-            self.held(0, Check::Directions, between_rad, docking.self_aligning_rad),
+            self.held(0, ContainmentCheck::Axes, aside_um[0] + aside_um[1] + lean_um, docking.self_aligning_um),
+            self.held(0, ContainmentCheck::Directions, between_rad, docking.self_aligning_rad),
         ]
     }
 
-    fn rooms(&self, ways: &[Way; 2], frames: &[Frame; 2], lasts: &[Last; 2], missed_um: f64) -> Vec<Containment> {
+    fn rooms(
+        &self,
+        ways: &[GrossMotion; 2],
+        frames: &[GoalFrame; 2],
+        lasts: &[Last; 2],
+        missed_um: f64,
+    ) -> Vec<Containment> {
         let mut around = self.bed.surroundings(&self.robots);
         let mut found = Vec::new();
         for at in [1, 0] {
@@ -159,25 +167,25 @@ impl<'a> Pairing<'a, '_> {
                 // While it is driven, the second orbits.
                 let driver = &self.couple.drivers[1];
                 let creep_um = driver.creep_um(ways[0].length_um[0]) + driver.centre_miss_um();
-                around.free.push(Solid::orbit(driver.robot, self.halt(), creep_um));
+                around.free.push(StrategySolid::orbit(driver.robot, self.halt(), creep_um));
             }
             let room = ways[at].tightest(&around);
-            found.extend(room.map(|(name, needs, has)| self.held(at, Check::Gross(name), needs, has)));
+            found.extend(room.map(|(name, needs, has)| self.held(at, ContainmentCheck::Gross(name), needs, has)));
         }
         around.free.pop();
         for at in [0, 1] {
             let (driver, approach) = (&self.couple.drivers[at], self.couple.approach[at]);
             let shift_um = missed_um / 2.0;
-            let stretch = Stretch { driver, frame: &frames[at], last: &lasts[at], approach, shift_um };
+            let stretch = FineMotion { driver, frame: &frames[at], last: &lasts[at], approach, shift_um };
             let room = stretch.tightest(&around);
-            found.extend(room.map(|(name, needs, has)| self.held(at, Check::Fine(name), needs, has)));
+            found.extend(room.map(|(name, needs, has)| self.held(at, ContainmentCheck::Fine(name), needs, has)));
         }
         found.extend(self.apart(&around, ways, missed_um));
         found
     }
 
     /// The run of the first, against everything and against the second, which is driven meanwhile.
-    fn apart(&self, around: &Surroundings, ways: &[Way; 2], missed_um: f64) -> Vec<Containment> {
+    fn apart(&self, around: &Surroundings, ways: &[GrossMotion; 2], missed_um: f64) -> Vec<Containment> {
         let [first, second] = [0, 1].map(|at| &self.couple.drivers[at]);
         let run_um = self.run_um(&ways[1]);
         let cylinder = self.cylinders(&ways[1], missed_um)[0];
@@ -186,7 +194,7 @@ impl<'a> Pairing<'a, '_> {
         let second_um = ways[1].stray_um() + missed_um + LOOK_UM;
         if !is_looked_at(run_um, LOOK_UM) {
             let (name, needs, has) = unbounded();
-            return vec![self.held(0, Check::Gross(name), needs, has)];
+            return vec![self.held(0, ContainmentCheck::Gross(name), needs, has)];
         }
         let (mut tightest, mut nearest): (Option<(String, f64, f64)>, _) = (None, f64::INFINITY);
         for look in 0..=(run_um / LOOK_UM) as u64 {
@@ -195,10 +203,10 @@ impl<'a> Pairing<'a, '_> {
             let whole = body(first.robot, pose, 0.0);
             tightest = around.tightest(&whole, stray_um, tightest, &|_| false);
             let other = ways[1].left(left_um * self.couple.ratio);
-            nearest = f64::min(nearest, Solid::standing(second.robot, other).distance_um(&whole, ENOUGH_UM));
+            nearest = f64::min(nearest, StrategySolid::standing(second.robot, other).distance_um(&whole, ENOUGH_UM));
         }
-        let room = tightest.map(|(name, needs, has)| self.held(0, Check::Gross(name), needs, has));
+        let room = tightest.map(|(name, needs, has)| self.held(0, ContainmentCheck::Gross(name), needs, has));
         let name = second.robot.name.clone();
-        room.into_iter().chain([self.held(0, Check::Gross(name), stray_um + second_um, nearest)]).collect()
+        room.into_iter().chain([self.held(0, ContainmentCheck::Gross(name), stray_um + second_um, nearest)]).collect()
     }
 }

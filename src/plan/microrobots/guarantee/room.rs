@@ -3,10 +3,10 @@
 //! Ways are looked at every few micrometres of their length, with half of that distance added to what the robot may stray; so
 //! nothing between is missed.
 
-use super::Bed;
+use super::StageContext;
 use super::fine::Last;
 use crate::geometry::Pose;
-use crate::plan::microrobots::strategy::{Body, Driver, Frame, Solid, bent, body, steered, turn};
+use crate::plan::microrobots::strategy::{BodyCorners, Driver, GoalFrame, StrategySolid, bent, body, steered, turn};
 use crate::real::Real;
 use std::f64::consts::{E, TAU};
 
@@ -21,19 +21,19 @@ pub const ENOUGH_UM: f64 = 500.0;
 
 /// What stands or moves about a robot that is driven.
 pub struct Surroundings {
-    pub free: Vec<Solid>,
+    pub free: Vec<StrategySolid>,
     /// With how far each may be from where it should be.
-    pub docked: Vec<(Solid, f64)>,
+    pub docked: Vec<(StrategySolid, f64)>,
 }
 
 impl Surroundings {
     /// The tightest: what is needed, and the room that there is.
     pub fn tightest(
         &self,
-        body: &Body,
+        body: &BodyCorners,
         needs_um: f64,
         so_far: Option<Room>,
-        is_met: &impl Fn(&Solid) -> bool,
+        is_met: &impl Fn(&StrategySolid) -> bool,
     ) -> Option<Room> {
         let free = self.free.iter().map(|solid| (solid, 0.0));
         let docked = self.docked.iter().filter(|(solid, _)| !is_met(solid)).map(|(solid, stray_um)| (solid, *stray_um));
@@ -63,7 +63,7 @@ pub fn is_looked_at(way_um: f64, look_um: f64) -> bool {
 }
 
 /// A piece of the nominal way.
-struct Part {
+struct NominalPiece {
     from: Pose,
     /// Counter-clockwise is positive.
     turn_per_um: f64,
@@ -72,11 +72,11 @@ struct Part {
 }
 
 /// A gross motion with what a robot may stray from it.
-pub struct Way<'a> {
+pub struct GrossMotion<'a> {
     driver: &'a Driver<'a>,
-    parts: Vec<Part>,
+    parts: Vec<NominalPiece>,
     /// What it would be without errors.
-    nominal: Vec<Part>,
+    nominal: Vec<NominalPiece>,
     /// How far the approach may be displaced with the structure.
     pub shift_um: f64,
     /// Of every turn before a run, and of the last one: what it needs so that no circle is driven, and what it has; in radians.
@@ -85,11 +85,11 @@ pub struct Way<'a> {
     pub length_um: [f64; 2],
 }
 
-impl<'a> Way<'a> {
+impl<'a> GrossMotion<'a> {
     /// From where the stage begins, or any place on that orbit, by way of centres to the approach.
-    pub fn new(bed: &Bed, driver: &'a Driver<'a>, robot: usize, via_um: &[[f64; 2]], approach: Pose) -> Self {
+    pub fn new(bed: &StageContext, driver: &'a Driver<'a>, robot: usize, via_um: &[[f64; 2]], approach: Pose) -> Self {
         let shift_um = bed.structure.of_um(approach);
-        let mut way = Way::between(driver, shift_um);
+        let mut way = GrossMotion::between(driver, shift_um);
         let start = bed.episode.poses[robot];
         way.walk(start, via_um, approach, bed.structure.heading_rad, !bed.is_first);
         way
@@ -97,7 +97,14 @@ impl<'a> Way<'a> {
 
     /// Without any part yet; its approach may be displaced by so much.
     pub fn between(driver: &'a Driver<'a>, shift_um: f64) -> Self {
-        Way { driver, parts: Vec::new(), nominal: Vec::new(), shift_um, turns_rad: Vec::new(), length_um: [0.0; 2] }
+        GrossMotion {
+            driver,
+            parts: Vec::new(),
+            nominal: Vec::new(),
+            shift_um,
+            turns_rad: Vec::new(),
+            length_um: [0.0; 2],
+        }
     }
 
     /// The most that it strays anywhere.
@@ -154,7 +161,7 @@ impl<'a> Way<'a> {
         let needs_rad = before + after;
         let way_um = angle_rad * radius_um;
         let pose = self.on_circle(centre_um, from);
-        self.nominal.push(Part { from: pose, turn_per_um: side / radius_um, way_um, stray_um: 0.0 });
+        self.nominal.push(NominalPiece { from: pose, turn_per_um: side / radius_um, way_um, stray_um: 0.0 });
         self.turns_rad.push([needs_rad, angle_rad]);
         let (begin_rad, swept_rad) = match any || angle_rad < needs_rad || angle_rad + needs_rad >= TAU {
             true => (from, TAU),
@@ -162,7 +169,7 @@ impl<'a> Way<'a> {
         };
         let from = self.on_circle(centre_um, begin_rad);
         let way_um = swept_rad * radius_um;
-        self.parts.push(Part { from, turn_per_um: side / radius_um, way_um, stray_um: off_um });
+        self.parts.push(NominalPiece { from, turn_per_um: side / radius_um, way_um, stray_um: off_um });
         self.length_um[0] += angle_rad * radius_um;
     }
 
@@ -175,14 +182,14 @@ impl<'a> Way<'a> {
     fn run(&mut self, centre_um: [f64; 2], direction_rad: f64, run_um: f64, stray: &Stray) {
         let radius_um = self.driver.robot.turning_radius_um;
         let from = self.on_circle(centre_um, direction_rad);
-        self.nominal.push(Part { from, turn_per_um: 0.0, way_um: run_um, stray_um: 0.0 });
+        self.nominal.push(NominalPiece { from, turn_per_um: 0.0, way_um: run_um, stray_um: 0.0 });
         // A centre on its line with a heading that is off puts the body farther along, and hardly aside.
         let (tilt_rad, reach_um) =
             (stray.heading_rad, self.driver.robot.length_um.hypotenuse(self.driver.robot.width_um) / 2.0);
         let (longer_um, aside_um) = (radius_um * tilt_rad, radius_um * tilt_rad * tilt_rad / 2.0);
         let from = bent(from, 0.0, -longer_um);
         let stray_um = stray.place_um + aside_um + reach_um * tilt_rad;
-        self.parts.push(Part { from, turn_per_um: 0.0, way_um: run_um + 2.0 * longer_um, stray_um });
+        self.parts.push(NominalPiece { from, turn_per_um: 0.0, way_um: run_um + 2.0 * longer_um, stray_um });
         self.length_um[0] += run_um;
         // Turns add up to what the headings ask for, less what the robot turns on its own account.
         let errors = self.driver.errors;
@@ -242,15 +249,15 @@ impl Stray {
 }
 
 /// A fine motion with what a robot may stray from it.
-pub struct Stretch<'a> {
+pub struct FineMotion<'a> {
     pub driver: &'a Driver<'a>,
-    pub frame: &'a Frame,
+    pub frame: &'a GoalFrame,
     pub last: &'a Last,
     pub approach: Pose,
     pub shift_um: f64,
 }
 
-impl Stretch<'_> {
+impl FineMotion<'_> {
     /// Where there is the least room for it but at the edge that it meets, if there is anything.
     pub fn tightest(&self, around: &Surroundings) -> Option<Room> {
         let robot = self.driver.robot;
@@ -260,7 +267,7 @@ impl Stretch<'_> {
         let way_um = self.frame.met(seen, share / robot.turning_radius_um).map_or(0.0, |contact| contact.way_um);
         let reach_um = robot.length_um.hypotenuse(robot.width_um) / 2.0;
         let at_goal = self.frame.goal;
-        let is_met = |solid: &Solid| solid.is_ahead(robot, at_goal);
+        let is_met = |solid: &StrategySolid| solid.is_ahead(robot, at_goal);
         let looks = (way_um / LOOK_UM).ceil().max(1.0);
         if !is_looked_at(way_um, LOOK_UM) {
             return Some(unbounded());

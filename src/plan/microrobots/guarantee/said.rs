@@ -1,6 +1,6 @@
 //! Containments in words.
 
-use super::{Check, Containment};
+use super::{Containment, ContainmentCheck};
 use crate::claims::microrobots::MicrorobotsOrder;
 
 impl Containment {
@@ -13,34 +13,34 @@ impl Containment {
         }
         let (needs_deg, has_deg) = (needs.to_degrees(), has.to_degrees());
         match &self.check {
-            Check::Cone => format!(
+            ContainmentCheck::Cone => format!(
                 "the cylinder about the approach of {name} has a radius of {needs:.1} um, the fine motion can correct {:.1} um",
                 has.max(0.0)
             ),
-            Check::Place => {
+            ContainmentCheck::Place => {
                 format!("{name} may dock {needs:.1} um beside its place, the docking tolerance is {has:.1} um")
             }
-            Check::Angle => format!(
+            ContainmentCheck::Angle => format!(
                 "{name} may meet its structure at {needs_deg:.1} deg from the normal of its edge, the sticking angle is {has_deg:.1} deg"
             ),
-            Check::Axes => format!(
+            ContainmentCheck::Axes => format!(
                 "{name} and its partner may meet with their axes {needs:.1} um apart, they align themselves up to {has:.1} um"
             ),
-            Check::Directions => format!(
+            ContainmentCheck::Directions => format!(
                 "{name} and its partner may meet at an angle of {needs_deg:.1} deg, they align themselves up to {has_deg:.1} deg"
             ),
-            Check::Gross(thing) => {
+            ContainmentCheck::Gross(thing) => {
                 format!("{name} may stray {needs:.1} um from its way, which passes {thing} at {:.1} um", has.max(0.0))
             }
-            Check::Fine(thing) => format!(
+            ContainmentCheck::Fine(thing) => format!(
                 "{name} may stray {needs:.1} um in its fine motion, which passes {thing} at {:.1} um",
                 has.max(0.0)
             ),
-            Check::Edge => format!("{name} faces no docked robot at its goal"),
-            Check::Turn => format!(
+            ContainmentCheck::Edge => format!("{name} faces no docked robot at its goal"),
+            ContainmentCheck::Turn => format!(
                 "a turn of {name} of {has_deg:.1} deg is too short to be sure of, {needs_deg:.1} deg are needed"
             ),
-            Check::Meeting => format!(
+            ContainmentCheck::Meeting => format!(
                 "{name} and its partner may miss each other by {needs:.1} um of their ways, {has:.1} um can be made up for"
             ),
         }

@@ -13,7 +13,7 @@ const NEWTON_STEPS: usize = 20;
 
 /// A goal as its robot sees it: x ahead, y to the side to which it turns, so that every robot seems to turn counter-clockwise.
 #[derive(Debug, Clone, Copy)]
-pub struct Frame {
+pub struct GoalFrame {
     pub goal: Pose,
     /// +1 if the robot turns counter-clockwise.
     side: f64,
@@ -25,7 +25,7 @@ pub struct Frame {
 
 /// How a robot meets an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+pub struct EdgeContact {
     /// How far from its place it is sideways, when its front lies flat; positive is the side to which it turns.
     pub across_um: f64,
     /// Between its heading and the normal of the edge, before it lies flat.
@@ -34,10 +34,10 @@ pub struct Contact {
     pub way_um: f64,
 }
 
-impl Frame {
+impl GoalFrame {
     /// The edge touches the robot's front when it is at its goal, but for a gap.
     pub fn new(robot: &Robot, goal: Pose, gap_um: f64) -> Self {
-        Frame {
+        GoalFrame {
             goal,
             side: robot.turning.sign(),
             edge_um: robot.length_um / 2.0 + gap_um,
@@ -64,15 +64,15 @@ impl Frame {
     }
 
     /// What becomes of a pose that touches the edge.
-    pub fn contact(&self, seen: Pose, way_um: f64) -> Contact {
+    pub fn contact(&self, seen: Pose, way_um: f64) -> EdgeContact {
         let (sin, cos) = seen.heading_rad.sine_cosine();
         let lean_um = self.width_um / 2.0 * (1.0 - cos) * sin.signum();
         let across_um = seen.y_um + self.length_um / 2.0 * sin + lean_um;
-        Contact { across_um, incidence_rad: seen.heading_rad, way_um }
+        EdgeContact { across_um, incidence_rad: seen.heading_rad, way_um }
     }
 
     /// The contact of a robot that goes on with a curvature; `None` if it turns away before.
-    pub fn met(&self, seen: Pose, turn_per_um: f64) -> Option<Contact> {
+    pub fn met(&self, seen: Pose, turn_per_um: f64) -> Option<EdgeContact> {
         let mut way_um = self.gap_um(seen).max(0.0);
         for _ in 0..NEWTON_STEPS {
             let there = bent(seen, turn_per_um, way_um);
@@ -118,7 +118,7 @@ pub fn bent(pose: Pose, turn_per_um: f64, way_um: f64) -> Pose {
 
 /// The share of turning, between bounds, that docks a robot in its place; and how far that share is from what is needed: by so
 /// much it would dock aside of its place, 0 if the place lies within reach.
-pub fn steered(driver: &Driver, frame: &Frame, measured: Pose, [least, most]: [f64; 2]) -> (f64, f64) {
+pub fn steered(driver: &Driver, frame: &GoalFrame, measured: Pose, [least, most]: [f64; 2]) -> (f64, f64) {
     let seen = frame.seen(measured);
     let per_um = 1.0 / driver.robot.turning_radius_um;
     let across = |share: f64| frame.met(seen, share * per_um).map_or(f64::INFINITY, |contact| contact.across_um);

@@ -11,10 +11,10 @@ use nalgebra::Point2;
 const TOUCHING_UM: f64 = 1.0;
 
 /// The corners of a robot's body, in order around it.
-pub type Body = [Point2<f64>; 4];
+pub type BodyCorners = [Point2<f64>; 4];
 
 /// The body of a robot, less so much on every side.
-pub fn body(robot: &Robot, pose: Pose, less_um: f64) -> Body {
+pub fn body(robot: &Robot, pose: Pose, less_um: f64) -> BodyCorners {
     let (sin, cos) = pose.heading_rad.sine_cosine();
     let (a, b) = ((robot.length_um / 2.0 - less_um).max(0.0), (robot.width_um / 2.0 - less_um).max(0.0));
     [(-a, -b), (a, -b), (a, b), (-a, b)]
@@ -23,7 +23,7 @@ pub fn body(robot: &Robot, pose: Pose, less_um: f64) -> Body {
 
 /// Something that fills a part of the bed.
 #[derive(Debug, Clone)]
-pub struct Solid {
+pub struct StrategySolid {
     /// As people know it.
     pub name: String,
     core: Core,
@@ -33,7 +33,7 @@ pub struct Solid {
     reach_um: f64,
 }
 
-impl Solid {
+impl StrategySolid {
     fn new(name: String, core: Core, radius_um: f64) -> Self {
         let points: Vec<Point2<f64>> = match &core {
             Core::Point(point) => vec![*point],
@@ -43,19 +43,19 @@ impl Solid {
         let sum = points.iter().fold(nalgebra::Vector2::zeros(), |sum, point| sum + point.coords);
         let middle = Point2::from(sum / points.len().max(1) as f64);
         let reach_um = points.iter().map(|point| (point - middle).norm()).fold(0.0, f64::max) + radius_um;
-        Solid { name, core, radius_um, middle, reach_um }
+        StrategySolid { name, core, radius_um, middle, reach_um }
     }
 
     /// The body of a robot that stands.
     pub fn standing(robot: &Robot, pose: Pose) -> Self {
-        Solid::new(robot.name.clone(), Core::Polygon(body(robot, pose, 0.0).to_vec()), 0.0)
+        StrategySolid::new(robot.name.clone(), Core::Polygon(body(robot, pose, 0.0).to_vec()), 0.0)
     }
 
     /// The disc that an orbiting robot sweeps, grown.
     pub fn orbit(robot: &Robot, pose: Pose, growth_um: f64) -> Self {
         let [x_um, y_um] = robot.orbit_centre_um(pose);
         let name = format!("the orbit of {}", robot.name);
-        Solid::new(name, Core::Point(Point2::new(x_um, y_um)), robot.orbit_reach_um() + growth_um)
+        StrategySolid::new(name, Core::Point(Point2::new(x_um, y_um)), robot.orbit_reach_um() + growth_um)
     }
 
     /// Whether all of it lies before the front of a robot at its goal, but for a tolerance in touching.
@@ -75,7 +75,7 @@ impl Solid {
     }
 
     /// How far a body is from it; exact below `enough_um`, and a lower bound beyond.
-    pub fn distance_um(&self, body: &Body, enough_um: f64) -> f64 {
+    pub fn distance_um(&self, body: &BodyCorners, enough_um: f64) -> f64 {
         let middle = nalgebra::center(&body[0], &body[2]);
         let half_um = (body[2] - body[0]).norm() / 2.0;
         let least_um = (middle - self.middle).norm() - half_um - self.reach_um;
@@ -87,10 +87,10 @@ impl Solid {
 }
 
 /// The obstacles of an order.
-pub fn obstacles(order: &MicrorobotsOrder) -> Vec<Solid> {
-    let solid = |obstacle: &crate::claims::microrobots::Obstacle| {
+pub fn obstacles(order: &MicrorobotsOrder) -> Vec<StrategySolid> {
+    let solid = |obstacle: &crate::claims::microrobots::MicrorobotsObstacle| {
         let grown = obstacle.shape.grown(&obstacle.pose, 0.0).ok()?;
-        Some(Solid::new(obstacle.name.clone(), grown.core, grown.radius_um))
+        Some(StrategySolid::new(obstacle.name.clone(), grown.core, grown.radius_um))
     };
     order.obstacles.iter().filter_map(solid).collect()
 }
@@ -102,7 +102,7 @@ pub fn edge_gap_um(robot: &Robot, goal: Pose, bodies: &[(&Robot, Pose)], toleran
     let at_goal = body(robot, goal, 0.0);
     let ahead_um = |corner: &Point2<f64>| (corner.x - goal.x_um) * cos + (corner.y - goal.y_um) * sin;
     let gap_um = |&(other, pose): &(&Robot, Pose)| {
-        let touches = Solid::standing(other, pose).distance_um(&at_goal, tolerance_um) <= tolerance_um;
+        let touches = StrategySolid::standing(other, pose).distance_um(&at_goal, tolerance_um) <= tolerance_um;
         let nearest_um = body(other, pose, 0.0).iter().map(ahead_um).fold(f64::INFINITY, f64::min);
         let gap_um = nearest_um - robot.length_um / 2.0;
         (touches && gap_um >= -tolerance_um - 1e-6).then_some(gap_um)

@@ -1,6 +1,6 @@
 //! The first two robots: how their ways are brought to end at once, and how one cycle steers both.
 
-use super::{Driver, Frame, Phase, Pursuit, steered};
+use super::{Driver, GoalFrame, Phase, Pursuit, steered};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 use crate::real::Real;
@@ -140,8 +140,8 @@ impl<'a> Couple<'a> {
     }
 
     /// Frames of both goals, their edges where the robots will meet.
-    pub fn frames(&self, goals: [Pose; 2], measured: [Pose; 2]) -> [Frame; 2] {
-        let mut frames = [0, 1].map(|at| Frame::new(self.drivers[at].robot, goals[at], 0.0));
+    pub fn frames(&self, goals: [Pose; 2], measured: [Pose; 2]) -> [GoalFrame; 2] {
+        let mut frames = [0, 1].map(|at| GoalFrame::new(self.drivers[at].robot, goals[at], 0.0));
         let ways_um = [0, 1].map(|at| {
             let (share, _) = steered(&self.drivers[at], &frames[at], measured[at], SHARES[at]);
             let seen = frames[at].seen(measured[at]);

@@ -4,7 +4,7 @@ use super::SAME_UM;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, wrapped_rad};
 use crate::geometry::Pose;
-use crate::plan::microrobots::{Docking, Leg, Motion, Stage, StepMotion};
+use crate::plan::microrobots::{AssemblyStage, Leg, MicrorobotsMotion, MicrorobotsStepMotion, RobotDocking};
 use crate::real::Real;
 
 /// A stage and its surroundings.
@@ -12,7 +12,7 @@ use crate::real::Real;
 pub struct Episode<'a> {
     /// Index of the order's steps.
     pub step: usize,
-    pub stage: &'a Stage,
+    pub stage: &'a AssemblyStage,
     /// Where each robot of the order is when it begins.
     pub poses: Vec<Pose>,
     pub docked: Vec<bool>,
@@ -25,15 +25,15 @@ pub struct Episode<'a> {
 }
 
 /// The stages of a plan in order of time.
-pub fn episodes<'a>(order: &MicrorobotsOrder, motion: &'a Motion) -> Vec<Episode<'a>> {
+pub fn episodes<'a>(order: &MicrorobotsOrder, motion: &'a MicrorobotsMotion) -> Vec<Episode<'a>> {
     let mut found = Vec::new();
     let mut crew = motion.start.clone();
     for (step, steps) in motion.steps.iter().enumerate() {
-        let StepMotion::Legs { legs, docks, stages } = steps else { continue };
+        let MicrorobotsStepMotion::Legs { legs, docks, stages } = steps else { continue };
         let numbered: Vec<(usize, &Leg)> = legs.iter().enumerate().collect();
         let mut at = 0;
         // What an escort does belongs to the episode of its pair, in which the second robot is brought near at first.
-        for stage in stages.iter().filter(|stage| !matches!(stage, Stage::Escort { .. })) {
+        for stage in stages.iter().filter(|stage| !matches!(stage, AssemblyStage::Escort { .. })) {
             let end = last_leg(stage, docks).map_or(legs.len(), |leg| leg + 1).clamp(at, legs.len());
             found.push(episode(order, step, stage, (&crew.poses, &crew.docked), &legs[at..end]));
             numbered[at..end].iter().for_each(|leg| crew.follow(order, *leg, docks));
@@ -48,25 +48,25 @@ pub fn episodes<'a>(order: &MicrorobotsOrder, motion: &'a Motion) -> Vec<Episode
 }
 
 /// The robots of a stage in the order in which they are driven, with the poses at which that ends.
-pub fn driven(stage: &Stage) -> Vec<(usize, Pose)> {
+pub fn driven(stage: &AssemblyStage) -> Vec<(usize, Pose)> {
     match stage {
-        Stage::Pair { first, second, intermediate, approach, .. } => {
+        AssemblyStage::Pair { first, second, intermediate, approach, .. } => {
             vec![(*first, *intermediate), (*second, approach[1])]
         }
-        Stage::Escort { robot, to, .. } => vec![(*robot, *to)],
-        Stage::Single { robot, approach, .. } => vec![(*robot, *approach)],
+        AssemblyStage::Escort { robot, to, .. } => vec![(*robot, *to)],
+        AssemblyStage::Single { robot, approach, .. } => vec![(*robot, *approach)],
     }
 }
 
-fn goals(stage: &Stage) -> Vec<(usize, Pose)> {
+fn goals(stage: &AssemblyStage) -> Vec<(usize, Pose)> {
     match stage {
-        Stage::Pair { first, second, goals, .. } => vec![(*first, goals[0]), (*second, goals[1])],
-        Stage::Escort { .. } => Vec::new(),
-        Stage::Single { robot, goal, .. } => vec![(*robot, *goal)],
+        AssemblyStage::Pair { first, second, goals, .. } => vec![(*first, goals[0]), (*second, goals[1])],
+        AssemblyStage::Escort { .. } => Vec::new(),
+        AssemblyStage::Single { robot, goal, .. } => vec![(*robot, *goal)],
     }
 }
 
-fn last_leg(stage: &Stage, docks: &[Docking]) -> Option<usize> {
+fn last_leg(stage: &AssemblyStage, docks: &[RobotDocking]) -> Option<usize> {
     let robots = driven(stage);
     docks.iter().filter(|dock| robots.iter().any(|(robot, _)| *robot == dock.robot)).map(|dock| dock.leg).max()
 }
@@ -74,7 +74,7 @@ fn last_leg(stage: &Stage, docks: &[Docking]) -> Option<usize> {
 fn episode<'a>(
     order: &MicrorobotsOrder,
     step: usize,
-    stage: &'a Stage,
+    stage: &'a AssemblyStage,
     (poses, docked): (&[Pose], &[bool]),
     legs: &'a [Leg],
 ) -> Episode<'a> {

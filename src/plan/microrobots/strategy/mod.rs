@@ -34,8 +34,8 @@ mod couple;
 mod episode;
 mod pursuit;
 
-pub use approach::{Contact, Frame, bent, steered};
-pub use bodies::{Body, Solid, body, edge_gap_um, obstacles};
+pub use approach::{EdgeContact, GoalFrame, bent, steered};
+pub use bodies::{BodyCorners, StrategySolid, body, edge_gap_um, obstacles};
 pub use couple::{Couple, SHARES};
 pub use episode::{Episode, centres, driven, episodes, poses_of};
 pub use pursuit::{Phase, Pursuit};
@@ -63,7 +63,7 @@ pub const SAME_UM: f64 = 1e-6;
 
 /// A way with the arm up or down.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Piece {
+pub struct StrategyPiece {
     pub arm: Arm,
     /// Nominally, in micrometres of the driven robot's way.
     pub way_um: f64,

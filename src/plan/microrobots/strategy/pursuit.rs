@@ -1,6 +1,6 @@
 //! Gross motion: from centre to centre, always a little behind, and then to a heading.
 
-use super::{Driver, Piece, angle, turn};
+use super::{Driver, StrategyPiece, angle, turn};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::real::Real;
@@ -69,7 +69,7 @@ impl Pursuit {
     }
 
     /// What the robot does until the next measurement, at most so long a way; shorter where it rests for the measurement.
-    pub fn pieces(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<Piece> {
+    pub fn pieces(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<StrategyPiece> {
         self.skip_captured(driver, measured);
         match self.phase {
             Phase::Facing | Phase::Running => self.towards(driver, measured, most_um),
@@ -90,23 +90,23 @@ impl Pursuit {
         self.phase = if self.next < self.centres_um.len() { Phase::Facing } else { Phase::Turning };
     }
 
-    fn target(&self, driver: &Driver, measured: Pose) -> Target {
+    fn target(&self, driver: &Driver, measured: Pose) -> PursuitTarget {
         let [x_um, y_um] = driver.robot.orbit_centre_um(measured);
         let [to_x_um, to_y_um] = self.centres_um[self.next];
         let (dx_um, dy_um) = (to_x_um - x_um, to_y_um - y_um);
         let ahead_rad = turn(driver.side() * (dy_um.arc_tangent_over(dx_um) - measured.heading_rad));
         // A rounding behind is not a circle ahead.
         let ahead_rad = if ahead_rad > TAU - 1e-9 { 0.0 } else { ahead_rad };
-        Target { distance_um: dx_um.hypotenuse(dy_um), ahead_rad }
+        PursuitTarget { distance_um: dx_um.hypotenuse(dy_um), ahead_rad }
     }
 
-    fn towards(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<Piece> {
+    fn towards(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<StrategyPiece> {
         let target = self.target(driver, measured);
         let is_near = target.distance_um <= driver.interval_um + driver.guard_um();
         let most_um = if is_near { most_um.min(driver.near_interval_um) } else { most_um };
         let turn_rad = self.turn_rad(driver, &target);
         let turn_um = turn_rad / ((1.0 + driver.errors.speed_ratio) * driver.steepest_per_um());
-        let turning = Piece { arm: Arm::Down, way_um: turn_um.min(most_um) };
+        let turning = StrategyPiece { arm: Arm::Down, way_um: turn_um.min(most_um) };
         if turn_um > most_um {
             return vec![turning];
         }
@@ -116,11 +116,11 @@ impl Pursuit {
         if run_um <= left_um {
             self.pass();
         }
-        vec![turning, Piece { arm: Arm::Up, way_um: run_um.min(left_um) }]
+        vec![turning, StrategyPiece { arm: Arm::Up, way_um: run_um.min(left_um) }]
     }
 
     /// The angle to turn, never beyond the lag whatever the errors.
-    fn turn_rad(&self, driver: &Driver, target: &Target) -> f64 {
+    fn turn_rad(&self, driver: &Driver, target: &PursuitTarget) -> f64 {
         let lag_rad = driver.lag_rad(target.distance_um);
         let is_noise = target.ahead_rad >= TAU - driver.aim_error_rad(target.distance_um) - 1e-9;
         let is_behind = self.phase == Phase::Facing && lag_rad > target.ahead_rad + 1e-9;
@@ -133,24 +133,24 @@ impl Pursuit {
         }
     }
 
-    fn finish(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<Piece> {
+    fn finish(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<StrategyPiece> {
         let target = self.target(driver, measured);
         let run_um = (target.distance_um * target.ahead_rad.cosine()).max(0.0);
         if run_um <= most_um {
             self.pass();
         }
-        vec![Piece { arm: Arm::Up, way_um: run_um.min(most_um) }]
+        vec![StrategyPiece { arm: Arm::Up, way_um: run_um.min(most_um) }]
     }
 
-    fn last_turn(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<Piece> {
+    fn last_turn(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<StrategyPiece> {
         let left_rad = driver.side() * (self.approach.heading_rad - measured.heading_rad);
         let is_over = turn(-left_rad) <= driver.accepted().heading_rad;
         let turn_um = if is_over { 0.0 } else { turn(left_rad) * driver.robot.turning_radius_um };
         if turn_um <= driver.near_interval_um {
             self.phase = Phase::Arrived;
-            return vec![Piece { arm: Arm::Down, way_um: turn_um }];
+            return vec![StrategyPiece { arm: Arm::Down, way_um: turn_um }];
         }
-        vec![Piece { arm: Arm::Down, way_um: (turn_um - driver.near_interval_um / 2.0).min(most_um) }]
+        vec![StrategyPiece { arm: Arm::Down, way_um: (turn_um - driver.near_interval_um / 2.0).min(most_um) }]
     }
 
     /// The least way that is left, if the heading happens to be right for it.
@@ -205,7 +205,7 @@ impl Driver<'_> {
 }
 
 /// Where a centre is to go.
-struct Target {
+struct PursuitTarget {
     distance_um: f64,
     /// To turn until the heading points to it; from 0 to a full turn.
     ahead_rad: f64,

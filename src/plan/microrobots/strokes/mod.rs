@@ -12,7 +12,7 @@
 //! Promise: the end is within the given precision of the goal, or nothing is returned; it is computed by the robot's own exact steps. The way
 //! differs from the given one by less than [`ASTRAY`] of the precision at its corners, roundings of single strokes aside.
 
-use super::free::Segment;
+use super::free::ArmSegment;
 use crate::claims::microrobots::Precision;
 use crate::device::microrobots::{Arm, Robot, wrapped_rad};
 use crate::geometry::Pose;
@@ -33,15 +33,15 @@ const MOST_CORRECTION: f64 = 200.0;
 
 /// Strokes with the arm in one place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Train {
+pub struct StrokeTrain {
     pub arm: Arm,
     /// At least 1.
     pub strokes: u64,
 }
 
 /// Where a robot is after its trains.
-pub fn end(robot: &Robot, from: Pose, trains: &[Train]) -> Pose {
-    let way_um = |train: &Train| robot.step_um * train.strokes as f64;
+pub fn end(robot: &Robot, from: Pose, trains: &[StrokeTrain]) -> Pose {
+    let way_um = |train: &StrokeTrain| robot.step_um * train.strokes as f64;
     trains.iter().fold(from, |pose, train| robot.moved(pose, train.arm, way_um(train)))
 }
 
@@ -52,12 +52,18 @@ pub fn is_within(pose: Pose, goal: Pose, precision: Precision) -> bool {
 }
 
 /// A way to a goal in whole strokes; `None` if its end is not within the precision, as with a precision below a stroke.
-pub fn whole(robot: &Robot, from: Pose, goal: Pose, way: &[Segment], precision: Precision) -> Option<Vec<Train>> {
+pub fn whole(
+    robot: &Robot,
+    from: Pose,
+    goal: Pose,
+    way: &[ArmSegment],
+    precision: Precision,
+) -> Option<Vec<StrokeTrain>> {
     let edges = edges(robot, way);
     let turned = edges.turned.round();
     // An edge may want one stroke of turning more than the last heading when it is rounded.
     let choices = [(ASTRAY, turned), (ASTRAY, turned + 1.0), (0.0, turned), (0.0, turned + 1.0)];
-    let mut best: Option<(f64, Vec<Train>)> = None;
+    let mut best: Option<(f64, Vec<StrokeTrain>)> = None;
     for (astray, turned) in choices {
         let mut rounding = Rounding::new(robot, from, turned);
         let tolerances_um = [AT_GOAL, astray].map(|share| share * precision.place_um);
@@ -76,15 +82,15 @@ pub fn whole(robot: &Robot, from: Pose, goal: Pose, way: &[Segment], precision: 
 }
 
 /// A way as a polyline of middles.
-struct Edges {
+struct PolylineEdges {
     /// The strokes of turning before each edge, and its length.
     edges: Vec<(f64, f64)>,
     /// The strokes of turning in all.
     turned: f64,
 }
 
-fn edges(robot: &Robot, way: &[Segment]) -> Edges {
-    let mut found = Edges { edges: Vec::new(), turned: 0.0 };
+fn edges(robot: &Robot, way: &[ArmSegment]) -> PolylineEdges {
+    let mut found = PolylineEdges { edges: Vec::new(), turned: 0.0 };
     for segment in way {
         match segment.arm {
             Arm::Down => found.turned += segment.way_um / robot.step_um,
@@ -104,7 +110,7 @@ struct Rounding<'a> {
     turned: f64,
     /// No edge is turned further than this.
     most: f64,
-    trains: Vec<Train>,
+    trains: Vec<StrokeTrain>,
 }
 
 impl<'a> Rounding<'a> {
@@ -128,7 +134,7 @@ impl<'a> Rounding<'a> {
     }
 
     /// Follows the edges to the last middle; the tolerances are that of the last corner and that of the others.
-    fn follow(&mut self, edges: &Edges, goal_um: [f64; 2], [goal_tolerance_um, tolerance_um]: [f64; 2]) {
+    fn follow(&mut self, edges: &PolylineEdges, goal_um: [f64; 2], [goal_tolerance_um, tolerance_um]: [f64; 2]) {
         let mut corner_um = self.middle_um;
         for (index, (turned, length_um)) in edges.edges.iter().enumerate() {
             let unit = self.unit(*turned);
@@ -192,7 +198,7 @@ impl<'a> Rounding<'a> {
         let strokes = strokes as u64;
         match self.trains.last_mut() {
             Some(last) if last.arm == arm => last.strokes += strokes,
-            Some(_) | None => self.trains.push(Train { arm, strokes }),
+            Some(_) | None => self.trains.push(StrokeTrain { arm, strokes }),
         }
     }
 }

@@ -23,7 +23,7 @@ fn pose() -> impl Strategy<Value = Pose> {
     (-10_000.0..10_000.0f64, -10_000.0..10_000.0f64, -180.0..180.0f64).prop_map(|(x, y, deg)| fixture::pose(x, y, deg))
 }
 
-fn missed(robot: &Robot, from: Pose, goal: Pose, trains: &[Train]) -> (f64, f64) {
+fn missed(robot: &Robot, from: Pose, goal: Pose, trains: &[StrokeTrain]) -> (f64, f64) {
     let end = end(robot, from, trains);
     ((end.x_um - goal.x_um).hypot(end.y_um - goal.y_um), wrapped_rad(end.heading_rad - goal.heading_rad).abs())
 }
@@ -58,7 +58,7 @@ proptest! {
         parts in prop::collection::vec((0.0..4_000.0f64, 0.0..3.0f64), 1..8),
     ) {
         let both = |(run_um, turn_rad): &(f64, f64)| {
-            [(Arm::Down, turn_rad * robot.turning_radius_um), (Arm::Up, *run_um)].map(|(arm, way_um)| Segment { arm, way_um })
+            [(Arm::Down, turn_rad * robot.turning_radius_um), (Arm::Up, *run_um)].map(|(arm, way_um)| ArmSegment { arm, way_um })
         };
         let way = joined(parts.iter().flat_map(both));
         let goal = way.iter().fold(from, |pose, segment| robot.moved(pose, segment.arm, segment.way_um));

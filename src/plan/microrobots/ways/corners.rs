@@ -5,10 +5,10 @@
 //! the lines along which the robot just passes it on either side. Besides these: points on the first and the last heading,
 //! and a coarse lattice. Every one is kept only if the robot can be there with some heading.
 
-use super::Task;
+use super::DriveTask;
 use crate::geometry::{Core, Rounded};
 use crate::plan::microrobots::free;
-use crate::plan::microrobots::world::{Disc, MARGIN_UM, Rectangle};
+use crate::plan::microrobots::world::{MARGIN_UM, OrbitDisc, OrientedRectangle};
 use crate::real::Real;
 use std::f64::consts::TAU;
 
@@ -31,13 +31,13 @@ const SAME_UM: f64 = 1.0;
 const ROOM_UM: f64 = 0.5 + MARGIN_UM;
 
 /// Corners in the order in which they are tried: those with the shortest ways over them first.
-pub(super) struct Corners {
+pub(super) struct OrderedCorners {
     ranked: std::vec::IntoIter<[f64; 2]>,
     kept: Vec<[f64; 2]>,
 }
 
-impl Corners {
-    pub(super) fn around(task: &Task) -> Self {
+impl OrderedCorners {
+    pub(super) fn around(task: &DriveTask) -> Self {
         let mut found = Vec::new();
         let points = points(task);
         points.iter().for_each(|point| around_point(task, point, &mut found));
@@ -47,11 +47,11 @@ impl Corners {
         let mut ranked: Vec<(f64, [f64; 2])> = found.into_iter().map(|corner| (cost_um(corner), corner)).collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1[0].total_cmp(&b.1[0])).then(a.1[1].total_cmp(&b.1[1])));
         let ranked: Vec<[f64; 2]> = ranked.into_iter().map(|(_, corner)| corner).collect();
-        Corners { ranked: ranked.into_iter(), kept: Vec::new() }
+        OrderedCorners { ranked: ranked.into_iter(), kept: Vec::new() }
     }
 
     /// The first so many corners that the robot can be at; fewer if there are no more.
-    pub(super) fn first(&mut self, task: &Task, count: usize) -> &[[f64; 2]] {
+    pub(super) fn first(&mut self, task: &DriveTask, count: usize) -> &[[f64; 2]] {
         while self.kept.len() < count {
             let Some(corner) = self.ranked.next() else { break };
             let far = |other: &[f64; 2]| (other[0] - corner[0]).hypotenuse(other[1] - corner[1]) > SAME_UM;
@@ -64,13 +64,13 @@ impl Corners {
 }
 
 /// What a way over a corner costs where nothing is in its way: to the corner by a turn and a run, and on by the free optimum.
-fn cost_um(task: &Task, corner: [f64; 2]) -> f64 {
+fn cost_um(task: &DriveTask, corner: [f64; 2]) -> f64 {
     let Some([turn, run]) = task.leg_to(task.from, corner) else { return f64::INFINITY };
     let pose = task.end(task.from, &[turn, run]);
     turn.way_um + run.way_um + free::distance_um(task.facts(), pose, task.to)
 }
 
-fn is_usable(task: &Task, corner: [f64; 2]) -> bool {
+fn is_usable(task: &DriveTask, corner: [f64; 2]) -> bool {
     (0..2 * DIRECTIONS).any(|direction| {
         let pose = task.pose_about(corner, TAU * direction as f64 / (2 * DIRECTIONS) as f64);
         task.world.obstruction_at(task.robot, pose, task.fixtures).is_none()
@@ -78,7 +78,7 @@ fn is_usable(task: &Task, corner: [f64; 2]) -> bool {
 }
 
 /// A point that a way may go round.
-struct Point {
+struct CornerPoint {
     at_um: [f64; 2],
     /// What a body keeps from it.
     keep_um: f64,
@@ -86,7 +86,7 @@ struct Point {
     heading_rad: f64,
 }
 
-fn points(task: &Task) -> Vec<Point> {
+fn points(task: &DriveTask) -> Vec<CornerPoint> {
     let [keep_um, orbit_keep_um] = task.world.keeps_um();
     let mut points = Vec::new();
     for body in task.world.obstacles() {
@@ -102,45 +102,45 @@ fn points(task: &Task) -> Vec<Point> {
     points
 }
 
-fn of_obstacle(body: &Rounded, keep_um: f64, points: &mut Vec<Point>) {
+fn of_obstacle(body: &Rounded, keep_um: f64, points: &mut Vec<CornerPoint>) {
     let keep_um = keep_um + body.radius_um;
     let side = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]).arc_tangent_over(b[0] - a[0]);
     match &body.core {
         Core::Point(point) => {
             of_disc(
-                &Disc { centre_um: [point.x, point.y], radius_um: body.radius_um },
+                &OrbitDisc { centre_um: [point.x, point.y], radius_um: body.radius_um },
                 keep_um - body.radius_um,
                 points,
             );
         }
         Core::Segment([a, b]) => {
             let heading_rad = side([a.x, a.y], [b.x, b.y]);
-            points.extend([a, b].map(|end| Point { at_um: [end.x, end.y], keep_um, heading_rad }));
+            points.extend([a, b].map(|end| CornerPoint { at_um: [end.x, end.y], keep_um, heading_rad }));
         }
         Core::Polygon(corners) => {
             for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                points.push(Point { at_um: [a.x, a.y], keep_um, heading_rad: side([a.x, a.y], [b.x, b.y]) });
+                points.push(CornerPoint { at_um: [a.x, a.y], keep_um, heading_rad: side([a.x, a.y], [b.x, b.y]) });
             }
         }
     }
 }
 
-fn of_rectangle(body: &Rectangle, keep_um: f64, points: &mut Vec<Point>) {
+fn of_rectangle(body: &OrientedRectangle, keep_um: f64, points: &mut Vec<CornerPoint>) {
     let heading_rad = body.axis[1].arc_tangent_over(body.axis[0]);
-    points.extend(body.corners().map(|at_um| Point { at_um, keep_um, heading_rad }));
+    points.extend(body.corners().map(|at_um| CornerPoint { at_um, keep_um, heading_rad }));
 }
 
-fn of_disc(disc: &Disc, keep_um: f64, points: &mut Vec<Point>) {
+fn of_disc(disc: &OrbitDisc, keep_um: f64, points: &mut Vec<CornerPoint>) {
     let [x, y] = disc.centre_um;
-    points.push(Point { at_um: disc.centre_um, keep_um: keep_um + disc.radius_um, heading_rad: 0.0 });
+    points.push(CornerPoint { at_um: disc.centre_um, keep_um: keep_um + disc.radius_um, heading_rad: 0.0 });
     points.extend((0..POINTS_OF_DISC).filter(|_| disc.radius_um > 1.0).map(|index| {
         let heading_rad = TAU * index as f64 / POINTS_OF_DISC as f64;
         let (sin, cos) = heading_rad.sine_cosine();
-        Point { at_um: [x + disc.radius_um * cos, y + disc.radius_um * sin], keep_um, heading_rad }
+        CornerPoint { at_um: [x + disc.radius_um * cos, y + disc.radius_um * sin], keep_um, heading_rad }
     }));
 }
 
-fn around_point(task: &Task, point: &Point, found: &mut Vec<[f64; 2]>) {
+fn around_point(task: &DriveTask, point: &CornerPoint, found: &mut Vec<[f64; 2]>) {
     let body = task.world.body(task.robot);
     let radius_um = task.facts().turning_radius_um;
     let [half_length_um, half_width_um] = body.half_um;
@@ -167,7 +167,7 @@ fn around_point(task: &Task, point: &Point, found: &mut Vec<[f64; 2]>) {
 }
 
 /// Points ahead of the start and behind the goal.
-fn along_headings(task: &Task, found: &mut Vec<[f64; 2]>) {
+fn along_headings(task: &DriveTask, found: &mut Vec<[f64; 2]>) {
     let far_um = 2.0 * free::distance_um(task.facts(), task.from, task.to);
     for (pose, sign) in [(task.from, 1.0), (task.to, -1.0)] {
         let [x, y] = task.facts().orbit_centre_um(pose);
@@ -186,7 +186,7 @@ fn along_headings(task: &Task, found: &mut Vec<[f64; 2]>) {
     }));
 }
 
-fn lattice(task: &Task, points: &[Point], found: &mut Vec<[f64; 2]>) {
+fn lattice(task: &DriveTask, points: &[CornerPoint], found: &mut Vec<[f64; 2]>) {
     let reach_um = 2.0 * task.world.body(task.robot).reach_um;
     let ends = [task.from, task.to].map(|pose| task.facts().orbit_centre_um(pose));
     let all = || ends.iter().copied().chain(points.iter().map(|point| point.at_um));

@@ -2,9 +2,9 @@
 //!
 //! An edge has one heading, whatever turns are before and after it; so whether it is free is asked once for every pair.
 
-use super::{SHORTEST_UM, Task};
+use super::{DriveTask, SHORTEST_UM};
 use crate::device::microrobots::Arm;
-use crate::plan::microrobots::free::Segment;
+use crate::plan::microrobots::free::ArmSegment;
 use crate::real::Real;
 
 /// Edges between corners, and from them to the goal.
@@ -18,7 +18,7 @@ pub(super) struct Graph {
 
 impl Graph {
     /// Asks for every pair of corners.
-    pub(super) fn new(task: &Task, corners: &[[f64; 2]]) -> Self {
+    pub(super) fn new(task: &DriveTask, corners: &[[f64; 2]]) -> Self {
         let count = corners.len();
         let goal_um = task.facts().orbit_centre_um(task.to);
         let mut leads = vec![false; count * count];
@@ -63,16 +63,16 @@ fn apart_um(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// The length of the last run, if it is free.
-fn last_um(task: &Task, corner: [f64; 2], goal_um: [f64; 2]) -> f64 {
+fn last_um(task: &DriveTask, corner: [f64; 2], goal_um: [f64; 2]) -> f64 {
     let way_um = apart_um(corner, goal_um);
     if way_um <= SHORTEST_UM || is_free(task, corner, goal_um) { way_um } else { f64::INFINITY }
 }
 
-fn is_free(task: &Task, a: [f64; 2], b: [f64; 2]) -> bool {
+fn is_free(task: &DriveTask, a: [f64; 2], b: [f64; 2]) -> bool {
     let way_um = apart_um(a, b);
     if way_um <= SHORTEST_UM {
         return false;
     }
     let from = task.pose_about(a, (b[1] - a[1]).arc_tangent_over(b[0] - a[0]));
-    task.world.obstruction(task.robot, from, Segment { arm: Arm::Up, way_um }, task.fixtures).is_none()
+    task.world.obstruction(task.robot, from, ArmSegment { arm: Arm::Up, way_um }, task.fixtures).is_none()
 }

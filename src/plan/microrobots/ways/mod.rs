@@ -19,13 +19,13 @@ mod corners;
 mod graph;
 mod shorten;
 
-use super::free::{self, Segment, joined};
+use super::free::{self, ArmSegment, joined};
 use super::world::{Fixtures, Obstruction, World};
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
 use crate::plan::search::Meter;
 use crate::real::Real;
-use corners::Corners;
+use corners::OrderedCorners;
 use graph::Graph;
 use rustc_hash::FxHashMap;
 use std::cmp::{Ordering, Reverse};
@@ -33,16 +33,16 @@ use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
 /// The searches, one after the other until one finds a way.
-const STAGES: [Stage; 5] = [
-    Stage { corners: 48, weight: 1.0, states: 1_000 },
-    Stage { corners: 96, weight: 1.2, states: 2_000 },
-    Stage { corners: 192, weight: 1.5, states: 4_000 },
-    Stage { corners: 384, weight: 2.0, states: 20_000 },
-    Stage { corners: 640, weight: 3.0, states: 40_000 },
+const STAGES: [WaySearch; 5] = [
+    WaySearch { corners: 48, weight: 1.0, states: 1_000 },
+    WaySearch { corners: 96, weight: 1.2, states: 2_000 },
+    WaySearch { corners: 192, weight: 1.5, states: 4_000 },
+    WaySearch { corners: 384, weight: 2.0, states: 20_000 },
+    WaySearch { corners: 640, weight: 3.0, states: 40_000 },
 ];
 
 /// One search.
-struct Stage {
+struct WaySearch {
     /// How many corners are tried.
     corners: usize,
     /// Of the rest of the way in the estimate; above 1 the search goes for the goal, and its way may be longer by this factor.
@@ -59,7 +59,7 @@ const MAX_STATES: usize = 2_000_000;
 
 /// Who goes where, and among what.
 #[derive(Clone, Copy)]
-pub struct Task<'a> {
+pub struct DriveTask<'a> {
     pub world: &'a World,
     pub robot: usize,
     pub from: Pose,
@@ -69,8 +69,8 @@ pub struct Task<'a> {
 
 /// A free way.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found {
-    pub way: Vec<Segment>,
+pub struct FreeWay {
+    pub way: Vec<ArmSegment>,
     pub length_um: f64,
     /// No way to the goal is shorter, whatever is or is not around.
     pub bound_um: f64,
@@ -89,9 +89,9 @@ pub enum NoWay {
     GaveUp(Obstruction),
 }
 
-impl<'a> Task<'a> {
+impl<'a> DriveTask<'a> {
     /// A way around everything.
-    pub fn find(&self, meter: &mut Meter) -> Result<Found, NoWay> {
+    pub fn find(&self, meter: &mut Meter) -> Result<FreeWay, NoWay> {
         let blocked = match self.direct() {
             Ok(found) => return Ok(found),
             Err(blocked) => blocked,
@@ -100,26 +100,26 @@ impl<'a> Task<'a> {
         at(self.from).map_or(Ok(()), |found| Err(NoWay::Start(found)))?;
         at(self.to).map_or(Ok(()), |found| Err(NoWay::Goal(found)))?;
         let bound_um = free::distance_um(self.facts(), self.from, self.to);
-        let mut corners = Corners::around(self);
+        let mut corners = OrderedCorners::around(self);
         for stage in STAGES {
             let corners = corners.first(self, stage.corners);
-            if let Some(way) = Search::new(self, corners, stage).run(meter, blocked)? {
+            if let Some(way) = CornerSearch::new(self, corners, stage).run(meter, blocked)? {
                 let way = shorten::shortened(self, way);
-                return Ok(Found { length_um: free::length_um(&way), way, bound_um });
+                return Ok(FreeWay { length_um: free::length_um(&way), way, bound_um });
             }
         }
         Err(NoWay::Blocked(blocked))
     }
 
     /// The better of the two free ways that meets nothing; else what is in the way of the shorter one.
-    pub fn direct(&self) -> Result<Found, Obstruction> {
+    pub fn direct(&self) -> Result<FreeWay, Obstruction> {
         let words = free::words(self.facts(), self.from, self.to);
         let radius_um = self.facts().turning_radius_um;
         let bound_um = words[0].length_um(radius_um);
         let tried = words.map(|word| {
             let way = word.segments(radius_um);
             match self.obstruction_on(self.from, &way) {
-                None => Ok(Found { length_um: free::length_um(&way), way, bound_um }),
+                None => Ok(FreeWay { length_um: free::length_um(&way), way, bound_um }),
                 Some(found) => Err(found),
             }
         });
@@ -135,15 +135,15 @@ impl<'a> Task<'a> {
         &self.world.body(self.robot).robot
     }
 
-    fn obstruction_on(&self, from: Pose, way: &[Segment]) -> Option<Obstruction> {
+    fn obstruction_on(&self, from: Pose, way: &[ArmSegment]) -> Option<Obstruction> {
         self.world.obstruction_on(self.robot, from, way, self.fixtures).map(|(_, found)| found)
     }
 
-    fn is_free(&self, from: Pose, way: &[Segment]) -> bool {
+    fn is_free(&self, from: Pose, way: &[ArmSegment]) -> bool {
         self.obstruction_on(from, way).is_none()
     }
 
-    fn end(&self, from: Pose, way: &[Segment]) -> Pose {
+    fn end(&self, from: Pose, way: &[ArmSegment]) -> Pose {
         way.iter().fold(from, |pose, segment| self.facts().moved(pose, segment.arm, segment.way_um))
     }
 
@@ -154,13 +154,13 @@ impl<'a> Task<'a> {
     }
 
     /// The turn and the run that lead from a pose to a middle; `None` if it is there.
-    fn leg_to(&self, from: Pose, middle_um: [f64; 2]) -> Option<[Segment; 2]> {
+    fn leg_to(&self, from: Pose, middle_um: [f64; 2]) -> Option<[ArmSegment; 2]> {
         let here_um = self.facts().orbit_centre_um(from);
         let [dx, dy] = [0, 1].map(|axis| middle_um[axis] - here_um[axis]);
         let way_um = dx.hypotenuse(dy);
         let turn_rad = free::turn_rad(self.facts(), from.heading_rad, dy.arc_tangent_over(dx));
-        let turn = Segment { arm: Arm::Down, way_um: turn_rad * self.facts().turning_radius_um };
-        (way_um > SHORTEST_UM).then_some([turn, Segment { arm: Arm::Up, way_um }])
+        let turn = ArmSegment { arm: Arm::Down, way_um: turn_rad * self.facts().turning_radius_um };
+        (way_um > SHORTEST_UM).then_some([turn, ArmSegment { arm: Arm::Up, way_um }])
     }
 }
 
@@ -168,20 +168,20 @@ impl<'a> Task<'a> {
 const SHORTEST_UM: f64 = 0.5;
 
 /// A search over a set of corners.
-struct Search<'a> {
-    task: &'a Task<'a>,
+struct CornerSearch<'a> {
+    task: &'a DriveTask<'a>,
     corners: &'a [[f64; 2]],
     graph: Graph,
-    stage: Stage,
-    states: Vec<State>,
-    queue: BinaryHeap<Reverse<Entry>>,
+    stage: WaySearch,
+    states: Vec<CornerState>,
+    queue: BinaryHeap<Reverse<CornerEntry>>,
     /// The least cost with which a corner was taken, by heading.
     done: FxHashMap<(u32, u16), f64>,
 }
 
 /// A corner with the heading that led there.
 #[derive(Clone, Copy)]
-struct State {
+struct CornerState {
     pose: Pose,
     cost_um: f64,
     corner: u32,
@@ -191,43 +191,43 @@ struct State {
 /// The index of the start, which is no corner.
 const START: u32 = u32::MAX;
 
-struct Entry {
+struct CornerEntry {
     estimate_um: f64,
     state: u32,
 }
 
-impl Ord for Entry {
+impl Ord for CornerEntry {
     fn cmp(&self, other: &Self) -> Ordering {
         self.estimate_um.total_cmp(&other.estimate_um).then(self.state.cmp(&other.state))
     }
 }
 
-impl PartialOrd for Entry {
+impl PartialOrd for CornerEntry {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Entry {
+impl PartialEq for CornerEntry {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Entry {}
+impl Eq for CornerEntry {}
 
-impl<'a> Search<'a> {
-    fn new(task: &'a Task<'a>, corners: &'a [[f64; 2]], stage: Stage) -> Self {
+impl<'a> CornerSearch<'a> {
+    fn new(task: &'a DriveTask<'a>, corners: &'a [[f64; 2]], stage: WaySearch) -> Self {
         let (states, queue, done) = (Vec::new(), BinaryHeap::new(), FxHashMap::default());
-        let mut search = Search { task, corners, graph: Graph::new(task, corners), stage, states, queue, done };
-        search.push(State { pose: task.from, cost_um: 0.0, corner: START, before: START });
+        let mut search = CornerSearch { task, corners, graph: Graph::new(task, corners), stage, states, queue, done };
+        search.push(CornerState { pose: task.from, cost_um: 0.0, corner: START, before: START });
         search
     }
 
     /// The cheapest way over the corners; `None` if there is none.
-    fn run(mut self, meter: &mut Meter, blocked: Obstruction) -> Result<Option<Vec<Segment>>, NoWay> {
+    fn run(mut self, meter: &mut Meter, blocked: Obstruction) -> Result<Option<Vec<ArmSegment>>, NoWay> {
         let mut taken = 0;
-        while let Some(Reverse(Entry { state: index, .. })) = self.queue.pop() {
+        while let Some(Reverse(CornerEntry { state: index, .. })) = self.queue.pop() {
             if taken >= self.stage.states {
                 return Ok(None);
             }
@@ -250,20 +250,20 @@ impl<'a> Search<'a> {
         Ok(None)
     }
 
-    fn key(state: &State) -> (u32, u16) {
+    fn key(state: &CornerState) -> (u32, u16) {
         (state.corner, (state.pose.heading_rad.rem_euclid(TAU) / SAME_HEADING_RAD) as u16)
     }
 
-    fn is_done(&self, state: &State) -> bool {
+    fn is_done(&self, state: &CornerState) -> bool {
         self.done.get(&Self::key(state)).is_some_and(|cost_um| *cost_um <= state.cost_um)
     }
 
-    fn settle(&mut self, state: &State) {
+    fn settle(&mut self, state: &CornerState) {
         self.done.insert(Self::key(state), state.cost_um);
     }
 
     /// Whether the last leg to a state is free. Between corners the graph knows of the run.
-    fn is_reached(&self, state: &State) -> bool {
+    fn is_reached(&self, state: &CornerState) -> bool {
         let Some(before) = self.states.get(state.before as usize) else { return true };
         let leg = self.task.leg_to(before.pose, self.corners[state.corner as usize]);
         let asked = if before.corner == START { 2 } else { 1 };
@@ -281,11 +281,11 @@ impl<'a> Search<'a> {
                 + self.task.facts().turning.sign() * leg[0].way_um / self.task.facts().turning_radius_um;
             let pose = self.task.pose_about(self.corners[corner], heading_rad);
             let cost_um = state.cost_um + leg[0].way_um + leg[1].way_um;
-            self.push(State { pose, cost_um, corner: corner as u32, before: index });
+            self.push(CornerState { pose, cost_um, corner: corner as u32, before: index });
         }
     }
 
-    fn push(&mut self, state: State) {
+    fn push(&mut self, state: CornerState) {
         let corner = (state.corner != START).then_some(state.corner as usize);
         let known_um = corner.map_or(0.0, |corner| self.graph.rest_um(corner));
         if self.is_done(&state) || known_um.is_infinite() {
@@ -295,12 +295,12 @@ impl<'a> Search<'a> {
         let known_um = known_um + turn_rad * self.task.facts().turning_radius_um;
         let rest_um = free::distance_um(self.task.facts(), state.pose, self.task.to);
         let estimate_um = state.cost_um + self.stage.weight * rest_um.max(known_um);
-        self.queue.push(Reverse(Entry { estimate_um, state: self.states.len() as u32 }));
+        self.queue.push(Reverse(CornerEntry { estimate_um, state: self.states.len() as u32 }));
         self.states.push(state);
     }
 
-    fn way_to(&self, index: u32, rest: Vec<Segment>) -> Vec<Segment> {
-        let mut legs: Vec<[Segment; 2]> = Vec::new();
+    fn way_to(&self, index: u32, rest: Vec<ArmSegment>) -> Vec<ArmSegment> {
+        let mut legs: Vec<[ArmSegment; 2]> = Vec::new();
         let mut state = &self.states[index as usize];
         while let Some(before) = self.states.get(state.before as usize) {
             legs.extend(self.task.leg_to(before.pose, self.corners[state.corner as usize]));

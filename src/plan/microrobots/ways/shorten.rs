@@ -1,8 +1,8 @@
 //! A free way made shorter: corners are left out and moved as long as that makes it shorter and it stays free.
 
-use super::{SHORTEST_UM, Task};
+use super::{DriveTask, SHORTEST_UM};
 use crate::device::microrobots::Arm;
-use crate::plan::microrobots::free::{self, Segment, joined};
+use crate::plan::microrobots::free::{self, ArmSegment, joined};
 use crate::real::Real;
 
 /// The first and the last step by which a corner is moved.
@@ -15,7 +15,7 @@ const MAX_TRIES: usize = 500;
 const LEAST_GAIN_UM: f64 = 1e-3;
 
 /// A way that is no longer than the given one. If a try is no way, it is dropped.
-pub(super) fn shortened(task: &Task, way: Vec<Segment>) -> Vec<Segment> {
+pub(super) fn shortened(task: &DriveTask, way: Vec<ArmSegment>) -> Vec<ArmSegment> {
     let mut corners = corners(task, &way);
     let mut best = (free::length_um(&way), way);
     let mut tries = 0;
@@ -32,7 +32,7 @@ pub(super) fn shortened(task: &Task, way: Vec<Segment>) -> Vec<Segment> {
 }
 
 /// The corners of a way but the first and the last middle.
-fn corners(task: &Task, way: &[Segment]) -> Vec<[f64; 2]> {
+fn corners(task: &DriveTask, way: &[ArmSegment]) -> Vec<[f64; 2]> {
     let mut pose = task.from;
     let mut corners = Vec::new();
     for segment in way {
@@ -47,7 +47,7 @@ fn corners(task: &Task, way: &[Segment]) -> Vec<[f64; 2]> {
 }
 
 /// The way over corners to the goal, the rest by the free optimum.
-fn over(task: &Task, corners: &[[f64; 2]]) -> Option<Vec<Segment>> {
+fn over(task: &DriveTask, corners: &[[f64; 2]]) -> Option<Vec<ArmSegment>> {
     let mut pose = task.from;
     let mut way = Vec::with_capacity(2 * corners.len() + 5);
     for corner in corners {
@@ -60,7 +60,7 @@ fn over(task: &Task, corners: &[[f64; 2]]) -> Option<Vec<Segment>> {
 }
 
 /// Whether the corners lead to a shorter way that is free; it is the best one then.
-fn improves(task: &Task, corners: &[[f64; 2]], best: &mut (f64, Vec<Segment>), tries: &mut usize) -> bool {
+fn improves(task: &DriveTask, corners: &[[f64; 2]], best: &mut (f64, Vec<ArmSegment>), tries: &mut usize) -> bool {
     *tries += 1;
     let Some(way) = over(task, corners) else { return false };
     let length_um = free::length_um(&way);
@@ -71,7 +71,12 @@ fn improves(task: &Task, corners: &[[f64; 2]], best: &mut (f64, Vec<Segment>), t
     better
 }
 
-fn leave_one_out(task: &Task, corners: &mut Vec<[f64; 2]>, best: &mut (f64, Vec<Segment>), tries: &mut usize) -> bool {
+fn leave_one_out(
+    task: &DriveTask,
+    corners: &mut Vec<[f64; 2]>,
+    best: &mut (f64, Vec<ArmSegment>),
+    tries: &mut usize,
+) -> bool {
     for index in 0..corners.len() {
         let corner = corners.remove(index);
         if improves(task, corners, best, tries) {
@@ -83,9 +88,9 @@ fn leave_one_out(task: &Task, corners: &mut Vec<[f64; 2]>, best: &mut (f64, Vec<
 }
 
 fn move_one(
-    task: &Task,
+    task: &DriveTask,
     corners: &mut [[f64; 2]],
-    best: &mut (f64, Vec<Segment>),
+    best: &mut (f64, Vec<ArmSegment>),
     tries: &mut usize,
     step_um: f64,
 ) -> bool {

@@ -3,23 +3,27 @@
 use super::*;
 use crate::geometry::Shape;
 use crate::plan::microrobots::world::fixture::{bed, obstacle, pose, robot};
-use crate::plan::search::Budget;
+use crate::plan::search::SearchBudget;
 
-fn wall(x_um: f64, from_um: f64, to_um: f64) -> crate::claims::microrobots::Obstacle {
+fn wall(x_um: f64, from_um: f64, to_um: f64) -> crate::claims::microrobots::MicrorobotsObstacle {
     obstacle("wall", Shape::Box { size_um: [40.0, to_um - from_um] }, Pose::at(x_um, (from_um + to_um) / 2.0))
 }
 
-fn disc(x_um: f64, y_um: f64, radius_um: f64) -> crate::claims::microrobots::Obstacle {
+fn disc(x_um: f64, y_um: f64, radius_um: f64) -> crate::claims::microrobots::MicrorobotsObstacle {
     obstacle("disc", Shape::Disc { radius_um }, Pose::at(x_um, y_um))
 }
 
 /// The way found, proven to be free by samples; with the states that were taken.
-fn found(obstacles: Vec<crate::claims::microrobots::Obstacle>, from: Pose, to: Pose) -> Result<(Found, u64), NoWay> {
+fn found(
+    obstacles: Vec<crate::claims::microrobots::MicrorobotsObstacle>,
+    from: Pose,
+    to: Pose,
+) -> Result<(FreeWay, u64), NoWay> {
     let order = bed(vec![(robot("D1", 150.0, 0.015), from)], obstacles);
     let world = World::new(&order);
     let fixtures = Fixtures::default();
-    let task = Task { world: &world, robot: 0, from, to, fixtures: &fixtures };
-    let mut meter = Meter::new(Budget::of(200_000));
+    let task = DriveTask { world: &world, robot: 0, from, to, fixtures: &fixtures };
+    let mut meter = Meter::new(SearchBudget::of(200_000));
     let found = task.find(&mut meter)?;
     let mut at = from;
     for segment in &found.way {

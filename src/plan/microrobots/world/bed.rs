@@ -1,13 +1,13 @@
 //! The bed between steps: where robots stand, and what happened since their arms were last up.
 
-use super::{Hit, World};
+use super::{FirstMeeting, World};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
-use crate::plan::microrobots::{Docking, Leg};
+use crate::plan::microrobots::{Leg, RobotDocking};
 
 /// Where the robots stand, and the legs that an arm stayed down through up to now: its turn goes on counting in the legs that follow.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bed {
+pub struct BedPoses {
     /// Where each robot of the order stands.
     pub poses: Vec<Pose>,
     /// Whether it sticks in a structure.
@@ -15,43 +15,43 @@ pub struct Bed {
     /// The same before the legs.
     before: (Vec<Pose>, Vec<bool>),
     legs: Vec<Leg>,
-    docks: Vec<Docking>,
+    docks: Vec<RobotDocking>,
 }
 
-impl Bed {
+impl BedPoses {
     /// A bed at rest: all arms are up.
     pub fn new(poses: Vec<Pose>, docked: Vec<bool>) -> Self {
-        Bed { before: (poses.clone(), docked.clone()), poses, docked, legs: Vec::new(), docks: Vec::new() }
+        BedPoses { before: (poses.clone(), docked.clone()), poses, docked, legs: Vec::new(), docks: Vec::new() }
     }
 
     /// Raises all arms.
     pub fn rest(&mut self) {
-        *self = Bed::new(std::mem::take(&mut self.poses), std::mem::take(&mut self.docked));
+        *self = BedPoses::new(std::mem::take(&mut self.poses), std::mem::take(&mut self.docked));
     }
 
     /// The first forbidden meeting of legs from here on. Its leg is counted among these; if the whole disc of a robot was already
     /// violated before them, it is the first one.
-    pub fn first_hit(&self, world: &World, legs: &[Leg], docks: &[Docking]) -> Option<Hit> {
+    pub fn first_hit(&self, world: &World, legs: &[Leg], docks: &[RobotDocking]) -> Option<FirstMeeting> {
         let past = self.legs.len();
         if past == 0 {
             return world.first_hit(&self.poses, &self.docked, legs, docks);
         }
         let all: Vec<Leg> = self.legs.iter().chain(legs).copied().collect();
-        let later = docks.iter().map(|dock| Docking { leg: dock.leg + past, ..*dock });
-        let docks: Vec<Docking> = self.docks.iter().copied().chain(later).collect();
+        let later = docks.iter().map(|dock| RobotDocking { leg: dock.leg + past, ..*dock });
+        let docks: Vec<RobotDocking> = self.docks.iter().copied().chain(later).collect();
         let hit = world.first_hit(&self.before.0, &self.before.1, &all, &docks);
-        hit.map(|hit| Hit { leg: hit.leg.saturating_sub(past), ..hit })
+        hit.map(|hit| FirstMeeting { leg: hit.leg.saturating_sub(past), ..hit })
     }
 
     /// Follows legs.
-    pub fn follow(&mut self, world: &World, legs: &[Leg], docks: &[Docking]) {
+    pub fn follow(&mut self, world: &World, legs: &[Leg], docks: &[RobotDocking]) {
         let past = self.legs.len();
         for (index, leg) in legs.iter().enumerate() {
             world.advance(&mut self.poses, &self.docked, *leg);
             docks.iter().filter(|dock| dock.leg == index).for_each(|dock| self.docked[dock.robot] = true);
         }
         self.legs.extend(legs);
-        self.docks.extend(docks.iter().map(|dock| Docking { leg: dock.leg + past, ..*dock }));
+        self.docks.extend(docks.iter().map(|dock| RobotDocking { leg: dock.leg + past, ..*dock }));
         self.forget(world);
     }
 

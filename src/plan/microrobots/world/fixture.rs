@@ -1,7 +1,7 @@
 //! Beds for tests.
 
-use crate::claims::microrobots::{Assurance, MicrorobotsOrder, Obstacle, Placed, Precision};
-use crate::device::microrobots::{Arm, ControlState, Docking, Facts, Fine, Robot, Turning};
+use crate::claims::microrobots::{Assurance, MicrorobotsObstacle, MicrorobotsOrder, Placed, Precision};
+use crate::device::microrobots::{Arm, ControlState, Docking, Fine, MicrorobotsFacts, Robot, Turning};
 use crate::geometry::{Pose, Shape};
 use crate::source::Span;
 use std::sync::Arc;
@@ -24,12 +24,12 @@ pub fn robot(name: &str, turning_radius_um: f64, step_um: f64) -> Robot {
     }
 }
 
-pub fn obstacle(name: &str, shape: Shape, pose: Pose) -> Obstacle {
-    Obstacle { name: name.to_owned(), shape, pose, span: Span::default() }
+pub fn obstacle(name: &str, shape: Shape, pose: Pose) -> MicrorobotsObstacle {
+    MicrorobotsObstacle { name: name.to_owned(), shape, pose, span: Span::default() }
 }
 
 /// A STRING bed: state j lowers the arms of the first j robots.
-pub fn bed(robots: Vec<(Robot, Pose)>, obstacles: Vec<Obstacle>) -> MicrorobotsOrder {
+pub fn bed(robots: Vec<(Robot, Pose)>, obstacles: Vec<MicrorobotsObstacle>) -> MicrorobotsOrder {
     let count = robots.len();
     let state = |down: usize| ControlState {
         arms: (0..count).map(|robot| if robot < down { Arm::Down } else { Arm::Up }).collect(),
@@ -49,8 +49,8 @@ pub fn bed(robots: Vec<(Robot, Pose)>, obstacles: Vec<Obstacle>) -> MicrorobotsO
     }
 }
 
-fn facts(robots: Vec<Robot>) -> Facts {
-    Facts {
+fn facts(robots: Vec<Robot>) -> MicrorobotsFacts {
+    MicrorobotsFacts {
         robots,
         margin_v: 2.0,
         max_v: 200.0,

@@ -17,17 +17,17 @@ mod rectangle;
 mod statics;
 mod tracks;
 
-pub use bed::Bed;
-pub use rectangle::Rectangle;
-pub use statics::{Disc, Fixtures, Obstruction};
+pub use bed::BedPoses;
+pub use rectangle::OrientedRectangle;
+pub use statics::{Fixtures, Obstruction, OrbitDisc};
 
-use super::{Docking, Leg};
+use super::{Leg, RobotDocking};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::{Pose, Rounded};
 use crate::real::Real;
 use std::f64::consts::TAU;
-use tracks::Track;
+use tracks::RobotTrack;
 
 /// By how much the planner is stricter than the rules.
 pub const MARGIN_UM: f64 = 1e-3;
@@ -41,8 +41,8 @@ const MAX_SAMPLES: u32 = 200_000;
 /// The bed of an order.
 #[derive(Debug, Clone)]
 pub struct World {
-    bodies: Vec<Body>,
-    obstacles: Vec<Obstacle>,
+    bodies: Vec<RobotDimensions>,
+    obstacles: Vec<WorldObstacle>,
     /// By control state, then by robot of the order.
     arms: Vec<Arm>,
     keep_um: f64,
@@ -55,15 +55,15 @@ pub struct World {
 
 /// What is in the way.
 #[derive(Debug, Clone)]
-struct Obstacle {
+struct WorldObstacle {
     body: Rounded,
     /// It lies within this.
-    bound: Disc,
+    bound: OrbitDisc,
 }
 
 /// A robot's measures.
 #[derive(Debug, Clone)]
-pub struct Body {
+pub struct RobotDimensions {
     pub robot: Robot,
     pub half_um: [f64; 2],
     /// From its centre to its corners.
@@ -74,7 +74,7 @@ pub struct Body {
 
 /// What is forbidden to meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Meeting {
+pub enum ForbiddenMeeting {
     /// A body and an obstacle.
     Obstacle { robot: usize, obstacle: usize },
     /// Two bodies.
@@ -89,8 +89,8 @@ pub enum Meeting {
 
 /// The first forbidden meeting.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
-    pub meeting: Meeting,
+pub struct FirstMeeting {
+    pub meeting: ForbiddenMeeting,
     /// Index of the legs.
     pub leg: usize,
     /// How many strokes of the leg are done by then.
@@ -105,12 +105,13 @@ impl World {
     /// The bed of an order. Obstacles whose shape cannot be placed are left out: the check refuses them.
     pub fn new(order: &MicrorobotsOrder) -> Self {
         let facts = &order.facts;
-        let bodies: Vec<Body> = order.robots.iter().map(|placed| Body::new(&facts.robots[placed.row])).collect();
+        let bodies: Vec<RobotDimensions> =
+            order.robots.iter().map(|placed| RobotDimensions::new(&facts.robots[placed.row])).collect();
         let obstacles = order.obstacles.iter().filter_map(|obstacle| obstacle.shape.grown(&obstacle.pose, 0.0).ok());
         let arms_of = |state: usize| order.robots.iter().map(move |placed| order.states[state].arms[placed.row]);
         World {
             bodies,
-            obstacles: obstacles.map(Obstacle::new).collect(),
+            obstacles: obstacles.map(WorldObstacle::new).collect(),
             arms: (0..order.states.len()).flat_map(arms_of).collect(),
             keep_um: facts.clearance_um,
             orbit_keep_um: facts.orbit_clearance_um,
@@ -130,7 +131,7 @@ impl World {
     }
 
     /// The measures of a robot.
-    pub fn body(&self, robot: usize) -> &Body {
+    pub fn body(&self, robot: usize) -> &RobotDimensions {
         &self.bodies[robot]
     }
 
@@ -160,14 +161,14 @@ impl World {
     }
 
     /// The rectangle of a robot at a pose.
-    pub fn rectangle(&self, robot: usize, pose: Pose) -> Rectangle {
-        Rectangle::new(pose, self.bodies[robot].half_um)
+    pub fn rectangle(&self, robot: usize, pose: Pose) -> OrientedRectangle {
+        OrientedRectangle::new(pose, self.bodies[robot].half_um)
     }
 
     /// The disc that a robot at a pose sweeps when it orbits.
-    pub fn disc(&self, robot: usize, pose: Pose) -> Disc {
+    pub fn disc(&self, robot: usize, pose: Pose) -> OrbitDisc {
         let body = &self.bodies[robot];
-        Disc { centre_um: body.robot.orbit_centre_um(pose), radius_um: body.reach_um }
+        OrbitDisc { centre_um: body.robot.orbit_centre_um(pose), radius_um: body.reach_um }
     }
 
     /// The way of a robot's centre in so many strokes.
@@ -183,26 +184,32 @@ impl World {
     }
 
     /// The first forbidden meeting of legs, without what happened before them.
-    pub fn first_hit(&self, start: &[Pose], docked: &[bool], legs: &[Leg], docks: &[Docking]) -> Option<Hit> {
-        let mut course = Course::new(self, start, docked, legs, docks);
+    pub fn first_hit(
+        &self,
+        start: &[Pose],
+        docked: &[bool],
+        legs: &[Leg],
+        docks: &[RobotDocking],
+    ) -> Option<FirstMeeting> {
+        let mut course = LegCursor::new(self, start, docked, legs, docks);
         (0..legs.len()).find_map(|leg| course.follow(leg))
     }
 }
 
-impl Obstacle {
+impl WorldObstacle {
     fn new(body: Rounded) -> Self {
         let [min_um, max_um] = [body.bounds().min_um, body.bounds().max_um];
         let centre_um = [0, 1].map(|axis| (min_um[axis] + max_um[axis]) / 2.0);
         let radius_um = (max_um[0] - min_um[0]).hypotenuse(max_um[1] - min_um[1]) / 2.0;
-        Obstacle { body, bound: Disc { centre_um, radius_um } }
+        WorldObstacle { body, bound: OrbitDisc { centre_um, radius_um } }
     }
 }
 
-impl Body {
+impl RobotDimensions {
     fn new(robot: &Robot) -> Self {
         let half_um = [robot.length_um / 2.0, robot.width_um / 2.0];
         let (corner_um, reach_um) = (half_um[0].hypotenuse(half_um[1]), robot.orbit_reach_um());
-        Body { robot: robot.clone(), half_um, corner_um, reach_um }
+        RobotDimensions { robot: robot.clone(), half_um, corner_um, reach_um }
     }
 
     /// The turning angle of a way.
@@ -212,23 +219,23 @@ impl Body {
 }
 
 /// Legs while they are followed.
-struct Course<'a> {
+struct LegCursor<'a> {
     world: &'a World,
     legs: &'a [Leg],
-    docks: &'a [Docking],
+    docks: &'a [RobotDocking],
     poses: Vec<Pose>,
     docked: Vec<bool>,
     /// By leg, then by robot: whether its arm stays down for a whole turn in all.
     orbits: Vec<bool>,
-    tracks: Vec<Track>,
+    tracks: Vec<RobotTrack>,
     /// For each robot, the instant of this leg from which on it may come near to the structure.
     fine_from: Vec<f64>,
 }
 
-impl<'a> Course<'a> {
-    fn new(world: &'a World, start: &[Pose], docked: &[bool], legs: &'a [Leg], docks: &'a [Docking]) -> Self {
+impl<'a> LegCursor<'a> {
+    fn new(world: &'a World, start: &[Pose], docked: &[bool], legs: &'a [Leg], docks: &'a [RobotDocking]) -> Self {
         let count = world.count();
-        let mut course = Course {
+        let mut course = LegCursor {
             world,
             legs,
             docks,
@@ -264,12 +271,12 @@ impl<'a> Course<'a> {
     }
 
     /// The first meeting of a leg; without one, everything stands at its end then.
-    fn follow(&mut self, leg: usize) -> Option<Hit> {
+    fn follow(&mut self, leg: usize) -> Option<FirstMeeting> {
         let Leg { state, strokes } = self.legs[leg];
         self.tracks.clear();
         for robot in 0..self.world.count() {
             let arm = (!self.docked[robot]).then(|| self.world.arm(state, robot));
-            self.tracks.push(Track::new(&self.world.bodies[robot], self.poses[robot], arm, strokes as f64));
+            self.tracks.push(RobotTrack::new(&self.world.bodies[robot], self.poses[robot], arm, strokes as f64));
         }
         (0..self.world.count()).for_each(|robot| self.fine_from[robot] = self.fine_from(leg, robot));
         let hit = self.meeting(leg);

@@ -1,23 +1,23 @@
 //! The rules of collision for one leg of the whole bed.
 
-use super::tracks::{Kind, Track, far_apart, first_near, first_near_convex};
-use super::{Course, Disc, Hit, MARGIN_UM, Meeting, Obstacle, statics};
+use super::tracks::{MotionKind, RobotTrack, far_apart, first_near, first_near_convex};
+use super::{FirstMeeting, ForbiddenMeeting, LegCursor, MARGIN_UM, OrbitDisc, WorldObstacle, statics};
 
-impl Course<'_> {
+impl LegCursor<'_> {
     /// The first forbidden meeting of the leg whose tracks are set.
-    pub(super) fn meeting(&self, leg: usize) -> Option<Hit> {
-        let mut first: Option<(f64, Meeting)> = None;
-        let mut told = |at: Option<f64>, meeting: Meeting| {
+    pub(super) fn meeting(&self, leg: usize) -> Option<FirstMeeting> {
+        let mut first: Option<(f64, ForbiddenMeeting)> = None;
+        let mut told = |at: Option<f64>, meeting: ForbiddenMeeting| {
             if let Some(at) = at.filter(|at| first.is_none_or(|(earlier, _)| *at < earlier)) {
                 first = Some((at, meeting));
             }
         };
         for (robot, track) in self.tracks.iter().enumerate() {
-            if track.kind != Kind::Rests {
+            if track.kind != MotionKind::Rests {
                 self.obstacles_of(robot, &mut told);
             }
             for other in robot + 1..self.tracks.len() {
-                told(self.bodies(robot, other), Meeting::Robots { robot, other });
+                told(self.bodies(robot, other), ForbiddenMeeting::Robots { robot, other });
             }
             if self.orbits[leg * self.tracks.len() + robot] {
                 self.orbit_of(leg, robot, &mut told);
@@ -26,31 +26,34 @@ impl Course<'_> {
         let (strokes, meeting) = first?;
         let (robot, other) = meeting.robots();
         let [at, with] = [robot, other].map(|robot| self.tracks[robot].pose_at(strokes));
-        Some(Hit { meeting, leg, strokes, at, with })
+        Some(FirstMeeting { meeting, leg, strokes, at, with })
     }
 
-    fn obstacles_of(&self, robot: usize, told: &mut impl FnMut(Option<f64>, Meeting)) {
+    fn obstacles_of(&self, robot: usize, told: &mut impl FnMut(Option<f64>, ForbiddenMeeting)) {
         let track = &self.tracks[robot];
         for (obstacle, body) in self.world.obstacles.iter().enumerate() {
-            told(statics::meets_obstacle(track, body, self.world.keep_um), Meeting::Obstacle { robot, obstacle });
+            told(
+                statics::meets_obstacle(track, body, self.world.keep_um),
+                ForbiddenMeeting::Obstacle { robot, obstacle },
+            );
         }
     }
 
     /// The disc of a robot that orbits against everything else.
-    fn orbit_of(&self, leg: usize, robot: usize, told: &mut impl FnMut(Option<f64>, Meeting)) {
-        let Track { centre_um, reach_um, .. } = self.tracks[robot];
-        let disc = Disc { centre_um, radius_um: reach_um };
+    fn orbit_of(&self, leg: usize, robot: usize, told: &mut impl FnMut(Option<f64>, ForbiddenMeeting)) {
+        let RobotTrack { centre_um, reach_um, .. } = self.tracks[robot];
+        let disc = OrbitDisc { centre_um, radius_um: reach_um };
         let keep_um = self.world.orbit_keep_um;
-        for (obstacle, Obstacle { body, .. }) in self.world.obstacles.iter().enumerate() {
+        for (obstacle, WorldObstacle { body, .. }) in self.world.obstacles.iter().enumerate() {
             let near = disc.to_rounded_um(body) < keep_um + MARGIN_UM;
-            told(near.then_some(0.0), Meeting::OrbitObstacle { robot, obstacle });
+            told(near.then_some(0.0), ForbiddenMeeting::OrbitObstacle { robot, obstacle });
         }
         for (other, track) in self.tracks.iter().enumerate().filter(|(other, _)| *other != robot) {
-            told(statics::meets_disc(track, &disc, keep_um), Meeting::OrbitRobot { robot, other });
+            told(statics::meets_disc(track, &disc, keep_um), ForbiddenMeeting::OrbitRobot { robot, other });
             if other > robot && self.orbits[leg * self.tracks.len() + other] {
-                let theirs = Disc { centre_um: track.centre_um, radius_um: track.reach_um };
+                let theirs = OrbitDisc { centre_um: track.centre_um, radius_um: track.reach_um };
                 let near = disc.to_disc_um(&theirs) < keep_um + MARGIN_UM;
-                told(near.then_some(0.0), Meeting::Orbits { robot, other });
+                told(near.then_some(0.0), ForbiddenMeeting::Orbits { robot, other });
             }
         }
     }
@@ -58,7 +61,7 @@ impl Course<'_> {
     /// The first instant at which two bodies are too near.
     fn bodies(&self, robot: usize, other: usize) -> Option<f64> {
         let (one, two) = (&self.tracks[robot], &self.tracks[other]);
-        if (one.kind, two.kind) == (Kind::Rests, Kind::Rests) || far_apart(one, two, self.world.keep_um) {
+        if (one.kind, two.kind) == (MotionKind::Rests, MotionKind::Rests) || far_apart(one, two, self.world.keep_um) {
             return None;
         }
         let near_from = self.near_from(robot, other).clamp(0.0, one.strokes);
@@ -71,22 +74,22 @@ impl Course<'_> {
     }
 }
 
-fn bodies_near(one: &Track, two: &Track, span: [f64; 2], keep_um: f64) -> Option<f64> {
+fn bodies_near(one: &RobotTrack, two: &RobotTrack, span: [f64; 2], keep_um: f64) -> Option<f64> {
     let distance_um = |at: f64| one.at(at).to_rectangle_um(&two.at(at));
-    if one.kind == Kind::Turns || two.kind == Kind::Turns {
+    if one.kind == MotionKind::Turns || two.kind == MotionKind::Turns {
         return first_near(span, one.speed_um + two.speed_um, keep_um, distance_um);
     }
     first_near_convex(span, keep_um, distance_um)
 }
 
-impl Meeting {
+impl ForbiddenMeeting {
     /// The first robot, and the other one, or the first one again.
     pub fn robots(&self) -> (usize, usize) {
         match *self {
-            Meeting::Obstacle { robot, .. } | Meeting::OrbitObstacle { robot, .. } => (robot, robot),
-            Meeting::Robots { robot, other }
-            | Meeting::OrbitRobot { robot, other }
-            | Meeting::Orbits { robot, other } => (robot, other),
+            ForbiddenMeeting::Obstacle { robot, .. } | ForbiddenMeeting::OrbitObstacle { robot, .. } => (robot, robot),
+            ForbiddenMeeting::Robots { robot, other }
+            | ForbiddenMeeting::OrbitRobot { robot, other }
+            | ForbiddenMeeting::Orbits { robot, other } => (robot, other),
         }
     }
 }

@@ -7,7 +7,7 @@ use nalgebra::Point2;
 
 /// A rectangle in any direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rectangle {
+pub struct OrientedRectangle {
     pub centre_um: [f64; 2],
     /// Cosine and sine of the heading of its length.
     pub axis: [f64; 2],
@@ -15,11 +15,11 @@ pub struct Rectangle {
     pub half_um: [f64; 2],
 }
 
-impl Rectangle {
+impl OrientedRectangle {
     /// The rectangle of a body at a pose.
     pub fn new(pose: Pose, half_um: [f64; 2]) -> Self {
         let (sin, cos) = pose.heading_rad.sine_cosine();
-        Rectangle { centre_um: [pose.x_um, pose.y_um], axis: [cos, sin], half_um }
+        OrientedRectangle { centre_um: [pose.x_um, pose.y_um], axis: [cos, sin], half_um }
     }
 
     /// What it sweeps when it moves along its length.
@@ -27,7 +27,7 @@ impl Rectangle {
         let [x_um, y_um] = self.centre_um;
         let [cos, sin] = self.axis;
         let half = way_um / 2.0;
-        Rectangle {
+        OrientedRectangle {
             centre_um: [x_um + half * cos, y_um + half * sin],
             half_um: [self.half_um[0] + half.abs(), self.half_um[1]],
             ..*self
@@ -64,19 +64,19 @@ impl Rectangle {
     ///
     /// Two convex polygons overlap by the least of their overlaps along the normals of their sides; if they do not, a corner of one is
     /// nearest to the other.
-    pub fn to_rectangle_um(&self, other: &Rectangle) -> f64 {
+    pub fn to_rectangle_um(&self, other: &OrientedRectangle) -> f64 {
         let apart_um = self.apart_um(other).max(other.apart_um(self));
         if apart_um <= 0.0 {
             return apart_um;
         }
-        let of = |one: &Rectangle, two: &Rectangle| {
+        let of = |one: &OrientedRectangle, two: &OrientedRectangle| {
             two.corners().into_iter().map(|corner| one.to_point_um(corner)).fold(f64::INFINITY, f64::min)
         };
         of(self, other).min(of(other, self))
     }
 
     /// How far another rectangle lies beyond the sides of this one.
-    fn apart_um(&self, other: &Rectangle) -> f64 {
+    fn apart_um(&self, other: &OrientedRectangle) -> f64 {
         let [along_um, left_um] = self.local(other.centre_um);
         let cos = (self.axis[0] * other.axis[0] + self.axis[1] * other.axis[1]).abs();
         let sin = (self.axis[0] * other.axis[1] - self.axis[1] * other.axis[0]).abs();

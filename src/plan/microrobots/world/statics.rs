@@ -1,23 +1,23 @@
 //! One robot's way among things that rest: what every search asks over and over.
 
-use super::tracks::{Kind, Track, first_near};
-use super::{MARGIN_UM, Obstacle, Rectangle, World};
+use super::tracks::{MotionKind, RobotTrack, first_near};
+use super::{MARGIN_UM, OrientedRectangle, World, WorldObstacle};
 use crate::device::microrobots::Arm;
 use crate::geometry::distance::{point_segment, segment_core};
 use crate::geometry::{Pose, Rounded};
-use crate::plan::microrobots::free::Segment;
+use crate::plan::microrobots::free::ArmSegment;
 use crate::real::Real;
 use nalgebra::Point2;
 use std::f64::consts::TAU;
 
 /// A disc, as an orbiting robot sweeps it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Disc {
+pub struct OrbitDisc {
     pub centre_um: [f64; 2],
     pub radius_um: f64,
 }
 
-impl Disc {
+impl OrbitDisc {
     /// Distance of an obstacle; negative where they overlap.
     pub fn to_rounded_um(&self, body: &Rounded) -> f64 {
         let [x, y] = self.centre_um;
@@ -25,7 +25,7 @@ impl Disc {
     }
 
     /// Distance of another disc; negative where they overlap.
-    pub fn to_disc_um(&self, other: &Disc) -> f64 {
+    pub fn to_disc_um(&self, other: &OrbitDisc) -> f64 {
         let [dx, dy] = [0, 1].map(|axis| self.centre_um[axis] - other.centre_um[axis]);
         dx.hypotenuse(dy) - self.radius_um - other.radius_um
     }
@@ -35,9 +35,9 @@ impl Disc {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Fixtures {
     /// Discs of robots that orbit; they keep the orbit clearance.
-    pub discs: Vec<Disc>,
+    pub discs: Vec<OrbitDisc>,
     /// Bodies that rest.
-    pub bodies: Vec<Rectangle>,
+    pub bodies: Vec<OrientedRectangle>,
 }
 
 /// What is in the way of one robot.
@@ -53,10 +53,16 @@ pub enum Obstruction {
 
 impl World {
     /// What a robot meets on a stretch of its way, if anything: obstacles first, then discs and bodies.
-    pub fn obstruction(&self, robot: usize, pose: Pose, stretch: Segment, fixtures: &Fixtures) -> Option<Obstruction> {
+    pub fn obstruction(
+        &self,
+        robot: usize,
+        pose: Pose,
+        stretch: ArmSegment,
+        fixtures: &Fixtures,
+    ) -> Option<Obstruction> {
         let body = &self.bodies[robot];
         let strokes = stretch.way_um / body.robot.step_um;
-        let track = Track::new(body, pose, Some(stretch.arm), strokes);
+        let track = RobotTrack::new(body, pose, Some(stretch.arm), strokes);
         let obstacle = self.obstacles.iter().position(|other| meets_obstacle(&track, other, self.keep_um).is_some());
         let disc = || fixtures.discs.iter().position(|disc| meets_disc(&track, disc, self.orbit_keep_um).is_some());
         let rests = || fixtures.bodies.iter().position(|other| meets_rectangle(&track, other, self.keep_um).is_some());
@@ -71,7 +77,7 @@ impl World {
         &self,
         robot: usize,
         from: Pose,
-        way: &[Segment],
+        way: &[ArmSegment],
         fixtures: &Fixtures,
     ) -> Option<(usize, Obstruction)> {
         let mut pose = from;
@@ -84,15 +90,15 @@ impl World {
 
     /// What a robot at a pose is too near to.
     pub fn obstruction_at(&self, robot: usize, pose: Pose, fixtures: &Fixtures) -> Option<Obstruction> {
-        self.obstruction(robot, pose, Segment { arm: Arm::Up, way_um: 0.0 }, fixtures)
+        self.obstruction(robot, pose, ArmSegment { arm: Arm::Up, way_um: 0.0 }, fixtures)
     }
 
     /// What the disc of a robot that orbits is too near to, besides other robots that move.
-    pub fn obstruction_of_orbit(&self, disc: &Disc, fixtures: &Fixtures) -> Option<Obstruction> {
+    pub fn obstruction_of_orbit(&self, disc: &OrbitDisc, fixtures: &Fixtures) -> Option<Obstruction> {
         let keep_um = self.orbit_keep_um + MARGIN_UM;
         let obstacle = self.obstacles.iter().position(|other| disc.to_rounded_um(&other.body) < keep_um);
         let theirs = || fixtures.discs.iter().position(|other| disc.to_disc_um(other) < keep_um);
-        let near = |body: &Rectangle| body.to_point_um(disc.centre_um) - disc.radius_um < keep_um;
+        let near = |body: &OrientedRectangle| body.to_point_um(disc.centre_um) - disc.radius_um < keep_um;
         let rests = || fixtures.bodies.iter().position(near);
         obstacle
             .map(Obstruction::Obstacle)
@@ -105,16 +111,16 @@ impl World {
         let body = self.rectangle(robot, pose);
         let obstacles = self.obstacles.iter().map(|other| body.to_rounded_um(&other.body) - self.keep_um);
         let bodies = fixtures.bodies.iter().map(|other| body.to_rectangle_um(other) - self.keep_um);
-        let to_disc_um = |disc: &super::Disc| body.to_point_um(disc.centre_um) - disc.radius_um;
+        let to_disc_um = |disc: &super::OrbitDisc| body.to_point_um(disc.centre_um) - disc.radius_um;
         let discs = fixtures.discs.iter().map(|disc| to_disc_um(disc) - self.orbit_keep_um);
         obstacles.chain(bodies).chain(discs).fold(f64::INFINITY, f64::min)
     }
 }
 
 /// The first instant at which a robot is too near to an obstacle.
-pub(super) fn meets_obstacle(track: &Track, obstacle: &Obstacle, keep_um: f64) -> Option<f64> {
+pub(super) fn meets_obstacle(track: &RobotTrack, obstacle: &WorldObstacle, keep_um: f64) -> Option<f64> {
     let (segment, radius_um) = track.bound();
-    let Obstacle { body, bound: Disc { centre_um: [x, y], radius_um: bound_um } } = obstacle;
+    let WorldObstacle { body, bound: OrbitDisc { centre_um: [x, y], radius_um: bound_um } } = obstacle;
     let near_um = keep_um + MARGIN_UM + radius_um;
     if point_segment(Point2::new(*x, *y), segment) - bound_um >= near_um {
         return None;
@@ -126,7 +132,7 @@ pub(super) fn meets_obstacle(track: &Track, obstacle: &Obstacle, keep_um: f64) -
 }
 
 /// The first instant at which a robot is too near to a disc.
-pub(super) fn meets_disc(track: &Track, disc: &Disc, keep_um: f64) -> Option<f64> {
+pub(super) fn meets_disc(track: &RobotTrack, disc: &OrbitDisc, keep_um: f64) -> Option<f64> {
     let ([x, y], keep_um) = (disc.centre_um, keep_um + disc.radius_um);
     let (segment, radius_um) = track.bound();
     if point_segment(Point2::new(x, y), segment) - radius_um >= keep_um + MARGIN_UM {
@@ -135,7 +141,7 @@ pub(super) fn meets_disc(track: &Track, disc: &Disc, keep_um: f64) -> Option<f64
     meets(track, keep_um, |rectangle| rectangle.to_point_um(disc.centre_um))
 }
 
-fn meets_rectangle(track: &Track, body: &Rectangle, keep_um: f64) -> Option<f64> {
+fn meets_rectangle(track: &RobotTrack, body: &OrientedRectangle, keep_um: f64) -> Option<f64> {
     let (segment, radius_um) = track.bound();
     let [x, y] = body.centre_um;
     let corner_um = body.half_um[0].hypotenuse(body.half_um[1]);
@@ -146,8 +152,8 @@ fn meets_rectangle(track: &Track, body: &Rectangle, keep_um: f64) -> Option<f64>
 }
 
 /// The first instant at which a body comes nearer than `keep_um` to something that rests.
-fn meets(track: &Track, keep_um: f64, distance_um: impl Fn(&Rectangle) -> f64) -> Option<f64> {
-    if track.kind == Kind::Turns {
+fn meets(track: &RobotTrack, keep_um: f64, distance_um: impl Fn(&OrientedRectangle) -> f64) -> Option<f64> {
+    if track.kind == MotionKind::Turns {
         // After a whole turn everything comes again.
         let strokes = track.strokes.min(TAU * track.speed_um.recip() * track.reach_um);
         return first_near([0.0, strokes], track.speed_um, keep_um, |at| distance_um(&track.at(at)));

@@ -3,7 +3,7 @@
 use super::fixture::{bed, obstacle, pose, robot};
 use super::*;
 use crate::geometry::Shape;
-use crate::plan::microrobots::free::Segment;
+use crate::plan::microrobots::free::ArmSegment;
 use proptest::prelude::*;
 
 /// Points of the border of a rectangle that is a robot at a pose.
@@ -37,7 +37,7 @@ fn apart_um(one: Pose, other: Pose, half_um: [f64; 2]) -> f64 {
 }
 
 /// By how much the rules R2 and R3 are kept at the worst of many instants.
-fn sampled_room_um(world: &World, discs: &[Disc], start: &[Pose], legs: &[Leg]) -> f64 {
+fn sampled_room_um(world: &World, discs: &[OrbitDisc], start: &[Pose], legs: &[Leg]) -> f64 {
     let mut poses = start.to_vec();
     let mut least_um = f64::INFINITY;
     for leg in legs {
@@ -84,7 +84,7 @@ proptest! {
         let world = World::new(&order);
         let start: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
         let legs: Vec<Leg> = legs.into_iter().map(|(state, strokes)| Leg { state, strokes }).collect();
-        let discs: Vec<Disc> = discs.into_iter().map(|disc| Disc { centre_um: [disc.0, disc.1], radius_um: disc.2 }).collect();
+        let discs: Vec<OrbitDisc> = discs.into_iter().map(|disc| OrbitDisc { centre_um: [disc.0, disc.1], radius_um: disc.2 }).collect();
         let hit = world.first_hit(&start, &vec![false; start.len()], &legs, &[]);
         let room_um = sampled_room_um(&world, &discs, &start, &legs);
         match hit {
@@ -100,7 +100,7 @@ proptest! {
 }
 
 /// A row of one robot that turns for `turn_deg` in two legs, and another thing beside its orbit.
-fn orbit(turn_deg: f64, gap_um: f64, shape: Option<f64>) -> Option<Meeting> {
+fn orbit(turn_deg: f64, gap_um: f64, shape: Option<f64>) -> Option<ForbiddenMeeting> {
     let one = robot("D1", 100.0, 0.02);
     let beyond_um = one.orbit_reach_um() + gap_um;
     let mut robots = vec![(one.clone(), pose(0.0, 100.0, 0.0))];
@@ -120,10 +120,10 @@ fn orbit(turn_deg: f64, gap_um: f64, shape: Option<f64>) -> Option<Meeting> {
 #[test]
 fn a_whole_turn_sweeps_a_disc() {
     assert_eq!(orbit(361.0, 20.1, Some(30.0)), None);
-    assert_eq!(orbit(361.0, 19.9, Some(30.0)), Some(Meeting::OrbitObstacle { robot: 0, obstacle: 0 }));
+    assert_eq!(orbit(361.0, 19.9, Some(30.0)), Some(ForbiddenMeeting::OrbitObstacle { robot: 0, obstacle: 0 }));
     assert_eq!(orbit(359.0, 19.9, Some(30.0)), None);
     assert_eq!(orbit(361.0, 20.1, None), None);
-    assert_eq!(orbit(361.0, 19.9, None), Some(Meeting::OrbitRobot { robot: 0, other: 1 }));
+    assert_eq!(orbit(361.0, 19.9, None), Some(ForbiddenMeeting::OrbitRobot { robot: 0, other: 1 }));
     assert_eq!(orbit(359.0, 19.9, None), None);
 }
 
@@ -135,7 +135,7 @@ fn bodies_keep_exactly_the_clearance() {
         let world = World::new(&order);
         let hit = world.first_hit(&[Pose::at(0.0, 0.0)], &[false], &[Leg { state: 0, strokes: 100_000 }], &[]);
         assert_eq!(hit.is_some(), hits);
-        let way = Segment { arm: Arm::Up, way_um: 2_000.0 };
+        let way = ArmSegment { arm: Arm::Up, way_um: 2_000.0 };
         let found = world.obstruction(0, Pose::at(0.0, 0.0), way, &Fixtures::default());
         assert_eq!(found, hits.then_some(Obstruction::Obstacle(0)));
         if let Some(hit) = hit {
@@ -145,12 +145,12 @@ fn bodies_keep_exactly_the_clearance() {
 }
 
 /// A robot runs head on into a docked one and ends this far before it.
-fn docks(gap_um: f64, docking: bool) -> Option<Hit> {
+fn docks(gap_um: f64, docking: bool) -> Option<FirstMeeting> {
     let start = [pose(0.0, 0.0, 0.0), pose(1_000.0, 0.0, 180.0)];
     let order = bed(vec![(robot("D1", 100.0, 0.02), start[0]), (robot("D2", 100.0, 0.02), start[1])], Vec::new());
     let world = World::new(&order);
     let legs = [Leg { state: 0, strokes: 10_000 }, Leg { state: 0, strokes: ((550.0 - gap_um) / 0.02) as u64 }];
-    let docks = [Docking { robot: 0, leg: 1 }];
+    let docks = [RobotDocking { robot: 0, leg: 1 }];
     world.first_hit(&start, &[false, true], &legs, if docking { &docks } else { &[] })
 }
 
@@ -160,7 +160,7 @@ fn who_docks_may_touch_but_not_overlap() {
     assert_eq!(docks(-0.99, true), None);
     assert!(docks(-1.01, true).is_some());
     let hit = docks(0.0, false).unwrap();
-    assert_eq!((hit.leg, hit.meeting), (1, Meeting::Robots { robot: 0, other: 1 }));
+    assert_eq!((hit.leg, hit.meeting), (1, ForbiddenMeeting::Robots { robot: 0, other: 1 }));
     assert_eq!(docks(10.01, false), None);
     assert!(docks(9.99, false).is_some());
 }

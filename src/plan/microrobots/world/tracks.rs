@@ -1,6 +1,6 @@
 //! The motion of one robot during one leg, and the search of the first instant at which a distance is too small.
 
-use super::{Body, MARGIN_UM, MAX_SAMPLES, Rectangle};
+use super::{MARGIN_UM, MAX_SAMPLES, OrientedRectangle, RobotDimensions};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::geometry::distance::{Segment, segment_segment};
@@ -12,7 +12,7 @@ const MAX_SECTIONS: u32 = 200;
 
 /// How a robot moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum MotionKind {
     Rests,
     Runs,
     Turns,
@@ -20,8 +20,8 @@ pub(super) enum Kind {
 
 /// The motion of one robot. Instants are counted in strokes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Track {
-    pub kind: Kind,
+pub(super) struct RobotTrack {
+    pub kind: MotionKind,
     pub pose: Pose,
     pub strokes: f64,
     pub step_um: f64,
@@ -37,17 +37,17 @@ pub(super) struct Track {
     corner_um: f64,
 }
 
-impl Track {
+impl RobotTrack {
     /// A robot without an arm's place rests.
-    pub(super) fn new(body: &Body, pose: Pose, arm: Option<Arm>, strokes: f64) -> Self {
+    pub(super) fn new(body: &RobotDimensions, pose: Pose, arm: Option<Arm>, strokes: f64) -> Self {
         let robot = &body.robot;
         let (kind, speed_um) = match arm {
-            None => (Kind::Rests, 0.0),
-            Some(Arm::Up) => (Kind::Runs, robot.step_um),
-            Some(Arm::Down) => (Kind::Turns, robot.step_um * body.reach_um / robot.turning_radius_um),
+            None => (MotionKind::Rests, 0.0),
+            Some(Arm::Up) => (MotionKind::Runs, robot.step_um),
+            Some(Arm::Down) => (MotionKind::Turns, robot.step_um * body.reach_um / robot.turning_radius_um),
         };
         let (sin, cos) = pose.heading_rad.sine_cosine();
-        Track {
+        RobotTrack {
             kind,
             pose,
             strokes,
@@ -63,24 +63,24 @@ impl Track {
     }
 
     /// The body at an instant.
-    pub(super) fn at(&self, strokes: f64) -> Rectangle {
+    pub(super) fn at(&self, strokes: f64) -> OrientedRectangle {
         let (centre_um, axis) = match self.kind {
-            Kind::Rests => ([self.pose.x_um, self.pose.y_um], self.axis),
-            Kind::Runs => {
+            MotionKind::Rests => ([self.pose.x_um, self.pose.y_um], self.axis),
+            MotionKind::Runs => {
                 let way_um = self.step_um * strokes;
                 ([self.pose.x_um + way_um * self.axis[0], self.pose.y_um + way_um * self.axis[1]], self.axis)
             }
-            Kind::Turns => {
+            MotionKind::Turns => {
                 let (sin, cos) = (self.pose.heading_rad + self.step_um * strokes / self.curve_um).sine_cosine();
                 ([self.centre_um[0] + self.curve_um * sin, self.centre_um[1] - self.curve_um * cos], [cos, sin])
             }
         };
-        Rectangle { centre_um, axis, half_um: self.half_um }
+        OrientedRectangle { centre_um, axis, half_um: self.half_um }
     }
 
     /// Where it is at an instant.
     pub(super) fn pose_at(&self, strokes: f64) -> Pose {
-        let Rectangle { centre_um: [x_um, y_um], axis: [cos, sin], .. } = self.at(strokes);
+        let OrientedRectangle { centre_um: [x_um, y_um], axis: [cos, sin], .. } = self.at(strokes);
         Pose { x_um, y_um, heading_rad: sin.arc_tangent_over(cos) }
     }
 
@@ -88,12 +88,12 @@ impl Track {
     pub(super) fn bound(&self) -> (Segment, f64) {
         let here = Point2::new(self.pose.x_um, self.pose.y_um);
         match self.kind {
-            Kind::Rests => ([here; 2], self.corner_um),
-            Kind::Runs => {
+            MotionKind::Rests => ([here; 2], self.corner_um),
+            MotionKind::Runs => {
                 let [x_um, y_um] = self.at(self.strokes).centre_um;
                 ([here, Point2::new(x_um, y_um)], self.corner_um)
             }
-            Kind::Turns => {
+            MotionKind::Turns => {
                 let near_um = self.corner_um + self.speed_um * self.strokes;
                 if near_um < self.reach_um {
                     return ([here; 2], near_um);
@@ -105,7 +105,7 @@ impl Track {
 }
 
 /// Whether two tracks keep a distance already by their bounds.
-pub(super) fn far_apart(one: &Track, other: &Track, keep_um: f64) -> bool {
+pub(super) fn far_apart(one: &RobotTrack, other: &RobotTrack, keep_um: f64) -> bool {
     let ((a, a_um), (b, b_um)) = (one.bound(), other.bound());
     segment_segment(a, b) - a_um - b_um >= keep_um + MARGIN_UM
 }

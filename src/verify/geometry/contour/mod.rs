@@ -13,7 +13,7 @@ mod tests;
 use crate::geometry::fault::{Fault, through};
 use crate::geometry::outline::Outline;
 use crate::real::Real;
-use piece::{Jet, Piece};
+use piece::{ContourJet, Piece};
 use std::f64::consts::{PI, TAU};
 
 /// How far the tangent turns from one node to the next.
@@ -50,7 +50,7 @@ const GAUSS: [(f64, f64); 5] = [
 
 /// A part of a piece between two nodes.
 #[derive(Debug, Clone, Copy)]
-struct Span {
+struct ContourSpan {
     piece: usize,
     from_t: f64,
     to_t: f64,
@@ -58,7 +58,7 @@ struct Span {
 
 /// Between two spans.
 #[derive(Debug, Clone, Copy)]
-struct Node {
+struct ContourNode {
     way_um: f64,
     point_um: [f64; 2],
     tangent: [f64; 2],
@@ -92,9 +92,9 @@ impl Foot {
 #[derive(Debug)]
 pub struct Contour {
     pieces: Vec<Piece>,
-    spans: Vec<Span>,
+    spans: Vec<ContourSpan>,
     /// One more than there are spans; the last one lies on the first.
-    nodes: Vec<Node>,
+    nodes: Vec<ContourNode>,
     farthest_um: f64,
 }
 
@@ -125,7 +125,7 @@ impl Contour {
         Some(contour)
     }
 
-    fn last(&self) -> &Node {
+    fn last(&self) -> &ContourNode {
         &self.nodes[self.spans.len()]
     }
 
@@ -151,7 +151,7 @@ impl Contour {
     /// The place to which a tip of a radius has turned the part so far, from the beginning; for tips that reach all of the outline.
     pub fn rolled_to(&self, turn_rad: f64, tip_radius_um: f64) -> Option<Foot> {
         let first_rad = self.nodes[0].normal_rad;
-        let turn_to = |node: &Node| node.normal_rad - first_rad + node.way_um / tip_radius_um;
+        let turn_to = |node: &ContourNode| node.normal_rad - first_rad + node.way_um / tip_radius_um;
         let once_rad = turn_to(self.last());
         let laps = (turn_rad / once_rad).floor();
         let rest_rad = turn_rad - laps * once_rad;
@@ -247,7 +247,7 @@ impl Contour {
         if to_um < from_um { span.to_t } else { span.from_t }
     }
 
-    fn jet(&self, at: usize, t: f64) -> Jet {
+    fn jet(&self, at: usize, t: f64) -> ContourJet {
         self.pieces[self.spans[at].piece].at(t)
     }
 
@@ -286,18 +286,19 @@ impl Contour {
 }
 
 /// Cuts pieces until tangents turn little, and ways are exact, from one node to the next.
-fn halved(pieces: &[Piece]) -> Option<Vec<Span>> {
+fn halved(pieces: &[Piece]) -> Option<Vec<ContourSpan>> {
     let whole = |piece: usize| {
         let [from_t, to_t] = pieces[piece].range();
-        (Span { piece, from_t, to_t }, 0)
+        (ContourSpan { piece, from_t, to_t }, 0)
     };
-    let mut open: Vec<(Span, u32)> = (0..pieces.len()).rev().map(whole).collect();
+    let mut open: Vec<(ContourSpan, u32)> = (0..pieces.len()).rev().map(whole).collect();
     let mut spans = Vec::new();
     while let Some((span, halvings)) = open.pop() {
         let piece = &pieces[span.piece];
         let middle_t = f64::midpoint(span.from_t, span.to_t);
         let jets = [span.from_t, middle_t, span.to_t].map(|t| piece.at(t));
-        let is_sound = |jet: &Jet| jet.speed().is_finite() && jet.speed() > 0.0 && length(jet.point_um).is_finite();
+        let is_sound =
+            |jet: &ContourJet| jet.speed().is_finite() && jet.speed() > 0.0 && length(jet.point_um).is_finite();
         if !jets.iter().all(is_sound) || spans.len() >= MAX_NODES[0] + MAX_NODES[1] * pieces.len() {
             return None;
         }
@@ -309,15 +310,15 @@ fn halved(pieces: &[Piece]) -> Option<Vec<Span>> {
         if is_fine || halvings == MAX_HALVINGS {
             spans.push(span);
         } else {
-            open.push((Span { from_t: middle_t, ..span }, halvings + 1));
-            open.push((Span { to_t: middle_t, ..span }, halvings + 1));
+            open.push((ContourSpan { from_t: middle_t, ..span }, halvings + 1));
+            open.push((ContourSpan { to_t: middle_t, ..span }, halvings + 1));
         }
     }
     Some(spans)
 }
 
 /// The spans in their order from where the positive x axis leaves the outline farthest out.
-fn begun_on_axis(pieces: &[Piece], mut spans: Vec<Span>) -> Option<Vec<Span>> {
+fn begun_on_axis(pieces: &[Piece], mut spans: Vec<ContourSpan>) -> Option<Vec<ContourSpan>> {
     let x_um = |(at, t): &(usize, f64)| pieces[spans[*at].piece].at(*t).point_um[0];
     let roots = (0..spans.len()).flat_map(|at| axis_roots(pieces, spans[at]).map(move |t| (at, t)));
     let right = roots.filter(|place| x_um(place) > 0.0);
@@ -325,9 +326,9 @@ fn begun_on_axis(pieces: &[Piece], mut spans: Vec<Span>) -> Option<Vec<Span>> {
     let span = spans[at];
     spans.rotate_left(at);
     spans[0].from_t = t;
-    spans.push(Span { to_t: t, ..span });
+    spans.push(ContourSpan { to_t: t, ..span });
     // What is left of a span beside the beginning may be nothing but rounding.
-    let is_wide = |span: &Span| {
+    let is_wide = |span: &ContourSpan| {
         let [from_t, to_t] = pieces[span.piece].range();
         span.to_t - span.from_t > 1e-12 * (to_t - from_t)
     };
@@ -336,7 +337,7 @@ fn begun_on_axis(pieces: &[Piece], mut spans: Vec<Span>) -> Option<Vec<Span>> {
 }
 
 /// Where the x axis meets a span.
-fn axis_roots(pieces: &[Piece], span: Span) -> impl Iterator<Item = f64> + use<> {
+fn axis_roots(pieces: &[Piece], span: ContourSpan) -> impl Iterator<Item = f64> + use<> {
     let piece = pieces[span.piece];
     let height_um = |t: f64| piece.at(t).point_um[1];
     let rise = |t: f64| piece.at(t).velocity[1];
@@ -355,24 +356,24 @@ fn axis_roots(pieces: &[Piece], span: Span) -> impl Iterator<Item = f64> + use<>
 }
 
 /// The nodes of spans in their order.
-fn nodes(pieces: &[Piece], spans: &[Span]) -> Option<Vec<Node>> {
-    let place = |span: &Span, t: f64| {
+fn nodes(pieces: &[Piece], spans: &[ContourSpan]) -> Option<Vec<ContourNode>> {
+    let place = |span: &ContourSpan, t: f64| {
         let jet = pieces[span.piece].at(t);
         let speed = jet.speed();
         (jet.point_um, jet.velocity.map(|part| part / speed))
     };
     let (point_um, tangent) = place(spans.first()?, spans.first()?.from_t);
     let normal_rad = (-tangent[0]).arc_tangent_over(tangent[1]);
-    let mut nodes = vec![Node { way_um: 0.0, point_um, tangent, normal_rad }];
+    let mut nodes = vec![ContourNode { way_um: 0.0, point_um, tangent, normal_rad }];
     for span in spans {
         let before = nodes[nodes.len() - 1];
         let (point_um, tangent) = place(span, span.to_t);
         let normal_rad = before.normal_rad + turn_rad(before.tangent, tangent);
         let way_um = before.way_um + arc_um(&pieces[span.piece], [span.from_t, span.to_t]);
-        nodes.push(Node { way_um, point_um, tangent, normal_rad });
+        nodes.push(ContourNode { way_um, point_um, tangent, normal_rad });
     }
     let (first, last) = (nodes[0], nodes.len() - 1);
-    nodes[last] = Node { normal_rad: nodes[last].normal_rad, way_um: nodes[last].way_um, ..first };
+    nodes[last] = ContourNode { normal_rad: nodes[last].normal_rad, way_um: nodes[last].way_um, ..first };
     Some(nodes)
 }
 

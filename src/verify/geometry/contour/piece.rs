@@ -10,12 +10,12 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// A place on a piece, and its derivative by the parameter.
 #[derive(Debug, Clone, Copy)]
-pub struct Jet {
+pub struct ContourJet {
     pub point_um: [f64; 2],
     pub velocity: [f64; 2],
 }
 
-impl Jet {
+impl ContourJet {
     pub fn speed(&self) -> f64 {
         let [x, y] = self.velocity;
         (x * x + y * y).sqrt()
@@ -49,20 +49,23 @@ impl Piece {
         }
     }
 
-    pub fn at(&self, t: f64) -> Jet {
+    pub fn at(&self, t: f64) -> ContourJet {
         match *self {
             Piece::Eighth { semi_um: [a, b], .. } => {
                 let (s, c) = t.sine_cosine();
-                Jet { point_um: [a * c, b * s], velocity: [-a * s, b * c] }
+                ContourJet { point_um: [a * c, b * s], velocity: [-a * s, b * c] }
             }
             Piece::Octant { semi_um, exponent, number } => octant(semi_um, exponent, number, t),
             Piece::Line { from_um: [x, y], to_um } => {
                 let [along, up] = [to_um[0] - x, to_um[1] - y];
-                Jet { point_um: [x + along * t, y + up * t], velocity: [along, up] }
+                ContourJet { point_um: [x + along * t, y + up * t], velocity: [along, up] }
             }
             Piece::Corner { centre_um: [x, y], radius_um, .. } => {
                 let (s, c) = t.sine_cosine();
-                Jet { point_um: [x + radius_um * c, y + radius_um * s], velocity: [-radius_um * s, radius_um * c] }
+                ContourJet {
+                    point_um: [x + radius_um * c, y + radius_um * s],
+                    velocity: [-radius_um * s, radius_um * c],
+                }
             }
             Piece::Cubic { ends_um: [from, to], slopes, chord_um } => {
                 let u = t / chord_um;
@@ -76,13 +79,13 @@ impl Piece {
                     let [first, last] = [slopes[0][axis], slopes[1][axis]];
                     6.0 * u * rest * rise[axis] + rest * (1.0 - 3.0 * u) * first + u * (3.0 * u - 2.0) * last
                 };
-                Jet { point_um: [point(0), point(1)], velocity: [velocity(0), velocity(1)] }
+                ContourJet { point_um: [point(0), point(1)], velocity: [velocity(0), velocity(1)] }
             }
         }
     }
 
     /// The signed curvature where the speed is known: positive where the outline is convex.
-    pub fn curvature_per_um(&self, t: f64, jet: &Jet) -> f64 {
+    pub fn curvature_per_um(&self, t: f64, jet: &ContourJet) -> f64 {
         let cube = jet.speed().whole_power(3);
         match *self {
             Piece::Eighth { semi_um: [a, b], .. } => a * b / cube,
@@ -116,7 +119,7 @@ fn graphed(n: f64, number: u8, t: f64) -> f64 {
     if number.is_multiple_of(2) { t } else { (diagonal(n) - t).max(0.0) }
 }
 
-fn octant(semi_um: [f64; 2], n: f64, number: u8, t: f64) -> Jet {
+fn octant(semi_um: [f64; 2], n: f64, number: u8, t: f64) -> ContourJet {
     let low = graphed(n, number, t);
     let share = low.power(n);
     let high = (1.0 - share).power(1.0 / n);
@@ -133,7 +136,7 @@ fn octant(semi_um: [f64; 2], n: f64, number: u8, t: f64) -> Jet {
         _ => [0.0, -value * semi_um[1]],
     };
     let sum = |one: [f64; 2], other: [f64; 2]| [one[0] + other[0], one[1] + other[1]];
-    Jet {
+    ContourJet {
         point_um: sum(directed(high_axis, high), directed(low_axis, low)),
         velocity: sum(directed(high_axis, slope * sign), directed(low_axis, sign)),
     }

@@ -1,12 +1,14 @@
 //! Makes claims on a board, and schedules from the words that its parts follow, with a lowering and records of its own.
 
 use crate::claims::electrode_array::{
-    Action, Body, Bystanders, ElectrodeArrayOrder, Method, Move, Objective, Obstacle, Part, Planner, Step, Stop,
+    BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
+    ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep,
+    ElectrodeArrayStop,
 };
 use crate::claims::{Claims, Job, Order};
 use crate::device::Kind;
-use crate::device::electrode_array::{Cell, Electrodes, Facts, Hold, Layout, Separation};
-use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, State, TimedState, Unit};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation};
+use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
 use crate::verify::tests::{bare, build, step_of};
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,13 +16,13 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A beat.
 pub const BEAT: u64 = 2_200_000;
 
-pub fn cell(column: u32, row: u32) -> Cell {
-    Cell::new(column, row)
+pub fn cell(column: u32, row: u32) -> ElectrodeCell {
+    ElectrodeCell::new(column, row)
 }
 
 /// A board of microparts.
-pub fn platform(columns: u32, rows: u32) -> Facts {
-    Facts {
+pub fn platform(columns: u32, rows: u32) -> ElectrodeArrayFacts {
+    ElectrodeArrayFacts {
         columns,
         rows,
         radius_um: 35.0,
@@ -35,8 +37,8 @@ pub fn platform(columns: u32, rows: u32) -> Facts {
 }
 
 /// A board of droplets.
-pub fn chip(columns: u32, rows: u32) -> Facts {
-    Facts {
+pub fn chip(columns: u32, rows: u32) -> ElectrodeArrayFacts {
+    ElectrodeArrayFacts {
         layout: Layout { electrodes: Electrodes::Single, half_width_pitches: 0.55 },
         hold: Hold::On,
         separation: Separation::Apart(2),
@@ -45,8 +47,12 @@ pub fn chip(columns: u32, rows: u32) -> Facts {
     }
 }
 
-pub fn order(facts: Facts, parts: &[(&str, u32, u32)], actions: Vec<Action>) -> ElectrodeArrayOrder {
-    let part = |(name, column, row): &(&str, u32, u32)| Part {
+pub fn order(
+    facts: ElectrodeArrayFacts,
+    parts: &[(&str, u32, u32)],
+    actions: Vec<ElectrodeArrayAction>,
+) -> ElectrodeArrayOrder {
+    let part = |(name, column, row): &(&str, u32, u32)| BoardPart {
         name: (*name).into(),
         cell: cell(*column, *row),
         span: Span::default(),
@@ -55,24 +61,24 @@ pub fn order(facts: Facts, parts: &[(&str, u32, u32)], actions: Vec<Action>) -> 
         facts,
         obstacles: Default::default(),
         parts: std::sync::Arc::new(parts.iter().map(part).collect()),
-        objective: Objective::Makespan,
-        planner: Planner { method: Method::Portfolio, expansions: 1000 },
+        objective: ElectrodeArrayObjective::Makespan,
+        planner: ElectrodeArrayPlanner { method: ElectrodeArrayMethod::Portfolio, expansions: 1000 },
         bystanders: Bystanders::Stay,
-        steps: actions.into_iter().map(|action| Step { action, span: Span::default() }).collect(),
+        steps: actions.into_iter().map(|action| ElectrodeArrayStep { action, span: Span::default() }).collect(),
     }
 }
 
-pub fn go(part: usize, stops: &[(u32, u32)]) -> Move {
-    let stop = |(column, row): &(u32, u32)| Stop { cell: cell(*column, *row), span: Span::default() };
-    Move { part, with: None, stops: stops.iter().map(stop).collect(), span: Span::default() }
+pub fn go(part: usize, stops: &[(u32, u32)]) -> ElectrodeArrayMove {
+    let stop = |(column, row): &(u32, u32)| ElectrodeArrayStop { cell: cell(*column, *row), span: Span::default() };
+    ElectrodeArrayMove { part, with: None, stops: stops.iter().map(stop).collect(), span: Span::default() }
 }
 
-pub fn merge(part: usize, with: usize, goal: (u32, u32)) -> Move {
-    Move { with: Some(with), ..go(part, &[goal]) }
+pub fn merge(part: usize, with: usize, goal: (u32, u32)) -> ElectrodeArrayMove {
+    ElectrodeArrayMove { with: Some(with), ..go(part, &[goal]) }
 }
 
-pub fn obstacle(name: &str, body: Body) -> Obstacle {
-    Obstacle { name: name.into(), body, span: Span::default() }
+pub fn obstacle(name: &str, body: ElectrodeArrayObstacleBody) -> ElectrodeArrayObstacle {
+    ElectrodeArrayObstacle { name: name.into(), body, span: Span::default() }
 }
 
 /// The claims of a single task.
@@ -104,14 +110,14 @@ fn shift(letter: char) -> [i64; 2] {
     }
 }
 
-pub fn moved(at: Cell, letter: char) -> Cell {
+pub fn moved(at: ElectrodeCell, letter: char) -> ElectrodeCell {
     let [columns, rows] = shift(letter);
     let sum = |at: u32, by: i64| u32::try_from(i64::from(at) + by).expect("a cell on the board");
     cell(sum(at.column, columns), sum(at.row, rows))
 }
 
 /// What is on for one part in one beat.
-pub fn electrodes(facts: &Facts, at: Cell, letter: char) -> Vec<Cell> {
+pub fn electrodes(facts: &ElectrodeArrayFacts, at: ElectrodeCell, letter: char) -> Vec<ElectrodeCell> {
     let [columns, rows] = shift(letter);
     let far = |c: i64, r: i64| cell((i64::from(at.column) + c) as u32, (i64::from(at.row) + r) as u32);
     match (facts.layout.electrodes, letter) {
@@ -128,8 +134,8 @@ pub fn electrodes(facts: &Facts, at: Cell, letter: char) -> Vec<Cell> {
 struct Writer {
     schedule: Schedule,
     at_ns: u64,
-    cells: Vec<Option<Cell>>,
-    channels: BTreeMap<Cell, u32>,
+    cells: Vec<Option<ElectrodeCell>>,
+    channels: BTreeMap<ElectrodeCell, u32>,
 }
 
 /// The schedule of these words, with true records.
@@ -156,8 +162,8 @@ impl Writer {
             let (step_ns, words) = (self.at_ns, words[nth]);
             let beats = words.iter().map(|word| word.len()).max().unwrap_or(0);
             match &step.action {
-                Action::Wait(duration_ns) => self.rest(order, *duration_ns),
-                Action::Move(goals) => {
+                ElectrodeArrayAction::Wait(duration_ns) => self.rest(order, *duration_ns),
+                ElectrodeArrayAction::Move(goals) => {
                     self.follow(order, words, beats, &mut states);
                     let gone: Vec<usize> = goals.iter().filter_map(|goal| goal.with).collect();
                     gone.iter().for_each(|part| self.cells[*part] = None);
@@ -187,8 +193,8 @@ impl Writer {
         let figures = [("steps", steps as f64), ("sum_of_costs", costs as f64), ("moves", moves as f64)];
         let outcomes = figures.into_iter().chain([("time", duration_ns as f64 / 1e9)]);
         let (objective, cost) = match order.objective {
-            Objective::Makespan => ("makespan", steps as f64),
-            Objective::SumOfCosts => ("sum_of_costs", costs as f64),
+            ElectrodeArrayObjective::Makespan => ("makespan", steps as f64),
+            ElectrodeArrayObjective::SumOfCosts => ("sum_of_costs", costs as f64),
         };
         PlanRecord {
             task: job.task.clone(),
@@ -217,7 +223,7 @@ impl Writer {
 
     fn rest(&mut self, order: &ElectrodeArrayOrder, duration_ns: u64) {
         if order.facts.layout.electrodes == Electrodes::Single && order.facts.hold == Hold::On && duration_ns > 0 {
-            let held: Vec<Cell> = self.cells.iter().flatten().copied().collect();
+            let held: Vec<ElectrodeCell> = self.cells.iter().flatten().copied().collect();
             held.into_iter().for_each(|cell| self.on(order, cell, self.at_ns, duration_ns));
         }
         self.at_ns += duration_ns;
@@ -225,7 +231,7 @@ impl Writer {
 
     fn follow(&mut self, order: &ElectrodeArrayOrder, words: &[&str], beats: usize, states: &mut Vec<TimedState>) {
         // An electrode that is on in two beats that follow one another is on in one piece.
-        let mut since: BTreeMap<Cell, u64> = BTreeMap::new();
+        let mut since: BTreeMap<ElectrodeCell, u64> = BTreeMap::new();
         for beat in 0..beats {
             let mut wanted = BTreeSet::new();
             for (part, at) in self.cells.iter_mut().enumerate() {
@@ -241,8 +247,13 @@ impl Writer {
         self.switch(order, &mut since, &BTreeSet::new());
     }
 
-    fn switch(&mut self, order: &ElectrodeArrayOrder, since: &mut BTreeMap<Cell, u64>, wanted: &BTreeSet<Cell>) {
-        let ended: Vec<Cell> = since.keys().filter(|cell| !wanted.contains(cell)).copied().collect();
+    fn switch(
+        &mut self,
+        order: &ElectrodeArrayOrder,
+        since: &mut BTreeMap<ElectrodeCell, u64>,
+        wanted: &BTreeSet<ElectrodeCell>,
+    ) {
+        let ended: Vec<ElectrodeCell> = since.keys().filter(|cell| !wanted.contains(cell)).copied().collect();
         for cell in ended {
             let start_ns = since.remove(&cell).expect("it was on");
             self.on(order, cell, start_ns, self.at_ns - start_ns);
@@ -252,7 +263,7 @@ impl Writer {
         }
     }
 
-    fn on(&mut self, order: &ElectrodeArrayOrder, cell: Cell, start_ns: u64, duration_ns: u64) {
+    fn on(&mut self, order: &ElectrodeArrayOrder, cell: ElectrodeCell, start_ns: u64, duration_ns: u64) {
         let volts = order.facts.potential_v;
         let step = self.schedule.steps.len() as u32;
         let channels = &mut self.schedule.channels;
@@ -273,7 +284,7 @@ impl Writer {
 }
 
 /// The index of an electrode's channel, which is added if it is missing.
-pub fn channel(schedule: &mut Schedule, cell: Cell) -> u32 {
+pub fn channel(schedule: &mut Schedule, cell: ElectrodeCell) -> u32 {
     let new = named(cell);
     let known = schedule.channels.iter().position(|channel| channel.name == new.name);
     known.unwrap_or_else(|| {
@@ -282,9 +293,9 @@ pub fn channel(schedule: &mut Schedule, cell: Cell) -> u32 {
     }) as u32
 }
 
-fn named(cell: Cell) -> Channel {
+fn named(cell: ElectrodeCell) -> Channel {
     let name = format!("board.e{}_{}", cell.column, cell.row);
-    Channel { name, device: "board".into(), unit: Unit::Volt, wire: None }
+    Channel { name, device: "board".into(), unit: ChannelUnit::Volt, wire: None }
 }
 
 /// One more electrode that is on, in a step.

@@ -6,12 +6,15 @@ use proptest::prelude::*;
 
 fn sound() -> (Claims, Schedule) {
     let steps = vec![
-        Action::Move(vec![merge(0, 1, (5, 5)), go(2, &[(9, 8), (9, 9)])]),
-        Action::Wait(BEAT),
-        Action::Move(vec![go(0, &[(6, 5)])]),
+        ElectrodeArrayAction::Move(vec![merge(0, 1, (5, 5)), go(2, &[(9, 8), (9, 9)])]),
+        ElectrodeArrayAction::Wait(BEAT),
+        ElectrodeArrayAction::Move(vec![go(0, &[(6, 5)])]),
     ];
     let mut order = order(chip(14, 14), &[("a", 3, 5), ("b", 7, 5), ("c", 9, 7)], steps);
-    let bodies = [Body::Electrodes { from: cell(12, 12), to: cell(13, 13) }, Body::Fixed(cell(2, 12))];
+    let bodies = [
+        ElectrodeArrayObstacleBody::Electrodes { from: cell(12, 12), to: cell(13, 13) },
+        ElectrodeArrayObstacleBody::Fixed(cell(2, 12)),
+    ];
     order.obstacles = Arc::new(bodies.into_iter().map(|body| obstacle("dust", body)).collect());
     let claims = alone(order);
     let schedule = schedule(&claims, &[&[&["RR", "LL", "UU"], &[], &["R"]]]);
@@ -115,9 +118,9 @@ proptest! {
         order.bystanders = if yields { Bystanders::Yield } else { Bystanders::Stay };
         let parts = Arc::make_mut(&mut order.parts);
         parts.iter_mut().zip(&cells).for_each(|(part, cell)| part.cell = *cell);
-        let bodies = [Body::Electrodes { from: cells[3], to: cells[4] }, Body::Fixed(cells[5])];
+        let bodies = [ElectrodeArrayObstacleBody::Electrodes { from: cells[3], to: cells[4] }, ElectrodeArrayObstacleBody::Fixed(cells[5])];
         order.obstacles = Arc::new(bodies.into_iter().map(|body| obstacle("dust", body)).collect());
-        let Action::Move(moves) = &mut order.steps[0].action else { panic!("a step of moves") };
+        let ElectrodeArrayAction::Move(moves) = &mut order.steps[0].action else { panic!("a step of moves") };
         (moves[1].part, moves[1].with, moves[1].stops[0].cell) = (part, with, cells[6]);
         verify(schedule, &claims);
     }
@@ -128,8 +131,8 @@ fn claims_that_no_program_has_are_inconclusive() {
     let (claims, schedule) = sound();
     passes(&schedule, &claims);
     type Spoil = fn(&mut ElectrodeArrayOrder);
-    fn moves(order: &mut ElectrodeArrayOrder) -> &mut Vec<Move> {
-        let Action::Move(moves) = &mut order.steps[0].action else { panic!("a step of moves") };
+    fn moves(order: &mut ElectrodeArrayOrder) -> &mut Vec<ElectrodeArrayMove> {
+        let ElectrodeArrayAction::Move(moves) = &mut order.steps[0].action else { panic!("a step of moves") };
         moves
     }
     let cases: &[(&str, Spoil)] = &[
@@ -147,12 +150,15 @@ fn claims_that_no_program_has_are_inconclusive() {
         ("not on the board", |order| Arc::make_mut(&mut order.parts)[1].cell = cell(0, 5)),
         ("too many parts", |order| {
             let part = order.parts[0].clone();
-            let many =
-                (0..=MAX_PARTS).map(|at| crate::claims::electrode_array::Part { name: at.to_string(), ..part.clone() });
+            let many = (0..=MAX_PARTS)
+                .map(|at| crate::claims::electrode_array::BoardPart { name: at.to_string(), ..part.clone() });
             order.parts = Arc::new(many.collect());
         }),
         ("obstacle of no electrodes", |order| {
-            order.obstacles = Arc::new(vec![obstacle("dust", Body::Electrodes { from: cell(5, 5), to: cell(4, 9) })]);
+            order.obstacles = Arc::new(vec![obstacle(
+                "dust",
+                ElectrodeArrayObstacleBody::Electrodes { from: cell(5, 5), to: cell(4, 9) },
+            )]);
         }),
         ("do not have", |order| moves(order)[1].part = 3),
         ("do not have", |order| moves(order)[0].with = Some(3)),
@@ -175,7 +181,7 @@ fn claims_that_no_program_has_are_inconclusive() {
 
 #[test]
 fn the_parts_of_a_device_are_the_same_in_all_its_runs() {
-    let task = |name| order(chip(9, 9), &[(name, 5, 5)], vec![Action::Wait(5)]);
+    let task = |name| order(chip(9, 9), &[(name, 5, 5)], vec![ElectrodeArrayAction::Wait(5)]);
     let claims = in_turn(vec![task("a"), task("b")]);
     let schedule = schedule(&claims, &[&[&[]], &[&[]]]);
     let Verdict::Inconclusive { why } = verify(schedule, &claims) else { panic!("other parts") };

@@ -1,6 +1,10 @@
 use super::*;
 
-fn pair(facts: crate::device::electrode_array::Facts, second: (u32, u32), goal: (u32, u32)) -> ElectrodeArrayOrder {
+fn pair(
+    facts: crate::device::electrode_array::ElectrodeArrayFacts,
+    second: (u32, u32),
+    goal: (u32, u32),
+) -> ElectrodeArrayOrder {
     moving(facts, &[("a", 3, 5), ("b", second.0, second.1), ("c", 12, 12)], vec![merge(0, 1, goal)])
 }
 
@@ -9,7 +13,7 @@ fn chip_pair(second: (u32, u32), goal: (u32, u32)) -> ElectrodeArrayOrder {
 }
 
 fn unheld_pair(second: (u32, u32), goal: (u32, u32)) -> ElectrodeArrayOrder {
-    pair(crate::device::electrode_array::Facts { hold: Hold::Off, ..chip(14, 14) }, second, goal)
+    pair(crate::device::electrode_array::ElectrodeArrayFacts { hold: Hold::Off, ..chip(14, 14) }, second, goal)
 }
 
 #[test]
@@ -55,9 +59,13 @@ fn a_third_droplet_keeps_away_from_both() {
 
 #[test]
 fn what_has_merged_is_gone() {
-    let steps = |last: Move| {
-        let first = Action::Move(vec![merge(0, 1, (5, 5))]);
-        alone(order(chip(14, 14), &[("a", 3, 5), ("b", 7, 5)], vec![first, Action::Wait(9), Action::Move(vec![last])]))
+    let steps = |last: ElectrodeArrayMove| {
+        let first = ElectrodeArrayAction::Move(vec![merge(0, 1, (5, 5))]);
+        alone(order(
+            chip(14, 14),
+            &[("a", 3, 5), ("b", 7, 5)],
+            vec![first, ElectrodeArrayAction::Wait(9), ElectrodeArrayAction::Move(vec![last])],
+        ))
     };
     let words: Words = &[&[&["RR", "LL"], &[], &["UU"]]];
     let claims = steps(go(0, &[(5, 7)]));
@@ -78,8 +86,8 @@ fn what_has_merged_is_gone() {
 #[test]
 fn a_merged_droplet_is_missing_in_the_next_run() {
     let parts = [("a", 3, 5), ("b", 7, 5)];
-    let first = order(chip(14, 14), &parts, vec![Action::Move(vec![merge(0, 1, (5, 5))])]);
-    let second = order(chip(14, 14), &parts, vec![Action::Move(vec![go(0, &[(8, 5)])])]);
+    let first = order(chip(14, 14), &parts, vec![ElectrodeArrayAction::Move(vec![merge(0, 1, (5, 5))])]);
+    let second = order(chip(14, 14), &parts, vec![ElectrodeArrayAction::Move(vec![go(0, &[(8, 5)])])]);
     let claims = in_turn(vec![first, second]);
     passes(&schedule(&claims, &[&[&["RR", "LL"]], &[&["RRR"]]]), &claims);
 }

@@ -1,6 +1,9 @@
 use super::{Edit, each_alone, only, passes, rules};
 use crate::claims::Claims;
-use crate::claims::electrode_array::{Action, Body, Bystanders, ElectrodeArrayOrder, Move, Objective};
+use crate::claims::electrode_array::{
+    Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayObstacleBody,
+    ElectrodeArrayOrder,
+};
 use crate::device::electrode_array::{Hold, Separation};
 use crate::schedule::{Schedule, State, Swing};
 use crate::verify::{Rule, Verdict, verify};
@@ -16,9 +19,9 @@ mod random;
 /// Three microparts: `a` goes right and `b` up, then all wait, then `b` comes back by a detour; `c` stays.
 fn day() -> Claims {
     let steps = vec![
-        Action::Move(vec![go(0, &[(8, 5)]), go(1, &[(5, 14)])]),
-        Action::Wait(7_000_000),
-        Action::Move(vec![go(1, &[(6, 14), (5, 12)])]),
+        ElectrodeArrayAction::Move(vec![go(0, &[(8, 5)]), go(1, &[(5, 14)])]),
+        ElectrodeArrayAction::Wait(7_000_000),
+        ElectrodeArrayAction::Move(vec![go(1, &[(6, 14), (5, 12)])]),
     ];
     alone(order(platform(20, 20), &[("a", 5, 5), ("b", 5, 12), ("c", 15, 15)], steps))
 }
@@ -118,7 +121,7 @@ fn the_same_electrode_may_be_on_in_two_pieces() {
 #[test]
 fn the_cost_is_that_of_the_objective() {
     let mut claims = day();
-    order_of(&mut claims, 0).objective = Objective::SumOfCosts;
+    order_of(&mut claims, 0).objective = ElectrodeArrayObjective::SumOfCosts;
     let mut schedule = schedule(&claims, DAY);
     passes(&schedule, &claims);
     (schedule.plans[0].cost, schedule.plans[0].bound) = (7.0, 7.0);
@@ -150,11 +153,11 @@ fn one_step(order: ElectrodeArrayOrder, words: &[&str]) -> (Schedule, Claims) {
 }
 
 fn moving(
-    facts: crate::device::electrode_array::Facts,
+    facts: crate::device::electrode_array::ElectrodeArrayFacts,
     parts: &[(&str, u32, u32)],
-    moves: Vec<Move>,
+    moves: Vec<ElectrodeArrayMove>,
 ) -> ElectrodeArrayOrder {
-    order(facts, parts, vec![Action::Move(moves)])
+    order(facts, parts, vec![ElectrodeArrayAction::Move(moves)])
 }
 
 #[track_caller]
@@ -203,7 +206,7 @@ fn parts_without_a_goal_come_back() {
 #[test]
 fn parts_keep_the_separation_of_the_device() {
     let apart = |separation, second: u32, ends: [(u32, u32); 2]| {
-        let facts = crate::device::electrode_array::Facts { separation, ..platform(30, 12) };
+        let facts = crate::device::electrode_array::ElectrodeArrayFacts { separation, ..platform(30, 12) };
         moving(facts, &[("a", 5, 5), ("b", second, 5)], vec![go(0, &[ends[0]]), go(1, &[ends[1]])])
     };
     for separation in [Separation::Apart(4), Separation::AsPublished] {
@@ -240,7 +243,7 @@ fn bodies_never_overlap_whatever_the_separation() {
 fn centres_keep_the_clearance_from_covered_electrodes() {
     let wall = |from, to| {
         let mut order = moving(platform(20, 12), &[("a", 5, 5)], vec![go(0, &[(7, 5)])]);
-        order.obstacles = Arc::new(vec![obstacle("wall", Body::Electrodes { from, to })]);
+        order.obstacles = Arc::new(vec![obstacle("wall", ElectrodeArrayObstacleBody::Electrodes { from, to })]);
         order
     };
     judged(wall(cell(10, 1), cell(11, 12)), &["RR"], &[]);
@@ -255,7 +258,7 @@ fn centres_keep_the_clearance_from_covered_electrodes() {
 fn stuck_parts_are_parts_that_never_move() {
     let stuck = |at| {
         let mut order = moving(platform(20, 12), &[("a", 5, 5)], vec![go(0, &[(7, 5)])]);
-        order.obstacles = Arc::new(vec![obstacle("stuck", Body::Fixed(at))]);
+        order.obstacles = Arc::new(vec![obstacle("stuck", ElectrodeArrayObstacleBody::Fixed(at))]);
         order
     };
     judged(stuck(cell(11, 5)), &["RR"], &[]);
@@ -270,7 +273,7 @@ fn stuck_parts_are_parts_that_never_move() {
 
 #[test]
 fn parts_stand_where_the_last_run_left_them() {
-    let step = |goal| vec![Action::Move(vec![go(0, &[goal])])];
+    let step = |goal| vec![ElectrodeArrayAction::Move(vec![go(0, &[goal])])];
     let task = |goal| order(platform(12, 12), &[("a", 4, 4), ("b", 10, 10)], step(goal));
     let claims = in_turn(vec![task((6, 4)), task((6, 5)), task((4, 4))]);
     let words: Words = &[&[&["RR"]], &[&["U"]], &[&["DLL"]]];
@@ -287,7 +290,8 @@ fn parts_stand_where_the_last_run_left_them() {
 
 #[test]
 fn a_wait_lasts_as_claimed() {
-    let claims = |duration_ns| alone(order(platform(12, 12), &[("a", 4, 4)], vec![Action::Wait(duration_ns)]));
+    let claims =
+        |duration_ns| alone(order(platform(12, 12), &[("a", 4, 4)], vec![ElectrodeArrayAction::Wait(duration_ns)]));
     passes(&schedule(&claims(5), &[&[&[]]]), &claims(5));
     only(Rule::Wait, &schedule(&claims(5), &[&[&[]]]), &claims(6));
     passes(&schedule(&claims(0), &[&[&[]]]), &claims(0));
@@ -296,9 +300,15 @@ fn a_wait_lasts_as_claimed() {
 
 #[test]
 fn held_droplets_are_held_all_the_time() {
-    let steps = || vec![Action::Move(vec![go(0, &[(6, 4)])]), Action::Wait(BEAT), Action::Move(vec![go(0, &[(6, 5)])])];
+    let steps = || {
+        vec![
+            ElectrodeArrayAction::Move(vec![go(0, &[(6, 4)])]),
+            ElectrodeArrayAction::Wait(BEAT),
+            ElectrodeArrayAction::Move(vec![go(0, &[(6, 5)])]),
+        ]
+    };
     let claims = |hold| {
-        let facts = crate::device::electrode_array::Facts { hold, ..chip(12, 12) };
+        let facts = crate::device::electrode_array::ElectrodeArrayFacts { hold, ..chip(12, 12) };
         alone(order(facts, &[("a", 4, 4), ("b", 9, 9)], steps()))
     };
     let words: Words = &[&[&["R.R", ""], &[], &["U", ""]]];

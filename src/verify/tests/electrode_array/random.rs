@@ -1,7 +1,7 @@
 //! Random motions that keep the plain rule are accepted; changed in one actuation they are refused.
 
 use super::*;
-use crate::device::electrode_array::{Cell, Electrodes, Facts};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
 use proptest::prelude::*;
 use proptest::sample::Index;
 
@@ -31,23 +31,23 @@ fn draw() -> impl Strategy<Value = Draw> {
     (0..5u8, (6..24u32, 6..24u32), places(0..4), places(1..7), prop::collection::vec(beats, 1..4))
 }
 
-fn board(sort: u8, (columns, rows): (u32, u32)) -> Facts {
+fn board(sort: u8, (columns, rows): (u32, u32)) -> ElectrodeArrayFacts {
     let platform = platform(columns, rows);
     let chip = chip(columns, rows);
     match sort {
         0 => platform,
-        1 => Facts { separation: Separation::Apart(5), ..platform },
-        2 => Facts { separation: Separation::AsPublished, clearance: 1, ..platform },
+        1 => ElectrodeArrayFacts { separation: Separation::Apart(5), ..platform },
+        2 => ElectrodeArrayFacts { separation: Separation::AsPublished, clearance: 1, ..platform },
         3 => chip,
-        _ => Facts { hold: Hold::Off, separation: Separation::Apart(3), ..chip },
+        _ => ElectrodeArrayFacts { hold: Hold::Off, separation: Separation::Apart(3), ..chip },
     }
 }
 
 /// What the test itself knows of the rule.
 struct Rules {
-    facts: Facts,
-    blocks: Vec<Cell>,
-    stuck: Vec<Cell>,
+    facts: ElectrodeArrayFacts,
+    blocks: Vec<ElectrodeCell>,
+    stuck: Vec<ElectrodeCell>,
 }
 
 impl Rules {
@@ -58,7 +58,7 @@ impl Rules {
         }
     }
 
-    fn stands(&self, at: Cell) -> bool {
+    fn stands(&self, at: ElectrodeCell) -> bool {
         let rim = if self.facts.layout.electrodes == Electrodes::Quad { 1 } else { 0 };
         (1 + rim..=self.facts.columns - rim).contains(&at.column)
             && (1 + rim..=self.facts.rows - rim).contains(&at.row)
@@ -66,12 +66,12 @@ impl Rules {
             && self.stuck.iter().all(|stuck| stuck.apart(at) >= self.apart())
     }
 
-    fn clear(&self, one: [Cell; 2], other: [Cell; 2]) -> bool {
+    fn clear(&self, one: [ElectrodeCell; 2], other: [ElectrodeCell; 2]) -> bool {
         one.iter().all(|one| other.iter().all(|other| one.apart(*other) >= self.apart()))
     }
 
     /// The letter that a part may follow, as it would, if the others stand or go as they do.
-    fn letter(&self, part: usize, would: Index, ways: &[[Cell; 2]]) -> char {
+    fn letter(&self, part: usize, would: Index, ways: &[[ElectrodeCell; 2]]) -> char {
         let letter = LETTERS[would.index(LETTERS.len())];
         let at = ways[part][0];
         let on_board = at.column > 1 && at.row > 1;
@@ -95,13 +95,13 @@ fn scenario() -> impl Strategy<Value = Scenario> {
         for (index, at) in obstacles.iter().map(place).enumerate() {
             if index % 2 == 0 {
                 rules.blocks.push(at);
-                bodies.push(obstacle("block", Body::Electrodes { from: at, to: at }));
+                bodies.push(obstacle("block", ElectrodeArrayObstacleBody::Electrodes { from: at, to: at }));
             } else {
                 rules.stuck.push(at);
-                bodies.push(obstacle("stuck", Body::Fixed(at)));
+                bodies.push(obstacle("stuck", ElectrodeArrayObstacleBody::Fixed(at)));
             }
         }
-        let mut cells: Vec<Cell> = Vec::new();
+        let mut cells: Vec<ElectrodeCell> = Vec::new();
         for at in places.iter().map(place) {
             if rules.stands(at) && cells.iter().all(|other| other.apart(at) >= rules.apart()) {
                 cells.push(at);
@@ -113,7 +113,7 @@ fn scenario() -> impl Strategy<Value = Scenario> {
         let (mut actions, mut words) = (Vec::new(), Vec::new());
         for beats in &steps {
             let (goals, step) = walk(&rules, &mut cells, beats);
-            actions.extend([Action::Move(goals), Action::Wait(BEAT / 2)]);
+            actions.extend([ElectrodeArrayAction::Move(goals), ElectrodeArrayAction::Wait(BEAT / 2)]);
             words.extend([step, Vec::new()]);
         }
         let mut order = order(facts, &parts, actions);
@@ -123,11 +123,11 @@ fn scenario() -> impl Strategy<Value = Scenario> {
 }
 
 /// One step: what would be done, as far as it keeps the rule.
-fn walk(rules: &Rules, cells: &mut [Cell], beats: &[Vec<Index>]) -> (Vec<Move>, Vec<String>) {
+fn walk(rules: &Rules, cells: &mut [ElectrodeCell], beats: &[Vec<Index>]) -> (Vec<ElectrodeArrayMove>, Vec<String>) {
     let mut words = vec![String::new(); cells.len()];
     let mut stops: Vec<Vec<(u32, u32)>> = vec![Vec::new(); cells.len()];
     for beat in beats {
-        let mut ways: Vec<[Cell; 2]> = cells.iter().map(|at| [*at, *at]).collect();
+        let mut ways: Vec<[ElectrodeCell; 2]> = cells.iter().map(|at| [*at, *at]).collect();
         for part in 0..cells.len() {
             let letter = rules.letter(part, beat[part], &ways);
             ways[part][1] = moved(ways[part][0], letter);
@@ -212,7 +212,12 @@ fn mutate(schedule: &mut Schedule, mutation: &Mutation) {
 }
 
 /// A stroll, and then the way to a goal, cut at the first arrival there: as a word and as cells.
-fn to_goal(start: Cell, stroll: &[usize], rows_first: bool, goal: Cell) -> (String, Vec<Cell>) {
+fn to_goal(
+    start: ElectrodeCell,
+    stroll: &[usize],
+    rows_first: bool,
+    goal: ElectrodeCell,
+) -> (String, Vec<ElectrodeCell>) {
     let (mut word, mut path) = (String::new(), vec![start]);
     let mut stroll = stroll.iter();
     while let Some(at) = path.last().copied().filter(|at| *at != goal) {
@@ -253,15 +258,15 @@ proptest! {
         let goal = cell(8, 8);
         let starts = starts.map(|(column, row)| cell(5 + column, 5 + row));
         let [one, other] = [0, 1].map(|at| to_goal(starts[at], &strolls[at], rows_first[at], goal));
-        let position = |path: &[Cell], instant: usize| path[instant.min(path.len() - 1)];
-        let near = |a: Cell, b: Cell| a != goal && b != goal && a.apart(b) < 2;
+        let position = |path: &[ElectrodeCell], instant: usize| path[instant.min(path.len() - 1)];
+        let near = |a: ElectrodeCell, b: ElectrodeCell| a != goal && b != goal && a.apart(b) < 2;
         // Before the first step nothing is on the way to the goal, so parts stand apart as any others.
         let safe = starts[0].apart(starts[1]) >= 2 && (0..one.1.len().max(other.1.len())).all(|t| {
             let now = [position(&one.1, t), position(&other.1, t)];
             let next = [position(&one.1, t + 1), position(&other.1, t + 1)];
             !(near(now[0], now[1]) || near(now[0], next[1]) || near(next[0], now[1]))
         });
-        let facts = Facts { hold: if is_held { Hold::On } else { Hold::Off }, ..chip(20, 20) };
+        let facts = ElectrodeArrayFacts { hold: if is_held { Hold::On } else { Hold::Off }, ..chip(20, 20) };
         let names = [("a", starts[0]), ("b", starts[1])].map(|(name, at)| (name, at.column, at.row));
         let (schedule, claims) = one_step(moving(facts, &names, vec![merge(0, 1, (8, 8))]), &[&one.0, &other.0]);
         let accepted = rules(&schedule, &claims).is_empty();
@@ -295,7 +300,7 @@ proptest! {
         let far = "R".repeat(spelt[0].len());
         let parts = [("a", 12, 12), ("b", starts[1].column, starts[1].row), ("far", 25, 28)];
         let goal = (25 + far.len() as u32, 28);
-        let facts = Facts { columns: 40, rows: 40, ..facts };
+        let facts = ElectrodeArrayFacts { columns: 40, rows: 40, ..facts };
         let goals = vec![go(0, &[ends[0].pair().into()]), go(1, &[ends[1].pair().into()]), go(2, &[goal])];
         let (schedule, claims) = one_step(moving(facts, &parts, goals), &[&spelt[0], &spelt[1], &far]);
         prop_assert_eq!(rules(&schedule, &claims).is_empty(), safe);

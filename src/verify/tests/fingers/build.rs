@@ -1,11 +1,11 @@
 //! Makes claims on a hand, and schedules of its tips by the law of rolling, with records of its own.
 
-use crate::claims::fingers::{Action, FingersOrder, Part, Planner, Section, Step};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersStep, HandPart, Section};
 use crate::claims::{Claims, Job, Order};
 use crate::device::Kind;
-use crate::device::fingers::{AXES, Facts, Plane, channel, fixture};
+use crate::device::fingers::{AXES, FingersFacts, Plane, channel, fixture};
 use crate::geometry::outline::{Curve, Outline};
-use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, State, TimedState, Unit};
+use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
 use crate::verify::tests::{bare, build, step_of};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -20,8 +20,8 @@ pub const MS: u64 = 1_000_000;
 /// Pieces of a rolling step.
 pub const CHORDS: u32 = 8;
 
-pub fn facts() -> Facts {
-    Facts {
+pub fn facts() -> FingersFacts {
+    FingersFacts {
         clearance_um: 0.5,
         retract_um: 5.0,
         speed_um_per_s: 1000.0,
@@ -48,7 +48,7 @@ pub fn with_contacts(outline: Outline) -> Section {
 pub fn order() -> FingersOrder {
     FingersOrder {
         facts: Arc::new(facts()),
-        part: Arc::new(Part {
+        part: Arc::new(HandPart {
             name: "bead".into(),
             xy: section([16.0, 11.845]),
             xz: Some(section([16.0, 11.845])),
@@ -58,7 +58,7 @@ pub fn order() -> FingersOrder {
         }),
         precision_rad: 0.01,
         load_un: [0.0; 3],
-        planner: Planner::JointAstar,
+        planner: FingersPlanner::JointAstar,
         expansions: 1000,
         steps: Vec::new(),
     }
@@ -159,8 +159,8 @@ impl Day {
     }
 
     /// Begins a step.
-    pub fn step(mut self, action: Action) -> Day {
-        self.order.steps.push(Step { action, span: Span::default() });
+    pub fn step(mut self, action: FingersAction) -> Day {
+        self.order.steps.push(FingersStep { action, span: Span::default() });
         self.lines.push(Vec::new());
         self
     }
@@ -301,7 +301,7 @@ impl Day {
     pub fn rotate(self, plane: Plane, steps: i64) -> Day {
         let day = self.turn(plane);
         let angle_rad = day.section().step_rad * steps as f64;
-        day.step(Action::Rotate { plane, steps: steps as i32, angle_rad })
+        day.step(FingersAction::Rotate { plane, steps: steps as i32, angle_rad })
     }
 
     pub fn both(&self) -> (Schedule, Claims) {
@@ -316,7 +316,7 @@ pub fn schedule(claims: &Claims, days: &[Day]) -> Schedule {
     let fingers = days[0].order.facts.fingers as usize;
     for (finger, axis) in (0..fingers).flat_map(|finger| (0..AXES.len()).map(move |axis| (finger, axis))) {
         let name = format!("hand.{}", channel(finger, axis));
-        schedule.channels.push(Channel { name, device: "hand".into(), unit: Unit::Micrometre, wire: None });
+        schedule.channels.push(Channel { name, device: "hand".into(), unit: ChannelUnit::Micrometre, wire: None });
     }
     for (index, day) in days.iter().enumerate() {
         run(&mut schedule, &claims.jobs[index], index, day);

@@ -33,8 +33,8 @@ fn pick<T>(list: &mut [T], at: usize) -> Option<&mut T> {
 
 /// Two fingers take the bead and roll it once.
 fn sound() -> (Schedule, Claims) {
-    let day = Day::new(order()).step(Action::Grasp(None)).come(0, 1).come(1, 38).record();
-    day.rotate(Plane::Xy, 1).roll(1).step(Action::Release).go(0).go(1).record().both()
+    let day = Day::new(order()).step(FingersAction::Grasp(None)).come(0, 1).come(1, 38).record();
+    day.rotate(Plane::Xy, 1).roll(1).step(FingersAction::Release).go(0).go(1).record().both()
 }
 
 /// Writes nonsense to one field of a schedule.
@@ -121,7 +121,7 @@ proptest! {
         }
         facts.fingers = if fingers < 5 { 3 } else { fingers };
         facts.steps_per_turn = steps_per_turn;
-        order.steps[1].action = Action::Orient { goal: [turns[0], turns[1], turns[2], turns[3]], turns: Vec::new(), left_out_steps: None };
+        order.steps[1].action = FingersAction::Orient { goal: [turns[0], turns[1], turns[2], turns[3]], turns: Vec::new(), left_out_steps: None };
         let part = Arc::make_mut(&mut order.part);
         part.centre_um = [turns[4], turns[5], turns[6]];
         if contacts > 4 {
@@ -136,11 +136,11 @@ proptest! {
 
 type Spoil = fn(&mut FingersOrder);
 
-fn facts_of(order: &mut FingersOrder) -> &mut Facts {
+fn facts_of(order: &mut FingersOrder) -> &mut FingersFacts {
     Arc::make_mut(&mut order.facts)
 }
 
-fn part_of(order: &mut FingersOrder) -> &mut crate::claims::fingers::Part {
+fn part_of(order: &mut FingersOrder) -> &mut crate::claims::fingers::HandPart {
     Arc::make_mut(&mut order.part)
 }
 
@@ -172,20 +172,21 @@ const UNFIT: &[(&str, Spoil)] = &[
     ("the device's step apart", |order| facts_of(order).steps_per_turn = 20),
     ("that is none", |order| part_of(order).xy.opposite = Some(75)),
     ("off the x axis", |order| part_of(order).xy.opposite = Some(37)),
-    ("fingers that they do not have", |order| order.steps[0].action = Action::Grasp(Some(vec![1, 38]))),
-    ("with too few fingers", |order| order.steps[0].action = Action::Grasp(Some(vec![1, 0, 0]))),
-    ("a contact that is none", |order| order.steps[0].action = Action::Grasp(Some(vec![1, 75, 0]))),
+    ("fingers that they do not have", |order| order.steps[0].action = FingersAction::Grasp(Some(vec![1, 38]))),
+    ("with too few fingers", |order| order.steps[0].action = FingersAction::Grasp(Some(vec![1, 0, 0]))),
+    ("a contact that is none", |order| order.steps[0].action = FingersAction::Grasp(Some(vec![1, 75, 0]))),
     ("no angle", |order| {
-        order.steps[1].action = Action::Rotate { plane: Plane::Xy, steps: 1, angle_rad: f64::NAN };
+        order.steps[1].action = FingersAction::Rotate { plane: Plane::Xy, steps: 1, angle_rad: f64::NAN };
     }),
     ("no outline", |order| {
         part_of(order).xz = None;
-        order.steps[1].action = Action::Rotate { plane: Plane::Xz, steps: 1, angle_rad: 0.3 };
+        order.steps[1].action = FingersAction::Rotate { plane: Plane::Xz, steps: 1, angle_rad: 0.3 };
     }),
     ("no orientation", |order| {
-        order.steps[1].action = Action::Orient { goal: [0.5; 4].map(|x| x * 1.1), turns: vec![], left_out_steps: None }
+        order.steps[1].action =
+            FingersAction::Orient { goal: [0.5; 4].map(|x| x * 1.1), turns: vec![], left_out_steps: None }
     }),
-    ("out of reach", |order| order.steps[1].action = Action::Translate([f64::INFINITY, 0.0, 0.0])),
+    ("out of reach", |order| order.steps[1].action = FingersAction::Translate([f64::INFINITY, 0.0, 0.0])),
 ];
 
 #[test]
@@ -206,8 +207,8 @@ fn claims_that_no_program_has_are_inconclusive() {
 #[test]
 fn a_hand_has_one_set_of_facts_and_one_part() {
     let why = |edit: Spoil| {
-        let first = Day::new(order()).step(Action::Wait(1)).still(1);
-        let second = first.after(order()).step(Action::Wait(1)).still(1);
+        let first = Day::new(order()).step(FingersAction::Wait(1)).still(1);
+        let second = first.after(order()).step(FingersAction::Wait(1)).still(1);
         let mut claims = in_turn(vec![first.order.clone(), second.order.clone()]);
         let schedule = schedule(&claims, &[first, second]);
         passes(&schedule, &claims);

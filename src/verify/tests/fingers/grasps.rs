@@ -1,21 +1,21 @@
 //! Which grasps hold, and which fingers may come and leave.
 
 use super::*;
-use crate::claims::fingers::{Part, Section};
+use crate::claims::fingers::{HandPart, Section};
 use crate::verify::fingers::forces;
 
 /// A round bead of 72 contacts, at which every quarter is a contact, between fingers of other facts.
-fn round(edit: impl FnOnce(&mut Facts)) -> FingersOrder {
+fn round(edit: impl FnOnce(&mut FingersFacts)) -> FingersOrder {
     let mut order = with_facts(edit);
     let section = section([13.5, 13.5]);
     assert_eq!(section.contacts, 72);
     let part = Arc::make_mut(&mut order.part);
-    *part = Part { xy: section.clone(), xz: Some(section), ..part.clone() };
+    *part = HandPart { xy: section.clone(), xz: Some(section), ..part.clone() };
     order
 }
 
 fn held(order: FingersOrder, contacts: &[u32]) -> Day {
-    let mut day = Day::new(order).step(Action::Grasp(None));
+    let mut day = Day::new(order).step(FingersAction::Grasp(None));
     for (finger, contact) in contacts.iter().enumerate().filter(|(_, contact)| **contact > 0) {
         day = day.come(finger, *contact);
     }
@@ -25,7 +25,7 @@ fn held(order: FingersOrder, contacts: &[u32]) -> Day {
 #[test]
 fn fingers_come_where_contacts_are() {
     let beside = |off_um: f64| {
-        let day = held(order(), &[1, 38, 0]).step(Action::Grasp(None));
+        let day = held(order(), &[1, 38, 0]).step(FingersAction::Grasp(None));
         broken(&day.come_off(2, 28, off_um).counted().record())
     };
     assert_eq!(beside(0.0), []);
@@ -71,7 +71,8 @@ fn tips_roll() {
 
 #[test]
 fn two_fingers_stay_where_one_leaves() {
-    let left = |contacts: &[u32]| broken(&held(order(), contacts).step(Action::Grasp(None)).go(1).counted().record());
+    let left =
+        |contacts: &[u32]| broken(&held(order(), contacts).step(FingersAction::Grasp(None)).go(1).counted().record());
     assert_eq!(left(&[1, 38, 30]), []);
     assert_eq!(left(&[1, 38, 0]), [Rule::Contact]);
 }
@@ -161,21 +162,21 @@ fn equilibrium_is_asked_while_tips_roll() {
 fn those_that_stay_resist_the_one_that_leaves() {
     let left = |removal_safety: f64| {
         let order = round(|facts| facts.removal_safety = removal_safety);
-        broken(&held(order, &[1, 19, 37]).step(Action::Grasp(None)).go(1).counted().record())
+        broken(&held(order, &[1, 19, 37]).step(FingersAction::Grasp(None)).go(1).counted().record())
     };
     let most = 2.0 * 0.3 * 31.5 / 1.5;
     assert_eq!(left(0.0), []);
     assert_eq!(left(most), []);
     assert_eq!(left(most + 1e-3), [Rule::Removal]);
     let order = round(|facts| (facts.adhesion, facts.removal_safety) = (Adhesion::Absent, 100.0));
-    assert_eq!(broken(&held(order, &[1, 19, 37]).step(Action::Grasp(None)).go(1).counted().record()), []);
+    assert_eq!(broken(&held(order, &[1, 19, 37]).step(FingersAction::Grasp(None)).go(1).counted().record()), []);
 }
 
 #[test]
 fn what_a_part_rests_on_holds_it_in_the_end() {
     let released = |support_un: f64, adhesion: Adhesion| {
         let order = with_facts(|facts| (facts.support_un, facts.adhesion) = (support_un, adhesion));
-        broken(&held(order, &[1, 38, 0]).step(Action::Release).go(0).go(1).record())
+        broken(&held(order, &[1, 38, 0]).step(FingersAction::Release).go(0).go(1).record())
     };
     assert_eq!(released(1.5, Adhesion::Sticking), []);
     assert_eq!(released(1.499, Adhesion::Sticking), [Rule::Support]);
@@ -232,7 +233,7 @@ fn concave_parts_are_rolled() {
     let section = peanut(12.0);
     let half = section.opposite.expect("a contact");
     let part = Arc::make_mut(&mut order.part);
-    *part = Part { xy: section, xz: None, ..part.clone() };
+    *part = HandPart { xy: section, xz: None, ..part.clone() };
     let day = held(order, &[1, half, 0]).rotate(Plane::Xy, -3).roll(-3);
     let (schedule, claims) = day.both();
     passes(&schedule, &claims);

@@ -1,6 +1,6 @@
 use super::{Edit, each_alone, only, passes, rules};
-use crate::claims::fingers::{Action, FingersOrder, Turn};
-use crate::device::fingers::{Adhesion, Facts, Plane};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn};
+use crate::device::fingers::{Adhesion, FingersFacts, Plane};
 use crate::schedule::{Actuation, Reached, Schedule, State};
 use crate::verify::{Rule, Verdict, verify};
 use build::*;
@@ -15,7 +15,7 @@ mod pace;
 /// Two fingers take the bead and roll it, the third one takes the place of the second, and it is carried and released.
 fn day() -> Day {
     Day::new(order())
-        .step(Action::Grasp(Some(vec![1, 38, 0])))
+        .step(FingersAction::Grasp(Some(vec![1, 38, 0])))
         .come(0, 1)
         .come(1, 38)
         .record()
@@ -28,18 +28,18 @@ fn day() -> Day {
         .go(1)
         .counted()
         .record()
-        .step(Action::Translate([5.0, -3.0, 2.0]))
+        .step(FingersAction::Translate([5.0, -3.0, 2.0]))
         .carry([5.0, -3.0, 2.0])
-        .step(Action::Wait(7 * MS))
+        .step(FingersAction::Wait(7 * MS))
         .still(7 * MS)
-        .step(Action::Release)
+        .step(FingersAction::Release)
         .go(0)
         .go(2)
         .record()
 }
 
 /// The order of a bead, with other facts.
-fn with_facts(edit: impl FnOnce(&mut Facts)) -> FingersOrder {
+fn with_facts(edit: impl FnOnce(&mut FingersFacts)) -> FingersOrder {
     let mut order = order();
     edit(Arc::make_mut(&mut order.facts));
     order
@@ -144,7 +144,7 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     ("another cost", Rule::Figure, |s| s.plans[0].cost += 1e-3),
     ("another planner", Rule::Figure, |s| s.plans[0].planner = "greedy_decomposition".into()),
     ("another channel", Rule::Channel, |s| s.channels[0].name = "hand.f4.x".into()),
-    ("a voltage", Rule::Channel, |s| s.channels[0].unit = crate::schedule::Unit::Volt),
+    ("a voltage", Rule::Channel, |s| s.channels[0].unit = crate::schedule::ChannelUnit::Volt),
     ("a swing", Rule::Swing, |s| {
         let line = &mut s.actuations[0];
         line.swing = Some(crate::schedule::Swing { period_ns: 2, levels: [line.from, line.to] });
@@ -193,7 +193,7 @@ fn what_lies_within_the_tolerances_passes() {
 #[test]
 fn a_hand_goes_on_where_it_was() {
     let first =
-        Day::new(order()).step(Action::Grasp(None)).come(0, 1).come(1, 38).record().rotate(Plane::Xy, 2).roll(2);
+        Day::new(order()).step(FingersAction::Grasp(None)).come(0, 1).come(1, 38).record().rotate(Plane::Xy, 2).roll(2);
     let second = first.after(order()).rotate(Plane::Xy, -2).roll(-2);
     let claims = in_turn(vec![first.order.clone(), second.order.clone()]);
     let days = [first, second];

@@ -4,7 +4,7 @@ use super::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// The rules that the day breaks where a step asks for something else.
-fn asked(nth: usize, action: Action) -> Vec<Rule> {
+fn asked(nth: usize, action: FingersAction) -> Vec<Rule> {
     let (schedule, mut claims) = day().both();
     order_of(&mut claims, 0).steps[nth].action = action;
     rules(&schedule, &claims)
@@ -13,23 +13,29 @@ fn asked(nth: usize, action: Action) -> Vec<Rule> {
 #[test]
 fn steps_come_to_their_goals() {
     let step_rad = order().part.xy.step_rad;
-    let rotate = |plane, angle_rad| Action::Rotate { plane, steps: 3, angle_rad };
-    assert_eq!(asked(0, Action::Grasp(None)), []);
-    assert_eq!(asked(0, Action::Grasp(Some(vec![38, 1, 0]))), [Rule::Goal]);
-    assert_eq!(asked(0, Action::Grasp(Some(vec![1, 38, 28]))), [Rule::Goal]);
+    let rotate = |plane, angle_rad| FingersAction::Rotate { plane, steps: 3, angle_rad };
+    assert_eq!(asked(0, FingersAction::Grasp(None)), []);
+    assert_eq!(asked(0, FingersAction::Grasp(Some(vec![38, 1, 0]))), [Rule::Goal]);
+    assert_eq!(asked(0, FingersAction::Grasp(Some(vec![1, 38, 28]))), [Rule::Goal]);
     assert_eq!(asked(1, rotate(Plane::Xy, 3.0 * step_rad + 0.0099)), []);
     assert_eq!(asked(1, rotate(Plane::Xy, 3.0 * step_rad - 0.0099)), []);
     assert_eq!(asked(1, rotate(Plane::Xy, 3.0 * step_rad + 0.0101)), [Rule::Goal]);
     assert_eq!(asked(1, rotate(Plane::Xy, 3.0 * step_rad - std::f64::consts::TAU)), [Rule::Goal]);
     assert_eq!(asked(1, rotate(Plane::Xz, 3.0 * step_rad)), [Rule::Goal]);
-    assert_eq!(asked(1, Action::Grasp(None)), [Rule::Goal]);
-    assert_eq!(asked(2, Action::Translate([5.04, -3.0, 2.0])), []);
-    assert_eq!(asked(2, Action::Translate([5.06, -3.0, 2.0])), [Rule::Goal]);
-    assert_eq!(asked(2, Action::Translate([5.0, -3.0, 2.06])), [Rule::Goal]);
-    assert_eq!(asked(3, Action::Wait(7 * MS + 1)), [Rule::Wait]);
-    let early = Day::new(order()).step(Action::Grasp(None)).come(0, 1).come(1, 38).record().step(Action::Release).go(0);
+    assert_eq!(asked(1, FingersAction::Grasp(None)), [Rule::Goal]);
+    assert_eq!(asked(2, FingersAction::Translate([5.04, -3.0, 2.0])), []);
+    assert_eq!(asked(2, FingersAction::Translate([5.06, -3.0, 2.0])), [Rule::Goal]);
+    assert_eq!(asked(2, FingersAction::Translate([5.0, -3.0, 2.06])), [Rule::Goal]);
+    assert_eq!(asked(3, FingersAction::Wait(7 * MS + 1)), [Rule::Wait]);
+    let early = Day::new(order())
+        .step(FingersAction::Grasp(None))
+        .come(0, 1)
+        .come(1, 38)
+        .record()
+        .step(FingersAction::Release)
+        .go(0);
     assert_eq!(broken(&early), [Rule::Goal]);
-    let lonely = Day::new(order()).step(Action::Grasp(None)).come(0, 1).record();
+    let lonely = Day::new(order()).step(FingersAction::Grasp(None)).come(0, 1).record();
     assert_eq!(broken(&lonely), [Rule::Goal]);
 }
 
@@ -39,13 +45,13 @@ fn oriented(goal: UnitQuaternion<f64>) -> Vec<Rule> {
     let steps = [(Plane::Xy, 2), (Plane::Xz, -3)];
     order.precision_rad = 0.02;
     let q = goal.into_inner();
-    let turns = vec![steps.map(|(plane, steps)| Turn { plane, steps }).to_vec()];
+    let turns = vec![steps.map(|(plane, steps)| FingersTurn { plane, steps }).to_vec()];
     let day = Day::new(order)
-        .step(Action::Grasp(Some(vec![3, 40, 0])))
+        .step(FingersAction::Grasp(Some(vec![3, 40, 0])))
         .come(0, 3)
         .come(1, 40)
         .record()
-        .step(Action::Orient { goal: [q.w, q.i, q.j, q.k], turns, left_out_steps: None })
+        .step(FingersAction::Orient { goal: [q.w, q.i, q.j, q.k], turns, left_out_steps: None })
         .roll(2)
         .turn(Plane::Xz)
         .roll(-3);
@@ -67,17 +73,17 @@ fn an_orientation_is_reached_by_turns_in_both_planes() {
 /// The plane of a turn is told by how the tips move, and a part turned in the wrong one is noticed.
 #[test]
 fn a_turn_is_about_the_axis_that_is_asked_for() {
-    let start = || Day::new(order()).step(Action::Grasp(None)).come(0, 1).come(1, 38).record();
+    let start = || Day::new(order()).step(FingersAction::Grasp(None)).come(0, 1).come(1, 38).record();
     assert_eq!(broken(&start().rotate(Plane::Xz, 2).roll(2)), []);
     let mut wrong = start().rotate(Plane::Xz, 2).roll(2);
     let angle_rad = 2.0 * wrong.order.part.xy.step_rad;
-    wrong.order.steps[1].action = Action::Rotate { plane: Plane::Xy, steps: 2, angle_rad };
+    wrong.order.steps[1].action = FingersAction::Rotate { plane: Plane::Xy, steps: 2, angle_rad };
     assert_eq!(broken(&wrong), [Rule::Goal]);
 }
 
 /// Finger 3 flies somewhere and on.
 fn past(places: &[[f64; 3]]) -> Vec<Rule> {
-    let mut day = Day::new(order()).step(Action::Grasp(None)).come(0, 1).come(1, 38).record();
+    let mut day = Day::new(order()).step(FingersAction::Grasp(None)).come(0, 1).come(1, 38).record();
     let origin_um = day.position_um;
     for place in places {
         day = day.fly(2, origin_um + Point::from(*place));
@@ -108,8 +114,8 @@ fn free_tips_keep_clear_of_the_part() {
 #[test]
 fn tips_come_along_the_normal() {
     let grasped = |seats: &[(f64, f64)]| {
-        let mut day = Day::new(order()).step(Action::Grasp(None)).come(0, 1).come(1, 38).record();
-        day = day.step(Action::Grasp(None));
+        let mut day = Day::new(order()).step(FingersAction::Grasp(None)).come(0, 1).come(1, 38).record();
+        day = day.step(FingersAction::Grasp(None));
         let (rolled_rad, across) = (day.rolled_rad(57), Point::new(0.0, 0.0, 35.0));
         let over = [day.tips_um[2] + across, day.seat_um(rolled_rad, 30.0) + across];
         day = day.fly(2, over[0]).fly(2, over[1]);
@@ -136,7 +142,7 @@ fn tips_keep_clear_of_one_another() {
     assert_eq!(beside(9.0 + 0.5 - 0.05 + 1e-4), []);
     assert_eq!(beside(9.0 + 0.5 - 0.05 - 1e-4), [Rule::Apart]);
     // Two tips that pass between two instants.
-    let mut day = Day::new(order()).step(Action::Grasp(None));
+    let mut day = Day::new(order()).step(FingersAction::Grasp(None));
     for finger in [1, 2] {
         day = day.clone().fly(finger, day.tips_um[finger] + Point::new(0.0, 0.0, 40.0));
     }

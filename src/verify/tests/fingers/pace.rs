@@ -5,7 +5,7 @@ use super::*;
 /// Two fingers take the bead, roll it, a third one takes the place of one of them, and it is carried on. Nothing waits.
 fn brisk(order: FingersOrder) -> Day {
     Day::new(order)
-        .step(Action::Grasp(Some(vec![1, 38, 0])))
+        .step(FingersAction::Grasp(Some(vec![1, 38, 0])))
         .come(0, 1)
         .come(1, 38)
         .record()
@@ -18,7 +18,7 @@ fn brisk(order: FingersOrder) -> Day {
         .counted()
         .record()
         .roll(1)
-        .step(Action::Translate([5.0, -3.0, 2.0]))
+        .step(FingersAction::Translate([5.0, -3.0, 2.0]))
         .carry([5.0, -3.0, 2.0])
 }
 
@@ -39,7 +39,7 @@ fn fastest_um_per_s(day: &Day, is_one: impl Fn(usize, &[Point; 2]) -> bool) -> f
     fastest
 }
 
-fn with_speeds(edit: impl Fn(&mut Facts)) -> Vec<Rule> {
+fn with_speeds(edit: impl Fn(&mut FingersFacts)) -> Vec<Rule> {
     broken(&brisk(with_facts(edit)))
 }
 
@@ -52,7 +52,7 @@ fn each_speed_is_a_limit() {
     let carried = fastest_um_per_s(&day, |step, _| step == 2);
     assert!((carried - 38.0_f64.sqrt() / 2.0 / 0.1).abs() < 1e-9, "{carried} um/s");
     let coming = 5.0 / 0.1;
-    type Set = fn(&mut Facts, f64);
+    type Set = fn(&mut FingersFacts, f64);
     let cases: [(f64, Set); 3] = [
         (free, |facts, um_per_s| facts.speed_um_per_s = um_per_s),
         (carried, |facts, um_per_s| facts.rolling_um_per_s = um_per_s),
@@ -69,7 +69,7 @@ fn each_speed_is_a_limit() {
 #[test]
 fn a_fast_approach_is_fast_near_the_contact_only() {
     let free = fastest_um_per_s(&brisk(order()), |_, _| true);
-    let quick = |facts: &mut Facts, speed| (facts.speed_um_per_s, facts.approach_um_per_s) = (speed, 1e6);
+    let quick = |facts: &mut FingersFacts, speed| (facts.speed_um_per_s, facts.approach_um_per_s) = (speed, 1e6);
     assert_eq!(with_speeds(|facts| quick(facts, free)), []);
     assert_eq!(with_speeds(|facts| quick(facts, free * (1.0 - 1e-5))), [Rule::Speed]);
 }
@@ -80,7 +80,7 @@ fn tips_are_slow_within_the_distance_of_their_retreat() {
     let coming = |out_um: f64| {
         let mut order = with_facts(|facts| (facts.speed_um_per_s, facts.approach_um_per_s) = (1000.0, 50.0));
         order.precision_rad = 0.01;
-        let mut day = Day::new(order).step(Action::Grasp(None)).come(0, 1).come(1, 38).record();
+        let mut day = Day::new(order).step(FingersAction::Grasp(None)).come(0, 1).come(1, 38).record();
         let (rolled_rad, across) = (day.rolled_rad(57), Point::new(0.0, 0.0, 35.0));
         let (above, over) = (day.tips_um[2] + across, day.seat_um(rolled_rad, 30.0) + across);
         day = day.fly(2, above).fly(2, over);
@@ -89,7 +89,7 @@ fn tips_are_slow_within_the_distance_of_their_retreat() {
             day = day.fly(2, to_um);
         }
         day.grasp[2] = 57;
-        broken(&day.step(Action::Grasp(None)).still(MS).counted().record())
+        broken(&day.step(FingersAction::Grasp(None)).still(MS).counted().record())
     };
     assert!(!coming(5.0).contains(&Rule::Speed));
     // 25.1 um in 100 ms, of which the last 0.1 um lie within 5 um of the contact.

@@ -1,11 +1,14 @@
 //! Makes claims on a bed, and schedules from legs, with a lowering, a motion in tiny steps and records of its own.
 
-use crate::claims::microrobots::{Action, Assurance, Dock, MicrorobotsOrder, Obstacle, Placed, Precision, Step, Stop};
+use crate::claims::microrobots::{
+    Assurance, Dock, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop,
+    Placed, Precision,
+};
 use crate::claims::{Claims, Job, Order};
 use crate::device::Kind;
-use crate::device::microrobots::{Arm, ControlState, Docking, Facts, Fine, Robot, Turning};
+use crate::device::microrobots::{Arm, ControlState, Docking, Fine, MicrorobotsFacts, Robot, Turning};
 use crate::geometry::{Pose, Shape};
-use crate::schedule::{Actuation, Channel, PlanRecord, Schedule, State, Swing, TimedState, Unit};
+use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, Swing, TimedState};
 use crate::source::Span;
 use crate::verify::tests::{bare, build, step_of};
 use std::collections::BTreeMap;
@@ -32,7 +35,7 @@ fn robot(name: &str, snap_down_v: f64, release_v: f64) -> Robot {
 }
 
 /// The table of the design notes, which is an example and not measured; D4 turns the other way, wider and with longer steps.
-pub fn facts() -> Facts {
+pub fn facts() -> MicrorobotsFacts {
     let last = Robot {
         turning: Turning::Counterclockwise,
         turning_radius_um: 150.0,
@@ -40,7 +43,7 @@ pub fn facts() -> Facts {
         length_um: 200.0,
         ..robot("D4", 150.0, 50.0)
     };
-    Facts {
+    MicrorobotsFacts {
         robots: vec![robot("D1", 110.0, 20.0), robot("D2", 110.0, 35.0), robot("D3", 130.0, 35.0), last],
         margin_v: 2.0,
         max_v: 200.0,
@@ -88,12 +91,12 @@ pub fn order(robots: &[(usize, f64, f64, f64)]) -> MicrorobotsOrder {
     }
 }
 
-pub fn stop(pose: Pose) -> Stop {
-    Stop { pose, span: Span::default() }
+pub fn stop(pose: Pose) -> MicrorobotsStop {
+    MicrorobotsStop { pose, span: Span::default() }
 }
 
-pub fn obstacle(name: &str, shape: Shape, pose: Pose) -> Obstacle {
-    Obstacle { name: name.into(), shape, pose, span: Span::default() }
+pub fn obstacle(name: &str, shape: Shape, pose: Pose) -> MicrorobotsObstacle {
+    MicrorobotsObstacle { name: name.into(), shape, pose, span: Span::default() }
 }
 
 /// Tasks of one device, one after the other.
@@ -174,33 +177,33 @@ impl Day {
         self.legs.push(legs.to_vec());
     }
 
-    fn push(mut self, action: Action) -> Day {
-        self.order.steps.push(Step { action, span: Span::default() });
+    fn push(mut self, action: MicrorobotsAction) -> Day {
+        self.order.steps.push(MicrorobotsStep { action, span: Span::default() });
         self
     }
 
     pub fn wait(mut self, duration_ns: u64) -> Day {
         self.legs.push(Vec::new());
-        self.push(Action::Wait(duration_ns))
+        self.push(MicrorobotsAction::Wait(duration_ns))
     }
 
     pub fn apply(mut self, state: usize, strokes: u64) -> Day {
         self.go(&[leg(state, strokes)]);
-        self.push(Action::Apply { state, duration_ns: strokes * PERIOD })
+        self.push(MicrorobotsAction::Apply { state, duration_ns: strokes * PERIOD })
     }
 
     /// To where the legs bring it.
     pub fn drive(mut self, robot: usize, all: &[(usize, u64)]) -> Day {
         self.go(&legs(all));
         let stops = vec![stop(self.poses[robot])];
-        self.push(Action::Drive { robot, stops })
+        self.push(MicrorobotsAction::Drive { robot, stops })
     }
 
     /// To where the legs bring them, and some of them dock.
     pub fn assemble(mut self, robots: &[usize], legs: &[Leg]) -> Day {
         self.go(legs);
         let docks = robots.iter().map(|robot| Dock { robot: *robot, goal: stop(self.poses[*robot]) }).collect();
-        self.push(Action::Assemble(docks))
+        self.push(MicrorobotsAction::Assemble(docks))
     }
 
     pub fn both(&self) -> (Schedule, Claims) {
@@ -221,7 +224,7 @@ fn advance(order: &MicrorobotsOrder, leg: &Leg, poses: &mut [Pose], docked: &mut
 /// The schedule of these legs, with true records.
 pub fn schedule(claims: &Claims, legs: &[Vec<Vec<Leg>>]) -> Schedule {
     let mut writer = Writer { schedule: bare(claims), at_ns: 0, poses: Vec::new(), docked: Vec::new() };
-    let channel = Channel { name: "fleet.bed".into(), device: "fleet".into(), unit: Unit::Volt, wire: None };
+    let channel = Channel { name: "fleet.bed".into(), device: "fleet".into(), unit: ChannelUnit::Volt, wire: None };
     writer.schedule.channels.push(channel);
     for (index, job) in claims.jobs.iter().enumerate() {
         let Order::Microrobots(order) = &job.order else { panic!("an order of a bed") };
@@ -248,7 +251,7 @@ impl Writer {
         let mut states = Vec::new();
         for (nth, step) in order.steps.iter().enumerate() {
             let step_ns = self.at_ns;
-            if let Action::Wait(duration_ns) = step.action {
+            if let MicrorobotsAction::Wait(duration_ns) = step.action {
                 states.push(self.state(order, 0));
                 self.at_ns += duration_ns;
             }

@@ -1,18 +1,18 @@
 //! How near bodies and orbits may come, to a thousandth of a micrometre.
 
 use super::*;
-use crate::claims::microrobots::Obstacle;
+use crate::claims::microrobots::MicrorobotsObstacle;
 use crate::geometry::Shape;
 
 /// Half of what must be found.
 const FINE: f64 = 1e-3;
 
-fn dust(x: f64, y: f64, radius_um: f64) -> Obstacle {
+fn dust(x: f64, y: f64, radius_um: f64) -> MicrorobotsObstacle {
     obstacle("dust", Shape::Disc { radius_um }, pose(x, y, 0.0))
 }
 
 /// The rules that a day breaks once it has obstacles.
-fn among(day: &Day, obstacles: Vec<Obstacle>) -> Vec<Rule> {
+fn among(day: &Day, obstacles: Vec<MicrorobotsObstacle>) -> Vec<Rule> {
     let mut day = day.clone();
     day.order.obstacles = Arc::new(obstacles);
     let (schedule, claims) = day.both();

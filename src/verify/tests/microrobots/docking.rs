@@ -34,7 +34,7 @@ fn bodies_that_touch_dock() {
 fn a_robot_docks_at_its_goal_only() {
     let off = |x_um: f64, docks: &[usize]| {
         let mut day = head_on(2.0, docks);
-        let Action::Assemble(list) = &mut day.order.steps[0].action else { panic!("an assembly") };
+        let MicrorobotsAction::Assemble(list) = &mut day.order.steps[0].action else { panic!("an assembly") };
         list[0].goal.pose.x_um += x_um;
         judged(&day)
     };
@@ -117,7 +117,7 @@ fn only_an_assembly_docks() {
     let both_again = head_on(2.0, &[0, 1]).assemble(&[0, 1], &[]);
     assert_eq!(judged(&both_again), []);
     let mut elsewhere = both_again;
-    let Action::Assemble(docks) = &mut elsewhere.order.steps[1].action else { panic!("an assembly") };
+    let MicrorobotsAction::Assemble(docks) = &mut elsewhere.order.steps[1].action else { panic!("an assembly") };
     docks[1] = Dock { goal: stop(pose(0.0, 0.0, 0.0)), ..docks[1].clone() };
     assert_eq!(judged(&elsewhere), [Rule::Dock]);
 }
@@ -127,7 +127,7 @@ fn only_an_assembly_docks() {
 fn robots_dock_together_or_with_what_is_docked() {
     let start = [(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0)];
     let mut day = Day::new(order(&start)).assemble(&[0, 1], &[leg(0, 598), leg(0, 2)]);
-    let Action::Assemble(docks) = &mut day.order.steps[0].action else { panic!("an assembly") };
+    let MicrorobotsAction::Assemble(docks) = &mut day.order.steps[0].action else { panic!("an assembly") };
     docks[0].goal.pose.x_um -= 0.9;
     assert_eq!(judged(&day), [Rule::Meet, Rule::Dock]);
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::claims::microrobots::MicrorobotsOrder;
-use crate::device::microrobots::{Facts, MAX_ROBOTS};
+use crate::device::microrobots::{MAX_ROBOTS, MicrorobotsFacts};
 use crate::geometry::Shape;
 use proptest::prelude::*;
 
@@ -116,8 +116,8 @@ fn distorted(order: &mut MicrorobotsOrder, what: u8, at: usize, value: f64, ns: 
         22 => order.precision.place_um = value,
         23 => order.precision.heading_rad = value,
         24 => Arc::make_mut(&mut order.robots)[at % 3].row = ns as usize,
-        25 => order.steps[3].action = Action::Apply { state: at, duration_ns: ns },
-        26 => order.steps[1].action = Action::Wait(ns),
+        25 => order.steps[3].action = MicrorobotsAction::Apply { state: at, duration_ns: ns },
+        26 => order.steps[1].action = MicrorobotsAction::Wait(ns),
         _ => Arc::make_mut(&mut order.states).truncate(at % 5),
     }
 }
@@ -134,7 +134,7 @@ proptest! {
         let order = order_of(&mut claims, 0);
         edits.iter().for_each(|(what, at, value, ns)| distorted(order, *what, *at, *value, *ns));
         if follows {
-            let Facts { flex_v, relax_v, .. } = *order.facts;
+            let MicrorobotsFacts { flex_v, relax_v, .. } = *order.facts;
             for train in schedule.actuations.iter_mut().filter(|actuation| actuation.swing.is_some()) {
                 (train.from, train.to) = (flex_v, relax_v);
                 train.swing = Some(Swing { period_ns: PERIOD, levels: [flex_v, relax_v] });
@@ -149,7 +149,7 @@ fn claims_that_no_program_has_are_inconclusive() {
     let (claims, schedule) = sound();
     passes(&schedule, &claims);
     type Spoil = fn(&mut MicrorobotsOrder);
-    fn facts(order: &mut MicrorobotsOrder) -> &mut Facts {
+    fn facts(order: &mut MicrorobotsOrder) -> &mut MicrorobotsFacts {
         Arc::make_mut(&mut order.facts)
     }
     let cases: &[(&str, Spoil)] = &[
@@ -186,21 +186,21 @@ fn claims_that_no_program_has_are_inconclusive() {
             Arc::make_mut(&mut order.obstacles)[0].shape = Shape::Disc { radius_um: -1.0 };
         }),
         ("no precision", |order| order.precision.place_um = f64::NAN),
-        ("apply a state", |order| order.steps[3].action = Action::Apply { state: 5, duration_ns: 1 }),
+        ("apply a state", |order| order.steps[3].action = MicrorobotsAction::Apply { state: 5, duration_ns: 1 }),
         ("drive a robot that", |order| {
-            order.steps[2].action = Action::Drive { robot: 3, stops: vec![stop(pose(0.0, 0.0, 0.0))] };
+            order.steps[2].action = MicrorobotsAction::Drive { robot: 3, stops: vec![stop(pose(0.0, 0.0, 0.0))] };
         }),
-        ("to no goal", |order| order.steps[2].action = Action::Drive { robot: 2, stops: vec![] }),
+        ("to no goal", |order| order.steps[2].action = MicrorobotsAction::Drive { robot: 2, stops: vec![] }),
         ("a goal out of the plane", |order| {
-            order.steps[2].action = Action::Drive { robot: 2, stops: vec![stop(pose(1e7, 0.0, 0.0))] };
+            order.steps[2].action = MicrorobotsAction::Drive { robot: 2, stops: vec![stop(pose(1e7, 0.0, 0.0))] };
         }),
-        ("assemble no robot", |order| order.steps[0].action = Action::Assemble(vec![])),
+        ("assemble no robot", |order| order.steps[0].action = MicrorobotsAction::Assemble(vec![])),
         ("a robot twice", |order| {
-            let Action::Assemble(docks) = &mut order.steps[0].action else { return };
+            let MicrorobotsAction::Assemble(docks) = &mut order.steps[0].action else { return };
             docks[1].robot = 1;
         }),
         ("assemble a robot that", |order| {
-            let Action::Assemble(docks) = &mut order.steps[0].action else { return };
+            let MicrorobotsAction::Assemble(docks) = &mut order.steps[0].action else { return };
             docks[1].robot = 3;
         }),
     ];

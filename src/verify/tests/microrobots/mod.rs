@@ -1,6 +1,6 @@
 use super::{Edit, each_alone, only, passes, rules};
 use crate::claims::Claims;
-use crate::claims::microrobots::{Action, Step};
+use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsStep};
 use crate::geometry::Pose;
 use crate::schedule::{Schedule, State, Swing};
 use crate::source::Span;
@@ -192,7 +192,7 @@ fn arms_go_up_where_nothing_is_driven() {
 
 #[test]
 fn strokes_leave_every_arm_alone() {
-    let driven = |edit: fn(&mut crate::device::microrobots::Facts)| {
+    let driven = |edit: fn(&mut crate::device::microrobots::MicrorobotsFacts)| {
         let mut day = day();
         edit(Arc::make_mut(&mut day.order.facts));
         let (schedule, claims) = day.both();
@@ -230,7 +230,7 @@ fn arms_surely_go_up_without_voltage() {
 fn arms_stand_as_in_a_control_state_of_the_claims() {
     let (schedule, mut claims) = day().both();
     Arc::make_mut(&mut order_of(&mut claims, 0).states).remove(2);
-    order_of(&mut claims, 0).steps[2].action = Action::Apply { state: 3, duration_ns: 100 * PERIOD };
+    order_of(&mut claims, 0).steps[2].action = MicrorobotsAction::Apply { state: 3, duration_ns: 100 * PERIOD };
     only(Rule::Control, &schedule, &claims);
 }
 
@@ -238,7 +238,7 @@ fn arms_stand_as_in_a_control_state_of_the_claims() {
 fn a_state_is_applied_as_claimed() {
     let claimed = |state, duration_ns| {
         let (schedule, mut claims) = day().both();
-        order_of(&mut claims, 0).steps[2].action = Action::Apply { state, duration_ns };
+        order_of(&mut claims, 0).steps[2].action = MicrorobotsAction::Apply { state, duration_ns };
         rules(&schedule, &claims)
     };
     assert_eq!(claimed(4, 99 * PERIOD + 1), []);
@@ -249,8 +249,8 @@ fn a_state_is_applied_as_claimed() {
     let twice = |legs: &[(usize, u64)]| {
         let mut day = Day::new(order(&[(0, 0.0, 0.0, 90.0)]));
         day.go(&build::legs(legs));
-        let action = Action::Apply { state: 1, duration_ns: 40 * PERIOD };
-        day.order.steps.push(Step { action, span: Span::default() });
+        let action = MicrorobotsAction::Apply { state: 1, duration_ns: 40 * PERIOD };
+        day.order.steps.push(MicrorobotsStep { action, span: Span::default() });
         let (schedule, claims) = day.both();
         rules(&schedule, &claims)
     };
@@ -262,7 +262,9 @@ fn a_state_is_applied_as_claimed() {
 /// Edits the stops of the day's first step, whose goal is its last one.
 fn with_stops(edit: impl FnOnce(&mut Vec<Pose>)) -> Vec<Rule> {
     let (schedule, mut claims) = day().both();
-    let Action::Drive { stops, .. } = &mut order_of(&mut claims, 0).steps[0].action else { panic!("a drive") };
+    let MicrorobotsAction::Drive { stops, .. } = &mut order_of(&mut claims, 0).steps[0].action else {
+        panic!("a drive")
+    };
     let mut poses: Vec<Pose> = stops.iter().map(|stop| stop.pose).collect();
     edit(&mut poses);
     *stops = poses.into_iter().map(stop).collect();

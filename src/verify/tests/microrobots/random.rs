@@ -1,7 +1,7 @@
 //! Random trains of strokes against tiny steps of every robot, and random changes against every extreme of the relays.
 
 use super::*;
-use crate::claims::microrobots::{MicrorobotsOrder, Obstacle};
+use crate::claims::microrobots::{MicrorobotsObstacle, MicrorobotsOrder};
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::distance::{point_segment, quadrilateral_core, segment_core};
 use crate::geometry::shape::Core;
@@ -29,7 +29,7 @@ fn draw() -> impl Strategy<Value = Draw> {
     (robots, obstacles, prop::collection::vec((0..5usize, 1..900u64), 1..4))
 }
 
-fn body(x: f64, y: f64, size_um: f64, sort: u8) -> Obstacle {
+fn body(x: f64, y: f64, size_um: f64, sort: u8) -> MicrorobotsObstacle {
     let shape = match sort {
         0 => Shape::Disc { radius_um: size_um },
         1 => Shape::Box { size_um: [size_um, 3.0 * size_um] },

@@ -7,12 +7,15 @@ mod oracle;
 
 const SOURCE: Source = Source { margin_v: 2.0, relax_v: 60.0, flex_v: 90.0, max_v: 200.0, most_levels: 64 };
 
-fn rows(voltages: &[(f64, f64)]) -> Vec<Row> {
-    voltages.iter().map(|(snap_down_v, release_v)| Row { snap_down_v: *snap_down_v, release_v: *release_v }).collect()
+fn rows(voltages: &[(f64, f64)]) -> Vec<RelayRow> {
+    voltages
+        .iter()
+        .map(|(snap_down_v, release_v)| RelayRow { snap_down_v: *snap_down_v, release_v: *release_v })
+        .collect()
 }
 
-fn only_fault(voltages: &[(f64, f64)], source: Source) -> Fault {
-    let analysis = analyse(&rows(voltages), source, Gaps::String);
+fn only_fault(voltages: &[(f64, f64)], source: Source) -> TableFault {
+    let analysis = analyse(&rows(voltages), source, AllowedGaps::String);
     assert_eq!((analysis.faults.len(), analysis.more_faults, analysis.states.len()), (1, 0, 0), "{analysis:?}");
     analysis.faults[0].clone()
 }
@@ -24,21 +27,21 @@ fn digits(analysis: &Analysis) -> Vec<String> {
 #[test]
 fn the_golden_table() {
     let table = rows(&[(110.0, 20.0), (110.0, 35.0), (130.0, 35.0), (150.0, 50.0)]);
-    let found = analyse(&table, SOURCE, Gaps::String);
+    let found = analyse(&table, SOURCE, AllowedGaps::String);
     assert_eq!(found.order, [0, 1, 2, 3]);
     assert_eq!(digits(&found), ["0000", "1000", "1100", "1110", "1111"]);
     let levels: Vec<&[f64]> = found.states.iter().map(|state| &state.levels_v[..]).collect();
     assert_eq!(levels, [&[9.0][..], &[176.0, 27.5], &[9.0, 120.0], &[9.0, 140.0], &[176.0]]);
     let slacks: Vec<f64> = found.states.iter().map(|state| state.slack_v).collect();
     assert_eq!(slacks, [9.0, 5.5, 8.0, 8.0, 24.0]);
-    let any = analyse(&table, SOURCE, Gaps::Any);
+    let any = analyse(&table, SOURCE, AllowedGaps::Any);
     assert_eq!((any.states, any.order), (found.states, found.order));
 }
 
 #[test]
 fn rows_in_any_order_get_the_same_cycles() {
     let table = rows(&[(150.0, 50.0), (110.0, 35.0), (110.0, 20.0), (130.0, 35.0)]);
-    let found = analyse(&table, SOURCE, Gaps::String);
+    let found = analyse(&table, SOURCE, AllowedGaps::String);
     assert_eq!(found.order, [2, 1, 3, 0]);
     assert_eq!(digits(&found), ["0000", "0010", "0110", "0111", "1111"]);
     assert_eq!(found.states[1].levels_v, [176.0, 27.5]);
@@ -47,7 +50,7 @@ fn rows_in_any_order_get_the_same_cycles() {
 #[test]
 fn a_first_level_stays_near_where_the_reset_level_has_less_slack() {
     let table = rows(&[(110.0, 20.0), (110.0, 35.0), (195.0, 50.0)]);
-    let found = analyse(&table, SOURCE, Gaps::String);
+    let found = analyse(&table, SOURCE, AllowedGaps::String);
     assert_eq!(found.states[3].slack_v, 1.5);
     assert_eq!((found.states[1].slack_v, &found.states[1].levels_v[..]), (5.5, &[156.0, 27.5][..]));
 }
@@ -55,14 +58,14 @@ fn a_first_level_stays_near_where_the_reset_level_has_less_slack() {
 #[test]
 fn three_levels_where_two_are_not_enough() {
     let table = [(110.0, 33.0), (115.0, 30.0), (114.5, 34.5)];
-    let found = analyse(&rows(&table), SOURCE, Gaps::String);
+    let found = analyse(&rows(&table), SOURCE, AllowedGaps::String);
     assert_eq!(found.order, [0, 1, 2]);
     assert_eq!(digits(&found), ["000", "100", "110", "111"]);
     assert_eq!(found.states[2].levels_v[1..], [32.25, 112.25]);
     assert_eq!(found.states[2].slack_v, 0.25);
     let fault = only_fault(&table, Source { most_levels: 2, ..SOURCE });
-    let snap_down = Gap { down: 1, up: 2, gap_v: -0.5 };
-    let release = Gap { down: 0, up: 2, gap_v: 1.5 };
+    let snap_down = RowGap { down: 1, up: 2, gap_v: -0.5 };
+    let release = RowGap { down: 0, up: 2, gap_v: 1.5 };
     assert_eq!(fault.problem, Problem::NoSequence { state: 2, levels: 3, snap_down, release, least_v: 4.0 });
     assert_eq!(fault.mend, Some(Mend { row: 0, transition: Transition::Release, to_v: 30.5 }));
 }
@@ -80,7 +83,7 @@ fn pairs_that_no_chain_allows() {
     assert_eq!(nested.problem, Problem::Nested { outer, inner, snap_down_gap_v, release_gap_v, least_v: 4.0 });
     assert_eq!(nested.mend, Some(Mend { row: 0, transition: Transition::SnapDown, to_v: 143.9 }));
     let just = [(110.0, 20.0), (110.0, 24.0)];
-    assert_eq!(analyse(&rows(&just), SOURCE, Gaps::String).faults, []);
+    assert_eq!(analyse(&rows(&just), SOURCE, AllowedGaps::String).faults, []);
     only_fault(&[(110.0, 20.0), (110.0, 23.999)], SOURCE);
 }
 
@@ -100,7 +103,7 @@ fn limits_of_a_row() {
     assert_eq!(floor.problem, Problem::Floor { row: 0, least_v: 2.0 });
     assert_eq!(floor.mend, mend(Transition::Release, 2.0));
     for inside in [(120.0, 56.0), (94.0, 20.0), (198.0, 20.0), (120.0, 2.0)] {
-        assert_eq!(analyse(&rows(&[inside]), SOURCE, Gaps::String).states.len(), 2);
+        assert_eq!(analyse(&rows(&[inside]), SOURCE, AllowedGaps::String).states.len(), 2);
     }
     let source = Source { relax_v: 100.0, flex_v: 20.0, ..SOURCE };
     let narrow = only_fault(&[(63.0, 60.0)], source);
@@ -112,7 +115,7 @@ fn limits_of_a_row() {
 fn gaps_are_exact_in_decimals() {
     let source = Source { margin_v: 0.1, ..SOURCE };
     let table = rows(&[(110.1, 20.0), (110.3, 20.0), (110.5, 20.0)]);
-    let found = analyse(&table, source, Gaps::String);
+    let found = analyse(&table, source, AllowedGaps::String);
     assert_eq!(found.states.len(), 4);
     assert_eq!((found.states[1].slack_v, found.states[1].levels_v[1]), (0.0, 110.2));
 }
@@ -123,7 +126,7 @@ fn grids_have_as_many_states_as_lattice_paths() {
         let grid: Vec<(f64, f64)> = (0..size * size)
             .map(|at| (110.0 + f64::from(at % size) * 10.0, 10.0 + f64::from(at / size) * 8.0))
             .collect();
-        let found = analyse(&rows(&grid), SOURCE, Gaps::Any);
+        let found = analyse(&rows(&grid), SOURCE, AllowedGaps::Any);
         assert_eq!((found.states.len(), found.too_long, found.faults.len()), (states, 0, 0));
         assert!(found.states.iter().all(|state| state.slack_v >= 2.0 && state.levels_v.len() <= 2 * size as usize));
     }
@@ -134,26 +137,26 @@ fn a_crowd_of_states_is_a_fault() {
     let nested = |robots: i32| -> Vec<(f64, f64)> {
         (0..robots).map(|at| (110.0 + f64::from(at) * 5.0, 54.0 - f64::from(at) * 4.0)).collect()
     };
-    assert_eq!(analyse(&rows(&nested(12)), SOURCE, Gaps::Any).states.len(), MAX_STATES);
-    let crowd = analyse(&rows(&nested(13)), SOURCE, Gaps::Any);
-    assert_eq!(crowd.faults, [Fault { problem: Problem::Crowd { most: MAX_STATES }, mend: None }]);
-    assert_eq!(analyse(&rows(&nested(5)), Source { most_levels: 3, ..SOURCE }, Gaps::Any).too_long, 10);
+    assert_eq!(analyse(&rows(&nested(12)), SOURCE, AllowedGaps::Any).states.len(), MAX_STATES);
+    let crowd = analyse(&rows(&nested(13)), SOURCE, AllowedGaps::Any);
+    assert_eq!(crowd.faults, [TableFault { problem: Problem::Crowd { most: MAX_STATES }, mend: None }]);
+    assert_eq!(analyse(&rows(&nested(5)), Source { most_levels: 3, ..SOURCE }, AllowedGaps::Any).too_long, 10);
 }
 
 #[test]
 fn wild_figures_are_no_panic() {
     for wild in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -1.0, 0.0] {
         let table = rows(&[(wild, 20.0), (110.0, wild), (wild, wild), (130.0, 30.0)]);
-        for gaps in [Gaps::String, Gaps::Any] {
+        for gaps in [AllowedGaps::String, AllowedGaps::Any] {
             assert_ne!(analyse(&table, SOURCE, gaps).faults, []);
             let source = Source { margin_v: wild, relax_v: wild, flex_v: wild, max_v: wild, most_levels: 0 };
             analyse(&table, source, gaps);
         }
     }
-    assert_eq!(analyse(&[], SOURCE, Gaps::String).states.len(), 1);
-    let many = analyse(&rows(&[(110.0, 20.0); 128]), SOURCE, Gaps::String);
+    assert_eq!(analyse(&[], SOURCE, AllowedGaps::String).states.len(), 1);
+    let many = analyse(&rows(&[(110.0, 20.0); 128]), SOURCE, AllowedGaps::String);
     assert_eq!((many.faults.len(), many.more_faults), (MAX_FAULTS, 128 * 127 / 2 - MAX_FAULTS));
-    assert_eq!(analyse(&rows(&[(110.0, 20.0); 128]), SOURCE, Gaps::Any).states.len(), 2);
+    assert_eq!(analyse(&rows(&[(110.0, 20.0); 128]), SOURCE, AllowedGaps::Any).states.len(), 2);
 }
 
 /// How often each outcome came.
@@ -181,9 +184,9 @@ fn ten_thousand_random_tables_agree_with_simulated_relays() {
     assert!(too_long > 300 && long_cycles > 300 && longest >= 4, "{tally:?}");
 }
 
-fn agree(table: &[Row], source: Source, slacks: bool, tally: &mut Tally) {
-    let string = analyse(table, source, Gaps::String);
-    let any = analyse(table, source, Gaps::Any);
+fn agree(table: &[RelayRow], source: Source, slacks: bool, tally: &mut Tally) {
+    let string = analyse(table, source, AllowedGaps::String);
+    let any = analyse(table, source, AllowedGaps::Any);
     if table.iter().any(|row| oracle::breaks_limits(*row, source)) {
         tally.limits += 1;
         assert!(string.states.is_empty() && any.states.is_empty());
@@ -224,7 +227,7 @@ fn agree(table: &[Row], source: Source, slacks: bool, tally: &mut Tally) {
 }
 
 /// Levels may be off by the slack, each for itself; with more, no cycle of that length does.
-fn best_slack(bed: &Bed, table: &[Row], source: Source, state: &ControlState) {
+fn best_slack(bed: &Bed, table: &[RelayRow], source: Source, state: &ControlState) {
     for signs in 0..1 << state.levels_v.len().min(6) {
         let off =
             |(at, level): (usize, &f64)| level + if signs >> at & 1 == 1 { state.slack_v } else { -state.slack_v };
@@ -257,20 +260,20 @@ fn mends_mend_and_are_small() {
     let (mut whole, mut part) = (0, 0);
     for _ in 0..600 {
         let (table, source) = random.table(4);
-        for fault in analyse(&table, source, Gaps::String).faults {
+        for fault in analyse(&table, source, AllowedGaps::String).faults {
             let least_v = oracle::least_mend_v(&table, source);
             let Some(mend) = fault.mend else {
                 assert_eq!(least_v, None, "{table:?} {source:?} {fault:?}");
                 continue;
             };
             let (mended, change_v) = applied(&table, mend);
-            let after = analyse(&mended, source, Gaps::String);
+            let after = analyse(&mended, source, AllowedGaps::String);
             match after.faults.is_empty() {
                 true => whole += 1,
                 false => part += 1,
             }
             let rows = fault.problem.rows();
-            let is_same = |other: &Fault| other.problem.rows() == rows && !rows.is_empty();
+            let is_same = |other: &TableFault| other.problem.rows() == rows && !rows.is_empty();
             assert!(!after.faults.iter().any(|other| is_same(other) && is_alike(other, &fault)), "{table:?} {fault:?}");
             if let Some(least_v) = least_v.filter(|_| concerns_whole(&table, source, &fault)) {
                 assert!(after.faults.is_empty(), "{table:?} {source:?} {fault:?}");
@@ -281,20 +284,20 @@ fn mends_mend_and_are_small() {
     assert!(whole > 150 && part > 150, "{whole} {part}");
 }
 
-fn is_alike(one: &Fault, other: &Fault) -> bool {
+fn is_alike(one: &TableFault, other: &TableFault) -> bool {
     std::mem::discriminant(&one.problem) == std::mem::discriminant(&other.problem)
 }
 
 /// Whether a fault is the table's only one, so that what mends it mends the table.
-fn concerns_whole(table: &[Row], source: Source, fault: &Fault) -> bool {
+fn concerns_whole(table: &[RelayRow], source: Source, fault: &TableFault) -> bool {
     let is_pair_or_state = !matches!(
         fault.problem,
         Problem::Hold { .. } | Problem::Drive { .. } | Problem::Range { .. } | Problem::Floor { .. }
     );
-    is_pair_or_state && analyse(table, source, Gaps::String).faults.len() == 1
+    is_pair_or_state && analyse(table, source, AllowedGaps::String).faults.len() == 1
 }
 
-fn applied(table: &[Row], mend: Mend) -> (Vec<Row>, f64) {
+fn applied(table: &[RelayRow], mend: Mend) -> (Vec<RelayRow>, f64) {
     let mut table = table.to_vec();
     let voltage_v = match mend.transition {
         Transition::SnapDown => &mut table[mend.row].snap_down_v,

@@ -1,6 +1,6 @@
 //! Relays by simulation: every arm from both states and with its voltages at every corner of the margin, one bit for each.
 
-use super::{Gaps, Row, Source, Table, Target, faults};
+use super::{AllowedGaps, PatternTarget, RelayRow, Source, VoltageTable, faults};
 use rustc_hash::FxHashMap;
 use std::collections::{BTreeMap, VecDeque};
 
@@ -15,7 +15,7 @@ type Arms = u128;
 
 /// A bed of relays.
 pub struct Bed {
-    rows: Vec<Row>,
+    rows: Vec<RelayRow>,
     corner_v: f64,
     /// Levels that differ in what they do, with the arms that they let down and up.
     levels: Vec<(Arms, Arms)>,
@@ -23,10 +23,10 @@ pub struct Bed {
 
 impl Bed {
     /// Relays whose margin is greater, and whose source's range is smaller at both ends, by so much.
-    pub fn new(rows: &[Row], source: Source, slack_v: f64) -> Self {
+    pub fn new(rows: &[RelayRow], source: Source, slack_v: f64) -> Self {
         let reach_v = source.margin_v + slack_v;
         let mut bed = Bed { rows: rows.to_vec(), corner_v: reach_v - INSIDE_V, levels: Vec::new() };
-        let of_row = |row: &Row| [row.snap_down_v, row.release_v].map(|it| [it - reach_v, it + reach_v]).concat();
+        let of_row = |row: &RelayRow| [row.snap_down_v, row.release_v].map(|it| [it - reach_v, it + reach_v]).concat();
         let mut breaks_v: Vec<f64> = rows.iter().flat_map(of_row).chain([slack_v, source.max_v - slack_v]).collect();
         breaks_v.sort_by(f64::total_cmp);
         let middles_v: Vec<f64> = breaks_v.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect();
@@ -103,8 +103,8 @@ impl Bed {
 }
 
 /// Whether the relays of each pair of rows by themselves have three patterns, one after the other.
-pub fn are_pairs_chains(rows: &[Row], source: Source) -> bool {
-    let is_chain_of = |pair: [Row; 2]| {
+pub fn are_pairs_chains(rows: &[RelayRow], source: Source) -> bool {
+    let is_chain_of = |pair: [RelayRow; 2]| {
         let accessible = Bed::new(&pair, source, 0.0).accessible();
         is_chain(&accessible.into_keys().collect::<Vec<_>>(), 2)
     };
@@ -121,7 +121,7 @@ pub fn is_chain(patterns: &[String], robots: usize) -> bool {
 }
 
 /// Section 1.5, step 0, as it stands.
-pub fn breaks_limits(row: Row, source: Source) -> bool {
+pub fn breaks_limits(row: RelayRow, source: Source) -> bool {
     let gap_v = 2.0 * source.margin_v;
     row.snap_down_v - row.release_v < gap_v
         || row.release_v > source.relax_v - gap_v
@@ -131,13 +131,15 @@ pub fn breaks_limits(row: Row, source: Source) -> bool {
 }
 
 /// The smallest change of one voltage by sixteenths of the margin after which a table has no fault.
-pub fn least_mend_v(table: &[Row], source: Source) -> Option<f64> {
+pub fn least_mend_v(table: &[RelayRow], source: Source) -> Option<f64> {
     let is_sound = |row: usize, snap_down_v: f64, release_v: f64| {
         let mut changed = table.to_vec();
-        changed[row] =
-            Row { snap_down_v: changed[row].snap_down_v + snap_down_v, release_v: changed[row].release_v + release_v };
-        let changed = Table::new(&changed, source);
-        faults::problems(&changed, Gaps::String, 1).is_empty() && has_short_cycles(&changed)
+        changed[row] = RelayRow {
+            snap_down_v: changed[row].snap_down_v + snap_down_v,
+            release_v: changed[row].release_v + release_v,
+        };
+        let changed = VoltageTable::new(&changed, source);
+        faults::problems(&changed, AllowedGaps::String, 1).is_empty() && has_short_cycles(&changed)
     };
     let mut sizes_v = (1..200).map(|step| f64::from(step) * source.margin_v / 16.0);
     sizes_v.find(|size_v| {
@@ -147,11 +149,11 @@ pub fn least_mend_v(table: &[Row], source: Source) -> Option<f64> {
     })
 }
 
-fn has_short_cycles(table: &Table) -> bool {
+fn has_short_cycles(table: &VoltageTable) -> bool {
     let order = table.order().expect("a table without faults of rows and pairs has an order");
     (0..=order.len()).all(|state| {
         let is_down: Vec<bool> = (0..order.len()).map(|row| order[..state].contains(&row)).collect();
-        Target::new(table, &table.ranked(), &is_down).length() <= table.most_levels
+        PatternTarget::new(table, &table.ranked(), &is_down).length() <= table.most_levels
     })
 }
 
@@ -172,13 +174,13 @@ impl Random {
     }
 
     /// A table of up to so many robots whose neighbours lie about two margins apart, and a source whose limits it nearly meets.
-    pub fn table(&mut self, most: u64) -> (Vec<Row>, Source) {
+    pub fn table(&mut self, most: u64) -> (Vec<RelayRow>, Source) {
         let margin_v = [0.5, 1.0, 2.0, 4.0][self.below(4) as usize];
         let grain_v = margin_v / [1.0, 2.0, 4.0][self.below(3) as usize];
         let steps = (margin_v / grain_v) as i64;
         let back = [4 * steps, steps, steps / 2, steps / 3][self.below(4) as usize];
         let most = if back == 4 * steps { 4 } else { most };
-        let mut row = Row { snap_down_v: 150.0, release_v: 60.0 };
+        let mut row = RelayRow { snap_down_v: 150.0, release_v: 60.0 };
         let mut table = vec![row];
         for _ in 0..self.below(most) {
             row.snap_down_v += self.between(-back, 4 * steps) * grain_v;
@@ -188,7 +190,8 @@ impl Random {
         for last in (1..table.len()).rev() {
             table.swap(last, self.below(last as u64 + 1) as usize);
         }
-        let extreme = |of: fn(&Row) -> f64, pick: fn(f64, f64) -> f64| table.iter().map(of).reduce(pick).unwrap_or(0.0);
+        let extreme =
+            |of: fn(&RelayRow) -> f64, pick: fn(f64, f64) -> f64| table.iter().map(of).reduce(pick).unwrap_or(0.0);
         let is_tight = self.below(4) == 0;
         let mut room_v = |usual: i64| self.between(if is_tight { -2 } else { 0 }, usual) * grain_v;
         let source = Source {
@@ -205,6 +208,6 @@ impl Random {
 }
 
 /// A table whose release voltages are so much lower.
-fn lowered(table: &[Row], by_v: f64) -> Vec<Row> {
-    table.iter().map(|row| Row { release_v: row.release_v - by_v, ..*row }).collect()
+fn lowered(table: &[RelayRow], by_v: f64) -> Vec<RelayRow> {
+    table.iter().map(|row| RelayRow { release_v: row.release_v - by_v, ..*row }).collect()
 }

@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashMap;
 
-use super::super::board::{Board, Cell};
+use super::super::board::{BoardGrid, CellIndex};
 use crate::plan::search::Meter;
 
 /// The memory that tables may take together: 400 of a board of 400 by 400.
@@ -26,7 +26,7 @@ const NO_WAY: u16 = u16::MAX;
 
 /// The distances to one cell.
 #[derive(Debug, Clone)]
-pub(super) enum Field {
+pub(super) enum DistanceField {
     Manhattan {
         column: u32,
         row: u32,
@@ -36,13 +36,15 @@ pub(super) enum Field {
     Table(Rc<[u16]>),
 }
 
-impl Field {
+impl DistanceField {
     /// Steps from a free cell, or [`UNREACHABLE`].
     #[inline]
-    pub(super) fn from(&self, cell: Cell) -> u32 {
+    pub(super) fn from(&self, cell: CellIndex) -> u32 {
         match self {
-            Field::Manhattan { column, row, width } => (cell % width).abs_diff(*column) + (cell / width).abs_diff(*row),
-            Field::Table(table) => match table[cell as usize] {
+            DistanceField::Manhattan { column, row, width } => {
+                (cell % width).abs_diff(*column) + (cell / width).abs_diff(*row)
+            }
+            DistanceField::Table(table) => match table[cell as usize] {
                 NO_WAY => UNREACHABLE,
                 steps => u32::from(steps),
             },
@@ -54,23 +56,23 @@ impl Field {
 #[derive(Debug)]
 pub(super) struct Distances {
     open: bool,
-    tables: FxHashMap<Cell, Rc<[u16]>>,
-    oldest: VecDeque<Cell>,
+    tables: FxHashMap<CellIndex, Rc<[u16]>>,
+    oldest: VecDeque<CellIndex>,
 }
 
 impl Distances {
-    pub(super) fn of(board: &Board) -> Distances {
+    pub(super) fn of(board: &BoardGrid) -> Distances {
         Distances { open: is_rectangle(board), tables: FxHashMap::default(), oldest: VecDeque::new() }
     }
 
     /// The distances to a free cell.
-    pub(super) fn to(&mut self, board: &Board, stop: Cell, meter: &mut Meter) -> Field {
+    pub(super) fn to(&mut self, board: &BoardGrid, stop: CellIndex, meter: &mut Meter) -> DistanceField {
         if self.open {
             let (column, row) = board.place(stop);
-            return Field::Manhattan { column, row, width: board.width() };
+            return DistanceField::Manhattan { column, row, width: board.width() };
         }
         if let Some(table) = self.tables.get(&stop) {
-            return Field::Table(Rc::clone(table));
+            return DistanceField::Table(Rc::clone(table));
         }
         meter.charge(board.cells() as u64 / CELLS_PER_STEP);
         while !self.oldest.is_empty() && (self.tables.len() + 1) * board.cells() * 2 > TABLES_BYTES {
@@ -79,13 +81,13 @@ impl Distances {
         let table: Rc<[u16]> = flood(board, stop).into();
         self.oldest.push_back(stop);
         self.tables.insert(stop, Rc::clone(&table));
-        Field::Table(table)
+        DistanceField::Table(table)
     }
 }
 
 /// Whether the free cells are exactly those of a rectangle.
-fn is_rectangle(board: &Board) -> bool {
-    let free = (0..board.cells() as Cell).filter(|cell| !board.is_blocked(*cell));
+fn is_rectangle(board: &BoardGrid) -> bool {
+    let free = (0..board.cells() as CellIndex).filter(|cell| !board.is_blocked(*cell));
     let Some((low, high, count)) = free.fold(None, |span: Option<([u32; 2], [u32; 2], u64)>, cell| {
         let (c, r) = board.place(cell);
         let (low, high, count) = span.unwrap_or(([c, r], [c, r], 0));
@@ -97,7 +99,7 @@ fn is_rectangle(board: &Board) -> bool {
 }
 
 /// Breadth-first search over the free cells.
-fn flood(board: &Board, stop: Cell) -> Vec<u16> {
+fn flood(board: &BoardGrid, stop: CellIndex) -> Vec<u16> {
     let mut table = vec![NO_WAY; board.cells()];
     let (mut ring, mut next) = (vec![stop], Vec::new());
     table[stop as usize] = 0;

@@ -1,30 +1,30 @@
 //! Tables against Manhattan's distance and against walls.
 
 use super::*;
-use crate::plan::search::Budget;
+use crate::plan::search::SearchBudget;
 
 fn meter() -> Meter {
-    Meter::new(Budget::of(u64::MAX))
+    Meter::new(SearchBudget::of(u64::MAX))
 }
 
 #[test]
 fn an_open_board_needs_no_table_and_agrees_with_one() {
-    let mut board = Board::new(7, 6);
+    let mut board = BoardGrid::new(7, 6);
     for column in 0..7 {
         board.block(board.cell(column, 0));
     }
     let stop = board.cell(2, 3);
     let field = Distances::of(&board).to(&board, stop, &mut meter());
-    assert!(matches!(field, Field::Manhattan { .. }));
-    let table = Field::Table(flood(&board, stop).into());
-    for cell in (0..board.cells() as Cell).filter(|cell| !board.is_blocked(*cell)) {
+    assert!(matches!(field, DistanceField::Manhattan { .. }));
+    let table = DistanceField::Table(flood(&board, stop).into());
+    for cell in (0..board.cells() as CellIndex).filter(|cell| !board.is_blocked(*cell)) {
         assert_eq!(field.from(cell), table.from(cell));
     }
 }
 
 #[test]
 fn a_wall_is_walked_round_and_a_closed_room_not_entered() {
-    let mut board = Board::new(5, 5);
+    let mut board = BoardGrid::new(5, 5);
     for row in 1..5 {
         board.block(board.cell(2, row));
     }
@@ -37,7 +37,7 @@ fn a_wall_is_walked_round_and_a_closed_room_not_entered() {
 
 #[test]
 fn tables_are_charged_once() {
-    let mut board = Board::new(64, 64);
+    let mut board = BoardGrid::new(64, 64);
     board.block(70);
     let mut distances = Distances::of(&board);
     let mut meter = meter();
@@ -48,7 +48,7 @@ fn tables_are_charged_once() {
 
 #[test]
 fn only_a_full_rectangle_counts_as_open() {
-    let mut board = Board::new(3, 3);
+    let mut board = BoardGrid::new(3, 3);
     assert!(is_rectangle(&board));
     board.block(4);
     assert!(!is_rectangle(&board));

@@ -4,7 +4,7 @@
 //! moves one cell, only one row or column of the box changes, so a path of `L` moves is about `(2s - 1) (2s - 1 + L)` spans, and
 //! adding or taking it out costs no more than that.
 
-use super::super::board::{Cell, Instance};
+use super::super::board::{CellIndex, Instance};
 
 /// The instant after all others.
 pub(super) const NEVER: u32 = u32::MAX;
@@ -18,13 +18,13 @@ const HAZARD: u32 = 1 << 30;
 /// A span of instants `from..to` in which its owner forbids a cell. The owner is twice the agent, plus one for the second of the two
 /// paths that it can have while it is planned again, with a mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Span {
+struct ReservedSpan {
     from: u32,
     to: u32,
     owner: u32,
 }
 
-impl Span {
+impl ReservedSpan {
     #[inline]
     fn agent(self) -> u32 {
         self.version() as u32 / 2
@@ -39,7 +39,7 @@ impl Span {
 
 /// Instants `from..to` in which an agent may be on a cell, against a cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Segment {
+pub(super) struct SafeInterval {
     pub(super) from: u32,
     pub(super) to: u32,
     /// How many others are too near; 0 where all of them are hard.
@@ -58,7 +58,7 @@ pub(super) enum Others {
 /// Who asks for segments.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Asking<'a> {
-    pub(super) goal: Cell,
+    pub(super) goal: CellIndex,
     /// Those with whom it merges on its goal.
     pub(super) partners: &'a [u32],
     pub(super) others: Others,
@@ -67,7 +67,7 @@ pub(super) struct Asking<'a> {
 impl Asking<'_> {
     /// Whether a span does not count: near a partner, on the common goal or of the partner on it.
     #[inline]
-    fn ignores(&self, cell: Cell, span: Span) -> bool {
+    fn ignores(&self, cell: CellIndex, span: ReservedSpan) -> bool {
         !self.partners.is_empty()
             && self.partners.contains(&span.agent())
             && (cell == self.goal || span.owner & PARKED != 0)
@@ -81,7 +81,7 @@ pub(super) struct Reservations {
     height: u32,
     reach: u32,
     /// By cell, in the order of `from`.
-    spans: Vec<Vec<Span>>,
+    spans: Vec<Vec<ReservedSpan>>,
     merges: Vec<bool>,
     /// By agent: which of its two owners is that of its path.
     current: Vec<u32>,
@@ -95,7 +95,7 @@ pub(super) struct Reservations {
     /// How many bits the mask has.
     bits: u32,
     /// Scratch: the spans of one path.
-    traced: Vec<(Cell, u32, u32)>,
+    traced: Vec<(CellIndex, u32, u32)>,
     /// Scratch: changes of the cost of one cell.
     events: Vec<(u32, i64)>,
 }
@@ -129,12 +129,12 @@ impl Reservations {
     }
 
     /// Enters the path of an agent.
-    pub(super) fn add(&mut self, agent: usize, path: &[Cell]) {
+    pub(super) fn add(&mut self, agent: usize, path: &[CellIndex]) {
         self.each_part(agent, self.current[agent], path, Reservations::insert);
     }
 
     /// Takes out what [`Reservations::add`] entered.
-    pub(super) fn remove(&mut self, agent: usize, path: &[Cell]) {
+    pub(super) fn remove(&mut self, agent: usize, path: &[CellIndex]) {
         self.each_part(agent, self.current[agent], path, Reservations::delete);
     }
 
@@ -144,19 +144,19 @@ impl Reservations {
     }
 
     /// Enters another path of an agent whose path is hidden.
-    pub(super) fn add_instead(&mut self, agent: usize, path: &[Cell]) {
+    pub(super) fn add_instead(&mut self, agent: usize, path: &[CellIndex]) {
         self.each_part(agent, self.current[agent] ^ 1, path, Reservations::insert);
     }
 
     /// Takes out the hidden path of an agent for good, in favour of the one entered instead.
-    pub(super) fn accept(&mut self, agent: usize, hidden: &[Cell]) {
+    pub(super) fn accept(&mut self, agent: usize, hidden: &[CellIndex]) {
         self.remove(agent, hidden);
         self.counts[self.current[agent] as usize] = true;
         self.current[agent] ^= 1;
     }
 
     /// Lets the hidden path of an agent count again; `instead` is what was entered meanwhile.
-    pub(super) fn reject(&mut self, agent: usize, instead: Option<&[Cell]>) {
+    pub(super) fn reject(&mut self, agent: usize, instead: Option<&[CellIndex]>) {
         if let Some(path) = instead {
             self.each_part(agent, self.current[agent] ^ 1, path, Reservations::delete);
         }
@@ -164,21 +164,21 @@ impl Reservations {
     }
 
     /// Enters the start of an agent as a soft hazard for instants before `to`.
-    pub(super) fn add_hazard(&mut self, agent: usize, start: Cell, to: u32) {
+    pub(super) fn add_hazard(&mut self, agent: usize, start: CellIndex, to: u32) {
         self.hazards += 1;
         self.trace(&[start], 0, to);
         self.insert(self.current[agent] | HAZARD);
     }
 
     /// Takes out what [`Reservations::add_hazard`] entered.
-    pub(super) fn remove_hazard(&mut self, agent: usize, start: Cell) {
+    pub(super) fn remove_hazard(&mut self, agent: usize, start: CellIndex) {
         self.hazards -= 1;
         self.trace(&[start], 0, NEVER);
         self.delete(self.current[agent] | HAZARD);
     }
 
     /// Traces a path, the stay on a common goal by itself, and does something with each of the two.
-    fn each_part(&mut self, agent: usize, owner: u32, path: &[Cell], act: impl Fn(&mut Reservations, u32)) {
+    fn each_part(&mut self, agent: usize, owner: u32, path: &[CellIndex], act: impl Fn(&mut Reservations, u32)) {
         if !self.merges[agent] {
             self.trace(path, 0, NEVER);
             return act(self, owner);
@@ -193,7 +193,7 @@ impl Reservations {
     }
 
     /// Lists the spans of a path: those of its first position begin with `from`, those of its last end with `to`.
-    fn trace(&mut self, path: &[Cell], from: u32, to: u32) {
+    fn trace(&mut self, path: &[CellIndex], from: u32, to: u32) {
         self.traced.clear();
         let mut at = self.place(path[0]);
         self.enter(self.rectangle(at), from);
@@ -210,13 +210,13 @@ impl Reservations {
         self.leave(self.rectangle(at), to);
     }
 
-    fn place(&self, cell: Cell) -> (u32, u32) {
+    fn place(&self, cell: CellIndex) -> (u32, u32) {
         (cell % self.width, cell / self.width)
     }
 
     /// The cells of the board that a part at this place forbids.
-    fn rectangle(&self, (column, row): (u32, u32)) -> Rectangle {
-        Rectangle {
+    fn rectangle(&self, (column, row): (u32, u32)) -> CellRectangle {
+        CellRectangle {
             columns: (column.saturating_sub(self.reach), (column + self.reach).min(self.width - 1) + 1),
             rows: (row.saturating_sub(self.reach), (row + self.reach).min(self.height - 1) + 1),
         }
@@ -228,7 +228,7 @@ impl Reservations {
         ((row & self.mask) << self.bits | column & self.mask) as usize
     }
 
-    fn enter(&mut self, cells: Rectangle, instant: u32) {
+    fn enter(&mut self, cells: CellRectangle, instant: u32) {
         for row in cells.rows.0..cells.rows.1 {
             for column in cells.columns.0..cells.columns.1 {
                 let slot = self.slot(column, row);
@@ -237,7 +237,7 @@ impl Reservations {
         }
     }
 
-    fn leave(&mut self, cells: Rectangle, to: u32) {
+    fn leave(&mut self, cells: CellRectangle, to: u32) {
         for row in cells.rows.0..cells.rows.1 {
             for column in cells.columns.0..cells.columns.1 {
                 let from = self.entered[self.slot(column, row)];
@@ -250,7 +250,7 @@ impl Reservations {
         for &(cell, from, to) in &self.traced {
             let spans = &mut self.spans[cell as usize];
             let place = spans.iter().rposition(|span| span.from <= from).map_or(0, |before| before + 1);
-            spans.insert(place, Span { from, to, owner });
+            spans.insert(place, ReservedSpan { from, to, owner });
         }
     }
 
@@ -264,30 +264,30 @@ impl Reservations {
     }
 
     /// Appends the segments of a cell, in their order; hard instants are in none of them.
-    pub(super) fn segments(&mut self, cell: Cell, asking: &Asking, out: &mut Vec<Segment>) {
+    pub(super) fn segments(&mut self, cell: CellIndex, asking: &Asking, out: &mut Vec<SafeInterval>) {
         match asking.others {
             Others::Hard if self.hazards == 0 => self.gaps(cell, asking, out),
             Others::Hard | Others::Soft => self.levels(cell, asking, out),
         }
     }
 
-    fn gaps(&self, cell: Cell, asking: &Asking, out: &mut Vec<Segment>) {
+    fn gaps(&self, cell: CellIndex, asking: &Asking, out: &mut Vec<SafeInterval>) {
         let mut from = 0;
         for span in &self.spans[cell as usize] {
             if !self.counts[span.version()] || asking.ignores(cell, *span) {
                 continue;
             }
             if span.from > from {
-                out.push(Segment { from, to: span.from, cost: 0 });
+                out.push(SafeInterval { from, to: span.from, cost: 0 });
             }
             from = from.max(span.to);
         }
         if from != NEVER {
-            out.push(Segment { from, to: NEVER, cost: 0 });
+            out.push(SafeInterval { from, to: NEVER, cost: 0 });
         }
     }
 
-    fn levels(&mut self, cell: Cell, asking: &Asking, out: &mut Vec<Segment>) {
+    fn levels(&mut self, cell: CellIndex, asking: &Asking, out: &mut Vec<SafeInterval>) {
         self.events.clear();
         for span in &self.spans[cell as usize] {
             if !self.counts[span.version()] || asking.ignores(cell, *span) {
@@ -304,7 +304,7 @@ impl Reservations {
         for (instant, change) in ends {
             if instant > from {
                 if level < HARD {
-                    out.push(Segment { from, to: instant, cost: level as u32 });
+                    out.push(SafeInterval { from, to: instant, cost: level as u32 });
                 }
                 from = instant;
             }
@@ -313,7 +313,7 @@ impl Reservations {
     }
 
     /// Calls with each agent that is too near to a path, once or more often.
-    pub(super) fn conflicts(&self, path: &[Cell], asking: &Asking, mut found: impl FnMut(usize)) {
+    pub(super) fn conflicts(&self, path: &[CellIndex], asking: &Asking, mut found: impl FnMut(usize)) {
         let mut start = 0;
         while start < path.len() {
             let cell = path[start];
@@ -332,27 +332,27 @@ impl Reservations {
     }
 
     /// The agents whose paths forbid a cell at some instant, in the order of the first.
-    pub(super) fn visitors(&self, cell: Cell) -> impl Iterator<Item = usize> + '_ {
+    pub(super) fn visitors(&self, cell: CellIndex) -> impl Iterator<Item = usize> + '_ {
         self.spans[cell as usize].iter().map(|span| span.agent() as usize)
     }
 }
 
 /// Columns and rows `from..to`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Rectangle {
+struct CellRectangle {
     columns: (u32, u32),
     rows: (u32, u32),
 }
 
 /// What is in the first rectangle and not in the second, which is the first moved by one cell.
-fn strips(first: Rectangle, second: Rectangle) -> Rectangle {
+fn strips(first: CellRectangle, second: CellRectangle) -> CellRectangle {
     let side = |(low, high): (u32, u32), (other_low, other_high): (u32, u32)| {
         if low < other_low { (low, other_low) } else { (other_high, high.max(other_high)) }
     };
     if first.columns != second.columns {
-        Rectangle { columns: side(first.columns, second.columns), rows: first.rows }
+        CellRectangle { columns: side(first.columns, second.columns), rows: first.rows }
     } else {
-        Rectangle { columns: first.columns, rows: side(first.rows, second.rows) }
+        CellRectangle { columns: first.columns, rows: side(first.rows, second.rows) }
     }
 }
 

@@ -1,24 +1,24 @@
 //! Segments against the rule of distance, position by position.
 
-use super::super::super::board::{Agent, Board, position};
-use super::super::random::Random;
+use super::super::super::board::{Agent, BoardGrid, position};
+use super::super::random::PlannerRandom;
 use super::*;
 
 const INSTANTS: u32 = 40;
 
-fn walk(random: &mut Random, board: &Board, moves: usize) -> Vec<Cell> {
-    let mut path = vec![random.below(board.cells()) as Cell];
+fn walk(random: &mut PlannerRandom, board: &BoardGrid, moves: usize) -> Vec<CellIndex> {
+    let mut path = vec![random.below(board.cells()) as CellIndex];
     for _ in 0..moves {
         let at = path[path.len() - 1];
-        let beside: Vec<Cell> = board.neighbours(at).chain([at, at]).collect();
+        let beside: Vec<CellIndex> = board.neighbours(at).chain([at, at]).collect();
         path.push(beside[random.below(beside.len())]);
     }
     path
 }
 
 /// Walks of three agents; the last two merge on the end of theirs.
-fn three(random: &mut Random, separation: u32) -> (Instance, Vec<Vec<Cell>>) {
-    let board = Board::new(6 + random.below(9) as u32, 1 + random.below(12) as u32);
+fn three(random: &mut PlannerRandom, separation: u32) -> (Instance, Vec<Vec<CellIndex>>) {
+    let board = BoardGrid::new(6 + random.below(9) as u32, 1 + random.below(12) as u32);
     let moves = random.below(20);
     let mut paths: Vec<_> = (0..3).map(|_| walk(random, &board, moves)).collect();
     let goal = paths[1][moves];
@@ -30,7 +30,14 @@ fn three(random: &mut Random, separation: u32) -> (Instance, Vec<Vec<Cell>>) {
 }
 
 /// How many of these agents are too near to a third on a cell at an instant.
-fn near(instance: &Instance, paths: &[Vec<Cell>], others: &[usize], agent: usize, cell: Cell, instant: u32) -> u32 {
+fn near(
+    instance: &Instance,
+    paths: &[Vec<CellIndex>],
+    others: &[usize],
+    agent: usize,
+    cell: CellIndex,
+    instant: u32,
+) -> u32 {
     let touches = |other: &&usize| {
         (instant.saturating_sub(1)..=instant + 1)
             .any(|at| instance.too_near((agent, cell), (**other, position(&paths[**other], at as usize))))
@@ -40,7 +47,7 @@ fn near(instance: &Instance, paths: &[Vec<Cell>], others: &[usize], agent: usize
 
 #[test]
 fn segments_are_what_the_rule_says() {
-    let mut random = Random::new(9);
+    let mut random = PlannerRandom::new(9);
     for round in 0..150 {
         let (instance, paths) = three(&mut random, 1 + round % 5);
         let mut table = Reservations::new(&instance);
@@ -50,7 +57,7 @@ fn segments_are_what_the_rule_says() {
         table.add(1, &paths[1]);
         for others in [Others::Hard, Others::Soft] {
             let asking = Asking { goal: instance.agents[2].goal(), partners: &[1], others };
-            for cell in 0..instance.board.cells() as Cell {
+            for cell in 0..instance.board.cells() as CellIndex {
                 let mut segments = Vec::new();
                 table.segments(cell, &asking, &mut segments);
                 for instant in 0..INSTANTS {
@@ -68,7 +75,7 @@ fn segments_are_what_the_rule_says() {
 
 #[test]
 fn conflicts_are_those_of_the_rule() {
-    let mut random = Random::new(10);
+    let mut random = PlannerRandom::new(10);
     for round in 0..200 {
         let (instance, paths) = three(&mut random, 1 + round % 4);
         let mut table = Reservations::new(&instance);
@@ -86,7 +93,7 @@ fn conflicts_are_those_of_the_rule() {
 
 #[test]
 fn a_removed_path_leaves_nothing() {
-    let mut random = Random::new(11);
+    let mut random = PlannerRandom::new(11);
     let (instance, paths) = three(&mut random, 3);
     let mut table = Reservations::new(&instance);
     for (agent, path) in paths.iter().enumerate() {
@@ -103,7 +110,7 @@ fn a_removed_path_leaves_nothing() {
 
 #[test]
 fn a_hazard_is_soft_among_hard_paths() {
-    let board = Board::new(9, 1);
+    let board = BoardGrid::new(9, 1);
     let agents = vec![Agent { start: 0, stops: vec![0] }; 3];
     let instance = Instance { board, separation: 2, agents, merges: vec![] };
     let mut table = Reservations::new(&instance);
@@ -112,7 +119,7 @@ fn a_hazard_is_soft_among_hard_paths() {
     let asking = Asking { goal: 8, partners: &[], others: Others::Hard };
     let mut segments = Vec::new();
     table.segments(3, &asking, &mut segments);
-    assert_eq!(segments, [Segment { from: 0, to: 7, cost: 1 }, Segment { from: 7, to: NEVER, cost: 0 }]);
+    assert_eq!(segments, [SafeInterval { from: 0, to: 7, cost: 1 }, SafeInterval { from: 7, to: NEVER, cost: 0 }]);
     segments.clear();
     table.segments(1, &asking, &mut segments);
     assert_eq!(segments, []);
@@ -120,9 +127,9 @@ fn a_hazard_is_soft_among_hard_paths() {
 
 #[test]
 fn a_hidden_path_does_not_count_until_it_is_decided() {
-    let mut random = Random::new(12);
+    let mut random = PlannerRandom::new(12);
     let (instance, paths) = three(&mut random, 2);
-    let fresh = |path: &[Cell]| {
+    let fresh = |path: &[CellIndex]| {
         let mut table = Reservations::new(&instance);
         if !path.is_empty() {
             table.add(0, path);
@@ -145,12 +152,12 @@ fn a_hidden_path_does_not_count_until_it_is_decided() {
     assert!(table.spans.iter().all(Vec::is_empty));
 }
 
-fn listing(table: &mut Reservations, instance: &Instance) -> Vec<Vec<Segment>> {
+fn listing(table: &mut Reservations, instance: &Instance) -> Vec<Vec<SafeInterval>> {
     let asking = Asking { goal: 0, partners: &[], others: Others::Hard };
     let list = |cell| {
         let mut segments = Vec::new();
         table.segments(cell, &asking, &mut segments);
         segments
     };
-    (0..instance.board.cells() as Cell).map(list).collect()
+    (0..instance.board.cells() as CellIndex).map(list).collect()
 }

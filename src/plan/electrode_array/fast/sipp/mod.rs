@@ -13,10 +13,10 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
-use super::super::board::{Board, Cell};
-use super::distances::{Field, UNREACHABLE};
-use super::random::Random;
-use super::reservations::{Asking, NEVER, Reservations, Segment};
+use super::super::board::{BoardGrid, CellIndex};
+use super::distances::{DistanceField, UNREACHABLE};
+use super::random::PlannerRandom;
+use super::reservations::{Asking, NEVER, Reservations, SafeInterval};
 use crate::plan::search::Meter;
 
 /// No node.
@@ -27,9 +27,9 @@ const GRAIN: u64 = 16;
 
 /// What is asked of a search.
 pub(super) struct Query<'a> {
-    pub(super) board: &'a Board,
-    pub(super) start: Cell,
-    pub(super) route: &'a Route,
+    pub(super) board: &'a BoardGrid,
+    pub(super) start: CellIndex,
+    pub(super) route: &'a StopRoute,
     pub(super) asking: Asking<'a>,
     /// How many instants one unit of cost weighs.
     pub(super) weight: u32,
@@ -43,15 +43,15 @@ pub(super) struct Query<'a> {
 
 /// The stops of an agent, with the distances to each.
 #[derive(Debug, Clone)]
-pub(super) struct Route {
-    stops: Vec<(Cell, Field)>,
+pub(super) struct StopRoute {
+    stops: Vec<(CellIndex, DistanceField)>,
     /// From each stop to the end.
     rest: Vec<u32>,
 }
 
-impl Route {
+impl StopRoute {
     /// `stops` is not empty; the index of the first stop that the one before cannot reach if there is one.
-    pub(super) fn new(start: Cell, stops: Vec<(Cell, Field)>) -> Result<Route, usize> {
+    pub(super) fn new(start: CellIndex, stops: Vec<(CellIndex, DistanceField)>) -> Result<StopRoute, usize> {
         let mut from = start;
         for (index, (stop, field)) in stops.iter().enumerate() {
             if field.from(from) == UNREACHABLE {
@@ -63,12 +63,12 @@ impl Route {
         for index in (1..stops.len()).rev() {
             rest[index - 1] = rest[index] + stops[index].1.from(stops[index - 1].0);
         }
-        Ok(Route { stops, rest })
+        Ok(StopRoute { stops, rest })
     }
 
     /// Steps from a cell to the end, when `layer` stops are behind.
     #[inline]
-    pub(super) fn steps(&self, cell: Cell, layer: u32) -> u32 {
+    pub(super) fn steps(&self, cell: CellIndex, layer: u32) -> u32 {
         self.stops[layer as usize].1.from(cell).saturating_add(self.rest[layer as usize])
     }
 
@@ -78,7 +78,7 @@ impl Route {
 
     /// How many stops are behind once the agent is on a cell.
     #[inline]
-    pub(super) fn passed(&self, cell: Cell, mut layer: u32) -> u32 {
+    pub(super) fn passed(&self, cell: CellIndex, mut layer: u32) -> u32 {
         while layer < self.last() && self.stops[layer as usize].0 == cell {
             layer += 1;
         }
@@ -88,8 +88,8 @@ impl Route {
 
 /// The earliest way found into a segment at some cost.
 #[derive(Debug, Clone, Copy)]
-struct Node {
-    cell: Cell,
+struct SippNode {
+    cell: CellIndex,
     segment: u32,
     layer: u32,
     arrival: u32,
@@ -106,15 +106,15 @@ pub(super) struct Sipp {
     round: u32,
     /// By cell: the round in which its segments were listed, and where in `segments`.
     listed: Vec<(u32, u32, u32)>,
-    segments: Vec<Segment>,
+    segments: Vec<SafeInterval>,
     /// By segment and layer: the first of its nodes.
     heads: Vec<u32>,
-    nodes: Vec<Node>,
+    nodes: Vec<SippNode>,
     open: BinaryHeap<Reverse<(u64, u32)>>,
 }
 
 impl Sipp {
-    pub(super) fn new(board: &Board) -> Sipp {
+    pub(super) fn new(board: &BoardGrid) -> Sipp {
         Sipp {
             round: 0,
             listed: vec![(0, 0, 0); board.cells()],
@@ -130,9 +130,9 @@ impl Sipp {
         &mut self,
         query: &Query,
         reservations: &mut Reservations,
-        random: &mut Random,
+        random: &mut PlannerRandom,
         meter: &mut Meter,
-    ) -> Option<Vec<Cell>> {
+    ) -> Option<Vec<CellIndex>> {
         let earliest = self.begin(query, reservations)?;
         while let Some(Reverse((_, index))) = self.open.pop() {
             let node = self.nodes[index as usize];
@@ -165,7 +165,7 @@ impl Sipp {
         let (first, end) = self.list(query, reservations, query.start);
         let (segment, cost) = self.after(first..end, query.delay)?;
         let layer = query.route.passed(query.start, 0);
-        let start = Node {
+        let start = SippNode {
             cell: query.start,
             segment,
             layer,
@@ -183,7 +183,7 @@ impl Sipp {
     fn after(&self, segments: Range<u32>, delay: u32) -> Option<(u32, u32)> {
         let (mut until, mut cost) = (0, 0);
         for segment in segments {
-            let Segment { from, to, cost: more } = self.segments[segment as usize];
+            let SafeInterval { from, to, cost: more } = self.segments[segment as usize];
             if from != until {
                 return None;
             }
@@ -196,7 +196,7 @@ impl Sipp {
     }
 
     /// The segments of a cell, listed once a search.
-    fn list(&mut self, query: &Query, reservations: &mut Reservations, cell: Cell) -> (u32, u32) {
+    fn list(&mut self, query: &Query, reservations: &mut Reservations, cell: CellIndex) -> (u32, u32) {
         let (round, first, end) = self.listed[cell as usize];
         if round == self.round {
             return (first, end);
@@ -209,7 +209,7 @@ impl Sipp {
         (first, end)
     }
 
-    fn is_end(&self, query: &Query, node: &Node) -> bool {
+    fn is_end(&self, query: &Query, node: &SippNode) -> bool {
         node.cell == query.asking.goal
             && node.layer == query.route.last()
             && self.segments[node.segment as usize].to == NEVER
@@ -219,8 +219,8 @@ impl Sipp {
         &mut self,
         query: &Query,
         reservations: &mut Reservations,
-        random: &mut Random,
-        (index, node): (u32, Node),
+        random: &mut PlannerRandom,
+        (index, node): (u32, SippNode),
         earliest: u32,
     ) {
         let leave = self.segments[node.segment as usize].to;
@@ -246,8 +246,8 @@ impl Sipp {
     fn enter(
         &mut self,
         query: &Query,
-        (parent, node): (u32, Node),
-        (segment, cell): (u32, Cell),
+        (parent, node): (u32, SippNode),
+        (segment, cell): (u32, CellIndex),
         leave: u32,
         earliest: u32,
         dice: u32,
@@ -282,7 +282,12 @@ impl Sipp {
             other = known.sibling;
         }
         let sibling = self.heads[head];
-        self.push(query, Node { cell, segment, layer, arrival, cost, parent, sibling, closed: false }, earliest, dice);
+        self.push(
+            query,
+            SippNode { cell, segment, layer, arrival, cost, parent, sibling, closed: false },
+            earliest,
+            dice,
+        );
     }
 
     fn head(&self, query: &Query, segment: u32, layer: u32) -> (u32, usize) {
@@ -290,7 +295,7 @@ impl Sipp {
         (self.heads[head], head)
     }
 
-    fn push(&mut self, query: &Query, node: Node, earliest: u32, dice: u32) {
+    fn push(&mut self, query: &Query, node: SippNode, earliest: u32, dice: u32) {
         let ahead = query.route.steps(node.cell, node.layer);
         if ahead == UNREACHABLE {
             return;
@@ -310,12 +315,12 @@ impl Sipp {
     }
 
     /// Position by position up to the last arrival.
-    fn path(&self, end: u32) -> Vec<Cell> {
+    fn path(&self, end: u32) -> Vec<CellIndex> {
         let mut chain = vec![self.nodes[end as usize]];
         while let Some(node) = chain.last().filter(|node| node.parent != NONE) {
             chain.push(self.nodes[node.parent as usize]);
         }
-        let mut path: Vec<Cell> = Vec::new();
+        let mut path: Vec<CellIndex> = Vec::new();
         for node in chain.iter().rev() {
             let before = path.last().copied().unwrap_or(node.cell);
             path.resize(node.arrival as usize, before);

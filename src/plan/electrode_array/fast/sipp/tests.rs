@@ -3,23 +3,23 @@
 use std::collections::BTreeSet;
 
 use super::super::super::board::{Agent, Instance, Paths, position};
-use super::super::crew::{Crew, Wish};
+use super::super::crew::{PlannedInstance, Wish};
 use super::super::reservations::Others;
 use super::*;
-use crate::plan::search::Budget;
+use crate::plan::search::SearchBudget;
 
 const HORIZON: u32 = 90;
 
-fn walk(random: &mut Random, board: &Board, moves: usize) -> Vec<Cell> {
+fn walk(random: &mut PlannerRandom, board: &BoardGrid, moves: usize) -> Vec<CellIndex> {
     let mut at = loop {
-        let cell = random.below(board.cells()) as Cell;
+        let cell = random.below(board.cells()) as CellIndex;
         if !board.is_blocked(cell) {
             break cell;
         }
     };
     let mut path = vec![at];
     for _ in 0..moves {
-        let beside: Vec<Cell> = board.neighbours(at).chain([at]).collect();
+        let beside: Vec<CellIndex> = board.neighbours(at).chain([at]).collect();
         at = beside[random.below(beside.len())];
         path.push(at);
     }
@@ -27,10 +27,10 @@ fn walk(random: &mut Random, board: &Board, moves: usize) -> Vec<Cell> {
 }
 
 /// Three walks, which may touch, and an agent with two stops.
-fn scene(random: &mut Random) -> (Instance, Paths) {
-    let mut board = Board::new(7, 6);
+fn scene(random: &mut PlannerRandom) -> (Instance, Paths) {
+    let mut board = BoardGrid::new(7, 6);
     for _ in 0..random.below(8) {
-        board.block(random.below(42) as Cell);
+        board.block(random.below(42) as CellIndex);
     }
     let paths: Paths = (0..2 + random.below(2)).map(|_| walk(random, &board, 24)).collect();
     let mut agents: Vec<Agent> =
@@ -43,14 +43,14 @@ fn scene(random: &mut Random) -> (Instance, Paths) {
 /// The earliest instant from which the last agent is on its goal for ever.
 fn by_instants(instance: &Instance, paths: &Paths) -> Option<u32> {
     let us = paths.len();
-    let free = |cell: Cell, at: u32| {
+    let free = |cell: CellIndex, at: u32| {
         (0..us).all(|other| {
             (at.saturating_sub(1)..=at + 1)
                 .all(|when| !instance.too_near((us, cell), (other, position(&paths[other], when as usize))))
         })
     };
     let agent = &instance.agents[us];
-    let pass = |cell: Cell, behind: bool| behind || cell == agent.stops[0];
+    let pass = |cell: CellIndex, behind: bool| behind || cell == agent.stops[0];
     let mut now = BTreeSet::new();
     if free(agent.start, 0) {
         now.insert((agent.start, pass(agent.start, false)));
@@ -72,12 +72,12 @@ fn by_instants(instance: &Instance, paths: &Paths) -> Option<u32> {
 
 #[test]
 fn the_earliest_arrival_is_found() {
-    let mut random = Random::new(21);
+    let mut random = PlannerRandom::new(21);
     let mut found = 0;
     for round in 0..400 {
         let (instance, paths) = scene(&mut random);
-        let mut meter = Meter::new(Budget::of(u64::MAX));
-        let mut crew = Crew::new(&instance, round, &mut meter).expect("walks reach");
+        let mut meter = Meter::new(SearchBudget::of(u64::MAX));
+        let mut crew = PlannedInstance::new(&instance, round, &mut meter).expect("walks reach");
         for (agent, path) in paths.iter().enumerate() {
             crew.table.add(agent, path);
         }
@@ -97,11 +97,11 @@ fn the_earliest_arrival_is_found() {
 
 #[test]
 fn soft_paths_touch_no_one_where_hard_ones_exist() {
-    let mut random = Random::new(22);
+    let mut random = PlannerRandom::new(22);
     for round in 0..200 {
         let (instance, paths) = scene(&mut random);
-        let mut meter = Meter::new(Budget::of(u64::MAX));
-        let mut crew = Crew::new(&instance, round, &mut meter).expect("walks reach");
+        let mut meter = Meter::new(SearchBudget::of(u64::MAX));
+        let mut crew = PlannedInstance::new(&instance, round, &mut meter).expect("walks reach");
         for (agent, path) in paths.iter().enumerate() {
             crew.table.add(agent, path);
         }
@@ -114,11 +114,11 @@ fn soft_paths_touch_no_one_where_hard_ones_exist() {
 
 #[test]
 fn a_search_ends_with_its_meter() {
-    let board = Board::new(20, 20);
+    let board = BoardGrid::new(20, 20);
     let instance =
         Instance { board, separation: 4, agents: vec![Agent { start: 0, stops: vec![399] }], merges: vec![] };
-    let mut meter = Meter::new(Budget::of(5));
-    let mut crew = Crew::new(&instance, 0, &mut meter).expect("open");
+    let mut meter = Meter::new(SearchBudget::of(5));
+    let mut crew = PlannedInstance::new(&instance, 0, &mut meter).expect("open");
     let wish = Wish { others: Others::Hard, weight: 0, haste: 0, limit: u32::MAX, delay: 0, detour: None };
     assert_eq!(crew.plan(0, wish, &mut meter), None);
     assert_eq!(meter.spent(), 5);

@@ -2,13 +2,14 @@
 
 use super::oracle::{dijkstra, judge};
 use super::random::{Random, case, circle};
-use crate::plan::fingers::graph::layout::{Chain, Sets, Spot};
-use crate::plan::fingers::graph::strands::{Mask, below, has, single, spread};
+use crate::plan::fingers::graph::layout::{GraspChain, NodeSpot, Sets};
+use crate::plan::fingers::graph::strands::{AngleMask, below, has, single, spread};
 use crate::plan::fingers::graph::{
-    Answer, Blocked, Costs, Entry, Estimator, Grasp, Leg, Request, Start, Within, decompose, solve,
+    Estimator, FarthestRoute, Grasp, GraspAnswer, GraspCosts, GraspRequest, Regrasp, Start, TurnLeg, Within, decompose,
+    solve,
 };
 use crate::plan::fingers::tables::Tables;
-use crate::plan::search::Budget;
+use crate::plan::search::SearchBudget;
 use std::sync::Arc;
 
 const BOTH: [Estimator; 2] = [Estimator::Published, Estimator::Layers];
@@ -17,13 +18,13 @@ fn grasp(list: &[u32]) -> Grasp {
     Grasp::of(list).expect("few fingers")
 }
 
-fn leg(tables: Tables, steps: i32, end: Option<&[u32]>) -> Leg {
+fn leg(tables: Tables, steps: i32, end: Option<&[u32]>) -> TurnLeg {
     let (lowest, highest) = (steps.min(0), steps.max(0));
-    Leg { tables: Arc::new(tables), steps, lowest, highest, entry: Entry::Same, end: end.map(grasp), lazy: None }
+    TurnLeg { tables: Arc::new(tables), steps, lowest, highest, entry: Regrasp::Same, end: end.map(grasp), lazy: None }
 }
 
-fn request(start: Start, routes: Vec<Vec<Leg>>) -> Request {
-    Request { fingers: 3, start, routes, costs: Costs { roll: 20, gait: 180 }, within: Within::default() }
+fn request(start: Start, routes: Vec<Vec<TurnLeg>>) -> GraspRequest {
+    GraspRequest { fingers: 3, start, routes, costs: GraspCosts { roll: 20, gait: 180 }, within: Within::default() }
 }
 
 #[test]
@@ -35,8 +36,8 @@ fn a_way_that_no_finger_may_leave_is_none() {
     let asked = request(start, vec![vec![leg(tables, 3, Some(&[1, 7, 0]))]]);
     for estimator in BOTH {
         // Two fingers roll to the end, but the one grasp there is another one.
-        let expected = Blocked { route: 0, leg: 0, farthest: Some(3), ends: 1, is_known: true };
-        assert_eq!(solve(&asked, estimator, Budget::DEFAULT), Answer::Impossible(expected));
+        let expected = FarthestRoute { route: 0, leg: 0, farthest: Some(3), ends: 1, is_known: true };
+        assert_eq!(solve(&asked, estimator, SearchBudget::DEFAULT), GraspAnswer::Impossible(expected));
     }
 }
 
@@ -47,7 +48,7 @@ fn a_start_that_does_not_hold_has_no_way() {
     let outside = Start::At(grasp(&[1, 13, 0]));
     for start in [close, alone, outside] {
         let asked = request(start, vec![vec![leg(circle(12, 2), 3, None)]]);
-        let Answer::Impossible(blocked) = solve(&asked, Estimator::Layers, Budget::DEFAULT) else {
+        let GraspAnswer::Impossible(blocked) = solve(&asked, Estimator::Layers, SearchBudget::DEFAULT) else {
             panic!("{start:?} does not hold")
         };
         assert_eq!(blocked.farthest, None);
@@ -62,7 +63,9 @@ fn rolling_that_ends_half_way_is_told() {
     tables.layers[0].roll_pair.take(9 * 12 + 3);
     let asked = request(Start::At(grasp(&[6, 12, 0])), vec![vec![leg(tables, 5, None)]]);
     for estimator in BOTH {
-        let Answer::Impossible(blocked) = solve(&asked, estimator, Budget::DEFAULT) else { panic!("there is no way") };
+        let GraspAnswer::Impossible(blocked) = solve(&asked, estimator, SearchBudget::DEFAULT) else {
+            panic!("there is no way")
+        };
         assert_eq!(blocked.farthest, Some(2));
         assert!(blocked.ends > 0);
     }
@@ -72,10 +75,11 @@ fn rolling_that_ends_half_way_is_told() {
 fn the_cheaper_route_is_found_and_of_equal_ones_the_first() {
     let start = Start::At(grasp(&[1, 7, 0]));
     let of = |steps: i32| vec![leg(circle(12, 2), steps, None)];
-    let found = |routes: Vec<Vec<Leg>>| match solve(&request(start, routes), Estimator::Layers, Budget::DEFAULT) {
-        Answer::Found(way) => (way.route, way.cost),
-        other => panic!("{other:?}"),
-    };
+    let found =
+        |routes: Vec<Vec<TurnLeg>>| match solve(&request(start, routes), Estimator::Layers, SearchBudget::DEFAULT) {
+            GraspAnswer::Found(way) => (way.route, way.cost),
+            other => panic!("{other:?}"),
+        };
     assert_eq!(found(vec![of(5), of(3), of(-3), of(4)]), (1, 120));
     assert_eq!(found(vec![of(5), Vec::new()]), (1, 0));
 }
@@ -83,7 +87,9 @@ fn the_cheaper_route_is_found_and_of_equal_ones_the_first() {
 #[test]
 fn a_budget_ends_a_search_with_a_bound() {
     let asked = request(Start::At(grasp(&[1, 38, 0])), vec![vec![leg(circle(74, 6), 11, Some(&[38, 1, 0]))]]);
-    let Answer::GaveUp(report) = solve(&asked, Estimator::Layers, Budget::of(3)) else { panic!("three nodes are few") };
+    let GraspAnswer::GaveUp(report) = solve(&asked, Estimator::Layers, SearchBudget::of(3)) else {
+        panic!("three nodes are few")
+    };
     assert_eq!(report.spent, 3);
     assert!((440..=1880).contains(&report.bound));
 }
@@ -92,7 +98,7 @@ fn a_budget_ends_a_search_with_a_bound() {
 fn too_many_nodes_are_refused() {
     let tables = Tables { contacts: 600, layers: circle(4, 1).layers };
     let asked = request(Start::Any, vec![vec![leg(tables, 1, None)]]);
-    assert!(matches!(solve(&asked, Estimator::Layers, Budget::DEFAULT), Answer::TooLarge { .. }));
+    assert!(matches!(solve(&asked, Estimator::Layers, SearchBudget::DEFAULT), GraspAnswer::TooLarge { .. }));
 }
 
 /// More angles than a word has bits; contacts go round several times.
@@ -102,7 +108,9 @@ fn long_turns_agree_with_the_plain_search() {
         let asked = request(Start::At(grasp(&[1, 7, 0])), vec![vec![leg(circle(12, 2), steps, Some(&goal))]]);
         let cost = dijkstra(&asked, &asked.routes[0]).0.map(|(cost, _)| cost);
         for estimator in BOTH {
-            let Answer::Found(way) = solve(&asked, estimator, Budget::DEFAULT) else { panic!("there is a way") };
+            let GraspAnswer::Found(way) = solve(&asked, estimator, SearchBudget::DEFAULT) else {
+                panic!("there is a way")
+            };
             assert_eq!(Some(way.cost), cost);
             judge(&asked, &way);
         }
@@ -115,9 +123,11 @@ fn greedy_ways_are_ways() {
     let (mut ways, mut dearer) = (0, 0);
     for seed in 1000..1200 {
         let asked = case(seed);
-        let Answer::Found(greedy) = decompose(&asked, Estimator::Published, Budget::DEFAULT) else { continue };
+        let GraspAnswer::Found(greedy) = decompose(&asked, Estimator::Published, SearchBudget::DEFAULT) else {
+            continue;
+        };
         judge(&asked, &greedy);
-        let Answer::Found(joint) = solve(&asked, Estimator::Layers, Budget::DEFAULT) else {
+        let GraspAnswer::Found(joint) = solve(&asked, Estimator::Layers, SearchBudget::DEFAULT) else {
             panic!("case {seed}: a way was found leg by leg")
         };
         assert!(greedy.bound <= joint.cost && joint.cost <= greedy.cost, "case {seed}");
@@ -133,8 +143,8 @@ fn spreads_like_steps<const N: usize>(random: &mut Random) {
         let word = |random: &mut Random| {
             if random.chance(30) { random.next() & random.next() } else { random.next() | random.next() }
         };
-        let rolls: Mask<N> = below(std::array::from_fn(|_| word(random)), angles - 1);
-        let mut seeds: Mask<N> = single(random.below(angles));
+        let rolls: AngleMask<N> = below(std::array::from_fn(|_| word(random)), angles - 1);
+        let mut seeds: AngleMask<N> = single(random.below(angles));
         if random.chance(50) {
             seeds[0] |= below::<N>([random.next() & random.next(); N], angles)[0];
         }
@@ -172,10 +182,10 @@ fn names_of_nodes_come_back() {
         for _ in 0..200 {
             let contacts = 2 + random.below(510);
             let number = random.below(sets.chains(contacts) as usize);
-            let chain: Chain = sets.chain(contacts, number);
+            let chain: GraspChain = sets.chain(contacts, number);
             assert_eq!(sets.index(contacts, chain), number);
-            let spot = Spot { leg: random.below(1 << 16), angle: random.below(512), chain };
-            assert_eq!(Spot::unpack(spot.pack()), spot);
+            let spot = NodeSpot { leg: random.below(1 << 16), angle: random.below(512), chain };
+            assert_eq!(NodeSpot::unpack(spot.pack()), spot);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The same problem without any cleverness: nodes as lists of contacts, all edges asked of the tables, Dijkstra.
 
-use crate::plan::fingers::graph::{Entry, Grasp, Leg, Node, Request, Start, Way};
+use crate::plan::fingers::graph::{Grasp, GraspNode, GraspPath, GraspRequest, Regrasp, Start, TurnLeg};
 use crate::plan::fingers::tables::Tables;
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
@@ -20,7 +20,7 @@ fn with(grasp: &Grasp, finger: usize, number: u16) -> Grasp {
 }
 
 /// Whether a grasp is a node.
-pub fn holds(leg: &Leg, angle: i32, grasp: &Grasp) -> bool {
+pub fn holds(leg: &TurnLeg, angle: i32, grasp: &Grasp) -> bool {
     let layer = leg.tables.layer((angle - leg.lowest) as usize);
     let tables: &Tables = &leg.tables;
     let held = held(grasp);
@@ -34,7 +34,7 @@ pub fn holds(leg: &Leg, angle: i32, grasp: &Grasp) -> bool {
     }
 }
 
-fn rolled(leg: &Leg, grasp: &Grasp, by: i32) -> Grasp {
+fn rolled(leg: &TurnLeg, grasp: &Grasp, by: i32) -> Grasp {
     let count = leg.tables.contacts as i32;
     let mut other = *grasp;
     for (finger, contact) in held(grasp) {
@@ -44,7 +44,7 @@ fn rolled(leg: &Leg, grasp: &Grasp, by: i32) -> Grasp {
 }
 
 /// Whether a grasp may roll from an angle to the next.
-fn rolls(leg: &Leg, angle: i32, grasp: &Grasp) -> bool {
+fn rolls(leg: &TurnLeg, angle: i32, grasp: &Grasp) -> bool {
     let layer = leg.tables.layer((angle - leg.lowest) as usize);
     match held(grasp)[..] {
         [(_, i), (_, j)] => layer.roll_pair.has(leg.tables.two(i, j)),
@@ -54,14 +54,14 @@ fn rolls(leg: &Leg, angle: i32, grasp: &Grasp) -> bool {
 }
 
 /// The nodes of the next leg that an end of a leg becomes: at most one.
-pub fn onward(route: &[Leg], (leg, angle, grasp): At) -> Option<At> {
+pub fn onward(route: &[TurnLeg], (leg, angle, grasp): At) -> Option<At> {
     let (here, next) = (&route[leg], route.get(leg + 1)?);
     if angle != here.steps || here.end.is_some_and(|end| end != grasp) {
         return None;
     }
     let carried = match next.entry {
-        Entry::Same => grasp,
-        Entry::Across { old, new } => {
+        Regrasp::Same => grasp,
+        Regrasp::Across { old, new } => {
             let held = held(&grasp);
             if held.len() != 2 || held[0].1 == held[1].1 {
                 return None;
@@ -78,7 +78,7 @@ pub fn onward(route: &[Leg], (leg, angle, grasp): At) -> Option<At> {
 }
 
 /// All edges from a node, with what they cost.
-pub fn edges(request: &Request, route: &[Leg], (at, angle, grasp): At) -> Vec<(u64, At)> {
+pub fn edges(request: &GraspRequest, route: &[TurnLeg], (at, angle, grasp): At) -> Vec<(u64, At)> {
     let leg = &route[at];
     let count = held(&grasp).len() as u64;
     let (roll, gait) = (count * u64::from(request.costs.roll), u64::from(request.costs.gait));
@@ -130,7 +130,7 @@ pub fn grasps(fingers: usize, contacts: usize) -> Vec<Grasp> {
 }
 
 /// Where a route may begin.
-pub fn starts(request: &Request, route: &[Leg]) -> Vec<At> {
+pub fn starts(request: &GraspRequest, route: &[TurnLeg]) -> Vec<At> {
     let all = match request.start {
         Start::Any => grasps(request.fingers, route[0].tables.contacts),
         Start::At(grasp) => vec![grasp],
@@ -138,13 +138,13 @@ pub fn starts(request: &Request, route: &[Leg]) -> Vec<At> {
     all.into_iter().filter(|grasp| holds(&route[0], 0, grasp)).map(|grasp| (0, 0, grasp)).collect()
 }
 
-pub fn is_end(route: &[Leg], (leg, angle, grasp): At) -> bool {
+pub fn is_end(route: &[TurnLeg], (leg, angle, grasp): At) -> bool {
     leg + 1 == route.len() && angle == route[leg].steps && route[leg].end.is_none_or(|end| end == grasp)
 }
 
 /// The least cost of a route and the fewest reconfigurations at this cost, within the limit of reconfigurations; and the farthest leg
 /// that is begun.
-pub fn dijkstra(request: &Request, route: &[Leg]) -> (Option<(u64, u32)>, usize) {
+pub fn dijkstra(request: &GraspRequest, route: &[TurnLeg]) -> (Option<(u64, u32)>, usize) {
     let most = request.within.gaits;
     // Where they are limited, a node is another one for each number of reconfigurations.
     let place = |at: At, gaits: u32| (at, most.map_or(0, |_| gaits));
@@ -179,16 +179,16 @@ pub fn dijkstra(request: &Request, route: &[Leg]) -> (Option<(u64, u32)>, usize)
 }
 
 /// How many fingers a way places and takes away.
-pub fn gaits(way: &Way) -> u32 {
-    let changes = |nodes: &Vec<Node>| nodes.windows(2).filter(|pair| pair[0].angle == pair[1].angle).count();
+pub fn gaits(way: &GraspPath) -> u32 {
+    let changes = |nodes: &Vec<GraspNode>| nodes.windows(2).filter(|pair| pair[0].angle == pair[1].angle).count();
     way.legs.iter().map(changes).sum::<usize>() as u32
 }
 
 /// Follows a way edge by edge, and adds its cost up.
-pub fn judge(request: &Request, way: &Way) {
+pub fn judge(request: &GraspRequest, way: &GraspPath) {
     let route = &request.routes[way.route];
     let nodes: Vec<At> = (way.legs.iter().enumerate())
-        .flat_map(|(leg, nodes)| nodes.iter().map(move |Node { grasp, angle }| (leg, *angle, *grasp)))
+        .flat_map(|(leg, nodes)| nodes.iter().map(move |GraspNode { grasp, angle }| (leg, *angle, *grasp)))
         .collect();
     assert!(starts(request, route).contains(&nodes[0]), "{:?} is no start", nodes[0]);
     let mut cost = 0;

@@ -4,8 +4,10 @@ use super::oracle::judge;
 use super::random::circle;
 use crate::plan::fingers::graph::layout::Sets;
 use crate::plan::fingers::graph::published::reconfigurations;
-use crate::plan::fingers::graph::{Answer, Costs, Entry, Estimator, Grasp, Leg, Request, Start, Way, Within, solve};
-use crate::plan::search::Budget;
+use crate::plan::fingers::graph::{
+    Estimator, Grasp, GraspAnswer, GraspCosts, GraspPath, GraspRequest, Regrasp, Start, TurnLeg, Within, solve,
+};
+use crate::plan::search::SearchBudget;
 use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
 
@@ -119,20 +121,21 @@ fn relaxed(fingers: usize, sets: &Sets, goal: u8) -> HashMap<Vec<u8>, u32> {
     known
 }
 
-fn found(start: [u32; 3], steps: i32, end: [u32; 3], estimator: Estimator) -> Way {
+fn found(start: [u32; 3], steps: i32, end: [u32; 3], estimator: Estimator) -> GraspPath {
     let grasp = |list: [u32; 3]| Grasp::of(&list).expect("three fingers");
     let tables = Arc::new(circle(CONTACTS, 1));
-    let leg = Leg { tables, steps, lowest: 0, highest: 18, entry: Entry::Same, end: Some(grasp(end)), lazy: None };
-    let costs = Costs { roll: 20, gait: 180 };
-    let request = Request {
+    let leg =
+        TurnLeg { tables, steps, lowest: 0, highest: 18, entry: Regrasp::Same, end: Some(grasp(end)), lazy: None };
+    let costs = GraspCosts { roll: 20, gait: 180 };
+    let request = GraspRequest {
         fingers: 3,
         start: Start::At(grasp(start)),
         routes: vec![vec![leg]],
         costs,
         within: Within::default(),
     };
-    match solve(&request, estimator, Budget::DEFAULT) {
-        Answer::Found(way) => {
+    match solve(&request, estimator, SearchBudget::DEFAULT) {
+        GraspAnswer::Found(way) => {
             judge(&request, &way);
             way
         }

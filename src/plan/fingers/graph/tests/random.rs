@@ -3,14 +3,14 @@
 use super::oracle::{At, dijkstra, edges, gaits, holds, judge};
 use crate::plan::fingers::graph::course::courses;
 use crate::plan::fingers::graph::published::Published;
-use crate::plan::fingers::graph::route::{Layers, flooded};
+use crate::plan::fingers::graph::route::{RemainingReconfigurations, flooded};
 use crate::plan::fingers::graph::walk::{Estimate, NEVER};
 use crate::plan::fingers::graph::{
-    Answer, Costs, Entry, Estimator, Grasp, Leg, Request, Start, Within, decompose, solve,
+    Estimator, Grasp, GraspAnswer, GraspCosts, GraspRequest, Regrasp, Start, TurnLeg, Within, decompose, solve,
 };
-use crate::plan::fingers::looks::Looks;
-use crate::plan::fingers::tables::{Bits, Layer, Tables};
-use crate::plan::search::Budget;
+use crate::plan::fingers::looks::LooksBudget;
+use crate::plan::fingers::tables::{AngleLayer, ContactBits, Tables};
+use crate::plan::search::SearchBudget;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -45,12 +45,14 @@ pub fn layer(
     mut pair: impl FnMut(usize, usize) -> [bool; 2],
     mut triple: impl FnMut(usize, usize, usize) -> [bool; 2],
     mut change: impl FnMut(usize, usize, usize) -> [bool; 2],
-) -> Layer {
-    let [mut pairs, mut roll_pair] = std::array::from_fn(|_| Bits::new(contacts.pow(2)));
-    let [mut triples, mut roll_triple, mut place, mut leave] = std::array::from_fn(|_| Bits::new(contacts.pow(3)));
+) -> AngleLayer {
+    let [mut pairs, mut roll_pair] = std::array::from_fn(|_| ContactBits::new(contacts.pow(2)));
+    let [mut triples, mut roll_triple, mut place, mut leave] =
+        std::array::from_fn(|_| ContactBits::new(contacts.pow(3)));
     let two = |i: usize, j: usize| i * contacts + j;
     let three = |i: usize, j: usize, k: usize| (i * contacts + j) * contacts + k;
-    let put = |bits: &mut Bits, is_in: bool, all: &[usize]| all.iter().filter(|_| is_in).for_each(|at| bits.put(*at));
+    let put =
+        |bits: &mut ContactBits, is_in: bool, all: &[usize]| all.iter().filter(|_| is_in).for_each(|at| bits.put(*at));
     for i in 0..contacts {
         for j in i + 1..contacts {
             let [holds, rolls] = pair(i, j);
@@ -70,7 +72,7 @@ pub fn layer(
             }
         }
     }
-    Layer { pair: pairs, triple: triples, roll_pair, roll_triple, place, leave }
+    AngleLayer { pair: pairs, triple: triples, roll_pair, roll_triple, place, leave }
 }
 
 /// All grasps with contacts this far apart, everything allowed.
@@ -103,7 +105,7 @@ fn noise(random: &mut Random, contacts: usize, layers: usize) -> Tables {
 }
 
 /// A case: fingers, contacts, legs, junctions, pins and all.
-pub fn case(seed: u64) -> Request {
+pub fn case(seed: u64) -> GraspRequest {
     let random = &mut Random(seed.wrapping_mul(0x1234_5677));
     let fingers = if random.chance(75) || seed.is_multiple_of(50) { 3 } else { 4 };
     let most = if fingers == 3 { random.pick(&[6, 7, 9, 10, 12, 14, 20]) } else { random.pick(&[5, 8, 11]) };
@@ -128,11 +130,17 @@ pub fn case(seed: u64) -> Request {
         false => Start::At(some(random, fingers, first, 0)),
     };
     let costs = random.pick(&[(20, 180), (1, 9), (7, 30), (3, 1), (2, 0)]);
-    Request { fingers, start, routes, costs: Costs { roll: costs.0, gait: costs.1 }, within: Within::default() }
+    GraspRequest {
+        fingers,
+        start,
+        routes,
+        costs: GraspCosts { roll: costs.0, gait: costs.1 },
+        within: Within::default(),
+    }
 }
 
 /// Any grasp, mostly one that holds.
-fn some(random: &mut Random, fingers: usize, leg: &Leg, angle: i32) -> Grasp {
+fn some(random: &mut Random, fingers: usize, leg: &TurnLeg, angle: i32) -> Grasp {
     let tries: Vec<Grasp> = (0..50).map(|_| any(random, fingers, leg.tables.contacts)).collect();
     let holding = tries.iter().copied().find(|grasp| holds(leg, angle, grasp));
     if random.chance(95) { holding.unwrap_or(tries[0]) } else { tries[0] }
@@ -148,9 +156,9 @@ fn any(random: &mut Random, fingers: usize, contacts: usize) -> Grasp {
     grasp
 }
 
-fn route(random: &mut Random, fingers: usize, turn: usize, sections: &[Arc<Tables>; 2]) -> Vec<Leg> {
+fn route(random: &mut Random, fingers: usize, turn: usize, sections: &[Arc<Tables>; 2]) -> Vec<TurnLeg> {
     let mut at = random.below(2);
-    let mut legs: Vec<Leg> = Vec::new();
+    let mut legs: Vec<TurnLeg> = Vec::new();
     for number in 0..random.pick(&[1, 1, 2, 3]) {
         let before = at;
         let crosses = number > 0 && random.chance(70);
@@ -158,10 +166,10 @@ fn route(random: &mut Random, fingers: usize, turn: usize, sections: &[Arc<Table
             at = 1 - at;
         }
         let half = |at: usize| [0, sections[at].contacts / 2];
-        let entry = if crosses { Entry::Across { old: half(before), new: half(at) } } else { Entry::Same };
+        let entry = if crosses { Regrasp::Across { old: half(before), new: half(at) } } else { Regrasp::Same };
         let (lowest, highest) = if random.chance(50) { (0, turn as i32) } else { (-(turn as i32), 0) };
         let steps = random.below(turn + 1) as i32 * if lowest < 0 { -1 } else { 1 };
-        let mut leg = Leg { tables: sections[at].clone(), steps, lowest, highest, entry, end: None, lazy: None };
+        let mut leg = TurnLeg { tables: sections[at].clone(), steps, lowest, highest, entry, end: None, lazy: None };
         if random.chance(30) {
             leg.end = Some(some(random, fingers, &leg, steps));
         }
@@ -173,7 +181,7 @@ fn route(random: &mut Random, fingers: usize, turn: usize, sections: &[Arc<Table
 /// The least cost, its reconfigurations and its route; the farthest leg that a route begins, and the first route that does.
 type Best = (Option<(u64, u32, usize)>, (usize, usize));
 
-fn best(request: &Request) -> Best {
+fn best(request: &GraspRequest) -> Best {
     let oracle: Vec<(Option<(u64, u32)>, usize)> =
         request.routes.iter().map(|route| dijkstra(request, route)).collect();
     let ways = oracle.iter().enumerate().filter_map(|(at, (way, _))| way.map(|(cost, gaits)| (cost, gaits, at)));
@@ -195,16 +203,16 @@ fn agrees(seed: u64) -> Option<u64> {
 }
 
 /// Cost and reconfigurations of the best way within the limit of a request.
-fn agrees_within(seed: u64, request: &Request) -> Option<(u64, u32)> {
+fn agrees_within(seed: u64, request: &GraspRequest) -> Option<(u64, u32)> {
     let (best, farthest) = best(request);
     for estimator in [Estimator::Published, Estimator::Layers] {
-        match solve(request, estimator, Budget::DEFAULT) {
-            Answer::Found(way) => {
+        match solve(request, estimator, SearchBudget::DEFAULT) {
+            GraspAnswer::Found(way) => {
                 assert_eq!(Some((way.cost, gaits(&way), way.route)), best, "case {seed}, {estimator:?}");
                 assert_eq!(way.bound, way.cost);
                 judge(request, &way);
             }
-            Answer::Impossible(blocked) => {
+            GraspAnswer::Impossible(blocked) => {
                 assert_eq!(best, None, "case {seed}, {estimator:?}");
                 let is_said = request.within.gaits.is_some() || (blocked.leg, blocked.route) == farthest;
                 assert!(is_said, "case {seed}: {blocked:?}, {farthest:?}");
@@ -223,14 +231,14 @@ fn what_is_said_when_looks_run_out_is_so() {
         let mut request = case(seed);
         let best = best(&request).0;
         for looks in [1, 30, 300, 3000, 30_000] {
-            request.within.looks = Rc::new(Looks::of(looks));
-            match solve(&request, Estimator::Layers, Budget::DEFAULT) {
-                Answer::Found(way) => {
+            request.within.looks = Rc::new(LooksBudget::of(looks));
+            match solve(&request, Estimator::Layers, SearchBudget::DEFAULT) {
+                GraspAnswer::Found(way) => {
                     assert_eq!(Some((way.cost, gaits(&way), way.route)), best, "case {seed}, {looks} looks");
                     found += 1;
                 }
-                Answer::Impossible(_) => assert_eq!(best, None, "case {seed}, {looks} looks"),
-                Answer::LooksSpent { bound } => {
+                GraspAnswer::Impossible(_) => assert_eq!(best, None, "case {seed}, {looks} looks"),
+                GraspAnswer::LooksSpent { bound } => {
                     assert!(
                         best.is_none_or(|(cost, ..)| bound <= cost),
                         "case {seed}, {looks} looks: {bound}, {best:?}"
@@ -239,8 +247,8 @@ fn what_is_said_when_looks_run_out_is_so() {
                 }
                 other => panic!("case {seed}, {looks} looks: {other:?}"),
             }
-            request.within.looks = Rc::new(Looks::of(looks));
-            if let Answer::Found(way) = decompose(&request, Estimator::Layers, Budget::DEFAULT) {
+            request.within.looks = Rc::new(LooksBudget::of(looks));
+            if let GraspAnswer::Found(way) = decompose(&request, Estimator::Layers, SearchBudget::DEFAULT) {
                 assert!(
                     best.is_some_and(|(cost, ..)| way.bound <= cost),
                     "case {seed}, {looks} looks: {way:?}, {best:?}"
@@ -267,7 +275,7 @@ fn estimates_are_consistent() {
         for (course, route) in courses.iter().zip(&request.routes) {
             let random = &mut Random(seed);
             let published = Published::of(course);
-            let mut layers = Layers::<1>(flooded(course, request.start));
+            let mut layers = RemainingReconfigurations::<1>(flooded(course, request.start));
             (0..random.below(3)).for_each(|_| layers.deepen());
             for _ in 0..100 {
                 let leg = random.below(route.len());
@@ -284,9 +292,9 @@ fn estimates_are_consistent() {
 }
 
 fn consistent(
-    request: &Request,
-    route: &[Leg],
-    course: &crate::plan::fingers::graph::course::Course,
+    request: &GraspRequest,
+    route: &[TurnLeg],
+    course: &crate::plan::fingers::graph::course::PreparedRoute,
     estimate: &dyn Estimate,
     from: At,
 ) {

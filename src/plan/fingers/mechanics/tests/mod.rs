@@ -1,17 +1,17 @@
 use super::*;
 use crate::claims::fingers::Section;
-use crate::device::fingers::{Adhesion, Facts, fixture};
+use crate::device::fingers::{Adhesion, FingersFacts, fixture};
 use crate::geometry::outline::{Curve, Outline};
-use crate::plan::fingers::looks::Looks;
-use crate::plan::fingers::tables::{Bits, Tables};
+use crate::plan::fingers::looks::LooksBudget;
+use crate::plan::fingers::tables::{ContactBits, Tables};
 use std::f64::consts::TAU;
 
 mod oracle;
 mod paper;
 
 /// The paper's hand, with κ as it imitates the paper.
-fn hand(friction: f64, adhesion: Adhesion) -> Facts {
-    Facts {
+fn hand(friction: f64, adhesion: Adhesion) -> FingersFacts {
+    FingersFacts {
         adhesion,
         friction,
         removal_safety: 1.8,
@@ -36,13 +36,13 @@ fn section(outline: Outline, contacts: u32) -> (Section, Curve) {
     (Section { outline, contacts, opposite, step_rad: once_round_rad / f64::from(contacts) }, curve)
 }
 
-fn tabulated(facts: &Facts, (section, curve): &(Section, Curve), load: Load, angles: usize) -> Tables {
+fn tabulated(facts: &FingersFacts, (section, curve): &(Section, Curve), load: Load, angles: usize) -> Tables {
     let contacts = Contacts::of(section, curve, facts.tip_radius_um);
-    tables(&Asked { facts, contacts, load, lowest: 0, angles }, &Looks::default(), &mut |_, _, _| true)
+    tables(&TableRequest { facts, contacts, load, lowest: 0, angles }, &LooksBudget::default(), &mut |_, _, _| true)
         .expect("few grasps")
 }
 
-fn count(bits: &Bits) -> u32 {
+fn count(bits: &ContactBits) -> u32 {
     bits.words().iter().map(|word| word.count_ones()).sum()
 }
 
@@ -110,10 +110,10 @@ fn without_adhesion_grasps_grow_with_friction_as_in_table_2() {
 }
 
 /// Every bit of the tables, told again from single grasps: what `holds` says of contacts at an instant, and room between tips.
-fn assert_told_by_single_grasps(facts: &Facts, part: &(Section, Curve), load: Load, angles: usize) {
+fn assert_told_by_single_grasps(facts: &FingersFacts, part: &(Section, Curve), load: Load, angles: usize) {
     let tables = tabulated(facts, part, load, angles);
     let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
-    let grip = Grip::of(facts, contacts.reach_um());
+    let grip = GripModel::of(facts, contacts.reach_um());
     let size = contacts.number();
     let firm = grip.with_reserve();
     let is_single = tables.layers.len() == 1;
@@ -149,13 +149,13 @@ fn assert_told_by_single_grasps(facts: &Facts, part: &(Section, Curve), load: Lo
 
 /// Contacts and load at an angle, and a part of a step after it.
 struct Told<'a> {
-    grip: &'a Grip,
+    grip: &'a GripModel,
     contacts: Vec<Contact>,
     load: Load,
 }
 
 impl<'a> Told<'a> {
-    fn at(grip: &'a Grip, contacts: &Contacts, load: Load, [angle, part]: [f64; 2]) -> Told<'a> {
+    fn at(grip: &'a GripModel, contacts: &Contacts, load: Load, [angle, part]: [f64; 2]) -> Told<'a> {
         let load = load.after_turn((angle + part) * contacts.step_rad());
         Told { grip, contacts: contacts.after(part), load }
     }
@@ -214,7 +214,7 @@ fn circle() -> Vec<Contact> {
 fn what_is_exactly_balanced_holds() {
     // Two fingers at the ends of a right angle seen from the middle: the chord is 45 deg off both normals.
     let contacts = circle();
-    let grip = |friction: f64| Grip::of(&hand(friction, Adhesion::Absent), 9.0);
+    let grip = |friction: f64| GripModel::of(&hand(friction, Adhesion::Absent), 9.0);
     let right_angle = [contacts[0], contacts[9]];
     assert!(grip(1.0).holds(&right_angle, &Load::NONE));
     assert!(!grip(1.0 - 1e-8).holds(&right_angle, &Load::NONE));
@@ -230,8 +230,8 @@ fn a_removal_in_balance_holds_up_to_its_safety() {
     // Without a moment two opposite fingers resist across their chord as far as friction goes with all that presses and sticks.
     let contacts = circle();
     let resists = |safety: f64| {
-        let facts = Facts { removal_safety: safety, ..hand(0.3, Adhesion::Sticking) };
-        Grip::of(&facts, 9.0).resists([&contacts[0], &contacts[18]], &contacts[9], &Load::NONE)
+        let facts = FingersFacts { removal_safety: safety, ..hand(0.3, Adhesion::Sticking) };
+        GripModel::of(&facts, 9.0).resists([&contacts[0], &contacts[18]], &contacts[9], &Load::NONE)
     };
     // Both press with all they have: 2 × 0.3 × (30 + 1.5) μN over 1.5 μN.
     assert!(resists(12.6) && !resists(12.6 + 1e-6));
@@ -242,7 +242,7 @@ fn a_load_across_is_borne_by_levers_and_torsion() {
     let contacts = circle();
     let holds = |grasp: &[usize], torsion_um: f64, load: Load| {
         let held: Vec<Contact> = grasp.iter().map(|contact| contacts[*contact]).collect();
-        Grip::of(&Facts { torsion_um, ..hand(0.3, Adhesion::Sticking) }, 9.0).holds(&held, &load)
+        GripModel::of(&FingersFacts { torsion_um, ..hand(0.3, Adhesion::Sticking) }, 9.0).holds(&held, &load)
     };
     let across = |across_un: f64| Load { across_un, ..Load::NONE };
     // Through the chord: each of two that press with 30 uN bears 0.3 × (30 + 1.5) uN.
@@ -277,8 +277,8 @@ fn tables_have_a_size_that_is_not_passed() {
     let facts = hand(0.3, Adhesion::Sticking);
     let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
     let load = Load { force_un: [0.1, 0.0], ..Load::NONE };
-    let asked = Asked { facts: &facts, contacts, load, lowest: 0, angles: 5 };
-    let refused = tables(&asked, &Looks::default(), &mut |_, _, _| true);
+    let asked = TableRequest { facts: &facts, contacts, load, lowest: 0, angles: 5 };
+    let refused = tables(&asked, &LooksBudget::default(), &mut |_, _, _| true);
     assert_eq!(refused.err(), Some(NoTables::TooManyGrasps { contacts: 512, layers: 5 }));
 }
 
@@ -287,8 +287,8 @@ fn a_contact_that_is_out_of_reach_is_neither_come_to_nor_left() {
     let part = ellipse([8.0, 6.1], 28);
     let facts = hand(0.3, Adhesion::Sticking);
     let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
-    let asked = Asked { facts: &facts, contacts, load: Load::NONE, lowest: 0, angles: 1 };
-    let found = tables(&asked, &Looks::default(), &mut |i, j, k| i < j && k != 5).expect("few grasps");
+    let asked = TableRequest { facts: &facts, contacts, load: Load::NONE, lowest: 0, angles: 1 };
+    let found = tables(&asked, &LooksBudget::default(), &mut |i, j, k| i < j && k != 5).expect("few grasps");
     let free = tabulated(&facts, &part, Load::NONE, 1);
     for (i, j) in (0..28).flat_map(|i| (0..28).map(move |j| (i, j))) {
         for k in 0..28 {
@@ -308,7 +308,7 @@ fn rows_of_bits_go_in_and_out_anywhere() {
     let mut dice = Dice(1);
     for length in [1, 28, 63, 64, 65, 74, 128, 200] {
         let start = dice.below(200);
-        let mut bits = Bits::new(start + length + 70);
+        let mut bits = ContactBits::new(start + length + 70);
         let mut row = vec![0_u64; usize::div_ceil(length, 64)];
         (0..length).filter(|_| dice.below(2) == 0).for_each(|bit| row[bit / 64] |= 1 << (bit % 64));
         bits.put_row(start, &row);

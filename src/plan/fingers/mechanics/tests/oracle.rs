@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 /// What is asked of a solver, and of the predicate.
 #[derive(Debug, Clone)]
 struct Case {
-    facts: Facts,
+    facts: FingersFacts,
     contacts: Vec<Contact>,
     leaves: Option<Contact>,
     load: Load,
@@ -42,7 +42,7 @@ impl Case {
     }
 
     fn predicted(&self) -> bool {
-        let grip = Grip::of(&self.facts, ARM_UM);
+        let grip = GripModel::of(&self.facts, ARM_UM);
         match &self.leaves {
             Some(leaves) => grip.resists([&self.contacts[0], &self.contacts[1]], leaves, &self.load),
             None => grip.holds(&self.contacts, &self.load),

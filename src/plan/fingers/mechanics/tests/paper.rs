@@ -1,8 +1,10 @@
 //! The paper's own cases, found by the search over these tables.
 
 use super::*;
-use crate::plan::fingers::graph::{Answer, Costs, Entry, Estimator, Grasp, Leg, Request, Start, Within, solve};
-use crate::plan::search::Budget;
+use crate::plan::fingers::graph::{
+    Estimator, Grasp, GraspAnswer, GraspCosts, GraspRequest, Regrasp, Start, TurnLeg, Within, solve,
+};
+use crate::plan::search::SearchBudget;
 use std::sync::Arc;
 
 /// The six ways in which three fingers hold I and J, in the order of Table 3.
@@ -11,35 +13,35 @@ const SIX: [[u32; 3]; 6] = [[1, 0, 38], [0, 1, 38], [38, 0, 1], [38, 1, 0], [0, 
 /// An ellipse that fits c = 74 as well as the paper's, a little slimmer than the one that fits its Table 2.
 const SLIM: [f64; 2] = [17.0, 10.632];
 
-fn tables_of(facts: &Facts, semi_um: [f64; 2]) -> Arc<Tables> {
+fn tables_of(facts: &FingersFacts, semi_um: [f64; 2]) -> Arc<Tables> {
     Arc::new(tabulated(facts, &ellipse(semi_um, 74), Load::NONE, 19))
 }
 
 /// Cost in degrees and reconfigurations of a turn from a grasp to one of others, if there is a way.
 fn turned(tables: &Arc<Tables>, steps: i32, from: [u32; 3], goals: &[Option<Grasp>]) -> Option<(u64, usize)> {
-    let leg = |goal: &Option<Grasp>| Leg {
+    let leg = |goal: &Option<Grasp>| TurnLeg {
         tables: Arc::clone(tables),
         steps,
         lowest: 0,
         highest: 18,
-        entry: Entry::Same,
+        entry: Regrasp::Same,
         end: *goal,
         lazy: None,
     };
-    let request = Request {
+    let request = GraspRequest {
         fingers: 3,
         start: Start::At(Grasp::of(&from).expect("a grasp")),
         routes: goals.iter().map(|goal| vec![leg(goal)]).collect(),
-        costs: Costs { roll: 20, gait: 180 },
+        costs: GraspCosts { roll: 20, gait: 180 },
         within: Within::default(),
     };
-    match solve(&request, Estimator::Layers, Budget::DEFAULT) {
-        Answer::Found(way) => {
+    match solve(&request, Estimator::Layers, SearchBudget::DEFAULT) {
+        GraspAnswer::Found(way) => {
             let changes = way.legs[0].windows(2).filter(|two| two[0].grasp.holding() != two[1].grasp.holding());
             Some((way.cost, changes.count()))
         }
-        Answer::Impossible(_) => None,
-        Answer::GaveUp(_) | Answer::LooksSpent { .. } | Answer::TooLarge { .. } => {
+        GraspAnswer::Impossible(_) => None,
+        GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } | GraspAnswer::TooLarge { .. } => {
             panic!("a graph of this size is searched to its end")
         }
     }
@@ -47,7 +49,7 @@ fn turned(tables: &Arc<Tables>, steps: i32, from: [u32; 3], goals: &[Option<Gras
 
 /// Table 3: 220 deg from [1 38 0] to each of the six.
 fn second_rotation(semi_um: [f64; 2], removal_safety: f64) -> [(u64, usize); 6] {
-    let tables = tables_of(&Facts { removal_safety, ..hand(0.3, Adhesion::Sticking) }, semi_um);
+    let tables = tables_of(&FingersFacts { removal_safety, ..hand(0.3, Adhesion::Sticking) }, semi_um);
     SIX.map(|goal| turned(&tables, 11, [1, 38, 0], &[Grasp::of(&goal)]).expect("a way"))
 }
 

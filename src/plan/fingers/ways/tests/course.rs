@@ -3,26 +3,26 @@
 use super::*;
 use nalgebra::Unit;
 
-fn states(motion: &Motion) -> Vec<&Hold> {
+fn states(motion: &FingersMotion) -> Vec<&HeldGrasp> {
     motion.steps.iter().flatten().filter_map(|stretch| stretch.state.as_ref()).collect()
 }
 
-fn acts_of_the_paper() -> Vec<Vec<Act>> {
-    let place = |finger, contact| Act::Place { finger, contact };
-    let leave = |finger| Act::Leave { finger };
+fn acts_of_the_paper() -> Vec<Vec<FingerAct>> {
+    let place = |finger, contact| FingerAct::Place { finger, contact };
+    let leave = |finger| FingerAct::Leave { finger };
     vec![
-        vec![begin(Plane::Xy, &[5, 42, 0]), Act::Roll(4)],
-        vec![Act::Turn(Plane::Xz), place(2, 12), leave(0), place(0, 49), leave(1), Act::Roll(11)],
-        vec![Act::Turn(Plane::Xy), Act::Roll(5)],
-        vec![Act::Translate([3.0, 4.0, 0.0]), Act::Wait(1_000)],
-        vec![Act::Release { order: vec![0, 2] }],
+        vec![begin(Plane::Xy, &[5, 42, 0]), FingerAct::Roll(4)],
+        vec![FingerAct::Turn(Plane::Xz), place(2, 12), leave(0), place(0, 49), leave(1), FingerAct::Roll(11)],
+        vec![FingerAct::Turn(Plane::Xy), FingerAct::Roll(5)],
+        vec![FingerAct::Translate([3.0, 4.0, 0.0]), FingerAct::Wait(1_000)],
+        vec![FingerAct::Release { order: vec![0, 2] }],
     ]
 }
 
 /// The ellipsoid by (80, 220, 100) deg.
-fn paper() -> (Bench, Motion) {
+fn paper() -> (Bench, FingersMotion) {
     let bench = Bench::new(ellipse(), facts(3));
-    let course = Course { start: bench.hand().home([0.0; 3]), steps: acts_of_the_paper() };
+    let course = FingersCourse { start: bench.hand().home([0.0; 3]), steps: acts_of_the_paper() };
     let motion = bench.hand().motion(&course).expect("it can be carried out");
     (bench, motion)
 }
@@ -39,7 +39,7 @@ fn three_turns_make_one_orientation() {
     let wanted = about(Vector3::z(), 4.0) * about(Vector3::y(), 11.0) * about(Vector3::z(), 5.0);
     assert!(rotation(last.orientation).angle_to(&wanted) < 1e-12);
     assert!(states.iter().all(|hold| hold.orientation[0] >= 0.0));
-    let norm = |hold: &Hold| hold.orientation.iter().map(|part| part * part).sum::<f64>();
+    let norm = |hold: &HeldGrasp| hold.orientation.iter().map(|part| part * part).sum::<f64>();
     assert!(states.iter().all(|hold| (norm(hold) - 1.0).abs() < 1e-14));
     assert_eq!(last.position_um, [3.0, 4.0, 0.0]);
     assert_eq!(last.grasp, [0, 0, 0]);
@@ -63,7 +63,7 @@ fn states_tell_grasp_and_angle() {
 #[test]
 fn turns_go_backwards_below_one() {
     let bench = Bench::new(ellipse(), facts(3));
-    let motion = bench.hand().motion(&bench.course(vec![begin(Plane::Xz, &[73, 36, 0]), Act::Roll(-3)]));
+    let motion = bench.hand().motion(&bench.course(vec![begin(Plane::Xz, &[73, 36, 0]), FingerAct::Roll(-3)]));
     let motion = motion.expect("it can be carried out");
     let seen: Vec<(i64, u32)> = states(&motion).iter().map(|hold| (hold.angle_index, hold.grasp[0])).collect();
     assert_eq!(seen, [(1, 73), (0, 74), (-1, 1), (-2, 2)]);
@@ -114,11 +114,11 @@ fn courses_go_on_where_others_ended() {
     let hand = bench.hand();
     let (mut start, mut steps) = (hand.home([0.0; 3]), Vec::new());
     for acts in acts_of_the_paper() {
-        let part = hand.motion(&Course { start, steps: vec![acts] }).expect("it can be carried out");
+        let part = hand.motion(&FingersCourse { start, steps: vec![acts] }).expect("it can be carried out");
         start = end(&part);
         steps.extend(part.steps);
     }
-    let flat = |steps: &[Vec<Move>]| -> Vec<f64> {
+    let flat = |steps: &[Vec<TipsMove>]| -> Vec<f64> {
         steps.iter().flatten().flat_map(|stretch| stretch.tips_um.concat()).collect()
     };
     let (parts, whole_values) = (flat(&steps), flat(&whole.steps));
@@ -136,8 +136,8 @@ fn stages_stay_within_their_range() {
         all.map(|tip| tip[axis].abs()).fold(0.0, f64::max)
     };
     let carried_out = |range_um: [f64; 3]| {
-        let bench = Bench::new(ellipse(), Facts { range_um, ..bench.facts.clone() });
-        let course = Course { start: bench.hand().home([0.0; 3]), steps: acts_of_the_paper() };
+        let bench = Bench::new(ellipse(), FingersFacts { range_um, ..bench.facts.clone() });
+        let course = FingersCourse { start: bench.hand().home([0.0; 3]), steps: acts_of_the_paper() };
         bench.hand().motion(&course)
     };
     let just: [f64; 3] = std::array::from_fn(farthest);
@@ -155,7 +155,7 @@ fn stages_stay_within_their_range() {
 fn what_is_not_a_number_lies_nowhere() {
     let bench = Bench::new(ellipse(), facts(3));
     for by_um in [f64::NAN, f64::INFINITY, f64::MAX] {
-        let course = bench.course(vec![Act::Translate([0.0, by_um, 0.0])]);
+        let course = bench.course(vec![FingerAct::Translate([0.0, by_um, 0.0])]);
         let Err(WayError::Range { axis, .. }) = bench.hand().motion(&course) else { panic!("{by_um}") };
         assert_eq!(axis, 1);
     }
@@ -165,8 +165,8 @@ fn what_is_not_a_number_lies_nowhere() {
 fn acts_that_do_not_fit_are_refused() {
     let bench = Bench::new(ellipse(), facts(3));
     let hold = || begin(Plane::Xy, &[1, 38, 0]);
-    let place = |finger, contact| Act::Place { finger, contact };
-    let refused: Vec<Vec<Act>> = vec![
+    let place = |finger, contact| FingerAct::Place { finger, contact };
+    let refused: Vec<Vec<FingerAct>> = vec![
         vec![hold(), hold()],
         vec![begin(Plane::Xy, &[1, 75, 0])],
         vec![begin(Plane::Xy, &[1, 38])],
@@ -174,12 +174,12 @@ fn acts_that_do_not_fit_are_refused() {
         vec![hold(), place(3, 20)],
         vec![hold(), place(2, 0)],
         vec![hold(), place(2, 75)],
-        vec![hold(), Act::Leave { finger: 2 }],
-        vec![hold(), Act::Leave { finger: 9 }],
-        vec![hold(), Act::Release { order: vec![0] }],
-        vec![begin(Plane::Xy, &[2, 38, 0]), Act::Turn(Plane::Xz)],
-        vec![Act::Roll(i32::MIN)],
-        vec![begin(Plane::Xy, &[0, 38, 0]), Act::Roll(1)],
+        vec![hold(), FingerAct::Leave { finger: 2 }],
+        vec![hold(), FingerAct::Leave { finger: 9 }],
+        vec![hold(), FingerAct::Release { order: vec![0] }],
+        vec![begin(Plane::Xy, &[2, 38, 0]), FingerAct::Turn(Plane::Xz)],
+        vec![FingerAct::Roll(i32::MIN)],
+        vec![begin(Plane::Xy, &[0, 38, 0]), FingerAct::Roll(1)],
     ];
     for acts in refused {
         let course = bench.course(acts.clone());
@@ -187,8 +187,8 @@ fn acts_that_do_not_fit_are_refused() {
     }
     let course = bench.course(vec![hold(), place(2, 3)]);
     assert_eq!(bench.hand().motion(&course), Err(WayError::Blocked { step: 0, finger: 2, contact: 3 }));
-    let flat = Hand { xz: None, ..bench.hand() };
-    let course = bench.course(vec![hold(), Act::Turn(Plane::Xz)]);
+    let flat = HandSections { xz: None, ..bench.hand() };
+    let course = bench.course(vec![hold(), FingerAct::Turn(Plane::Xz)]);
     assert_eq!(flat.motion(&course), Err(WayError::Unfit { step: 0 }));
 }
 
@@ -198,7 +198,7 @@ fn stances_of_another_hand_are_refused() {
     let edits: [fn(&mut Stance); 3] =
         [|start| start.tips_um.truncate(2), |start| start.hold.grasp.push(0), |start| start.hold.grasp[1] = 75];
     for edit in edits {
-        let mut course = bench.course(vec![Act::Wait(1)]);
+        let mut course = bench.course(vec![FingerAct::Wait(1)]);
         edit(&mut course.start);
         assert_eq!(bench.hand().motion(&course), Err(WayError::Unfit { step: 0 }));
     }
@@ -207,9 +207,9 @@ fn stances_of_another_hand_are_refused() {
 #[test]
 fn waits_and_empty_steps() {
     let bench = Bench::new(ellipse(), facts(3));
-    let steps = vec![vec![], vec![Act::Wait(7)], vec![Act::Wait(0)], vec![Act::Translate([0.0; 3])]];
+    let steps = vec![vec![], vec![FingerAct::Wait(7)], vec![FingerAct::Wait(0)], vec![FingerAct::Translate([0.0; 3])]];
     let start = bench.hand().home([0.0; 3]);
-    let motion = bench.hand().motion(&Course { start: start.clone(), steps }).expect("nothing moves");
+    let motion = bench.hand().motion(&FingersCourse { start: start.clone(), steps }).expect("nothing moves");
     let lasting: Vec<Vec<u64>> =
         motion.steps.iter().map(|moves| moves.iter().map(|stretch| stretch.duration_ns).collect()).collect();
     assert_eq!(lasting, [vec![], vec![7], vec![], vec![1]]);

@@ -8,12 +8,12 @@ mod travel;
 use super::*;
 use crate::device::fingers::fixture::hand;
 use crate::geometry::outline::Outline;
-use crate::plan::fingers::Move;
+use crate::plan::fingers::TipsMove;
 use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
 
 /// The paper's hand, with a fine tolerance.
-pub fn facts(fingers: u32) -> Facts {
-    Facts { fingers, ..hand() }
+pub fn facts(fingers: u32) -> FingersFacts {
+    FingersFacts { fingers, ..hand() }
 }
 
 /// The paper's ellipsoid.
@@ -33,31 +33,31 @@ pub fn peanut() -> Outline {
 
 /// A part of two equal sections, with all that a hand asks of it.
 pub struct Bench {
-    pub facts: Facts,
+    pub facts: FingersFacts,
     pub section: Section,
     pub curve: Curve,
-    pub reach: Reach,
+    pub reach: ContactReach,
 }
 
 impl Bench {
-    pub fn new(outline: Outline, facts: Facts) -> Bench {
+    pub fn new(outline: Outline, facts: FingersFacts) -> Bench {
         let curve = Curve::of(&outline).expect("an outline of these tests is sound");
         let round_rad = curve.rolled_rad(curve.perimeter_um(), facts.tip_radius_um);
         let contacts = 2 * (round_rad / facts.step_rad() / 2.0).round() as u32;
         let step_rad = round_rad / f64::from(contacts);
         let section = Section { outline, contacts, opposite: Some(1 + contacts / 2), step_rad };
-        let reach = Reach::new(&curve, &facts, contacts);
+        let reach = ContactReach::new(&curve, &facts, contacts);
         Bench { facts, section, curve, reach }
     }
 
-    pub fn hand(&self) -> Hand<'_> {
-        let side = Side { section: &self.section, curve: &self.curve, reach: &self.reach };
-        Hand { facts: &self.facts, xy: side, xz: Some(side) }
+    pub fn hand(&self) -> HandSections<'_> {
+        let side = PreparedSection { section: &self.section, curve: &self.curve, reach: &self.reach };
+        HandSections { facts: &self.facts, xy: side, xz: Some(side) }
     }
 
     /// A course of one step from home.
-    pub fn course(&self, acts: Vec<Act>) -> Course {
-        Course { start: self.hand().home([0.0; 3]), steps: vec![acts] }
+    pub fn course(&self, acts: Vec<FingerAct>) -> FingersCourse {
+        FingersCourse { start: self.hand().home([0.0; 3]), steps: vec![acts] }
     }
 }
 
@@ -66,8 +66,8 @@ pub fn benches(fingers: u32) -> [Bench; 2] {
     [ellipse(), peanut()].map(|outline| Bench::new(outline, facts(fingers)))
 }
 
-pub fn begin(plane: Plane, grasp: &[u32]) -> Act {
-    Act::Begin { plane, grasp: grasp.to_vec() }
+pub fn begin(plane: Plane, grasp: &[u32]) -> FingerAct {
+    FingerAct::Begin { plane, grasp: grasp.to_vec() }
 }
 
 /// Numbers that look random, the same ones each time.
@@ -91,7 +91,7 @@ pub fn rotation(orientation: [f64; 4]) -> UnitQuaternion<f64> {
 }
 
 /// A place of the hand's frame in the coordinates of a plane of the part, and its distance from that plane.
-pub fn in_section(hold: &Hold, tip_um: [f64; 3]) -> (Vector2<f64>, f64) {
+pub fn in_section(hold: &HeldGrasp, tip_um: [f64; 3]) -> (Vector2<f64>, f64) {
     let own = rotation(hold.orientation).inverse() * (Vector3::from(tip_um) - Vector3::from(hold.position_um));
     let [first, second] = hold.plane.axes().map(Vector3::from);
     (Vector2::new(own.dot(&first), own.dot(&second)), own.dot(&first.cross(&second)))

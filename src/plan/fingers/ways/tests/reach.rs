@@ -3,7 +3,7 @@
 use super::*;
 
 /// By how much a tip on a way comes nearer than it should, to the outline and to tips on other contacts: negative where it is clear.
-fn intrusion_um(bench: &Bench, way: &Way, holding: &[usize]) -> f64 {
+fn intrusion_um(bench: &Bench, way: &RetreatPath, holding: &[usize]) -> f64 {
     let facts = &bench.facts;
     let far_um = facts.sphere_um(0, bench.curve.reach_um());
     let tips: Vec<Vector2<f64>> =
@@ -37,7 +37,7 @@ fn pocket() -> Outline {
 
 #[test]
 fn ways_are_clear() {
-    let small = Facts { tip_radius_um: 0.8, clearance_um: 0.5, steps_per_turn: 5, ..facts(3) };
+    let small = FingersFacts { tip_radius_um: 0.8, clearance_um: 0.5, steps_per_turn: 5, ..facts(3) };
     let [convex, waist] = benches(3);
     for (bench, has_bends) in [(convex, false), (waist, false), (Bench::new(pocket(), small), true)] {
         let mut dice = Dice::new(7);
@@ -79,7 +79,7 @@ fn blocked_contacts_are_blocked() {
             for turn in -5..=5 {
                 let normal = (open.bend_um - open.touch_um).normalize();
                 let towards = nalgebra::Rotation2::new(f64::from(turn) * TAU / 24.0) * normal;
-                let intrusion_um = intrusion_um(&bench, &Way { towards, ..open }, &[i, j]);
+                let intrusion_um = intrusion_um(&bench, &RetreatPath { towards, ..open }, &[i, j]);
                 assert!(intrusion_um > -bench.facts.tolerance_um, "({i}, {j}, {k}) is clear at {turn}");
             }
         }
@@ -90,7 +90,7 @@ fn blocked_contacts_are_blocked() {
 /// The paper's ellipsoid: tips six contacts apart have room, and five apart have not.
 #[test]
 fn tips_keep_apart() {
-    let paper = Facts { clearance_um: 0.0, ..facts(3) };
+    let paper = FingersFacts { clearance_um: 0.0, ..facts(3) };
     let bench = Bench::new(ellipse(), paper);
     assert_eq!(bench.section.contacts, 74);
     for k in 0..74 {
@@ -114,11 +114,11 @@ fn tips_come_in_an_order_that_is_clear() {
 #[test]
 fn narrow_pockets_are_not_reached() {
     let curve = Curve::of(&pocket()).expect("it is sound");
-    let facts = Facts { tip_radius_um: 0.8, ..facts(3) };
+    let facts = FingersFacts { tip_radius_um: 0.8, ..facts(3) };
     assert!(curve.least_curvature_per_um() > -1.25, "{}", curve.least_curvature_per_um());
-    let wide = Reach::new(&curve, &Facts { clearance_um: 0.5, ..facts.clone() }, 300);
+    let wide = ContactReach::new(&curve, &FingersFacts { clearance_um: 0.5, ..facts.clone() }, 300);
     assert!((0..300).all(|contact| wide.way(contact, &[]).is_some()));
-    let narrow = Reach::new(&curve, &Facts { clearance_um: 25.0, retract_um: 25.0, ..facts }, 300);
+    let narrow = ContactReach::new(&curve, &FingersFacts { clearance_um: 25.0, retract_um: 25.0, ..facts }, 300);
     let closed = (0..300).filter(|contact| narrow.way(*contact, &[]).is_none()).count();
     assert!(closed > 0 && closed < 150, "{closed}");
 }

@@ -86,8 +86,8 @@ fn chords_stay_near_the_curve() {
 
 #[test]
 fn too_fine_a_tolerance_is_refused() {
-    let bench = Bench::new(ellipse(), Facts { tolerance_um: 1e-9, ..facts(3) });
+    let bench = Bench::new(ellipse(), FingersFacts { tolerance_um: 1e-9, ..facts(3) });
     assert_eq!(chords(&bench.curve, &bench.facts, bench.section.step_rad), None);
-    let course = bench.course(vec![begin(Plane::Xy, &[1, 38, 0]), Act::Roll(1)]);
+    let course = bench.course(vec![begin(Plane::Xy, &[1, 38, 0]), FingerAct::Roll(1)]);
     assert_eq!(bench.hand().motion(&course), Err(WayError::TooFine { step: 0 }));
 }

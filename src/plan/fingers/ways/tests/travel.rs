@@ -7,7 +7,7 @@ struct Author<'a> {
     bench: &'a Bench,
     dice: Dice,
     grasp: Vec<u32>,
-    acts: Vec<Act>,
+    acts: Vec<FingerAct>,
 }
 
 impl Author<'_> {
@@ -39,7 +39,7 @@ impl Author<'_> {
                 grasp.iter().filter(|contact| **contact != 0).map(|contact| *contact as usize - 1).collect();
             if held.len() >= 2 && self.bench.reach.order(&held).is_some() {
                 let plane = Plane::ALL[self.dice.below(2)];
-                self.acts.push(Act::Begin { plane, grasp: grasp.clone() });
+                self.acts.push(FingerAct::Begin { plane, grasp: grasp.clone() });
                 self.grasp = grasp;
                 return;
             }
@@ -55,7 +55,7 @@ impl Author<'_> {
             let [i, j] = self.contacts(&held)[..] else { return };
             if self.bench.reach.reaches(i, j, contact) {
                 self.grasp[finger] = contact as u32 + 1;
-                self.acts.push(Act::Place { finger, contact: contact as u32 + 1 });
+                self.acts.push(FingerAct::Place { finger, contact: contact as u32 + 1 });
             }
         } else {
             let finger = held[self.dice.below(held.len())];
@@ -63,7 +63,7 @@ impl Author<'_> {
             let [i, j] = self.contacts(&stay)[..] else { return };
             if self.bench.reach.reaches(i, j, self.grasp[finger] as usize - 1) {
                 self.grasp[finger] = 0;
-                self.acts.push(Act::Leave { finger });
+                self.acts.push(FingerAct::Leave { finger });
             }
         }
     }
@@ -75,21 +75,21 @@ impl Author<'_> {
         let grasp: Vec<u32> = self.grasp.iter().map(|contact| if *contact == 0 { 0 } else { next(*contact) }).collect();
         if self.are_apart(&grasp) {
             self.grasp = grasp;
-            self.acts.push(Act::Roll(sense));
+            self.acts.push(FingerAct::Roll(sense));
         }
     }
 
     fn release(&mut self) {
         let held = self.held();
         if let Some(order) = self.bench.reach.order(&self.contacts(&held)) {
-            self.acts.push(Act::Release { order: order.iter().rev().map(|index| held[*index]).collect() });
+            self.acts.push(FingerAct::Release { order: order.iter().rev().map(|index| held[*index]).collect() });
             self.grasp.fill(0);
             self.begin();
         }
     }
 }
 
-fn by_chance(bench: &Bench, seed: u64) -> Course {
+fn by_chance(bench: &Bench, seed: u64) -> FingersCourse {
     let fingers = bench.facts.fingers as usize;
     let mut author = Author { bench, dice: Dice::new(seed), grasp: vec![0; fingers], acts: Vec::new() };
     author.begin();
@@ -97,7 +97,7 @@ fn by_chance(bench: &Bench, seed: u64) -> Course {
         match author.dice.below(8) {
             0..=3 => author.change(),
             4 | 5 => author.roll(),
-            6 => author.acts.push(Act::Translate([1.0, -2.0, 0.5])),
+            6 => author.acts.push(FingerAct::Translate([1.0, -2.0, 0.5])),
             _ => author.release(),
         }
     }
@@ -107,7 +107,7 @@ fn by_chance(bench: &Bench, seed: u64) -> Course {
 /// What is true while the moves between two states run.
 struct Scene<'a> {
     bench: &'a Bench,
-    holds: [&'a Hold; 2],
+    holds: [&'a HeldGrasp; 2],
     /// Where each tip is at both states.
     ends: [&'a [[f64; 3]]; 2],
 }
@@ -137,7 +137,7 @@ impl Scene<'_> {
     /// 1 where the tip is so near that the outline was asked.
     fn check_outline(&self, finger: usize, tip: [f64; 3]) -> usize {
         let (bench, facts) = (self.bench, &self.bench.facts);
-        let hold = Hold { plane: self.holds[1].plane, ..self.holds[0].clone() };
+        let hold = HeldGrasp { plane: self.holds[1].plane, ..self.holds[0].clone() };
         let (place, off_um) = in_section(&hold, tip);
         if place.norm().hypot(off_um) >= bench.hand().sphere_um(0) - facts.tolerance_um - 1e-9 {
             return 0;
@@ -155,8 +155,8 @@ impl Scene<'_> {
 }
 
 /// Samples a motion; returns how often a free tip was near the part.
-fn sample(bench: &Bench, motion: &Motion) -> usize {
-    let moves: Vec<&Move> = motion.steps.iter().flatten().collect();
+fn sample(bench: &Bench, motion: &FingersMotion) -> usize {
+    let moves: Vec<&TipsMove> = motion.steps.iter().flatten().collect();
     let mut tips = &motion.start.tips_um;
     let mut before = (&motion.start.hold, &motion.start.tips_um);
     let mut near = 0;
