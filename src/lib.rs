@@ -22,7 +22,7 @@
 //! Beside them [`simulate`] carries plans out with imperfect devices, where a kind says its errors.
 //!
 //! They stand on a base that knows nothing of them: [`source`] (files and spans), [`real`] (elementary functions that are the same on
-//! every platform), [`quantity`] (units and dimensions),
+//! every platform), [`random`] (numbers that a seed determines), [`quantity`] (units and dimensions),
 //! [`geometry`], [`diagnostic`] (what is said to people), [`device`] (the vocabulary and facts of each kind) and [`stdlib`] (published
 //! devices, in the language itself). [`compile`] calls the stages in their order; [`cli`] is the only place that touches files, clock and
 //! terminal.
@@ -58,6 +58,7 @@ pub mod log;
 pub mod lower;
 pub mod plan;
 pub mod quantity;
+pub mod random;
 pub mod real;
 pub mod schedule;
 pub mod simulate;

@@ -11,7 +11,7 @@ const MAX_FILE_LINES: usize = 600;
 const MAX_FUNCTION_LINES: usize = 70;
 
 /// The base: seen by everybody, sees nothing but itself.
-const BASE: [&str; 6] = ["source", "real", "quantity", "geometry", "diagnostic", "device"];
+const BASE: [&str; 7] = ["source", "real", "random", "quantity", "geometry", "diagnostic", "device"];
 
 /// What each other room may see besides the base. `plan` is never in reach of `verify`, and nobody sees `cli`.
 const SIGHT: &[(&str, &[&str])] = &[

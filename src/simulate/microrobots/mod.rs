@@ -17,7 +17,6 @@
 //! Cost grows with trials times the length of the way over the interval.
 
 mod pair;
-mod random;
 mod report;
 mod single;
 mod trial;

@@ -7,6 +7,7 @@ use crate::geometry::Pose;
 use crate::plan::microrobots::guarantee::{Containment, ContainmentCheck, guarantees};
 use crate::plan::microrobots::strategy::bent;
 use crate::plan::microrobots::{Crew, MicrorobotsStepMotion, RobotDocking};
+use crate::random::SplitMix64;
 use crate::source::Span;
 use std::sync::Arc;
 
@@ -144,23 +145,23 @@ fn threads_change_nothing() {
 }
 
 /// Scales of the published errors, and other figures, that are drawn anew for every configuration.
-fn drawn(random: &mut random::TrialRandom) -> (MicrorobotsOrder, MicrorobotsMotion) {
-    let mut errors = errors([20, 100, 250, 1000][(random.share() * 4.0) as usize]);
-    errors.speed_ratio *= 2.0 * random.share();
-    errors.turning_rad_per_um *= 2.0 * random.share();
-    errors.place_um *= 2.0 * random.share();
-    errors.heading_rad *= 1.5 * random.share();
-    let turning = [Turning::Clockwise, Turning::Counterclockwise][(random.share() * 2.0) as usize];
-    let start = pose(700.0 + 2000.0 * random.share(), 1500.0 * random.either(), 180.0 * random.either());
+fn drawn(random: &mut SplitMix64) -> (MicrorobotsOrder, MicrorobotsMotion) {
+    let mut errors = errors([20, 100, 250, 1000][(random.unit() * 4.0) as usize]);
+    errors.speed_ratio *= 2.0 * random.unit();
+    errors.turning_rad_per_um *= 2.0 * random.unit();
+    errors.place_um *= 2.0 * random.unit();
+    errors.heading_rad *= 1.5 * random.unit();
+    let turning = [Turning::Clockwise, Turning::Counterclockwise][(random.unit() * 2.0) as usize];
+    let start = pose(700.0 + 2000.0 * random.unit(), 1500.0 * random.signed_unit(), 180.0 * random.signed_unit());
     let (mut order, mut motion) = single(start, turning, errors);
     let facts = Arc::make_mut(&mut order.facts);
-    facts.docking.tolerance_um = 4.0 + 8.0 * random.share();
-    facts.fine.cycle_um = 5.0 + 10.0 * random.share();
-    facts.fine.length_um = 200.0 + 100.0 * random.share();
-    facts.robots[0].turning_radius_um = 140.0 + 60.0 * random.share();
-    facts.robots[0].step_um *= 0.5 + random.share();
+    facts.docking.tolerance_um = 4.0 + 8.0 * random.unit();
+    facts.fine.cycle_um = 5.0 + 10.0 * random.unit();
+    facts.fine.length_um = 200.0 + 100.0 * random.unit();
+    facts.robots[0].turning_radius_um = 140.0 + 60.0 * random.unit();
+    facts.robots[0].step_um *= 0.5 + random.unit();
     let goal = pose(260.0, 0.0, 180.0);
-    let share = 0.3 + 0.4 * random.share();
+    let share = 0.3 + 0.4 * random.unit();
     let approach = before(&facts.robots[0], goal, share, facts.fine.length_um);
     if let MicrorobotsStepMotion::Legs { stages, .. } = &mut motion.steps[0] {
         stages[0] = AssemblyStage::Single { robot: 0, states: [1, 0], approach, goal };
@@ -170,7 +171,7 @@ fn drawn(random: &mut random::TrialRandom) -> (MicrorobotsOrder, MicrorobotsMoti
 
 #[test]
 fn what_is_guaranteed_does_not_fail() {
-    let mut random = random::TrialRandom::new(5, 5);
+    let mut random = SplitMix64::stream(5, 5);
     let mut count = 0;
     for _ in 0..60 {
         let (order, motion) = drawn(&mut random);

@@ -1,10 +1,10 @@
 //! One trial: where robots truly are, what is measured of them, what time it is.
 
-use super::random::TrialRandom;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Errors};
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{BodyCorners, Driver, Episode, StrategySolid, bent, body};
+use crate::random::SplitMix64;
 use crate::real::Real;
 use nalgebra::{Isometry2, Vector2};
 use serde::Serialize;
@@ -89,7 +89,7 @@ pub struct Trial<'a> {
     active: Vec<usize>,
     drifts: Vec<Drift>,
     manner: Manner,
-    random: TrialRandom,
+    random: SplitMix64,
     step: Option<usize>,
     state: Option<usize>,
     time_ns: f64,
@@ -113,7 +113,7 @@ impl<'a> Trial<'a> {
         start: (&[Pose], &[bool]),
         (seed, index): (u64, u64),
     ) -> Self {
-        let mut random = TrialRandom::new(seed, index);
+        let mut random = SplitMix64::stream(seed, index);
         let manner = [Manner::Corner, Manner::Shaken, Manner::Mixed, Manner::Mixed][(index % 4) as usize];
         let drifts = start.0.iter().map(|_| Drift::biased(&mut random, manner, &errors)).collect();
         Trial {
@@ -289,25 +289,25 @@ fn hit(robot: usize, solids: &[StrategySolid], body: &BodyCorners) -> Result<(),
 }
 
 impl Drift {
-    fn biased(random: &mut TrialRandom, manner: Manner, errors: &Errors) -> Self {
+    fn biased(random: &mut SplitMix64, manner: Manner, errors: &Errors) -> Self {
         let (speed, curl, heading) = match manner {
             Manner::Corner | Manner::Shaken => (random.sign(), random.sign(), random.sign()),
-            Manner::Mixed => (random.either(), random.either(), random.either()),
+            Manner::Mixed => (random.signed_unit(), random.signed_unit(), random.signed_unit()),
         };
         let (speed_bias, curl_bias) = (speed * errors.speed_ratio, curl * errors.turning_rad_per_um);
-        let noise = [1.0, random.share() * TAU, heading];
+        let noise = [1.0, random.unit() * TAU, heading];
         Drift { speed_bias, curl_bias, speed: speed_bias, curl: curl_bias, noise }
     }
 
-    fn draw(&mut self, random: &mut TrialRandom, manner: Manner, errors: &Errors) {
+    fn draw(&mut self, random: &mut SplitMix64, manner: Manner, errors: &Errors) {
         match manner {
             Manner::Corner => {}
             Manner::Shaken => *self = Drift::biased(random, manner, errors),
             Manner::Mixed => {
                 let mixed = |bias: f64, other: f64| (bias + other) / 2.0;
-                self.speed = mixed(self.speed_bias, random.either() * errors.speed_ratio);
-                self.curl = mixed(self.curl_bias, random.either() * errors.turning_rad_per_um);
-                self.noise = [random.share().sqrt(), random.share() * TAU, random.either()];
+                self.speed = mixed(self.speed_bias, random.signed_unit() * errors.speed_ratio);
+                self.curl = mixed(self.curl_bias, random.signed_unit() * errors.turning_rad_per_um);
+                self.noise = [random.unit().sqrt(), random.unit() * TAU, random.signed_unit()];
             }
         }
     }

@@ -2,16 +2,16 @@
 
 use super::super::board::{CellIndex, Instance, NoBoardPlan, Paths};
 use super::distances::Distances;
-use super::random::PlannerRandom;
 use super::reservations::{Asking, Others, Reservations};
 use super::sipp::{Query, Sipp, StopRoute};
 use crate::plan::search::Meter;
+use crate::random::SplitMix64;
 
 /// One instance being planned.
 pub(super) struct PlannedInstance<'a> {
     pub(super) instance: &'a Instance,
     pub(super) table: Reservations,
-    pub(super) random: PlannerRandom,
+    pub(super) random: SplitMix64,
     /// The last instant at which an agent may arrive.
     pub(super) step_limit: u32,
     /// By agent: the steps that it needs when it is alone.
@@ -54,7 +54,7 @@ impl<'a> PlannedInstance<'a> {
         Ok(PlannedInstance {
             instance,
             table: Reservations::new(instance),
-            random: PlannerRandom::new(seed),
+            random: SplitMix64::new(seed),
             step_limit: u32::MAX - 1,
             least,
             distances,
@@ -111,7 +111,7 @@ impl<'a> PlannedInstance<'a> {
         let mut left = route.steps(cell, layer);
         while left > 0 {
             left -= 1;
-            let dice = self.random.next() as u32;
+            let dice = self.random.next_u64() as u32;
             let nearer = self.instance.board.neighbours(cell).filter(|next| route.steps(*next, layer) == left);
             let Some((_, next)) = nearer.enumerate().map(|(turn, next)| (dice >> (8 * turn) & 0xff, next)).max() else {
                 break;

@@ -17,7 +17,6 @@ mod crew;
 mod distances;
 mod polish;
 mod prioritise;
-mod random;
 mod repair;
 mod reservations;
 mod sipp;
@@ -26,7 +25,6 @@ use super::board::{BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths};
 use crate::plan::search::{Meter, SearchBudget};
 use crew::PlannedInstance;
 use prioritise::PrioritisedOutcome;
-pub(super) use random::PlannerRandom;
 
 /// On boards with more cells nothing is planned.
 pub const MAX_CELLS: usize = 1 << 21;

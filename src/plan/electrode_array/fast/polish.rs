@@ -8,9 +8,9 @@
 
 use super::super::board::{BoardCosts, BoardObjective, CellIndex, Paths};
 use super::crew::{PlannedInstance, Wish};
-use super::random::PlannerRandom;
 use super::reservations::Others;
 use crate::plan::search::Meter;
+use crate::random::SplitMix64;
 
 /// The sizes of neighbourhoods.
 const SIZES: [usize; 6] = [1, 2, 3, 4, 5, 8];
@@ -43,7 +43,7 @@ impl<const N: usize> AdaptiveWeights<N> {
     /// How many steps halve the credit of a gain.
     const HALVE: u64 = 64;
 
-    fn pick(&self, random: &mut PlannerRandom) -> usize {
+    fn pick(&self, random: &mut SplitMix64) -> usize {
         let mut left = random.below(self.0.iter().sum::<u64>() as usize) as u64;
         for (option, weight) in self.0.iter().enumerate() {
             if left < *weight {

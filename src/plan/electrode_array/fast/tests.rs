@@ -1,8 +1,8 @@
 //! Plans against a checker that knows nothing of spans and boxes, on many small instances and some large ones.
 
 use super::super::board::{Agent, BoardGrid, CellIndex, position};
-use super::random::PlannerRandom;
 use super::*;
+use crate::random::SplitMix64;
 
 const PLENTY: u64 = 3_000_000;
 
@@ -81,7 +81,7 @@ struct Shape {
 }
 
 /// Up to as many free cells as wanted, that far apart.
-fn scattered(random: &mut PlannerRandom, board: &BoardGrid, count: usize, apart: u32) -> Vec<CellIndex> {
+fn scattered(random: &mut SplitMix64, board: &BoardGrid, count: usize, apart: u32) -> Vec<CellIndex> {
     let mut cells: Vec<CellIndex> = Vec::new();
     for _ in 0..count * 200 {
         let cell = random.below(board.cells()) as CellIndex;
@@ -92,8 +92,8 @@ fn scattered(random: &mut PlannerRandom, board: &BoardGrid, count: usize, apart:
     cells
 }
 
-fn random_instance(random: &mut PlannerRandom, shape: Shape) -> Instance {
-    let side = |random: &mut PlannerRandom| (shape.sides.0 + random.below(shape.sides.1 - shape.sides.0 + 1)) as u32;
+fn random_instance(random: &mut SplitMix64, shape: Shape) -> Instance {
+    let side = |random: &mut SplitMix64| (shape.sides.0 + random.below(shape.sides.1 - shape.sides.0 + 1)) as u32;
     let mut board = BoardGrid::new(side(random), side(random));
     for _ in 0..shape.obstacles {
         let (column, row) = (random.below(board.width() as usize), random.below(board.height() as usize));
@@ -139,7 +139,7 @@ fn plan_and_check(instance: &Instance, seed: u64, steps: u64) -> bool {
 
 #[test]
 fn small_random_instances_have_legal_plans() {
-    let mut random = PlannerRandom::new(1);
+    let mut random = SplitMix64::new(1);
     let mut solved = 0;
     for round in 0..300 {
         let separation = [1, 2, 3, 4][round % 4];
@@ -154,7 +154,7 @@ fn small_random_instances_have_legal_plans() {
 
 #[test]
 fn dense_boards_are_solved() {
-    let mut random = PlannerRandom::new(2);
+    let mut random = SplitMix64::new(2);
     for (separation, side, agents) in [(1, 12, 60), (2, 16, 20), (4, 26, 11), (4, 48, 40)] {
         let shape = Shape { sides: (side, side), agents, separation, obstacles: 0, stops: 0 };
         for seed in 0..3 {
@@ -166,7 +166,7 @@ fn dense_boards_are_solved() {
 
 #[test]
 fn thirty_microparts_are_always_planned() {
-    let mut random = PlannerRandom::new(3);
+    let mut random = SplitMix64::new(3);
     let shape = Shape { sides: (48, 48), agents: 30, separation: 4, obstacles: 0, stops: 0 };
     for seed in 0..10 {
         let instance = random_instance(&mut random, shape);
@@ -286,7 +286,7 @@ fn the_step_limit_holds() {
 
 #[test]
 fn the_same_seed_means_the_same_plan() {
-    let mut random = PlannerRandom::new(4);
+    let mut random = SplitMix64::new(4);
     let shape = Shape { sides: (30, 30), agents: 14, separation: 4, obstacles: 3, stops: 1 };
     let instance = random_instance(&mut random, shape);
     let run = || {

@@ -13,10 +13,10 @@ mod step;
 
 use super::board::{CellIndex, Instance, Paths};
 use super::exact::field::{ExactTables, StagedCell};
-use super::fast::PlannerRandom;
 use super::joint::states::States;
 use super::{joint, timing};
 use crate::plan::search::Meter;
+use crate::random::SplitMix64;
 use std::collections::VecDeque;
 use step::ConfigurationGenerator;
 
@@ -41,7 +41,7 @@ struct LacamSearch<'a> {
     /// For each state, the constraints that have not been tried.
     open: Vec<VecDeque<u32>>,
     constraints: Vec<Constraint>,
-    random: PlannerRandom,
+    random: SplitMix64,
 }
 
 /// A plan, if one is found before the meter or the memory ends.
@@ -53,7 +53,7 @@ pub fn first(instance: &Instance, seed: u64, meter: &mut Meter) -> Option<Paths>
         waited: vec![],
         open: vec![],
         constraints: vec![],
-        random: PlannerRandom::new(seed),
+        random: SplitMix64::new(seed),
     };
     let last = search.run(meter)?;
     Some(timing::earliest(instance, &search.paths(last)))

@@ -7,8 +7,8 @@
 
 use super::super::board::CellIndex;
 use super::super::exact::field::{ExactTables, StagedCell};
-use super::super::fast::PlannerRandom;
 use super::NONE;
+use crate::random::SplitMix64;
 use rustc_hash::FxHashSet;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -67,7 +67,7 @@ impl<'a> ConfigurationGenerator<'a> {
         from: &[StagedCell],
         order: &[usize],
         told: &[(usize, StagedCell)],
-        random: &mut PlannerRandom,
+        random: &mut SplitMix64,
     ) -> Option<Vec<StagedCell>> {
         for (agent, node) in from.iter().enumerate() {
             put(&mut self.here, self.field.cell(*node), agent);
@@ -109,7 +109,7 @@ impl<'a> ConfigurationGenerator<'a> {
     }
 
     /// The best move that is free; else the agent waits and pushes those who are in the way of the best.
-    fn decide(&mut self, from: &[StagedCell], agent: usize, push: Option<&Push>, random: &mut PlannerRandom) {
+    fn decide(&mut self, from: &[StagedCell], agent: usize, push: Option<&Push>, random: &mut SplitMix64) {
         let here = from[agent];
         let candidates = match push {
             None => self.nearer(agent, here, random),
@@ -158,7 +158,7 @@ impl<'a> ConfigurationGenerator<'a> {
     }
 
     /// The moves that come nearer to the goal.
-    fn nearer(&self, agent: usize, here: StagedCell, random: &mut PlannerRandom) -> Vec<StagedCell> {
+    fn nearer(&self, agent: usize, here: StagedCell, random: &mut SplitMix64) -> Vec<StagedCell> {
         let distance = self.field.distance(agent, here);
         let nearer = |node: &StagedCell| self.field.distance(agent, *node) < distance;
         let mut moves: Vec<StagedCell> = self.field.next(agent, here).filter(nearer).collect();
@@ -167,7 +167,7 @@ impl<'a> ConfigurationGenerator<'a> {
     }
 
     /// The moves out of someone's way, that of the shortest way out first.
-    fn aside(&mut self, agent: usize, here: StagedCell, push: &Push, random: &mut PlannerRandom) -> Vec<StagedCell> {
+    fn aside(&mut self, agent: usize, here: StagedCell, push: &Push, random: &mut SplitMix64) -> Vec<StagedCell> {
         let (field, instance) = (self.field, self.field.instance);
         let is_out = |cell: CellIndex| push.way.iter().all(|at| instance.board.apart(cell, *at) >= instance.separation);
         let mut moves: Vec<StagedCell> = field.next(agent, here).skip(1).collect();

@@ -1,12 +1,12 @@
 //! Segments against the rule of distance, position by position.
 
 use super::super::super::board::{Agent, BoardGrid, position};
-use super::super::random::PlannerRandom;
 use super::*;
+use crate::random::SplitMix64;
 
 const INSTANTS: u32 = 40;
 
-fn walk(random: &mut PlannerRandom, board: &BoardGrid, moves: usize) -> Vec<CellIndex> {
+fn walk(random: &mut SplitMix64, board: &BoardGrid, moves: usize) -> Vec<CellIndex> {
     let mut path = vec![random.below(board.cells()) as CellIndex];
     for _ in 0..moves {
         let at = path[path.len() - 1];
@@ -17,7 +17,7 @@ fn walk(random: &mut PlannerRandom, board: &BoardGrid, moves: usize) -> Vec<Cell
 }
 
 /// Walks of three agents; the last two merge on the end of theirs.
-fn three(random: &mut PlannerRandom, separation: u32) -> (Instance, Vec<Vec<CellIndex>>) {
+fn three(random: &mut SplitMix64, separation: u32) -> (Instance, Vec<Vec<CellIndex>>) {
     let board = BoardGrid::new(6 + random.below(9) as u32, 1 + random.below(12) as u32);
     let moves = random.below(20);
     let mut paths: Vec<_> = (0..3).map(|_| walk(random, &board, moves)).collect();
@@ -47,7 +47,7 @@ fn near(
 
 #[test]
 fn segments_are_what_the_rule_says() {
-    let mut random = PlannerRandom::new(9);
+    let mut random = SplitMix64::new(9);
     for round in 0..150 {
         let (instance, paths) = three(&mut random, 1 + round % 5);
         let mut table = Reservations::new(&instance);
@@ -75,7 +75,7 @@ fn segments_are_what_the_rule_says() {
 
 #[test]
 fn conflicts_are_those_of_the_rule() {
-    let mut random = PlannerRandom::new(10);
+    let mut random = SplitMix64::new(10);
     for round in 0..200 {
         let (instance, paths) = three(&mut random, 1 + round % 4);
         let mut table = Reservations::new(&instance);
@@ -93,7 +93,7 @@ fn conflicts_are_those_of_the_rule() {
 
 #[test]
 fn a_removed_path_leaves_nothing() {
-    let mut random = PlannerRandom::new(11);
+    let mut random = SplitMix64::new(11);
     let (instance, paths) = three(&mut random, 3);
     let mut table = Reservations::new(&instance);
     for (agent, path) in paths.iter().enumerate() {
@@ -127,7 +127,7 @@ fn a_hazard_is_soft_among_hard_paths() {
 
 #[test]
 fn a_hidden_path_does_not_count_until_it_is_decided() {
-    let mut random = PlannerRandom::new(12);
+    let mut random = SplitMix64::new(12);
     let (instance, paths) = three(&mut random, 2);
     let fresh = |path: &[CellIndex]| {
         let mut table = Reservations::new(&instance);

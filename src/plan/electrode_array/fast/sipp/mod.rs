@@ -15,9 +15,9 @@ use std::ops::Range;
 
 use super::super::board::{BoardGrid, CellIndex};
 use super::distances::{DistanceField, UNREACHABLE};
-use super::random::PlannerRandom;
 use super::reservations::{Asking, NEVER, Reservations, SafeInterval};
 use crate::plan::search::Meter;
+use crate::random::SplitMix64;
 
 /// No node.
 const NONE: u32 = u32::MAX;
@@ -130,7 +130,7 @@ impl Sipp {
         &mut self,
         query: &Query,
         reservations: &mut Reservations,
-        random: &mut PlannerRandom,
+        random: &mut SplitMix64,
         meter: &mut Meter,
     ) -> Option<Vec<CellIndex>> {
         let earliest = self.begin(query, reservations)?;
@@ -219,7 +219,7 @@ impl Sipp {
         &mut self,
         query: &Query,
         reservations: &mut Reservations,
-        random: &mut PlannerRandom,
+        random: &mut SplitMix64,
         (index, node): (u32, SippNode),
         earliest: u32,
     ) {
@@ -228,7 +228,7 @@ impl Sipp {
         if node.cell == query.asking.goal && !query.asking.partners.is_empty() {
             return;
         }
-        let mut dice = random.next();
+        let mut dice = random.next_u64();
         for cell in query.board.neighbours(node.cell) {
             let (first, end) = self.list(query, reservations, cell);
             dice >>= 12;

@@ -10,7 +10,7 @@ use crate::plan::search::SearchBudget;
 
 const HORIZON: u32 = 90;
 
-fn walk(random: &mut PlannerRandom, board: &BoardGrid, moves: usize) -> Vec<CellIndex> {
+fn walk(random: &mut SplitMix64, board: &BoardGrid, moves: usize) -> Vec<CellIndex> {
     let mut at = loop {
         let cell = random.below(board.cells()) as CellIndex;
         if !board.is_blocked(cell) {
@@ -27,7 +27,7 @@ fn walk(random: &mut PlannerRandom, board: &BoardGrid, moves: usize) -> Vec<Cell
 }
 
 /// Three walks, which may touch, and an agent with two stops.
-fn scene(random: &mut PlannerRandom) -> (Instance, Paths) {
+fn scene(random: &mut SplitMix64) -> (Instance, Paths) {
     let mut board = BoardGrid::new(7, 6);
     for _ in 0..random.below(8) {
         board.block(random.below(42) as CellIndex);
@@ -72,7 +72,7 @@ fn by_instants(instance: &Instance, paths: &Paths) -> Option<u32> {
 
 #[test]
 fn the_earliest_arrival_is_found() {
-    let mut random = PlannerRandom::new(21);
+    let mut random = SplitMix64::new(21);
     let mut found = 0;
     for round in 0..400 {
         let (instance, paths) = scene(&mut random);
@@ -97,7 +97,7 @@ fn the_earliest_arrival_is_found() {
 
 #[test]
 fn soft_paths_touch_no_one_where_hard_ones_exist() {
-    let mut random = PlannerRandom::new(22);
+    let mut random = SplitMix64::new(22);
     for round in 0..200 {
         let (instance, paths) = scene(&mut random);
         let mut meter = Meter::new(SearchBudget::of(u64::MAX));
