@@ -2,6 +2,7 @@
 
 use super::Job;
 use crate::device::dimibot;
+pub use crate::device::dimibot::{DimibotMethod, DimibotObjective};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::shape::{Pose, Shape};
 use crate::source::{Span, Spanned};
@@ -70,68 +71,12 @@ pub fn in_robot_um(scene_um: [f64; 2], frame: Option<&Pose>) -> [f64; 2] {
     }
 }
 
-/// What is minimised.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum DimibotObjective {
-    Distance,
-    Switches,
-    Time,
-    Energy,
-}
-
-impl DimibotObjective {
-    /// Its word in the language.
-    pub fn name(self) -> &'static str {
-        match self {
-            DimibotObjective::Distance => "distance",
-            DimibotObjective::Switches => "switches",
-            DimibotObjective::Time => "time",
-            DimibotObjective::Energy => "energy",
-        }
-    }
-
-    /// The unit of its cost in schedules and reports; a count has none.
-    pub fn unit(self) -> &'static str {
-        match self {
-            DimibotObjective::Distance => "um",
-            DimibotObjective::Switches => "",
-            DimibotObjective::Time => "ms",
-            DimibotObjective::Energy => "mJ",
-        }
-    }
-}
-
 /// How the plan is searched; all agree on its cost.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DimibotPlanner {
     pub method: DimibotMethod,
     /// States that one search may expand.
     pub expansions: u64,
-}
-
-/// The search methods, by the names of [`dimibot::PLANNERS`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum DimibotMethod {
-    StagedAstar,
-    Dijkstra,
-    BidirectionalDijkstra,
-    Astar,
-    HypercubeAstar,
-}
-
-impl DimibotMethod {
-    /// Its word in the language.
-    pub fn name(self) -> &'static str {
-        match self {
-            DimibotMethod::StagedAstar => "staged_astar",
-            DimibotMethod::Dijkstra => "dijkstra",
-            DimibotMethod::BidirectionalDijkstra => "bidirectional_dijkstra",
-            DimibotMethod::Astar => "astar",
-            DimibotMethod::HypercubeAstar => "hypercube_astar",
-        }
-    }
 }
 
 /// What the tip must not touch.

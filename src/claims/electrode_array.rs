@@ -1,6 +1,7 @@
 //! What a task claims of an electrode array.
 
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
+pub use crate::device::electrode_array::{ElectrodeArrayMethod, ElectrodeArrayObjective};
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -20,34 +21,12 @@ pub struct ElectrodeArrayOrder {
     pub steps: Vec<ElectrodeArrayStep>,
 }
 
-/// What is minimised.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ElectrodeArrayObjective {
-    /// The steps from the first move to the last arrival, over all steps of the task.
-    Makespan,
-    /// The steps until each part's last arrival, added up over parts and over the steps of the task.
-    SumOfCosts,
-}
-
 /// How the plan is searched.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ElectrodeArrayPlanner {
     pub method: ElectrodeArrayMethod,
     /// States that the search of one step of the task may expand.
     pub expansions: u64,
-}
-
-/// The search methods.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ElectrodeArrayMethod {
-    /// Tweeze's own: a first plan fast, then better ones, then the proof.
-    Portfolio,
-    /// The paper's algorithm 1 with its heuristic of equation 12.
-    CooperativeAstar,
-    /// The same with the plain heuristic of equation 13.
-    PlainCooperativeAstar,
 }
 
 /// What the parts without a goal do.

@@ -1,5 +1,6 @@
 //! What a task claims of a hand.
 
+pub use crate::device::fingers::FingersPlanner;
 use crate::device::fingers::{FingersFacts, Plane};
 use crate::geometry::outline::Outline;
 use crate::source::Span;
@@ -65,15 +66,6 @@ pub struct Section {
     pub opposite: Option<u32>,
     /// By how much rolling from one contact to the next turns the object: nearly the device's step.
     pub step_rad: f64,
-}
-
-/// Which way to plan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FingersPlanner {
-    JointAstar,
-    PublishedAstar,
-    GreedyDecomposition,
 }
 
 /// One step of a task.

@@ -8,6 +8,7 @@ pub mod electrode_array;
 pub mod fingers;
 pub mod microrobots;
 pub mod shape;
+mod words;
 
 use crate::quantity::Dimension;
 use serde::{Deserialize, Serialize};
@@ -143,6 +144,16 @@ const fn optional(name: &'static str, sort: Sort, without: &'static str, doc: &'
 const fn expansions(default: &'static str, doc: &'static str) -> VocabularyField {
     let sort = Sort::Count { least: 1, most: MAX_EXPANSIONS };
     VocabularyField { name: "expansions", sort, need: Need::Optional(default), doc }
+}
+
+/// A planner by its word, with its options.
+const fn planner(name: &'static str, doc: &'static str, options: &'static [VocabularyField]) -> Planner {
+    Planner { name, options, doc }
+}
+
+/// An outcome by its word, with the dimension of its figure.
+const fn outcome(name: &'static str, doc: &'static str, dimension: Dimension) -> Outcome {
+    Outcome { name, dimension, doc }
 }
 
 /// Whether a field may be left out.

@@ -82,8 +82,8 @@ fn time_ns(fields: &Accepted, name: &str, sink: &mut Sink) -> Option<u64> {
 
 fn simultaneous(fields: &Accepted) -> Option<Simultaneous> {
     match &fields.get("simultaneous")?.value {
-        Value::Text(word) if word == "safe" => Some(Simultaneous::Safe),
-        _ => Some(Simultaneous::Never),
+        Value::Text(word) => Simultaneous::find(word),
+        _ => None,
     }
 }
 
@@ -353,7 +353,7 @@ fn order(
     sink: &mut Sink,
 ) -> Option<DimibotOrder> {
     let precision = precision(&parts.settings, facts, sink);
-    let objective = objective(parts.objective);
+    let objective = objective(parts.objective)?;
     let simultaneous = simultaneous(&parts.settings).unwrap_or(facts.simultaneous);
     let planner = planner(&parts, (objective, simultaneous), sink);
     warn_of_simultaneous(&parts.settings, objective, sink);
@@ -389,13 +389,9 @@ fn precision(settings: &Accepted, facts: &dimibot::DimibotFacts, sink: &mut Sink
     Some(Some(precision_um))
 }
 
-fn objective(name: Option<&str>) -> DimibotObjective {
-    match name {
-        Some("switches") => DimibotObjective::Switches,
-        Some("time") => DimibotObjective::Time,
-        Some("energy") => DimibotObjective::Energy,
-        _ => DimibotObjective::Distance,
-    }
+/// What `minimize` names, distance where it is left out.
+fn objective(name: Option<&str>) -> Option<DimibotObjective> {
+    name.map_or(Some(DimibotObjective::Distance), DimibotObjective::find)
 }
 
 /// Only time is saved by switching several modules at once.
@@ -411,7 +407,7 @@ fn planner(parts: &Parts, asked: (DimibotObjective, Simultaneous), sink: &mut Si
     let Some((planner, _)) = &parts.planner else {
         return Some(DimibotPlanner { method: DimibotMethod::StagedAstar, expansions: DEFAULT_EXPANSIONS });
     };
-    let method = method(planner.value.name);
+    let method = DimibotMethod::find(planner.value.name)?;
     if let Some((what, span)) = beyond(method, parts, asked, planner.span) {
         sink.push(errors::planner_cannot(planner.span, planner.value.name, what, span));
         return None;
@@ -435,16 +431,6 @@ fn beyond(
     }
     let span = parts.settings.get("simultaneous").map_or(chosen, |setting| setting.span);
     (asked == (DimibotObjective::Time, Simultaneous::Safe)).then_some(("switch several modules in one pulse", span))
-}
-
-fn method(name: &str) -> DimibotMethod {
-    match name {
-        "dijkstra" => DimibotMethod::Dijkstra,
-        "bidirectional_dijkstra" => DimibotMethod::BidirectionalDijkstra,
-        "astar" => DimibotMethod::Astar,
-        "hypercube_astar" => DimibotMethod::HypercubeAstar,
-        _ => DimibotMethod::StagedAstar,
-    }
 }
 
 /// Where a robot stands after a task, as far as that is known before planning.

@@ -28,7 +28,7 @@ impl Checker<'_> {
         parts: Parts,
     ) -> Option<ElectrodeArrayOrder> {
         let tray = self.tray(site, facts);
-        let objective = objective(parts.objective);
+        let objective = objective(parts.objective)?;
         let bystanders = bystanders(&parts);
         let planner = planner(&parts, (objective, bystanders), (facts, tray.parts.len()), self.sink);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
@@ -49,11 +49,9 @@ impl Checker<'_> {
     }
 }
 
-fn objective(name: Option<&str>) -> ElectrodeArrayObjective {
-    match name {
-        Some("sum_of_costs") => ElectrodeArrayObjective::SumOfCosts,
-        _ => ElectrodeArrayObjective::Makespan,
-    }
+/// What `minimize` names, the makespan where it is left out.
+fn objective(name: Option<&str>) -> Option<ElectrodeArrayObjective> {
+    name.map_or(Some(ElectrodeArrayObjective::Makespan), ElectrodeArrayObjective::find)
 }
 
 fn bystanders(parts: &Parts) -> Bystanders {
@@ -70,8 +68,8 @@ fn planner(
     (facts, count): (&ElectrodeArrayFacts, usize),
     sink: &mut Sink,
 ) -> Option<ElectrodeArrayPlanner> {
-    let method =
-        parts.planner.as_ref().map_or(ElectrodeArrayMethod::Portfolio, |(planner, _)| method(planner.value.name));
+    let asked_for = parts.planner.as_ref().map(|(planner, _)| planner.value.name);
+    let method = asked_for.map_or(Some(ElectrodeArrayMethod::Portfolio), ElectrodeArrayMethod::find)?;
     if method == ElectrodeArrayMethod::Portfolio && facts.separation == Separation::AsPublished {
         let chosen = parts.planner.as_ref().map(|(planner, _)| planner.span);
         let span = chosen.or(parts.steps.first().map(|step| step.span));
@@ -90,14 +88,6 @@ fn planner(
         return None;
     }
     Some(ElectrodeArrayPlanner { method, expansions: parts.expansions().unwrap_or(default_expansions(facts, count)) })
-}
-
-fn method(name: &str) -> ElectrodeArrayMethod {
-    match name {
-        "cooperative_astar" => ElectrodeArrayMethod::CooperativeAstar,
-        "plain_cooperative_astar" => ElectrodeArrayMethod::PlainCooperativeAstar,
-        _ => ElectrodeArrayMethod::Portfolio,
-    }
 }
 
 /// What the published methods are asked for that they do not know, and where.

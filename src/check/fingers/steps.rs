@@ -49,7 +49,7 @@ impl Checker<'_> {
             part,
             precision_rad,
             load_un,
-            planner: planner(&parts),
+            planner: planner(&parts)?,
             expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS),
             steps: steps.into_iter().collect::<Option<Vec<FingersStep>>>()?,
         })
@@ -67,12 +67,9 @@ fn precision_rad(parts: &Parts, sink: &mut Sink) -> Option<f64> {
     Some(angle.si)
 }
 
-fn planner(parts: &Parts) -> FingersPlanner {
-    match parts.planner.as_ref().map(|(planner, _)| planner.value.name) {
-        Some("published_astar") => FingersPlanner::PublishedAstar,
-        Some("greedy_decomposition") => FingersPlanner::GreedyDecomposition,
-        Some(_) | None => FingersPlanner::JointAstar,
-    }
+fn planner(parts: &Parts) -> Option<FingersPlanner> {
+    let asked_for = parts.planner.as_ref().map(|(planner, _)| planner.value.name);
+    asked_for.map_or(Some(FingersPlanner::JointAstar), FingersPlanner::find)
 }
 
 /// The force on the part with its weight; `None` where it is unknown.

@@ -4,16 +4,15 @@
 //! micromanipulation with a nonredundant digital microrobot*, J. Mechanisms and Robotics 8(2), 2016, with the slips of that
 //! text put right where the doc comments say so.
 
-use super::{
-    Count, Need, Noun, Outcome, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
-    WordChoice, shape::ShapeForm,
-};
 use crate::geometry::PlaneAxis;
 use crate::geometry::fault::{Fault, through};
-use crate::quantity::Dimension;
 use crate::real::Real;
 use nalgebra::{DMatrix, DVector, Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
+
+mod words;
+
+pub use words::{DimibotMethod, DimibotObjective, DimibotOutcome, PLANNERS, Simultaneous, VOCABULARY};
 
 /// The most modules that one side may have.
 pub const MAX_MODULES: u32 = 20;
@@ -113,17 +112,6 @@ impl Side {
             Side::Right => Side::Left,
         }
     }
-}
-
-/// Whether several modules may be switched in one pulse.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Simultaneous {
-    /// One module at a time, as in the paper.
-    #[default]
-    Never,
-    /// Several, where no order of their switching and no mixture of partial strokes touches an obstacle.
-    Safe,
 }
 
 /// What a device of this kind is: the fields of its declaration.
@@ -287,156 +275,6 @@ pub enum Switch {
     /// To state 0.
     Reset,
 }
-
-const fn quantity(name: &'static str, dimension: Dimension, range: Range, doc: &'static str) -> VocabularyField {
-    VocabularyField { name, sort: Sort::Quantity { dimension, range }, need: Need::Required, doc }
-}
-
-const fn count(name: &'static str, doc: &'static str) -> VocabularyField {
-    VocabularyField { name, sort: Sort::Count { least: 1, most: MAX_MODULES }, need: Need::Required, doc }
-}
-
-const SIMULTANEOUS: [WordChoice; 2] = [
-    WordChoice { name: "never", doc: "one module at a time" },
-    WordChoice { name: "safe", doc: "several in one pulse where no order and no partial stroke touches an obstacle" },
-];
-
-const FIELDS: &[VocabularyField] = &[
-    count("left", "modules on the left (bl), each moving the end-effector along x"),
-    count("right", "modules on the right (br), each moving the end-effector along y"),
-    quantity("stroke", Dimension::LENGTH, Range::Positive, "displacement of a module between its two states"),
-    quantity(
-        "gain",
-        Dimension::NUMBER,
-        Range::Positive,
-        "end-effector displacement per stroke, a constant of the flexure structure",
-    ),
-    quantity("pulse_voltage", Dimension::VOLTAGE, Range::Positive, "voltage of a switching pulse"),
-    quantity("pulse_current", Dimension::CURRENT, Range::Positive, "current of a switching pulse"),
-    quantity(
-        "pulse_duration",
-        Dimension::TIME,
-        Range::Positive,
-        "length of a switching pulse; the module snaps at some instant in it",
-    ),
-    quantity("rest", Dimension::TIME, Range::NotNegative, "time after each pulse in which no module is switched"),
-    quantity(
-        "repeatability",
-        Dimension::LENGTH,
-        Range::NotNegative,
-        "how far the end-effector may stand from its nominal place",
-    ),
-    quantity("tip_radius", Dimension::LENGTH, Range::NotNegative, "radius of the tip in the working plane"),
-    VocabularyField {
-        name: "home",
-        sort: Sort::State,
-        need: Need::Optional("all modules at 0"),
-        doc: "where the robot stands before the first task",
-    },
-    VocabularyField {
-        name: "simultaneous",
-        sort: Sort::Word(&SIMULTANEOUS),
-        need: Need::Optional("never"),
-        doc: "whether several modules may be switched in one pulse",
-    },
-];
-
-const SETTINGS: &[VocabularyField] = &[
-    VocabularyField {
-        name: "precision",
-        sort: Sort::Quantity { dimension: Dimension::LENGTH, range: Range::Positive },
-        need: Need::Optional("any place in the workspace takes its nearest cell"),
-        doc: "how far the cell taken for a place may lie from it",
-    },
-    VocabularyField {
-        name: "simultaneous",
-        sort: Sort::Word(&SIMULTANEOUS),
-        need: Need::Optional("as the device says"),
-        doc: "whether several modules may be switched in one pulse",
-    },
-];
-
-const VERBS: &[Verb] = &[
-    Verb {
-        name: "move",
-        noun: None,
-        object: None,
-        phrases: &[
-            VocabularyPhrase { preposition: "to", sort: Sort::Target, count: Count::Once },
-            VocabularyPhrase { preposition: "via", sort: Sort::Target, count: Count::AnyNumber },
-        ],
-        block: None,
-        doc: "carries the end-effector to a cell or a place, by way of others in the order of writing",
-        example: "move to (3.2 um, 5.9 um) via (3, 9)",
-    },
-    Verb {
-        name: "visit",
-        noun: None,
-        object: Some(Sort::Targets),
-        phrases: &[],
-        block: None,
-        doc: "carries the end-effector to each of these cells and places, in the best order, and ends at the last one",
-        example: "visit [(3, 9), (12, 4), (3.2 um, 5.9 um)]",
-    },
-];
-
-const BUDGET: [VocabularyField; 1] =
-    [super::expansions("20 million", "how many states the search may expand before it gives up")];
-
-const fn planner(name: &'static str, doc: &'static str) -> Planner {
-    Planner { name, options: &BUDGET, doc }
-}
-
-/// The names of the planners, as `using` takes them and reports show them.
-pub const PLANNERS: &[Planner] = &[
-    planner(
-        "staged_astar",
-        "Tweeze's own: a greedy walk; where it is blocked, A* with the exact distance of the free lattice, then A* led by distances between blocks of cells",
-    ),
-    planner("dijkstra", "the paper's section 4.2"),
-    planner("bidirectional_dijkstra", "the paper's section 4.2, from both ends"),
-    planner("astar", "the paper's section 4.3: A* with the distance in the frame R1"),
-    planner("hypercube_astar", "the paper's section 5: A* with the estimate of its algorithm 3"),
-];
-
-/// The words of the kind.
-pub const VOCABULARY: Vocabulary = Vocabulary {
-    name: "dimibot",
-    summary: "a planar microrobot of bistable modules that switch one by one",
-    library: ("std.dimibot", "dimibot.femto_st"),
-    fields: FIELDS,
-    nouns: &[Noun {
-        name: "obstacle",
-        doc: "what the tip must not touch; without a shape a point",
-        shapes: ShapeForm::SOLID,
-    }],
-    settings: SETTINGS,
-    state: Some(Sort::State),
-    together: Together::No,
-    verbs: VERBS,
-    objectives: &[
-        WordChoice { name: "distance", doc: "the way of the end-effector" },
-        WordChoice { name: "switches", doc: "how often a module is switched" },
-        WordChoice { name: "time", doc: "how long it takes" },
-        WordChoice { name: "energy", doc: "what the pulses cost" },
-    ],
-    planners: PLANNERS,
-    outcomes: &[
-        Outcome { name: "distance", dimension: Dimension::LENGTH, doc: "the way of the end-effector" },
-        Outcome { name: "switches", dimension: Dimension::NUMBER, doc: "how often a module is switched" },
-        Outcome {
-            name: "time",
-            dimension: Dimension::TIME,
-            doc: "from the beginning of the task to the end of its last rest",
-        },
-        Outcome {
-            name: "energy",
-            dimension: Dimension::ENERGY,
-            doc: "voltage times current times time, over all pulses",
-        },
-    ],
-    channels: "<device>.bl<i>.set, <device>.bl<i>.reset, and br likewise: the voltage on the actuator that brings the module to 1 or to 0",
-};
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 mod words;
 
-pub use words::VOCABULARY;
+pub use words::{ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOutcome, VOCABULARY};
 
 /// The most columns, and the most rows, of a board.
 pub const MAX_SIDE: u32 = 1_000;

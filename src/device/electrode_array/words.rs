@@ -2,11 +2,61 @@
 
 use super::{MAX_APART, MAX_SIDE};
 use crate::device::shape::ShapeForm;
+use crate::device::words::words;
 use crate::device::{
     Count, Need, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
-    WordChoice, expansions, not_negative, optional, positive, required,
+    WordChoice, expansions, not_negative, optional, outcome, planner, positive, required,
 };
 use crate::quantity::Dimension;
+
+words! {
+    /// What is minimised.
+    pub enum ElectrodeArrayObjective {
+        Makespan = "makespan": "the steps until the last part has arrived",
+        SumOfCosts = "sum_of_costs": "the steps until each part's last arrival, added up",
+    }
+}
+
+words! {
+    /// A figure of a plan.
+    pub enum ElectrodeArrayOutcome {
+        Steps = "steps": "steps of the board until the last arrival",
+        SumOfCosts = "sum_of_costs": "the steps until each part's last arrival, added up over all parts",
+        Moves = "moves": "moves of parts from cell to cell",
+        Time = "time": "from the beginning of the task to the end of its last step",
+    }
+}
+
+words! {
+    /// How a plan is searched.
+    pub enum ElectrodeArrayMethod {
+        Portfolio = "portfolio": "Tweeze's own: prioritised search in space and time and repair for a first plan, search in large neighbourhoods for better ones, conflict-based search for the proof",
+        CooperativeAstar = "cooperative_astar": "the paper's algorithm 1 with its heuristic of equation 12: greedy, and may miss a plan",
+        PlainCooperativeAstar = "plain_cooperative_astar": "the same with the plain heuristic of equation 13",
+    }
+}
+
+impl ElectrodeArrayObjective {
+    /// The figure of a plan that it brings down.
+    pub fn outcome(self) -> ElectrodeArrayOutcome {
+        match self {
+            ElectrodeArrayObjective::Makespan => ElectrodeArrayOutcome::Steps,
+            ElectrodeArrayObjective::SumOfCosts => ElectrodeArrayOutcome::SumOfCosts,
+        }
+    }
+}
+
+impl ElectrodeArrayOutcome {
+    /// What `minimize` takes to bring the figure down. A plan with the least sum of costs may have more moves than another one: a
+    /// step in which a part rests counts as much as one in which it moves.
+    pub fn objective(self) -> Option<ElectrodeArrayObjective> {
+        match self {
+            ElectrodeArrayOutcome::Steps | ElectrodeArrayOutcome::Time => Some(ElectrodeArrayObjective::Makespan),
+            ElectrodeArrayOutcome::SumOfCosts => Some(ElectrodeArrayObjective::SumOfCosts),
+            ElectrodeArrayOutcome::Moves => None,
+        }
+    }
+}
 
 const SEPARATION: [WordChoice; 1] =
     [WordChoice { name: "as_published", doc: "Table 3 of the paper as it is printed, which is not safe everywhere" }];
@@ -128,37 +178,26 @@ const BUDGET: [VocabularyField; 1] = [expansions(
     "how many states the search of one step may expand before it gives up",
 )];
 
-const fn planner(name: &'static str, doc: &'static str) -> Planner {
-    Planner { name, options: &BUDGET, doc }
+const PLANNERS: &[Planner] = &[
+    method(ElectrodeArrayMethod::Portfolio),
+    method(ElectrodeArrayMethod::CooperativeAstar),
+    method(ElectrodeArrayMethod::PlainCooperativeAstar),
+];
+
+const fn method(method: ElectrodeArrayMethod) -> Planner {
+    planner(method.name(), method.doc(), &BUDGET)
 }
 
-/// The names of the planners, as `using` takes them and reports show them.
-const PLANNERS: &[Planner] = &[
-    planner(
-        "portfolio",
-        "Tweeze's own: prioritised search in space and time and repair for a first plan, search in large neighbourhoods for better ones, conflict-based search for the proof",
-    ),
-    planner(
-        "cooperative_astar",
-        "the paper's algorithm 1 with its heuristic of equation 12: greedy, and may miss a plan",
-    ),
-    planner("plain_cooperative_astar", "the same with the plain heuristic of equation 13"),
+const OUTCOMES: &[Outcome] = &[
+    figure(ElectrodeArrayOutcome::Steps, Dimension::NUMBER),
+    figure(ElectrodeArrayOutcome::SumOfCosts, Dimension::NUMBER),
+    figure(ElectrodeArrayOutcome::Moves, Dimension::NUMBER),
+    figure(ElectrodeArrayOutcome::Time, Dimension::TIME),
 ];
 
-const OUTCOMES: &[Outcome] = &[
-    Outcome { name: "steps", dimension: Dimension::NUMBER, doc: "steps of the board until the last arrival" },
-    Outcome {
-        name: "sum_of_costs",
-        dimension: Dimension::NUMBER,
-        doc: "the steps until each part's last arrival, added up over all parts",
-    },
-    Outcome { name: "moves", dimension: Dimension::NUMBER, doc: "moves of parts from cell to cell" },
-    Outcome {
-        name: "time",
-        dimension: Dimension::TIME,
-        doc: "from the beginning of the task to the end of its last step",
-    },
-];
+const fn figure(word: ElectrodeArrayOutcome, dimension: Dimension) -> Outcome {
+    outcome(word.name(), word.doc(), dimension)
+}
 
 /// The words of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {
@@ -178,10 +217,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     state: None,
     together: Together::Yes,
     verbs: VERBS,
-    objectives: &[
-        WordChoice { name: "makespan", doc: "the steps until the last part has arrived" },
-        WordChoice { name: "sum_of_costs", doc: "the steps until each part's last arrival, added up" },
-    ],
+    objectives: ElectrodeArrayObjective::CHOICES,
     planners: PLANNERS,
     outcomes: OUTCOMES,
     channels: "<device>.e<column>_<row>: the voltage on an electrode",

@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 pub(crate) mod fixture;
 mod words;
 
-pub use words::VOCABULARY;
+pub use words::{FingersObjective, FingersOutcome, FingersPlanner, VOCABULARY};
 
 /// The fewest fingers that can hand an object over.
 pub const MIN_FINGERS: u32 = 3;

@@ -2,11 +2,37 @@
 
 use super::{MAX_FINGERS, MIN_FINGERS};
 use crate::device::shape::ShapeForm;
+use crate::device::words::words;
 use crate::device::{
     Count, Noun, Outcome, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
-    WordChoice, any, expansions, not_negative, optional, positive, required,
+    WordChoice, any, expansions, not_negative, optional, outcome, planner, positive, required,
 };
 use crate::quantity::Dimension;
+
+words! {
+    /// What is minimised.
+    pub enum FingersObjective {
+        Effort = "effort": "degrees rolled, and the gaiting cost of each finger placed or removed",
+    }
+}
+
+words! {
+    /// A figure of a plan.
+    pub enum FingersOutcome {
+        Effort = "effort": "the turn of every step times the fingers that roll, and the gaiting cost of each finger placed or removed",
+        Reconfigurations = "reconfigurations": "fingers placed or removed, without those of the first grasp and of `release`",
+        Time = "time": "from the beginning of the task to the end of its last step",
+    }
+}
+
+words! {
+    /// How a plan is searched.
+    pub enum FingersPlanner {
+        JointAstar = "joint_astar": "all turns of a task searched as one problem by A*, with exact numbers of reconfigurations as its estimate",
+        PublishedAstar = "published_astar": "the same problem with the paper's estimate, its index arithmetic put right",
+        GreedyDecomposition = "greedy_decomposition": "the paper's way: each turn by itself in its cheapest way, from where the last has ended",
+    }
+}
 
 const FIELDS: &[VocabularyField] = &[
     required(
@@ -144,41 +170,22 @@ const VERBS: &[Verb] = &[
 const BUDGET: [VocabularyField; 1] =
     [expansions("200 000 000", "how many grasps the search may expand before it gives up")];
 
-const PLANNERS: &[Planner] = &[
-    Planner {
-        name: "joint_astar",
-        options: &BUDGET,
-        doc: "all turns of a task searched as one problem by A*, with exact numbers of reconfigurations as its estimate",
-    },
-    Planner {
-        name: "published_astar",
-        options: &BUDGET,
-        doc: "the same problem with the paper's estimate, its index arithmetic put right",
-    },
-    Planner {
-        name: "greedy_decomposition",
-        options: &BUDGET,
-        doc: "the paper's way: each turn by itself in its cheapest way, from where the last has ended",
-    },
-];
+const PLANNERS: &[Planner] =
+    &[way(FingersPlanner::JointAstar), way(FingersPlanner::PublishedAstar), way(FingersPlanner::GreedyDecomposition)];
+
+const fn way(word: FingersPlanner) -> Planner {
+    planner(word.name(), word.doc(), &BUDGET)
+}
 
 const OUTCOMES: &[Outcome] = &[
-    Outcome {
-        name: "effort",
-        dimension: Dimension::ANGLE,
-        doc: "the turn of every step times the fingers that roll, and the gaiting cost of each finger placed or removed",
-    },
-    Outcome {
-        name: "reconfigurations",
-        dimension: Dimension::NUMBER,
-        doc: "fingers placed or removed, without those of the first grasp and of `release`",
-    },
-    Outcome {
-        name: "time",
-        dimension: Dimension::TIME,
-        doc: "from the beginning of the task to the end of its last step",
-    },
+    figure(FingersOutcome::Effort, Dimension::ANGLE),
+    figure(FingersOutcome::Reconfigurations, Dimension::NUMBER),
+    figure(FingersOutcome::Time, Dimension::TIME),
 ];
+
+const fn figure(word: FingersOutcome, dimension: Dimension) -> Outcome {
+    outcome(word.name(), word.doc(), dimension)
+}
 
 /// The words of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {
@@ -202,10 +209,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     state: None,
     together: Together::No,
     verbs: VERBS,
-    objectives: &[WordChoice {
-        name: "effort",
-        doc: "degrees rolled, and the gaiting cost of each finger placed or removed",
-    }],
+    objectives: FingersObjective::CHOICES,
     planners: PLANNERS,
     outcomes: OUTCOMES,
     channels: "<device>.f1.x, f1.y, f1.z and so on: where the centre of each finger's tip is, in micrometres",

@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 mod words;
 
-pub use words::VOCABULARY;
+pub use words::{MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner, VOCABULARY};
 
 /// The most robots of one table.
 pub const MAX_ROBOTS: usize = 128;

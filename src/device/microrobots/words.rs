@@ -2,11 +2,35 @@
 
 use super::MAX_LEVELS;
 use crate::device::shape::ShapeForm;
+use crate::device::words::words;
 use crate::device::{
     Block, Count, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
-    WordChoice, expansions, not_negative, optional, positive, required,
+    WordChoice, expansions, not_negative, optional, outcome, planner, positive, required,
 };
 use crate::quantity::Dimension;
+
+words! {
+    /// What is minimised.
+    pub enum MicrorobotsObjective {
+        Time = "time": "from the beginning of the task to the end of its last step",
+    }
+}
+
+words! {
+    /// A figure of a plan.
+    pub enum MicrorobotsOutcome {
+        Time = "time": "from the beginning of the task to the end of its last step",
+        Switches = "switches": "control cycles",
+        Strokes = "strokes": "strokes of the drive train",
+    }
+}
+
+words! {
+    /// How a plan is searched.
+    pub enum MicrorobotsPlanner {
+        OneWayDubins = "one_way_dubins": "shortest ways of turns to one side and straight lines, searched over the middles of the turns; for assemblies the paper's two stages, with the order and the phase of the orbits searched",
+    }
+}
 
 const TURNS: [WordChoice; 2] = [
     WordChoice { name: "clockwise", doc: "its heading falls while its arm is down" },
@@ -128,22 +152,18 @@ const VERBS: &[Verb] = &[
 const BUDGET: [VocabularyField; 1] =
     [expansions("200 000", "how many ways the search of one step may expand before it gives up")];
 
-const PLANNERS: &[Planner] = &[Planner {
-    name: "one_way_dubins",
-    options: &BUDGET,
-    doc: "shortest ways of turns to one side and straight lines, searched over the middles of the turns; for \
-          assemblies the paper's two stages, with the order and the phase of the orbits searched",
-}];
+const PLANNERS: &[Planner] =
+    &[planner(MicrorobotsPlanner::OneWayDubins.name(), MicrorobotsPlanner::OneWayDubins.doc(), &BUDGET)];
 
 const OUTCOMES: &[Outcome] = &[
-    Outcome {
-        name: "time",
-        dimension: Dimension::TIME,
-        doc: "from the beginning of the task to the end of its last step",
-    },
-    Outcome { name: "switches", dimension: Dimension::NUMBER, doc: "control cycles" },
-    Outcome { name: "strokes", dimension: Dimension::NUMBER, doc: "strokes of the drive train" },
+    figure(MicrorobotsOutcome::Time, Dimension::TIME),
+    figure(MicrorobotsOutcome::Switches, Dimension::NUMBER),
+    figure(MicrorobotsOutcome::Strokes, Dimension::NUMBER),
 ];
+
+const fn figure(word: MicrorobotsOutcome, dimension: Dimension) -> Outcome {
+    outcome(word.name(), word.doc(), dimension)
+}
 
 /// The words of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {
@@ -163,7 +183,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     state: None,
     together: Together::No,
     verbs: VERBS,
-    objectives: &[WordChoice { name: "time", doc: "from the beginning of the task to the end of its last step" }],
+    objectives: MicrorobotsObjective::CHOICES,
     planners: PLANNERS,
     outcomes: OUTCOMES,
     channels: "<device>.bed: the voltage of the whole bed",

@@ -11,7 +11,7 @@ use crate::claims::dimibot::{
     DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacleBody, DimibotOrder, DimibotStep, DimibotStop,
 };
 use crate::claims::{self, Job, Relation, Requirement};
-use crate::device::dimibot::{DimibotFacts, Simultaneous};
+use crate::device::dimibot::{DimibotFacts, DimibotOutcome, Simultaneous};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, keeps, require};
@@ -257,19 +257,18 @@ impl<'a> DimibotTaskSearch<'a> {
                 continue;
             }
             let most = |unit: f64, offset: f64| largest(requirement, unit, offset);
-            match requirement.outcome.as_str() {
-                "distance" => {
+            match DimibotOutcome::find(&requirement.outcome)? {
+                DimibotOutcome::Distance => {
                     limits.distance = limits.distance.min(most(figure_si(self.order, DimibotObjective::Distance), 0.0)?)
                 }
-                "switches" => limits.switches = limits.switches.min(most(1.0, 0.0)?),
-                "energy" => {
+                DimibotOutcome::Switches => limits.switches = limits.switches.min(most(1.0, 0.0)?),
+                DimibotOutcome::Energy => {
                     limits.switches = limits.switches.min(most(figure_si(self.order, DimibotObjective::Energy), 0.0)?)
                 }
-                "time" => {
+                DimibotOutcome::Time => {
                     let waits_s = waits_ns(&self.order.steps) as f64 / 1e9;
                     limits.pulses = limits.pulses.min(most(figure_si(self.order, DimibotObjective::Time), waits_s)?);
                 }
-                _ => {}
             }
         }
         Some(limits)
@@ -443,9 +442,7 @@ fn figure(order: &DimibotOrder, cost: u64) -> f64 {
 
 /// The objective that minimises an outcome.
 fn objective_of(outcome: &str) -> Option<DimibotObjective> {
-    [DimibotObjective::Distance, DimibotObjective::Switches, DimibotObjective::Time, DimibotObjective::Energy]
-        .into_iter()
-        .find(|objective| objective.name() == outcome)
+    DimibotOutcome::find(outcome).map(DimibotOutcome::objective)
 }
 
 /// The largest whole number of units that a limit allows on top of an offset: that of an upper limit, and of `==` its upper side. `None`
@@ -519,10 +516,11 @@ fn outcomes(order: &DimibotOrder, motion: &DimibotMotion) -> BTreeMap<String, f6
     let distance_um = cells[0] as f64 * facts.pitch_um(Side::Left) + cells[1] as f64 * facts.pitch_um(Side::Right);
     let slot_ns = u128::from(facts.pulse_duration_ns + facts.rest_ns);
     let time_ns = u128::from(pulse_count) * slot_ns + waits_ns(&order.steps);
-    BTreeMap::from([
-        ("distance".to_owned(), distance_um / 1e6),
-        ("switches".to_owned(), switches as f64),
-        ("time".to_owned(), time_ns as f64 / 1e9),
-        ("energy".to_owned(), switches as f64 * facts.switch_energy_j()),
-    ])
+    let figures = [
+        (DimibotOutcome::Distance, distance_um / 1e6),
+        (DimibotOutcome::Switches, switches as f64),
+        (DimibotOutcome::Time, time_ns as f64 / 1e9),
+        (DimibotOutcome::Energy, switches as f64 * facts.switch_energy_j()),
+    ];
+    figures.into_iter().map(|(word, value)| (word.name().to_owned(), value)).collect()
 }

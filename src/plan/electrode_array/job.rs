@@ -18,7 +18,7 @@ use crate::claims::electrode_array::{
     ElectrodeArrayStep,
 };
 use crate::device::MAX_EXPANSIONS;
-use crate::device::electrode_array::{ElectrodeCell, Separation};
+use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell, Separation};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, require};
@@ -289,7 +289,8 @@ impl Tasks<'_> {
             BoardAnswer::GaveUp { bounds } => {
                 let steps = format!("{} steps", bounds.makespan);
                 let (what, to) = ("the search for a plan", goals(stage));
-                let told = errors::gave_up(step.span, &to, what, budget.steps, &steps, "portfolio");
+                let told =
+                    errors::gave_up(step.span, &to, what, budget.steps, &steps, ElectrodeArrayMethod::Portfolio.name());
                 self.sink.push(told.help(more_may_do(budget.steps)));
                 None
             }
@@ -307,7 +308,7 @@ impl Tasks<'_> {
         let reading = PaperReading { heuristic, check, ties: Ties::default() };
         if !self.affords(stage, horizon) {
             let (what, to) = ("the greedy planner", goals(stage));
-            let planner = method_name(self.order.planner.method);
+            let planner = self.order.planner.method.name();
             self.sink.push(errors::gave_up(step.span, &to, what, self.order.planner.expansions, "0 steps", planner));
             return None;
         }
@@ -431,30 +432,22 @@ fn objective(objective: ElectrodeArrayObjective) -> board::BoardObjective {
     }
 }
 
-fn method_name(method: ElectrodeArrayMethod) -> &'static str {
-    match method {
-        ElectrodeArrayMethod::Portfolio => "portfolio",
-        ElectrodeArrayMethod::CooperativeAstar => "cooperative_astar",
-        ElectrodeArrayMethod::PlainCooperativeAstar => "plain_cooperative_astar",
-    }
-}
-
 /// The plan with its figures; `bounds` hold for every plan, `bound` for every one that keeps the limits of the task.
 fn finished(order: &ElectrodeArrayOrder, motion: ElectrodeArrayMotion, bounds: BoardCosts, bound: Option<u64>) -> Plan {
     let outcomes = outcomes(order, &motion);
-    let (name, least, other) = match order.objective {
+    let (least, other) = match order.objective {
         ElectrodeArrayObjective::Makespan => {
-            ("makespan", bounds.makespan, ("sum_of_costs".to_owned(), bounds.sum_of_costs as f64))
+            (bounds.makespan, (ElectrodeArrayOutcome::SumOfCosts.name().to_owned(), bounds.sum_of_costs as f64))
         }
         ElectrodeArrayObjective::SumOfCosts => {
-            ("sum_of_costs", bounds.sum_of_costs, ("steps".to_owned(), bounds.makespan as f64))
+            (bounds.sum_of_costs, (ElectrodeArrayOutcome::Steps.name().to_owned(), bounds.makespan as f64))
         }
     };
-    let cost = outcomes[if order.objective == ElectrodeArrayObjective::Makespan { "steps" } else { "sum_of_costs" }];
+    let cost = outcomes[order.objective.outcome().name()];
     let bound = bound.unwrap_or(least) as f64;
     Plan {
-        planner: method_name(order.planner.method),
-        objective: name,
+        planner: order.planner.method.name(),
+        objective: order.objective.name(),
         unit: "",
         cost,
         bound,
@@ -475,10 +468,11 @@ fn outcomes(order: &ElectrodeArrayOrder, motion: &ElectrodeArrayMotion) -> BTree
         let moved = |path: &Vec<ElectrodeCell>| path.windows(2).filter(|pair| pair[0] != pair[1]).count();
         moves += paths.iter().map(moved).sum::<usize>();
     }
-    BTreeMap::from([
-        ("steps".to_owned(), steps as f64),
-        ("sum_of_costs".to_owned(), sum_of_costs as f64),
-        ("moves".to_owned(), moves as f64),
-        ("time".to_owned(), limits::seconds(order, steps as u64)),
-    ])
+    let figures = [
+        (ElectrodeArrayOutcome::Steps, steps as f64),
+        (ElectrodeArrayOutcome::SumOfCosts, sum_of_costs as f64),
+        (ElectrodeArrayOutcome::Moves, moves as f64),
+        (ElectrodeArrayOutcome::Time, limits::seconds(order, steps as u64)),
+    ];
+    figures.into_iter().map(|(word, value)| (word.name().to_owned(), value)).collect()
 }

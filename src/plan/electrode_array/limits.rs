@@ -6,6 +6,7 @@ use super::limited::{self, PlanFront, UNLIMITED, exceeds};
 use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
 use crate::claims::{Relation, Requirement};
 use crate::device::Kind;
+use crate::device::electrode_array::ElectrodeArrayOutcome;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::requirements::{Kept, enough, keeps};
 use crate::quantity::{Dimension, Quantity};
@@ -15,12 +16,11 @@ const MOST_COUNTED: u64 = 1 << 40;
 
 /// The figure that an outcome is about.
 fn figure(outcome: &str) -> Option<usize> {
-    match outcome {
-        "steps" | "time" => Some(0),
-        "sum_of_costs" => Some(1),
-        "moves" => Some(2),
-        _ => None,
-    }
+    ElectrodeArrayOutcome::find(outcome).map(|outcome| match outcome {
+        ElectrodeArrayOutcome::Steps | ElectrodeArrayOutcome::Time => 0,
+        ElectrodeArrayOutcome::SumOfCosts => 1,
+        ElectrodeArrayOutcome::Moves => 2,
+    })
 }
 
 /// How long a task of so many steps takes, with its waits, in seconds.
@@ -34,7 +34,7 @@ pub fn seconds(order: &ElectrodeArrayOrder, steps: u64) -> f64 {
 
 /// The value of an outcome for a figure.
 fn value(order: &ElectrodeArrayOrder, outcome: &str, figure: u64) -> f64 {
-    if outcome == "time" { seconds(order, figure) } else { figure as f64 }
+    if outcome == ElectrodeArrayOutcome::Time.name() { seconds(order, figure) } else { figure as f64 }
 }
 
 /// What the requirements of a task ask of its figures; time is steps.

@@ -17,7 +17,7 @@ use super::why::{HandReasons, kept_back};
 use super::{FingersMotion, HeldGrasp, Stance};
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersTurn};
 use crate::claims::{Job, Requirement};
-use crate::device::fingers::Plane;
+use crate::device::fingers::{FingersObjective, FingersOutcome, Plane};
 use crate::diagnostic::{Remark, Sink};
 use crate::plan::requirements::{Kept, KnownLimit, require};
 use crate::plan::search::{GaveUp, SearchBudget};
@@ -489,23 +489,19 @@ impl Sums {
         let degrees = |cost: u64| cost as f64 / f64::from(order.facts.steps_per_turn);
         let time_s = ways::duration_ns(&motion).unwrap_or(u64::MAX) as f64 / 1e9;
         let outcomes = [
-            ("effort", degrees(self.cost) * PI / 180.0),
-            ("reconfigurations", self.reconfigurations as f64),
-            ("time", time_s),
+            (FingersOutcome::Effort, degrees(self.cost) * PI / 180.0),
+            (FingersOutcome::Reconfigurations, self.reconfigurations as f64),
+            (FingersOutcome::Time, time_s),
         ];
         Plan {
-            planner: match order.planner {
-                FingersPlanner::JointAstar => "joint_astar",
-                FingersPlanner::PublishedAstar => "published_astar",
-                FingersPlanner::GreedyDecomposition => "greedy_decomposition",
-            },
-            objective: "effort",
+            planner: order.planner.name(),
+            objective: FingersObjective::Effort.name(),
             unit: "deg",
             cost: degrees(self.cost),
             bound: degrees(self.bound),
             proof: if self.is_best { Optimality::Proven } else { Optimality::Open },
             bounds: BTreeMap::new(),
-            outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).into_iter().collect(),
+            outcomes: outcomes.map(|(word, value)| (word.name().to_owned(), value)).into_iter().collect(),
             remarks: self.remarks,
             motion: Motion::Fingers(motion),
         }

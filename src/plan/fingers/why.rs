@@ -92,7 +92,7 @@ impl HandReasons<'_> {
         );
         let help = match budget.saturating_mul(8).min(most) {
             _ if budget >= most => "no more can be allowed: take a larger `step`, or split the task".to_owned(),
-            more => format!("allow more: `using {} {{ expansions: {more} }}`", planner(self.order.planner)),
+            more => format!("allow more: `using {} {{ expansions: {more} }}`", self.order.planner.name()),
         };
         Diagnostic::new(Code::E0602, title)
             .label(self.span(), format!("neither planned nor disproved; no plan costs less than {bound} deg"))
@@ -352,14 +352,6 @@ fn axis(plane: Plane) -> &'static str {
     match plane {
         Plane::Xy => "z",
         Plane::Xz => "y",
-    }
-}
-
-fn planner(planner: FingersPlanner) -> &'static str {
-    match planner {
-        FingersPlanner::JointAstar => "joint_astar",
-        FingersPlanner::PublishedAstar => "published_astar",
-        FingersPlanner::GreedyDecomposition => "greedy_decomposition",
     }
 }
 

@@ -15,7 +15,7 @@ use crate::claims::Job;
 use crate::claims::microrobots::{
     Assurance, Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop,
 };
-use crate::device::microrobots::Arm;
+use crate::device::microrobots::{Arm, MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner};
 use crate::diagnostic::{Remark, Sink};
 use crate::geometry::Pose;
 use crate::plan::requirements::{Kept, KnownLimit, require};
@@ -250,17 +250,20 @@ impl BedTally {
 
     fn plan(self, motion: MicrorobotsMotion) -> Plan {
         let seconds = |ns: u64| ns as f64 / 1e9;
-        let outcomes =
-            [("time", seconds(self.time_ns)), ("switches", self.switches as f64), ("strokes", self.strokes as f64)];
+        let outcomes = [
+            (MicrorobotsOutcome::Time, seconds(self.time_ns)),
+            (MicrorobotsOutcome::Switches, self.switches as f64),
+            (MicrorobotsOutcome::Strokes, self.strokes as f64),
+        ];
         Plan {
-            planner: "one_way_dubins",
-            objective: "time",
+            planner: MicrorobotsPlanner::OneWayDubins.name(),
+            objective: MicrorobotsObjective::Time.name(),
             unit: "s",
             cost: seconds(self.time_ns),
             bound: seconds(self.bound_ns),
             proof: if self.bound_ns >= self.time_ns { Optimality::Proven } else { Optimality::Open },
             bounds: BTreeMap::new(),
-            outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).into_iter().collect(),
+            outcomes: outcomes.map(|(word, value)| (word.name().to_owned(), value)).into_iter().collect(),
             remarks: self.remarks,
             motion: Motion::Microrobots(motion),
         }

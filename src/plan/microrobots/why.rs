@@ -4,6 +4,7 @@ use super::assembly::{RobotBlocker, StuckAssembly};
 use super::drive::{self, StuckReason, Thing};
 use super::world::{FirstMeeting, ForbiddenMeeting};
 use crate::claims::microrobots::{MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop};
+use crate::device::microrobots::MicrorobotsPlanner;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::source::Span;
@@ -203,7 +204,7 @@ impl BedReasons<'_> {
         let plural = if budget == 1 { "" } else { "s" };
         Diagnostic::new(Code::E0602, format!("the search gave up after {budget} expansion{plural}"))
             .label(self.step.span, "neither planned nor disproved")
-            .help(crate::plan::errors::more_allowed(budget, "one_way_dubins"))
+            .help(crate::plan::errors::more_allowed(budget, MicrorobotsPlanner::OneWayDubins.name()))
     }
 
     fn unsteerable(

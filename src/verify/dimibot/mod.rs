@@ -10,8 +10,8 @@ mod scene;
 use super::clock::JudgedRun;
 use super::rule::{Findings, Rule, Violation, ms};
 use super::{RecordTerms, Replay, Standing, Unfit};
-use crate::claims::dimibot::{DimibotAction, DimibotMethod, DimibotObjective, DimibotOrder, DimibotStop};
-use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous, Switch};
+use crate::claims::dimibot::{DimibotAction, DimibotOrder, DimibotStop};
+use crate::device::dimibot::{DimibotFacts, DimibotOutcome, LatticeCell, Side, Simultaneous, Switch};
 use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
 use scene::{DimibotObstacles, TipTouch, place};
 use std::borrow::Cow;
@@ -89,25 +89,19 @@ pub(super) fn unit(channel: &str, order: &DimibotOrder) -> Option<ChannelUnit> {
 
 /// What the claims say of a plan's record.
 pub(super) fn terms(order: &DimibotOrder) -> RecordTerms {
-    let (objective, unit, scale) = match order.objective {
-        DimibotObjective::Distance => ("distance", "um", 1e6),
-        DimibotObjective::Switches => ("switches", "", 1.0),
-        DimibotObjective::Time => ("time", "ms", 1e3),
-        DimibotObjective::Energy => ("energy", "mJ", 1e3),
-    };
-    let planner = match order.planner.method {
-        DimibotMethod::StagedAstar => "staged_astar",
-        DimibotMethod::Dijkstra => "dijkstra",
-        DimibotMethod::BidirectionalDijkstra => "bidirectional_dijkstra",
-        DimibotMethod::Astar => "astar",
-        DimibotMethod::HypercubeAstar => "hypercube_astar",
-    };
-    RecordTerms { planner, objective, outcome: objective, unit, scale }
+    let objective = order.objective;
+    RecordTerms {
+        planner: order.planner.method.name(),
+        objective: objective.name(),
+        outcome: objective.outcome().name(),
+        unit: objective.unit(),
+        scale: objective.units_per_si(),
+    }
 }
 
-/// What `minimize` takes to bring an outcome down: its own name.
-pub(super) fn minimized_as(outcome: &'static str) -> Option<&'static str> {
-    Some(outcome)
+/// What `minimize` takes to bring an outcome down.
+pub(super) fn minimized_as(outcome: &str) -> Option<&'static str> {
+    DimibotOutcome::find(outcome).map(|outcome| outcome.objective().name())
 }
 
 /// What begins at one instant.
@@ -273,10 +267,10 @@ impl DimibotRun<'_> {
         let parts: usize = self.pulses.iter().map(|pulse| pulse.parts.len()).sum();
         let pulse_j = facts.pulse_voltage_v * facts.pulse_current_a * (facts.pulse_duration_ns as f64 * 1e-9);
         BTreeMap::from([
-            ("distance", strokes().map(way).sum::<f64>() * 1e-6),
-            ("switches", strokes().count() as f64),
-            ("time", self.run.plan.duration_ns as f64 / 1e9),
-            ("energy", parts as f64 * pulse_j),
+            (DimibotOutcome::Distance.name(), strokes().map(way).sum::<f64>() * 1e-6),
+            (DimibotOutcome::Switches.name(), strokes().count() as f64),
+            (DimibotOutcome::Time.name(), self.run.plan.duration_ns as f64 / 1e9),
+            (DimibotOutcome::Energy.name(), parts as f64 * pulse_j),
         ])
     }
 }

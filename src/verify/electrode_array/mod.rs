@@ -17,10 +17,8 @@ use super::clock::JudgedRun;
 use super::record;
 use super::rule::{Findings, Rule, Violation, ms};
 use super::{Halt, RecordTerms, Replay, Standing};
-use crate::claims::electrode_array::{
-    ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayOrder,
-};
-use crate::device::electrode_array::ElectrodeCell;
+use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder};
+use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell};
 use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
 use beat::StepBeat;
 use bodies::BoardObstacles;
@@ -39,25 +37,14 @@ pub(super) fn unit(channel: &str, order: &ElectrodeArrayOrder) -> Option<Channel
 
 /// What the claims say of a plan's record.
 pub(super) fn terms(order: &ElectrodeArrayOrder) -> RecordTerms {
-    let (objective, outcome) = match order.objective {
-        ElectrodeArrayObjective::Makespan => ("makespan", "steps"),
-        ElectrodeArrayObjective::SumOfCosts => ("sum_of_costs", "sum_of_costs"),
-    };
-    let planner = match order.planner.method {
-        ElectrodeArrayMethod::Portfolio => "portfolio",
-        ElectrodeArrayMethod::CooperativeAstar => "cooperative_astar",
-        ElectrodeArrayMethod::PlainCooperativeAstar => "plain_cooperative_astar",
-    };
-    RecordTerms { planner, objective, outcome, unit: "", scale: 1.0 }
+    let (planner, objective) = (order.planner.method.name(), order.objective);
+    RecordTerms { planner, objective: objective.name(), outcome: objective.outcome().name(), unit: "", scale: 1.0 }
 }
 
 /// What `minimize` takes to bring an outcome down, if anything.
-pub(super) fn minimized_as(outcome: &'static str) -> Option<&'static str> {
-    match outcome {
-        "steps" | "time" => Some("makespan"),
-        "sum_of_costs" | "moves" => Some("sum_of_costs"),
-        _ => None,
-    }
+pub(super) fn minimized_as(outcome: &str) -> Option<&'static str> {
+    let objective = ElectrodeArrayOutcome::find(outcome)?.objective()?;
+    Some(objective.name())
 }
 
 /// A state in words.
@@ -315,10 +302,10 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
 
     fn outcomes(&self) -> BTreeMap<&'static str, f64> {
         BTreeMap::from([
-            ("steps", self.beats as f64),
-            ("sum_of_costs", self.sum_of_costs as f64),
-            ("moves", self.moves as f64),
-            ("time", self.run.plan.duration_ns as f64 / 1e9),
+            (ElectrodeArrayOutcome::Steps.name(), self.beats as f64),
+            (ElectrodeArrayOutcome::SumOfCosts.name(), self.sum_of_costs as f64),
+            (ElectrodeArrayOutcome::Moves.name(), self.moves as f64),
+            (ElectrodeArrayOutcome::Time.name(), self.run.plan.duration_ns as f64 / 1e9),
         ])
     }
 }

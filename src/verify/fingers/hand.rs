@@ -16,7 +16,7 @@ use super::statics::{ContactPoint, Statics, pull_off_un};
 use super::track::{Stretch, Tracks};
 use super::{Point, orientation_of};
 use crate::claims::fingers::{FingersAction, FingersOrder};
-use crate::device::fingers::{FingersFacts, MAX_HOLDING, Plane};
+use crate::device::fingers::{FingersFacts, FingersOutcome, MAX_HOLDING, Plane};
 use crate::quantity::digits;
 use crate::schedule::{State, TimedState};
 use std::borrow::Cow;
@@ -470,9 +470,9 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
 
     pub fn outcomes(&self) -> BTreeMap<&'static str, f64> {
         BTreeMap::from([
-            ("effort", self.effort_rad),
-            ("reconfigurations", self.reconfigurations as f64),
-            ("time", self.run.plan.duration_ns as f64 / 1e9),
+            (FingersOutcome::Effort.name(), self.effort_rad),
+            (FingersOutcome::Reconfigurations.name(), self.reconfigurations as f64),
+            (FingersOutcome::Time.name(), self.run.plan.duration_ns as f64 / 1e9),
         ])
     }
 

@@ -26,8 +26,8 @@ use super::clock::JudgedRun;
 use super::geometry::contour::Foot;
 use super::rule::Findings;
 use super::{Halt, RecordTerms, Replay, Standing};
-use crate::claims::fingers::{FingersOrder, FingersPlanner};
-use crate::device::fingers::{Plane, finger_axis};
+use crate::claims::fingers::FingersOrder;
+use crate::device::fingers::{FingersObjective, FingersOutcome, Plane, finger_axis};
 use crate::quantity::digits;
 use crate::schedule::{ChannelUnit, State};
 use body::{ObjectPose, PartOutlines};
@@ -56,17 +56,18 @@ pub(super) fn unit(channel: &str, order: &FingersOrder) -> Option<ChannelUnit> {
 
 /// What the claims say of a plan's record.
 pub(super) fn terms(order: &FingersOrder) -> RecordTerms {
-    let planner = match order.planner {
-        FingersPlanner::JointAstar => "joint_astar",
-        FingersPlanner::PublishedAstar => "published_astar",
-        FingersPlanner::GreedyDecomposition => "greedy_decomposition",
-    };
-    RecordTerms { planner, objective: "effort", outcome: "effort", unit: "deg", scale: 180.0 / std::f64::consts::PI }
+    RecordTerms {
+        planner: order.planner.name(),
+        objective: FingersObjective::Effort.name(),
+        outcome: FingersOutcome::Effort.name(),
+        unit: "deg",
+        scale: 180.0 / std::f64::consts::PI,
+    }
 }
 
 /// The objective that minimises an outcome.
-pub(super) fn minimized_as(outcome: &'static str) -> Option<&'static str> {
-    (outcome == "effort").then_some("effort")
+pub(super) fn minimized_as(outcome: &str) -> Option<&'static str> {
+    (outcome == FingersOutcome::Effort.name()).then_some(FingersObjective::Effort.name())
 }
 
 /// Whether a recorded state is the replayed one, but for rounding.

@@ -19,7 +19,9 @@ use super::record;
 use super::rule::{Findings, Rule, Violation, ms};
 use super::{Halt, RecordTerms, Replay, Standing};
 use crate::claims::microrobots::{Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop};
-use crate::device::microrobots::{Arm, CHANNEL, Robot, Turning};
+use crate::device::microrobots::{
+    Arm, CHANNEL, MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner, Robot, Turning,
+};
 use crate::geometry::Pose;
 use crate::quantity::digits;
 use crate::real::Real;
@@ -51,12 +53,18 @@ pub(super) fn unit(channel: &str) -> Option<ChannelUnit> {
 
 /// What the claims say of a plan's record.
 pub(super) fn terms() -> RecordTerms {
-    RecordTerms { planner: "one_way_dubins", objective: "time", outcome: "time", unit: "s", scale: 1.0 }
+    RecordTerms {
+        planner: MicrorobotsPlanner::OneWayDubins.name(),
+        objective: MicrorobotsObjective::Time.name(),
+        outcome: MicrorobotsOutcome::Time.name(),
+        unit: "s",
+        scale: 1.0,
+    }
 }
 
 /// The objective that minimises an outcome.
-pub(super) fn minimized_as(outcome: &'static str) -> Option<&'static str> {
-    (outcome == "time").then_some("time")
+pub(super) fn minimized_as(outcome: &str) -> Option<&'static str> {
+    (outcome == MicrorobotsOutcome::Time.name()).then_some(MicrorobotsObjective::Time.name())
 }
 
 /// Whether a recorded pose is the replayed one, but for rounding.
@@ -363,9 +371,9 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
 
     fn outcomes(&self) -> BTreeMap<&'static str, f64> {
         BTreeMap::from([
-            ("time", self.run.plan.duration_ns as f64 / 1e9),
-            ("switches", self.trains.len() as f64),
-            ("strokes", self.strokes as f64),
+            (MicrorobotsOutcome::Time.name(), self.run.plan.duration_ns as f64 / 1e9),
+            (MicrorobotsOutcome::Switches.name(), self.trains.len() as f64),
+            (MicrorobotsOutcome::Strokes.name(), self.strokes as f64),
         ])
     }
 }

@@ -1,0 +1,225 @@
+//! The vocabulary of the DiMiBot.
+
+use super::MAX_MODULES;
+use crate::device::shape::ShapeForm;
+use crate::device::words::words;
+use crate::device::{
+    Count, Need, Noun, Outcome, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
+    expansions, outcome, planner,
+};
+use crate::quantity::Dimension;
+
+words! {
+    /// What is minimised.
+    pub enum DimibotObjective {
+        Distance = "distance": "the way of the end-effector",
+        Switches = "switches": "how often a module is switched",
+        Time = "time": "how long it takes",
+        Energy = "energy": "what the pulses cost",
+    }
+}
+
+words! {
+    /// A figure of a plan.
+    pub enum DimibotOutcome {
+        Distance = "distance": "the way of the end-effector",
+        Switches = "switches": "how often a module is switched",
+        Time = "time": "from the beginning of the task to the end of its last rest",
+        Energy = "energy": "voltage times current times time, over all pulses",
+    }
+}
+
+words! {
+    /// How a plan is searched.
+    pub enum DimibotMethod {
+        StagedAstar = "staged_astar": "Tweeze's own: a greedy walk; where it is blocked, A* with the exact distance of the free lattice, then A* led by distances between blocks of cells",
+        Dijkstra = "dijkstra": "the paper's section 4.2",
+        BidirectionalDijkstra = "bidirectional_dijkstra": "the paper's section 4.2, from both ends",
+        Astar = "astar": "the paper's section 4.3: A* with the distance in the frame R1",
+        HypercubeAstar = "hypercube_astar": "the paper's section 5: A* with the estimate of its algorithm 3",
+    }
+}
+
+words! {
+    /// Whether several modules may be switched in one pulse.
+    pub enum Simultaneous {
+        Never = "never": "one module at a time",
+        Safe = "safe": "several in one pulse where no order and no partial stroke touches an obstacle",
+    }
+}
+
+impl DimibotObjective {
+    /// The figure of a plan that it brings down.
+    pub fn outcome(self) -> DimibotOutcome {
+        match self {
+            DimibotObjective::Distance => DimibotOutcome::Distance,
+            DimibotObjective::Switches => DimibotOutcome::Switches,
+            DimibotObjective::Time => DimibotOutcome::Time,
+            DimibotObjective::Energy => DimibotOutcome::Energy,
+        }
+    }
+
+    /// The unit of its cost in schedules and reports; a count has none.
+    pub fn unit(self) -> &'static str {
+        match self {
+            DimibotObjective::Distance => "um",
+            DimibotObjective::Switches => "",
+            DimibotObjective::Time => "ms",
+            DimibotObjective::Energy => "mJ",
+        }
+    }
+
+    /// How many of its units make one of the SI.
+    pub fn units_per_si(self) -> f64 {
+        match self {
+            DimibotObjective::Distance => 1e6,
+            DimibotObjective::Switches => 1.0,
+            DimibotObjective::Time | DimibotObjective::Energy => 1e3,
+        }
+    }
+}
+
+impl DimibotOutcome {
+    /// What `minimize` takes to bring the figure down.
+    pub fn objective(self) -> DimibotObjective {
+        match self {
+            DimibotOutcome::Distance => DimibotObjective::Distance,
+            DimibotOutcome::Switches => DimibotObjective::Switches,
+            DimibotOutcome::Time => DimibotObjective::Time,
+            DimibotOutcome::Energy => DimibotObjective::Energy,
+        }
+    }
+}
+
+const fn quantity(name: &'static str, dimension: Dimension, range: Range, doc: &'static str) -> VocabularyField {
+    VocabularyField { name, sort: Sort::Quantity { dimension, range }, need: Need::Required, doc }
+}
+
+const fn count(name: &'static str, doc: &'static str) -> VocabularyField {
+    VocabularyField { name, sort: Sort::Count { least: 1, most: MAX_MODULES }, need: Need::Required, doc }
+}
+
+const FIELDS: &[VocabularyField] = &[
+    count("left", "modules on the left (bl), each moving the end-effector along x"),
+    count("right", "modules on the right (br), each moving the end-effector along y"),
+    quantity("stroke", Dimension::LENGTH, Range::Positive, "displacement of a module between its two states"),
+    quantity(
+        "gain",
+        Dimension::NUMBER,
+        Range::Positive,
+        "end-effector displacement per stroke, a constant of the flexure structure",
+    ),
+    quantity("pulse_voltage", Dimension::VOLTAGE, Range::Positive, "voltage of a switching pulse"),
+    quantity("pulse_current", Dimension::CURRENT, Range::Positive, "current of a switching pulse"),
+    quantity(
+        "pulse_duration",
+        Dimension::TIME,
+        Range::Positive,
+        "length of a switching pulse; the module snaps at some instant in it",
+    ),
+    quantity("rest", Dimension::TIME, Range::NotNegative, "time after each pulse in which no module is switched"),
+    quantity(
+        "repeatability",
+        Dimension::LENGTH,
+        Range::NotNegative,
+        "how far the end-effector may stand from its nominal place",
+    ),
+    quantity("tip_radius", Dimension::LENGTH, Range::NotNegative, "radius of the tip in the working plane"),
+    VocabularyField {
+        name: "home",
+        sort: Sort::State,
+        need: Need::Optional("all modules at 0"),
+        doc: "where the robot stands before the first task",
+    },
+    VocabularyField {
+        name: "simultaneous",
+        sort: Sort::Word(Simultaneous::CHOICES),
+        need: Need::Optional("never"),
+        doc: "whether several modules may be switched in one pulse",
+    },
+];
+
+const SETTINGS: &[VocabularyField] = &[
+    VocabularyField {
+        name: "precision",
+        sort: Sort::Quantity { dimension: Dimension::LENGTH, range: Range::Positive },
+        need: Need::Optional("any place in the workspace takes its nearest cell"),
+        doc: "how far the cell taken for a place may lie from it",
+    },
+    VocabularyField {
+        name: "simultaneous",
+        sort: Sort::Word(Simultaneous::CHOICES),
+        need: Need::Optional("as the device says"),
+        doc: "whether several modules may be switched in one pulse",
+    },
+];
+
+const VERBS: &[Verb] = &[
+    Verb {
+        name: "move",
+        noun: None,
+        object: None,
+        phrases: &[
+            VocabularyPhrase { preposition: "to", sort: Sort::Target, count: Count::Once },
+            VocabularyPhrase { preposition: "via", sort: Sort::Target, count: Count::AnyNumber },
+        ],
+        block: None,
+        doc: "carries the end-effector to a cell or a place, by way of others in the order of writing",
+        example: "move to (3.2 um, 5.9 um) via (3, 9)",
+    },
+    Verb {
+        name: "visit",
+        noun: None,
+        object: Some(Sort::Targets),
+        phrases: &[],
+        block: None,
+        doc: "carries the end-effector to each of these cells and places, in the best order, and ends at the last one",
+        example: "visit [(3, 9), (12, 4), (3.2 um, 5.9 um)]",
+    },
+];
+
+const BUDGET: [VocabularyField; 1] =
+    [expansions("20 million", "how many states the search may expand before it gives up")];
+
+/// The names of the planners, as `using` takes them and reports show them.
+pub const PLANNERS: &[Planner] = &[
+    method(DimibotMethod::StagedAstar),
+    method(DimibotMethod::Dijkstra),
+    method(DimibotMethod::BidirectionalDijkstra),
+    method(DimibotMethod::Astar),
+    method(DimibotMethod::HypercubeAstar),
+];
+
+const fn method(method: DimibotMethod) -> Planner {
+    planner(method.name(), method.doc(), &BUDGET)
+}
+
+const fn figure(word: DimibotOutcome, dimension: Dimension) -> Outcome {
+    outcome(word.name(), word.doc(), dimension)
+}
+
+/// The words of the kind.
+pub const VOCABULARY: Vocabulary = Vocabulary {
+    name: "dimibot",
+    summary: "a planar microrobot of bistable modules that switch one by one",
+    library: ("std.dimibot", "dimibot.femto_st"),
+    fields: FIELDS,
+    nouns: &[Noun {
+        name: "obstacle",
+        doc: "what the tip must not touch; without a shape a point",
+        shapes: ShapeForm::SOLID,
+    }],
+    settings: SETTINGS,
+    state: Some(Sort::State),
+    together: Together::No,
+    verbs: VERBS,
+    objectives: DimibotObjective::CHOICES,
+    planners: PLANNERS,
+    outcomes: &[
+        figure(DimibotOutcome::Distance, Dimension::LENGTH),
+        figure(DimibotOutcome::Switches, Dimension::NUMBER),
+        figure(DimibotOutcome::Time, Dimension::TIME),
+        figure(DimibotOutcome::Energy, Dimension::ENERGY),
+    ],
+    channels: "<device>.bl<i>.set, <device>.bl<i>.reset, and br likewise: the voltage on the actuator that brings the module to 1 or to 0",
+};
