@@ -1,8 +1,8 @@
 //! What a build tells of a DiMiBot's plan.
 
-use super::{Note, ReportTopic, ReportedRun, count, proof, rounded};
+use super::{Note, ReportTopic, ReportedRun, count, figure_of, proof, rounded};
 use crate::claims::dimibot::{Asked, DimibotAction, DimibotOrder, DimibotStop};
-use crate::device::dimibot::{LatticeCell, Side};
+use crate::device::dimibot::{DimibotObjective, DimibotOutcome, LatticeCell, Side};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::real::Real;
 use crate::schedule::{PlanRecord, State, TimedState};
@@ -15,14 +15,16 @@ pub fn cost(plan: &PlanRecord, order: &DimibotOrder) -> String {
         unit => format!("{} {unit}", rounded(value)),
     };
     let pitches = Side::BOTH.map(|side| order.facts.pitch_um(side));
-    let cells = match plan.objective.as_str() {
-        "distance" if pitches[0] == pitches[1] => format!(" ({} r)", (plan.cost / pitches[0]).round()),
-        _ => String::new(),
-    };
-    let switches = count(plan.outcomes.get("switches").copied().unwrap_or_default() as usize, "switch");
-    match plan.objective.as_str() {
-        "switches" => format!("{switches}, {}", proof(plan, figure)),
-        _ => format!("{}{cells} in {switches}, {}", figure(plan.cost), proof(plan, figure)),
+    let switches = count(figure_of(plan, DimibotOutcome::Switches.name()) as usize, "switch");
+    let proof = proof(plan, figure);
+    match order.objective {
+        DimibotObjective::Distance if pitches[0] == pitches[1] => {
+            format!("{} ({} r) in {switches}, {proof}", figure(plan.cost), (plan.cost / pitches[0]).round())
+        }
+        DimibotObjective::Switches => format!("{switches}, {proof}"),
+        DimibotObjective::Distance | DimibotObjective::Time | DimibotObjective::Energy => {
+            format!("{} in {switches}, {proof}", figure(plan.cost))
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! What a build tells of an electrode array's plan.
 
-use super::{count, proof};
+use super::{count, figure_of, proof};
 use crate::claims::electrode_array::{ElectrodeArrayObjective, ElectrodeArrayOrder};
+use crate::device::electrode_array::ElectrodeArrayOutcome;
 use crate::quantity::digits;
 use crate::schedule::PlanRecord;
 
@@ -9,22 +10,33 @@ use crate::schedule::PlanRecord;
 pub fn cost(plan: &PlanRecord, order: &ElectrodeArrayOrder) -> String {
     let steps = |value: f64| count(value as usize, "step");
     let sum = |value: f64| format!("sum of costs {}", digits(value));
-    let reached = |outcome: &str| plan.outcomes.get(outcome).copied().unwrap_or_default();
+    let reached = |outcome: ElectrodeArrayOutcome| figure_of(plan, outcome.name());
     match order.objective {
         ElectrodeArrayObjective::Makespan => {
-            let other = bounded(plan, "sum_of_costs");
-            format!("{}, {}; {}{other}", steps(plan.cost), proof(plan, digits), sum(reached("sum_of_costs")))
+            let other = bounded(plan, ElectrodeArrayOutcome::SumOfCosts);
+            format!(
+                "{}, {}; {}{other}",
+                steps(plan.cost),
+                proof(plan, digits),
+                sum(reached(ElectrodeArrayOutcome::SumOfCosts))
+            )
         }
         ElectrodeArrayObjective::SumOfCosts => {
-            let other = bounded(plan, "steps");
-            format!("{}, {}; {}{other}", sum(plan.cost), proof(plan, digits), steps(reached("steps")))
+            let other = bounded(plan, ElectrodeArrayOutcome::Steps);
+            format!(
+                "{}, {}; {}{other}",
+                sum(plan.cost),
+                proof(plan, digits),
+                steps(reached(ElectrodeArrayOutcome::Steps))
+            )
         }
     }
 }
 
 /// The bound on an outcome that was not minimised, if the planner knows one.
-fn bounded(plan: &PlanRecord, outcome: &str) -> String {
-    let (Some(bound), Some(reached)) = (plan.bounds.get(outcome), plan.outcomes.get(outcome)) else {
+fn bounded(plan: &PlanRecord, outcome: ElectrodeArrayOutcome) -> String {
+    let name = outcome.name();
+    let (Some(bound), Some(reached)) = (plan.bounds.get(name), plan.outcomes.get(name)) else {
         return String::new();
     };
     let word = if bound >= reached { "optimal" } else { "not proven optimal" };

@@ -1,14 +1,14 @@
 //! What a build tells of a plan for a hand.
 
-use super::{Note, ReportTopic, ReportedRun, count, proof, reached, rounded};
+use super::{Note, ReportTopic, ReportedRun, count, figure_of, proof, reached, rounded};
 use crate::claims::fingers::{FingersOrder, Section};
-use crate::device::fingers::Plane;
+use crate::device::fingers::{FingersOutcome, Plane};
 use crate::schedule::PlanRecord;
 
 /// `2300 deg in 8 reconfigurations, optimal (bound 2300 deg)`.
 pub fn cost(plan: &PlanRecord) -> String {
     let figure = |degrees: f64| format!("{} deg", rounded(degrees));
-    let reconfigurations = plan.outcomes.get("reconfigurations").copied().unwrap_or_default() as usize;
+    let reconfigurations = figure_of(plan, FingersOutcome::Reconfigurations.name()) as usize;
     format!("{} in {}, {}", figure(plan.cost), count(reconfigurations, "reconfiguration"), proof(plan, figure))
 }
 

@@ -1,13 +1,14 @@
 //! What a build tells of a plan for microrobots.
 
-use super::{Note, ReportTopic, ReportedRun, count, proof, reached, rounded};
+use super::{Note, ReportTopic, ReportedRun, count, figure_of, proof, reached, rounded};
 use crate::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::MicrorobotsOutcome;
 use crate::schedule::PlanRecord;
 
 /// `12.3 s in 9 switches, optimal (bound 12.3 s)`.
 pub fn cost(plan: &PlanRecord) -> String {
     let figure = |seconds: f64| format!("{} s", rounded(seconds));
-    let switches = count(plan.outcomes.get("switches").copied().unwrap_or_default() as usize, "switch");
+    let switches = count(figure_of(plan, MicrorobotsOutcome::Switches.name()) as usize, "switch");
     format!("{} in {switches}, {}", figure(plan.cost), proof(plan, figure))
 }
 

@@ -236,6 +236,11 @@ pub fn tally(tally: DeclarationTally) -> String {
     if parts.is_empty() { "nothing declared".to_owned() } else { parts.join(", ") }
 }
 
+/// A figure of a plan by its word, in SI units; 0 where the plan does not have it.
+fn figure_of(plan: &PlanRecord, outcome: &str) -> f64 {
+    plan.outcomes.get(outcome).copied().unwrap_or_default()
+}
+
 fn count(number: usize, noun: &str) -> String {
     let plural = if noun.ends_with("ch") { "es" } else { "s" };
     format!("{number} {noun}{}", if number == 1 { "" } else { plural })

@@ -12,6 +12,7 @@ mod tips;
 mod tries;
 
 use crate::claims::{Claims, Job};
+use crate::device::dimibot::{DimibotObjective, DimibotOutcome};
 use crate::diagnostic::Sink;
 use crate::plan::{Optimality, Plan, errors};
 use crate::quantity::digits;
@@ -88,11 +89,11 @@ fn report(claims: &Claims, failure: &TryFailure) -> crate::diagnostic::Diagnosti
 /// A plan with delays before its pulses, on a way of its own or that of the best plan alone.
 fn delayed(alone: &Plan, mut plan: Plan, delays: Vec<u64>) -> Plan {
     let idle_ns: u64 = delays.iter().sum();
-    if let Some(time_s) = plan.outcomes.get_mut("time") {
+    if let Some(time_s) = plan.outcomes.get_mut(DimibotOutcome::Time.name()) {
         let ns = (*time_s * 1e9).round() + idle_ns as f64;
         *time_s = ns / 1e9;
     }
-    if plan.objective == "time" {
+    if plan.objective == DimibotObjective::Time.name() {
         plan.cost += idle_ns as f64 / 1e6;
     }
     plan.bound = alone.bound;

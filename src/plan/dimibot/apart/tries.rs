@@ -5,7 +5,7 @@ use super::timing::{Other, StuckWay, TimedAct, TimedWay, TipStay};
 use super::tips::PlacedRobot;
 use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, DimibotOrder};
 use crate::claims::{Claims, Job, Order, Timeline};
-use crate::device::dimibot::LatticeCell;
+use crate::device::dimibot::{DimibotObjective, DimibotOutcome, LatticeCell};
 use crate::diagnostic::Sink;
 use crate::plan::Plan;
 use crate::plan::dimibot::{DimibotMotion, DimibotStandings, DimibotStepMotion, SAFETY_MARGIN_UM, plan};
@@ -246,7 +246,8 @@ impl<'a> Try<'a> {
             let way = self.way(job, robot, motion, start_ns);
             match self.delays(index, &way) {
                 Ok(delays) if keeps_all(job, &delayed(alone, plan.clone(), delays.clone())) => {
-                    let is_final = delays.iter().all(|delay| *delay == 0) || plan.objective != "time";
+                    let is_final =
+                        delays.iter().all(|delay| *delay == 0) || plan.objective != DimibotObjective::Time.name();
                     if best.as_ref().is_none_or(|known| total(&plan, &delays) < total(&known.0, &known.2)) {
                         best = Some((plan, way, delays));
                     }
@@ -456,10 +457,10 @@ fn keeps_all(job: &Job, plan: &Plan) -> bool {
 /// What a plan costs with its delays, where time is what is minimised.
 fn total(plan: &Plan, delays: &[u64]) -> f64 {
     let idle_ms = delays.iter().sum::<u64>() as f64 / 1e6;
-    if plan.objective == "time" { plan.cost + idle_ms } else { plan.cost }
+    if plan.objective == DimibotObjective::Time.name() { plan.cost + idle_ms } else { plan.cost }
 }
 
 fn duration_ns(plan: &Plan) -> u64 {
     // Every kind counts its time in whole nanoseconds, which a number of seconds gives back exactly up to the longest schedule.
-    (plan.outcomes.get("time").copied().unwrap_or_default() * 1e9).round() as u64
+    (plan.outcomes.get(DimibotOutcome::Time.name()).copied().unwrap_or_default() * 1e9).round() as u64
 }
