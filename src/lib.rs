@@ -43,6 +43,8 @@
 //!
 //! `tests/tidy.rs` holds the rules that can be executed.
 
+// No input may make the compiler panic; tests may.
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unwrap_used))]
 // Tests compare with the platform's mathematics on purpose.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 

@@ -7,9 +7,6 @@ use std::process::Command;
 /// The longest file, in lines.
 const MAX_FILE_LINES: usize = 600;
 
-/// The longest function, in lines.
-const MAX_FUNCTION_LINES: usize = 70;
-
 /// The base: seen by everybody, sees nothing but itself.
 const BASE: [&str; 7] = ["source", "real", "random", "quantity", "geometry", "diagnostic", "device"];
 
@@ -296,56 +293,6 @@ fn files_are_not_long() {
     }
 }
 
-/// Functions by their first and last lines, as `rustfmt` indents them.
-fn functions(text: &str) -> Vec<(usize, String, usize)> {
-    let lines: Vec<&str> = text.lines().collect();
-    let is_head = |line: &str| {
-        let line = line.trim_start();
-        let words = [
-            "fn ",
-            "pub fn ",
-            "const fn ",
-            "pub const fn ",
-            "pub(crate) fn ",
-            "pub(super) fn ",
-            "unsafe fn ",
-            "pub(in ",
-        ];
-        words.iter().any(|word| line.starts_with(word)) && !line.ends_with(';')
-    };
-    let mut found = Vec::new();
-    for (at, line) in lines.iter().enumerate().filter(|(_, line)| is_head(line)) {
-        let end = format!("{}}}", &line[..line.len() - line.trim_start().len()]);
-        let length = lines[at..].iter().position(|line| *line == end).map_or(1, |length| length + 1);
-        found.push((at + 1, line.trim().to_owned(), length));
-    }
-    found
-}
-
-#[test]
-fn functions_are_not_long() {
-    let mut count = 0;
-    for (path, text) in rust() {
-        for (line, head, length) in functions(&text) {
-            assert!(length <= MAX_FUNCTION_LINES, "{path}:{line}: {head} has {length} lines");
-            count += 1;
-        }
-    }
-    assert!(count > 500, "only {count} functions were found");
-}
-
-#[test]
-fn nothing_is_left_for_later() {
-    for (path, text) in rust().into_iter().filter(|(path, _)| path != "tests/tidy.rs") {
-        for word in ["todo!(", "unimplemented!(", "dbg!(", "#[ignore]"] {
-            assert!(!code(&text).contains(word), "{path} has a `{word}`");
-        }
-    }
-    for (path, text) in sources().into_iter().filter(|(path, _)| !is_test_file(path)) {
-        assert!(!without_tests(&text).contains(".unwrap()"), "{path} unwraps");
-    }
-}
-
 #[test]
 fn every_file_says_what_it_is() {
     for (path, text) in rust() {
@@ -373,6 +320,31 @@ fn a_kind_has_the_same_name_in_every_stage() {
     }
     let listed = std::fs::read_to_string(root().join("src/device/mod.rs")).unwrap_or_default();
     assert_eq!(listed.matches("pub mod ").count() - 1, KINDS.len(), "a kind is missing in `KINDS`, `shape` aside");
+}
+
+/// The largest share of types that may have their name from another type, in percent.
+const MAX_SHARED_NAMES: usize = 5;
+
+/// A name leads to one type: whoever searches for it finds what it is.
+#[test]
+fn types_have_names_of_their_own() {
+    let is_type = |word: &str| matches!(word, "struct" | "enum" | "trait" | "type");
+    let mut places: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for (path, text) in sources().into_iter().filter(|(path, _)| !is_test_file(path)) {
+        for line in without_tests(&text).lines().filter(|line| !line.starts_with(' ')) {
+            let line = line.trim_start_matches("pub(crate) ").trim_start_matches("pub(super) ");
+            let mut words = line.trim_start_matches("pub ").split([' ', '<', '(', ';', '=', ':']);
+            if words.next().is_some_and(is_type) {
+                let name = words.next().unwrap_or_default();
+                places.entry(name.to_owned()).or_default().push(path.clone());
+            }
+        }
+    }
+    let all: usize = places.values().map(Vec::len).sum();
+    let shared: Vec<_> = places.iter().filter(|(_, paths)| paths.len() > 1).collect();
+    let count: usize = shared.iter().map(|(_, paths)| paths.len()).sum();
+    assert!(all > 500, "only {all} types were found");
+    assert!(100 * count <= MAX_SHARED_NAMES * all, "{count} of {all} types share their names: {shared:?}");
 }
 
 /// Enums of which one place may rightly want a few variants and refuse all others in one way.
@@ -519,9 +491,6 @@ fn the_rules_can_fail() {
         ["a", "c", "f", "g"].map(str::to_owned).into()
     );
     assert_eq!(code("let a = \"todo!() // x\"; // dbg!()\nb"), "let a = \"\"; \nb");
-    let long = format!("fn long() {{\n{}}}\n", "    x();\n".repeat(70));
-    assert_eq!(functions(&long)[0].2, 72);
-    assert_eq!(functions("    fn short() {\n        x();\n    }\n")[0].2, 3);
     let lines = ["match x {", "    A::B => 1,", "    A::C => 2,", "    _ => 3,", "}"];
     assert_eq!(arms_above(&lines, 3), ["A::C => 2,", "A::B => 1,"]);
 }
