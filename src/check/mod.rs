@@ -12,6 +12,7 @@ mod electrode_array;
 mod errors;
 pub mod evaluate;
 mod fields;
+mod figures;
 pub mod fingers;
 mod frames;
 mod functions;

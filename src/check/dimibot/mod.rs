@@ -2,6 +2,7 @@
 
 use super::devices::CheckedDevice;
 use super::fields::Accepted;
+use super::figures::Figures;
 use super::frames::DeviceFrame;
 use super::lets::Argument;
 use super::scenes::{CheckedScene, SceneObject};
@@ -41,16 +42,16 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<dimibot::Dimibot
         return None;
     }
     let mut facts = dimibot::DimibotFacts {
-        left: count(fields, "left"),
-        right: count(fields, "right"),
-        stroke_um: quantity(fields, "stroke").in_unit("um"),
-        gain: quantity(fields, "gain").si,
-        pulse_voltage_v: quantity(fields, "pulse_voltage").si,
-        pulse_current_a: quantity(fields, "pulse_current").si,
-        pulse_duration_ns: time_ns(fields, "pulse_duration", sink)?,
-        rest_ns: time_ns(fields, "rest", sink)?,
-        repeatability_um: quantity(fields, "repeatability").in_unit("um"),
-        tip_radius_um: quantity(fields, "tip_radius").in_unit("um"),
+        left: fields.count("left")?,
+        right: fields.count("right")?,
+        stroke_um: fields.length_um("stroke")?,
+        gain: fields.si("gain")?,
+        pulse_voltage_v: fields.si("pulse_voltage")?,
+        pulse_current_a: fields.si("pulse_current")?,
+        pulse_duration_ns: fields.clock_ns("pulse_duration", sink)?,
+        rest_ns: fields.clock_ns("rest", sink)?,
+        repeatability_um: fields.length_um("repeatability")?,
+        tip_radius_um: fields.length_um("tip_radius")?,
         home: LatticeCell::default(),
         simultaneous: simultaneous(fields).unwrap_or_default(),
     };
@@ -64,27 +65,9 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<dimibot::Dimibot
     Some(facts)
 }
 
-fn quantity(fields: &Accepted, name: &str) -> Quantity {
-    match fields.get(name).map(|field| &field.value) {
-        Some(Value::Quantity(quantity)) => *quantity,
-        _ => Quantity::number(0.0),
-    }
-}
-
-fn count(fields: &Accepted, name: &str) -> u32 {
-    whole(quantity(fields, name)).and_then(|number| u32::try_from(number).ok()).unwrap_or(1)
-}
-
-fn time_ns(fields: &Accepted, name: &str, sink: &mut Sink) -> Option<u64> {
-    let field = fields.get(name)?;
-    super::clock_ns(quantity(fields, name), field.span, &format!("`{name}`"), sink)
-}
-
+/// Whether modules may be switched together, where the fields say so.
 fn simultaneous(fields: &Accepted) -> Option<Simultaneous> {
-    match &fields.get("simultaneous")?.value {
-        Value::Text(word) => Simultaneous::find(word),
-        _ => None,
-    }
+    fields.word("simultaneous").and_then(Simultaneous::find)
 }
 
 /// Whether the workspace is of a size that is counted with exactly.

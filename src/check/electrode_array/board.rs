@@ -4,10 +4,10 @@ use super::physics;
 use crate::check::devices::CheckedDevice;
 use crate::check::errors;
 use crate::check::fields::Accepted;
+use crate::check::figures::Figures;
 use crate::check::value::{ShapeValue, Value, whole};
 use crate::device::electrode_array::{ElectrodeArrayFacts, Electrodes, Hold, Layout, Separation};
 use crate::diagnostic::{Diagnostic, Sink};
-use crate::quantity::Quantity;
 use crate::real::Real;
 
 /// The facts of a complete device; `None` where parts cannot even be placed.
@@ -17,16 +17,16 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFa
         return None;
     }
     let facts = ElectrodeArrayFacts {
-        columns: count(fields, "columns"),
-        rows: count(fields, "rows"),
-        radius_um: quantity(fields, "radius")?.in_unit("um"),
-        pitch_ratio: quantity(fields, "pitch_ratio")?.si,
-        potential_v: quantity(fields, "potential")?.si,
-        step_ns: step_ns(fields, sink)?,
+        columns: fields.count("columns")?,
+        rows: fields.count("rows")?,
+        radius_um: fields.length_um("radius")?,
+        pitch_ratio: fields.si("pitch_ratio")?,
+        potential_v: fields.si("potential")?,
+        step_ns: fields.clock_ns("step_duration", sink)?,
         layout: layout(device, sink)?,
-        hold: hold(fields),
-        separation: separation(fields),
-        clearance: count(fields, "clearance"),
+        hold: if fields.is_set("hold") { Hold::On } else { Hold::Off },
+        separation: separation(fields)?,
+        clearance: fields.count("clearance")?,
     };
     let errors = sink.errors();
     covers_electrodes(&facts, device, sink);
@@ -38,36 +38,12 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFa
     is_placeable.then_some(facts)
 }
 
-/// A figure of the device; `None` where it is not given.
-pub fn quantity(fields: &Accepted, name: &str) -> Option<Quantity> {
-    match fields.get(name).map(|field| &field.value) {
-        Some(Value::Quantity(quantity)) => Some(*quantity),
-        _ => None,
-    }
-}
-
-fn count(fields: &Accepted, name: &str) -> u32 {
-    let given = quantity(fields, name).and_then(whole);
-    given.and_then(|number| u32::try_from(number).ok()).unwrap_or(1)
-}
-
-fn step_ns(fields: &Accepted, sink: &mut Sink) -> Option<u64> {
-    let field = fields.get("step_duration")?;
-    crate::check::clock_ns(quantity(fields, "step_duration")?, field.span, "`step_duration`", sink)
-}
-
-fn hold(fields: &Accepted) -> Hold {
-    match fields.get("hold").map(|field| &field.value) {
-        Some(Value::Bool(true)) => Hold::On,
-        _ => Hold::Off,
-    }
-}
-
-fn separation(fields: &Accepted) -> Separation {
-    match fields.get("separation").map(|field| &field.value) {
+fn separation(fields: &Accepted) -> Option<Separation> {
+    let separation = match fields.get("separation").map(|field| &field.value) {
         Some(Value::Text(_)) => Separation::AsPublished,
-        _ => Separation::Apart(count(fields, "separation")),
-    }
+        _ => Separation::Apart(fields.count("separation")?),
+    };
+    Some(separation)
 }
 
 fn layout(device: &CheckedDevice, sink: &mut Sink) -> Option<Layout> {
@@ -82,7 +58,7 @@ fn layout(device: &CheckedDevice, sink: &mut Sink) -> Option<Layout> {
 
 /// The layout that a shape is; `None` for one that no board carries.
 pub fn layout_of(shape: &ShapeValue) -> Option<Layout> {
-    let half_width = quantity(&shape.fields, "half_width")?.si;
+    let half_width = shape.fields.si("half_width")?;
     let Value::Point(point) = &shape.fields.get("electrodes")?.value else { return None };
     let electrodes = match [whole(*point.first()?)?, whole(*point.get(1)?)?] {
         [1, 1] => Electrodes::Single,

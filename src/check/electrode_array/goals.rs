@@ -4,6 +4,7 @@ use super::cover::{SpacedPlaces, nearest_cell};
 use super::default_expansions;
 use super::places::CellOrigins;
 use super::tray::{BlockedCell, BoardScene, on_board, on_obstacle, whole_cell};
+use crate::check::figures::Figures;
 use crate::check::lets::Argument;
 use crate::check::scope::nearest;
 use crate::check::tasks::{self, Call, Parts, TaskSite};
@@ -55,10 +56,7 @@ fn objective(name: Option<&str>) -> Option<ElectrodeArrayObjective> {
 }
 
 fn bystanders(parts: &Parts) -> Bystanders {
-    match parts.settings.get("may_yield").map(|setting| &setting.value) {
-        Some(Value::Bool(true)) => Bystanders::Yield,
-        _ => Bystanders::Stay,
-    }
+    if parts.settings.is_set("may_yield") { Bystanders::Yield } else { Bystanders::Stay }
 }
 
 /// The method and budget of a task; `None` where a method is asked for what it does not know.

@@ -1,10 +1,11 @@
 //! Whether the forces move a part of this device, and whether its steps are long enough.
 
-use super::board::{quantity, rounded_down, rounded_up, told};
+use super::board::{rounded_down, rounded_up, told};
 use super::forces::{Forces, RadiusTable};
 use super::motion::Glide;
 use crate::check::devices::CheckedDevice;
 use crate::check::errors;
+use crate::check::figures::Figures;
 use crate::device::VocabularyField;
 use crate::device::electrode_array::{ElectrodeArrayFacts, Electrodes, VOCABULARY};
 use crate::diagnostic::Sink;
@@ -29,7 +30,7 @@ pub fn check(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sin
 }
 
 fn si(device: &CheckedDevice, name: &str) -> Option<f64> {
-    quantity(&device.fields, name).map(|quantity| quantity.si)
+    device.fields.si(name)
 }
 
 /// Whether neighbouring electrodes lie as far apart as they may.
@@ -110,7 +111,7 @@ fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &Chec
 
 /// Whether a part comes to rest within a step.
 fn step(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDevice, sink: &mut Sink) {
-    let step = quantity(&device.fields, "step_duration");
+    let step = device.fields.quantity("step_duration");
     let settling_s = match si(device, "settling") {
         Some(measured_s) => Some(measured_s),
         None => {

@@ -4,6 +4,7 @@ use super::board;
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use crate::check::devices::CheckedDevice;
 use crate::check::fields::Accepted;
+use crate::check::figures::Figures;
 use crate::check::lets::Argument;
 use crate::check::scenes::{CheckedScene, SceneObject};
 use crate::check::tasks::TaskSite;
@@ -141,7 +142,7 @@ impl TrayReader<'_> {
         });
         if !is_own {
             let describe = |shape: &ShapeValue| {
-                let half = board::quantity(&shape.fields, "half_width").map_or(0.0, |half| half.si);
+                let half = shape.fields.si("half_width").unwrap_or_default();
                 (board::electrodes_text(shape), board::number(half))
             };
             let carried = self.device.fields.get("part").map(|part| (&part.value, part.span));

@@ -2,10 +2,10 @@
 
 use crate::check::devices::CheckedDevice;
 use crate::check::errors;
+use crate::check::figures::Figures;
 use crate::check::value::Value;
 use crate::device::fingers::{Adhesion, FingersFacts, MAX_RESERVE, MAX_STEPS_PER_TURN};
 use crate::diagnostic::Sink;
-use crate::quantity::Quantity;
 use std::f64::consts::TAU;
 
 /// The fewest steps of one turn: 90 deg each.
@@ -42,9 +42,9 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<FingersFacts> {
     let gaiting_cost_deg = gaiting_cost_deg(device, sink);
     let mut figures = HandFigures { device, sink };
     let facts = FingersFacts {
-        fingers: figures.quantity("fingers")?.si as u32,
+        fingers: device.fields.count("fingers")?,
         tip_radius_um: figures.length_um("tip_radius")?,
-        adhesion: adhesion(device),
+        adhesion: if device.fields.is_set("adhesion") { Adhesion::Sticking } else { Adhesion::Absent },
         pull_off_un: figures.force_un("pull_off")?,
         max_force_un: figures.force_un("max_force")?,
         friction: figures.ratio("friction")?,
@@ -59,29 +59,15 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<FingersFacts> {
         support_un: figures.force_un("support").unwrap_or(0.0),
         range_um: figures.range_um()?,
         tolerance_um: figures.length_um("tolerance")?,
-        torsion_um: if figures.quantity("torsion").is_some() { figures.length_um("torsion")? } else { 0.0 },
+        torsion_um: figures.length_um("torsion").unwrap_or(0.0),
         rolling_reserve: figures.reserve("rolling_reserve"),
     };
     (sink.errors() == errors).then_some(facts)
 }
 
-fn quantity(device: &CheckedDevice, name: &str) -> Option<Quantity> {
-    match device.fields.get(name).map(|field| &field.value) {
-        Some(Value::Quantity(quantity)) => Some(*quantity),
-        _ => None,
-    }
-}
-
-fn adhesion(device: &CheckedDevice) -> Adhesion {
-    match device.fields.get("adhesion").map(|field| &field.value) {
-        Some(Value::Bool(true)) => Adhesion::Sticking,
-        _ => Adhesion::Absent,
-    }
-}
-
 /// How many steps make a full turn; `None` after an error.
 fn steps_per_turn(device: &CheckedDevice, sink: &mut Sink) -> Option<u32> {
-    let step = quantity(device, "step")?;
+    let step = device.fields.quantity("step")?;
     let steps = TAU / step.si;
     let whole = steps.round();
     if (whole - steps).abs() > STEP_SLACK * whole.max(1.0) {
@@ -98,7 +84,7 @@ fn steps_per_turn(device: &CheckedDevice, sink: &mut Sink) -> Option<u32> {
 
 fn gaiting_cost_deg(device: &CheckedDevice, sink: &mut Sink) -> Option<f64> {
     const MOST_DEG: f64 = 36_000.0;
-    let cost = quantity(device, "gaiting_cost")?;
+    let cost = device.fields.quantity("gaiting_cost")?;
     let deg = cost.si.to_degrees();
     let is_whole = (deg - deg.round()).abs() < 1e-9 * deg.max(1.0) && deg.round() >= 1.0;
     if is_whole && deg <= MOST_DEG {
@@ -129,12 +115,8 @@ struct HandFigures<'a> {
 }
 
 impl HandFigures<'_> {
-    fn quantity(&self, name: &str) -> Option<Quantity> {
-        quantity(self.device, name)
-    }
-
     fn length_um(&mut self, name: &str) -> Option<f64> {
-        let found = self.quantity(name)?;
+        let found = self.device.fields.quantity(name)?;
         let um = found.in_unit("um");
         let fits = um == 0.0 || (MIN_LENGTH_UM..=MAX_LENGTH_UM).contains(&um);
         self.unless(fits, name, &found.to_string(), "from 0.1 nm to 1 m");
@@ -142,7 +124,7 @@ impl HandFigures<'_> {
     }
 
     fn force_un(&mut self, name: &str) -> Option<f64> {
-        let found = self.quantity(name)?;
+        let found = self.device.fields.quantity(name)?;
         let un = found.in_unit("uN");
         let fits = un == 0.0 || (FORCES_UN[0]..=FORCES_UN[1]).contains(&un);
         self.unless(fits, name, &found.to_string(), "from 1 fN to 1 N");
@@ -150,20 +132,20 @@ impl HandFigures<'_> {
     }
 
     fn ratio(&mut self, name: &str) -> Option<f64> {
-        let found = self.quantity(name)?;
+        let found = self.device.fields.quantity(name)?;
         let fits = found.si == 0.0 || (RATIOS[0]..=RATIOS[1]).contains(&found.si);
         self.unless(fits, name, &found.to_string(), "from 0.000001 to 100");
         Some(found.si)
     }
 
     fn reserve(&mut self, name: &str) -> f64 {
-        let Some(found) = self.quantity(name) else { return DEFAULT_RESERVE };
+        let Some(found) = self.device.fields.quantity(name) else { return DEFAULT_RESERVE };
         self.unless(found.si <= MAX_RESERVE, name, &found.to_string(), "from 0 to 90 %");
         found.si
     }
 
     fn speed_um_per_s(&mut self, name: &str) -> Option<f64> {
-        let found = self.quantity(name)?;
+        let found = self.device.fields.quantity(name)?;
         let um_per_s = found.in_unit("um/s");
         let fits = (SPEEDS_UM_PER_S[0]..=SPEEDS_UM_PER_S[1]).contains(&um_per_s);
         self.unless(fits, name, &found.to_string(), "from 1 nm/s to 1 km/s");

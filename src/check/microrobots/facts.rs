@@ -4,7 +4,7 @@ use super::table::RobotTable;
 use super::{CheckedBed, validity};
 use crate::check::devices::CheckedDevice;
 use crate::check::errors;
-use crate::check::value::Value;
+use crate::check::figures::Figures;
 use crate::device::microrobots::{Docking, Errors, Fine, MAX_ROBOTS, MicrorobotsFacts, Robot, Turning};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::shape::MAX_EXTENT_UM;
@@ -40,14 +40,6 @@ pub fn bed(device: &CheckedDevice, sink: &mut Sink) -> Option<CheckedBed> {
     (sink.errors() == errors).then(|| CheckedBed { facts: Arc::new(facts), states: Arc::new(states) })
 }
 
-/// A figure of the device; `None` where it is not given.
-pub fn quantity(device: &CheckedDevice, name: &str) -> Option<Quantity> {
-    match device.fields.get(name).map(|field| &field.value) {
-        Some(Value::Quantity(quantity)) => Some(*quantity),
-        _ => None,
-    }
-}
-
 fn fits_a_bed(table: &RobotTable, device: &CheckedDevice, sink: &mut Sink) {
     if table.rows() > MAX_ROBOTS {
         let wrong = errors::too_many_robots(table.rows(), MAX_ROBOTS);
@@ -71,11 +63,10 @@ fn names_apart(table: &RobotTable, device: &CheckedDevice, sink: &mut Sink) {
 }
 
 fn facts(device: &CheckedDevice, table: &RobotTable, sink: &mut Sink) -> Option<MicrorobotsFacts> {
-    let si = |name: &str| quantity(device, name).map(|quantity| quantity.si);
-    let um = |name: &str| quantity(device, name).map(|quantity| quantity.in_unit("um"));
+    let si = |name: &str| device.fields.si(name);
+    let um = |name: &str| device.fields.length_um(name);
     let period_ns = period_ns(device, sink);
-    let dwell = device.fields.get("dwell")?;
-    let dwell_ns = crate::check::clock_ns(quantity(device, "dwell")?, dwell.span, "`dwell`", sink);
+    let dwell_ns = device.fields.clock_ns("dwell", sink);
     let errors = errors_of(device, sink);
     let period_ns = period_ns?;
     let robots: Option<Vec<Robot>> = (0..table.rows()).map(|row| robot(row, table, device, period_ns)).collect();
@@ -102,7 +93,7 @@ fn facts(device: &CheckedDevice, table: &RobotTable, sink: &mut Sink) -> Option<
 
 /// The time of one stroke, of two equal halves; `None` if the clock cannot count it.
 fn period_ns(device: &CheckedDevice, sink: &mut Sink) -> Option<u64> {
-    let frequency = quantity(device, "drive_frequency")?;
+    let frequency = device.fields.quantity("drive_frequency")?;
     let half_ns = 0.5e9 / frequency.si;
     let limit = crate::check::MAX_TIME_NS as f64 / 2.0;
     if (1.0..=limit).contains(&half_ns) {
@@ -113,10 +104,10 @@ fn period_ns(device: &CheckedDevice, sink: &mut Sink) -> Option<u64> {
 }
 
 fn robot(row: usize, table: &RobotTable, device: &CheckedDevice, period_ns: u64) -> Option<Robot> {
-    let um = |name: &str| table.quantity(row, name).or(quantity(device, name)).map(|length| length.in_unit("um"));
+    let um = |name: &str| table.quantity(row, name).or(device.fields.quantity(name)).map(|length| length.in_unit("um"));
     let step_um = match table.quantity(row, "speed") {
         Some(speed) => speed.in_unit("um/s") * period_ns as f64 / 1e9,
-        None => quantity(device, "step_size")?.in_unit("um"),
+        None => device.fields.length_um("step_size")?,
     };
     let turning = match table.text(row, "turns") {
         Some("counterclockwise") => Turning::Counterclockwise,
@@ -147,15 +138,13 @@ fn errors_of(device: &CheckedDevice, sink: &mut Sink) -> Option<Option<Errors>> 
         sink.push(told(device, errors::some_error_bounds(&missing), &labels));
         return Some(None);
     }
-    let interval = device.fields.get("replan_interval")?;
-    let replan = quantity(device, "replan_interval")?;
     Some(Some(Errors {
-        speed_ratio: quantity(device, "speed_error")?.si,
+        speed_ratio: device.fields.si("speed_error")?,
         // Radians for each metre.
-        turning_rad_per_um: quantity(device, "turning_error")?.si / 1e6,
-        place_um: quantity(device, "place_error")?.in_unit("um"),
-        heading_rad: quantity(device, "heading_error")?.si,
-        replan_ns: crate::check::clock_ns(replan, interval.span, "`replan_interval`", sink)?,
+        turning_rad_per_um: device.fields.si("turning_error")? / 1e6,
+        place_um: device.fields.length_um("place_error")?,
+        heading_rad: device.fields.si("heading_error")?,
+        replan_ns: device.fields.clock_ns("replan_interval", sink)?,
     }))
 }
 
@@ -176,7 +165,7 @@ const MAX_ERRORS: [(&str, f64); 4] =
 fn figures_have_sense(device: &CheckedDevice, sink: &mut Sink) {
     let most = MAX_ERRORS.into_iter().chain([("fine_length", MAX_FINE_UM / 1e6)]);
     for (name, most_si) in most {
-        let Some(found) = quantity(device, name).filter(|found| found.si > most_si) else { continue };
+        let Some(found) = device.fields.quantity(name).filter(|found| found.si > most_si) else { continue };
         let most = Quantity { si: most_si, ..found };
         sink.push(told(device, errors::beyond_figure(name, found, most), &at(device, name, "out of range")));
     }
@@ -213,7 +202,7 @@ fn bodies_are_countable(facts: &MicrorobotsFacts, table: &RobotTable, device: &C
     ];
     of_device.extend(own.into_iter().filter(|(_, um)| *um > MAX_EXTENT_UM).map(|(name, _)| (name, 0.0)));
     for (name, least_um) in of_device {
-        let Some(found) = quantity(device, name) else { continue };
+        let Some(found) = device.fields.quantity(name) else { continue };
         let wrong = errors::beyond_extent(name, found, least_um, MAX_EXTENT_UM);
         sink.push(told(device, wrong, &at(device, name, "out of range")));
     }
@@ -222,7 +211,7 @@ fn bodies_are_countable(facts: &MicrorobotsFacts, table: &RobotTable, device: &C
 /// The drive train swings upwards, and no higher than the source; `None` if it does not.
 fn levels_in_order(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut Sink) -> Option<()> {
     let errors = sink.errors();
-    let voltage = |name: &str| quantity(device, name).map_or(String::new(), |voltage| voltage.to_string());
+    let voltage = |name: &str| device.fields.text(name);
     if facts.relax_v >= facts.flex_v {
         let mut labels = at(device, "relax", "not below `flex`");
         labels.extend(at(device, "flex", "not above `relax`"));
@@ -241,15 +230,14 @@ fn meets_forwards(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut S
     let angles =
         [("self_aligning_angle", facts.docking.self_aligning_rad), ("sticking_angle", facts.docking.sticking_rad)];
     for (name, _) in angles.into_iter().filter(|(_, angle_rad)| *angle_rad >= FRAC_PI_2) {
-        let found = quantity(device, name).map_or(String::new(), |angle| angle.to_string());
+        let found = device.fields.text(name);
         sink.push(told(device, errors::docking_sideways(name, &found), &at(device, name, "a right angle or more")));
     }
 }
 
 fn fine_motion_has_room(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut Sink) {
     if facts.fine.cycle_um > facts.fine.length_um {
-        let found = ["fine_cycle", "fine_length"]
-            .map(|name| quantity(device, name).map_or(String::new(), |length| length.to_string()));
+        let found = ["fine_cycle", "fine_length"].map(|name| device.fields.text(name));
         let mut labels = at(device, "fine_cycle", "longer than the whole fine motion");
         labels.extend(at(device, "fine_length", "the fine motion"));
         sink.push(told(device, errors::cycle_beyond_fine_motion(&found[0], &found[1]), &labels));
@@ -262,7 +250,7 @@ fn fine_motion_has_room(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: 
     let step_um = facts.robots.iter().map(|robot| robot.step_um).fold(0.0, f64::max);
     let cycles = facts.fine.length_um / facts.fine.cycle_um.max(3.0 * step_um);
     if cycles > MAX_CYCLES {
-        let found = quantity(device, "fine_length").map_or(String::new(), |length| length.to_string());
+        let found = device.fields.text("fine_length");
         let mut labels = at(device, "fine_length", "the fine motion");
         labels.extend(at(device, "fine_cycle", "one cycle of it"));
         sink.push(told(device, errors::too_many_cycles(&found, cycles, MAX_CYCLES), &labels));

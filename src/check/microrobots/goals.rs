@@ -4,6 +4,7 @@ use super::bodies::{ObstacleSolid, RobotBody};
 use super::ground::{BedScene, first_near, is_near};
 use super::{CheckedBed, DEFAULT_EXPANSIONS};
 use crate::check::fields::Accepted;
+use crate::check::figures::Figures;
 use crate::check::lets::{Argument, ValueOrigin};
 use crate::check::scope::nearest;
 use crate::check::shapes::{self, MAX_HEADING_RAD};
@@ -56,10 +57,7 @@ impl Checker<'_> {
 }
 
 fn assurance(settings: &Accepted) -> Assurance {
-    match settings.get("guaranteed").map(|setting| &setting.value) {
-        Some(Value::Bool(true)) => Assurance::Demanded,
-        _ => Assurance::Told,
-    }
+    if settings.is_set("guaranteed") { Assurance::Demanded } else { Assurance::Told }
 }
 
 /// How near goals are met; a robot ends no nearer than half a stroke.

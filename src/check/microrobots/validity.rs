@@ -1,11 +1,11 @@
 //! What the relays of a table allow, and what is said where they do not.
 
-use super::facts::{at, quantity, told};
+use super::facts::{at, told};
 use super::relays::{self, AllowedGaps, Analysis, Mend, Problem, RelayRow, Source, TableFault, Transition};
 use super::table::RobotTable;
 use crate::check::devices::CheckedDevice;
 use crate::check::errors::{self, Limit};
-use crate::check::value::{Value, whole};
+use crate::check::figures::Figures;
 use crate::device::microrobots::{Arm, ControlState, MAX_LEVELS, MicrorobotsFacts, Robot};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::Span;
@@ -48,16 +48,13 @@ fn rows(facts: &MicrorobotsFacts) -> Vec<RelayRow> {
 }
 
 fn source(facts: &MicrorobotsFacts, device: &CheckedDevice) -> Source {
-    let levels = quantity(device, "levels").and_then(whole).and_then(|levels| usize::try_from(levels).ok());
+    let levels = device.fields.count("levels").map(|levels| levels as usize);
     let MicrorobotsFacts { margin_v, relax_v, flex_v, max_v, .. } = *facts;
     Source { margin_v, relax_v, flex_v, max_v, most_levels: levels.unwrap_or(DEFAULT_LEVELS) }
 }
 
 fn gaps(device: &CheckedDevice) -> AllowedGaps {
-    match device.fields.get("non_string").map(|field| &field.value) {
-        Some(Value::Bool(true)) => AllowedGaps::Any,
-        _ => AllowedGaps::String,
-    }
+    if device.fields.is_set("non_string") { AllowedGaps::Any } else { AllowedGaps::String }
 }
 
 /// Says what is wrong with a table, at the rows that it is about.
