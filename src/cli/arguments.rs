@@ -5,8 +5,8 @@ use crate::quantity::{Dimension, Unit};
 use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser, builder::TypedValueParser};
 use std::path::PathBuf;
 
-/// Compiles micro-manipulation programs: says what cannot work before the hardware moves, finds the best plan, has it
-/// verified, and writes it for instruments, simulators and viewers.
+/// Compiles micro-manipulation programs: reports what cannot work before the hardware moves, finds the best plan,
+/// verifies it, and writes it for instruments, simulators and viewers.
 #[derive(Debug, Parser)]
 #[command(name = "tweeze", version, max_term_width = 100, after_help = EXIT_STATUS)]
 pub struct Invocation {
@@ -34,13 +34,13 @@ pub enum Command {
     #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz\n  \
                       tweeze verify fetch.mcap --against fetch.twz --set pitch=80um")]
     Verify(VerifyArguments),
-    /// Show what a diagnostic means, with an example and the mend
+    /// Explain a diagnostic, with an example and how to mend it
     #[command(after_help = "Example: tweeze explain E0503")]
     Explain(ExplainArguments),
-    /// Run the assemblies of a program against robots and measurements with errors, and count what becomes of them
+    /// Simulate the assemblies of a program with imperfect robots and measurements, and count how they end
     #[command(after_help = "Example: tweeze simulate assemble.twz --trials 1000 --seed 7")]
     Simulate(SimulateArguments),
-    /// List the device kinds, what one of them offers, or the devices of a program with all that follows from their figures
+    /// List the device kinds, the vocabulary of one of them, or the devices of a program with all derived figures
     #[command(after_help = "Examples:\n  tweeze devices dimibot\n  tweeze devices assemble.twz\n  \
                       tweeze devices --suggest microrobots --robots 6 --margin 4V --max 200V")]
     Devices(DevicesArguments),
@@ -76,10 +76,10 @@ pub struct BuildArguments {
     /// Build this task or program alone
     #[arg(long, value_name = "NAME")]
     pub task: Option<String>,
-    /// What to write, several at once with commas
+    /// Formats to write, separated by commas
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "mcap", value_parser = formats())]
     pub emit: Vec<Format>,
-    /// Where to write; made if it is not there
+    /// Folder to write to; created if missing
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub output: PathBuf,
     /// Replace files that were built from other programs

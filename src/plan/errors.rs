@@ -46,7 +46,7 @@ fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
         (Removal::OpensAndIsSmallest, _) => Some(format!("without {names} there is a way; no fewer will do")),
         (Removal::Opens, _) => Some(format!("without {names} there is a way; this is the smallest set that was found")),
         (Removal::Unknown, _) => Some(format!(
-            "{names} hold the way shut; the search for the smallest set in the way ended before it knew more"
+            "the way is blocked by {names}; other obstacles may block it too, the search for the smallest set has run out of steps"
         )),
     }
 }
@@ -88,7 +88,7 @@ pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)]) -> Diagnostic 
     }
     let diagnostic = if said.is_empty() { diagnostic.label(step, "this step") } else { diagnostic };
     diagnostic.help(
-        "there is no room to let them by each other, whatever the other parts do: give one of them a goal on its own \
+        "there is no room for them to pass, whatever the other parts do: give one of them a goal on its own \
          side, or move an obstacle",
     )
 }

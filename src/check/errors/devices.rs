@@ -36,7 +36,7 @@ pub fn time_out_of_clock(span: Span, what: &str, found: &str, limit: &str) -> Di
 }
 
 pub fn workspace_too_large(span: Span, extent: &str, limit: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0405, format!("a workspace of {extent}, at most {limit} can be planned in"))
+    Diagnostic::new(Code::E0405, format!("workspace of {extent}; the largest that can be planned is {limit}"))
         .label(span, "follows from the stroke and the gain of this device")
         .help("the workspace is gain * stroke * sqrt(2) * (2 - 2^(1-n)) wide: check the units of `stroke` and `gain`")
 }

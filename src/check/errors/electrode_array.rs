@@ -35,7 +35,7 @@ pub fn gap_out_of_limits(ratio: f64, limit: f64, [least, most]: [Option<f64>; 2]
     };
     let what =
         if ratio < limit { "sparks leap between electrodes that are nearer" } else { "a part is not pulled further" };
-    Diagnostic::new(Code::E0410, format!("a pitch ratio of {}, it has to be {range}", digits(ratio)))
+    Diagnostic::new(Code::E0410, format!("pitch ratio {} must be {range}", digits(ratio)))
         .help(format!("make `pitch_ratio` {}: {what}", digits(limit)))
 }
 
@@ -149,7 +149,7 @@ pub fn published_needs_published(chosen: Option<Span>) -> Diagnostic {
 }
 
 pub fn too_many_objects(span: Span, noun: &str, count: usize, most: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0522, format!("{count} {noun}s in a scene, at most {most} are planned for"))
+    Diagnostic::new(Code::E0522, format!("{count} {noun}s in a scene; at most {most} are allowed"))
         .label(span, "one too many")
         .help(match noun {
             "obstacle" => "make blocks of them, as `obstacle wall : cells { from: (20, 20), to: (23, 23) }`",

@@ -56,7 +56,7 @@ pub fn hand_figure(name: &str, device: &str, found: &str, limit: &str) -> Diagno
 }
 
 pub fn precision_too_large(span: Span, found: Quantity, most_rad: f64) -> Diagnostic {
-    Diagnostic::new(Code::E0403, format!("`precision` is {found}, it must be at most {}", angle(most_rad)))
+    Diagnostic::new(Code::E0403, format!("`precision` is {found}, but must be at most {}", angle(most_rad)))
         .label(span, "nearly any turn would do")
         .help("write how far from its goal a turn may end, as `precision: 0.5 deg`, or check the unit")
 }
@@ -294,7 +294,7 @@ fn step_text(step_deg: f64) -> String {
 }
 
 pub fn turn_too_far(span: Span, asked_rad: f64) -> Diagnostic {
-    Diagnostic::new(Code::E0544, format!("a turn by {}, one step turns by at most 360 deg", angle(asked_rad)))
+    Diagnostic::new(Code::E0544, format!("a turn by {}; one step turns by at most 360 deg", angle(asked_rad)))
         .label(span, "more than once round")
         .help("write several steps one below the other")
 }

@@ -90,7 +90,7 @@ pub fn beyond_extent(name: &str, found: Quantity, least_um: f64, most_um: f64) -
 }
 
 pub fn beyond_figure(name: &str, found: Quantity, most: Quantity) -> Diagnostic {
-    Diagnostic::new(Code::E0403, format!("`{name}` is {found}, it must be at most {most}")).help("check its unit")
+    Diagnostic::new(Code::E0403, format!("`{name}` is {found}, but must be at most {most}")).help("check its unit")
 }
 
 pub fn some_error_bounds(missing: &[&str]) -> Diagnostic {
@@ -100,17 +100,17 @@ pub fn some_error_bounds(missing: &[&str]) -> Diagnostic {
 }
 
 pub fn no_stroke(relax: &str, flex: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0419, format!("a relax level of {relax}, it has to be below the flex level of {flex}"))
+    Diagnostic::new(Code::E0419, format!("relax level {relax} must be below the flex level of {flex}"))
         .help("a stroke goes up to `flex` and back to `relax`: make `relax` the lower one")
 }
 
 pub fn flex_beyond_source(flex: &str, most: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0419, format!("a flex level of {flex}, the source gives at most {most}"))
+    Diagnostic::new(Code::E0419, format!("flex level {flex} is above the {most} that the source gives"))
         .help(format!("make `flex` {most} or less"))
 }
 
 pub fn docking_sideways(name: &str, found: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0423, format!("`{name}` of {found}, it has to be less than 90 deg"))
+    Diagnostic::new(Code::E0423, format!("`{name}` is {found}, but must be less than 90 deg"))
         .help("robots meet by their fronts: 60 deg and 45 deg were measured for meeting head on and for sticking")
 }
 
@@ -125,8 +125,9 @@ pub fn relay_label(name: &str, snap_down_v: f64, release_v: f64) -> String {
 
 pub fn release_above_snap_down(name: &str, release_v: f64, snap_down_v: f64) -> Diagnostic {
     let (release, snap_down) = (volts(release_v), volts(snap_down_v));
-    let title =
-        format!("the arm of `{name}` is released at {release}, it has to be below the {snap_down} of snap-down");
+    let title = format!(
+        "the arm of `{name}` is released at {release}, but must be released below its snap-down at {snap_down}"
+    );
     Diagnostic::new(Code::E0418, title)
         .help("an arm that is down stays there until the voltage has fallen far below what lowered it")
 }
@@ -169,7 +170,7 @@ pub fn voltage_out_of_limit(name: &str, found_v: f64, limit: Limit, margin_v: f6
         }
         Limit::Range { max_v, .. } => {
             let most = volts(max_v);
-            let title = format!("{most}, the most there is, may not lower the arm of `{name}`: {found} +- {margin}");
+            let title = format!("even the maximum of {most} may not lower the arm of `{name}`: {found} +- {margin}");
             (Code::E0418, title)
         }
         Limit::Floor { .. } => {
@@ -181,7 +182,7 @@ pub fn voltage_out_of_limit(name: &str, found_v: f64, limit: Limit, margin_v: f6
 
 pub fn narrow_gap(name: &str, gap_v: f64, least_v: f64) -> Diagnostic {
     let (gap, least) = (volts(gap_v), volts(least_v));
-    let title = format!("`{name}` is released {gap} below its snap-down, 2 x margin = {least} is needed");
+    let title = format!("`{name}` is released only {gap} below its snap-down; 2 x margin = {least} is needed");
     Diagnostic::new(Code::E0418, title)
 }
 
@@ -190,7 +191,7 @@ pub fn nested_gaps(outer: &str, inner: &str, [snap_down_v, release_v]: [f64; 2])
     let title =
         format!("nested gaps: `{outer}` snaps down {snap_down} above `{inner}`, and is released {release} below it");
     Diagnostic::new(Code::E0420, title)
-        .help("the robot that snaps down later has to be released earlier; or give the device `non_string: true`")
+        .help("the robot that snaps down later must be released earlier; or give the device `non_string: true`")
 }
 
 pub fn alike_robots(one: &str, other: &str, [snap_down_v, release_v]: [f64; 2], least_v: f64) -> Diagnostic {
@@ -226,7 +227,7 @@ pub fn no_sequence((state, lowered): (usize, &[&str]), [levels, most]: [usize; 2
 pub fn gap_labels(column: &str, [down, up]: [&str; 2], gap_v: f64) -> [String; 2] {
     let gap = volts(gap_v.abs());
     let verb = if column == "release" { "is released" } else { "snaps down" };
-    let low = format!("`{down}` has to be down");
+    let low = format!("`{down}` must be down");
     let high = match gap_v {
         gap_v if gap_v > 0.0 => format!("`{up}`, to be up, {verb} {gap} above"),
         gap_v if gap_v < 0.0 => format!("`{up}`, to be up, {verb} {gap} below"),
@@ -342,7 +343,7 @@ pub fn heading_too_large(span: Span, most_deg: f64) -> Diagnostic {
 pub fn applied_too_far(span: Span, name: &str, way_um: f64, most_um: f64) -> Diagnostic {
     Diagnostic::new(
         Code::E0501,
-        format!("this carries `{name}` {}, at most {} is planned with", length(way_um), length(most_um)),
+        format!("this carries `{name}` {}; at most {} can be planned", length(way_um), length(most_um)),
     )
     .label(span, "for so long")
     .help("apply it for a shorter time, or check the unit of `speed`")
@@ -492,7 +493,7 @@ pub fn docked_overlap(
 ) -> Diagnostic {
     let (depth, most) = (at_least(depth_um), length(most_um));
     let title =
-        format!("`{}` at its goal overlaps `{}` by {depth}, at most {most} is allowed", goal.robot, other.robot);
+        format!("`{}` at its goal overlaps `{}` by {depth}; at most {most} is allowed", goal.robot, other.robot);
     Diagnostic::new(Code::E0536, title)
         .label(goal.span, goal.label())
         .label_elsewhere(other.span, goal.span, other.label())

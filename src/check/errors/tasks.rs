@@ -54,9 +54,12 @@ pub fn word_of_wrong_width(span: Span, found: u32, left: u32, right: u32, device
 }
 
 pub fn precision_beyond_robot(span: Span, precision: &str, repeatability: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0506, format!("a precision of {precision}, the robot repeats to {repeatability} only"))
-        .label(span, "finer than the robot")
-        .help(format!("ask for {repeatability} or more, or give the device the repeatability that was measured"))
+    Diagnostic::new(
+        Code::E0506,
+        format!("precision {precision} is finer than the repeatability of the robot, {repeatability}"),
+    )
+    .label(span, "finer than the robot")
+    .help(format!("ask for {repeatability} or more, or give the device the repeatability that was measured"))
 }
 
 pub fn two_things_at_once(device: &str, first: Span, second: Span) -> Diagnostic {
@@ -351,7 +354,7 @@ pub fn bad_run(span: Span) -> Diagnostic {
 }
 
 pub fn too_many_visits(span: Span, found: usize, limit: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0519, format!("{found} places to visit, at most {limit} are ordered at once"))
+    Diagnostic::new(Code::E0519, format!("{found} places in one `visit`; at most {limit} can be ordered"))
         .label(span, "too many")
         .help("write several `visit` steps")
 }

@@ -229,7 +229,7 @@ pub fn bad_range_end(span: Span, found: &Value) -> Diagnostic {
 
 pub fn too_many_elements(span: Span, count: usize) -> Diagnostic {
     let limit = crate::check::evaluate::MAX_ELEMENTS;
-    Diagnostic::new(Code::E0308, format!("{count} elements, at most {limit} are kept")).label(span, "too many")
+    Diagnostic::new(Code::E0308, format!("{count} elements; at most {limit} are allowed")).label(span, "too many")
 }
 
 pub fn too_many_repetitions(span: Span, limit: usize) -> Diagnostic {

@@ -30,7 +30,7 @@ words! {
     pub enum FingersPlanner {
         JointAstar = "joint_astar": "all turns of a task searched as one problem by A*, with exact numbers of reconfigurations as its estimate",
         PublishedAstar = "published_astar": "the same problem with the paper's estimate, its index arithmetic put right",
-        GreedyDecomposition = "greedy_decomposition": "the paper's way: each turn by itself in its cheapest way, from where the last has ended",
+        GreedyDecomposition = "greedy_decomposition": "the paper's way: each turn alone at its least cost, from where the last one ended",
     }
 }
 
@@ -38,14 +38,14 @@ const FIELDS: &[VocabularyField] = &[
     required(
         "fingers",
         Sort::Count { least: MIN_FINGERS, most: MAX_FINGERS },
-        "how many there are; two or three of them hold at the same time",
+        "number of fingers; two or three of them hold at the same time",
     ),
     required("tip_radius", positive(Dimension::LENGTH), "of the spherical tip of each finger"),
-    required("adhesion", Sort::Flag, "whether tips stick to the object, so that they have to be pulled off"),
+    required("adhesion", Sort::Flag, "whether tips stick to the object and must be pulled off"),
     required(
         "pull_off",
         not_negative(Dimension::FORCE),
-        "what pulls a tip off the object; counts with `adhesion: true`",
+        "force that pulls a tip off the object; used with `adhesion: true`",
     ),
     required("max_force", positive(Dimension::FORCE), "the greatest force of one tip along the normal"),
     required("friction", positive(Dimension::NUMBER), "the coefficient between a tip and the object"),
@@ -55,11 +55,11 @@ const FIELDS: &[VocabularyField] = &[
         not_negative(Dimension::NUMBER),
         "the fingers that stay must resist this many times the pull-off force of the one that leaves",
     ),
-    required("gaiting_cost", positive(Dimension::ANGLE), "what placing or removing a finger counts, as degrees rolled"),
+    required("gaiting_cost", positive(Dimension::ANGLE), "cost of placing or removing a finger, in degrees of rolling"),
     required(
         "clearance",
         not_negative(Dimension::LENGTH),
-        "what tips keep from one another, and free tips from the object",
+        "least distance between tips, and between a free tip and the object",
     ),
     required(
         "retract",
@@ -78,7 +78,7 @@ const FIELDS: &[VocabularyField] = &[
         "support",
         not_negative(Dimension::FORCE),
         "0 uN",
-        "with which what the object rests on holds it before the first grasp and after a release",
+        "force with which its support holds the object before the first grasp and after a release",
     ),
     required("tolerance", positive(Dimension::LENGTH), "how far a contact may be from touching and rolling exactly"),
     optional(

@@ -66,7 +66,11 @@ const FIELDS: &[VocabularyField] = &[
     ),
     required("length", positive(Dimension::LENGTH), "of a robot's body, along its heading"),
     required("width", positive(Dimension::LENGTH), "of a robot's body, across its heading"),
-    required("clearance", not_negative(Dimension::LENGTH), "what a moving body keeps from obstacles and other bodies"),
+    required(
+        "clearance",
+        not_negative(Dimension::LENGTH),
+        "least distance of a moving body from obstacles and other bodies",
+    ),
     required(
         "orbit_clearance",
         not_negative(Dimension::LENGTH),

@@ -97,13 +97,12 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
     let least_s = limited::least_s(&sections, order, stance.as_ref());
     let known = &mut |limit: &Requirement| KnownLimit {
         none_keeps_all,
-        least: match limit.outcome.as_str() {
-            "effort" => Some(least_effort_rad),
-            "reconfigurations" => fewest.as_ref().map(|plan| plan.outcomes["reconfigurations"]),
-            "time" => Some(least_s),
-            _ => None,
-        },
-        other: if limit.outcome == "time" { soonest.clone() } else { fewest.clone() },
+        least: FingersOutcome::find(&limit.outcome).and_then(|outcome| match outcome {
+            FingersOutcome::Effort => Some(least_effort_rad),
+            FingersOutcome::Reconfigurations => fewest.as_ref().map(|plan| plan.outcomes[outcome.name()]),
+            FingersOutcome::Time => Some(least_s),
+        }),
+        other: if limit.outcome == FingersOutcome::Time.name() { soonest.clone() } else { fewest.clone() },
         ..KnownLimit::default()
     };
     let kept = require(job, &plan, known, sink);

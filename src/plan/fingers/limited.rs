@@ -14,6 +14,7 @@ use super::routes::routes;
 use super::sections::Sections;
 use crate::claims::fingers::{FingersAction, FingersOrder};
 use crate::claims::{Job, Relation};
+use crate::device::fingers::FingersOutcome;
 use crate::plan::requirements::{Kept, is_upper, keeps};
 use crate::plan::{Optimality, Plan};
 
@@ -28,7 +29,7 @@ pub enum HandWithin {
 
 /// The most reconfigurations that the limits of a job allow, if there is one from above.
 pub fn most_gaits(job: &Job) -> Option<u32> {
-    let limits = job.requirements.iter().filter(|limit| limit.outcome == "reconfigurations");
+    let limits = job.requirements.iter().filter(|limit| limit.outcome == FingersOutcome::Reconfigurations.name());
     let most = limits.filter_map(|limit| match limit.relation {
         Relation::AtMost | Relation::Equal => Some(limit.limit.floor()),
         Relation::Less => Some(limit.limit.ceil() - 1.0),
@@ -69,7 +70,10 @@ pub fn sooner(sections: &mut Sections, asked: &AskedStretch, done: &Done) -> Soo
             break;
         };
         gaits = next.gaits();
-        if ["time", "effort"].iter().all(|outcome| is_kept(asked.job, &next.plan, outcome)) {
+        if [FingersOutcome::Time, FingersOutcome::Effort]
+            .iter()
+            .all(|outcome| is_kept(asked.job, &next.plan, outcome.name()))
+        {
             // Another plan with as few or more reconfigurations might be quick enough, of less effort.
             next.plan.bound = done.plan.bound.min(next.plan.cost);
             next.plan.proof = if next.plan.bound >= next.plan.cost { Optimality::Proven } else { Optimality::Open };
