@@ -175,6 +175,8 @@ const SHARED: &[(&str, &str)] = &[
     ("axes", "the unit vectors of a hand's two planes"),
     ("normal", "the unit vectors across them"),
     ("digit", "what stands for an arm in words and states: 0 or 1"),
+    ("objective", "names of the vocabulary: what `minimize` takes"),
+    ("outcome", "names of the vocabulary: what `require` compares"),
 ];
 
 /// Names that the language's own types have too, or that say nothing of whose they are; and `quantity::digits`.

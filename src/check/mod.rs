@@ -326,6 +326,10 @@ impl<'a> Checker<'a> {
             self.sink.push(errors::repeats_nothing(each.over.span));
         }
         for (number, element) in elements.into_iter().enumerate() {
+            // What a turn has built may have passed the limit, which was reported there.
+            if self.repetitions > MAX_REPETITIONS {
+                return;
+            }
             self.repetitions += 1;
             if self.repetitions > MAX_REPETITIONS {
                 self.sink.push(errors::too_many_repetitions(each.over.span, MAX_REPETITIONS));

@@ -13,7 +13,6 @@ mod walk;
 pub use bench::HandScene;
 pub use curve::ANGLE_NAME;
 pub use facts::facts;
-pub use part::contacts;
 pub use walk::hands_agree;
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! Which `step` of a device would make the turns of a task whole steps.
 
 use super::orientation::{self, Orientation};
-use super::part::{contacts, junction_fault, once_round_rad};
+use super::part::junction_fault;
 use crate::claims::fingers::{HandPart, Section};
+use crate::device::fingers::sampling::{contacts, once_round_rad};
 use crate::device::fingers::{FingersFacts, MAX_CONTACTS, MAX_STEPS_PER_TURN, Plane};
 use crate::geometry::outline::Curve;
 use std::f64::consts::TAU;

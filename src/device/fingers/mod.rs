@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 
 #[cfg(test)]
 pub(crate) mod fixture;
+pub mod sampling;
 mod words;
 
 pub use words::{FingersObjective, FingersOutcome, FingersPlanner, VOCABULARY};

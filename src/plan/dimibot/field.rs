@@ -20,7 +20,7 @@ const EAGER_MODULES: u32 = 13;
 /// Blocked runs kept by the cache of lines before it is emptied.
 const MAX_CACHED_RUNS: usize = 1 << 24;
 
-/// Something the end-effector must not touch. Its index in the list given to [`Field::new`] is its identity.
+/// Something the end-effector must not touch. Its index in the list given to [`LatticeField::new`] is its identity.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FieldObstacle {
     /// All cells with coordinates between `from` and `to`, both included, in either order; cells outside the lattice are ignored.

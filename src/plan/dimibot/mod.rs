@@ -1,6 +1,6 @@
 //! The planner of the digital microrobot (DiMiBot): from a cell of the lattice to another, one bistable module at a time or several in one pulse.
 //!
-//! Input: a [`Field`] (lattice and obstacles), cells, [`Weights`] and a budget. Output: an [`Outcome`]. Promise: a plan never touches an
+//! Input: a [`LatticeField`] (lattice and obstacles), cells, [`SwitchWeights`] and a budget. Output: an [`DimibotSearchOutcome`]. Promise: a plan never touches an
 //! obstacle grown by its growth and [`SAFETY_MARGIN_UM`]; `Impossible` is a proof; costs are optimal where `cost == bound`.
 
 mod apart;

@@ -37,7 +37,7 @@ pub struct ModulePulse {
 pub struct PulseTrain {
     /// Pulses in their order; none is empty.
     pub pulses: Vec<ModulePulse>,
-    /// No sequence has fewer pulses; equal to [`Train::cost`] when the train is proven optimal.
+    /// No sequence has fewer pulses; equal to [`PulseTrain::cost`] when the train is proven optimal.
     pub bound: u64,
     /// Rectangles examined.
     pub expanded: u64,

@@ -28,7 +28,7 @@ impl LooksBudget {
         self.left.get() == 0
     }
 
-    /// Keeps a half of those that are left for later, until [`Looks::give_back`].
+    /// Keeps a half of those that are left for later, until [`LooksBudget::give_back`].
     pub fn hold_half_back(&self) {
         let half = self.left.get() / 2;
         self.take(half);

@@ -73,7 +73,7 @@ pub struct RobotDocking {
 /// A stage of an assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AssemblyStage {
-    /// Before a [`Stage::Pair`], of its second robot: it is driven to where it orbits while the first one is driven, and `beside`,
+    /// Before a [`AssemblyStage::Pair`], of its second robot: it is driven to where it orbits while the first one is driven, and `beside`,
     /// the first one, runs straight meanwhile (it may turn while `robot` does).
     Escort {
         robot: usize,

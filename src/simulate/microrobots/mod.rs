@@ -1,6 +1,6 @@
 //! Closes the loop: carries a plan's assemblies out with robots and measurements that are not what they should be.
 //!
-//! Input: an order, its plan, how many trials, a seed. Output: a [`Report`]. Every trial draws for each robot what departs from its
+//! Input: an order, its plan, how many trials, a seed. Output: a [`SimulationReport`]. Every trial draws for each robot what departs from its
 //! figures, always within the bounds of the device (`facts.errors`): a part that stays for the trial and a part that
 //! changes from interval to interval; a quarter of the trials keep extreme errors throughout, another quarter change between
 //! extremes. Robots are then brought to their goals by the closed loop of [`strategy`](crate::plan::microrobots::strategy).

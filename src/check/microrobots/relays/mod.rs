@@ -131,13 +131,13 @@ impl Problem {
 pub struct Analysis {
     /// The row that snaps first, second and so on; empty where the table is not STRING.
     pub order: Vec<usize>,
-    /// Empty after a fault. With [`Gaps::String`] state j lowers the first j arms of `order`; with [`Gaps::Any`] they are sorted
+    /// Empty after a fault. With [`AllowedGaps::String`] state j lowers the first j arms of `order`; with [`AllowedGaps::Any`] they are sorted
     /// by how many arms are down, then by their digits.
     pub states: Vec<ControlState>,
     pub faults: Vec<TableFault>,
     /// Faults beyond [`MAX_FAULTS`].
     pub more_faults: usize,
-    /// With [`Gaps::Any`]: patterns that only a longer control cycle than allowed would set.
+    /// With [`AllowedGaps::Any`]: patterns that only a longer control cycle than allowed would set.
     pub too_long: usize,
 }
 

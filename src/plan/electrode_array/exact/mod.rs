@@ -1,6 +1,6 @@
 //! Bounds, proofs and optima for many parts on one board, or the proof that they cannot be moved.
 //!
-//! Problem: an [`Instance`], an [`Objective`], perhaps a plan that is to be judged or bettered. Methods, in this order:
+//! Problem: an [`Instance`], an [`BoardObjective`], perhaps a plan that is to be judged or bettered. Methods, in this order:
 //!
 //! - The distances of the agents alone bound both costs; a plan that meets its bound is proven at once.
 //! - A small joint space is searched exhaustively ([`joint`]); that decides every question.
@@ -11,7 +11,7 @@
 //!
 //! Guaranteed: bounds and reasons are proven, plans keep the rule, and everything ends within the budget. With a budget without
 //! end every instance would be decided. Not guaranteed: that a given budget suffices; that ties are broken by the other
-//! objective, except in small joint spaces when the makespan comes first; that the agents named by [`Why::Blocked`] are the fewest.
+//! objective, except in small joint spaces when the makespan comes first; that the agents named by [`NoBoardPlan::Blocked`] are the fewest.
 //! Cost: exponential in the number of agents that meet in tight places, close to linear where few do.
 //!
 //! One step of the budget is one node of one agent's search, of its layers, or one move tried in a joint space; memory stays
@@ -56,7 +56,7 @@ const POLISH_SHARE: u64 = 4;
 ///
 /// The incumbent has to be a legal plan. With `limit`, a plan of more steps is none. The bounds of the answer hold for every plan
 /// of the instance within the limit; a plan that meets the bound of the objective is proven optimal.
-/// [`Why::TooFewSteps`] names the smallest number that would do if the budget allowed to find it, otherwise one below which there
+/// [`NoBoardPlan::TooFewSteps`] names the smallest number that would do if the budget allowed to find it, otherwise one below which there
 /// is proven to be nothing.
 pub fn prove(
     instance: &Instance,

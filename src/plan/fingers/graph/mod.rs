@@ -212,7 +212,7 @@ pub enum GraspAnswer {
 
 /// The cheapest way of all routes within the limit of reconfigurations; of equally cheap ways one with the fewest reconfigurations.
 ///
-/// A step of the budget is a node that is expanded; what floods and placements look at is counted apart, by [`Looks`].
+/// A step of the budget is a node that is expanded; what floods and placements look at is counted apart, by [`LooksBudget`].
 pub fn solve(request: &GraspRequest, estimator: Estimator, budget: SearchBudget) -> GraspAnswer {
     named::by_few(request, |request| route::cheapest(request, estimator, &mut Meter::new(budget)))
 }
@@ -220,7 +220,7 @@ pub fn solve(request: &GraspRequest, estimator: Estimator, budget: SearchBudget)
 /// The first route that can be gone leg by leg: at each junction a cheapest of the F(F - 1) ways in which two fingers can hold is
 /// taken.
 ///
-/// The bound of the way is one for the joint problem. [`Answer::Impossible`] is no proof here: it tells where the route that came
+/// The bound of the way is one for the joint problem. [`GraspAnswer::Impossible`] is no proof here: it tells where the route that came
 /// farthest got stuck. Limits of reconfigurations are not searched for.
 pub fn decompose(request: &GraspRequest, estimator: Estimator, budget: SearchBudget) -> GraspAnswer {
     named::by_few(request, |request| greedy::decompose(request, estimator, budget))

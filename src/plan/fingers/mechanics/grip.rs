@@ -110,7 +110,7 @@ impl GripModel {
 
     /// Whether two fingers resist the pull of a third that leaves, besides the load.
     ///
-    /// That they hold by themselves afterwards is [`Grip::holds`].
+    /// That they hold by themselves afterwards is [`GripModel::holds`].
     pub fn resists(&self, stay: [&Contact; 2], leaves: &Contact, load: &Load) -> bool {
         self.two_hold(stay, load, &self.removal(leaves, load))
     }

@@ -1,7 +1,7 @@
 //! The mechanics of one section: where tips touch, which grasps are in equilibrium, which fingers may come and go, and all of it
 //! tabulated for the search.
 //!
-//! Input: a section, what the hand is, and the load. Output: [`tables`], and the same answers one by one from [`Grip`].
+//! Input: a section, what the hand is, and the load. Output: [`tables`], and the same answers one by one from [`GripModel`].
 //! Promise: the answers are exact up to [`TOLERANCE`]; what is exactly balanced counts as holding. Bodies are rigid, friction is
 //! Coulomb's, and the object stays where it is while fingers roll, come and go.
 //!

@@ -1,12 +1,12 @@
 //! The ways of a hand's fingers: from what a plan does to where every tip is when.
 //!
-//! Input: a [`Course`], acts such as "turn by a step" or "finger 2 comes to contact 12". Output: a [`Motion`], straight stretches that
+//! Input: a [`FingersCourse`], acts such as "turn by a step" or "finger 2 comes to contact 12". Output: a [`FingersMotion`], straight stretches that
 //! all tips run through at the same time.
 //!
 //! Method: while the part turns, the tips that hold follow the rolling constraint, which has a closed form ([`rolling`]), by chords of
-//! equal angles. A free tip waits on a sphere of its own ([`Facts::sphere_um`]) about the part's origin, beyond everything that holds
+//! equal angles. A free tip waits on a sphere of its own ([`FingersFacts::sphere_um`]) about the part's origin, beyond everything that holds
 //! or is held and beyond the spheres of the fingers before it; it travels on a great circle of it, and comes and leaves by ways that
-//! [`Reach`] has tested. Where the tip of another free finger is in the way, that one first steps aside on its own sphere.
+//! [`ContactReach`] has tested. Where the tip of another free finger is in the way, that one first steps aside on its own sphere.
 //!
 //! Promise: tips that hold are within half the tolerance of where rolling without slip has them, at every instant, and exactly there
 //! where a state is recorded, also from one plane to the other: a tip rolls on from where it is; free tips keep the clearance from the outline in their plane, from tips that

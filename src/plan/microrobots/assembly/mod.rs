@@ -5,7 +5,7 @@
 //! the structure (`single`); the robots that are still to come orbit all the while. Which robots go first, in which role and in
 //! which order, is searched depth first over what the control states allow, and cut off by a bound.
 //! Guaranteed: the result meets no objection of the rules of collision ([`super::world`]), and every robot ends within precision.
-//! Not guaranteed: that there is no faster way, or none at all where the search ends without one. No [`Stuck`] is a proof: only assemblies
+//! Not guaranteed: that there is no faster way, or none at all where the search ends without one. No [`StuckAssembly`] is a proof: only assemblies
 //! are looked for in which robots that are neither docked nor steered orbit where they are, and robots may move away first, or run along.
 //! Cost: one plan for each stage where the table leaves one order, as STRING tables do, and no more than [`MAX_PLANS`].
 

@@ -125,7 +125,7 @@ impl StuckReason {
 /// Drives a robot through its stops.
 ///
 /// # Errors
-/// See [`Reason`].
+/// See [`StuckReason`].
 pub fn drive(request: &Drive, budget: SearchBudget) -> Result<Driven, StuckDrive> {
     let mut progress = DriveProgress { request, meter: Meter::new(budget), legs: Vec::new(), met: Vec::new(), ways: 0 };
     for (stop, goal) in request.stops.iter().enumerate() {

@@ -1,0 +1,37 @@
+//! How a hand samples an outline: the number of contacts round it, equally far apart as the part rolls.
+
+use super::FingersFacts;
+use crate::geometry::outline::Curve;
+
+/// How far from a contact the place J may lie, in steps.
+const OPPOSITE_SLACK: f64 = 0.02;
+
+/// How far numbers of contacts are tried from the best one, for a contact at J.
+const CONTACTS_TRIED: i32 = 2;
+
+/// Which share of the device's tolerance may be lost where a finger holds the part in one plane and goes on in the other.
+pub const JUNCTION_SHARE: f64 = 0.25;
+
+/// By how much the part turns while a tip rolls once round it: U.
+pub fn once_round_rad(curve: &Curve, tip_radius_um: f64) -> f64 {
+    curve.rolled_rad(curve.perimeter_um(), tip_radius_um) - curve.rolled_rad(0.0, tip_radius_um)
+}
+
+/// c, and the number of the contact at J if one lies there: as many contacts as come nearest to the nominal step, if possible with one
+/// at J.
+pub fn contacts(curve: &Curve, facts: &FingersFacts) -> (f64, Option<u32>) {
+    let once = once_round_rad(curve, facts.tip_radius_um);
+    let exact = once / facts.step_rad();
+    let share = curve.rolled_rad(curve.opposite_um(), facts.tip_radius_um) / once;
+    let mut tried: Vec<f64> = (-CONTACTS_TRIED..=CONTACTS_TRIED).map(|off| exact.round() + f64::from(off)).collect();
+    tried.sort_by(|one, other| (one - exact).abs().total_cmp(&(other - exact).abs()));
+    for contacts in tried {
+        let steps = share * contacts;
+        let off_um = (steps - steps.round()).abs() * facts.step_rad() * facts.tip_radius_um;
+        let is_near = (steps - steps.round()).abs() <= OPPOSITE_SLACK;
+        if is_near && off_um <= JUNCTION_SHARE * facts.tolerance_um && steps.round() < contacts {
+            return (contacts, Some(steps.round() as u32 + 1));
+        }
+    }
+    (exact.round(), None)
+}
