@@ -47,7 +47,7 @@ fn ours(request: &Request, estimator: Estimator) -> Sample {
     let (outcome, expanded) = match answer {
         Answer::Found(way) => (Outcome::Cost(way.cost), way.expanded),
         Answer::Impossible(_) => (Outcome::NoPath, 0),
-        Answer::GaveUp(_) => (Outcome::Open, MOST),
+        Answer::GaveUp(_) | Answer::LooksSpent { .. } => (Outcome::Open, MOST),
         Answer::TooLarge { nodes } => unreachable!("{nodes} nodes are not too many"),
     };
     Sample { milliseconds: milliseconds(time), outcome, expanded }
