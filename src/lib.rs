@@ -28,8 +28,9 @@
 //!
 //! - **The type is the ticket.** Only `verify` makes a `Verified` value, and only a `Verified` value can be emitted.
 //! - **The claims come from the program, never from a planner,** and the verifier sees no planner: where things are, what they sweep, pull,
-//!   roll on and hold is worked out twice. Both stand on the base, though: distances, grown shapes and outlines of `geometry`, and some
-//!   facts of `device` are shared; `tests/tidy.rs` lists them, with what else holds each.
+//!   roll on and hold is worked out twice, by two geometries. The verifier's own is `verify::geometry`; planners and the checker measure
+//!   with [`geometry`]. `tests/tidy.rs` lists what the verifier names of it, and tests put faults into each of the two and see the build
+//!   refuse. Elementary functions ([`real`]) and plain figures of [`device`] are shared.
 //! - **A device kind is vocabulary.** It is one file of facts in `device`, of claims and of judgements in `check`, a planner in `plan`, a
 //!   lowering in `schedule`, a judge in `verify`, its pictures in `emit/mcap`, its line of the report in `cli/report`, and a file of
 //!   published devices in `stdlib/`, all of one name. It adds no syntax; exhaustive matches say where else it is asked for.

@@ -158,53 +158,21 @@ fn rooms_see_only_what_they_may() {
     }
 }
 
-/// What planners and the verifier both call of the base by these names, and what else would show a fault in it: where it is only a
-/// unit test, a fault that the test misses deceives both. A name that other types have too, as in [`COMMON`], cannot be told here.
+/// All that the verifier names of `geometry`: what claims are written in, their greatest coordinate, and the switch that puts faults in
+/// for the tests. Nothing that measures is among it.
+const SEEN_OF_GEOMETRY: [&str; 9] =
+    ["Fault", "MAX_EXTENT_UM", "Outline", "Pose", "Shape", "fault", "outline", "shape", "through"];
+
+/// What planners and the verifier both call of `device`, and why that is no measure that could deceive both.
 const SHARED: &[(&str, &str)] = &[
-    ("segment_core", "unit tests, against distances of sampled points"),
-    ("quadrilateral_core", "unit tests, against distances of sampled points"),
-    ("grown", "unit tests, and the oracle of `tests/properties`, which has shapes of its own"),
-    ("growth_um", "the oracle of `tests/properties`, which adds tip radius and repeatability itself"),
-    ("nearest", "unit tests, against brute force over the outline"),
-    ("normal", "unit tests, against differences of points"),
-    ("spot", "unit tests, against differences of points and the outlines' formulas"),
-    ("way_um", "unit tests, against sums of chords"),
-    ("perimeter_um", "unit tests, against sums of chords"),
-    ("distance_um", "unit tests of outlines and meshes"),
-    ("reach_um", "nothing else; it only scales"),
-    ("rolled_rad", "unit tests, against its inverse"),
-    ("way_rolled_um", "unit tests, against its inverse"),
-    ("corners", "nothing else; a list"),
-    ("sticking_un", "nothing else; a figure of the device, or 0"),
-    ("step_rad", "nothing else; a full turn divided by a figure of the device"),
-    ("reach", "nothing else; the board without its rim"),
-    ("reaches", "nothing else; the board without its rim"),
-    ("moved", "the tests of microrobots, which integrate from the voltage"),
-    ("modules", "nothing else; a figure of the device"),
-    ("slow_um", "nothing else; the greater of two figures of the device"),
-    ("cells", "nothing else; a power of two"),
+    ("apart", "the figure of a separation, or the one that stands for the published table"),
+    ("axes", "the unit vectors of a hand's two planes"),
+    ("normal", "the unit vectors across them"),
+    ("digit", "what stands for an arm in words and states: 0 or 1"),
 ];
 
-/// Names that say nothing of whose they are.
-const COMMON: &[&str] = &[
-    "at",
-    "axes",
-    "axis",
-    "bounds",
-    "digit",
-    "digits",
-    "fault",
-    "find",
-    "holds",
-    "name",
-    "new",
-    "of",
-    "round",
-    "section",
-    "text",
-    "touches",
-    "vocabulary",
-];
+/// Names that the language's own types have too, or that say nothing of whose they are; and `quantity::digits`.
+const COMMON: &[&str] = &["digits", "find", "name", "new", "of", "round", "vocabulary"];
 
 /// All code of a room, tests left out.
 fn room_code(wanted: &str) -> String {
@@ -217,23 +185,72 @@ fn calls(code: &str, name: &str) -> bool {
     code.match_indices(&format!("{name}(")).any(|(at, _)| !code[..at].ends_with(is_word))
 }
 
-/// A fault in what both use deceives both, so each such function is known, with what else would catch it.
+/// The names of the functions that a text declares and others can see, `const` ones too.
+fn open_functions(code: &str) -> BTreeSet<String> {
+    let word = |rest: &str| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    let heads = code.lines().filter_map(|line| {
+        let line = line.trim_start();
+        let rest = line.strip_prefix("pub(crate) ").or_else(|| line.strip_prefix("pub "))?;
+        rest.strip_prefix("const ").unwrap_or(rest).strip_prefix("fn ")
+    });
+    heads.map(word).collect()
+}
+
+/// What a text names after `crate::` and a room, and in the group that follows.
+fn named_of(code: &str, room: &str) -> BTreeSet<String> {
+    let mark = format!("crate::{room}::");
+    let ends = |c: char| !(c.is_alphanumeric() || "_:{}, \n".contains(c));
+    let of_path = |(at, _): (usize, &str)| {
+        let rest = &code[at + mark.len()..];
+        let path = rest.split(ends).next().unwrap_or_default();
+        // Without a group a path ends where the next word begins.
+        let path = if path.contains('{') { path } else { path.split(' ').next().unwrap_or_default() };
+        path.split(|c: char| !(c.is_alphanumeric() || c == '_')).map(str::to_owned).collect::<Vec<_>>()
+    };
+    code.match_indices(&mark).flat_map(of_path).filter(|word| !word.is_empty()).collect()
+}
+
+/// A measure that planners and the verifier shared would deceive both where it is wrong, so the verifier has measures of its own.
+#[test]
+fn the_verifier_measures_by_itself() {
+    let verify = room_code("verify");
+    let seen = named_of(&verify, "geometry");
+    assert_eq!(seen, SEEN_OF_GEOMETRY.map(str::to_owned).into(), "what the verifier names of `geometry`");
+    let own: BTreeSet<String> =
+        verify.match_indices("fn ").map(|(at, _)| word_at(&verify[at + "fn ".len()..])).collect();
+    let called: Vec<String> = open_functions(&room_code("geometry"))
+        .into_iter()
+        .filter(|name| calls(&verify, name) && !own.contains(name) && !COMMON.contains(&name.as_str()))
+        .collect();
+    // `Plane::normal` of `device` is called so, too.
+    assert_eq!(called, ["normal", "through"], "what the verifier calls of `geometry`");
+    assert_eq!(
+        named_of("use crate::a::{b::C, d};\nx(crate::a::e::f(1), y)\nuse crate::ab::c;", "a"),
+        ["C", "b", "d", "e", "f"].map(str::to_owned).into()
+    );
+}
+
+fn word_at(text: &str) -> String {
+    text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+}
+
+/// Names that the verifier declares itself are left out but for those listed: whether a fault in the other one is noticed is asked by
+/// the tests of the verifier, which put them in.
 #[test]
 fn what_planners_and_verifier_share_is_listed() {
     let (plan, verify) = (room_code("plan"), room_code("verify"));
-    let names = ["geometry", "device"].map(room_code).join("\n");
-    let declared = names.lines().filter_map(|line| line.trim_start().strip_prefix("pub fn "));
-    let word = |rest: &str| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
-    let both: BTreeSet<String> = declared.map(word).filter(|name| calls(&plan, name) && calls(&verify, name)).collect();
+    let own: BTreeSet<String> =
+        verify.match_indices("fn ").map(|(at, _)| word_at(&verify[at + "fn ".len()..])).collect();
+    let open = open_functions(&room_code("device"));
+    let both: BTreeSet<String> = open.into_iter().filter(|name| calls(&plan, name) && calls(&verify, name)).collect();
     let listed: BTreeSet<String> = SHARED.iter().map(|(name, _)| (*name).to_owned()).collect();
-    let unlisted: Vec<_> = both.iter().filter(|n| !listed.contains(*n) && !COMMON.contains(&n.as_str())).collect();
-    assert!(
-        unlisted.is_empty(),
-        "planners and verifier share {unlisted:?}: say in `SHARED` what else would show a fault"
-    );
+    let unlisted: Vec<_> =
+        both.iter().filter(|n| !listed.contains(*n) && !own.contains(*n) && !COMMON.contains(&n.as_str())).collect();
+    assert!(unlisted.is_empty(), "planners and verifier share {unlisted:?}: say in `SHARED` why that deceives nobody");
     let gone: Vec<_> = listed.difference(&both).collect();
     assert!(gone.is_empty(), "{gone:?} are shared no more");
     assert!(calls("a.b(c)", "b") && !calls("ab(c)", "b"));
+    assert_eq!(open_functions("pub fn a() {}\n    pub const fn b()\nfn c()"), ["a", "b"].map(str::to_owned).into());
 }
 
 #[test]

@@ -8,6 +8,7 @@ use super::{
     Choice, Count, Field, Need, Noun, Outcome, Phrase, Planner, Range, Sort, Together, Verb, Vocabulary, shape::Form,
 };
 use crate::geometry::Axis;
+use crate::geometry::fault::{Fault, through};
 use crate::quantity::Dimension;
 use crate::real::Real;
 use nalgebra::{DMatrix, DVector, Rotation2, Vector2};
@@ -159,7 +160,8 @@ impl Facts {
 
     /// Distance between neighbouring cells along the axis of a side: K·Δ·√2 / 2^(n-1) (equations 2 and 6 of the paper).
     pub fn pitch_um(&self, side: Side) -> f64 {
-        self.gain * self.stroke_um * std::f64::consts::SQRT_2 / 2f64.whole_power(self.modules(side) as i32 - 1)
+        let widest_um = self.gain * self.stroke_um * std::f64::consts::SQRT_2;
+        through(Fault::Pitch, widest_um / 2f64.whole_power(self.modules(side) as i32 - 1))
     }
 
     /// Cells along the axis of a side: 2^n.
@@ -257,7 +259,7 @@ impl Facts {
 
     /// By how much an obstacle is grown: tip radius and repeatability.
     pub fn growth_um(&self) -> f64 {
-        self.tip_radius_um + self.repeatability_um
+        through(Fault::Growth, self.tip_radius_um + self.repeatability_um)
     }
 
     /// The name of the channel that sets or resets a module, without the device's name.

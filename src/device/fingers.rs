@@ -4,6 +4,7 @@
 //! model: Kumar, Gauthier, Dahmouche, *Path planning for 3-D in-hand manipulation of micro-objects using rotation decomposition*,
 //! Micromachines 12(8), 986, 2021, with the slips of that text put right where the doc comments say so.
 
+use crate::geometry::fault::{Fault, through};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -135,20 +136,20 @@ pub struct Facts {
 impl Facts {
     /// The nominal rotation step, the paper's Δθ.
     pub fn step_rad(&self) -> f64 {
-        TAU / f64::from(self.steps_per_turn)
+        through(Fault::Step, TAU / f64::from(self.steps_per_turn))
     }
 
     /// The force that pulls a tip off, in micronewtons: zero without adhesion.
     pub fn sticking_un(&self) -> f64 {
         match self.adhesion {
-            Adhesion::Sticking => self.pull_off_un,
+            Adhesion::Sticking => through(Fault::Sticking, self.pull_off_un),
             Adhesion::Absent => 0.0,
         }
     }
 
     /// How far from its contact a tip is slow when it comes and when it leaves: never less than the clearance.
     pub fn slow_um(&self) -> f64 {
-        self.retract_um.max(self.clearance_um)
+        through(Fault::Slow, self.retract_um.max(self.clearance_um))
     }
 
     /// The radius of the sphere about the object's origin on which the tip of a finger, counted from 0, waits and travels while it is

@@ -6,6 +6,7 @@
 //! its headings and formulas put right (the standard library's file says how).
 
 use crate::geometry::Pose;
+use crate::geometry::fault::{Fault, through};
 use crate::real::Real;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -89,6 +90,7 @@ impl Robot {
     /// The exact step of the unicycle with the turning rate v/r (equation 4 of the paper, whose equation 5 contradicts it).
     pub fn moved(&self, pose: Pose, arm: Arm, way_um: f64) -> Pose {
         let (sin, cos) = pose.heading_rad.sine_cosine();
+        let way_um = through(Fault::Stroke, way_um);
         match arm {
             Arm::Up => Pose { x_um: pose.x_um + way_um * cos, y_um: pose.y_um + way_um * sin, ..pose },
             Arm::Down => {

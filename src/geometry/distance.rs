@@ -1,10 +1,10 @@
 //! Distances in the plane between what a tip sweeps and the core of a body.
 //!
 //! Input: points in micrometres. Output: the distance between two closed sets, 0 where they meet, in micrometres. Promise:
-//! no safety margin, no tolerance; the error is that of a few roundings of the coordinates, about 1e-15 of the largest one. The
-//! verifier and the checker use this file, and the planner of microrobots does too: a fault here deceives both, so the tests compare it
-//! with distances between very many points.
+//! no safety margin, no tolerance; the error is that of a few roundings of the coordinates, about 1e-15 of the largest one. Planners
+//! and the checker use this file; the verifier measures by itself, in `verify::geometry`.
 
+use super::fault::{Fault, through};
 use super::shape::Core;
 use nalgebra::Point2;
 
@@ -46,11 +46,12 @@ pub fn segment_polygon(segment: Segment, corners: &[Point2<f64>]) -> f64 {
 
 /// Distance of a segment from the core of a body.
 pub fn segment_core(segment: Segment, core: &Core) -> f64 {
-    match core {
+    let distance_um = match core {
         Core::Point(point) => point_segment(*point, segment),
         Core::Segment(other) => segment_segment(segment, *other),
         Core::Polygon(corners) => segment_polygon(segment, corners),
-    }
+    };
+    through(Fault::Distance, distance_um)
 }
 
 /// Distance of a filled quadrilateral, corners in order around it, from the core of a body.

@@ -1,6 +1,7 @@
 //! Device-free plane geometry in micrometres: shapes, where they are placed, and how lines and rectangles meet them.
 
 pub mod distance;
+pub(crate) mod fault;
 pub mod mesh;
 pub mod outline;
 pub mod polygon;

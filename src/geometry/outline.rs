@@ -11,6 +11,7 @@ mod spline;
 #[cfg(test)]
 mod tests;
 
+use super::fault::{Fault, through};
 use boxes::Boxes;
 use follow::{Course, gauss, turn};
 use form::{Form, cross, dot, minus, norm};
@@ -156,7 +157,7 @@ impl Curve {
 
     /// Once round.
     pub fn perimeter_um(&self) -> f64 {
-        self.perimeter_um
+        through(Fault::Perimeter, self.perimeter_um)
     }
 
     /// How far from the origin it reaches.
@@ -187,8 +188,8 @@ impl Curve {
         let jet = self.form.at(self.course.stretches[at].piece, t);
         let turned = turn(self.course.tangents[at], jet.first);
         Spot {
-            point_um: jet.point,
-            normal_rad: self.course.turns_rad[at] + turned + laps * TAU,
+            point_um: [through(Fault::Spot, jet.point[0]), jet.point[1]],
+            normal_rad: through(Fault::Normal, self.course.turns_rad[at] + turned + laps * TAU),
             curvature_per_um: jet.curvature(),
         }
     }
@@ -211,7 +212,7 @@ impl Curve {
                 found.square
             });
         }
-        Nearest { way_um: found.way_um, distance_um: found.square.sqrt() * found.sign }
+        Nearest { way_um: found.way_um, distance_um: through(Fault::Outline, found.square.sqrt() * found.sign) }
     }
 
     /// Whether the chord is near enough that the stretch may hold a nearer place.
@@ -222,34 +223,6 @@ impl Curve {
         let reach = square.sqrt() + self.course.stretches[at].sag_um;
         let gap = [off[0] - share * chord[0], off[1] - share * chord[1]];
         dot(gap, gap) <= reach * reach
-    }
-
-    /// The place nearest to a point in the neighbourhood of a way along the outline: downhill from there. Its way runs on from that way,
-    /// and is not brought back to the first lap.
-    pub fn nearest_from(&self, point_um: [f64; 2], way_um: f64) -> Nearest {
-        let laps = (way_um / self.perimeter_um).floor();
-        let (mut at, _) = self.place(way_um - laps * self.perimeter_um);
-        let (count, mut around) = (self.course.stretches.len(), 0.0);
-        let ahead = self.slope(at, point_um) < 0.0;
-        // Forwards until the distance grows at the end of the stretch, or backwards until it falls at its beginning.
-        for _ in 0..count {
-            if ahead && self.slope(at + 1, point_um) < 0.0 {
-                at += 1;
-                if at == count {
-                    (at, around) = (0, around + 1.0);
-                }
-            } else if !ahead && self.slope(at, point_um) > 0.0 {
-                if at == 0 {
-                    (at, around) = (count, around - 1.0);
-                }
-                at -= 1;
-            } else {
-                break;
-            }
-        }
-        let found = self.foot(at, point_um).unwrap_or(Found { square: f64::NAN, way_um: 0.0, sign: 1.0 });
-        let way_um = found.way_um + (laps + around) * self.perimeter_um;
-        Nearest { way_um, distance_um: found.square.sqrt() * found.sign }
     }
 
     /// How half the square of the distance grows along the way at a node.
@@ -303,7 +276,7 @@ impl Curve {
     /// By how much the object turns while a tip rolls from way 0 to a way: the integral of κ + 1/l2, which is the turn of the normal
     /// and the way over the tip's radius.
     pub fn rolled_rad(&self, way_um: f64, tip_radius_um: f64) -> f64 {
-        self.spot(way_um).normal_rad - self.course.turns_rad[0] + way_um / tip_radius_um
+        through(Fault::Rolled, self.spot(way_um).normal_rad - self.course.turns_rad[0] + way_um / tip_radius_um)
     }
 
     /// The way at which a tip has rolled so far; the inverse of [`Curve::rolled_rad`], for tips that reach everywhere (κ > -1/l2). For
@@ -337,7 +310,7 @@ impl Curve {
                 break;
             }
         }
-        way_um + laps * self.perimeter_um
+        through(Fault::WayRolled, way_um + laps * self.perimeter_um)
     }
 
     /// The way to where the negative x axis meets it, farthest out.
@@ -350,20 +323,27 @@ impl Curve {
         self.least_curvature_per_um
     }
 
-    /// The least value along the curve: that of the best node, improved by the golden section on both sides.
+    /// The least value along the curve: that of a node that is less than its neighbours, improved by the golden section on both sides.
     fn least(&self, value: impl Fn(&Spot) -> f64) -> f64 {
         let ways_um = &self.course.ways_um;
         let count = self.course.stretches.len();
         let at = |way_um: f64| value(&self.spot(way_um));
-        let best = (0..count).map(|node| (at(ways_um[node]), node)).min_by(|a, b| a.0.total_cmp(&b.0));
-        let (mut least, node) = best.unwrap_or((f64::NAN, 0));
-        let before = if node == 0 { ways_um[count - 1] - self.perimeter_um } else { ways_um[node - 1] };
-        for (mut low, mut high) in [(before, ways_um[node]), (ways_um[node], ways_um[node + 1])] {
-            for _ in 0..SECTIONS {
-                let inner = [low + (high - low) * GOLDEN, high - (high - low) * GOLDEN];
-                let values = inner.map(at);
-                least = least.min(values[0]).min(values[1]);
-                if values[0] < values[1] { high = inner[1] } else { low = inner[0] }
+        let values: Vec<f64> = ways_um[..count].iter().map(|way_um| at(*way_um)).collect();
+        let before = |node: usize| if node == 0 { count - 1 } else { node - 1 };
+        let best = (0..count).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
+        let is_low = |node: usize| values[node] < values[before(node)] && values[node] <= values[(node + 1) % count];
+        let mut least = values.get(best).copied().unwrap_or(f64::NAN);
+        for node in (0..count).filter(|node| *node == best || is_low(*node)) {
+            let around_um = if node == 0 { self.perimeter_um } else { 0.0 };
+            for (mut low, mut high) in
+                [(ways_um[before(node)] - around_um, ways_um[node]), (ways_um[node], ways_um[node + 1])]
+            {
+                for _ in 0..SECTIONS {
+                    let inner = [low + (high - low) * GOLDEN, high - (high - low) * GOLDEN];
+                    let values = inner.map(at);
+                    least = least.min(values[0]).min(values[1]);
+                    if values[0] < values[1] { high = inner[1] } else { low = inner[0] }
+                }
             }
         }
         least

@@ -23,18 +23,24 @@ impl Extent {
     }
 
     /// The same, wider on all sides.
-    pub fn grown(self, by: f64) -> Extent {
+    pub fn widened(self, by: f64) -> Extent {
         Extent { low: self.low.map(|value| value - by), high: self.high.map(|value| value + by) }
     }
 
     fn with(self, other: Extent) -> Extent {
-        let axis = |pick: fn(f64, f64) -> f64, a: [f64; 2], b: [f64; 2]| [pick(a[0], b[0]), pick(a[1], b[1])];
-        Extent { low: axis(f64::min, self.low, other.low), high: axis(f64::max, self.high, other.high) }
+        let both = |pick: fn(f64, f64) -> f64, a: [f64; 2], b: [f64; 2]| [pick(a[0], b[0]), pick(a[1], b[1])];
+        Extent { low: both(f64::min, self.low, other.low), high: both(f64::max, self.high, other.high) }
     }
 
     /// Whether the two have a point in common.
     pub fn meets(&self, other: &Extent) -> bool {
         (0..2).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
+    }
+
+    /// How far the two are apart along the axis along which that is most; not above 0 where they meet.
+    pub fn gap_um(&self, other: &Extent) -> f64 {
+        let along = |axis: usize| (self.low[axis] - other.high[axis]).max(other.low[axis] - self.high[axis]);
+        along(0).max(along(1))
     }
 
     fn centre(&self, axis: usize) -> f64 {

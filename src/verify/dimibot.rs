@@ -75,8 +75,8 @@ impl Actuator {
 
 /// The actuators of a device by the full names of their channels.
 pub(super) fn actuators(device: &str, facts: &Facts) -> BTreeMap<String, Actuator> {
-    let sides = [Side::Left, Side::Right].into_iter();
-    let modules = sides.flat_map(|side| (0..facts.modules(side)).map(move |module| (side, module)));
+    let sides = [(Side::Left, facts.left), (Side::Right, facts.right)].into_iter();
+    let modules = sides.flat_map(|(side, count)| (0..count).map(move |module| (side, module)));
     let both =
         modules.flat_map(|(side, module)| [Switch::Set, Switch::Reset].map(|switch| Actuator { side, module, switch }));
     both.map(|actuator| (format!("{device}.{}", actuator.name()), actuator)).collect()
@@ -229,7 +229,7 @@ impl Task<'_> {
     }
 
     /// The cells in which the tip rests during a step, the one before its first pulse included.
-    fn cells(&self, nth: usize) -> Vec<Cell> {
+    fn rests_at(&self, nth: usize) -> Vec<Cell> {
         let before = self.pulses.partition_point(|pulse| pulse.nth < nth);
         let first = self.pulses[..before].last().map_or(self.start, |pulse| pulse.after);
         std::iter::once(first).chain(self.of_step(nth).map(|pulse| pulse.after)).collect()
@@ -451,7 +451,7 @@ fn touched(task: &Task, violation: Violation, touch: &Touch) -> Violation {
 /// Stops are reached: those of a move in their order, those of a visit in any; and the step ends at the last, or at one.
 fn goals(task: &Task, findings: &mut Findings) {
     for (nth, claimed) in task.order.steps.iter().enumerate() {
-        let cells = task.cells(nth);
+        let cells = task.rests_at(nth);
         let missed = match &claimed.action {
             Action::Wait(_) => None,
             Action::Move(stops) => missed_in_order(stops, &cells),

@@ -23,6 +23,7 @@ mod tell;
 mod track;
 
 use super::clock::Run;
+use super::geometry::contour::Foot;
 use super::rule::Findings;
 use super::{Halt, Replay, Standing, Terms};
 use crate::check::claims::fingers::{FingersOrder, Planner};
@@ -143,11 +144,9 @@ pub fn forces(order: &FingersOrder, state: &State) -> Option<Vec<Option<[f64; 3]
     let body = Body::of(&order.part, order.facts.tip_radius_um)?;
     let surface = body.surface(told.plane)?;
     let pose = Pose { position_um: Point::from(*told.position_um), orientation: told.orientation? };
-    let touch = |contact: &u32| {
-        let spot = surface.curve.spot(surface.way_um(*contact));
-        Touch { point_um: spot.point_um, normal_rad: spot.normal_rad }
-    };
-    let touches: Vec<Touch> = told.grasp.iter().filter(|contact| **contact > 0).map(touch).collect();
+    let holding = told.grasp.iter().filter(|contact| **contact > 0);
+    let feet: Option<Vec<Foot>> = holding.map(|contact| surface.contact_place(*contact)).collect();
+    let touches: Vec<Touch> = feet?.iter().map(Touch::at).collect();
     let sum_un = SHOWN_FORCE * order.facts.max_force_un * touches.len() as f64;
     let statics = Statics::of(order, told.plane, &pose, body.reach_um);
     let mut forces_un = statics.forces_un(&touches, sum_un)?.into_iter();

@@ -201,7 +201,7 @@ impl<'r, 'a> Bed<'r, 'a> {
             self.twist(nth, leg).into_iter().for_each(|violation| findings.push(violation));
             let rides: Vec<Ride> = (0..self.places.len()).map(|robot| self.ride(robot, leg)).collect();
             for (place, ride) in self.places.iter_mut().zip(&rides).filter(|(_, ride)| ride.way_um > 0.0) {
-                *place = place.moved(ride.curve_um, ride.way_um);
+                *place = place.driven(ride.curve_um, ride.way_um);
             }
             let strokes_before = self.strokes;
             self.strokes = self.strokes.saturating_add(leg.strokes);

@@ -1,8 +1,9 @@
 //! Judges a schedule against the device models and the program's claims, trusting nothing of the planner.
 //!
 //! Input: a [`Schedule`] and the [`Claims`] of its program. Output: a [`Verdict`].
-//! Promise: only this stage can make a [`Verified`] value, and only such a value can be emitted. Nothing of a planner is in sight;
-//! what both take from `geometry` and `device` is listed in `tests/tidy.rs`. Places come from the kinematic matrix, sweeps from distances between segments and shapes, moves of parts from
+//! Promise: only this stage can make a [`Verified`] value, and only such a value can be emitted. Nothing of a planner is in sight, and
+//! nothing that planners measure with: distances, placed shapes and outlines are those of `geometry` in here. What else both take from
+//! `device` is listed in `tests/tidy.rs`. Places come from the kinematic matrix, sweeps from gaps between shadows, moves of parts from
 //! the electrodes that are on, turns of parts from where tips touch them. No input makes it panic. Cost for n actuations and m
 //! obstacles: n log n to sort, and for each move m/32 comparisons of boxes plus the exact distance of the few bodies near it; each
 //! step of a board also costs its parts, each sample of a rolling motion a linear program.
@@ -17,6 +18,7 @@ mod dimibot;
 mod electrode_array;
 pub mod fingers;
 mod form;
+mod geometry;
 pub mod log;
 mod microrobots;
 mod premise;

@@ -4,6 +4,7 @@ mod beside;
 mod build;
 mod dimibot;
 mod electrode_array;
+mod faults;
 mod fingers;
 mod garbage;
 mod general;

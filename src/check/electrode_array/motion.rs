@@ -119,3 +119,6 @@ impl Glide {
         moved(mean, instant_s)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,13 +7,12 @@
 
 use super::super::boxes::Extent;
 use super::super::clock::Run;
+use super::super::geometry::convex::apart_um;
 use super::super::rule::{Findings, Rule, Violation, ms};
-use super::scene::{Stand, corners};
+use super::scene::{Stand, room_um, swept};
 use super::{Pulse, pulses};
 use crate::check::claims::{Claims, SharedScene};
 use crate::device::dimibot::{Cell, Facts, Switch};
-use crate::geometry::distance::{quadrilateral_core, segment_core};
-use crate::geometry::shape::Core;
 use crate::quantity::digits;
 use crate::source::Span;
 use nalgebra::Point2;
@@ -26,20 +25,11 @@ const BOX_MARGIN_UM: f64 = 1e-6;
 struct Stretch {
     start_ns: u64,
     end_ns: u64,
-    /// In the scene, in order round it.
-    corners: [Point2<f64>; 4],
-    form: Form,
+    /// The corners of where it may be, in the scene.
+    swept: Vec<Point2<f64>>,
     /// The run, and the step of the schedule where it moves.
     run: usize,
     step: Option<usize>,
-}
-
-/// What four corners span.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Form {
-    /// The first corner to the third.
-    Segment,
-    Rectangle,
 }
 
 /// Where the tip of a robot is, from the first instant of a schedule to the last.
@@ -80,7 +70,7 @@ fn pairs(shared: &[SharedScene]) -> BTreeSet<[&str; 2]> {
 
 /// Distance of two tips' centres at which they touch.
 fn needed_um(one: &Trace, other: &Trace) -> f64 {
-    [one, other].iter().map(|trace| trace.facts.tip_radius_um + trace.facts.repeatability_um).sum()
+    room_um(one.facts) + room_um(other.facts)
 }
 
 fn trace<'a>(runs: &'a [Run], own: &[usize], stand: &Stand) -> Option<Trace<'a>> {
@@ -89,10 +79,12 @@ fn trace<'a>(runs: &'a [Run], own: &[usize], stand: &Stand) -> Option<Trace<'a>>
     let facts = &order.facts;
     let mut cell = order.start.as_ref().map_or(facts.home, |start| start.value);
     let (mut at_ns, mut at_run, mut stretches) = (0, own[0], Vec::new());
-    let at = |area: [Cell; 2], times: [u64; 2], run, step| {
-        let form = if area[0].x == area[1].x || area[0].y == area[1].y { Form::Segment } else { Form::Rectangle };
-        let corners = corners(facts, stand, area);
-        Stretch { start_ns: times[0], end_ns: times[1], corners, form, run, step }
+    let at = |area: [Cell; 2], times: [u64; 2], run, step| Stretch {
+        start_ns: times[0],
+        end_ns: times[1],
+        swept: swept(facts, stand, area),
+        run,
+        step,
     };
     for index in own {
         let Some(order) = runs[*index].job.order.dimibot() else { continue };
@@ -127,29 +119,17 @@ fn first_touch<'a>(one: &'a Trace, other: &'a Trace) -> Option<(&'a Stretch, &'a
             from += 1;
         }
         for beside in other.stretches[from..].iter().take_while(|beside| beside.start_ns <= stretch.end_ns) {
-            let near =
-                Extent::of(&stretch.corners).grown(needed_um + BOX_MARGIN_UM).meets(&Extent::of(&beside.corners));
+            let near = Extent::of(&stretch.swept).widened(needed_um + BOX_MARGIN_UM).meets(&Extent::of(&beside.swept));
             if !near || beside.end_ns < stretch.start_ns {
                 continue;
             }
-            let distance_um = distance_um(stretch, beside);
+            let distance_um = apart_um(&stretch.swept, &beside.swept);
             if distance_um <= needed_um {
                 return Some((stretch, beside, distance_um));
             }
         }
     }
     None
-}
-
-fn distance_um(one: &Stretch, other: &Stretch) -> f64 {
-    let core = match other.form {
-        Form::Segment => Core::Segment([other.corners[0], other.corners[2]]),
-        Form::Rectangle => Core::Polygon(other.corners.to_vec()),
-    };
-    match one.form {
-        Form::Segment => segment_core([one.corners[0], one.corners[2]], &core),
-        Form::Rectangle => quadrilateral_core(one.corners, &core),
-    }
 }
 
 fn touch(runs: &[Run], devices: [&str; 2], stretches: [&Stretch; 2], distance_um: f64, needed_um: f64) -> Violation {

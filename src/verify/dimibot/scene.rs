@@ -1,15 +1,15 @@
 //! Where the tip of a DiMiBot is, and what it touches there.
 //!
-//! Input: cells and the order's obstacles. Places come from the kinematic matrix, never from the lattice formula; bodies are
-//! grown by tip radius and repeatability, lattice cells are not. Promise: a body is touched exactly if its distance is no larger than
-//! its growth, up to the rounding of [`crate::geometry::distance`].
+//! Input: cells and the order's obstacles. Places come from the kinematic matrix, never from the lattice formula. Promise: a body is
+//! touched exactly if its distance from what the tip's centre sweeps is no larger than tip radius and repeatability together, up to
+//! the rounding of [`super::super::geometry`]; of lattice cells only those that the centre enters are touched.
 
 use super::super::Unfit;
 use super::super::boxes::{Boxes, Extent};
+use super::super::geometry::solid::Solid;
 use crate::check::claims::dimibot::{Action, Asked, Body, DimibotOrder, Stop};
 use crate::device::dimibot::{Cell, Facts, MAX_MODULES};
-use crate::geometry::distance::{quadrilateral_core, segment_core};
-use crate::geometry::shape::{Core, MAX_EXTENT_UM, Pose, Rounded};
+use crate::geometry::shape::{MAX_EXTENT_UM, Pose};
 use crate::quantity::digits;
 use crate::real::Real;
 use nalgebra::{Point2, Vector2};
@@ -47,10 +47,15 @@ pub(in super::super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> 
         Action::Wait(_) => &[],
     });
     let start = order.start.as_ref().map(|start| start.value);
-    if !stops.map(|stop| stop.cell).chain(start).chain([facts.home]).all(|cell| facts.holds(cell)) {
+    if !stops.map(|stop| stop.cell).chain(start).chain([facts.home]).all(|cell| exists(facts, cell)) {
         return unfit("name a cell that it does not have");
     }
     Ok(())
+}
+
+/// Whether a cell needs no module but those that a robot has.
+fn exists(facts: &Facts, cell: Cell) -> bool {
+    cell.x >> facts.left == 0 && cell.y >> facts.right == 0
 }
 
 /// Nominal place of the end-effector in the frame R1.
@@ -88,16 +93,22 @@ impl Stand {
     }
 }
 
-/// The corners of the rectangle between two cells, `low` the lower one in both axes, in order round it and in the scene.
-pub(super) fn corners(facts: &Facts, stand: &Stand, [low, high]: [Cell; 2]) -> [Point2<f64>; 4] {
-    [low, Cell { x: high.x, ..low }, high, Cell { y: high.y, ..low }].map(|cell| stand.in_scene(place(facts, cell)))
+/// The corners of what the tip's centre may sweep between two cells, `low` the lower one in both axes, in order round it and in the
+/// scene: a rectangle, a segment where a single module moves, or a point.
+pub(super) fn swept(facts: &Facts, stand: &Stand, [low, high]: [Cell; 2]) -> Vec<Point2<f64>> {
+    let cells = match (low.x == high.x, low.y == high.y) {
+        (true, true) => vec![low],
+        (true, false) | (false, true) => vec![low, high],
+        (false, false) => vec![low, Cell { x: high.x, ..low }, high, Cell { y: high.y, ..low }],
+    };
+    cells.into_iter().map(|cell| stand.in_scene(place(facts, cell))).collect()
 }
 
 /// The obstacles of an order, ready to be asked.
 pub(super) struct Scene<'a> {
     facts: &'a Facts,
     stand: Stand,
-    solids: Vec<(usize, Rounded)>,
+    solids: Vec<(usize, Solid)>,
     solid_boxes: Boxes,
     blocks: Vec<(usize, [Cell; 2])>,
     block_boxes: Boxes,
@@ -124,15 +135,15 @@ impl Touch {
         match self.gap_um {
             None => format!("which touches the cells of `{name}`{others}"),
             Some(gap_um) => {
-                let (gap, growth) = (digits(gap_um), digits(order.facts.growth_um()));
-                format!("with a gap of {gap} um to `{name}`{others}, more than {growth} um is needed")
+                let (gap, room) = (digits(gap_um), digits(room_um(&order.facts)));
+                format!("with a gap of {gap} um to `{name}`{others}, more than {room} um is needed")
             }
         }
     }
 }
 
 impl<'a> Scene<'a> {
-    /// Places and grows the obstacles.
+    /// Puts the obstacles in their places.
     ///
     /// # Errors
     /// When a shape is none.
@@ -142,13 +153,12 @@ impl<'a> Scene<'a> {
             match &obstacle.body {
                 Body::Cells { from, to } => blocks.push((index, [*from, *to])),
                 Body::Solid { shape, pose } => {
-                    let body = shape.grown(pose, order.facts.growth_um());
-                    let unfit = |why| Unfit(format!("the claims' obstacle `{}` has no shape: {why:?}", obstacle.name));
-                    solids.push((index, body.map_err(unfit)?));
+                    let unfit = || Unfit(format!("the claims' obstacle `{}` has no shape", obstacle.name));
+                    solids.push((index, Solid::of(shape, pose).ok_or_else(unfit)?));
                 }
             }
         }
-        let solid_boxes = Boxes::new(solids.iter().map(|(_, body)| extent(body)));
+        let solid_boxes = Boxes::new(solids.iter().map(|(_, body)| body.extent()));
         let block_boxes = Boxes::new(blocks.iter().map(|(_, corners)| Extent::of(&corners.map(lattice_point))));
         let stand = Stand::of(order.frame.as_ref());
         Ok(Scene { facts: &order.facts, stand, solids, solid_boxes, blocks, block_boxes })
@@ -166,19 +176,13 @@ impl<'a> Scene<'a> {
     }
 
     fn touched_solids(&self, low: Cell, high: Cell) -> Vec<(usize, Option<f64>)> {
-        let corners = corners(self.facts, &self.stand, [low, high]);
-        let distance = |core: &Core| match low.x == high.x || low.y == high.y {
-            true => segment_core([corners[0], corners[2]], core),
-            false => quadrilateral_core(corners, core),
-        };
-        let area = Extent::of(&corners).grown(BOX_MARGIN_UM);
+        let swept = swept(self.facts, &self.stand, [low, high]);
+        let room_um = room_um(self.facts);
+        let area = Extent::of(&swept).widened(room_um + BOX_MARGIN_UM);
         let near = self.solid_boxes.meeting(&area).into_iter().map(|at| &self.solids[at]);
-        let measured = near.map(|(index, body)| (*index, body.radius_um, distance(&body.core)));
-        let gap_um = |radius_um: f64, distance_um: f64| (distance_um - (radius_um - self.facts.growth_um())).max(0.0);
-        measured
-            .filter(|(_, radius_um, distance_um)| distance_um <= radius_um)
-            .map(|(index, radius_um, distance_um)| (index, Some(gap_um(radius_um, distance_um))))
-            .collect()
+        let measured = near.map(|(index, body)| (*index, body.gap_um(&swept)));
+        let touched = measured.filter(|(_, gap_um)| *gap_um <= room_um);
+        touched.map(|(index, gap_um)| (index, Some(gap_um.max(0.0)))).collect()
     }
 
     /// The paper's rule: a row or column of cells is touched if one of its cells is, the two ends included.
@@ -194,13 +198,9 @@ fn lattice_point(cell: Cell) -> Point2<f64> {
     Point2::new(f64::from(cell.x), f64::from(cell.y))
 }
 
-fn extent(body: &Rounded) -> Extent {
-    let core = match &body.core {
-        Core::Point(point) => Extent::of(&[*point]),
-        Core::Segment(ends) => Extent::of(ends),
-        Core::Polygon(corners) => Extent::of(corners),
-    };
-    core.grown(body.radius_um + BOX_MARGIN_UM)
+/// How far from its nominal place something may touch the tip: its radius, and how far it may stand off.
+pub(super) fn room_um(facts: &Facts) -> f64 {
+    facts.tip_radius_um + facts.repeatability_um
 }
 
 /// Why a cell is not the one to be taken for a place, if it is not: the place lies more than half a pitch off along an axis, or

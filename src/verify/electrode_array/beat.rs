@@ -4,7 +4,7 @@
 
 use super::Board;
 use super::bodies::{Way, first_touch, needed};
-use super::pull::{Pull, acting, explained, merging, reach};
+use super::pull::{Pull, acting, explained, merging, range};
 use super::stage::Stage;
 use crate::check::claims::electrode_array::Bystanders;
 use crate::device::electrode_array::{Cell, Electrodes, Hold};
@@ -148,7 +148,7 @@ impl Board<'_, '_> {
 
     /// An electrode that is on acts on no part that is stuck.
     pub(super) fn leaves_stuck_parts(&self, nth: usize, electrode: Cell, at_ns: u64) -> Result<(), Violation> {
-        let Some(stuck) = self.scene.pulled(electrode, reach(self.order.facts.layout.electrodes)) else {
+        let Some(stuck) = self.scene.pulled(electrode, range(self.order.facts.layout.electrodes)) else {
             return Ok(());
         };
         let stuck = &self.order.obstacles[stuck];

@@ -123,7 +123,7 @@ impl Scene {
 
 /// The first of some bodies that lies no farther than a distance from an area, with its distance.
 fn first(bodies: &[(usize, Way)], boxes: &Boxes, area: &Way, within: u32) -> Option<(usize, u32)> {
-    let near = boxes.meeting(&extent(area).grown(f64::from(within)));
+    let near = boxes.meeting(&extent(area).widened(f64::from(within)));
     near.first().map(|at| (bodies[*at].0, bodies[*at].1.apart(area)))
 }
 

@@ -4,7 +4,7 @@
 
 use super::super::Unfit;
 use crate::check::claims::electrode_array::{Action, Body, ElectrodeArrayOrder, Move};
-use crate::device::electrode_array::{Electrodes, Facts, MAX_PARTS, MAX_SIDE, Separation};
+use crate::device::electrode_array::{Cell, Electrodes, Facts, MAX_PARTS, MAX_SIDE, Separation};
 use std::collections::BTreeSet;
 
 /// The largest separation, in electrodes.
@@ -51,8 +51,18 @@ fn parts(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     demand(order.parts.len() <= MAX_PARTS, "hold too many parts")?;
     let names: BTreeSet<&str> = order.parts.iter().map(|part| part.name.as_str()).collect();
     demand(names.len() == order.parts.len(), "hold two parts of one name")?;
-    let reached = order.parts.iter().all(|part| order.facts.reaches(part.cell));
-    demand(reached, "hold a part where its electrodes are not on the board")
+    let electrodes = |cell: Cell| {
+        let offsets = order.facts.layout.electrodes.offsets().iter();
+        offsets.map(move |[columns, rows]| [i64::from(cell.column) + columns, i64::from(cell.row) + rows])
+    };
+    let is_over_board =
+        order.parts.iter().all(|part| electrodes(part.cell).all(|place| is_on_board(&order.facts, place)));
+    demand(is_over_board, "hold a part where its electrodes are not on the board")
+}
+
+/// Whether there is an electrode at a column and a row.
+fn is_on_board(facts: &Facts, [column, row]: [i64; 2]) -> bool {
+    (1..=i64::from(facts.columns)).contains(&column) && (1..=i64::from(facts.rows)).contains(&row)
 }
 
 fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
@@ -72,7 +82,10 @@ fn goals(order: &ElectrodeArrayOrder, moves: &[Move]) -> Result<(), Unfit> {
             demand(met.insert(part), "move a part twice in one step")?;
         }
         demand(!action.stops.is_empty(), "move a part to no goal")?;
-        demand(action.stops.iter().all(|stop| order.facts.holds(stop.cell)), "name a cell that it does not have")?;
+        demand(
+            action.stops.iter().all(|stop| is_on_board(&order.facts, stop.cell.pair().map(i64::from))),
+            "name a cell that it does not have",
+        )?;
         if action.with.is_some() {
             demand(action.stops.len() == 1, "merge parts that have stops on their way")?;
             demand(order.facts.layout.electrodes == Electrodes::Single, "merge parts that are no droplets")?;

@@ -37,22 +37,22 @@ impl Pull {
 
 /// The farthest column or row, from the centre of a part, of an electrode that acts on it. The squares about the electrodes
 /// of a part leave no gap, so all electrodes up to there do.
-pub(super) fn reach(electrodes: Electrodes) -> i64 {
+pub(super) fn range(electrodes: Electrodes) -> i64 {
     let farthest = electrodes.offsets().iter().flatten().map(|offset| offset.abs()).max();
     farthest.unwrap_or(0) + 1
 }
 
 /// The electrodes that are on and act on a part at a place, by column, then row.
 pub(super) fn acting(on: &FxHashSet<Cell>, electrodes: Electrodes, at: Cell) -> Vec<Cell> {
-    let reach = reach(electrodes);
-    let around = (-reach..=reach).flat_map(|column| (-reach..=reach).map(move |row| [column, row]));
+    let range = range(electrodes);
+    let around = (-range..=range).flat_map(|column| (-range..=range).map(move |row| [column, row]));
     around.filter_map(|offset| shifted(at, offset)).filter(|cell| on.contains(cell)).collect()
 }
 
 /// The cell so many columns and rows on, if the numbers allow it.
 fn shifted(cell: Cell, [columns, rows]: [i64; 2]) -> Option<Cell> {
-    let moved = |at: u32, by: i64| u32::try_from(i64::from(at) + by).ok();
-    Some(Cell::new(moved(cell.column, columns)?, moved(cell.row, rows)?))
+    let on = |at: u32, by: i64| u32::try_from(i64::from(at) + by).ok();
+    Some(Cell::new(on(cell.column, columns)?, on(cell.row, rows)?))
 }
 
 /// Where a part goes; `None` if it is pulled to no neighbour, or apart.

@@ -3,10 +3,10 @@
 //! Only its two sections are known. A tip whose centre lies in the plane of one is as far from the part as from that outline;
 //! of any other the verifier only knows how far it is from a sphere round the part's origin that holds both.
 
+use super::super::geometry::contour::{Contour, Foot};
 use super::Point;
 use crate::check::claims::fingers::{Part, Section};
 use crate::device::fingers::Plane;
-use crate::geometry::outline::{Curve, Nearest};
 use nalgebra::UnitQuaternion;
 use std::f64::consts::TAU;
 
@@ -40,7 +40,7 @@ impl Pose {
 /// An outline with its contacts, made ready.
 #[derive(Debug)]
 pub(super) struct Surface {
-    pub curve: Curve,
+    pub contour: Contour,
     contacts: u32,
     step_rad: f64,
     tip_radius_um: f64,
@@ -49,33 +49,33 @@ pub(super) struct Surface {
 impl Surface {
     /// Makes a section ready; `None` if its outline cannot be followed.
     pub fn of(section: &Section, tip_radius_um: f64) -> Option<Self> {
-        let curve = Curve::of(&section.outline).ok()?;
-        Some(Surface { curve, contacts: section.contacts, step_rad: section.step_rad, tip_radius_um })
+        let contour = Contour::of(&section.outline)?;
+        Some(Surface { contour, contacts: section.contacts, step_rad: section.step_rad, tip_radius_um })
     }
 
     /// By how much the part turns from one contact to the next.
-    pub fn step_rad(&self) -> f64 {
+    pub fn contact_step_rad(&self) -> f64 {
         self.step_rad
     }
 
     /// By how much the part turns while a tip rolls once round.
     pub fn round_rad(&self) -> f64 {
-        TAU + self.curve.perimeter_um() / self.tip_radius_um
+        TAU + self.contour.round_um() / self.tip_radius_um
     }
 
-    /// By how much the part turns while a tip rolls from contact 1 to a way along the outline.
-    pub fn rolled_rad(&self, way_um: f64) -> f64 {
-        self.curve.rolled_rad(way_um, self.tip_radius_um)
+    /// By how much the part turns while a tip rolls from contact 1 to a place.
+    pub fn turned_rad(&self, foot: &Foot) -> f64 {
+        foot.turn_of_tip_rad(self.tip_radius_um)
     }
 
-    /// The way to a contact, counted from 1.
-    pub fn way_um(&self, contact: u32) -> f64 {
-        self.curve.way_rolled_um(f64::from(contact.saturating_sub(1)) * self.step_rad, self.tip_radius_um)
+    /// The place of a contact, counted from 1.
+    pub fn contact_place(&self, contact: u32) -> Option<Foot> {
+        self.contour.rolled_to(f64::from(contact.saturating_sub(1)) * self.step_rad, self.tip_radius_um)
     }
 
     /// The number of the nearest contact, and how far a tip's centre has to roll to it.
-    pub fn contact(&self, way_um: f64) -> (u32, f64) {
-        let rolled_rad = self.rolled_rad(way_um);
+    pub fn contact(&self, foot: &Foot) -> (u32, f64) {
+        let rolled_rad = self.turned_rad(foot);
         let steps = (rolled_rad / self.step_rad).round();
         let off_um = (rolled_rad - steps * self.step_rad).abs() * self.tip_radius_um;
         // Below MAX_CONTACTS.
@@ -100,7 +100,7 @@ impl Body {
             Some(section) => Some(Surface::of(section, tip_radius_um)?),
             None => None,
         };
-        let reach_um = xz.as_ref().map_or(0.0, |xz| xz.curve.reach_um()).max(xy.curve.reach_um());
+        let reach_um = xz.as_ref().map_or(0.0, |xz| xz.contour.radius_um()).max(xy.contour.radius_um());
         Some(Body { xy, xz, reach_um })
     }
 
@@ -118,19 +118,19 @@ impl Body {
     }
 
     /// The place of an outline that is nearest to a tip whose centre lies in its plane.
-    pub fn nearest(&self, pose: &Pose, plane: Plane, tip_um: &Point, tolerance_um: f64) -> Option<Nearest> {
+    pub fn foot(&self, pose: &Pose, plane: Plane, tip_um: &Point, tolerance_um: f64) -> Option<Foot> {
         let (place_um, height_um) = pose.section_um(plane, tip_um);
         let surface = self.surface(plane).filter(|_| height_um.abs() <= tolerance_um)?;
-        Some(surface.curve.nearest(place_um))
+        surface.contour.foot(place_um)
     }
 
     /// How far from the part a tip's centre is at least; not necessarily the most that is known where it is `enough_um`.
-    pub fn distance_um(&self, pose: &Pose, tip_um: &Point, tolerance_um: f64, enough_um: f64) -> f64 {
+    pub fn gap_um(&self, pose: &Pose, tip_um: &Point, tolerance_um: f64, enough_um: f64) -> f64 {
         let sphere_um = (tip_um - pose.position_um).norm() - self.reach_um;
         if sphere_um >= enough_um {
             return sphere_um;
         }
-        let outlines = self.planes().filter_map(|plane| self.nearest(pose, plane, tip_um, tolerance_um));
-        outlines.map(|nearest| nearest.distance_um).reduce(f64::min).unwrap_or(sphere_um)
+        let outlines = self.planes().filter_map(|plane| self.foot(pose, plane, tip_um, tolerance_um));
+        outlines.map(|foot| foot.distance_um).reduce(f64::min).unwrap_or(sphere_um)
     }
 }

@@ -4,6 +4,7 @@
 
 use super::super::Unfit;
 use super::body::Surface;
+use super::hand::nominal_step_rad;
 use crate::check::claims::fingers::{Action, FingersOrder, Section, Turn};
 use crate::device::fingers::{
     Facts, MAX_CONTACTS, MAX_FINGERS, MAX_HOLDING, MAX_RESERVE, MAX_STEPS_PER_TURN, MIN_FINGERS, Plane,
@@ -17,6 +18,9 @@ const MIN_NUMBER: f64 = 1e-9;
 
 /// How far a section's step may be from what its perimeter says, as a share.
 const STEP_TOLERANCE: f64 = 1e-6;
+
+/// How many contacts more or fewer than the nominal step makes a section may have: the checker looks two to each side for an opposite one.
+const CONTACTS_BESIDE: f64 = 2.5;
 
 /// How far a tip may have to roll from the opposite contact to the x axis, as a share of the tolerance: the checker allows a quarter, by the nominal step.
 const AXIS_TOLERANCE: f64 = 0.5;
@@ -81,12 +85,14 @@ fn section(section: &Section, facts: &Facts) -> Result<(), Unfit> {
     let round_rad = surface.round_rad();
     let off_rad = (f64::from(contacts) * step_rad - round_rad).abs();
     demand(off_rad <= STEP_TOLERANCE * round_rad, "hold steps that do not go once round an outline")?;
+    let beside = (round_rad / nominal_step_rad(facts) - f64::from(contacts)).abs();
+    demand(beside <= CONTACTS_BESIDE + STEP_TOLERANCE, "hold contacts that are not the device's step apart")?;
     let Some(opposite) = section.opposite else { return Ok(()) };
     demand((1..=contacts).contains(&opposite), "hold an opposite contact that is none")?;
-    let exact_rad = surface.rolled_rad(surface.curve.opposite_um());
-    let off_um = (f64::from(opposite - 1) * step_rad - exact_rad).abs() * facts.tip_radius_um;
+    let exact_rad = surface.contour.opposite().map(|foot| surface.turned_rad(&foot));
+    let off_um = |exact_rad: f64| (f64::from(opposite - 1) * step_rad - exact_rad).abs() * facts.tip_radius_um;
     let most_um = AXIS_TOLERANCE * facts.tolerance_um + AXIS_ROUNDING_UM;
-    demand(off_um <= most_um, "hold an opposite contact off the x axis")
+    demand(exact_rad.is_some_and(|rad| off_um(rad) <= most_um), "hold an opposite contact off the x axis")
 }
 
 fn action(order: &FingersOrder, action: &Action) -> Result<(), Unfit> {

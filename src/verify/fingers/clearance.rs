@@ -91,7 +91,7 @@ impl Flight {
             let tip_um = stretch.tip_um(finger, share);
             let time_ns = stretch.instant_ns(share);
             let enough_um = clear_um + length_um;
-            let distance_um = body.distance_um(pose, &tip_um, tolerance_um, enough_um);
+            let distance_um = body.gap_um(pose, &tip_um, tolerance_um, enough_um);
             let hit = |due_um| Hit { time_ns, distance_um, due_um };
             if distance_um.is_nan() || distance_um < hard_um {
                 return Err(hit(hard_um));

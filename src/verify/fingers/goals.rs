@@ -3,7 +3,7 @@
 use super::super::rule::{Findings, Rule, ms};
 use super::Point;
 use super::body::Pose;
-use super::hand::Hand;
+use super::hand::{Hand, nominal_step_rad};
 use crate::check::claims::fingers::{Action, FingersOrder, Turn};
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
@@ -101,7 +101,7 @@ impl Hand<'_, '_> {
     fn turn_fault(&self, asked: Option<(Plane, f64)>) -> Option<String> {
         for plane in self.body.planes() {
             let turn_rad = self.since.turn_rad(plane);
-            let steady_rad = STEADY * self.order.facts.step_rad();
+            let steady_rad = STEADY * nominal_step_rad(&self.order.facts);
             let (goal_rad, within_rad) = match asked {
                 Some((asked, goal_rad)) if asked == plane => (goal_rad, self.order.precision_rad + ROUNDING),
                 Some(_) | None => (0.0, steady_rad),

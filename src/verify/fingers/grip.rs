@@ -5,6 +5,7 @@
 //! and not only between neighbours. Two or three fingers give more equations than the pose has numbers: the pose is their least-squares
 //! solution by Gauss and Newton from the last one, and what is left over is how far the tips are from rolling and touching exactly.
 
+use super::super::geometry::contour::Foot;
 use super::Point;
 use super::body::{Body, Pose, Surface};
 use crate::device::fingers::Plane;
@@ -22,7 +23,7 @@ const SETTLED_UM: f64 = 1e-11;
 pub(super) struct Hold {
     pub finger: usize,
     /// Where it touches.
-    pub way_um: f64,
+    pub foot: Foot,
     /// What it has rolled and the part's turn, together: the same as long as it does not slip.
     anchor_rad: f64,
     /// How far before the section's plane it is.
@@ -93,10 +94,11 @@ impl Grip {
     /// A finger holds from now on, where it is.
     pub fn add(&mut self, surface: &Surface, finger: usize, tip_um: &Point) {
         let (place_um, height_um) = self.pose().section_um(self.plane, tip_um);
-        let nearest = surface.curve.nearest(place_um);
-        let (way_um, gap_um) = (nearest.way_um, nearest.distance_um - self.tip_radius_um);
-        let anchor_rad = surface.rolled_rad(way_um) + self.turn_rad();
-        self.holds.push(Hold { finger, way_um, anchor_rad, height_um, gap_um });
+        // Only a tip at no place has no foot, and the tracks hold none.
+        let Some(foot) = surface.contour.foot(place_um) else { return };
+        let gap_um = foot.distance_um - self.tip_radius_um;
+        let anchor_rad = surface.turned_rad(&foot) + self.turn_rad();
+        self.holds.push(Hold { finger, foot, anchor_rad, height_um, gap_um });
         self.holds.sort_by_key(|hold| hold.finger);
     }
 
@@ -116,7 +118,7 @@ impl Grip {
     }
 
     /// The tips are somewhere else now, not far away. `None` if no pose is found.
-    pub fn moved(&self, surface: &Surface, tips_um: &[Point]) -> Option<(Self, Misfit)> {
+    pub fn follow(&self, surface: &Surface, tips_um: &[Point]) -> Option<(Self, Misfit)> {
         let mut grip = self.clone();
         let places: Vec<([f64; 2], f64)> =
             self.holds.iter().map(|hold| self.reference.section_um(self.plane, &tips_um[hold.finger])).collect();
@@ -129,16 +131,15 @@ impl Grip {
                 break;
             }
         }
-        let ways_um = grip.equations(surface, &places).into_iter().map(|equation| equation.way_um);
-        let ways_um: Vec<f64> = ways_um.collect();
-        grip.holds.iter_mut().zip(ways_um).for_each(|(hold, way_um)| hold.way_um = way_um);
-        let misfit = grip.misfit(surface, &places);
+        let feet: Vec<Foot> = grip.equations(surface, &places)?.into_iter().map(|equation| equation.foot).collect();
+        grip.holds.iter_mut().zip(feet).for_each(|(hold, foot)| hold.foot = foot);
+        let misfit = grip.misfit(surface, &places)?;
         misfit.most_um().is_finite().then_some((grip, misfit))
     }
 
     fn correction_um(&self, surface: &Surface, places: &[([f64; 2], f64)]) -> Option<Vector3<f64>> {
         let (mut square, mut right) = (Matrix3::zeros(), Vector3::zeros());
-        for equation in self.equations(surface, places) {
+        for equation in self.equations(surface, places)? {
             for (slope, off_um) in [(equation.gap, equation.gap_um), (equation.slip, equation.slip_um)] {
                 square += slope * slope.transpose();
                 right -= slope * off_um;
@@ -151,37 +152,34 @@ impl Grip {
         correction_um.iter().all(|value| value.is_finite()).then_some(correction_um * share)
     }
 
-    fn equations(&self, surface: &Surface, places: &[([f64; 2], f64)]) -> Vec<Equation> {
+    fn equations(&self, surface: &Surface, places: &[([f64; 2], f64)]) -> Option<Vec<Equation>> {
         let pairs = self.holds.iter().zip(places);
         pairs.map(|(hold, (place_um, _))| self.equation(surface, hold, *place_um)).collect()
     }
 
-    fn equation(&self, surface: &Surface, hold: &Hold, [x_um, y_um]: [f64; 2]) -> Equation {
+    fn equation(&self, surface: &Surface, hold: &Hold, [x_um, y_um]: [f64; 2]) -> Option<Equation> {
         let (sin, cos) = self.turn_rad().sine_cosine();
         let (x_um, y_um) = (x_um - self.shift_um.x, y_um - self.shift_um.y);
         let tip_um = [cos * x_um + sin * y_um, cos * y_um - sin * x_um];
-        let nearest = surface.curve.nearest_from(tip_um, hold.way_um);
-        let rounds = ((hold.way_um - nearest.way_um) / surface.curve.perimeter_um()).round();
-        let way_um = nearest.way_um + rounds * surface.curve.perimeter_um();
-        let spot = surface.curve.spot(way_um);
-        let (normal_y, normal_x) = spot.normal_rad.sine_cosine();
+        let foot = surface.contour.foot_near(tip_um, hold.foot.way_um)?;
+        let (normal_y, normal_x) = foot.normal_rad.sine_cosine();
         // How the tip's place in the part's own coordinates changes with the shift along each axis and the turn.
         let slopes = [[-cos, sin], [-sin, -cos], [tip_um[1] / self.reach_um, -tip_um[0] / self.reach_um]];
         let outward = Vector3::from(slopes.map(|[x, y]| normal_x * x + normal_y * y));
         let along = Vector3::from(slopes.map(|[x, y]| normal_x * y - normal_y * x));
-        let (curvature, radius_um) = (spot.curvature_per_um, self.tip_radius_um);
-        let rolling = (1.0 + radius_um * curvature) / (1.0 + nearest.distance_um * curvature);
+        let (curvature, radius_um) = (foot.curvature_per_um, self.tip_radius_um);
+        let rolling = (1.0 + radius_um * curvature) / (1.0 + foot.distance_um * curvature);
         let turning = Vector3::new(0.0, 0.0, radius_um / self.reach_um);
-        Equation {
-            way_um,
+        Some(Equation {
+            foot,
             gap: outward,
-            gap_um: nearest.distance_um - radius_um - hold.gap_um,
+            gap_um: foot.distance_um - radius_um - hold.gap_um,
             slip: along * rolling + turning,
-            slip_um: radius_um * (surface.rolled_rad(way_um) + self.turn_rad() - hold.anchor_rad),
-        }
+            slip_um: radius_um * (surface.turned_rad(&foot) + self.turn_rad() - hold.anchor_rad),
+        })
     }
 
-    fn misfit(&self, surface: &Surface, places: &[([f64; 2], f64)]) -> Misfit {
+    fn misfit(&self, surface: &Surface, places: &[([f64; 2], f64)]) -> Option<Misfit> {
         let first = self.holds.first().map_or(0, |hold| hold.finger);
         let mut misfit = Misfit { gap_um: (first, 0.0), slip_um: (first, 0.0) };
         let worse = |most: &mut (usize, f64), finger: usize, off_um: f64| {
@@ -189,18 +187,18 @@ impl Grip {
                 *most = (finger, off_um);
             }
         };
-        for ((hold, (_, height_um)), equation) in self.holds.iter().zip(places).zip(self.equations(surface, places)) {
+        for ((hold, (_, height_um)), equation) in self.holds.iter().zip(places).zip(self.equations(surface, places)?) {
             worse(&mut misfit.gap_um, hold.finger, equation.gap_um + hold.gap_um);
             worse(&mut misfit.slip_um, hold.finger, equation.slip_um);
             worse(&mut misfit.slip_um, hold.finger, height_um - hold.height_um - self.lift_um);
         }
-        misfit
+        Some(misfit)
     }
 }
 
 /// What one tip asks of the pose: a gap of zero, and no slip.
 struct Equation {
-    way_um: f64,
+    foot: Foot,
     gap: Vector3<f64>,
     gap_um: f64,
     slip: Vector3<f64>,

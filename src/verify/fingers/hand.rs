@@ -12,15 +12,16 @@ use super::goals::{Since, planes_after};
 use super::grip::Grip;
 use super::pace::Pace;
 use super::states::{Due, Spans, chosen};
-use super::statics::{Statics, Touch};
+use super::statics::{Statics, Touch, pull_off_un};
 use super::track::{Stretch, Tracks};
 use super::{Point, orientation_of};
 use crate::check::claims::fingers::{Action, FingersOrder};
-use crate::device::fingers::{MAX_HOLDING, Plane};
+use crate::device::fingers::{Facts, MAX_HOLDING, Plane};
 use crate::quantity::digits;
 use crate::schedule::{State, TimedState};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 /// What holds the part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -223,8 +224,8 @@ impl<'r, 'a> Hand<'r, 'a> {
         let tolerance_um = self.order.facts.tolerance_um;
         let (pose, plane) = (self.grip.pose(), self.grip.plane);
         let goes_off = |finger: &usize| {
-            let nearest = self.body.nearest(&pose, plane, &stretch.to_um[*finger], tolerance_um);
-            nearest.is_none_or(|nearest| nearest.distance_um > self.order.facts.tip_radius_um + tolerance_um)
+            let foot = self.body.foot(&pose, plane, &stretch.to_um[*finger], tolerance_um);
+            foot.is_none_or(|foot| foot.distance_um > self.order.facts.tip_radius_um + tolerance_um)
         };
         let holding = self.grip.holds.iter().map(|hold| hold.finger);
         let moving: Vec<usize> = holding.filter(|finger| !stretch.rests(*finger)).collect();
@@ -247,9 +248,7 @@ impl<'r, 'a> Hand<'r, 'a> {
     }
 
     pub(super) fn touches(&self) -> Vec<(usize, Touch)> {
-        let Some(surface) = self.body.surface(self.grip.plane) else { return Vec::new() };
-        let spots = self.grip.holds.iter().map(|hold| (hold.finger, surface.curve.spot(hold.way_um)));
-        spots.map(|(finger, spot)| (finger, Touch { point_um: spot.point_um, normal_rad: spot.normal_rad })).collect()
+        self.grip.holds.iter().map(|hold| (hold.finger, Touch::at(&hold.foot))).collect()
     }
 
     /// The fingers that hold are in equilibrium.
@@ -300,7 +299,7 @@ impl<'r, 'a> Hand<'r, 'a> {
         let touches: Vec<Touch> = self.touches().into_iter().map(|(_, touch)| touch).collect();
         if !self.statics().resists(&touches, leaving) {
             let facts = &self.order.facts;
-            let (pull, safety) = (digits(facts.sticking_un()), digits(facts.removal_safety));
+            let (pull, safety) = (digits(pull_off_un(facts)), digits(facts.removal_safety));
             let title = format!(
                 "{} do not resist {safety} times {pull} uN as finger {} leaves at {}",
                 self.holding(),
@@ -314,7 +313,7 @@ impl<'r, 'a> Hand<'r, 'a> {
     /// A finger leaves a part that rests on its support.
     fn let_go(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
         let facts = &self.order.facts;
-        let pull_un = facts.sticking_un() * facts.removal_safety;
+        let pull_un = pull_off_un(facts) * facts.removal_safety;
         let is_enough = pull_un <= facts.support_un * (1.0 + super::statics::TOLERANCE);
         if !is_enough && self.told == Told::Nothing {
             self.told = Told::Weak;
@@ -360,8 +359,8 @@ impl<'r, 'a> Hand<'r, 'a> {
 
     pub(super) fn touches_in(&self, plane: Plane, tip_um: &Point) -> bool {
         let tolerance_um = self.order.facts.tolerance_um;
-        let nearest = self.body.nearest(&self.grip.pose(), plane, tip_um, tolerance_um);
-        nearest.is_some_and(|nearest| (nearest.distance_um - self.order.facts.tip_radius_um).abs() <= tolerance_um)
+        let foot = self.body.foot(&self.grip.pose(), plane, tip_um, tolerance_um);
+        foot.is_some_and(|foot| (foot.distance_um - self.order.facts.tip_radius_um).abs() <= tolerance_um)
     }
 
     /// Whether all fingers that hold do so in a plane, too.
@@ -421,7 +420,7 @@ impl<'r, 'a> Hand<'r, 'a> {
     fn check_contacts(&self, nth: usize, time_ns: u64, findings: &mut Findings) {
         let Some(surface) = self.body.surface(self.grip.plane) else { return };
         for hold in &self.grip.holds {
-            let (contact, off_um) = surface.contact(hold.way_um);
+            let (contact, off_um) = surface.contact(&hold.foot);
             if off_um > self.order.facts.tolerance_um {
                 let title = format!(
                     "finger {} is {} um off contact {contact} as a finger comes or leaves at {}",
@@ -441,12 +440,12 @@ impl<'r, 'a> Hand<'r, 'a> {
         let tip_um = &tips_um[finger];
         let (distance_um, due_um) = match self.grip.has(finger) {
             true => {
-                let nearest = self.body.nearest(pose, self.grip.plane, tip_um, 3.0 * facts.tolerance_um)?;
-                (nearest.distance_um, facts.tip_radius_um)
+                let foot = self.body.foot(pose, self.grip.plane, tip_um, 3.0 * facts.tolerance_um)?;
+                (foot.distance_um, facts.tip_radius_um)
             }
             false => {
                 let due_um = clearance::clear_um(facts);
-                (self.body.distance_um(pose, tip_um, facts.tolerance_um, due_um), due_um)
+                (self.body.gap_um(pose, tip_um, facts.tolerance_um, due_um), due_um)
             }
         };
         (distance_um < due_um - facts.tolerance_um).then_some(Hit { time_ns, distance_um, due_um })
@@ -470,6 +469,11 @@ impl<'r, 'a> Hand<'r, 'a> {
     pub fn into_states(self) -> Vec<Cow<'a, TimedState>> {
         self.spans.states(self.run)
     }
+}
+
+/// The step of rotation that the device names.
+pub(super) fn nominal_step_rad(facts: &Facts) -> f64 {
+    TAU / f64::from(facts.steps_per_turn)
 }
 
 fn surface_of(body: &Body, plane: Plane) -> Result<&Surface, Halt> {

@@ -2,7 +2,7 @@
 //!
 //! All axes of a hand take their lines together or not, so within a stretch a tip moves steadily. Three speeds limit it: that of a free
 //! tip, the slower one near the contact that it comes to or leaves, and that of a tip that holds. Near means nearer than
-//! [`Facts::slow_um`] without a break: a tip that comes is known to come only once it touches, so its way is kept until then.
+//! the way that a tip retracts, or its clearance, without a break: a tip that comes is known to come only once it touches, so its way is kept until then.
 
 use super::super::rule::{Findings, Rule, ms};
 use super::Point;
@@ -61,7 +61,7 @@ impl Leg {
     }
 
     /// The least distance of the leg from a place.
-    fn distance_um(&self, place_um: &Point) -> f64 {
+    fn off_um(&self, place_um: &Point) -> f64 {
         let (along_um, off_um) = (self.to_um - self.from_um, place_um - self.from_um);
         let square = along_um.norm_squared();
         let share = if square > 0.0 { (off_um.dot(&along_um) / square).clamp(0.0, 1.0) } else { 0.0 };
@@ -71,7 +71,7 @@ impl Leg {
 
 /// Whether a place is so near to a contact that tips are slow there.
 fn is_near(distance_um: f64, facts: &Facts) -> bool {
-    distance_um < facts.slow_um() - NEAR_UM
+    distance_um < facts.retract_um.max(facts.clearance_um) - NEAR_UM
 }
 
 impl Pace {
@@ -103,11 +103,9 @@ impl Pace {
         let legs = take(&mut self.legs);
         let outside = |leg: &Leg| !is_near((leg.from_um - contact_um).norm(), facts);
         let begin = legs.iter().rposition(outside).unwrap_or(0);
-        legs.iter().enumerate().try_for_each(|(at, leg)| {
-            match at >= begin && is_near(leg.distance_um(contact_um), facts) {
-                true => leg.against(facts.approach_um_per_s, "comes to its contact"),
-                false => leg.against(facts.speed_um_per_s, "is free"),
-            }
+        legs.iter().enumerate().try_for_each(|(at, leg)| match at >= begin && is_near(leg.off_um(contact_um), facts) {
+            true => leg.against(facts.approach_um_per_s, "comes to its contact"),
+            false => leg.against(facts.speed_um_per_s, "is free"),
         })
     }
 }

@@ -7,7 +7,7 @@ use super::super::rule::{Findings, Rule, ms};
 use super::Point;
 use super::clearance::Flight;
 use super::grip::Misfit;
-use super::hand::Hand;
+use super::hand::{Hand, nominal_step_rad};
 use super::states::Due;
 use super::track::Stretch;
 use crate::check::claims::fingers::Action;
@@ -55,8 +55,8 @@ impl Hand<'_, '_> {
 
     /// How many samples a stretch takes: an even number, so that its middle is one.
     fn samples(&self, stretch: &Stretch) -> u32 {
-        let way_um = |finger: usize| (stretch.to_um[finger] - stretch.from_um[finger]).norm();
-        let longest_um = self.grip.holds.iter().map(|hold| way_um(hold.finger)).fold(0.0, f64::max);
+        let line_um = |finger: usize| (stretch.to_um[finger] - stretch.from_um[finger]).norm();
+        let longest_um = self.grip.holds.iter().map(|hold| line_um(hold.finger)).fold(0.0, f64::max);
         let half = (longest_um / (2.0 * SAMPLE * self.order.facts.tip_radius_um)).ceil();
         2 * half.clamp(1.0, MAX_SAMPLES / 2.0) as u32
     }
@@ -94,7 +94,7 @@ impl Hand<'_, '_> {
         let mut misfit_um = 0.0;
         for sample in 1..=samples {
             let share = f64::from(sample) / f64::from(samples);
-            let (moved, misfit) = grip.moved(surface, &tips_at(stretch, share))?;
+            let (moved, misfit) = grip.follow(surface, &tips_at(stretch, share))?;
             (grip, misfit_um) = (moved, misfit.most_um());
         }
         Some(misfit_um)
@@ -103,7 +103,7 @@ impl Hand<'_, '_> {
     /// Where the part is at a share of a stretch, and whether all is well there.
     fn sample(&mut self, nth: usize, stretch: &Stretch, share: f64, findings: &mut Findings) -> Result<(), Halt> {
         let (tips_um, time_ns) = (tips_at(stretch, share), stretch.instant_ns(share));
-        let moved = self.grip.moved(self.surface()?, &tips_um);
+        let moved = self.grip.follow(self.surface()?, &tips_um);
         let Some((grip, misfit)) = moved else {
             let title = format!("{} move as no part between them can, at {}", self.holding(), ms(time_ns));
             return Err(self.violation(Rule::Gap, nth, time_ns, title).into());
@@ -142,13 +142,13 @@ impl Hand<'_, '_> {
 
     /// A turn reaches a whole number of steps.
     fn count_steps(&mut self, time_ns: u64) -> Result<(), Halt> {
-        let steps = (self.grip.turn_rad() - self.leg_rad) / self.surface()?.step_rad();
+        let steps = (self.grip.turn_rad() - self.leg_rad) / self.surface()?.contact_step_rad();
         let whole = steps.round();
         if (steps - whole).abs() > GRID_STEPS || whole as i64 == self.leg_steps {
             return Ok(());
         }
         let rolled = (whole as i64).abs_diff(self.leg_steps);
-        self.effort_rad += rolled as f64 * self.grip.holds.len() as f64 * self.order.facts.step_rad();
+        self.effort_rad += rolled as f64 * self.grip.holds.len() as f64 * nominal_step_rad(&self.order.facts);
         self.leg_steps = whole as i64;
         self.spans.begin(time_ns, Due::Always, self.views());
         Ok(())

@@ -7,10 +7,11 @@
 //! so that what is exactly in balance does. Tips that only push also balance by not touching at all, so without a load it is asked
 //! whether forces whose normal parts sum to 1 balance.
 
+use super::super::geometry::contour::Foot;
 use super::Point;
 use super::body::Pose;
 use crate::check::claims::fingers::FingersOrder;
-use crate::device::fingers::Plane;
+use crate::device::fingers::{Adhesion, Facts, Plane};
 use crate::real::Real;
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 
@@ -32,6 +33,10 @@ pub(super) struct Touch {
 }
 
 impl Touch {
+    pub fn at(foot: &Foot) -> Touch {
+        Touch { point_um: foot.point_um, normal_rad: foot.normal_rad }
+    }
+
     /// The inward normal and the tangent.
     fn directions(&self) -> [[f64; 2]; 2] {
         let (y, x) = self.normal_rad.sine_cosine();
@@ -67,6 +72,11 @@ struct Beyond {
     torque: Variable,
 }
 
+/// The force that pulls a tip off, in micronewtons.
+pub(super) fn pull_off_un(facts: &Facts) -> f64 {
+    if facts.adhesion == Adhesion::Sticking { facts.pull_off_un } else { 0.0 }
+}
+
 impl<'a> Statics<'a> {
     /// Of a part in a pose.
     pub fn of(order: &'a FingersOrder, plane: Plane, pose: &Pose, reach_um: f64) -> Self {
@@ -94,7 +104,7 @@ impl<'a> Statics<'a> {
     /// on them is not held.
     pub fn holds(&self, touches: &[Touch]) -> bool {
         let holds = |statics: &Statics| statics.margin(touches, None).is_some_and(|margin| margin >= -TOLERANCE);
-        let sticks = self.order.facts.sticking_un() > 0.0;
+        let sticks = pull_off_un(&self.order.facts) > 0.0;
         holds(self) && (sticks || holds(&Statics { load_un: [0.0; 2], across_un: 0.0, ..*self }))
     }
 
@@ -106,10 +116,10 @@ impl<'a> Statics<'a> {
     /// How deep inside their cones forces can be that balance the load and the pull on a contact that is left; `None` if none balance.
     fn margin(&self, touches: &[Touch], leaving: Option<&Touch>) -> Option<f64> {
         let facts = &self.order.facts;
-        let pull_un = facts.sticking_un() * facts.removal_safety;
+        let pull_un = pull_off_un(facts) * facts.removal_safety;
         let load_un = self.size_un();
-        let is_idle = facts.sticking_un() == 0.0 && load_un == 0.0;
-        let unit_un = if is_idle { 1.0 } else { facts.sticking_un().max(pull_un).max(load_un) };
+        let is_idle = pull_off_un(facts) == 0.0 && load_un == 0.0;
+        let unit_un = if is_idle { 1.0 } else { pull_off_un(facts).max(pull_un).max(load_un) };
         let mut problem = Problem::new(OptimizationDirection::Maximize);
         let depth = problem.add_var(1.0, (f64::NEG_INFINITY, 1.0));
         // Idle forces have no size: what counts is their sum.
@@ -136,7 +146,7 @@ impl<'a> Statics<'a> {
         (unit_un, most): (f64, f64),
     ) -> Vec<Bearing> {
         let facts = &self.order.facts;
-        let sticking = facts.sticking_un() / unit_un;
+        let sticking = pull_off_un(facts) / unit_un;
         let is_of_space = self.is_of_space();
         let bearing = |_: &Touch| {
             let normal = problem.add_var(0.0, (-sticking, f64::INFINITY));

@@ -36,14 +36,14 @@ impl Hand<'_, '_> {
         }
         let mut contacts = vec![0; self.flights.len()];
         for hold in &self.grip.holds {
-            let way_um = match plane == self.grip.plane {
-                true => hold.way_um,
+            let foot = match plane == self.grip.plane {
+                true => hold.foot,
                 false => {
                     let (place_um, _) = self.grip.pose().section_um(plane, &self.tips_um[hold.finger]);
-                    surface.curve.nearest(place_um).way_um
+                    surface.contour.foot(place_um)?
                 }
             };
-            contacts[hold.finger] = surface.contact(way_um).0;
+            contacts[hold.finger] = surface.contact(&foot).0;
         }
         Some(contacts)
     }

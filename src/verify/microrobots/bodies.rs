@@ -21,7 +21,7 @@ impl Body {
     }
 
     /// The corners, in order around it.
-    pub fn corners(&self) -> [Point2<f64>; 4] {
+    pub fn vertices(&self) -> [Point2<f64>; 4] {
         let (length, width) = (self.along * self.half_um[0], self.across() * self.half_um[1]);
         [length + width, width - length, -length - width, length - width].map(|corner| self.centre + corner)
     }
@@ -40,8 +40,8 @@ impl Body {
             return apart_um;
         }
         // Of two convex bodies that are apart, one has a corner where they are nearest.
-        let ours = self.corners().into_iter().map(|corner| other.point_gap_um(corner));
-        let theirs = other.corners().into_iter().map(|corner| self.point_gap_um(corner));
+        let ours = self.vertices().into_iter().map(|corner| other.point_gap_um(corner));
+        let theirs = other.vertices().into_iter().map(|corner| self.point_gap_um(corner));
         ours.chain(theirs).fold(f64::INFINITY, f64::min)
     }
 

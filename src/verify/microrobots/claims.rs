@@ -3,6 +3,7 @@
 //! Input: an order. Output: nothing, or why no run can be held against it. Claims that the checker made always pass.
 
 use super::super::Unfit;
+use super::super::geometry::solid::Solid;
 use crate::check::claims::microrobots::{Action, MicrorobotsOrder, Stop};
 use crate::device::microrobots::{Arm, Facts, MAX_LEVELS, MAX_OBSTACLES, MAX_ROBOTS, Robot};
 use crate::geometry::Pose;
@@ -88,7 +89,7 @@ fn scene(order: &MicrorobotsOrder) -> Result<(), Unfit> {
     demand(rows.iter().all(|row| *row < order.facts.robots.len()), "hold a robot that the table does not have")?;
     demand(order.robots.iter().all(|robot| is_place(&robot.pose)), "hold a robot out of the plane")?;
     demand(order.obstacles.len() <= MAX_OBSTACLES, "hold too many obstacles")?;
-    let are_shapes = order.obstacles.iter().all(|obstacle| obstacle.shape.grown(&obstacle.pose, 0.0).is_ok());
+    let are_shapes = order.obstacles.iter().all(|obstacle| Solid::of(&obstacle.shape, &obstacle.pose).is_some());
     demand(are_shapes, "hold an obstacle that has no shape")?;
     let precision = [order.precision.place_um, order.precision.heading_rad];
     demand(precision.into_iter().all(|value| value.is_finite() && value >= 0.0), "hold no precision")

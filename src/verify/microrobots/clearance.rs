@@ -8,12 +8,12 @@
 
 use super::super::Halt;
 use super::super::boxes::{Boxes, Extent};
+use super::super::geometry::solid::Solid;
 use super::super::rule::{Findings, Rule, Violation, ms};
+use super::bodies::Body;
 use super::motion::Ride;
 use super::sweep::{Endless, Gap, Looks, ROUNDING_UM, Touch};
 use super::{Bed, Train};
-use crate::geometry::Rounded;
-use crate::geometry::distance::{quadrilateral_core, segment_core};
 use crate::quantity::digits;
 use nalgebra::Point2;
 use rustc_hash::FxHashSet;
@@ -69,7 +69,7 @@ fn orbits(bed: &Bed) -> Vec<Vec<(usize, Disc)>> {
             let way_um: f64 = stretch.iter().map(|train| train.rides[robot].way_um).sum();
             if way_um / curve_um.abs() >= TAU + ROUNDING_TURN_RAD {
                 let ride = &stretch[0].rides[robot];
-                let disc = Disc { centre: ride.start.centre(curve_um), reach_um: ride.reach_um(curve_um) };
+                let disc = Disc { centre: ride.start.centre(curve_um), reach_um: ride.disc_radius_um(curve_um) };
                 trains.for_each(|train| orbits[train].push((robot, disc)));
             }
         }
@@ -81,7 +81,7 @@ fn orbits(bed: &Bed) -> Vec<Vec<(usize, Disc)>> {
 struct Watch<'b, 'r, 'a, 'f> {
     bed: &'b Bed<'r, 'a>,
     findings: &'f mut Findings,
-    solids: Vec<Rounded>,
+    solids: Vec<Solid>,
     boxes: Boxes,
     looks: Looks,
     told: FxHashSet<Told>,
@@ -89,13 +89,9 @@ struct Watch<'b, 'r, 'a, 'f> {
 
 impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     fn new(bed: &'b Bed<'r, 'a>, findings: &'f mut Findings) -> Self {
-        let grown = bed.order.obstacles.iter().map(|obstacle| obstacle.shape.grown(&obstacle.pose, 0.0));
-        let solids: Vec<Rounded> = grown.map(|body| body.expect("the premise knows every shape")).collect();
-        let extent = |body: &Rounded| {
-            let bounds = body.bounds();
-            Extent { low: bounds.min_um, high: bounds.max_um }
-        };
-        let boxes = Boxes::new(solids.iter().map(extent));
+        let placed = bed.order.obstacles.iter().map(|obstacle| Solid::of(&obstacle.shape, &obstacle.pose));
+        let solids: Vec<Solid> = placed.map(|body| body.expect("the premise knows every shape")).collect();
+        let boxes = Boxes::new(solids.iter().map(Solid::extent));
         Watch { bed, findings, solids, boxes, looks: Looks::default(), told: FxHashSet::default() }
     }
 
@@ -121,7 +117,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
 
     /// Obstacles that may lie nearer than a distance to a disc.
     fn about(&self, centre: Point2<f64>, within_um: f64) -> Vec<usize> {
-        self.boxes.meeting(&Extent::of(&[centre]).grown(within_um + BOX_MARGIN_UM))
+        self.boxes.meeting(&Extent::of(&[centre]).widened(within_um + BOX_MARGIN_UM))
     }
 
     /// A body that moves keeps its clearance from obstacles.
@@ -132,12 +128,12 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         for obstacle in self.about(centre, radius_um + needed_um) {
             let told = (Rule::Graze, robot, obstacle);
             let solid = &self.solids[obstacle];
-            let gap_um = |corners| quadrilateral_core(corners, &solid.core) - solid.radius_um;
+            let gap_um = |body: Body| solid.gap_um(&body.vertices());
             let swept = ride.curve_um.is_none().then(|| ride.body(0.0).stretched(ride.way_um));
-            if self.told.contains(&told) || swept.is_some_and(|swept| gap_um(swept.corners()) >= needed_um) {
+            if self.told.contains(&told) || swept.is_some_and(|swept| gap_um(swept) >= needed_um) {
                 continue;
             }
-            let at = |share| gap_um(round.body(share).corners());
+            let at = |share| gap_um(round.body(share));
             let gap = Gap { at, floor: |_| f64::NEG_INFINITY, travel_um: round.travel_um() };
             if let Some(touch) = gap.below([0.0, 1.0], needed_um, &mut self.looks)? {
                 let touch = Touch { share: touch.share * part, ..touch };
@@ -212,7 +208,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         let needed_um = self.bed.order.facts.orbit_clearance_um;
         for obstacle in self.about(disc.centre, disc.reach_um + needed_um) {
             let solid = &self.solids[obstacle];
-            let gap_um = segment_core([disc.centre; 2], &solid.core) - solid.radius_um - disc.reach_um;
+            let gap_um = solid.gap_um(&[disc.centre]) - disc.reach_um;
             // Obstacles and robots are told apart: the former come after the latter.
             let told = (Rule::Orbit, robot, train.rides.len() + obstacle);
             if gap_um < needed_um - ROUNDING_UM && !self.told.contains(&told) {

@@ -32,7 +32,7 @@ impl Place {
     }
 
     /// After a way, on a curve or straight on.
-    pub fn moved(self, curve_um: Option<f64>, way_um: f64) -> Place {
+    pub fn driven(self, curve_um: Option<f64>, way_um: f64) -> Place {
         let (sin, cos) = self.theta_rad.sine_cosine();
         let Some(curve_um) = curve_um else {
             return Place { at: self.at + Vector2::new(sin, cos) * way_um, ..self };
@@ -77,7 +77,7 @@ pub(super) struct Ride {
 impl Ride {
     /// The body at a share of the way.
     pub fn body(&self, share: f64) -> Body {
-        let place = self.start.moved(self.curve_um, self.way_um * share);
+        let place = self.start.driven(self.curve_um, self.way_um * share);
         let (sin, cos) = place.theta_rad.sine_cosine();
         Body { centre: place.at, along: Vector2::new(sin, cos), half_um: self.half_um }
     }
@@ -88,7 +88,7 @@ impl Ride {
     }
 
     /// The radius of the disc about the middle of its circle that the body never leaves.
-    pub fn reach_um(&self, curve_um: f64) -> f64 {
+    pub fn disc_radius_um(&self, curve_um: f64) -> f64 {
         (curve_um.abs() + self.half_um[1]).hypotenuse(self.half_um[0])
     }
 
@@ -96,7 +96,7 @@ impl Ride {
     pub fn travel_um(&self) -> f64 {
         match self.curve_um {
             None => self.way_um,
-            Some(curve_um) => self.way_um / curve_um.abs() * self.reach_um(curve_um),
+            Some(curve_um) => self.way_um / curve_um.abs() * self.disc_radius_um(curve_um),
         }
     }
 
@@ -109,11 +109,11 @@ impl Ride {
     /// A disc that holds the body between two shares of the way.
     pub fn disc(&self, [from, to]: [f64; 2]) -> (Point2<f64>, f64) {
         let half_way_um = self.way_um * (to - from) / 2.0;
-        let middle = self.start.moved(self.curve_um, self.way_um * (from + to) / 2.0);
+        let middle = self.start.driven(self.curve_um, self.way_um * (from + to) / 2.0);
         let near = (middle.at, half_way_um + self.half_diagonal_um());
         match self.curve_um {
-            Some(curve_um) if self.reach_um(curve_um) < near.1 => {
-                (self.start.centre(curve_um), self.reach_um(curve_um))
+            Some(curve_um) if self.disc_radius_um(curve_um) < near.1 => {
+                (self.start.centre(curve_um), self.disc_radius_um(curve_um))
             }
             Some(_) | None => near,
         }

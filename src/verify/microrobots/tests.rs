@@ -88,7 +88,7 @@ proptest! {
         let robot = robot([100.0, 20.0], turning);
         let pose = Pose { x_um, y_um, heading_rad };
         let (arm, curve_um) = if is_down { (Arm::Down, Some(super::curve_um(&robot))) } else { (Arm::Up, None) };
-        let moved = Place::of(&pose).moved(curve_um, way_um);
+        let moved = Place::of(&pose).driven(curve_um, way_um);
         let expected = robot.moved(pose, arm, way_um);
         prop_assert!(super::near(&moved.told(), &[expected.x_um, expected.y_um, expected.heading_rad]));
         let [off_um, off_rad] = moved.off(&expected);
@@ -109,14 +109,14 @@ proptest! {
         });
         let gap_um = one.gap_um(&other);
         prop_assert!((gap_um - other.gap_um(&one)).abs() < 1e-9);
-        let distance = quadrilateral_core(one.corners(), &Core::Polygon(other.corners().to_vec()));
+        let distance = quadrilateral_core(one.vertices(), &Core::Polygon(other.vertices().to_vec()));
         prop_assert!((distance - gap_um.max(0.0)).abs() < 1e-9, "{distance} {gap_um}");
         // Along every direction the shadows are no farther apart than the gap, and along one they are.
         let best = (0..7200).map(|at| {
             let (sin, cos) = (f64::from(at) * TAU / 7200.0).sin_cos();
             let shadow = |corner: Point2<f64>| corner.x * cos + corner.y * sin;
-            let low = other.corners().map(shadow).into_iter().fold(f64::INFINITY, f64::min);
-            low - one.corners().map(shadow).into_iter().fold(f64::NEG_INFINITY, f64::max)
+            let low = other.vertices().map(shadow).into_iter().fold(f64::INFINITY, f64::min);
+            low - one.vertices().map(shadow).into_iter().fold(f64::NEG_INFINITY, f64::max)
         });
         let best = best.fold(f64::NEG_INFINITY, f64::max);
         prop_assert!(best <= gap_um + 1e-9 && best >= gap_um - 0.5, "{best} {gap_um}");
@@ -133,7 +133,7 @@ proptest! {
         let mut shares = shares;
         shares.sort_by(f64::total_cmp);
         let (centre, radius_um) = ride.disc([shares[0], shares[2]]);
-        for (from, to) in ride.body(shares[1]).corners().iter().zip(ride.body(shares[2]).corners()) {
+        for (from, to) in ride.body(shares[1]).vertices().iter().zip(ride.body(shares[2]).vertices()) {
             prop_assert!((from - centre).norm() <= radius_um + 1e-9);
             prop_assert!((from - to).norm() <= ride.travel_um() * (shares[2] - shares[1]) + 1e-9);
         }
@@ -141,9 +141,9 @@ proptest! {
         prop_assert!((once.way_um - part * way_um).abs() < 1e-9);
         if let Some(curve_um) = curve_um {
             prop_assert!(once.way_um <= TAU * curve_um.abs());
-            let corner = ride.body(shares[1]).corners().map(|corner| (corner - start.centre(curve_um)).norm());
+            let corner = ride.body(shares[1]).vertices().map(|corner| (corner - start.centre(curve_um)).norm());
             let farthest = corner.into_iter().fold(0.0, f64::max);
-            prop_assert!((farthest - ride.reach_um(curve_um)).abs() < 1e-9);
+            prop_assert!((farthest - ride.disc_radius_um(curve_um)).abs() < 1e-9);
         }
     }
 

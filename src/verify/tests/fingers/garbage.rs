@@ -169,6 +169,7 @@ const UNFIT: &[(&str, Spoil)] = &[
     ("cannot be followed", |order| {
         part_of(order).xy.outline = Outline::Spline { points_um: vec![[1.0, 0.0]] };
     }),
+    ("the device's step apart", |order| facts_of(order).steps_per_turn = 20),
     ("that is none", |order| part_of(order).xy.opposite = Some(75)),
     ("off the x axis", |order| part_of(order).xy.opposite = Some(37)),
     ("fingers that they do not have", |order| order.steps[0].action = Action::Grasp(Some(vec![1, 38]))),

@@ -5,13 +5,12 @@ use crate::plan::fingers::ways::rolling::{chords, tip};
 
 /// A tip's centre after the part has turned by an angle, integrated: the tip moves as the material of the part at the contact, and
 /// the contact is the nearest place of the outline.
-fn integrated(curve: &Curve, mut centre: Vector2<f64>, way_um: f64, turn_rad: f64) -> Vector2<f64> {
+fn integrated(curve: &Curve, mut centre: Vector2<f64>, turn_rad: f64) -> Vector2<f64> {
     const STEPS: u32 = 400;
-    let mut way_um = way_um;
-    let mut velocity = |centre: Vector2<f64>, angle_rad: f64| {
+    let velocity = |centre: Vector2<f64>, angle_rad: f64| {
         let turned = |v: Vector2<f64>, by: f64| nalgebra::Rotation2::new(by) * v;
         let own = turned(centre, -angle_rad);
-        way_um = curve.nearest_from([own.x, own.y], way_um).way_um;
+        let way_um = curve.nearest([own.x, own.y]).way_um;
         let contact = turned(Vector2::from(curve.spot(way_um).point_um), angle_rad);
         Vector2::new(-contact.y, contact.x)
     };
@@ -35,7 +34,7 @@ fn tips_follow_the_rolling_constraint() {
             let rolled_rad = f64::from(contact) * bench.section.step_rad;
             let turn_rad = f64::from(steps) * bench.section.step_rad;
             let (centre, _) = tip(curve, facts, rolled_rad);
-            let by_force = integrated(curve, centre, curve.way_rolled_um(rolled_rad, facts.tip_radius_um), turn_rad);
+            let by_force = integrated(curve, centre, turn_rad);
             let (there, _) = tip(curve, facts, rolled_rad - turn_rad);
             let there = nalgebra::Rotation2::new(turn_rad) * there;
             assert!((by_force - there).norm() < 1e-4, "contact {contact} by {steps}: {}", (by_force - there).norm());
@@ -76,8 +75,7 @@ fn chords_stay_near_the_curve() {
                 let centre = from.lerp(&to, part);
                 worst_um = worst_um.max((centre - exact(part)).norm());
                 let own = nalgebra::Rotation2::new(rolled(part)) * centre;
-                let way_um = curve.way_rolled_um(rolled(part), bench.facts.tip_radius_um);
-                let touch_um = curve.nearest_from([own.x, own.y], way_um).distance_um - bench.facts.tip_radius_um;
+                let touch_um = curve.nearest([own.x, own.y]).distance_um - bench.facts.tip_radius_um;
                 assert!(touch_um.abs() <= half_um + 1e-5, "{touch_um} at {chord}");
             }
         }

@@ -1,0 +1,91 @@
+//! Faults put into shared measures on purpose: the tests see whether the verifier, which has measures of its own, notices them.
+//!
+//! Input: a number that a measure gives. Output: the same number. Promise: only tests can change one, and only in their own thread.
+
+/// A measure that can be put wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fault {
+    /// `geometry::distance`: between what a body sweeps and the core of an obstacle.
+    Distance,
+    /// `geometry::shape`: the radius of a grown shape.
+    Grown,
+    /// `geometry::shape`: the x coordinate of a shape's place.
+    Place,
+    /// `device::dimibot`: by how much obstacles are grown.
+    Growth,
+    /// `device::dimibot`: from a cell to the next one.
+    Pitch,
+    /// `geometry::outline`: the distance of a point from an outline.
+    Outline,
+    /// `geometry::outline`: the x coordinate of a place on an outline.
+    Spot,
+    /// `geometry::outline`: the direction of a normal.
+    Normal,
+    /// `geometry::outline`: the way once round.
+    Perimeter,
+    /// `geometry::outline`: by how much a part turns while a tip rolls along a way.
+    Rolled,
+    /// `geometry::outline`: how far a tip rolls while a part turns.
+    WayRolled,
+    /// `device::fingers`: the force that pulls a tip off.
+    Sticking,
+    /// `device::fingers`: how far from a contact tips are slow.
+    Slow,
+    /// `device::fingers`: the nominal step of rotation.
+    Step,
+    /// `device::microrobots`: how far a stroke carries a robot.
+    Stroke,
+    /// Of the verifier: between bodies.
+    JudgedDistance,
+    /// Of the verifier: the x coordinate of an obstacle's place.
+    JudgedPlace,
+    /// Of the verifier: the distance of a point from an outline.
+    JudgedOutline,
+    /// Of the verifier: the direction of a normal.
+    JudgedNormal,
+    /// Of the verifier: by how much a part turns while a tip rolls along a way.
+    JudgedRoll,
+}
+
+/// What comes out of a measure.
+#[cfg(not(test))]
+#[inline(always)]
+pub(crate) const fn through(_: Fault, number: f64) -> f64 {
+    number
+}
+
+#[cfg(test)]
+pub(crate) use switch::{Wrong, through, with};
+
+#[cfg(test)]
+mod switch {
+    use super::Fault;
+    use std::cell::Cell;
+
+    /// A factor, and what is added then.
+    pub(crate) type Wrong = [f64; 2];
+
+    thread_local! {
+        static ON: Cell<Option<(Fault, Wrong)>> = const { Cell::new(None) };
+    }
+
+    pub(crate) fn through(fault: Fault, number: f64) -> f64 {
+        match ON.get() {
+            Some((on, [factor, more])) if on == fault => number * factor + more,
+            Some(_) | None => number,
+        }
+    }
+
+    /// Runs something while a measure of this thread is wrong.
+    pub(crate) fn with<T>(fault: Fault, wrong: Wrong, run: impl FnOnce() -> T) -> T {
+        struct Off;
+        impl Drop for Off {
+            fn drop(&mut self) {
+                ON.set(None);
+            }
+        }
+        let _off = Off;
+        ON.set(Some((fault, wrong)));
+        run()
+    }
+}

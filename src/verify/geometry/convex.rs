@@ -1,0 +1,40 @@
+//! How far two convex bodies are apart: the widest gap between their shadows.
+//!
+//! Input: the corners of each body in order round it, in micrometres; one is a point, two are a segment. Output: their distance, 0 where
+//! they meet. On every line the shadows of two convex bodies are no farther apart than the bodies, and on one line they are as far: on one
+//! that runs across an edge, or from a corner of one body to a corner of the other (the dual of the least distance of two points). So
+//! each line that is looked at gives a lower bound, and the greatest is exact but for a few roundings.
+
+use crate::geometry::fault::{Fault, through};
+use nalgebra::{Point2, Vector2};
+
+/// The distance of two bodies; infinite if one has no corner.
+pub fn apart_um(one: &[Point2<f64>], other: &[Point2<f64>]) -> f64 {
+    if one.is_empty() || other.is_empty() {
+        return f64::INFINITY;
+    }
+    let across = sides(one).chain(sides(other)).map(|[a, b]| Vector2::new(a.y - b.y, b.x - a.x));
+    let between = one.iter().flat_map(|a| other.iter().map(move |b| b - a));
+    let apart_um = across.chain(between).map(|line| gap_um(one, other, line)).fold(0.0, f64::max);
+    through(Fault::JudgedDistance, apart_um)
+}
+
+/// Each corner with the next one, the last with the first.
+pub fn sides(corners: &[Point2<f64>]) -> impl Iterator<Item = [Point2<f64>; 2]> + '_ {
+    corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| [*a, *b])
+}
+
+/// What lies between the shadows of two bodies on a line; not above 0 where they overlap, or the line has no direction.
+fn gap_um(one: &[Point2<f64>], other: &[Point2<f64>], line: Vector2<f64>) -> f64 {
+    let length_um = line.norm();
+    if length_um == 0.0 {
+        return 0.0;
+    }
+    // Counted from a corner, lest bodies far from the origin lose digits.
+    let shadow = |body: &[Point2<f64>]| {
+        let places = body.iter().map(|corner| (corner - one[0]).dot(&line));
+        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| [low.min(place), high.max(place)])
+    };
+    let ([low, high], [other_low, other_high]) = (shadow(one), shadow(other));
+    (other_low - high).max(low - other_high) / length_um
+}
