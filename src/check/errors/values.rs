@@ -4,7 +4,7 @@ use super::{either, meant};
 use crate::check::value::Value;
 use crate::device;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::Dimension;
+use crate::quantity::{Dimension, Quantity, Unit, digits};
 use crate::source::Span;
 use crate::syntax::tree::Ident;
 
@@ -49,12 +49,17 @@ fn dimension_help(wanted: &WantedName, dimension: Dimension, found: &Value) -> S
 /// The digits that were written, with a unit that fits; `1` where they would make no sense there.
 fn example(dimension: Dimension, found: &Value) -> String {
     const PLAIN: std::ops::RangeInclusive<f64> = 0.001..=100_000.0;
-    let digits = match found {
+    let unit = dimension.example_unit();
+    // A length where a length per pixel is asked for keeps its value, as `0.02 um` in `0.02 um/px`.
+    let numerator = unit.split_once('/').map_or("", |(numerator, _)| numerator);
+    let is_numerator = |quantity: &Quantity| Unit::parse(numerator).is_ok_and(|of| of.dimension == quantity.dimension);
+    let written = match found {
+        Value::Quantity(quantity) if is_numerator(quantity) => digits(quantity.in_unit(numerator)),
         Value::Quantity(quantity) => quantity.to_string().split(' ').next().unwrap_or_default().to_owned(),
         _ => String::new(),
     };
-    let is_plain = digits.parse().is_ok_and(|number: f64| PLAIN.contains(&number));
-    format!("{} {}", if is_plain { digits.as_str() } else { "1" }, dimension.example_unit())
+    let is_plain = written.parse().is_ok_and(|number: f64| PLAIN.contains(&number));
+    format!("{} {unit}", if is_plain { written.as_str() } else { "1" })
 }
 
 pub fn wrong_value(wanted: &WantedName, what: &str, example: &str, span: Span, found: &Value) -> Diagnostic {
