@@ -8,6 +8,7 @@
 //! counter-clockwise as the image shows it: 90 deg faces up, towards smaller y. The heading of the frame is where the rows point in the
 //! scene; `mirrored` says that the image shows the scene from behind.
 
+use super::figures::Figures;
 use super::scope::{DeclarationPlace, Scope};
 use super::value::{ListValue, PoseValue, ShapeValue, Value};
 use super::{Checker, errors, shapes};
@@ -162,7 +163,7 @@ impl Checker<'_> {
                 self.frame_pose(&value, at.span)?
             }
         };
-        Some(Camera { pose, span: object.name.span, ..read(&image) })
+        Some(Camera { pose, span: object.name.span, ..read(&image)? })
     }
 
     /// Where something stands in a scene that says so of itself; `None` after an error.
@@ -195,17 +196,17 @@ impl Checker<'_> {
     }
 }
 
-/// The fields of an image.
-fn read(image: &ShapeValue) -> Camera {
-    let field = |name: &str| image.fields.get(name).map(|field| &field.value);
-    let origin_px = match field("origin") {
+/// An image by its fields, put at the origin; `None` where its scale is not known.
+fn read(image: &ShapeValue) -> Option<Camera> {
+    let origin_px = match image.fields.get("origin").map(|field| &field.value) {
         Some(Value::Point(point)) => [point[0].si, point[1].si],
         _ => [0.0, 0.0],
     };
-    let scale_um = match field("scale") {
-        Some(Value::Quantity(scale)) => scale.in_unit("um/px"),
-        _ => 1.0,
-    };
-    let is_mirrored = matches!(field("mirrored"), Some(Value::Bool(true)));
-    Camera { pose: Pose::at(0.0, 0.0), origin_px, scale_um, is_mirrored, span: Span::default() }
+    Some(Camera {
+        pose: Pose::at(0.0, 0.0),
+        origin_px,
+        scale_um: image.fields.quantity("scale")?.in_unit("um/px"),
+        is_mirrored: image.fields.is_set("mirrored"),
+        span: Span::default(),
+    })
 }

@@ -100,7 +100,7 @@ pub enum Together {
 }
 
 /// A word with what it stands for.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WordChoice {
     pub name: &'static str,
     pub doc: &'static str,
@@ -147,13 +147,13 @@ const fn expansions(default: &'static str, doc: &'static str) -> VocabularyField
 }
 
 /// A planner by its word, with its options.
-const fn planner(name: &'static str, doc: &'static str, options: &'static [VocabularyField]) -> Planner {
-    Planner { name, options, doc }
+const fn planner(word: WordChoice, options: &'static [VocabularyField]) -> Planner {
+    Planner { name: word.name, options, doc: word.doc }
 }
 
 /// An outcome by its word, with the dimension of its figure.
-const fn outcome(name: &'static str, doc: &'static str, dimension: Dimension) -> Outcome {
-    Outcome { name, dimension, doc }
+const fn outcome(word: WordChoice, dimension: Dimension) -> Outcome {
+    Outcome { name: word.name, dimension, doc: word.doc }
 }
 
 /// Whether a field may be left out.

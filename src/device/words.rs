@@ -2,7 +2,7 @@
 
 /// Declares an enum of words: `Variant = "word": "what it stands for"`, the default first.
 ///
-/// It has `ALL` and `CHOICES` (words with their help) in the order of writing, `name`, `doc`, `find` and `default`; it is serialised
+/// It has `ALL` and `CHOICES` (words with their help) in the order of writing, `name`, `choice`, `find` and `default`; it is serialised
 /// as its word.
 macro_rules! words {
     ($(#[$meta:meta])* pub enum $name:ident { $($variant:ident = $word:literal: $doc:literal,)+ }) => {
@@ -24,19 +24,17 @@ macro_rules! words {
 
             /// Every word with what it stands for.
             pub const CHOICES: &'static [crate::device::WordChoice] =
-                &[$(crate::device::WordChoice { name: $word, doc: $doc },)+];
+                &[$($name::$variant.choice(),)+];
 
             /// The word in the language.
             pub const fn name(self) -> &'static str {
-                match self {
-                    $($name::$variant => $word,)+
-                }
+                self.choice().name
             }
 
-            /// What the word stands for, as `tweeze devices` prints it.
-            pub const fn doc(self) -> &'static str {
+            /// The word with what it stands for, as `tweeze devices` prints it.
+            pub const fn choice(self) -> crate::device::WordChoice {
                 match self {
-                    $($name::$variant => $doc,)+
+                    $($name::$variant => crate::device::WordChoice { name: $word, doc: $doc },)+
                 }
             }
 
@@ -63,7 +61,7 @@ mod tests {
         assert_eq!(Size::ALL.iter().map(|size| size.name()).collect::<Vec<_>>(), ["small", "very_large"]);
         assert_eq!(Size::find("very_large"), Some(Size::VeryLarge));
         assert_eq!(Size::find("large"), None);
-        assert_eq!((Size::VeryLarge.doc(), Size::CHOICES[1].doc), ("much", "much"));
+        assert_eq!((Size::VeryLarge.choice().doc, Size::CHOICES[1].doc), ("much", "much"));
         assert_eq!(serde_json::to_string(&Size::VeryLarge).ok().as_deref(), Some("\"very_large\""));
         assert_eq!(serde_json::from_str::<Size>("\"small\"").ok(), Some(Size::Small));
     }

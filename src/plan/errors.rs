@@ -35,11 +35,17 @@ pub fn impossible(
     diagnostic.help_if(removal_help(blamed, removal))
 }
 
-fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
-    let names: Vec<String> = blamed.iter().take(MAX_LABELS).map(|(name, _)| format!("`{name}`")).collect();
-    let more = blamed.len().saturating_sub(MAX_LABELS);
+/// At most so many names, and how many more there are: `` `a`, `b` and 3 more ``.
+pub fn listed(names: impl IntoIterator<Item = String>, most: usize) -> String {
+    let mut names: Vec<String> = names.into_iter().collect();
+    let more = names.len().saturating_sub(most);
+    names.truncate(most);
     let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-    let names = format!("{}{rest}", names.join(", "));
+    format!("{}{rest}", names.join(", "))
+}
+
+fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
+    let names = listed(blamed.iter().map(|(name, _)| format!("`{name}`")), MAX_LABELS);
     match (removal, blamed.len()) {
         (_, 0) => None,
         (Removal::OpensAndIsSmallest, 1) => Some(format!("without {names} there is a way")),
@@ -69,15 +75,12 @@ pub fn greedy_gave_up(asked: Span, part: &str, at: &str, steps: usize, how: &str
 
 /// Of parts that cannot come to their goals because of one another.
 pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)]) -> Diagnostic {
-    let names: Vec<String> = parts.iter().take(MAX_LABELS).map(|(name, _)| format!("`{name}`")).collect();
-    let more = parts.len().saturating_sub(MAX_LABELS);
-    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
     let others = if parts.len() == 2 { "the other" } else { "the others" };
-    let names = match names.as_slice() {
-        [one, other] => format!("{one} and {other}"),
-        _ => names.join(", "),
+    let names = match parts {
+        [(one, _), (other, _)] => format!("`{one}` and `{other}`"),
+        _ => listed(parts.iter().map(|(name, _)| format!("`{name}`")), MAX_LABELS),
     };
-    let title = format!("no plan: {names}{rest} cannot pass one another");
+    let title = format!("no plan: {names} cannot pass one another");
     let mut diagnostic = Diagnostic::new(Code::E0601, title);
     let mut said: Vec<Span> = Vec::new();
     for (name, span) in parts.iter().take(MAX_LABELS) {

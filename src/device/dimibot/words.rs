@@ -4,8 +4,8 @@ use super::MAX_MODULES;
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Count, Need, Noun, Outcome, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
-    expansions, outcome, planner,
+    Count, Need, Noun, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase, expansions,
+    outcome, planner,
 };
 use crate::quantity::Dimension;
 
@@ -183,20 +183,12 @@ const BUDGET: [VocabularyField; 1] =
 
 /// The names of the planners, as `using` takes them and reports show them.
 pub const PLANNERS: &[Planner] = &[
-    method(DimibotMethod::StagedAstar),
-    method(DimibotMethod::Dijkstra),
-    method(DimibotMethod::BidirectionalDijkstra),
-    method(DimibotMethod::Astar),
-    method(DimibotMethod::HypercubeAstar),
+    planner(DimibotMethod::StagedAstar.choice(), &BUDGET),
+    planner(DimibotMethod::Dijkstra.choice(), &BUDGET),
+    planner(DimibotMethod::BidirectionalDijkstra.choice(), &BUDGET),
+    planner(DimibotMethod::Astar.choice(), &BUDGET),
+    planner(DimibotMethod::HypercubeAstar.choice(), &BUDGET),
 ];
-
-const fn method(method: DimibotMethod) -> Planner {
-    planner(method.name(), method.doc(), &BUDGET)
-}
-
-const fn figure(word: DimibotOutcome, dimension: Dimension) -> Outcome {
-    outcome(word.name(), word.doc(), dimension)
-}
 
 /// The words of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {
@@ -216,10 +208,10 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     objectives: DimibotObjective::CHOICES,
     planners: PLANNERS,
     outcomes: &[
-        figure(DimibotOutcome::Distance, Dimension::LENGTH),
-        figure(DimibotOutcome::Switches, Dimension::NUMBER),
-        figure(DimibotOutcome::Time, Dimension::TIME),
-        figure(DimibotOutcome::Energy, Dimension::ENERGY),
+        outcome(DimibotOutcome::Distance.choice(), Dimension::LENGTH),
+        outcome(DimibotOutcome::Switches.choice(), Dimension::NUMBER),
+        outcome(DimibotOutcome::Time.choice(), Dimension::TIME),
+        outcome(DimibotOutcome::Energy.choice(), Dimension::ENERGY),
     ],
     channels: "<device>.bl<i>.set, <device>.bl<i>.reset, and br likewise: the voltage on the actuator that brings the module to 1 or to 0",
 };

@@ -179,25 +179,17 @@ const BUDGET: [VocabularyField; 1] = [expansions(
 )];
 
 const PLANNERS: &[Planner] = &[
-    method(ElectrodeArrayMethod::Portfolio),
-    method(ElectrodeArrayMethod::CooperativeAstar),
-    method(ElectrodeArrayMethod::PlainCooperativeAstar),
+    planner(ElectrodeArrayMethod::Portfolio.choice(), &BUDGET),
+    planner(ElectrodeArrayMethod::CooperativeAstar.choice(), &BUDGET),
+    planner(ElectrodeArrayMethod::PlainCooperativeAstar.choice(), &BUDGET),
 ];
-
-const fn method(method: ElectrodeArrayMethod) -> Planner {
-    planner(method.name(), method.doc(), &BUDGET)
-}
 
 const OUTCOMES: &[Outcome] = &[
-    figure(ElectrodeArrayOutcome::Steps, Dimension::NUMBER),
-    figure(ElectrodeArrayOutcome::SumOfCosts, Dimension::NUMBER),
-    figure(ElectrodeArrayOutcome::Moves, Dimension::NUMBER),
-    figure(ElectrodeArrayOutcome::Time, Dimension::TIME),
+    outcome(ElectrodeArrayOutcome::Steps.choice(), Dimension::NUMBER),
+    outcome(ElectrodeArrayOutcome::SumOfCosts.choice(), Dimension::NUMBER),
+    outcome(ElectrodeArrayOutcome::Moves.choice(), Dimension::NUMBER),
+    outcome(ElectrodeArrayOutcome::Time.choice(), Dimension::TIME),
 ];
-
-const fn figure(word: ElectrodeArrayOutcome, dimension: Dimension) -> Outcome {
-    outcome(word.name(), word.doc(), dimension)
-}
 
 /// The words of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {

@@ -170,22 +170,17 @@ const VERBS: &[Verb] = &[
 const BUDGET: [VocabularyField; 1] =
     [expansions("200 000 000", "how many grasps the search may expand before it gives up")];
 
-const PLANNERS: &[Planner] =
-    &[way(FingersPlanner::JointAstar), way(FingersPlanner::PublishedAstar), way(FingersPlanner::GreedyDecomposition)];
-
-const fn way(word: FingersPlanner) -> Planner {
-    planner(word.name(), word.doc(), &BUDGET)
-}
-
-const OUTCOMES: &[Outcome] = &[
-    figure(FingersOutcome::Effort, Dimension::ANGLE),
-    figure(FingersOutcome::Reconfigurations, Dimension::NUMBER),
-    figure(FingersOutcome::Time, Dimension::TIME),
+const PLANNERS: &[Planner] = &[
+    planner(FingersPlanner::JointAstar.choice(), &BUDGET),
+    planner(FingersPlanner::PublishedAstar.choice(), &BUDGET),
+    planner(FingersPlanner::GreedyDecomposition.choice(), &BUDGET),
 ];
 
-const fn figure(word: FingersOutcome, dimension: Dimension) -> Outcome {
-    outcome(word.name(), word.doc(), dimension)
-}
+const OUTCOMES: &[Outcome] = &[
+    outcome(FingersOutcome::Effort.choice(), Dimension::ANGLE),
+    outcome(FingersOutcome::Reconfigurations.choice(), Dimension::NUMBER),
+    outcome(FingersOutcome::Time.choice(), Dimension::TIME),
+];
 
 /// The words of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {

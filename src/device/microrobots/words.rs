@@ -156,18 +156,13 @@ const VERBS: &[Verb] = &[
 const BUDGET: [VocabularyField; 1] =
     [expansions("200 000", "how many ways the search of one step may expand before it gives up")];
 
-const PLANNERS: &[Planner] =
-    &[planner(MicrorobotsPlanner::OneWayDubins.name(), MicrorobotsPlanner::OneWayDubins.doc(), &BUDGET)];
+const PLANNERS: &[Planner] = &[planner(MicrorobotsPlanner::OneWayDubins.choice(), &BUDGET)];
 
 const OUTCOMES: &[Outcome] = &[
-    figure(MicrorobotsOutcome::Time, Dimension::TIME),
-    figure(MicrorobotsOutcome::Switches, Dimension::NUMBER),
-    figure(MicrorobotsOutcome::Strokes, Dimension::NUMBER),
+    outcome(MicrorobotsOutcome::Time.choice(), Dimension::TIME),
+    outcome(MicrorobotsOutcome::Switches.choice(), Dimension::NUMBER),
+    outcome(MicrorobotsOutcome::Strokes.choice(), Dimension::NUMBER),
 ];
-
-const fn figure(word: MicrorobotsOutcome, dimension: Dimension) -> Outcome {
-    outcome(word.name(), word.doc(), dimension)
-}
 
 /// The words of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {

@@ -419,10 +419,7 @@ fn more_may_do(budget: u64) -> String {
 fn goals(stage: &BoardStage) -> String {
     const MAX_NAMED: usize = 3;
     let asked = stage.agents.iter().filter_map(|actor| actor.asked);
-    let named: Vec<String> = asked.clone().take(MAX_NAMED).map(|action| action.goal().cell.to_string()).collect();
-    let more = asked.count().saturating_sub(MAX_NAMED);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    format!("{}{more}", named.join(", "))
+    errors::listed(asked.map(|action| action.goal().cell.to_string()), MAX_NAMED)
 }
 
 fn objective(objective: ElectrodeArrayObjective) -> board::BoardObjective {

@@ -11,7 +11,7 @@ use crate::claims::Job;
 use crate::claims::electrode_array::{Bystanders, ElectrodeArrayMethod, ElectrodeArrayOrder, ElectrodeArrayPlanner};
 use crate::device::electrode_array::ElectrodeCell;
 use crate::diagnostic::{Code, Sink};
-use crate::plan::errors::Removal;
+use crate::plan::errors::{Removal, listed};
 use std::sync::Arc;
 
 /// The part of a step's budget for trying a remedy.
@@ -82,10 +82,7 @@ impl Shut<'_> {
 
     fn names(&self, blamed: &[usize]) -> String {
         let names: Vec<String> = self.stage.blockers().map(|blocker| blocker.name()).collect();
-        let named: Vec<String> = blamed.iter().take(MAX_NAMED).map(|index| format!("`{}`", names[*index])).collect();
-        let more = blamed.len().saturating_sub(MAX_NAMED);
-        let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-        format!("{}{rest}", named.join(", "))
+        listed(blamed.iter().map(|index| format!("`{}`", names[*index])), MAX_NAMED)
     }
 
     fn extent(&self) -> &'static str {

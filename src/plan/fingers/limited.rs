@@ -56,7 +56,7 @@ fn is_kept(job: &Job, plan: &Plan, outcome: &str) -> bool {
 
 /// Whether a plan takes longer than a limit.
 pub fn misses_time(job: &Job, plan: &Plan) -> bool {
-    !is_kept(job, plan, "time")
+    !is_kept(job, plan, FingersOutcome::Time.name())
 }
 
 /// A plan that is quick enough, beside one that is not.
@@ -79,7 +79,7 @@ pub fn sooner(sections: &mut Sections, asked: &AskedStretch, done: &Done) -> Soo
             next.plan.proof = if next.plan.bound >= next.plan.cost { Optimality::Proven } else { Optimality::Open };
             return Sooner::Kept(next);
         }
-        let time_s = |plan: &Plan| plan.outcomes.get("time").copied().unwrap_or(f64::INFINITY);
+        let time_s = |plan: &Plan| plan.outcomes.get(FingersOutcome::Time.name()).copied().unwrap_or(f64::INFINITY);
         if soonest.as_ref().is_none_or(|known| time_s(&next.plan) < time_s(known)) {
             soonest = Some(next.plan);
         }
