@@ -1,4 +1,25 @@
-//! What all planners share: a budget counted in steps, never in time, so that a plan does not depend on the machine.
+//! What all planners share: how a search ends, and a budget counted in steps, never in time, so that a plan does not depend on the machine.
+
+/// How a search ends. Nothing else is an answer: no empty plan means "no", and no search that ended early proves anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SearchAnswer<P, I, G = GaveUp> {
+    /// A plan, with the bound below which there is none.
+    Found(P),
+    /// Proven: there is no plan, and why.
+    Impossible(I),
+    /// A limit ended the search before a plan or a proof was found, with the bounds known by then.
+    GaveUp(G),
+}
+
+impl<P, I, G> SearchAnswer<P, I, G> {
+    /// The plan, if one was found.
+    pub fn found(self) -> Option<P> {
+        match self {
+            SearchAnswer::Found(plan) => Some(plan),
+            SearchAnswer::Impossible(_) | SearchAnswer::GaveUp(_) => None,
+        }
+    }
+}
 
 /// The steps a planner may take before it gives up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

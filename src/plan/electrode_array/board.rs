@@ -6,6 +6,8 @@
 //! "all four combinations of the starts and ends of two parts", taken apart into single positions, so a path is legal exactly if
 //! no position of it lies too near to three positions of another; no pair of moves has to be looked at.
 
+use crate::plan::search::SearchAnswer;
+
 /// A cell: `row * width + column`, both from 0.
 pub type CellIndex = u32;
 
@@ -198,15 +200,14 @@ impl BoardCosts {
     }
 }
 
-/// What became of a stage.
+/// What became of a stage; a search that gave up has bounds below which there is no plan.
+pub type BoardAnswer = SearchAnswer<BoardPlan, NoBoardPlan, BoardCosts>;
+
+/// A plan of a stage, with bounds below which there is none; whatever meets its bound is proven optimal.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum BoardAnswer {
-    /// A plan, with bounds below which there is none; whatever meets its bound is proven optimal.
-    Found { paths: Paths, bounds: BoardCosts },
-    /// There is no plan: proven.
-    Impossible(NoBoardPlan),
-    /// Neither a plan nor a proof within the budget; no plan has less than the bounds.
-    GaveUp { bounds: BoardCosts },
+pub struct BoardPlan {
+    pub paths: Paths,
+    pub bounds: BoardCosts,
 }
 
 /// Why there is no plan.

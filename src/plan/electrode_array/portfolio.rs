@@ -15,7 +15,7 @@
 //! budget is spent. Same instance and budget, same answer. What is not minimised is bettered too, but only while that goes quickly,
 //! and not proven where that takes a search. Cost: one step of the budget is one node of one search.
 
-use super::board::{BoardAnswer, BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths};
+use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, Instance, NoBoardPlan, Paths};
 use super::exact::field::ExactTables;
 use super::joint::{self, JointAim};
 use super::{alone, exact, fast, lacam, timing};
@@ -68,7 +68,7 @@ pub fn solve(instance: &Instance, objective: BoardObjective, limit: Option<u64>,
     let mut search =
         PortfolioSearch { instance, objective, limit, bounds, is_crowded: false, meter: Meter::new(budget) };
     match search.first() {
-        Some(BoardAnswer::Found { paths, .. }) => search.better(paths),
+        Some(BoardAnswer::Found(BoardPlan { paths, .. })) => search.better(paths),
         Some(decided) => decided,
         None => exact::prove(instance, objective, None, limit, &mut search.meter),
     }
@@ -85,7 +85,7 @@ fn by_itself(instance: &Instance, limit: Option<u64>) -> BoardAnswer {
                 Some(limit) if bounds.makespan > limit => {
                     BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least: bounds.makespan })
                 }
-                Some(_) | None => BoardAnswer::Found { paths, bounds },
+                Some(_) | None => BoardAnswer::Found(BoardPlan { paths, bounds }),
             }
         }
     }
@@ -116,11 +116,11 @@ impl PortfolioSearch<'_> {
                 plan = crowded.map(|paths| self.or_repaired(paths, seed));
             }
             if let Some(paths) = plan {
-                return Some(BoardAnswer::Found { paths, bounds });
+                return Some(BoardAnswer::Found(BoardPlan { paths, bounds }));
             }
             let doubt = steps.min(most) / DOUBT_SHARE;
             match self.spend(doubt, |share| exact::prove(instance, objective, None, limit, share)) {
-                BoardAnswer::GaveUp { .. } => {}
+                BoardAnswer::GaveUp(_) => {}
                 decided => return Some(decided),
             }
             steps = steps.saturating_mul(TURN_GROWTH);
@@ -182,8 +182,10 @@ impl PortfolioSearch<'_> {
             let looked = self.spend(share, |meter| exact::small(instance, objective, &first, limit, meter));
             match looked {
                 Some((answer, true)) => return answer,
-                Some((BoardAnswer::Found { paths, bounds }, false)) => (first, self.bounds) = (paths, bounds),
-                Some((BoardAnswer::Impossible(_) | BoardAnswer::GaveUp { .. }, false)) | None => {}
+                Some((BoardAnswer::Found(BoardPlan { paths, bounds }), false)) => {
+                    (first, self.bounds) = (paths, bounds)
+                }
+                Some((BoardAnswer::Impossible(_) | BoardAnswer::GaveUp(_), false)) | None => {}
             }
         }
         let all = self.meter.left().steps;
@@ -200,7 +202,7 @@ impl PortfolioSearch<'_> {
         }
         if self.is_met(&best) {
             let paths = self.ties(best, 1);
-            return BoardAnswer::Found { paths, bounds: self.bounds };
+            return BoardAnswer::Found(BoardPlan { paths, bounds: self.bounds });
         }
         exact::prove(self.instance, self.objective, Some(&best), self.limit, &mut self.meter)
     }
@@ -292,8 +294,8 @@ fn in_turns(instance: &Instance, aim: JointAim, meter: &mut Meter) -> Option<Pat
     let field = ExactTables::new(instance).ok()?;
     let everyone: Vec<usize> = (0..instance.agents.len()).collect();
     match joint::search(&field, &everyone, aim, meter) {
-        joint::JointOutcome::Found(paths) => Some(timing::earliest(instance, &paths)),
-        joint::JointOutcome::Impossible | joint::JointOutcome::NotWithin | joint::JointOutcome::GaveUp { .. } => None,
+        joint::JointAnswer::Found(paths) => Some(timing::earliest(instance, &paths)),
+        joint::JointAnswer::Impossible(_) | joint::JointAnswer::GaveUp(_) => None,
     }
 }
 
