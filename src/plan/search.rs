@@ -83,6 +83,14 @@ impl Meter {
         self.spent = self.spent.saturating_add(steps);
     }
 
+    /// Runs a search on at most so many of the steps that are left, and charges what it took.
+    pub fn share<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
+        let mut part = Meter::new(SearchBudget::of(steps.min(self.left().steps)));
+        let result = search(&mut part);
+        self.charge(part.spent());
+        result
+    }
+
     /// Steps taken so far.
     pub const fn spent(&self) -> u64 {
         self.spent

@@ -96,9 +96,8 @@ enum BlameTrial {
 
 impl BlamedScene<'_> {
     fn search(&self, covering: BTreeSet<usize>, meter: &mut Meter) -> ObstacleBlame {
-        let mut flood = Meter::new(SearchBudget::of(meter.left().steps / FLOOD_SHARE));
-        let (border, [from, to]) = self.smaller_border(&covering, &mut flood);
-        meter.charge(flood.spent());
+        let flood = meter.left().steps / FLOOD_SHARE;
+        let (border, [from, to]) = meter.share(flood, |meter| self.smaller_border(&covering, meter));
         let few = (self.obstacles.len() <= MAX_SUSPECTS).then(|| (0..self.obstacles.len()).collect());
         let singles = match border.as_ref().or(few.as_ref()) {
             Some(suspects) => self.single(suspects, &covering, meter),

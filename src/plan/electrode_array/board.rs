@@ -7,6 +7,7 @@
 //! no position of it lies too near to three positions of another; no pair of moves has to be looked at.
 
 use crate::plan::search::SearchAnswer;
+use fixedbitset::FixedBitSet;
 
 /// A cell: `row * width + column`, both from 0.
 pub type CellIndex = u32;
@@ -17,14 +18,14 @@ pub struct BoardGrid {
     width: u32,
     height: u32,
     /// One bit for each cell, row by row; set where a centre may not be.
-    blocked: Vec<u64>,
+    blocked: FixedBitSet,
 }
 
 impl BoardGrid {
     /// A board without a blocked cell; at most `u32::MAX` cells.
     pub fn new(width: u32, height: u32) -> BoardGrid {
         let cells = width as usize * height as usize;
-        BoardGrid { width, height, blocked: vec![0; cells.div_ceil(64)] }
+        BoardGrid { width, height, blocked: FixedBitSet::with_capacity(cells) }
     }
 
     /// Columns.
@@ -54,13 +55,13 @@ impl BoardGrid {
 
     /// Blocks one cell.
     pub fn block(&mut self, cell: CellIndex) {
-        self.blocked[cell as usize / 64] |= 1 << (cell % 64);
+        self.blocked.insert(cell as usize);
     }
 
     /// Whether no centre may be there.
     #[inline]
     pub fn is_blocked(&self, cell: CellIndex) -> bool {
-        self.blocked[cell as usize / 64] >> (cell % 64) & 1 == 1
+        self.blocked.contains(cell as usize)
     }
 
     /// Blocks every cell nearer than `distance` (Chebyshev) to a place, which need not lie on the board.

@@ -119,7 +119,7 @@ impl PortfolioSearch<'_> {
                 return Some(BoardAnswer::Found(BoardPlan { paths, bounds }));
             }
             let doubt = steps.min(most) / DOUBT_SHARE;
-            match self.spend(doubt, |share| exact::prove(instance, objective, None, limit, share)) {
+            match self.meter.share(doubt, |share| exact::prove(instance, objective, None, limit, share)) {
                 BoardAnswer::GaveUp(_) => {}
                 decided => return Some(decided),
             }
@@ -179,7 +179,7 @@ impl PortfolioSearch<'_> {
         if !self.is_met(&first) {
             let (instance, objective, limit) = (self.instance, self.objective, self.limit);
             let share = self.meter.left().steps - self.meter.left().steps / IMPROVE_SHARE;
-            let looked = self.spend(share, |meter| exact::small(instance, objective, &first, limit, meter));
+            let looked = self.meter.share(share, |meter| exact::small(instance, objective, &first, limit, meter));
             match looked {
                 Some((answer, true)) => return answer,
                 Some((BoardAnswer::Found(BoardPlan { paths, bounds }), false)) => {
@@ -265,18 +265,10 @@ impl PortfolioSearch<'_> {
     /// Runs a search that is one of many: if it took no step it still counts as done, so that there is an end.
     fn searched<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
         let before = self.meter.spent();
-        let result = self.spend(steps, search);
+        let result = self.meter.share(steps, search);
         if self.meter.spent() == before {
             self.meter.charge(steps.max(1));
         }
-        result
-    }
-
-    /// Runs a search on so many steps of what is left.
-    fn spend<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
-        let mut part = Meter::new(SearchBudget::of(steps.min(self.meter.left().steps)));
-        let result = search(&mut part);
-        self.meter.charge(part.spent());
         result
     }
 }

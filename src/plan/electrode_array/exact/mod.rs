@@ -313,9 +313,9 @@ impl<'a, 'm> Prover<'a, 'm> {
         self.spend(steps, |field, meter| {
             let pairs = (0..field.agents()).flat_map(|other| (0..other).map(move |one| [one, other]));
             for pair in pairs {
-                let mut own = Meter::new(SearchBudget::of(meter.left().steps / PAIR_SHARE));
-                let outcome = joint::search(field, &pair, JointAim::Any, &mut own);
-                meter.charge(own.spent() + 1);
+                let steps = meter.left().steps / PAIR_SHARE;
+                let outcome = meter.share(steps, |meter| joint::search(field, &pair, JointAim::Any, meter));
+                meter.charge(1);
                 if outcome == joint::JointAnswer::Impossible(NoJointPlan::AtAll) {
                     return Some(pair.to_vec());
                 }
@@ -326,10 +326,7 @@ impl<'a, 'm> Prover<'a, 'm> {
 
     /// Runs something on a part of the budget.
     fn spend<T>(&mut self, steps: u64, search: impl FnOnce(&ExactTables, &mut Meter) -> T) -> T {
-        let mut own = Meter::new(SearchBudget::of(steps));
-        let result = search(self.field, &mut own);
-        self.meter.charge(own.spent());
-        result
+        self.meter.share(steps, |meter| search(self.field, meter))
     }
 
     /// The reason for a group without a plan: agents are left out one by one while there is still none.
