@@ -326,7 +326,7 @@ impl<'a> Checker<'a> {
             self.sink.push(errors::repeats_nothing(each.over.span));
         }
         for (number, element) in elements.into_iter().enumerate() {
-            // The body may have passed the limit, which was reported there.
+            // The body may have passed the limit, already reported there.
             if self.repetitions > MAX_REPETITIONS {
                 return;
             }

@@ -29,7 +29,7 @@ pub struct Module {
 /// A used file.
 #[derive(Debug, Clone, Copy)]
 pub struct Import {
-    /// `None` if the file could not be used, which was reported.
+    /// `None` if the file could not be used, already reported.
     pub module: Option<usize>,
     pub span: Span,
 }
