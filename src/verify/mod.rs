@@ -2,9 +2,9 @@
 //!
 //! Input: a [`Schedule`] and the [`Claims`] of its program. Output: a [`Verdict`].
 //! Promise: only this stage can make a [`Verified`] value, and only such a value can be emitted. It uses nothing of a planner, and
-//! nothing that planners measure with: distances, placed shapes and outlines are those of `geometry` in here. Their other common uses of
-//! `device` are listed in `tests/tidy.rs`. Places come from the kinematic matrix, sweeps from gaps between projections, moves of parts from
-//! the electrodes that are on, turns of parts from the contacts of tips. No input makes it panic. Cost for n actuations and m
+//! nothing that planners measure with: distances, placed shapes and outlines are those of `geometry` in here. The parts of
+//! `device` that both use are listed in `tests/tidy.rs`. Places come from the kinematic matrix, sweeps from gaps between projections, moves
+//! of parts from the electrodes that are on, turns of parts from the contacts of tips. No input makes it panic. Cost for n actuations and m
 //! obstacles: n log n to sort, and for each move m/32 comparisons of boxes plus the exact distance of the few bodies near it; each
 //! step of a board also costs its parts, each sample of a rolling motion a linear program.
 //!
