@@ -65,7 +65,7 @@ impl SceneFields {
         if let Some((_, _, scene)) = self.known.iter().find(is_same) {
             return Arc::clone(scene);
         }
-        let scene = SearchScene::new(order).expect("the checker admits only what a field can be built from");
+        let scene = SearchScene::new(order).expect("the checker rejects scenes from which no field can be built");
         let scene = Arc::new(scene);
         self.known.push((Arc::clone(&order.obstacles), order.facts.clone(), Arc::clone(&scene)));
         scene

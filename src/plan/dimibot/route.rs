@@ -228,7 +228,7 @@ impl<'a> Router<'a> {
             let leg = match programme.mode {
                 Mode::Best(objective) | Mode::Bound(objective) => {
                     let best = self.legs.best(node.ends, objective, &mut meters[node.stage]);
-                    best.expect("each leg of a way was found and is remembered").pulses
+                    best.expect("each leg of a route is cached").pulses
                 }
                 Mode::Front { .. } => {
                     programme.fronts[&(node.stage, node.ends[0], node.ends[1])].ways[node.choice].1.clone()

@@ -193,7 +193,7 @@ impl MultiValueDecisionDiagram {
         for instant in 0..self.cost() {
             let next = self.starts[instant as usize + 1] as usize;
             let cheapest = self.edges(instant, place).iter().min_by_key(|to| tolls[next + **to as usize]);
-            place = *cheapest.expect("every node lies on a way") as usize;
+            place = *cheapest.expect("every node lies on a path") as usize;
             path.push(field.cell(self.nodes[next + place]));
         }
         path

@@ -139,7 +139,7 @@ impl ConstraintTree<'_, '_> {
                 return Ok(End::Nothing);
             }
             // The node stays in the queue until it is processed, so that its bound counts if the budget ends here.
-            let Some(mut node) = self.nodes[index].clone() else { unreachable!("an open node is there") };
+            let Some(mut node) = self.nodes[index].clone() else { unreachable!("an open node is stored") };
             if node.clashing.is_empty() {
                 let cost = node.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
                 return Ok(End::Found { paths: node.paths.iter().map(|path| path.to_vec()).collect(), cost });

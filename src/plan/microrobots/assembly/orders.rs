@@ -39,7 +39,7 @@ pub struct Orders<'a> {
 impl<'a> Orders<'a> {
     /// The goal of a robot that has one.
     pub fn dock(&self, robot: usize) -> &'a Dock {
-        self.docks.iter().find(|dock| dock.robot == robot).expect("only robots with goals are moved")
+        self.docks.iter().find(|dock| dock.robot == robot).expect("only robots with goals move")
     }
 
     /// Goals that are still to be reached, those of the robots that snap last first.
