@@ -1,9 +1,9 @@
 //! Possible next dockings, by the control states and by the bodies at rest.
 //!
-//! Input: the goals, and a bed. Output: the next moves that the control states, the touching of goals and the discs of robots that
-//! wait allow; whether such moves can go on to the end; and if none can, why. That is no proof that there is no assembly: it holds
-//! for those in which robots that are neither docked nor steered orbit where they are. What is docked keeps its arm up, which takes
-//! control states from those that come later, so orders are searched through to see whether one leads to the end.
+//! Input: the goals, and a bed. Output: the next moves that the control states, the contacts of goals and the orbit discs of
+//! waiting robots allow; whether such moves can lead to the end; and if none can, why. That is no proof that there is no assembly:
+//! it covers only those in which robots that are neither docked nor steered orbit in place. Docked robots keep their arms up, which
+//! removes control states from later moves, so orders are searched to see whether one leads to the end.
 
 use super::StuckAssembly;
 use super::bed::AssemblyState;

@@ -32,7 +32,7 @@ pub struct Bend {
 /// Shares of a cycle, in the order of its primitives, that lead through a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Steering<const K: usize> {
-    /// Sum to 1.
+    /// They sum to 1.
     pub shares: [f64; K],
     /// Path length of the robot to the point; of the first robot, if there are two.
     pub way_um: f64,
