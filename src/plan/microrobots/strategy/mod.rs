@@ -13,12 +13,12 @@
 //! measurement, at once and cheaply. The remainder at the target is the excess of the last interval; [`Driver::cylinder`] bounds
 //! it. A circle is driven where a new target lies less than the lag ahead, and where the heading has passed the last one; that is
 //! the paper's δ(t_2π).
+//!
 //! **Fine motion** (`approach`). At every measurement the share of the cycle with the arm down is chosen so that the robot is
 //! laterally in its place once one of its front corners has met the edge and it has turned about that corner until its front lies
 //! flat. Since the bed may rest, an interval of the fine motion is at most a tenth of its length, whatever the time between
 //! measurements. When less than an eighth would be left after another interval, the share is kept until contact: so near, a
 //! measurement changes the place by less than its own error.
-//! near, a measurement moves the place less than its own error.
 //!
 //! **Two robots at once** (`couple`). The second orbits while the first is driven, and the first runs straight, uncorrected, while
 //! the second is driven. They arrive simultaneously if the first has as far to run along its line as the second has to its
