@@ -350,6 +350,7 @@ impl<'a> Sought<'a> {
     /// Decides the `depth`-th highest bits of all cells between; recursion ends at the number of modules of the larger side, 20 at most.
     fn branch(&mut self, depth: u32) -> PulseBranch {
         let open = self.open(depth);
+        // A rectangle blocked by its decided bits alone is blocked for every choice of the open ones: prune.
         for pulse in 1..self.cells.len() {
             match self.inner_is_free(pulse, open) {
                 Some(true) => {}

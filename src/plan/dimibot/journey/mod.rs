@@ -225,7 +225,7 @@ struct MiddleGuide<'a> {
     goal: [u32; 2],
     /// By block: distance to the goal.
     exact: FxHashMap<[u32; 2], u64>,
-    /// Lower bound on any path from start to goal through a block that is not in `exact`.
+    /// For every block not in `exact`, the sum of its distance to the goal and `to_start` is at least this.
     layer: u64,
 }
 
@@ -265,6 +265,7 @@ impl Guide for MiddleGuide<'_> {
         match self.exact.get(&block) {
             Some(distance) => Some(*distance),
             None => {
+                // Admissible by the definition of `layer`; the larger of two lower bounds is one too.
                 let beyond = self.layer.saturating_sub(self.to_start(block)?);
                 let small = small_difference(&self.to_goal, &self.weights, block, self.goal);
                 Some(beyond.max(self.to_goal.coarse(block)? + small))

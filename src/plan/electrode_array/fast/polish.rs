@@ -243,6 +243,7 @@ impl Polish<'_, '_> {
         let mut found = Vec::with_capacity(order.len());
         for (turn, agent) in order.iter().enumerate() {
             let least = u64::from(self.crew.least[*agent]);
+            // A path later than this would make the sum of costs worse, whatever the rest of the chosen agents do.
             let limit = limit.min(least.saturating_add(slack)).min(u64::from(u32::MAX));
             let wish = Wish { others: Others::Hard, weight: 0, haste: 0, limit: limit as u32, delay: 0, detour: None };
             let Some(path) = self.crew.plan(*agent, wish, meter) else { break };
@@ -261,6 +262,8 @@ impl Polish<'_, '_> {
         let ours = chosen.iter().map(|agent| self.arrival(*agent)).max().unwrap_or(0);
         let rest = (0..self.crew.count()).filter(|agent| !chosen.contains(agent));
         let theirs = rest.map(|agent| self.arrival(agent)).max().unwrap_or(0);
+        // With the makespan at its bound, only the sum of costs can improve. Above it, the latest arrival counts first: if it is
+        // among the chosen, they must all arrive earlier; otherwise they may arrive as late as the others.
         match self.objective {
             BoardObjective::SumOfCosts => (u64::MAX, slack),
             BoardObjective::Makespan if ours.max(theirs) <= self.bounds.makespan => (self.bounds.makespan, slack),

@@ -234,11 +234,13 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         for (set, place) in course.sets.wider(piece.chain.set) {
             let chain = |third: u16| GraspChain { set: *set, phases: inserted([p, q], third, *place) };
             let goes_over = self.fields[leg].hands_on || wants_angles;
+            // A triple whose pairs are all known adds nothing, unless it continues into the next leg or its angles are needed.
             if !goes_over && !self.has_open(leg, chain(0), *place) {
                 continue;
             }
             let pairs = [0, 1, 2].map(|place| course.pair_steps(leg, chain, place));
             course.looks.take(sheet.contacts as u64);
+            // Cyclic distance from the first contact of the pair to the third; the triples' strands are ordered by it.
             for two in 0..sheet.contacts {
                 let third = wrapped(usize::from(p) + two, sheet.contacts);
                 let field = &self.fields[leg];

@@ -238,8 +238,11 @@ impl Stray {
         let centre_um = driver.centre_error_um() + driver.creep_um(driver.interval_um);
         let steady_rad = 2.0 * errors.heading_rad + drift * interval_um;
         let first_rad = 2.0 * driver.miss_rad_per_um() * interval_um;
+        // Sagitta of the most curved path. A steady error s of the measured direction adds the offset s·D·ln(L/D) at distance D
+        // from the target of a run L: at most s·L/e.
         let bulge_um = drift * run_um * run_um / 8.0 + steady_rad * run_um / E;
         let place_um = off_um + 2.0 * centre_um + 1.1 * bulge_um + first_rad * interval_um;
+        // The slope of that offset, s·(1 + ln(L/D)), at the last interval.
         let logs = 1.0 + (run_um / interval_um.max(1.0)).max(1.0).natural_logarithm();
         let heading_rad = drift * run_um / 2.0
             + steady_rad * logs
