@@ -22,7 +22,7 @@ const TIE_FACTOR: u64 = 4;
 const SWITCH_BITS: u32 = 28;
 /// The same for the distance of a path, where switches come first.
 const DISTANCE_BITS: u32 = 40;
-/// A path with fewer switches than this has a distance below 2^[`DISTANCE_BITS`].
+/// A path with at most this many switches has a distance below 2^[`DISTANCE_BITS`].
 const MAX_SWITCHES: u64 = 1 << 20;
 
 /// The best path between two cells.

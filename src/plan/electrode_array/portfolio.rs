@@ -33,14 +33,15 @@ const DOUBT_SHARE: u64 = 1;
 /// One part in this many of the budget is reserved from the rounds for the proof that there is no plan.
 const HARD_SHARE: u64 = 4;
 
-/// Share of the remaining budget for better plans, and share for better plans via the other objective.
+/// One part in this many of the remaining budget goes to better plans, and one to better plans via the other objective.
 const IMPROVE_SHARE: u64 = 4;
 const OTHER_SHARE: u64 = 8;
 
-/// Share of the remaining budget for repaired paths where a search of configurations found a plan of many parts first.
+/// One part in this many of the remaining budget goes to repaired paths where a search of configurations found a plan of many parts
+/// first.
 const REPAIR_SHARE: u64 = 4;
 
-/// With more parts a proof is unlikely, so better plans get all but one of the shares.
+/// With more parts a proof is unlikely, so better plans get the whole remaining budget except one such part.
 const CROWD: usize = 50;
 
 /// Steps of one round of improvement, and of one search for a plan with a step less; each plus this many for each step of the
@@ -49,8 +50,8 @@ const ROUND_STEPS: u64 = 100_000;
 const SQUEEZE_STEPS: u64 = 400_000;
 const STEPS_PER_MOVE: u64 = 5;
 
-/// Steps of one round for the figure that is not minimised, besides one for each step of the parts; and the share of the remaining
-/// budget that all such rounds may take.
+/// Steps of one round for the figure that is not minimised, besides one for each step of the parts; all such rounds together get
+/// one part in this many of the remaining budget.
 const TIE_STEPS: u64 = 20_000;
 const TIE_SHARE: u64 = 16;
 

@@ -47,10 +47,11 @@ const JOINT_SHARE: u64 = 4;
 const PAIRS_SHARE: u64 = 2;
 const PAIR_SHARE: u64 = 2;
 
-/// Share of the search for the least number of steps when it may not end, because there may be no plan.
+/// Without an incumbent, one part in this many of the remaining budget goes to the main search, which may not end because there may
+/// be no plan.
 const OPEN_SHARE: u64 = 2;
 
-/// Share of the search for a better sum of costs at the least makespan.
+/// One part in this many of the remaining budget goes to a better sum of costs at the least makespan.
 const POLISH_SHARE: u64 = 4;
 
 /// Proves as much as the budget allows: improves the bounds and the incumbent until they meet, or proves that there is no plan.

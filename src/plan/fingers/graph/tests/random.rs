@@ -104,7 +104,7 @@ fn noise(random: &mut Random, contacts: usize, layers: usize) -> Tables {
     Tables { contacts, layers: layers.collect() }
 }
 
-/// A case: fingers, contacts, legs, junctions, pins and all.
+/// A random case: fingers, contacts, legs, junctions and pins.
 pub fn case(seed: u64) -> GraspRequest {
     let random = &mut Random(seed.wrapping_mul(0x1234_5677));
     let fingers = if random.chance(75) || seed.is_multiple_of(50) { 3 } else { 4 };
