@@ -43,7 +43,7 @@ impl ContactPoint {
     }
 }
 
-/// The forces on a held part besides those of its contacts, in section coordinates; micronewtons.
+/// The forces on a held part except those of its contacts, in section coordinates; micronewtons.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Statics<'a> {
     order: &'a FingersOrder,

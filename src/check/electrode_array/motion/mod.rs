@@ -46,7 +46,7 @@ fn share(u: f64) -> f64 {
     2.0 * u / (1.0 + u * u)
 }
 
-/// A part on its way from one cell to the next.
+/// A part in motion from one cell to the next.
 #[derive(Debug, Clone, Copy)]
 pub struct Glide {
     pub pull: Pull,
@@ -60,7 +60,7 @@ pub struct Glide {
 }
 
 impl Glide {
-    /// The time until place and speed stay at rest; `None` if they do not within the instants that are looked at.
+    /// The time until place and speed remain at rest; `None` if they do not within the simulated instants.
     pub fn settling_s(&self) -> Option<f64> {
         let stiffness = 2.0 * self.pull.peak_n / self.pull.peak_at_m;
         let frequency = (stiffness / self.mass_kg).sqrt();
