@@ -17,7 +17,8 @@ use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 /// Greatest excess of a force over its cone, as a share of the forces that matter: those that load, pull or hold.
 pub(super) const TOLERANCE: f64 = 1e-6;
 
-/// Weight of a deviation from the wanted sum of normal forces, relative to the depth inside the cones.
+/// Weight of a deviation from the wanted sum of normal forces, relative to the depth inside the cones; large, so that the sum takes
+/// precedence.
 const SUM_WEIGHT: f64 = 1e3;
 
 /// Share of a load below which it counts as zero (rounding).

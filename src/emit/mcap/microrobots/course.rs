@@ -181,7 +181,7 @@ impl ControlLeg<'_> {
             Arm::Up => body.way_um / STEP_UM,
             Arm::Down => body.way_um / order.robot(robot).turning_radius_um / TURN_RAD,
         });
-        // At most the number of picometre strokes: the cast saturates.
+        // Unbounded for extreme figures: the cast saturates.
         parts.fold(0.0, f64::max).ceil() as usize
     }
 
