@@ -135,7 +135,7 @@ fn number(path: &Path) -> Option<u64> {
     return None;
 }
 
-/// A folder that nobody else builds into.
+/// A folder locked for one build.
 pub struct Folder<'a> {
     path: &'a Path,
     acts: &'a dyn Acts,
