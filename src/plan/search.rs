@@ -1,6 +1,7 @@
-//! What all planners share: how a search ends, and a budget counted in steps, never in time, so that a plan does not depend on the machine.
+//! Shared by all planners: the results of a search, and its budget. Budgets count steps, never time, so that a plan does not depend on
+//! the machine.
 
-/// How a search ends. Nothing else is an answer: no empty plan means "no", and no search that ended early proves anything.
+/// Result of a search. No empty plan means "no", and a search that ended early proves nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SearchAnswer<P, I, G = GaveUp> {
     /// A plan, with the bound below which there is none.
@@ -11,20 +12,10 @@ pub enum SearchAnswer<P, I, G = GaveUp> {
     GaveUp(G),
 }
 
-impl<P, I, G> SearchAnswer<P, I, G> {
-    /// The plan, if one was found.
-    pub fn found(self) -> Option<P> {
-        match self {
-            SearchAnswer::Found(plan) => Some(plan),
-            SearchAnswer::Impossible(_) | SearchAnswer::GaveUp(_) => None,
-        }
-    }
-}
-
-/// The steps a planner may take before it gives up.
+/// Number of steps a planner may take before it gives up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SearchBudget {
-    /// Number of steps. What one step is, each planner's documentation says.
+    /// Number of steps. Each planner documents what one step is.
     pub steps: u64,
 }
 
@@ -32,7 +23,7 @@ impl SearchBudget {
     /// Enough for every scene of the benchmarks; a few seconds and some hundred megabytes at most.
     pub const DEFAULT: SearchBudget = SearchBudget { steps: 16_000_000 };
 
-    /// A budget of that many steps.
+    /// A budget of `steps` steps.
     pub const fn of(steps: u64) -> Self {
         SearchBudget { steps }
     }
@@ -51,7 +42,7 @@ pub struct GaveUp {
     pub budget: SearchBudget,
     /// Steps spent.
     pub spent: u64,
-    /// No plan costs less than this, in the units of the objective.
+    /// Lower bound on the cost of any plan, in the units of the objective.
     pub bound: u64,
 }
 
@@ -83,7 +74,7 @@ impl Meter {
         self.spent = self.spent.saturating_add(steps);
     }
 
-    /// Runs a search on at most so many of the steps that are left, and charges what it took.
+    /// Runs a search on at most `steps` of the remaining steps, and charges the steps it took.
     pub fn share<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
         let mut part = Meter::new(SearchBudget::of(steps.min(self.left().steps)));
         let result = search(&mut part);
@@ -96,7 +87,7 @@ impl Meter {
         self.spent
     }
 
-    /// What is left.
+    /// The budget that is left.
     pub const fn left(&self) -> SearchBudget {
         SearchBudget::of(self.budget.steps.saturating_sub(self.spent))
     }
