@@ -324,6 +324,31 @@ fn a_kind_has_the_same_name_in_every_stage() {
     assert_eq!(listed.matches("pub mod ").count() - 1, KINDS.len(), "a kind is missing in `KINDS`, `shape` aside");
 }
 
+/// What a fifth kind may cost outside its own files: `device` says which files these are.
+const MAX_SHARED_FILES: usize = 29;
+const MAX_SHARED_LINES: usize = 99;
+
+/// How many shared files name a kind in code, and in how many lines: `dimibot` as a word, or a word that begins with `Dimibot`. A file or
+/// folder by the kind's name is its own.
+#[test]
+fn shared_files_seldom_name_a_kind() {
+    let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
+    let shared = |path: &str| !path.trim_end_matches(".rs").split('/').any(|part| KINDS.contains(&part));
+    for kind in KINDS {
+        let variant: String = kind.split('_').map(|word| word[..1].to_uppercase() + &word[1..]).collect();
+        let names = |line: &&str| line.split(|c| !is_of_word(c)).any(|word| word == kind || word.starts_with(&variant));
+        let counts: BTreeMap<String, usize> = sources()
+            .into_iter()
+            .filter(|(path, _)| !is_test_file(path) && shared(path))
+            .map(|(path, text)| (path, without_tests(&text).lines().filter(names).count()))
+            .filter(|(_, lines)| *lines > 0)
+            .collect();
+        let (files, lines) = (counts.len(), counts.values().sum::<usize>());
+        println!("{kind}: {files} shared files, {lines} lines: {counts:?}");
+        assert!(files <= MAX_SHARED_FILES && lines <= MAX_SHARED_LINES, "{kind}: {files}, {lines}: {counts:?}");
+    }
+}
+
 /// The largest share of types that may have their name from another type, in percent.
 const MAX_SHARED_NAMES: usize = 5;
 

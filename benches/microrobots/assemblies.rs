@@ -6,6 +6,7 @@ use std::fmt::Write;
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
 use tweeze::claims::Claims;
+use tweeze::claims::microrobots::MicrorobotsOrder;
 use tweeze::compile::{self, CompileRequest};
 use tweeze::diagnostic::Sink;
 use tweeze::plan::{self, Motion, Plan};
@@ -82,7 +83,8 @@ pub fn table() {
             println!("| {count} | {:.1} | no plan | | | |", planning.as_secs_f64() * 1e3);
             continue;
         };
-        let (Motion::Microrobots(motion), Some(order)) = (&plan.motion, claims.jobs[0].order.microrobots()) else {
+        let (Motion::Microrobots(motion), Some(order)) = (&plan.motion, MicrorobotsOrder::of(&claims.jobs[0].order))
+        else {
             continue;
         };
         let (simulating, report) = timed(|| simulate(order, motion, TRIALS, 7, 1));

@@ -1,5 +1,7 @@
 //! What a task claims of an electrode array.
 
+use super::{KindOrder, Order};
+use crate::device::Kind;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 pub use crate::device::electrode_array::{ElectrodeArrayMethod, ElectrodeArrayObjective};
 use crate::source::Span;
@@ -19,6 +21,19 @@ pub struct ElectrodeArrayOrder {
     /// What the parts without a goal do.
     pub bystanders: Bystanders,
     pub steps: Vec<ElectrodeArrayStep>,
+}
+
+impl KindOrder for ElectrodeArrayOrder {
+    fn kind(&self) -> Kind {
+        Kind::ElectrodeArray
+    }
+}
+
+impl ElectrodeArrayOrder {
+    /// A job's order, if it is one of this kind.
+    pub fn of(order: &Order) -> Option<&ElectrodeArrayOrder> {
+        if let Order::ElectrodeArray(order) = order { Some(order) } else { None }
+    }
 }
 
 /// How the plan is searched.

@@ -57,7 +57,7 @@ fn told(
 
 /// What came of one assembly; `None` where there is none, or where the device does not say its errors.
 fn one(job: &Job, plan: &Plan, arguments: &SimulateArguments) -> Option<String> {
-    let order = job.order.microrobots()?;
+    let order = crate::claims::microrobots::MicrorobotsOrder::of(&job.order)?;
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let (trials, seed) = (u64::from(arguments.trials), arguments.seed);
     let report = simulate(&job.order, &plan.motion, trials, seed, threads)?;

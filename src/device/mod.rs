@@ -51,6 +51,21 @@ impl Kind {
     }
 }
 
+/// The one match over the kinds, for each enum that has a variant of one field for every kind: the same expression for whichever variant
+/// a value is, its content under a name, as in `each_kind!(Order, &job.order, order => order.steps.len())`.
+macro_rules! each_kind {
+    ($of:ident, $value:expr, $content:ident => $result:expr) => {
+        match $value {
+            $of::Dimibot($content) => $result,
+            $of::ElectrodeArray($content) => $result,
+            $of::Microrobots($content) => $result,
+            $of::Fingers($content) => $result,
+        }
+    };
+}
+
+pub(crate) use each_kind;
+
 /// The words of a kind.
 #[derive(Debug)]
 pub struct Vocabulary {
@@ -68,6 +83,8 @@ pub struct Vocabulary {
     pub state: Option<Sort>,
     /// Whether `together { … }` asks for goals at the same time.
     pub together: Together,
+    /// Whether a program may say where a device stands in a scene.
+    pub frames: Frames,
     /// What a task may do.
     pub verbs: &'static [Verb],
     /// What `minimize` takes; the first is the default.
@@ -95,6 +112,13 @@ impl Vocabulary {
 /// Whether a device can have several goals at the same time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Together {
+    Yes,
+    No,
+}
+
+/// Whether a device can have a frame in a scene, beside others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Frames {
     Yes,
     No,
 }

@@ -13,6 +13,8 @@ use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous, Swit
 use crate::device::fingers::{FingersFacts as Hand, Plane, fixture};
 use crate::geometry::outline::Outline;
 use crate::geometry::shape::{Pose, Shape};
+use crate::schedule::dimibot::DimibotState;
+use crate::schedule::fingers::FingersState;
 use crate::schedule::{
     Actuation, Channel, ChannelUnit, PlanRecord, Schedule, ScheduledStep, SourceRef, State, Swing, TimedState,
 };
@@ -221,7 +223,11 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[LatticeCell], start_n
 }
 
 fn timed(facts: &DimibotFacts, cell: LatticeCell, t_ns: u64) -> TimedState {
-    let state = State::Dimibot { word: facts.word(cell), cell: [cell.x, cell.y], position_um: facts.place_um(cell) };
+    let state = State::Dimibot(DimibotState {
+        word: facts.word(cell),
+        cell: [cell.x, cell.y],
+        position_um: facts.place_um(cell),
+    });
     TimedState { t_ns, state }
 }
 
@@ -587,14 +593,14 @@ impl Gesture {
     fn record(&mut self) {
         let (sin, cos) = (self.turned as f64 * step_rad() / 2.0).sin_cos();
         let tips = self.grasp.iter().zip(self.tips_um);
-        let state = State::Fingers {
+        let state = State::Fingers(FingersState {
             grasp: self.grasp.to_vec(),
             angle_index: 1 + self.turned,
             plane: Plane::Xy,
             tips_um: tips.map(|(contact, tip_um)| (*contact > 0).then_some(tip_um)).collect(),
             position_um: [0.0, 0.0, self.height_um],
             orientation: [cos, 0.0, 0.0, sin],
-        };
+        });
         self.states.push(TimedState { t_ns: self.t_ns, state });
     }
 }

@@ -7,6 +7,7 @@ use super::clock::{LoweredRun, RunActuation};
 use crate::claims::dimibot::DimibotOrder;
 use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Switch};
 use crate::plan::dimibot::{DimibotMotion, DimibotStepMotion, ModulePulse};
+use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{State, TimedState};
 
 /// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
@@ -57,5 +58,5 @@ fn fire(
 }
 
 fn state(facts: &DimibotFacts, cell: LatticeCell) -> State {
-    State::Dimibot { word: facts.word(cell), cell: cell.pair(), position_um: facts.place_um(cell) }
+    State::Dimibot(DimibotState { word: facts.word(cell), cell: cell.pair(), position_um: facts.place_um(cell) })
 }

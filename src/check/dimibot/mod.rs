@@ -428,7 +428,7 @@ enum KnownStand {
 pub fn starts_agree(jobs: &[Job], sink: &mut Sink) {
     let mut stands: BTreeMap<&str, KnownStand> = BTreeMap::new();
     for job in jobs {
-        let Some(order) = job.order.dimibot() else { continue };
+        let Some(order) = DimibotOrder::of(&job.order) else { continue };
         let before = stands.get(job.device.as_str()).copied();
         if let (Some(start), Some(KnownStand::At(cell))) = (order.start, before)
             && start.value != cell

@@ -27,7 +27,7 @@ pub fn places_agree(jobs: &[Job], origins: &CellOrigins, sink: &mut Sink) {
     let mut boards: BTreeMap<&str, BoardWalk> = BTreeMap::new();
     let mut walk = PartsWalk { origins, told: BTreeSet::new(), covers: BTreeMap::new() };
     for job in jobs {
-        let Some(order) = job.order.electrode_array() else { continue };
+        let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
         let board = boards.entry(&job.device).or_insert_with(|| BoardWalk::of(order));
         if !Arc::ptr_eq(&board.parts, &order.parts) {
             if let Some(name) = odd_part(&board.parts, &order.parts) {

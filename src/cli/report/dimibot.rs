@@ -5,6 +5,7 @@ use crate::claims::dimibot::{Asked, DimibotAction, DimibotOrder, DimibotStop};
 use crate::device::dimibot::{DimibotObjective, DimibotOutcome, LatticeCell, Side};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::real::Real;
+use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{PlanRecord, State, TimedState};
 use std::ops::RangeInclusive;
 
@@ -60,7 +61,7 @@ fn visited(stops: &[DimibotStop], states: &[TimedState], during: RangeInclusive<
     let within = states.iter().filter(|state| during.contains(&state.t_ns));
     let mut order: Vec<LatticeCell> = Vec::new();
     for state in before.into_iter().chain(within) {
-        let State::Dimibot { cell: [x, y], .. } = state.state else { continue };
+        let State::Dimibot(DimibotState { cell: [x, y], .. }) = state.state else { continue };
         let cell = LatticeCell::new(x, y);
         if stops.iter().any(|stop| stop.cell == cell) && !order.contains(&cell) {
             order.push(cell);

@@ -49,7 +49,7 @@ impl<'a> PictureBench<'a> {
 fn right_of_placed(claims: &Claims) -> f64 {
     let devices: BTreeMap<&str, &Job> = claims.jobs.iter().map(|job| (job.device.as_str(), job)).collect();
     let ends = devices.into_values().filter_map(|job| {
-        let (frame, order) = (claims.frame(&job.device)?, job.order.dimibot()?);
+        let (frame, order) = (claims.frame(&job.device)?, crate::claims::dimibot::DimibotOrder::of(&job.order)?);
         let [x, y] = dimibot::extent_um(&order.facts);
         let corners = [[0.0, 0.0], [x, 0.0], [0.0, y], [x, y]];
         Some(corners.map(|corner| in_scene_um(corner, Some(&frame))[0]).into_iter().fold(f64::NEG_INFINITY, f64::max))

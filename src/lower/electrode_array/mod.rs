@@ -9,6 +9,7 @@ use super::clock::{LoweredRun, RunActuation};
 use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold};
 use crate::plan::electrode_array::{ElectrodeArrayMotion, ElectrodeArrayStepMotion};
+use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{ChannelUnit, State, TimedState};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -133,7 +134,7 @@ impl LoweringBoard<'_> {
     fn record(&mut self, t_ns: u64) {
         let parts = self.order.parts.iter().zip(&self.cells);
         let parts = parts.filter_map(|(part, cell)| Some((part.name.clone(), (*cell)?.pair()))).collect();
-        self.run.states.push(TimedState { t_ns, state: State::ElectrodeArray { parts } });
+        self.run.states.push(TimedState { t_ns, state: State::ElectrodeArray(ElectrodeArrayState { parts }) });
     }
 }
 

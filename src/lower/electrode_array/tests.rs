@@ -11,6 +11,7 @@ use crate::diagnostic::Sink;
 use crate::lower::lower;
 use crate::plan::{Motion, Optimality, Plan};
 use crate::schedule::Schedule;
+use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::source::{Sources, Span};
 use std::sync::Arc;
 
@@ -165,6 +166,6 @@ fn merged_droplets_are_one_in_the_last_state() {
     let (_, schedule) = carried(&facts(Electrodes::Single), &ways);
     let states = &schedule.plans[0].states;
     assert_eq!(states.len(), 3);
-    let State::ElectrodeArray { parts } = &states[2].state else { panic!("a state of a board") };
+    let State::ElectrodeArray(ElectrodeArrayState { parts }) = &states[2].state else { panic!("a state of a board") };
     assert_eq!(parts.iter().collect::<Vec<_>>(), [(&"a".to_owned(), &[4, 3])]);
 }

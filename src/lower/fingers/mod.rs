@@ -7,6 +7,7 @@ use super::clock::{LoweredRun, RunActuation};
 use crate::claims::fingers::FingersOrder;
 use crate::device::fingers::{AXES, channel};
 use crate::plan::fingers::{FingersMotion, HeldGrasp, TipsMove};
+use crate::schedule::fingers::FingersState;
 use crate::schedule::{State, TimedState};
 
 /// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
@@ -76,14 +77,14 @@ impl Lowering {
     /// A state that begins now, with the tips where they are.
     fn record(&mut self, hold: &HeldGrasp) {
         let held = |(finger, contact): (usize, &u32)| (*contact != 0).then(|| self.tips_um[finger]);
-        let state = State::Fingers {
+        let state = State::Fingers(FingersState {
             grasp: hold.grasp.clone(),
             angle_index: hold.angle_index,
             plane: hold.plane,
             tips_um: hold.grasp.iter().enumerate().map(held).collect(),
             position_um: hold.position_um,
             orientation: hold.orientation,
-        };
+        });
         self.run.states.push(TimedState { t_ns: self.run.duration_ns, state });
     }
 }

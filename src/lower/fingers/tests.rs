@@ -6,6 +6,7 @@ use crate::device::fingers::Plane;
 use crate::device::fingers::fixture::hand;
 use crate::geometry::outline::Outline;
 use crate::plan::fingers::Stance;
+use crate::schedule::fingers::FingersState;
 use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -127,13 +128,15 @@ fn steps_follow_one_another() {
 #[test]
 fn states_are_told_with_the_tips_that_hold() {
     let run = run(&order(4), &motion()).expect("it is short");
-    let state = |grasp: [u32; 3], angle_index, tips_um: [Option<[f64; 3]>; 3]| State::Fingers {
-        grasp: grasp.to_vec(),
-        angle_index,
-        plane: Plane::Xz,
-        tips_um: tips_um.to_vec(),
-        position_um: [1.0, 2.0, 3.0],
-        orientation: [1.0, 0.0, 0.0, 0.0],
+    let state = |grasp: [u32; 3], angle_index, tips_um: [Option<[f64; 3]>; 3]| {
+        State::Fingers(FingersState {
+            grasp: grasp.to_vec(),
+            angle_index,
+            plane: Plane::Xz,
+            tips_um: tips_um.to_vec(),
+            position_um: [1.0, 2.0, 3.0],
+            orientation: [1.0, 0.0, 0.0, 0.0],
+        })
     };
     let wanted = [
         (0, state([0, 0, 0], 1, [None; 3])),

@@ -8,6 +8,7 @@ use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, CHANNEL};
 use crate::geometry::Pose;
 use crate::plan::microrobots::{Crew, Leg, MicrorobotsMotion, MicrorobotsStepMotion, RobotDocking};
+use crate::schedule::microrobots::MicrorobotsState;
 use crate::schedule::{State, Swing, TimedState};
 
 /// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
@@ -77,7 +78,7 @@ impl LoweringBed<'_> {
             (0..self.crew.docked.len()).filter(|robot| self.crew.docked[*robot]).map(name).collect();
         docked.sort_unstable();
         let poses = self.crew.poses.iter().enumerate().map(|(robot, pose)| (name(robot), place(pose))).collect();
-        let state = State::Microrobots { control, arms, docked, poses };
+        let state = State::Microrobots(MicrorobotsState { control, arms, docked, poses });
         self.run.states.push(TimedState { t_ns: self.run.duration_ns, state });
     }
 

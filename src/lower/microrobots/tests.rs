@@ -11,6 +11,7 @@ use crate::geometry::Shape;
 use crate::lower::lower;
 use crate::plan::{Motion, Optimality, Plan};
 use crate::schedule::Schedule;
+use crate::schedule::microrobots::MicrorobotsState;
 use crate::source::{Sources, Span};
 use std::sync::Arc;
 
@@ -114,7 +115,7 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
     sources.add("bed.twz", SOURCE);
     let schedule = lower(&claims, &[plan], &sources, &mut Sink::default()).expect("a short schedule");
     let last = schedule.plans[0].states.last().expect("the state at the end");
-    let State::Microrobots { poses, .. } = &last.state else { panic!("a state of microrobots") };
+    let State::Microrobots(MicrorobotsState { poses, .. }) = &last.state else { panic!("a state of microrobots") };
     let ends: Vec<Pose> = poses.values().map(|&[x_um, y_um, heading_rad]| Pose { x_um, y_um, heading_rad }).collect();
     if let Order::Microrobots(order) = &mut claims.jobs[0].order {
         order.steps.iter_mut().for_each(|step| aim(step, &ends));
@@ -184,7 +185,11 @@ fn robots_that_dock_stay_where_they_are() {
     let (_, schedule) = bed();
     let states: Vec<_> = schedule.plans[0].states.iter().map(|timed| &timed.state).collect();
     let [.., before, after] = states[..] else { panic!("two states at least") };
-    let (State::Microrobots { poses: old, docked, .. }, State::Microrobots { poses: new, .. }) = (before, after) else {
+    let (
+        State::Microrobots(MicrorobotsState { poses: old, docked, .. }),
+        State::Microrobots(MicrorobotsState { poses: new, .. }),
+    ) = (before, after)
+    else {
         panic!("states of microrobots")
     };
     assert_eq!(docked, &["D2", "D3"]);

@@ -16,7 +16,7 @@ const MAX_SEPARATION: u32 = MAX_SIDE;
 ///
 /// # Errors
 /// When the claims are such that nothing can be held against them.
-pub(in super::super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
+pub(super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     facts(&order.facts)?;
     parts(order)?;
     obstacles(order)?;

@@ -35,7 +35,7 @@ const MIN_CONTACTS: u32 = 3;
 ///
 /// # Errors
 /// When the claims are such that nothing can be held against them.
-pub(in super::super) fn check_claims(order: &FingersOrder) -> Result<(), Unfit> {
+pub(super) fn check_claims(order: &FingersOrder) -> Result<(), Unfit> {
     facts(&order.facts)?;
     let part = &order.part;
     let places = [part.centre_um, part.position_um, order.load_un];

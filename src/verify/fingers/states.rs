@@ -5,8 +5,8 @@
 //! two sections share) each of them will do.
 
 use super::super::clock::JudgedRun;
+use super::super::judged_state;
 use super::super::record::agrees;
-use super::near;
 use crate::schedule::{State, TimedState};
 use std::borrow::Cow;
 
@@ -78,6 +78,6 @@ impl Spans {
 
 /// The view that says what the record says, or the plainest one.
 pub(super) fn chosen(mut views: Vec<State>, recorded: Option<&State>) -> State {
-    let at = recorded.and_then(|recorded| views.iter().position(|view| near(recorded, view)));
+    let at = recorded.and_then(|recorded| views.iter().position(|view| judged_state(recorded).agrees(view)));
     views.swap_remove(at.unwrap_or(0))
 }

@@ -77,7 +77,7 @@ fn steps(steps: &str, expected: &[&str]) {
 }
 
 fn orders(claims: &Claims) -> Vec<&FingersOrder> {
-    claims.jobs.iter().filter_map(|job| job.order.fingers()).collect()
+    claims.jobs.iter().filter_map(|job| FingersOrder::of(&job.order)).collect()
 }
 
 fn order(fields: &str, shape: &str, steps: &str) -> FingersOrder {

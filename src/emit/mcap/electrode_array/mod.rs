@@ -10,9 +10,11 @@ use super::LogTopic;
 use super::bench;
 use super::foxglove::{self, PosesInFrame};
 use super::frames::{FramePlace, Mover, StandingPose};
+use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::State;
+use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::verify::Verified;
 use std::collections::BTreeMap;
 
@@ -38,7 +40,7 @@ pub fn topics(verified: &Verified, device: &str) -> (Vec<LogTopic>, Vec<Mover>) 
     let mut topics = vec![poses(device, &moments)];
     topics.extend(scene::topics(verified, device));
     let orders = bench::jobs(verified, device);
-    if let Some(order) = orders.first().and_then(|(job, _)| job.order.electrode_array()) {
+    if let Some(order) = orders.first().and_then(|(job, _)| ElectrodeArrayOrder::of(&job.order)) {
         let pitch = Quantity::new(order.facts.pitch_um() / 1e6, Dimension::LENGTH);
         let pitch = format!("1 unit is a pitch of {pitch}");
         topics.iter_mut().for_each(|topic| drop(topic.metadata.insert("scale".to_owned(), pitch.clone())));
@@ -56,9 +58,9 @@ fn frame(device: &str, part: &str) -> String {
 fn moments(verified: &Verified, device: &str) -> Vec<PartsMoment> {
     let mut moments: Vec<PartsMoment> = Vec::new();
     for (job, plan) in bench::jobs(verified, device) {
-        let Some(order) = job.order.electrode_array() else { continue };
+        let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
         for timed in &plan.states {
-            let State::ElectrodeArray { parts } = &timed.state else { continue };
+            let State::ElectrodeArray(ElectrodeArrayState { parts }) = &timed.state else { continue };
             let parts: BTreeMap<String, ElectrodeCell> =
                 parts.iter().map(|(name, [column, row])| (name.clone(), ElectrodeCell::new(*column, *row))).collect();
             let begins_ns = timed.t_ns.saturating_sub(order.facts.step_ns);

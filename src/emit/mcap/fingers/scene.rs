@@ -13,7 +13,7 @@ use crate::emit::mcap::cloud::{SpaceStroke, space_cloud};
 use crate::emit::mcap::drawing::{self, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, Vector3, line_primitive};
 use crate::geometry::outline::Curve;
-use crate::verify::finger_forces;
+use crate::verify::fingers;
 use nalgebra::{Point3, Quaternion, UnitQuaternion};
 
 /// How much of what lies behind a tip is seen.
@@ -158,7 +158,7 @@ fn contacts(order: &FingersOrder, grasp: &RecordedGrasp, curve: Option<&Curve>, 
     let mut entity = drawing::entity(format!("{device}/contacts"), &frame, grasp.t_ns);
     let (Some(section), Some(curve)) = (order.part.section(grasp.plane), curve) else { return entity };
     let tip_um = order.facts.tip_radius_um;
-    let forces_un = finger_forces(order, grasp.state).unwrap_or_default();
+    let forces_un = fingers::forces(order, grasp.state).unwrap_or_default();
     for (finger, contact) in grasp.contacts.iter().enumerate().filter(|(_, contact)| **contact > 0) {
         let rolled_rad = f64::from(contact - 1) * section.step_rad;
         let spot = curve.spot(curve.way_rolled_um(rolled_rad, tip_um));

@@ -3,6 +3,7 @@ use super::*;
 use crate::emit::fixture;
 use crate::emit::mcap::foxglove::SceneUpdate;
 use crate::schedule::State;
+use crate::schedule::fingers::FingersState;
 use prost::Message as _;
 
 fn topic<'a>(topics: &'a [LogTopic], name: &str) -> &'a LogTopic {
@@ -25,7 +26,9 @@ fn the_part_is_where_the_states_say_and_turns_steadily_between_them() {
         .collect();
     let at = |t_ns: u64| said.iter().rfind(|(said_ns, _)| *said_ns <= t_ns).unwrap().1;
     for timed in &hand.schedule().plans[0].states {
-        let State::Fingers { position_um, orientation, .. } = &timed.state else { panic!("a state of a hand") };
+        let State::Fingers(FingersState { position_um, orientation, .. }) = &timed.state else {
+            panic!("a state of a hand")
+        };
         let (pose, [w, _, _, z]) = (at(timed.t_ns), orientation);
         let turn = pose.orientation.unwrap();
         assert!((turn.w - w).abs() < 1e-8 && (turn.z - z).abs() < 1e-8, "{timed:?}");
@@ -133,7 +136,7 @@ fn a_long_way_is_a_bounded_number_of_moments() {
 fn contacts_go_when_the_fingers_begin_to_leave() {
     let gone = fixture::changed(&fixture::hand().0, |schedule| {
         let last = schedule.plans[0].states.last_mut().unwrap();
-        let State::Fingers { grasp, tips_um, .. } = &mut last.state else { panic!("a state of a hand") };
+        let State::Fingers(FingersState { grasp, tips_um, .. }) = &mut last.state else { panic!("a state of a hand") };
         (*grasp, *tips_um) = (vec![0; 3], vec![None; 3]);
     });
     let (topics, _) = topics(&gone, "hand");

@@ -4,6 +4,7 @@ use super::*;
 use crate::emit::fixture;
 use crate::emit::mcap::{bench, frames};
 use crate::schedule::State;
+use crate::schedule::microrobots::MicrorobotsState;
 use prost::Message as _;
 
 fn topic<'a>(topics: &'a [LogTopic], name: &str) -> &'a LogTopic {
@@ -30,7 +31,7 @@ fn poses_are_those_of_the_states_and_follow_circles_between_them() {
         })
         .collect();
     for timed in &bed.schedule().plans[0].states {
-        let State::Microrobots { poses, .. } = &timed.state else { panic!("a state of microrobots") };
+        let State::Microrobots(MicrorobotsState { poses, .. }) = &timed.state else { panic!("a state of microrobots") };
         let (_, last) = said.iter().rfind(|(t_ns, _)| *t_ns <= timed.t_ns).unwrap();
         for (place, [x_um, y_um, _]) in last.iter().zip(poses.values()) {
             assert!((place[0] - x_um).abs() < 1e-6 && (place[1] - y_um).abs() < 1e-6, "{place:?} {x_um} {y_um}");
@@ -101,7 +102,7 @@ fn robots_have_bodies_in_frames_that_turn() {
     let tf = frames::topic(&bench::PictureBench::all(&bed), &movers);
     let last = FrameTransforms::decode(tf.messages.last().unwrap().1.as_slice()).unwrap();
     let state = bed.schedule().plans[0].states.last().unwrap();
-    let State::Microrobots { poses, .. } = &state.state else { panic!("a state of microrobots") };
+    let State::Microrobots(MicrorobotsState { poses, .. }) = &state.state else { panic!("a state of microrobots") };
     for (name, [_, _, heading_rad]) in poses {
         let frame = last.transforms.iter().find(|frame| frame.child_frame_id == format!("m/{name}")).unwrap();
         let turn = frame.rotation.unwrap();

@@ -11,6 +11,7 @@ mod timing;
 mod tips;
 mod tries;
 
+use crate::claims::dimibot::DimibotOrder;
 use crate::claims::{Claims, Job};
 use crate::device::dimibot::{DimibotObjective, DimibotOutcome};
 use crate::diagnostic::Sink;
@@ -58,7 +59,7 @@ fn robots(claims: &Claims) -> BTreeMap<&str, PlacedRobot> {
     let placed = claims.shared.iter().flat_map(|scene| &scene.frames);
     let robot = |(device, frame): (&'_ String, &_)| {
         let job = claims.jobs.iter().find(|job| job.device == *device)?;
-        Some((job.device.as_str(), PlacedRobot { facts: job.order.dimibot()?.facts.clone(), frame: *frame }))
+        Some((job.device.as_str(), PlacedRobot { facts: DimibotOrder::of(&job.order)?.facts.clone(), frame: *frame }))
     };
     placed.filter_map(robot).collect()
 }

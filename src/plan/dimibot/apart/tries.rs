@@ -195,7 +195,7 @@ impl<'a> Try<'a> {
     fn job(&mut self, index: usize, start_ns: u64) -> Result<u64, TryFailure> {
         let job = &self.claims.jobs[index];
         let device = job.device.as_str();
-        let (Some(robot), Some(order)) = (self.robots.get(device), job.order.dimibot()) else {
+        let (Some(robot), Some(order)) = (self.robots.get(device), DimibotOrder::of(&job.order)) else {
             return Ok(start_ns.saturating_add(duration_ns(&self.plans[index])));
         };
         let cell = self.traces[device].cell;
@@ -400,7 +400,7 @@ impl Round {
 impl PlannedTrace {
     /// A robot that stands where its first run begins.
     fn begin(device: &str, robot: &PlacedRobot, claims: &Claims) -> PlannedTrace {
-        let first = claims.jobs.iter().find(|job| job.device == device).and_then(|job| job.order.dimibot());
+        let first = claims.jobs.iter().find(|job| job.device == device).and_then(|job| DimibotOrder::of(&job.order));
         let cell = first.and_then(|order| order.start).map_or(robot.facts.home, |start| start.value);
         let stretches = vec![TipStay { start_ns: 0, end_ns: u64::MAX, area: robot.at(cell) }];
         PlannedTrace { stretches, cell, job: None }
