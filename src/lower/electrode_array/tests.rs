@@ -9,7 +9,7 @@ use crate::claims::{Claims, Job, Order, Timeline};
 use crate::device::electrode_array::{Layout, Separation};
 use crate::diagnostic::Sink;
 use crate::lower::lower;
-use crate::plan::{Motion, Optimality, Plan};
+use crate::plan::{Motion, Optimality, Plan, Planned};
 use crate::schedule::Schedule;
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::source::{Sources, Span};
@@ -72,7 +72,7 @@ pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>
         bounds: Default::default(),
         outcomes: Default::default(),
         remarks: Vec::new(),
-        motion: Motion::ElectrodeArray(ElectrodeArrayMotion { start, steps: ways.iter().map(motion).collect() }),
+        motion: ElectrodeArrayMotion { start, steps: ways.iter().map(motion).collect() },
     };
     let job = Job {
         task: "carry".to_owned(),
@@ -93,6 +93,8 @@ pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>
     };
     let mut sources = Sources::default();
     sources.add("carry.twz", "task carry on plate {}\n");
+    let order = ElectrodeArrayOrder::of(&claims.jobs[0].order).expect("its order");
+    let plan = plan.map(|motion| Motion::ElectrodeArray(Planned { order, motion }));
     let schedule = lower(&claims, &[plan], &sources, &mut Sink::default()).expect("a short schedule");
     (claims, schedule)
 }

@@ -46,6 +46,10 @@ fn stretch(duration_ns: u64, tips_um: [[f64; 3]; 3], state: Option<HeldGrasp>) -
 const HOME: [[f64; 3]; 3] = [[10.0, 0.0, 0.0], [-5.0, 8.0, 0.0], [-5.0, -8.0, 0.0]];
 
 /// One finger moves, rests, and moves; then a rest; then nothing; then all move.
+fn run(order: &FingersOrder, motion: &FingersMotion) -> Option<LoweredRun> {
+    Planned { order, motion: motion.clone() }.run()
+}
+
 fn motion() -> FingersMotion {
     let with = |finger: usize, place: [f64; 3]| {
         let mut tips = HOME;

@@ -9,7 +9,7 @@ use crate::device::microrobots::{ControlState, Docking as Meeting, Fine, Microro
 use crate::diagnostic::Sink;
 use crate::geometry::Shape;
 use crate::lower::lower;
-use crate::plan::{Motion, Optimality, Plan};
+use crate::plan::{Motion, Optimality, Plan, Planned};
 use crate::schedule::Schedule;
 use crate::schedule::microrobots::MicrorobotsState;
 use crate::source::{Sources, Span};
@@ -89,10 +89,7 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
         bounds: Default::default(),
         outcomes: Default::default(),
         remarks: Vec::new(),
-        motion: Motion::Microrobots(MicrorobotsMotion {
-            start: Crew { poses: start.to_vec(), docked: vec![false; 3] },
-            steps,
-        }),
+        motion: MicrorobotsMotion { start: Crew { poses: start.to_vec(), docked: vec![false; 3] }, steps },
     };
     let job = Job {
         task: "assemble".to_owned(),
@@ -113,6 +110,8 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
     };
     let mut sources = Sources::default();
     sources.add("bed.twz", SOURCE);
+    let order = MicrorobotsOrder::of(&claims.jobs[0].order).expect("its order");
+    let plan = plan.map(|motion| Motion::Microrobots(Planned { order, motion }));
     let schedule = lower(&claims, &[plan], &sources, &mut Sink::default()).expect("a short schedule");
     let last = schedule.plans[0].states.last().expect("the state at the end");
     let State::Microrobots(MicrorobotsState { poses, .. }) = &last.state else { panic!("a state of microrobots") };

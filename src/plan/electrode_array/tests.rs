@@ -1,5 +1,6 @@
 //! Jobs planned as a whole: what stands in the way, what moves on, what is said when nothing can.
 
+use super::ElectrodeArrayMotion;
 use super::*;
 use crate::claims::electrode_array::{
     BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
@@ -9,7 +10,7 @@ use crate::claims::electrode_array::{
 use crate::claims::{Job, Order, Relation, Requirement};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation};
 use crate::diagnostic::{Code, Sink};
-use crate::plan::{Motion, Optimality, Plan};
+use crate::plan::{Optimality, Plan};
 use crate::source::{FileId, Span};
 use std::sync::Arc;
 
@@ -93,14 +94,14 @@ fn limit(outcome: &str, limit: f64) -> Requirement {
     Requirement { outcome: outcome.to_owned(), relation: Relation::AtMost, limit, span: span(3) }
 }
 
-fn planned(job: &Job, standing: &mut BoardStandings) -> (Option<Plan>, Vec<(Code, String)>) {
+fn planned(job: &Job, standing: &mut BoardStandings) -> (Option<Plan<ElectrodeArrayMotion>>, Vec<(Code, String)>) {
     let Order::ElectrodeArray(order) = &job.order else { panic!("an order of an electrode array") };
     let mut sink = Sink::default();
     let plan = plan(job, order, standing, &mut sink);
     (plan, sink.sorted().into_iter().map(|told| (told.code, format!("{told:?}"))).collect())
 }
 
-fn found(order: ElectrodeArrayOrder) -> Plan {
+fn found(order: ElectrodeArrayOrder) -> Plan<ElectrodeArrayMotion> {
     let (plan, told) = planned(&job(order, Vec::new()), &mut BoardStandings::default());
     plan.unwrap_or_else(|| panic!("{told:?}"))
 }
@@ -112,9 +113,8 @@ fn refused(order: ElectrodeArrayOrder) -> (Code, String) {
     told.remove(0)
 }
 
-fn paths(plan: &Plan, step: usize) -> &[Vec<ElectrodeCell>] {
-    let Motion::ElectrodeArray(motion) = &plan.motion else { panic!("a motion of an electrode array") };
-    let ElectrodeArrayStepMotion::Paths(paths) = &motion.steps[step] else { panic!("a step of moves") };
+fn paths(plan: &Plan<ElectrodeArrayMotion>, step: usize) -> &[Vec<ElectrodeCell>] {
+    let ElectrodeArrayStepMotion::Paths(paths) = &plan.motion.steps[step] else { panic!("a step of moves") };
     paths
 }
 

@@ -1,3 +1,4 @@
+use super::super::tests::device_topics;
 use super::course::{HandCourse, MAX_MOMENTS};
 use super::*;
 use crate::emit::fixture;
@@ -17,7 +18,7 @@ fn scene(topic: &LogTopic, at: usize) -> SceneUpdate {
 #[test]
 fn the_part_is_where_the_states_say_and_turns_steadily_between_them() {
     let (hand, _) = fixture::hand();
-    let (topics, movers) = topics(&hand, "hand");
+    let (topics, movers) = device_topics(&hand, "hand");
     let poses = topic(&topics, "/hand/pose");
     let said: Vec<(u64, foxglove::Pose)> = poses
         .messages
@@ -69,7 +70,7 @@ fn a_ball_a_flat_part_and_another_are_drawn_with_their_sections() {
         let (schedule, mut claims) = (hand.schedule().clone(), hand.claims().clone());
         let crate::claims::Order::Fingers(order) = &mut claims.jobs[0].order else { panic!("a hand") };
         change(std::sync::Arc::make_mut(&mut order.part));
-        let (topics, _) = topics(&Verified::assume(schedule, claims), "hand");
+        let (topics, _) = device_topics(&Verified::assume(schedule, claims), "hand");
         let body = scene(topic(&topics, "/hand/scene"), 0).entities[0].clone();
         assert_eq!((body.id.as_str(), body.frame_id.as_str()), ("hand/part/bead", "hand/bead"));
         // The ends I and J are two balls.
@@ -84,7 +85,7 @@ fn a_ball_a_flat_part_and_another_are_drawn_with_their_sections() {
 #[test]
 fn grasps_are_shown_from_state_to_state() {
     let (hand, _) = fixture::hand();
-    let (topics, _) = topics(&hand, "hand");
+    let (topics, _) = device_topics(&hand, "hand");
     let state = topic(&topics, "/hand/state");
     let states = &hand.schedule().plans[0].states;
     assert_eq!(state.messages.len(), states.len());
@@ -139,7 +140,7 @@ fn contacts_go_when_the_fingers_begin_to_leave() {
         let State::Fingers(FingersState { grasp, tips_um, .. }) = &mut last.state else { panic!("a state of a hand") };
         (*grasp, *tips_um) = (vec![0; 3], vec![None; 3]);
     });
-    let (topics, _) = topics(&gone, "hand");
+    let (topics, _) = device_topics(&gone, "hand");
     let state = topic(&topics, "/hand/state");
     let leave_ns = gone.schedule().steps[2].start_ns;
     let going = state.messages.iter().rposition(|(t_ns, _)| *t_ns == leave_ns).unwrap();

@@ -1,3 +1,4 @@
+use super::super::tests::device_topics;
 use super::course::MAX_POSES;
 use super::foxglove::{FrameTransforms, SceneUpdate};
 use super::*;
@@ -18,7 +19,7 @@ fn scene(topic: &LogTopic, at: usize) -> SceneUpdate {
 #[test]
 fn poses_are_those_of_the_states_and_follow_circles_between_them() {
     let (bed, _) = fixture::bed();
-    let (topics, _) = topics(&bed, "m");
+    let (topics, _) = device_topics(&bed, "m");
     let poses = topic(&topics, "/m/poses");
     assert_eq!(poses.metadata["robots"], "D1 D2 D3");
     let said: Vec<(u64, Vec<[f64; 2]>)> = poses
@@ -46,7 +47,7 @@ fn poses_are_those_of_the_states_and_follow_circles_between_them() {
 #[test]
 fn arms_are_numbers_that_jump() {
     let (bed, _) = fixture::bed();
-    let (topics, _) = topics(&bed, "m");
+    let (topics, _) = device_topics(&bed, "m");
     let arms = topic(&topics, "/m/arms");
     let values = |data: &[u8]| data.chunks(9).map(|chunk| f64::from_le_bytes(chunk[1..].try_into().unwrap())).collect();
     let said: Vec<(u64, Vec<f64>)> = arms.messages.iter().map(|(t_ns, data)| (*t_ns, values(data))).collect();
@@ -72,7 +73,7 @@ fn an_orbit_is_a_whole_turn_without_interruption() {
 #[test]
 fn what_holds_in_a_leg_is_drawn_and_nothing_else() {
     let (bed, _) = fixture::bed();
-    let (topics, _) = topics(&bed, "m");
+    let (topics, _) = device_topics(&bed, "m");
     let state = topic(&topics, "/m/state");
     let drawn: Vec<(usize, usize, usize)> = (0..state.messages.len())
         .map(|at| {
@@ -91,7 +92,7 @@ fn what_holds_in_a_leg_is_drawn_and_nothing_else() {
 #[test]
 fn robots_have_bodies_in_frames_that_turn() {
     let (bed, _) = fixture::bed();
-    let (topics, movers) = topics(&bed, "m");
+    let (topics, movers) = device_topics(&bed, "m");
     let standing = scene(topic(&topics, "/m/scene"), 0);
     for name in ["D1", "D2", "D3"] {
         let body = standing.entities.iter().find(|entity| entity.id == format!("m/robot/{name}")).unwrap();
@@ -121,7 +122,7 @@ fn robots_stand_from_the_beginning_on() {
         schedule.plans[0].start_ns += 1000;
         schedule.plans[0].states.iter_mut().for_each(|state| state.t_ns += 1000);
     });
-    let (topics, movers) = topics(&later, "m");
+    let (topics, movers) = device_topics(&later, "m");
     let instants = |name| topic(&topics, name).messages.iter().map(|(t_ns, _)| *t_ns).take(2).collect::<Vec<_>>();
     assert_eq!(instants("/m/poses"), [0, 2_001_000]);
     assert_eq!(instants("/m/scene"), [0]);
