@@ -3,6 +3,8 @@
 use super::scope::{Declaration, DeclarationPlace, DeclarationSort, Scope, path_text};
 use super::value::Value;
 use super::{Checker, errors};
+use crate::claims::ValueOrigin;
+use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, ExprKind, Item, Path, TextPart};
 
@@ -29,17 +31,15 @@ pub struct Argument {
     pub origin: Option<ValueOrigin>,
 }
 
-/// Where the value of a name was given.
-#[derive(Debug, Clone)]
-pub struct ValueOrigin {
-    pub span: Span,
-    pub text: String,
-}
-
 impl Argument {
     /// A value that stands where it was given.
     pub fn plain(value: &Spanned<Value>) -> Argument {
         Argument { value: value.value.clone(), span: value.span, origin: None }
+    }
+
+    /// Reports what is wrong with the value, if anything is, with the place where it was given; `None` then.
+    pub fn unless(&self, wrong: Option<Diagnostic>, sink: &mut Sink) -> Option<()> {
+        sink.unless(wrong.map(|wrong| errors::given_at(wrong, self)))
     }
 }
 

@@ -2,11 +2,11 @@
 
 use super::camera::{Camera, View};
 use super::frames::{self, DeviceFrame};
-use super::lets::ValueOrigin;
 use super::lineage::Base;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope, keeper, nearest};
 use super::value::{ShapeValue, Value};
 use super::{Checker, errors};
+use crate::claims::ValueOrigin;
 use crate::device::Kind;
 use crate::diagnostic::Diagnostic;
 use crate::source::{Span, Spanned};

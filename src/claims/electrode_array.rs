@@ -1,6 +1,6 @@
 //! What a task claims of an electrode array.
 
-use super::{KindOrder, Order};
+use super::{KindOrder, Order, ValueOrigin};
 use crate::device::Kind;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 pub use crate::device::electrode_array::{ElectrodeArrayMethod, ElectrodeArrayObjective};
@@ -129,4 +129,7 @@ pub struct ElectrodeArrayStop {
     pub cell: ElectrodeCell,
     #[serde(skip)]
     pub span: Span,
+    /// Where it was given, if a name stands in the step.
+    #[serde(skip)]
+    pub origin: Option<ValueOrigin>,
 }

@@ -1,6 +1,6 @@
 //! What a task claims of STRING microrobots.
 
-use super::{KindOrder, Order};
+use super::{KindOrder, Order, ValueOrigin};
 use crate::device::Kind;
 use crate::device::microrobots::{ControlState, MicrorobotsFacts};
 use crate::geometry::{Pose, Shape};
@@ -113,6 +113,9 @@ pub struct MicrorobotsStop {
     pub pose: Pose,
     #[serde(skip)]
     pub span: Span,
+    /// Where it was given, if a name stands in the step.
+    #[serde(skip)]
+    pub origin: Option<ValueOrigin>,
 }
 
 /// A robot's place in a structure.

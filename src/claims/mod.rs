@@ -14,6 +14,14 @@ use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// Where a value was given whose name stands in a step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ValueOrigin {
+    pub span: Span,
+    /// What a label says there.
+    pub text: String,
+}
+
 /// One schedule to be built: a program, or a task on its own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Claims {

@@ -53,7 +53,7 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let worker = std::thread::Builder::new().stack_size(STACK_BYTES).spawn(move || dispatch(invocation.command));
     let exit = match worker.map(std::thread::JoinHandle::join) {
         Ok(Ok(exit)) => exit,
-        Ok(Err(_)) => terminal::fault("an internal error, which the lines above describe"),
+        Ok(Err(_)) => terminal::fault("internal error, described above"),
         Err(error) => terminal::fault(&format!("no thread could be started: {error}")),
     };
     if signals::is_asked() {

@@ -131,6 +131,17 @@ impl Sink {
         }
     }
 
+    /// Adds what is wrong, if anything is; `None` then.
+    pub fn unless(&mut self, wrong: Option<Diagnostic>) -> Option<()> {
+        match wrong {
+            Some(diagnostic) => {
+                self.push(diagnostic);
+                None
+            }
+            None => Some(()),
+        }
+    }
+
     /// How many errors were pushed so far: a stage compares before and after to know whether it failed.
     pub fn errors(&self) -> usize {
         self.errors

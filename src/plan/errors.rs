@@ -48,9 +48,11 @@ fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
     let names = listed(blamed.iter().map(|(name, _)| format!("`{name}`")), MAX_LABELS);
     match (removal, blamed.len()) {
         (_, 0) => None,
-        (Removal::OpensAndIsSmallest, 1) => Some(format!("without {names} there is a way")),
-        (Removal::OpensAndIsSmallest, _) => Some(format!("without {names} there is a way; no fewer will do")),
-        (Removal::Opens, _) => Some(format!("without {names} there is a way; this is the smallest set that was found")),
+        (Removal::OpensAndIsSmallest, 1) => Some(format!("there is a path without {names}")),
+        (Removal::OpensAndIsSmallest, _) => {
+            Some(format!("there is a path without {names}, but not without fewer of them"))
+        }
+        (Removal::Opens, _) => Some(format!("there is a path without {names}, the smallest set found")),
         (Removal::Unknown, _) => Some(format!(
             "the way is blocked by {names}; other obstacles may block it too, the search for the smallest set has run out of steps"
         )),
@@ -114,7 +116,7 @@ pub fn more_allowed(budget: u64, planner: &str) -> String {
 /// `begins` is where the start is said: the run, or the task itself.
 pub fn start_covered(begins: Span, task: &str, at: &str, obstacles: &[(&str, Span)]) -> Diagnostic {
     let names: Vec<String> = obstacles.iter().take(MAX_LABELS).map(|(name, _)| format!("`{name}`")).collect();
-    let title = format!("task `{task}` begins at {at}, which lies on obstacle {}", names.join(", "));
+    let title = format!("task `{task}` begins at {at}, on obstacle {}", names.join(", "));
     let diagnostic = Diagnostic::new(Code::E0505, title).label(begins, format!("begins at {at}"));
     let labelled = obstacles
         .iter()
@@ -179,7 +181,7 @@ pub fn requirement_missed(
 
 fn not_proven(relation: Relation) -> String {
     match relation {
-        Relation::Less | Relation::AtMost => "whether there is one is not known",
+        Relation::Less | Relation::AtMost => "it is not known whether there is one",
         Relation::Equal | Relation::AtLeast | Relation::More => {
             "plans are searched for limits from above; this one was only held against the plan that was found"
         }

@@ -14,7 +14,7 @@ type PartPlace<'a> = (&'a str, ElectrodeCell, Span);
 pub fn radius_out_of_table(radius: String, [least, most]: [String; 2], nearest: String) -> Diagnostic {
     Diagnostic::new(
         Code::E0409,
-        format!("electrodes with a radius of {radius}, the forces are known from {least} to {most}"),
+        format!("electrodes have a radius of {radius}, but forces are known only from {least} to {most}"),
     )
     .help(format!("make `radius` {nearest}, or give the device a table of `forces` for its own electrodes"))
 }
@@ -84,8 +84,11 @@ pub fn potential_too_low(
 }
 
 pub fn step_too_short(step: &str, settling: &str, least: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0412, format!("a step of {step}, a part needs {settling} to come to rest on the next cell"))
-        .help(format!("make `step_duration` {least} or longer"))
+    Diagnostic::new(
+        Code::E0412,
+        format!("a step lasts {step}, but a part needs {settling} to come to rest on the next cell"),
+    )
+    .help(format!("make `step_duration` {least} or longer"))
 }
 
 pub fn never_settles(drag: &str) -> Diagnostic {
@@ -100,7 +103,11 @@ pub fn unknown_layout(found: &str) -> Diagnostic {
 }
 
 pub fn body_too_small(half: f64, least: f64) -> Diagnostic {
-    let title = format!("a half width of {} pitches, the electrodes of the part reach {}", digits(half), digits(least));
+    let title = format!(
+        "a half width of {} pitches is too small: the electrodes of the part reach {}",
+        digits(half),
+        digits(least)
+    );
     Diagnostic::new(Code::E0413, title)
         .help(format!("make `half_width` {} or more: the body holds its electrodes", digits(least)))
 }
@@ -119,13 +126,17 @@ pub fn parts_pulled(apart: u32, least: u32) -> Diagnostic {
 }
 
 pub fn obstacle_under_body(clearance: u32, half: f64, least: u32) -> Diagnostic {
-    let title = format!("a clearance of {clearance}, a part reaches {} pitches from its centre", digits(half));
+    let title =
+        format!("a clearance of {clearance} is too small: a part reaches {} pitches from its centre", digits(half));
     Diagnostic::new(Code::E0414, title).help(format!("make `clearance` {least} or more"))
 }
 
 pub fn board_too_small(columns: u32, rows: u32, least: u32) -> Diagnostic {
-    Diagnostic::new(Code::E0415, format!("a board of {columns} x {rows} electrodes, a part needs {least} x {least}"))
-        .help(format!("make `columns` and `rows` {least} or more"))
+    Diagnostic::new(
+        Code::E0415,
+        format!("a board has {columns} x {rows} electrodes, but a part needs {least} x {least}"),
+    )
+    .help(format!("make `columns` and `rows` {least} or more"))
 }
 
 pub fn published_separation() -> Diagnostic {
@@ -164,7 +175,7 @@ pub fn stands_nowhere(span: Span, noun: &str, name: &str) -> Diagnostic {
 }
 
 pub fn no_cell(span: Span, found: &Value) -> Diagnostic {
-    Diagnostic::new(Code::E0515, format!("a whole cell belongs here, this is {}", written(found)))
+    Diagnostic::new(Code::E0515, format!("expected a whole cell, found {}", written(found)))
         .label(span, if is_cell(found) { "no electrode".to_owned() } else { found.describe() })
         .help("write `(5, 3)`: the column and the row of an electrode, whole numbers from 1")
 }
@@ -200,8 +211,7 @@ pub fn off_board(
     };
     let near = |at: i64, first: u32, last: u32| at.clamp(first.into(), last.into());
     let [column, row] = pair;
-    let title =
-        format!("{noun} `{name}` at ({column}, {row}) lies off the board, which is (1, 1) to ({columns}, {rows})");
+    let title = format!("{noun} `{name}` at ({column}, {row}) is off the board, (1, 1) to ({columns}, {rows})");
     Diagnostic::new(Code::E0515, title).label(span, format!("`{device}` has {columns} columns and {rows} rows")).help(
         format!(
             "the nearest {what} is ({}, {})",
@@ -271,7 +281,7 @@ pub fn part_of_other_layout(
     carried: (Span, (String, String)),
 ) -> Diagnostic {
     let text = |(electrodes, half): &(String, String)| format!("{electrodes} electrodes and a half width of {half}");
-    let title = format!("`{name}` has {}, the device carries {}", text(&found.1), text(&carried.1));
+    let title = format!("`{name}` has {}, but the device carries {}", text(&found.1), text(&carried.1));
     Diagnostic::new(Code::E0521, title)
         .label(found.0, "another layout")
         .label(carried.0, "what the device carries")
@@ -363,7 +373,7 @@ pub fn merges_with_itself(span: Span, name: &str) -> Diagnostic {
 /// `hold` is where the device says that it does not hold its parts.
 pub fn merges_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
     let diagnostic =
-        Diagnostic::new(Code::E0529, "droplets merge on a device that holds them, this one has `hold: false`")
+        Diagnostic::new(Code::E0529, "droplets merge only on a device that holds them, but this one has `hold: false`")
             .label(span, "the first to arrive would not be held for the second");
     let diagnostic = match hold {
         Some(hold) => diagnostic.label(hold, "electrodes are on only to move a droplet"),

@@ -110,7 +110,7 @@ fn asked(ways: &[Vec<ElectrodeCell>]) -> TaskStep {
         if let Some(first) = moves.iter_mut().find(|action| action.goal().cell == goal) {
             first.with = Some(part);
         } else if way.len() > 1 {
-            let stops = vec![ElectrodeArrayStop { cell: goal, span: Span::default() }];
+            let stops = vec![ElectrodeArrayStop { cell: goal, span: Span::default(), origin: None }];
             moves.push(ElectrodeArrayMove { part, with: None, stops, span: Span::default() });
         }
     }

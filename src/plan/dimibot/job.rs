@@ -406,7 +406,7 @@ impl<'a> DimibotTaskSearch<'a> {
         let report = errors::impossible(ends, &proof_text(proof.proof), &blamed, removal);
         sink.push(match why {
             Some(_) => report,
-            None => report.help("which obstacles shut the way was not found within the steps allowed for it"),
+            None => report.help("the obstacles that block the path were not found within the step limit"),
         });
     }
 

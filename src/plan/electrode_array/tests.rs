@@ -62,8 +62,11 @@ fn order(facts: ElectrodeArrayFacts, cells: &[(u32, u32)]) -> ElectrodeArrayOrde
 
 fn go(part: usize, stops: &[(u32, u32)]) -> ElectrodeArrayMove {
     let at = 200 + part;
-    let stop =
-        |(column, row): &(u32, u32)| ElectrodeArrayStop { cell: ElectrodeCell::new(*column, *row), span: span(at) };
+    let stop = |(column, row): &(u32, u32)| ElectrodeArrayStop {
+        cell: ElectrodeCell::new(*column, *row),
+        span: span(at),
+        origin: None,
+    };
     ElectrodeArrayMove { part, with: None, stops: stops.iter().map(stop).collect(), span: span(at) }
 }
 

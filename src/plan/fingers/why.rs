@@ -166,7 +166,7 @@ impl HandReasons<'_> {
                 .help("leave `using` out: Tweeze's own planner finds a plan"),
             Known::None => stuck
                 .label(self.span(), "Tweeze's own planner proves that there is no plan")
-                .help("leave `using` out: what would open a way is then looked for"),
+                .help("leave out `using` to search for a change that makes it possible"),
             Known::Nothing => {
                 stuck.label(self.span(), "neither planned nor disproved: the turns before it end where it has no way")
             }
@@ -187,7 +187,7 @@ impl HandReasons<'_> {
         let grip = GripModel::of(&order.facts, contacts.reach_um());
         let [asked, borne] = grip.torque_left_un_um([&a, &b], &load)?.map(|torque| digits(rounded(torque)));
         Some(format!(
-            "about the line through contacts {} and {} the load has a torque of {asked} uN um, of which tips bear {borne} uN um at most",
+            "the load exerts {asked} uN um about the line through contacts {} and {}; the tips bear at most {borne} uN um",
             i + 1,
             j + 1
         ))
@@ -213,7 +213,7 @@ impl HandReasons<'_> {
             )
         });
         if blocked.farthest.is_none() {
-            return "what it must begin with lets go, or lets no finger come near enough".to_owned();
+            return "its first grasp lets go, or keeps every other finger away".to_owned();
         }
         if blocked.ends == 0 {
             let what = junction.unwrap_or_else(|| "at its end no grasp holds".to_owned());
@@ -257,7 +257,7 @@ impl HandReasons<'_> {
         {
             said.extend(is_there(&halved).then(|| format!("`step: {step} deg`")));
         }
-        let ended = "the search for what else would open it was ended";
+        let ended = "the search for other changes reached its limit";
         match (said.as_slice(), trials.looks.are_spent()) {
             ([], true) => Some(format!("{ended} without a result")),
             ([], false) => Some(format!(
@@ -320,7 +320,7 @@ impl HandReasons<'_> {
                     digits((off_um * 1e4).round() / 1e4),
                     digits(allowed_um)
                 );
-                Diagnostic::new(Code::E0602, title).label(at(step), "as it goes on in another plane").help(
+                Diagnostic::new(Code::E0602, title).label(at(step), "the next turn is in another plane").help(
                     "the outlines in both planes do not quite meet on the x axis, and each change of plane adds to it: `release` the \
                      part before this step, or give the device a larger `tolerance`",
                 )

@@ -32,7 +32,7 @@ impl BedReasons<'_> {
     /// What is said of a raw state that lowers the arm of a docked robot.
     pub fn lowers_docked(&self, state: usize, robot: usize) -> Diagnostic {
         let name = self.name(robot);
-        Diagnostic::new(Code::E0606, format!("control state {state} lowers the arm of {name}, which has docked"))
+        Diagnostic::new(Code::E0606, format!("control state {state} lowers the arm of {name}, but {name} has docked"))
             .label(self.step.span, "an arm that is down would turn the structure")
             .help("apply a state in which the arms of all docked robots are up; `tweeze devices FILE` shows the control states")
     }
@@ -68,13 +68,13 @@ impl BedReasons<'_> {
                 code,
                 format!("no control state lowers the arm of {name}{}, so it only runs straight", self.beside_docked()),
             )
-            .label(goal, "it would have to turn")
+            .label(goal, "must turn to get here")
             .help("`tweeze devices FILE` shows the control states"),
             StuckReason::NeverRuns => Diagnostic::new(
                 code,
                 format!("no control state raises the arm of {name}{}, so it only turns", self.beside_docked()),
             )
-            .label(goal, "it would have to run straight")
+            .label(goal, "must run straight to get here")
             .help("`tweeze devices FILE` shows the control states"),
             StuckReason::Start(thing) => {
                 let title = format!("{name} stands too near to {} to move: {clearance} are kept", self.thing(thing));
@@ -102,7 +102,7 @@ impl BedReasons<'_> {
                     .help("ask for less `precision`, or give the bed a smaller `step_size`")
             }
             StuckReason::Meets(hit) => {
-                let title = format!("{name} has a way, but all robots move with it: {}", self.meeting(hit.meeting));
+                let title = format!("{name} has a path, but all robots move with it: {}", self.meeting(hit.meeting));
                 let diagnostic = Diagnostic::new(code, title)
                     .label(goal, "so it ends with the last of the control states that were tried");
                 self.labelled(diagnostic, hit.meeting)
@@ -190,7 +190,7 @@ impl BedReasons<'_> {
         let um = |um: f64| Quantity::new(um / 1e6, Dimension::LENGTH).to_string();
         let tolerance = um(self.order.facts.docking.tolerance_um);
         let title = format!(
-            "{} ends {} from what it docks with, the docking tolerance is {tolerance}",
+            "{} ends {} from its docking partner; the docking tolerance is {tolerance}",
             self.name(robot),
             um((gap_um * 1e5).round() / 1e5)
         );
@@ -220,7 +220,7 @@ impl BedReasons<'_> {
         let title = format!("no control states steer {names} while {orbits} {verb} round{}", self.beside_docked());
         let first = robots.first().copied().unwrap_or(0);
         Diagnostic::new(code, title)
-            .label(span(first), "it cannot be steered by itself")
+            .label(span(first), "cannot be steered alone")
             .help("robots that snap down first dock last: an assembly begins with the two that snap last; no other plans are looked for; `tweeze devices FILE` shows the control states")
     }
 

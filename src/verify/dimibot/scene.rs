@@ -218,7 +218,7 @@ pub(super) fn misplaced(order: &DimibotOrder, stop: &DimibotStop) -> Option<Stri
     let near = (0..2).all(|axis| own_um[axis].abs() <= half(axis));
     let (x, y, off) = (digits(x_um), digits(y_um), digits(off_um.norm()));
     if !near {
-        return Some(format!("cell {cell} stands for ({x}, {y}) um, {off} um off, but is not the nearest to it"));
+        return Some(format!("cell {cell} is used for ({x}, {y}) um, {off} um away, but is not the nearest cell"));
     }
     let limit_um = order.precision_um?;
     let precise = off_um.norm() <= limit_um * (1.0 + TOLERANCE);

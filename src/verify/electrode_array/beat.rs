@@ -157,7 +157,7 @@ impl JudgedBoard<'_, '_> {
             return Ok(());
         };
         let stuck = &self.order.obstacles[stuck];
-        let title = format!("electrode {electrode} at {} pulls `{}`, which is stuck", ms(at_ns), stuck.name);
+        let title = format!("electrode {electrode} at {} pulls the stuck part `{}`", ms(at_ns), stuck.name);
         Err(self.within(Rule::Pull, nth, at_ns, title).label(stuck.span, "this obstacle"))
     }
 

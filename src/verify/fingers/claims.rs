@@ -101,11 +101,11 @@ fn action(order: &FingersOrder, action: &FingersAction) -> Result<(), Unfit> {
         FingersAction::Grasp(Some(contacts)) => grasp(order, contacts),
         FingersAction::Rotate { plane, angle_rad, .. } => {
             has_plane(order, *plane)?;
-            demand(is_number(*angle_rad), "turn by what is no angle")
+            demand(is_number(*angle_rad), "turn by a value that is not an angle")
         }
         FingersAction::Orient { goal, turns, .. } => {
             let norm = goal.iter().map(|value| value * value).sum::<f64>();
-            demand((norm - 1.0).abs() <= 1e-6, "orient to what is no orientation")?;
+            demand((norm - 1.0).abs() <= 1e-6, "orient to a goal that is not an orientation")?;
             turns.iter().flatten().try_for_each(|FingersTurn { plane, .. }| has_plane(order, *plane))
         }
         FingersAction::Translate(by_um) => {
@@ -115,7 +115,7 @@ fn action(order: &FingersOrder, action: &FingersAction) -> Result<(), Unfit> {
 }
 
 fn has_plane(order: &FingersOrder, plane: Plane) -> Result<(), Unfit> {
-    demand(order.part.section(plane).is_some(), "turn in a plane in which the part has no outline")
+    demand(order.part.section(plane).is_some(), "turn in a plane where the part has no outline")
 }
 
 fn grasp(order: &FingersOrder, contacts: &[u32]) -> Result<(), Unfit> {

@@ -65,7 +65,7 @@ impl JudgedHand<'_, '_> {
             let Reached::Turn { reached_deg, .. } = reached else { continue };
             if (reached_deg - turned_deg).abs() > TOLD_DEG {
                 let title =
-                    format!("a turn is said to reach {reached_deg} deg, the tips turn the part by {turned_deg} deg");
+                    format!("a turn is recorded as {reached_deg} deg, but the tips turn the part by {turned_deg} deg");
                 findings.push(self.violation(Rule::Figure, nth, self.end_ns(nth), title));
             }
         }

@@ -221,7 +221,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
 
     fn check_still(&self, nth: usize, stretch: &Stretch) -> Result<(), Halt> {
         let Some(finger) = (0..stretch.from_um.len()).find(|finger| !stretch.rests(*finger)) else { return Ok(()) };
-        let title = format!("finger {} moves in a wait, at {}", finger + 1, ms(stretch.start_ns));
+        let title = format!("finger {} moves during a wait, at {}", finger + 1, ms(stretch.start_ns));
         Err(self.violation(Rule::Wait, nth, stretch.start_ns, title).into())
     }
 
@@ -330,7 +330,8 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         if !is_enough && self.told == ReportedGrip::Nothing {
             self.told = ReportedGrip::Weak;
             let (pull, support) = (digits(pull_un), digits(facts.support_un));
-            let title = format!("the last fingers pull with {pull} uN, the part is held with {support} uN");
+            let title =
+                format!("the last fingers pull with {pull} uN, but the support holds the part with {support} uN");
             findings.push(self.violation(Rule::Support, nth, stretch.start_ns, title));
         }
         self.held = Held::Supported;
@@ -390,7 +391,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         let time_ns = stretch.end_ns;
         if self.grip.holds.len() == MAX_HOLDING {
             let title =
-                format!("finger {} touches the part at {}, which {MAX_HOLDING} others hold", finger + 1, ms(time_ns));
+                format!("finger {} touches the part at {} while {MAX_HOLDING} others hold it", finger + 1, ms(time_ns));
             return Err(self.violation(Rule::Contact, nth, time_ns, title).into());
         }
         self.spans.end(time_ns.saturating_sub(1));

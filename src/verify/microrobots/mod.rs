@@ -255,7 +255,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         let arm = |robot: usize| self.order.states[leg.control].arms[self.order.robots[robot].row];
         let robot = (0..self.places.len()).find(|robot| self.docked[*robot].is_some() && arm(*robot) == Arm::Down)?;
         let title = format!(
-            "strokes at {} are driven with the arm of `{}` down, which has docked",
+            "strokes at {} are driven while the arm of docked robot `{}` is down",
             ms(leg.train_ns),
             self.name(robot)
         );

@@ -78,7 +78,7 @@ fn order(starts: &[Pose], states: Vec<ControlState>, obstacles: Vec<MicrorobotsO
 }
 
 fn dock(robot: usize, pose: Pose) -> Dock {
-    Dock { robot, goal: MicrorobotsStop { pose, span: Default::default() } }
+    Dock { robot, goal: MicrorobotsStop { pose, span: Default::default(), origin: None } }
 }
 
 /// A structure of so many robots about a place: the last two head on, the others to their sides.

@@ -30,7 +30,7 @@ impl Containment {
                 "{name} and its partner may meet at an angle of {needs_deg:.1} deg, they align themselves up to {has_deg:.1} deg"
             ),
             ContainmentCheck::Gross(thing) => {
-                format!("{name} may stray {needs:.1} um from its way, which passes {thing} at {:.1} um", has.max(0.0))
+                format!("{name} may stray {needs:.1} um from its path, which passes {thing} at {:.1} um", has.max(0.0))
             }
             ContainmentCheck::Fine(thing) => format!(
                 "{name} may stray {needs:.1} um in its fine motion, which passes {thing} at {:.1} um",

@@ -349,7 +349,7 @@ fn messages_name_robots_voltages_times_and_limits() {
     };
     assert_eq!(
         told(|s| level(s, 2, [250.0; 2])),
-        "actuation 2 on `fleet.bed` swings between 100 V and 60 V, but is said to go from 250 V to 250 V"
+        "actuation 2 on `fleet.bed` swings between 100 V and 60 V, but is recorded as going from 250 V to 250 V"
     );
     assert_eq!(told(|s| level(s, 0, [250.0; 2])), "the bed is at 250 V at 0 ms, the source gives 0 V to 200 V");
     assert_eq!(told(|s| level(s, 0, [60.0; 2])), "the arm of `D3` may be up or down when strokes begin at 10 ms");
