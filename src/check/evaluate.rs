@@ -1,7 +1,8 @@
 //! Expressions to values: every operator and function checked for the dimensions of its operands.
 
 use super::budget::MAX_LIST_DEPTH;
-use super::fingers::ANGLE_NAME;
+use super::curve::ANGLE_NAME;
+use crate::device::MAX_WORD_DIGITS;
 use super::scope::{DeclarationSort, Scope, nearest, path_text};
 use super::value::{ListValue, ModuleWord, PoseValue, TableValue, Value, whole};
 use super::{Checker, errors, functions};
@@ -13,9 +14,6 @@ use std::rc::Rc;
 
 /// The most elements of a list and the widest range.
 pub const MAX_ELEMENTS: usize = 1_000_000;
-
-/// The most digits of a word: twice the modules that a side may have.
-pub const MAX_WORD_DIGITS: u32 = 2 * crate::device::dimibot::MAX_MODULES;
 
 impl Checker<'_> {
     /// The value of an expression; [`Value::Unknown`] after an error, which has then been pushed.

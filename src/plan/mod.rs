@@ -13,7 +13,7 @@ mod requirements;
 pub mod search;
 
 use crate::claims::{self, Claims, Job, Order};
-use crate::device::each_kind;
+use crate::device::{each_kind, for_each_kind};
 use crate::diagnostic::{Remark, Sink};
 use std::collections::BTreeMap;
 
@@ -68,14 +68,17 @@ pub enum Motion<'a> {
     Fingers(Planned<'a, claims::fingers::FingersOrder, fingers::FingersMotion>),
 }
 
-/// What the plans of a program leave behind for those that follow.
-#[derive(Default)]
-struct Standings {
-    robots: dimibot::DimibotStandings,
-    boards: electrode_array::BoardStandings,
-    beds: microrobots::BedStandings,
-    hands: fingers::HandStandings,
+macro_rules! standings {
+    ({} $($module:ident $kind:ident),+) => {
+        /// What the plans of a program leave behind for those that follow.
+        #[derive(Default)]
+        struct Standings {
+            $($module: $module::Standings,)+
+        }
+    };
 }
+
+for_each_kind!(standings, {});
 
 /// What a kind brings to this stage, on its orders.
 trait KindPlanner {

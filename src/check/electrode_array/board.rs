@@ -1,8 +1,8 @@
 //! The facts of a board: geometry first, then what the forces allow.
 
-use super::physics;
+use super::physics::{self, rounded_up};
 use crate::check::devices::CheckedDevice;
-use crate::check::errors;
+use super::errors;
 use crate::check::fields::Accepted;
 use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
@@ -14,9 +14,6 @@ use crate::real::Real;
 /// The facts of a complete device; `None` where parts cannot even be placed.
 pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFacts> {
     let fields = &device.fields;
-    if fields.values().any(|field| field.value.is_unknown()) {
-        return None;
-    }
     let facts = ElectrodeArrayFacts {
         columns: fields.count("columns")?,
         rows: fields.count("rows")?,
@@ -152,24 +149,4 @@ fn warn_of_published(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: 
 /// A plain number for a message.
 pub fn number(value: f64) -> String {
     crate::quantity::digits(value)
-}
-
-/// The next figure of four digits that is no less: what a message names as the least has to be enough.
-pub fn rounded_up(value: f64) -> f64 {
-    rounded(value * (1.0 - 1e-9), f64::ceil)
-}
-
-/// The next figure of four digits that is no greater.
-pub fn rounded_down(value: f64) -> f64 {
-    rounded(value * (1.0 + 1e-9), f64::floor)
-}
-
-fn rounded(value: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
-    if value <= 0.0 || !value.is_normal() {
-        return value;
-    }
-    let digits = 3 - value.common_logarithm().floor() as i32;
-    // The text of the digits is the nearest double to them; a product with a power of ten need not be.
-    let scaled = to_whole(value * 10f64.whole_power(digits));
-    format!("{scaled}e{}", -digits).parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(value)
 }

@@ -5,7 +5,7 @@
 
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::tray::distance_to;
-use crate::check::errors;
+use super::errors;
 use crate::claims::Job;
 use crate::claims::electrode_array::{
     BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayOrder,

@@ -237,3 +237,12 @@ pub fn unknown_object(span: Span, name: &str, noun: &str, near: Option<&str>, sc
         (None, None) => diagnostic.help("say in which scene the task runs, as `task swap on plate in tray`"),
     }
 }
+
+pub fn too_many_objects(span: Span, noun: &str, count: usize, most: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0522, format!("{count} {noun}s in a scene; at most {most} are allowed"))
+        .label(span, "one too many")
+        .help(match noun {
+            "obstacle" => "make blocks of them, as `obstacle wall : cells { from: (20, 20), to: (23, 23) }`",
+            _ => "divide the work among several boards",
+        })
+}

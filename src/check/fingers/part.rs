@@ -1,8 +1,8 @@
 //! A part as one hand meets it: its contacts in both planes, and whether tips reach them.
 
-use super::solid::{self, HandSolid};
+use crate::check::solid::{self, HandSolid};
 use crate::check::devices::CheckedDevice;
-use crate::check::errors;
+use super::errors;
 use crate::check::scenes::SceneObject;
 use crate::check::value::Value;
 use crate::claims::fingers::{HandPart, Section};

@@ -6,7 +6,7 @@
 use super::orientation::{self, MAX_WAYS, Orientation};
 use super::part;
 use super::step;
-use crate::check::errors;
+use super::errors;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn, HandPart};
 use crate::claims::{Job, Order};
 use crate::device::fingers::{MAX_GRASPS, Plane};

@@ -3,7 +3,7 @@
 use super::table::RobotTable;
 use super::{CheckedBed, validity};
 use crate::check::devices::CheckedDevice;
-use crate::check::errors;
+use super::errors;
 use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
 use crate::device::microrobots::{Docking, Errors, Fine, MAX_ROBOTS, MicrorobotsFacts, Robot, Turning};
@@ -22,9 +22,6 @@ const MAX_CYCLES: f64 = 2_000.0;
 
 /// The facts of a device and the control states of its bed; `None` after an error.
 pub fn bed(device: &CheckedDevice, sink: &mut Sink) -> Option<CheckedBed> {
-    if device.fields.values().any(|field| field.value.is_unknown()) {
-        return None;
-    }
     let table = RobotTable::of(device)?;
     let errors = sink.errors();
     fits_a_bed(&table, device, sink);

@@ -9,7 +9,8 @@ use crate::check::lets::Argument;
 use crate::check::shapes::{self, MAX_HEADING_RAD};
 use crate::check::tasks::{self, Call, Parts, TaskSite};
 use crate::check::value::{ModuleWord, Value, whole};
-use crate::check::{Checker, errors};
+use super::errors;
+use crate::check::Checker;
 use crate::claims::microrobots::{
     Assurance, Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop, Precision,
 };

@@ -5,7 +5,7 @@
 use super::bodies::{ObstacleSolid, RobotBody, is_too_near};
 use super::docking::{self, Docked, Partner};
 use super::ground::first_near;
-use crate::check::errors;
+use super::errors;
 use crate::claims::Job;
 use crate::claims::ValueOrigin;
 use crate::claims::microrobots::{

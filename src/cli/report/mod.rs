@@ -10,8 +10,7 @@ mod microrobots;
 pub use microrobots::suggest;
 
 use super::terminal;
-use crate::check::DeclarationTally;
-use crate::check::devices::KindFacts;
+use crate::check::{DeclarationTally, KindFacts};
 use crate::claims::{Claims, Job, Order};
 use crate::compile::Compiled;
 use crate::device::each_kind;

@@ -203,7 +203,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     }],
     settings: SETTINGS,
     state: Some(Sort::State),
-    together: Together::No,
+    together: Together::No("a dimibot has one end-effector and nothing to move together"),
     frames: Frames::Yes,
     verbs: VERBS,
     objectives: DimibotObjective::CHOICES,

@@ -202,7 +202,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     }],
     settings: SETTINGS,
     state: None,
-    together: Together::No,
+    together: Together::No("a hand turns one part, and no two at the same time"),
     frames: Frames::No,
     verbs: VERBS,
     objectives: FingersObjective::CHOICES,

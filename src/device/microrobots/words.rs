@@ -180,7 +180,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     ],
     settings: SETTINGS,
     state: None,
-    together: Together::No,
+    together: Together::No("one voltage drives all robots: goals at the same time are an assembly"),
     frames: Frames::No,
     verbs: VERBS,
     objectives: MicrorobotsObjective::CHOICES,

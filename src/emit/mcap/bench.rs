@@ -1,7 +1,7 @@
 //! The devices of a log, where their scene places them or side by side, with their jobs in order of time.
 
-use super::frames::StandingPose;
-use super::pictures;
+use super::frames::{self, Mover, StandingPose};
+use super::{LogTopic, pictures};
 use crate::claims::{Claims, Job};
 use crate::schedule::PlanRecord;
 use crate::verify::Verified;
@@ -42,6 +42,12 @@ impl<'a> PictureBench<'a> {
         }
         benches
     }
+}
+
+/// `/tf`, of all devices and of what moves in their frames.
+pub fn frames(benches: &[PictureBench], movers: &[Mover]) -> LogTopic {
+    let stands: Vec<(&str, StandingPose)> = benches.iter().map(|bench| (bench.device, bench.stand)).collect();
+    frames::topic(&stands, movers)
 }
 
 /// Where along x the devices begin that no scene places.

@@ -170,7 +170,7 @@ fn topics(verified: &Verified, signals: &Signals) -> Vec<LogTopic> {
         topics.extend(own);
         movers.extend(moving);
     }
-    topics.push(frames::topic(&benches, &movers));
+    topics.push(bench::frames(&benches, &movers));
     topics.push(lines(verified));
     topics
 }

@@ -4,7 +4,7 @@
 //! Promise: no stretch that may matter is left out; a question about a point costs about the logarithm of the number of stretches.
 
 use super::follow::FollowedCurve;
-use super::form::{cross, dot, minus};
+use super::jet::{cross, dot, minus};
 use crate::real::Real;
 
 /// Least and greatest coordinates.

@@ -5,7 +5,8 @@
 //! chord. Lengths are integrals by Gauss' rule with eight points; a stretch is halved until halves agree with the whole.
 
 use super::OutlineError;
-use super::form::{Jet, OutlineForm, cross, dot, minus, norm};
+use super::form::OutlineForm;
+use super::jet::{Jet, cross, dot, minus, norm};
 use crate::real::Real;
 
 /// How exactly one stretch tells its way.

@@ -113,7 +113,7 @@ impl DimibotStandings {
 
 impl KindPlanner for DimibotOrder {
     fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
-        let plan = plan(job, self, &mut standings.robots, sink)?;
+        let plan = plan(job, self, &mut standings.dimibot, sink)?;
         Some(plan.map(|motion| Motion::Dimibot(Planned { order: self, motion })))
     }
 

@@ -27,7 +27,7 @@ mod why;
 
 pub use apart::apart;
 pub use field::{FieldError, FieldObstacle, LatticeField, SAFETY_MARGIN_UM};
-pub use job::{DimibotMotion, DimibotStandings, DimibotStepMotion, plan};
+pub use job::{DimibotMotion, DimibotStandings, DimibotStandings as Standings, DimibotStepMotion, plan};
 pub use lattice::{Flip, Lattice, LatticeCell, LatticeError, MAX_MODULES, Side, SwitchWeights};
 pub use legs::NoLeg;
 pub use outcome::{DimibotSearchOutcome, FlipPath, Impossible, Proof};

@@ -79,7 +79,7 @@ impl BoardStandings {
 
 impl KindPlanner for ElectrodeArrayOrder {
     fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
-        let plan = plan(job, self, &mut standings.boards, sink)?;
+        let plan = plan(job, self, &mut standings.electrode_array, sink)?;
         Some(plan.map(|motion| Motion::ElectrodeArray(Planned { order: self, motion })))
     }
 }

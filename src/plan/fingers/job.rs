@@ -37,7 +37,7 @@ pub struct HandStandings {
 
 impl KindPlanner for FingersOrder {
     fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
-        let plan = plan(job, self, &mut standings.hands, sink)?;
+        let plan = plan(job, self, &mut standings.fingers, sink)?;
         Some(plan.map(|motion| Motion::Fingers(Planned { order: self, motion })))
     }
 }

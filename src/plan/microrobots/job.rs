@@ -61,7 +61,7 @@ impl BedStandings {
 
 impl KindPlanner for MicrorobotsOrder {
     fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
-        let plan = plan(job, self, &mut standings.beds, sink)?;
+        let plan = plan(job, self, &mut standings.microrobots, sink)?;
         Some(plan.map(|motion| Motion::Microrobots(Planned { order: self, motion })))
     }
 }

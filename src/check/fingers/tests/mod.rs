@@ -299,7 +299,7 @@ fn reaches_agree_with_samples() {
         "grasp bead",
     );
     assert!(told(&text).0.is_some());
-    let reach = solid::super_reach([16.0, 12.0, 11.0], 5.0);
+    let reach = crate::check::solid::super_reach([16.0, 12.0, 11.0], 5.0);
     let mut most: f64 = 0.0;
     for i in 0..=400 {
         for j in 0..=400 {

@@ -62,7 +62,7 @@ fn each_part_has_a_frame_a_body_and_a_way() {
     }
     let plan = SceneUpdate::decode(topic(&topics, "/plate/plan").messages[0].1.as_slice()).unwrap();
     assert_eq!(plan.entities[0].lines.len(), 2);
-    let frames = super::super::frames::topic(&bench::PictureBench::all(&verified), &movers);
+    let frames = bench::frames(&bench::PictureBench::all(&verified), &movers);
     let last = FrameTransforms::decode(frames.messages.last().unwrap().1.as_slice()).unwrap();
     let names: Vec<&str> = last.transforms.iter().map(|frame| frame.child_frame_id.as_str()).collect();
     assert_eq!(names, ["plate", "plate/a", "plate/b"]);

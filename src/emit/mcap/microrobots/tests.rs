@@ -3,7 +3,7 @@ use super::course::MAX_POSES;
 use super::foxglove::{FrameTransforms, SceneUpdate};
 use super::*;
 use crate::emit::fixture;
-use crate::emit::mcap::{bench, frames};
+use crate::emit::mcap::bench;
 use crate::schedule::State;
 use crate::schedule::microrobots::MicrorobotsState;
 use prost::Message as _;
@@ -100,7 +100,7 @@ fn robots_have_bodies_in_frames_that_turn() {
         assert_eq!(body.cubes[0].size.map(|size| (size.x, size.y)), Some((120.0, 60.0)));
         assert_eq!(body.triangles.len(), 1);
     }
-    let tf = frames::topic(&bench::PictureBench::all(&bed), &movers);
+    let tf = bench::frames(&bench::PictureBench::all(&bed), &movers);
     let last = FrameTransforms::decode(tf.messages.last().unwrap().1.as_slice()).unwrap();
     let state = bed.schedule().plans[0].states.last().unwrap();
     let State::Microrobots(MicrorobotsState { poses, .. }) = &state.state else { panic!("a state of microrobots") };

@@ -1,6 +1,6 @@
 //! Curves: an expression of the angle `t`, worked out all the way round.
 
-use crate::check::errors::{self, WantedName};
+use super::errors::{self, WantedName};
 use crate::check::scope::{DeclarationSort, Scope};
 use crate::check::value::Value;
 use crate::check::{Checker, fields};
