@@ -2,17 +2,17 @@
 
 use super::budget::MAX_LIST_DEPTH;
 use super::curve::ANGLE_NAME;
-use crate::device::MAX_WORD_DIGITS;
 use super::scope::{DeclarationSort, Scope, nearest, path_text};
 use super::value::{ListValue, ModuleWord, PoseValue, TableValue, Value, whole};
 use super::{Checker, errors, functions};
+use crate::device::MAX_WORD_DIGITS;
 use crate::device::shape::ShapeForm;
 use crate::quantity::{Dimension, Quantity, Unit, UnitError};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, ExprKind, Field, Ident, Operator, Path, Table, Text, TextPart};
 use std::rc::Rc;
 
-/// The most elements of a list and the widest range.
+/// Greatest number of elements of a list, and the widest range.
 pub const MAX_ELEMENTS: usize = 1_000_000;
 
 impl Checker<'_> {
@@ -299,7 +299,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Evaluates fields whose owner is unknown, so that their own mistakes are still told.
+    /// Evaluates fields whose owner is unknown, so that their own mistakes are still reported.
     pub fn read_for_errors(&mut self, fields: &[Field], scope: &Scope) {
         let mut scope = scope.clone();
         for field in fields {
@@ -365,7 +365,7 @@ impl Checker<'_> {
     }
 }
 
-/// How many values a value holds that are looked at one by one.
+/// Number of elements of a value that are visited one by one.
 pub fn elements(value: &Value) -> usize {
     match value {
         Value::List(list) => list.len(),

@@ -1,4 +1,4 @@
-//! Simulation: carries plans out with devices and measurements that are not what they should be.
+//! Simulation: carries plans out with imperfect devices and measurements.
 //!
 //! Input: a plan, how many trials, a seed. Output: a report of its kind. Promise: the same seed gives the same report,
 //! whatever the number of threads. Only microrobots state their errors so far.
@@ -8,7 +8,7 @@ pub mod microrobots;
 use crate::plan::Motion;
 pub use microrobots::{Dockings, FailureReason, Failures, SimulationReport, Spread};
 
-/// Report on so many trials of a plan; `None` where the kind or the device does not state its errors, or nothing is assembled.
+/// Report on `trials` trials of a plan; `None` if the kind or the device has no error bounds, or nothing is assembled.
 pub fn simulate(motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<SimulationReport> {
     match motion {
         Motion::Microrobots(planned) => microrobots::simulate(planned.order, &planned.motion, trials, seed, threads),

@@ -14,11 +14,7 @@ use std::sync::Arc;
 
 impl Checker<'_> {
     /// The other placed robots of a scene, with their facts; those with errors in them are left out.
-    pub fn placed_beside(
-        &mut self,
-        scene: &CheckedScene,
-        device: DeclarationPlace,
-    ) -> Vec<(Rc<DimibotFacts>, Pose)> {
+    pub fn placed_beside(&mut self, scene: &CheckedScene, device: DeclarationPlace) -> Vec<(Rc<DimibotFacts>, Pose)> {
         let others = scene.frames.values().filter(|frame| frame.device != device);
         let facts = others.map(|frame| (self.facts(frame.device), frame.pose));
         facts.filter_map(|(facts, pose)| Some((robot_facts(facts?)?, pose))).collect()

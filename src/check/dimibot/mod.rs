@@ -10,11 +10,11 @@ use super::scenes::{CheckedScene, SceneObject};
 use super::tasks::{self, Parts, TaskSite};
 use super::value::{ModuleWord, Value, whole};
 use super::{CheckedFacts, Checker, KindChecks, KindFacts, errors, shapes};
-use crate::claims::{Job, Order};
 use crate::claims::dimibot::{
     Asked, DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacle, DimibotObstacleBody, DimibotOrder,
     DimibotPlanner, DimibotStep, DimibotStop,
 };
+use crate::claims::{Job, Order};
 use crate::device::dimibot::{self, DimibotFacts, LatticeCell, Side, Simultaneous};
 use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Diagnostic, Sink};
@@ -33,7 +33,7 @@ mod stops;
 
 pub use cover::SceneCover;
 
-/// States that one search may expand where the task does not say.
+/// Default limit of expanded states in one search.
 pub const DEFAULT_EXPANSIONS: u64 = 20_000_000;
 
 impl CheckedFacts for Rc<DimibotFacts> {
@@ -92,7 +92,7 @@ fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<DimibotFacts> {
     Some(facts)
 }
 
-/// Whether modules may be switched together, where the fields say so.
+/// Whether modules may be switched together, if the fields set it.
 fn simultaneous(fields: &Accepted) -> Option<Simultaneous> {
     fields.word("simultaneous").and_then(Simultaneous::find)
 }
@@ -127,23 +127,13 @@ fn length(um: f64) -> String {
 
 impl Checker<'_> {
     /// A task's body in the kind's own terms; `None` after an error.
-    pub fn dimibot_order(
-        &mut self,
-        site: &TaskSite,
-        facts: &DimibotFacts,
-        parts: Parts,
-    ) -> Option<DimibotOrder> {
+    pub fn dimibot_order(&mut self, site: &TaskSite, facts: &DimibotFacts, parts: Parts) -> Option<DimibotOrder> {
         let judged = self.scene_met(site, |checker, scene| checker.obstacles(site, scene, facts));
         let order = order(facts, &judged.cover, parts, &site.device.name, self.sink);
         order.filter(|_| judged.is_whole)
     }
 
-    fn obstacles(
-        &mut self,
-        site: &TaskSite,
-        scene: Option<&CheckedScene>,
-        facts: &DimibotFacts,
-    ) -> DimibotScene {
+    fn obstacles(&mut self, site: &TaskSite, scene: Option<&CheckedScene>, facts: &DimibotFacts) -> DimibotScene {
         let Some(scene) = scene else {
             return DimibotScene { cover: SceneCover::of(Vec::new(), facts, None), is_whole: true };
         };
@@ -183,8 +173,7 @@ impl SceneRobot<'_> {
 
     /// Whether a body can touch neither the tip nor that of any other robot of the scene.
     fn is_out_of_all_reach(&self, body: &DimibotObstacleBody) -> bool {
-        let is_outside_of =
-            |(facts, pose): &(Rc<DimibotFacts>, Pose)| is_outside(&body.seen_from(Some(pose)), facts);
+        let is_outside_of = |(facts, pose): &(Rc<DimibotFacts>, Pose)| is_outside(&body.seen_from(Some(pose)), facts);
         self.others.iter().all(is_outside_of)
     }
 }
@@ -224,7 +213,7 @@ fn obstacle(object: &SceneObject, robot: &SceneRobot, sink: &mut Sink) -> Option
     Some(obstacle)
 }
 
-/// Whether an object's place is told in cells.
+/// Whether an object's place is given in cells.
 fn stands_on_cells(object: &SceneObject) -> bool {
     let is_block = object.shape.as_ref().is_some_and(|shape| shape.value.form == ShapeForm::Cells);
     is_block || object.at.as_ref().is_some_and(|at| whole_cell(&at.value).is_some())
@@ -340,7 +329,7 @@ fn bounds_um(shape: &Shape, pose: &Pose, growth_um: f64) -> Option<[[f64; 2]; 2]
     Some([low_um, high_um])
 }
 
-/// How far the place of a cell lies from a body's rim; negative inside.
+/// Distance of a cell's place from a body's rim; negative inside.
 fn clearance_um(shape: &Shape, pose: &Pose, cell: LatticeCell, facts: &DimibotFacts) -> f64 {
     let [x_um, y_um] = facts.place_um(cell);
     let at = Point2::new(x_um, y_um);
@@ -392,7 +381,7 @@ fn precision(settings: &Accepted, facts: &DimibotFacts, sink: &mut Sink) -> Opti
     Some(Some(precision_um))
 }
 
-/// What `minimize` names, distance where it is left out.
+/// The objective that `minimize` names; distance by default.
 fn objective(name: Option<&str>) -> Option<DimibotObjective> {
     name.map_or(Some(DimibotObjective::Distance), DimibotObjective::find)
 }
@@ -405,7 +394,7 @@ fn warn_of_simultaneous(settings: &Accepted, objective: DimibotObjective, sink: 
     }
 }
 
-/// The method and budget of a task; `None` where a published method is asked for what it does not know.
+/// The method and budget of a task; `None` if a published method is asked for a feature that it lacks.
 fn planner(parts: &Parts, asked: (DimibotObjective, Simultaneous), sink: &mut Sink) -> Option<DimibotPlanner> {
     let Some((planner, _)) = &parts.planner else {
         return Some(DimibotPlanner { method: DimibotMethod::StagedAstar, expansions: DEFAULT_EXPANSIONS });
@@ -418,7 +407,7 @@ fn planner(parts: &Parts, asked: (DimibotObjective, Simultaneous), sink: &mut Si
     Some(DimibotPlanner { method, expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS) })
 }
 
-/// What a published method is asked for that it does not know, and where; Tweeze's own knows all.
+/// A feature that the task asks of a published method and that it lacks, and where; Tweeze's own planner has all.
 fn beyond(
     method: DimibotMethod,
     parts: &Parts,

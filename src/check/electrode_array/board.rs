@@ -1,15 +1,14 @@
-//! The facts of a board: geometry first, then what the forces allow.
+//! The facts of a board: geometry first, then the limits from forces.
 
+use super::errors;
 use super::physics::{self, rounded_up};
 use crate::check::devices::CheckedDevice;
-use super::errors;
 use crate::check::fields::Accepted;
 use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
 use crate::check::value::{ShapeValue, Value, whole};
 use crate::device::electrode_array::{ElectrodeArrayFacts, Electrodes, Hold, Layout, Separation};
 use crate::diagnostic::Sink;
-use crate::real::Real;
 
 /// The facts of a complete device; `None` where parts cannot even be placed.
 pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFacts> {
@@ -124,7 +123,7 @@ fn keeps_apart(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut S
 
 /// The least whole number above a figure.
 fn beyond(figure: f64) -> u32 {
-    // A cast takes what is too large for the largest there is.
+    // A cast saturates at the largest integer.
     ((figure * (1.0 + 1e-9)).floor() as u32).saturating_add(1)
 }
 

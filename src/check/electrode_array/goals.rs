@@ -2,12 +2,12 @@
 
 use super::cover::{SpacedPlaces, nearest_cell};
 use super::default_expansions;
+use super::errors;
 use super::tray::{BlockedCell, BoardScene, on_board, on_obstacle, whole_cell};
+use crate::check::Checker;
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
 use crate::check::tasks::{self, Call, Parts, TaskSite};
-use super::errors;
-use crate::check::Checker;
 use crate::claims::electrode_array::{
     Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
     ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop,
@@ -48,7 +48,7 @@ impl Checker<'_> {
     }
 }
 
-/// What `minimize` names, the makespan where it is left out.
+/// The objective that `minimize` names; the makespan by default.
 fn objective(name: Option<&str>) -> Option<ElectrodeArrayObjective> {
     name.map_or(Some(ElectrodeArrayObjective::Makespan), ElectrodeArrayObjective::find)
 }
@@ -57,7 +57,7 @@ fn bystanders(parts: &Parts) -> Bystanders {
     if parts.settings.is_set("may_yield") { Bystanders::Yield } else { Bystanders::Stay }
 }
 
-/// The method and budget of a task; `None` where a method is asked for what it does not know.
+/// The method and budget of a task; `None` if a method is asked for a feature that it lacks.
 fn planner(
     parts: &Parts,
     asked: (ElectrodeArrayObjective, Bystanders),
@@ -86,7 +86,7 @@ fn planner(
     Some(ElectrodeArrayPlanner { method, expansions: parts.expansions().unwrap_or(default_expansions(facts, count)) })
 }
 
-/// What the published methods are asked for that they do not know, and where.
+/// The features that the task asks of a published method and that it lacks, and where.
 fn beyond_published(
     parts: &Parts,
     (objective, bystanders): (ElectrodeArrayObjective, Bystanders),
@@ -122,7 +122,7 @@ struct BoardStepJudge<'a> {
     tray: &'a BoardScene,
     /// Where the task's scene is declared.
     scene: Option<Span>,
-    /// Where the device says whether it holds its parts, if it does.
+    /// The field that sets whether the device holds its parts, if there is one.
     hold: Option<Span>,
     sink: &'a mut Sink,
 }

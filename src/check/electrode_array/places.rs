@@ -4,8 +4,8 @@
 //! near to a part that stays where it is, or that comes back there.
 
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
-use super::tray::distance_to;
 use super::errors;
+use super::tray::distance_to;
 use crate::claims::Job;
 use crate::claims::electrode_array::{
     BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayOrder,
@@ -50,7 +50,7 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) {
     }
 }
 
-/// What is kept on the way through the runs of a schedule.
+/// State of the walk through the runs of a schedule.
 struct PartsWalk {
     told: BTreeSet<Finding>,
     /// By the list of obstacles that is painted.
@@ -64,7 +64,7 @@ impl PartsWalk {
     }
 }
 
-/// What tells one finding from another, however often a task runs: a place in the source and a cell.
+/// Identity of a finding, however often a task runs: a place in the source and a cell.
 type Finding = (Span, Option<ElectrodeCell>);
 
 /// A part that only one of two scenes has.
@@ -86,7 +86,7 @@ enum PartStand {
 /// A board between two steps.
 struct BoardWalk {
     parts: Arc<Vec<BoardPart>>,
-    /// Of the scene of the last run; all parts stand clear of them.
+    /// Obstacles of the scene of the last run; all parts are clear of them.
     obstacles: Arc<Vec<ElectrodeArrayObstacle>>,
     /// One for each part.
     stands: Vec<PartStand>,
@@ -132,7 +132,7 @@ impl BoardWalk {
         (0..self.stands.len()).for_each(|part| self.enter(part));
     }
 
-    /// What the parts stand too near to when a scene with other obstacles comes.
+    /// Obstacles that the parts are too near to when a scene with other obstacles comes.
     fn stands_clear(&self, job: &Job, order: &ElectrodeArrayOrder, walk: &mut PartsWalk) -> Vec<Diagnostic> {
         let cover = walk.cover(order);
         let mut found = Vec::new();
@@ -149,7 +149,7 @@ impl BoardWalk {
         found
     }
 
-    /// Judges a step, and moves its parts to their goals; what was told is not said again.
+    /// Checks a step, and moves its parts to their goals; findings are reported once.
     fn advance(
         &mut self,
         moves: &[ElectrodeArrayMove],

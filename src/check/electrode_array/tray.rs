@@ -2,6 +2,8 @@
 
 use super::board;
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
+use super::errors;
+use crate::check::Checker;
 use crate::check::devices::CheckedDevice;
 use crate::check::fields::Accepted;
 use crate::check::figures::Figures;
@@ -10,8 +12,6 @@ use crate::check::objects::{ObjectNames, of_other_kind};
 use crate::check::scenes::{CheckedScene, SceneObject};
 use crate::check::tasks::TaskSite;
 use crate::check::value::{ShapeValue, Value, whole};
-use super::errors;
-use crate::check::Checker;
 use crate::claims::electrode_array::{BoardPart, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_OBSTACLES, MAX_PARTS, VOCABULARY};
 use crate::device::shape::ShapeForm;
@@ -53,7 +53,7 @@ fn judged_scene(
     judged(&scene.objects, device, facts, sink)
 }
 
-/// Of a part that was read: where it stands, with the place of that figure.
+/// A part that was read: its cell, and where that was given.
 struct StandingPart {
     part: BoardPart,
     at: Argument,
@@ -146,7 +146,7 @@ impl TrayReader<'_> {
         is_own
     }
 
-    /// What follows `at`.
+    /// The value after `at`.
     fn place(&mut self) -> Option<Argument> {
         let object = self.object;
         match &object.at {
@@ -158,7 +158,7 @@ impl TrayReader<'_> {
         }
     }
 
-    /// The whole cell of a place, which need not be one of the board.
+    /// The whole cell of a place, possibly off the board.
     fn whole_cell(&mut self, at: &Argument) -> Option<[i64; 2]> {
         let cell = whole_cell(&at.value);
         if cell.is_none() {
@@ -280,7 +280,7 @@ pub struct BlockedCell {
     pub span: Span,
 }
 
-/// What is said of a cell that is too near to an obstacle.
+/// Diagnostic for a cell that is too near to an obstacle.
 pub fn on_obstacle(
     place: &BlockedCell,
     obstacle: &ElectrodeArrayObstacle,
@@ -291,7 +291,7 @@ pub fn on_obstacle(
     errors::near_obstacle((place.code, place.span), place.cell, (&obstacle.name, obstacle.span), distance, free)
 }
 
-/// How far a centre is from an obstacle, and how far it has to be, in electrodes.
+/// Actual and required distance of a centre from an obstacle, in electrodes.
 pub fn distance_to(
     obstacle: &ElectrodeArrayObstacle,
     centre: ElectrodeCell,

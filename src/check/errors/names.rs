@@ -138,7 +138,7 @@ pub fn indexed_name(span: Span) -> Diagnostic {
         .help("declare it under a name of its own")
 }
 
-/// `at` is where it is asked for while it is being made out.
+/// `at` is where the value is used in its own evaluation.
 pub fn defined_by_itself((name, declared): (&str, Span), at: Span) -> Diagnostic {
     Diagnostic::new(Code::E0207, format!("`{name}` is defined by itself"))
         .label(at, format!("this needs `{name}` again"))
@@ -161,7 +161,7 @@ pub fn unknown_verb(
 ) -> Diagnostic {
     let besides = match together {
         Together::Yes => ["wait", "together"].as_slice(),
-        Together::No => ["wait"].as_slice(),
+        Together::No(_) => ["wait"].as_slice(),
     };
     let kind = with_article(kind);
     let besides = besides.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");

@@ -1,6 +1,8 @@
 //! Shapes, curves and orientations.
 
+use crate::check::value::Value;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::digits;
 use crate::source::Span;
 
 pub fn no_angle(span: Span, found: &Value) -> Diagnostic {

@@ -1,7 +1,7 @@
 //! Is this hand possible, is this object one that it can turn, are these steps of it?
 
-mod errors;
 mod bench;
+mod errors;
 mod facts;
 mod orientation;
 mod part;

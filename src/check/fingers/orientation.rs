@@ -3,14 +3,14 @@
 //! A turn of a part is about its own axis, so that turns in their order multiply from the left to the right.
 
 use crate::check::orientation;
-pub use crate::check::orientation::{Orientation, from_euler, read, written};
+pub use crate::check::orientation::{Orientation, read, written};
 use crate::claims::fingers::{FingersTurn, HandPart};
 use crate::device::fingers::Plane;
 use crate::real::Real;
-use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Unit, UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// The most ways of one step that are searched.
+/// Greatest number of decompositions of one step that are searched.
 pub const MAX_WAYS: usize = 48;
 
 /// Below this the sine of the middle angle leaves only one turn to be made.
@@ -26,7 +26,7 @@ pub fn about_x(angle_rad: f64) -> Orientation {
     UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle_rad)
 }
 
-/// What some turns of whole steps do to a part.
+/// Orientation of a part after some turns of whole steps.
 pub fn after(turns: &[FingersTurn], part: &HandPart) -> Orientation {
     turns.iter().fold(UnitQuaternion::identity(), |reached, turn| {
         let step_rad = part.section(turn.plane).map_or(0.0, |section| section.step_rad);
@@ -34,7 +34,7 @@ pub fn after(turns: &[FingersTurn], part: &HandPart) -> Orientation {
     })
 }
 
-/// A way to an orientation, and by how much it misses.
+/// A decomposition into turns that reaches an orientation, and its error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TurnsToOrientation {
     pub turns: Vec<FingersTurn>,
@@ -44,11 +44,12 @@ pub struct TurnsToOrientation {
 /// For each of three angles: the short way or the long one, and the nearest number of steps or the next one.
 const CHOICES: u32 = 1 << 6;
 
-/// How much more than 360 deg a turn of whole steps may be, as a share.
+/// Share by which a turn of whole steps may exceed 360 deg.
 const FULL_SLACK: f64 = 1e-2;
 
 /// The ways of up to three turns of whole steps in alternating planes that come near a relative orientation: both solutions of its
-/// angles, with either plane first, each angle either way round, and by the nearest number of steps or the next one. None twice, those of less turning first, at most [`MAX_WAYS`].
+/// angles, with either plane first, each angle either way round, and by the nearest number of steps or the next one. None twice, those of
+/// less turning first, at most [`MAX_WAYS`].
 pub fn ways(goal: &Orientation, part: &HandPart) -> Vec<TurnsToOrientation> {
     let mut found: Vec<TurnsToOrientation> = Vec::new();
     for first in Plane::ALL {
@@ -73,7 +74,7 @@ fn effort(way: &TurnsToOrientation, part: &HandPart) -> f64 {
 
 /// The angles of three turns, the first and the last in one plane, the middle one in the other.
 fn decompositions(goal: &Orientation, first: Plane) -> Vec<[f64; 3]> {
-    // What is z, y, z in these coordinates is y, z, y in the part's own: x turned round, y and z exchanged.
+    // z, y, z in these coordinates is y, z, y in the part's own: x reversed, y and z exchanged.
     let swap = match first {
         Plane::Xy => UnitQuaternion::identity(),
         Plane::Xz => {
@@ -96,8 +97,8 @@ fn decompositions(goal: &Orientation, first: Plane) -> Vec<[f64; 3]> {
     vec![[a, b, c], [a + PI, -b, c + PI]]
 }
 
-/// Each angle as the nearest whole number of steps or the next one, the short way or the long one, by the bits of `choice`; `None` where that is no
-/// turn.
+/// Each angle as the nearest whole number of steps or the next one, the short way or the long one, by the bits of `choice`; `None` where
+/// that is no turn.
 fn whole_turns(angles: [f64; 3], choice: u32, first: Plane, part: &HandPart) -> Option<Vec<FingersTurn>> {
     let other = match first {
         Plane::Xy => Plane::Xz,

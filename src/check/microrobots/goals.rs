@@ -1,16 +1,16 @@
-//! The steps of a task: what can be judged of them without knowing where the robots stand by then.
+//! The steps of a task: checks that do not depend on the robots' places at that time.
 
 use super::bodies::{ObstacleSolid, RobotBody};
+use super::errors;
 use super::ground::{BedScene, first_near, is_near};
 use super::{CheckedBed, DEFAULT_EXPANSIONS};
+use crate::check::Checker;
 use crate::check::fields::Accepted;
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
 use crate::check::shapes::{self, MAX_HEADING_RAD};
 use crate::check::tasks::{self, Call, Parts, TaskSite};
 use crate::check::value::{ModuleWord, Value, whole};
-use super::errors;
-use crate::check::Checker;
 use crate::claims::microrobots::{
     Assurance, Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop, Precision,
 };
@@ -22,10 +22,10 @@ use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// How far from its goal a robot may end where the task does not say.
+/// Default tolerance of a goal.
 const DEFAULT_PRECISION: Precision = Precision { place_um: 0.5, heading_rad: 0.5 * std::f64::consts::PI / 180.0 };
 
-/// How far one `apply` carries a robot at most: on longer ways rounding takes more than the verifier grants.
+/// Greatest distance of one `apply`: on longer paths rounding exceeds the tolerance of the verifier.
 const MAX_APPLIED_UM: f64 = 1e8;
 
 impl Checker<'_> {
@@ -57,7 +57,7 @@ fn assurance(settings: &Accepted) -> Assurance {
     if settings.is_set("guaranteed") { Assurance::Demanded } else { Assurance::Told }
 }
 
-/// How near goals are met; a robot ends no nearer than half a stroke.
+/// Tolerance of goals; a robot ends no nearer than half a stroke.
 fn precision(settings: &Accepted, bed: &CheckedBed, ground: &BedScene, sink: &mut Sink) -> Option<Precision> {
     let given = |name: &str| match settings.get(name).map(|setting| &setting.value) {
         Some(Value::Quantity(quantity)) => Ok(Some(*quantity)),
@@ -98,7 +98,7 @@ impl BedStepJudge<'_> {
         let action = match &step.action {
             tasks::VocabularyAction::Wait(duration_ns) => MicrorobotsAction::Wait(*duration_ns),
             tasks::VocabularyAction::Verb(call) => self.call(call)?,
-            // The kind has no goals at the same time, which was said.
+            // The kind has no simultaneous goals, already reported.
             tasks::VocabularyAction::Together(_) => return None,
         };
         Some(MicrorobotsStep { action, span: step.span })
@@ -122,7 +122,7 @@ impl BedStepJudge<'_> {
         Some(MicrorobotsAction::Apply { state: state?, duration_ns })
     }
 
-    /// The robot that so many strokes carry the farthest, if that is too far.
+    /// The robot that this number of strokes carries farthest, if that is too far.
     fn too_far(&self, duration_ns: u64, span: Span) -> Option<Diagnostic> {
         let facts = &self.bed.facts;
         let robots = self.ground.robots.iter().map(|placed| &facts.robots[placed.row]);
@@ -235,7 +235,7 @@ fn digits(word: ModuleWord) -> String {
     (0..word.width).rev().map(|at| if word.bits >> at & 1 == 1 { '1' } else { '0' }).collect()
 }
 
-/// How many rings of places round a pose are searched for a better one, and how many places each has.
+/// Number of rings of places round a pose that are searched for a better one, and of places on each.
 const RINGS: [u32; 2] = [60, 24];
 
 /// The nearest pose with the same heading, a whole number of micrometres away in rings that widen, that is as asked.

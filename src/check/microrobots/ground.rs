@@ -2,6 +2,8 @@
 
 use super::CheckedBed;
 use super::bodies::{ObstacleSolid, RobotBody, is_too_near};
+use super::errors;
+use crate::check::Checker;
 use crate::check::devices::CheckedDevice;
 use crate::check::lets::Argument;
 use crate::check::objects::{ObjectNames, of_other_kind};
@@ -10,8 +12,6 @@ use crate::check::scope::nearest;
 use crate::check::shapes::{self, MAX_HEADING_RAD};
 use crate::check::tasks::TaskSite;
 use crate::check::value::Value;
-use super::errors;
-use crate::check::Checker;
 use crate::claims::microrobots::{MicrorobotsObstacle, Placed};
 use crate::device::microrobots::{MAX_OBSTACLES, MAX_ROBOTS, MicrorobotsFacts, VOCABULARY};
 use crate::device::shape::ShapeForm;
@@ -209,7 +209,7 @@ fn starts(standing: &[StandingRobot], obstacles: &[MicrorobotsObstacle], facts: 
     }
 }
 
-/// The first obstacle that a body lies too near to, and how far it lies from it.
+/// The first obstacle that a body is too near to, and its distance.
 pub fn first_near<'o>(
     body: &RobotBody,
     obstacles: &'o [MicrorobotsObstacle],

@@ -1,8 +1,8 @@
-//! Is this bed possible, what can its voltage reach, is this scene possible for it, are these goals?
+//! Checks of beds, of the reach of their voltages, of scenes and of goals.
 
-mod errors;
 mod bodies;
 mod docking;
+mod errors;
 mod facts;
 mod goals;
 mod ground;
@@ -11,7 +11,6 @@ pub mod suggest;
 mod table;
 mod validity;
 mod walk;
-
 
 use super::devices::CheckedDevice;
 use super::tasks::{Parts, TaskSite};
@@ -22,7 +21,7 @@ use crate::diagnostic::Sink;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Ways that the search of one step may expand where the task does not say.
+/// Default limit of expansions in the search of one step.
 pub const DEFAULT_EXPANSIONS: u64 = 200_000;
 
 /// A bed: its facts, and the control states that its voltage can reach.

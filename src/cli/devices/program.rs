@@ -1,4 +1,4 @@
-//! The devices of a program, with what follows from their figures.
+//! The devices of a program, with all derived figures.
 
 use crate::check::Options;
 use crate::cli::arguments::DevicesArguments;
@@ -9,7 +9,7 @@ use crate::diagnostic::Sink;
 use crate::source::Sources;
 use std::path::Path;
 
-/// Checks a program and tells of each of its devices.
+/// Checks a program and reports each of its devices.
 pub fn run(file: &Path, arguments: &DevicesArguments) -> Exit {
     let options = Options { settings: arguments.settings.set.clone(), only: None };
     let loaded = match Loaded::read(file, options, &arguments.report) {

@@ -53,7 +53,7 @@ impl ReportedDevice for DimibotFacts {
 }
 
 /// In which order each `visit` comes to its places, and how far the cells that were taken for places lie from them.
-/// How long a robot waits for others: what is neither pulse nor rest nor a wait of the task.
+/// Time that a robot waits for others: neither pulse nor rest nor a wait of the task.
 fn waits(run: &ReportedRun, order: &DimibotOrder) -> Option<String> {
     let moving =
         run.steps.iter().zip(&order.steps).filter(|(_, claim)| !matches!(claim.action, DimibotAction::Wait(_)));

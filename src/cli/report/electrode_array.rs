@@ -8,7 +8,7 @@ use crate::quantity::digits;
 use crate::schedule::PlanRecord;
 
 impl ReportedOrder for ElectrodeArrayOrder {
-    /// `86 steps, optimal (bound 86); sum of costs 312, not proven optimal (bound 298)`: what was minimised comes first.
+    /// `86 steps, optimal (bound 86); sum of costs 312, not proven optimal (bound 298)`: the minimised outcome comes first.
     fn cost(&self, plan: &PlanRecord) -> String {
         let steps = |value: f64| count(value as usize, "step");
         let sum = |value: f64| format!("sum of costs {}", digits(value));

@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 type Edit<'a> = &'a mut dyn FnMut(&str, u64, Vec<u8>) -> Vec<Vec<u8>>;
 
-/// The log packed anew, every message being replaced by what `edit` makes of it, and the attachments by what `attach` does.
+/// The log repacked, with every message replaced by the result of `edit`, and the attachments by that of `attach`.
 /// The topics of a device, as its kind makes them.
 pub fn device_topics(verified: &Verified, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
     let job = verified.claims().jobs.iter().find(|job| job.device == device).expect("a job of the device");

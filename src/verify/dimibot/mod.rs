@@ -1,8 +1,9 @@
 //! Replays the run of a DiMiBot: pulses into module states, states into places, moves into sweeps.
 //!
 //! Input: a [`Run`] whose steps and channels are sound, and where the device stands. Output: its states and outcomes;
-//! one function per rule. A pulse is what begins at one instant on the device; it takes the pulse duration of the facts and then
-//! the rest, in which nothing is switched. A step of moves is pulse after pulse without idle time; its end is that of its last rest.
+//! one function per rule. A pulse is the set of actuations that begin at one instant on the device; it takes the pulse duration of the
+//! facts and then the rest, in which nothing is switched. A step of moves is pulse after pulse without idle time; it ends with its last
+//! rest.
 
 mod beside;
 mod scene;
@@ -21,7 +22,7 @@ use scene::{DimibotObstacles, TipTouch, place};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// What a channel acts on.
+/// Actuator of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Actuator {
     side: Side,
@@ -149,7 +150,7 @@ impl JudgedState for DimibotState {
     }
 }
 
-/// What begins at one instant.
+/// All actuations that begin at one instant.
 #[derive(Debug)]
 struct PulseInstant<'a> {
     start_ns: u64,
@@ -160,7 +161,7 @@ struct PulseInstant<'a> {
     parts: Vec<(&'a Actuation, Actuator)>,
     before: LatticeCell,
     after: LatticeCell,
-    /// What really changes.
+    /// The actuators that change their module.
     strokes: Vec<Actuator>,
 }
 
@@ -182,7 +183,7 @@ fn state(facts: &DimibotFacts, cell: LatticeCell) -> State {
     })
 }
 
-/// Where a run starts: where the device stands, or for its first run where the task says, or at home.
+/// Start of a run: the device's place; for its first run the task's `start at`, or home.
 fn start(run: &JudgedRun, order: &DimibotOrder, standing: &Standing, findings: &mut Findings) -> LatticeCell {
     let claimed = order.start.as_ref();
     let Some(State::Dimibot(DimibotState { cell: [x, y], .. })) = standing.get(run.job.device.as_str()) else {
@@ -336,7 +337,7 @@ fn rests(task: &DimibotRun, findings: &mut Findings) {
     }
 }
 
-/// A step of moves is pulse after pulse, from its beginning to its end. Not asked of robots that may have to wait for another:
+/// A step of moves is pulse after pulse, from its beginning to its end. Not checked for robots that may need to wait for another:
 /// their idle time counts as time of the plan.
 fn idle(task: &DimibotRun, findings: &mut Findings) {
     for (nth, claimed) in task.order.steps.iter().enumerate() {

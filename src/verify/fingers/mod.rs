@@ -1,13 +1,13 @@
 //! Replays the run of a hand from the positions of its stages alone.
 //!
-//! Input: a run whose steps and channels are sound. Output: its states and the outcomes. `track` puts the axes together, `body` tells
-//! how far the part's outlines are, `grip` solves for the pose in which all tips that hold touch and roll, `hand` follows
-//! stretch by stretch which tips hold, come and leave, `statics` asks a solver of linear programs whether they hold the part,
-//! `clearance` looks at how near tips come, `pace` how fast, `goals` holds each step against the task and `states` the changes against the
-//! record. Promise: nothing is read of the record but to be compared; the first motion that does not roll ends the replay of its device.
-//! Equilibrium is asked after each finger that comes or leaves and, while tips roll, at both ends and the middle of each stretch, and
-//! as often between as no tip moves more than a quarter of its radius from one sample to the next. Cost: for each sample a few distances
-//! to the outline and one linear program.
+//! Input: a run whose steps and channels are sound. Output: its states and the outcomes. `track` assembles the axes, `body` gives
+//! distances to the part's outlines, `grip` solves for the pose in which all tips that hold touch and roll, `hand` follows
+//! stretch by stretch which tips hold, come and leave, `statics` decides by linear programs whether they hold the part,
+//! `clearance` checks distances of tips, `pace` their speeds, `goals` each step against the task and `states` the changes against the
+//! record. Promise: the record is read only to be compared; the first motion that does not roll ends the replay of its device.
+//! Equilibrium is checked after each finger that comes or leaves and, while tips roll, at both ends and the middle of each stretch, and
+//! in between so often that no tip moves more than a quarter of its radius from one sample to the next. Cost: for each sample a few
+//! distances to the outline and one linear program.
 
 mod body;
 mod claims;
@@ -39,10 +39,10 @@ use statics::{ContactPoint, Statics};
 /// A place or a direction in the hand's frame.
 type Point = Vector3<f64>;
 
-/// How far a recorded place may be off.
+/// Tolerance of a recorded place.
 const PLACE_TOLERANCE_UM: f64 = 1e-3;
 
-/// How far a recorded orientation may be off.
+/// Tolerance of a recorded orientation.
 const TURN_TOLERANCE_RAD: f64 = 1e-4;
 
 /// The share of its greatest force that each finger bears in pictures.
@@ -154,8 +154,8 @@ fn orientation_of([w, x, y, z]: &[f64; 4]) -> Option<UnitQuaternion<f64>> {
 
 /// The force of each finger on the part in a held state, in the hand's frame and micronewtons; `None` for a free finger.
 ///
-/// Many forces balance a grasp: these are deepest inside the friction cones while their normal parts sum to a tenth of what the
-/// fingers can, or as nearly as can be. `None` if the state is none of the order's, or nothing balances.
+/// Many forces balance a grasp: these are deepest inside the friction cones while their normal parts sum to a tenth of the fingers'
+/// capacity, or as nearly as possible. `None` if the state is none of the order's, or no forces balance.
 pub fn forces(order: &FingersOrder, state: &State) -> Option<Vec<Option<[f64; 3]>>> {
     let State::Fingers(told) = state else { return None };
     let body = PartOutlines::of(&order.part, order.facts.tip_radius_um)?;

@@ -1,10 +1,10 @@
-//! Each check just inside and just outside, what an order says, and turns against all turns.
+//! Each check just inside and just outside its limit, the content of orders, and chosen turns against all turns.
 
 mod turns;
 
 use super::orientation;
-use super::solid;
 use crate::check::imports::{self, Library};
+use crate::check::solid;
 use crate::check::{Checked, Options, check};
 use crate::claims::Claims;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersTurn};
@@ -47,7 +47,7 @@ fn ball(radius: f64, count: usize) -> String {
 
 const BEAD: &str = "ellipsoid { axes: (16 um, 11.845 um, 11.845 um), material: f.silicon }";
 
-/// What is checked, and the codes.
+/// The checked program, and the codes.
 fn told(text: &str) -> (Option<Checked>, Vec<String>) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let text = format!("use std.fingers as f\n{text}");
@@ -299,7 +299,7 @@ fn reaches_agree_with_samples() {
         "grasp bead",
     );
     assert!(told(&text).0.is_some());
-    let reach = crate::check::solid::super_reach([16.0, 12.0, 11.0], 5.0);
+    let reach = solid::super_reach([16.0, 12.0, 11.0], 5.0);
     let mut most: f64 = 0.0;
     for i in 0..=400 {
         for j in 0..=400 {

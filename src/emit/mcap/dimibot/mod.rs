@@ -1,4 +1,4 @@
-//! What a log shows of a DiMiBot: end-effector, way, obstacles and lattice. One unit of its pictures is one micrometre.
+//! Content of a log for a DiMiBot: end-effector, path, obstacles and lattice. One unit of its pictures is one micrometre.
 
 pub mod motion;
 mod points;
