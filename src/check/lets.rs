@@ -15,11 +15,11 @@ pub enum LetState {
     Done(Value),
 }
 
-/// A `let` on the way to its value.
+/// Pending evaluation of a `let`.
 enum LetTask {
     /// Evaluate this dependency first.
     Begin(DeclarationPlace),
-    /// All that it needs is known, or lies in a circle with it.
+    /// All its dependencies are known, or in a cycle with it.
     Evaluate(DeclarationPlace),
 }
 
@@ -44,7 +44,7 @@ impl Argument {
 }
 
 impl Checker<'_> {
-    /// The value of a `let`; `asked` is where its name stands.
+    /// The value of a `let`; `asked` is where its name is used.
     pub fn value_of_let(&mut self, place: DeclarationPlace, asked: Span) -> Value {
         if let Some(LetState::Open) = self.lets.get(&place) {
             let name = self.named(place);

@@ -37,7 +37,7 @@ pub struct CheckedScene {
     pub objects: Vec<Rc<SceneObject>>,
     /// Where devices stand, by device.
     pub frames: BTreeMap<DeclarationPlace, DeviceFrame>,
-    /// Where the image lies that places are read off, if there is one.
+    /// Placement of the image for places in pixels, if there is one.
     pub camera: Option<Camera>,
     /// Number of bases below it.
     depth: usize,

@@ -45,7 +45,7 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let invocation = match Invocation::try_parse_from(arguments) {
         Ok(invocation) => invocation,
         Err(error) => {
-            // Help and version are answers, everything else is wrong usage; a closed pipe is nobody's business.
+            // Help and version are answers, everything else is wrong usage; a closed pipe is ignored.
             let _ = error.print();
             return ExitCode::from(if error.use_stderr() { Exit::Usage as u8 } else { Exit::Done as u8 });
         }

@@ -51,14 +51,14 @@ impl Diagnostic {
         if span == said { self } else { self.label(span, text) }
     }
 
-    /// Sets the mend.
+    /// Sets the help.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.help = Some(text.into());
         self
     }
 
-    /// Sets the mend where there is one.
+    /// Sets the help if there is one.
     #[must_use]
     pub fn help_if(mut self, text: Option<String>) -> Self {
         self.help = text.or(self.help);

@@ -11,7 +11,7 @@ pub const MAX_TEXT_BYTES: u64 = 1 << 30;
 pub enum EmitError {
     /// A voltage, a place or a figure is infinite or no number.
     NotFinite,
-    /// A voltage runs from one number to another, and the format only holds voltages.
+    /// A voltage ramps from one number to another, and the format only represents constant voltages.
     Ramp { format: Format, channel: String, start_ns: u64, from: f64, to: f64 },
     /// The file would be larger than its readers take.
     TooLarge { format: Format, bytes: u64, limit: u64 },

@@ -44,10 +44,10 @@ pub const MAX_SCHEDULE_BYTES: u64 = 256 * 1024 * 1024;
 /// The largest claims that a log may carry, in bytes of JSON.
 pub const MAX_CLAIMS_BYTES: u64 = 64 * 1024 * 1024;
 
-/// Name of the attachment that holds the schedule.
+/// Name of the attachment with the schedule.
 pub const SCHEDULE: &str = "schedule.json";
 
-/// Name of the attachment that holds the claims.
+/// Name of the attachment with the claims.
 pub const CLAIMS: &str = "claims.json";
 
 /// Prefix of the names of attached source files.
@@ -63,12 +63,12 @@ pub const CLAIMS_FORMAT: &str = "tweeze-claims";
 /// Name of the metadata record with the origin of the log.
 pub const METADATA: &str = "tweeze";
 
-/// The topic of a device that holds its channels of a unit.
+/// The topic of a device with its channels of a unit.
 pub fn topic(device: &str, unit: ChannelUnit) -> String {
     format!("/{device}{}", suffix(unit))
 }
 
-/// Whether a topic holds channels.
+/// Whether a topic has channels.
 pub fn is_topic(name: &str) -> bool {
     name.starts_with('/')
         && [ChannelUnit::Volt, ChannelUnit::Micrometre].iter().any(|unit| name.ends_with(suffix(*unit)))

@@ -1,4 +1,4 @@
-//! What planning says: E06xx.
+//! Error reports of planning: E06xx.
 
 use super::requirements::{LimitVerdict, Texts};
 use crate::claims::{Relation, Requirement};
@@ -6,10 +6,10 @@ use crate::device::MAX_EXPANSIONS;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
-/// The most obstacles that one report labels.
+/// Most obstacles that one report labels.
 const MAX_LABELS: usize = 8;
 
-/// What the removal of the blamed obstacles is known to do.
+/// What is known of the effect of removing the blamed obstacles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Removal {
     OpensAndIsSmallest,
@@ -35,7 +35,7 @@ pub fn impossible(
     diagnostic.help_if(removal_help(blamed, removal))
 }
 
-/// At most so many names, and how many more there are: `` `a`, `b` and 3 more ``.
+/// Up to `most` names and the number left out: `` `a`, `b` and 3 more ``.
 pub fn listed(names: impl IntoIterator<Item = String>, most: usize) -> String {
     let mut names: Vec<String> = names.into_iter().collect();
     let more = names.len().saturating_sub(most);
@@ -68,14 +68,14 @@ pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, plann
     .help(more_allowed(budget, planner))
 }
 
-/// Of a greedy planner, whose failure proves nothing.
+/// A greedy planner gave up; its failure proves nothing.
 pub fn greedy_gave_up(asked: Span, part: &str, at: &str, steps: usize, how: &str) -> Diagnostic {
     Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps} steps"))
         .label(asked, "neither planned nor disproved")
         .help("leave `using` out: Tweeze's own planner searches all plans as far as its budget goes")
 }
 
-/// Of parts that cannot come to their goals because of one another.
+/// Parts that block one another on the way to their goals.
 pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)]) -> Diagnostic {
     let others = if parts.len() == 2 { "the other" } else { "the others" };
     let names = match parts {
@@ -113,7 +113,7 @@ pub fn more_allowed(budget: u64, planner: &str) -> String {
     format!("allow more: `using {planner} {{ expansions: {} }}`", budget.saturating_mul(8).min(most))
 }
 
-/// `begins` is where the start is said: the run, or the task itself.
+/// The start lies on obstacles. `begins` is where the start is written: the run, or the task itself.
 pub fn start_covered(begins: Span, task: &str, at: &str, obstacles: &[(&str, Span)]) -> Diagnostic {
     let names: Vec<String> = obstacles.iter().take(MAX_LABELS).map(|(name, _)| format!("`{name}`")).collect();
     let title = format!("task `{task}` begins at {at}, on obstacle {}", names.join(", "));
@@ -125,7 +125,7 @@ pub fn start_covered(begins: Span, task: &str, at: &str, obstacles: &[(&str, Spa
     labelled.help("say where it begins with `start at`, or give the device another `home`")
 }
 
-/// Of a limit that the plan misses. `all` is the number of limits of the task; `texts` writes the figures, with a value of the verdict
+/// A limit that the plan misses. `all` is the number of limits of the task; `texts` gives the figures, with a value of the verdict
 /// rounded up.
 pub fn requirement_missed(
     requirement: &Requirement,
@@ -189,15 +189,15 @@ fn not_proven(relation: Relation) -> String {
     .to_owned()
 }
 
-/// What may keep two robots apart for which no plans were found.
+/// Conflict between two robots for which no plans were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Apart {
-    /// They are sent to places where they touch.
+    /// Their goals make them touch.
     OtherEnds,
     OtherTimes,
 }
 
-/// Of two robots of one scene for which no plans were found that keep them apart.
+/// Two robots of one scene for which no plans were found that keep them apart.
 pub fn not_apart([device, with]: [&str; 2], (run, why): (Span, &str), other: Option<Span>, mend: Apart) -> Diagnostic {
     let title = format!("no plans were found that keep `{device}` and `{with}` apart");
     let diagnostic = Diagnostic::new(Code::E0610, title).label(run, why);

@@ -1,9 +1,9 @@
-//! What all planners share: a budget counted in steps, never in time, so that a plan does not depend on the machine.
+//! The step budget that all planners share. It counts steps, never time, so that a plan does not depend on the machine.
 
-/// The steps a planner may take before it gives up.
+/// Number of steps a planner may take before it gives up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SearchBudget {
-    /// Number of steps. What one step is, each planner's documentation says.
+    /// Number of steps. Each planner documents what one step is.
     pub steps: u64,
 }
 
@@ -11,7 +11,7 @@ impl SearchBudget {
     /// Enough for every scene of the benchmarks; a few seconds and some hundred megabytes at most.
     pub const DEFAULT: SearchBudget = SearchBudget { steps: 16_000_000 };
 
-    /// A budget of that many steps.
+    /// A budget of `steps` steps.
     pub const fn of(steps: u64) -> Self {
         SearchBudget { steps }
     }
@@ -30,7 +30,7 @@ pub struct GaveUp {
     pub budget: SearchBudget,
     /// Steps spent.
     pub spent: u64,
-    /// No plan costs less than this, in the units of the objective.
+    /// Lower bound on the cost of any plan, in the units of the objective.
     pub bound: u64,
 }
 
@@ -67,7 +67,7 @@ impl Meter {
         self.spent
     }
 
-    /// What is left.
+    /// The budget that is left.
     pub const fn left(&self) -> SearchBudget {
         SearchBudget::of(self.budget.steps.saturating_sub(self.spent))
     }

@@ -176,7 +176,7 @@ pub(super) fn difference(run: &JudgedRun, replayed: &[Cow<TimedState>]) -> Optio
     Some(violation.label(run.job.run_span, "this run"))
 }
 
-/// The record holds too few states, or too many.
+/// The record has too few states, or too many.
 pub(super) fn miscounted(run: &JudgedRun, replayed: u64) -> Violation {
     let recorded = run.plan.states.len();
     let title =
@@ -248,7 +248,7 @@ fn mend(run: &JudgedRun, relation: Relation, name: &'static str, value: &str) ->
     }
 }
 
-/// Two quantities of one dimension, with all their digits where fewer would look alike.
+/// Two quantities of one dimension, with all their digits if fewer would look the same.
 fn quantities_apart(one: f64, other: f64, dimension: Dimension) -> (String, String) {
     let short = |si| Quantity::new(si, dimension).to_string();
     if short(one) != short(other) || one == other {

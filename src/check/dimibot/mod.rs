@@ -264,7 +264,7 @@ fn block(
     Some(clipped(low, high, facts))
 }
 
-/// The part of a block that lies on the lattice; a block that misses it altogether keeps `from` above `to`.
+/// The part of a block on the lattice; a block that misses it entirely keeps `from` above `to`.
 fn clipped(low: [i64; 2], high: [i64; 2], facts: &DimibotFacts) -> DimibotObstacleBody {
     let last = [facts.cells(Side::Left), facts.cells(Side::Right)].map(|cells| i64::from(cells) - 1);
     let missed = (0..2).any(|axis| high[axis] < 0 || low[axis] > last[axis]);

@@ -20,7 +20,7 @@ pub struct StopJudge<'a> {
 }
 
 impl<'a> StopJudge<'a> {
-    /// A judge for one device in one scene.
+    /// Checks of stops for one device in one scene.
     pub fn new(
         facts: &'a dimibot::DimibotFacts,
         cover: &'a SceneCover,

@@ -145,7 +145,7 @@ fn step(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDe
     }
 }
 
-/// A part on its way; `None` after an error.
+/// A part in motion; `None` after an error.
 fn glide(facts: &ElectrodeArrayFacts, forces: &Forces, device: &CheckedDevice, sink: &mut Sink) -> Option<Glide> {
     if forces.net_n(facts.potential_v) <= 0.0 {
         return None;

@@ -161,7 +161,7 @@ impl BoardWalk {
         for step in moves {
             let stops = match order.bystanders {
                 Bystanders::Stay => step.stops.as_slice(),
-                // They make way, and are back when the step ends.
+                // They step aside, and are back when the step ends.
                 Bystanders::Yield => std::slice::from_ref(step.goal()),
             };
             let near = stops.iter().find_map(|stop| Some((stop, self.spread.near(stop.cell)?)));

@@ -203,7 +203,7 @@ impl TrayReader<'_> {
         Some(ElectrodeArrayObstacle { name: self.object.name.clone(), body, span: self.object.span })
     }
 
-    /// A block of electrodes, as far as it lies on the board.
+    /// A block of electrodes, clipped to the board.
     fn block(&mut self, fields: &Accepted) -> Option<ElectrodeArrayObstacleBody> {
         let corners = ["from", "to"].map(|name| fields.get(name));
         let [Some(from), Some(to)] = corners else { return None };

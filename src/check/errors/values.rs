@@ -50,7 +50,7 @@ fn dimension_help(wanted: &WantedName, dimension: Dimension, found: &Value) -> S
 fn example(dimension: Dimension, found: &Value) -> String {
     const PLAIN: std::ops::RangeInclusive<f64> = 0.001..=100_000.0;
     let unit = dimension.example_unit();
-    // A length where a length per pixel is asked for keeps its value, as `0.02 um` in `0.02 um/px`.
+    // A length given for a length per pixel keeps its value, as `0.02 um` in `0.02 um/px`.
     let numerator = unit.split_once('/').map_or("", |(numerator, _)| numerator);
     let is_numerator = |quantity: &Quantity| Unit::parse(numerator).is_ok_and(|of| of.dimension == quantity.dimension);
     let written = match found {

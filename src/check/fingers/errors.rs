@@ -140,7 +140,7 @@ pub fn too_many_contacts(span: Span, name: &str, plane: Plane, found: f64, most:
         .help("make `step` larger, or the tips: there are (360 deg + perimeter / tip radius) / step contacts")
 }
 
-/// A load makes grasps differ from angle to angle, so that there are more of them than are looked at.
+/// A load makes grasps differ from angle to angle, so that there are more of them than the planner considers.
 pub fn too_many_grasps(span: Span, name: &str, [contacts, angles]: [usize; 2], steps: u32) -> Diagnostic {
     let grasps = contacts.pow(3) * angles;
     let title = format!(

@@ -15,7 +15,7 @@ use crate::real::Real;
 use crate::source::Span;
 use std::f64::consts::PI;
 
-/// Places looked at for where an outline bends inwards most.
+/// Places sampled to find where an outline bends inwards most.
 const LOOKS: usize = 4096;
 
 /// Standard gravity by definition: 3rd General Conference on Weights and Measures, 1901.
@@ -126,7 +126,7 @@ impl PartReader<'_> {
         None
     }
 
-    /// Whether nothing of the part is in the way of tips that travel round its sections.
+    /// Whether no part of the object obstructs tips that travel round its sections.
     fn within_its_sections(&mut self, solid: &HandSolid, xy: &Section, xz: Option<&Section>, span: Span) -> Option<()> {
         let sections = std::iter::once(xy).chain(xz);
         let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());

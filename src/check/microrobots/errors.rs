@@ -243,13 +243,13 @@ pub fn more_faults(code: Code, count: usize) -> Diagnostic {
     Diagnostic::new(code, format!("{count} more faults of this table")).help("mend the others first")
 }
 
-/// The change of one voltage that mends a table.
+/// The change of one voltage that fixes a table.
 pub fn voltage_mend(column: &str, name: &str, [now_v, to_v]: [f64; 2]) -> String {
     let verb = if to_v > now_v { "raise" } else { "lower" };
     format!("{verb} `{column}` of `{name}` from {} to {}", volts(now_v), volts(to_v))
 }
 
-/// The change of a level of the device that mends a table.
+/// The change of a level of the device that fixes a table.
 pub fn level_mend(field: &str, [now_v, to_v]: [f64; 2]) -> String {
     format!("{} `{field}` to {}", if to_v > now_v { "raise" } else { "lower" }, volts(to_v))
 }

@@ -238,7 +238,7 @@ fn digits(word: ModuleWord) -> String {
 /// Number of rings of places round a pose that are searched for a better one, and of places on each.
 const RINGS: [u32; 2] = [60, 24];
 
-/// The nearest pose with the same heading, a whole number of micrometres away in rings that widen, that is as asked.
+/// The nearest pose with the same heading, a whole number of micrometres away in widening rings, that `is_fine` accepts.
 pub fn nearest_pose(pose: Pose, is_fine: impl Fn(Pose) -> bool) -> Option<Pose> {
     let [rings, places] = RINGS;
     let mut radius_um = 0.0;

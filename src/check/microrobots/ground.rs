@@ -183,7 +183,7 @@ impl GroundReader<'_> {
     }
 }
 
-/// Whether a pose lies where geometry counts exactly.
+/// Whether a pose is within the range of exact geometry.
 pub fn is_near(pose: &Pose) -> bool {
     pose.x_um.abs().max(pose.y_um.abs()) <= MAX_EXTENT_UM
 }

@@ -195,7 +195,7 @@ fn in_any_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> Op
     in_this_order(structure, &ordered, docking)
 }
 
-/// How goals fit to each other and to a structure, each pair looked at once.
+/// How goals fit to each other and to a structure, each pair computed once.
 struct Pairs {
     /// For each goal its possible partners: goals, then the structure. `None` where the two overlap.
     fits: Vec<Vec<Option<Fit>>>,

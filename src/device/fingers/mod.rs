@@ -79,7 +79,7 @@ pub struct FingersFacts {
     pub speed_um_per_s: f64,
     /// Speed of a tip within `retract_um` of its contact.
     pub approach_um_per_s: f64,
-    /// The fastest that a tip moves while it holds.
+    /// Greatest speed of a tip that holds.
     pub rolling_um_per_s: f64,
     /// Force with which its support holds the object before the first grasp and after a release, in micronewtons.
     pub support_un: f64,

@@ -1,8 +1,9 @@
 //! The algorithms compared in Chalvet, Haddab and Lutz 2016, on the implicit graph: selectable by name, for comparison.
 //!
-//! Each finds an optimal path, proves that there is none, or runs out of budget; one step is one cell taken from the queue. Two slips of the paper
-//! are mended: Algorithm 2 assigns every stage's position (inside its loop), and the stages of a non-symmetric robot are matched from the
-//! largest stroke down. Algorithm 3's estimate is used as printed: it counts nothing for a stage whose two modules both differ, so it is admissible but weak.
+//! Each finds an optimal path, proves that there is none, or runs out of budget; one step is one cell taken from the queue. Two
+//! slips of the paper are corrected: Algorithm 2 assigns every stage's position (inside its loop), and the stages of a
+//! non-symmetric robot are matched from the largest stroke down. Algorithm 3's heuristic is used as printed: it counts nothing for
+//! a stage whose two modules both differ, so it is admissible but weak.
 
 use super::field::{FieldReader, LatticeField};
 use super::lattice::{Flip, Lattice, LatticeCell, Side, SwitchWeights, bits};
@@ -37,7 +38,7 @@ pub fn astar(
     best_first(field, start, goal, weights, budget, estimate)
 }
 
-/// A* with Algorithm 3's estimate on the positions in the hypercube graph (section 5.2; section 6 for non-symmetric robots).
+/// A* with Algorithm 3's heuristic on the positions in the hypercube graph (section 5.2; section 6 for non-symmetric robots).
 pub fn hypercube_astar(
     field: &LatticeField,
     start: LatticeCell,
@@ -59,7 +60,7 @@ fn straight_line(lattice: &Lattice, goal: LatticeCell, weights: &SwitchWeights) 
     move |cell| {
         let run = f64::from(cell.x.abs_diff(goal.x)) * unit[0];
         let rise = f64::from(cell.y.abs_diff(goal.y)) * unit[1];
-        // Less a hair, so that rounding up at an exact integer cannot make it inadmissible.
+        // Slightly reduced, so that rounding up at an exact integer cannot make it inadmissible.
         (run.hypotenuse(rise) * cheapest * (1.0 - 1e-12)) as u64
     }
 }
@@ -114,7 +115,7 @@ impl HypercubeStages {
     }
 }
 
-/// What is known of a cell: least cost so far and the flip that led to it.
+/// Least cost so far of each cell, and the flip that led to it.
 type ReachedCells = FxHashMap<LatticeCell, (u64, Option<Flip>)>;
 type Queue = BinaryHeap<Reverse<(u64, u64, LatticeCell)>>;
 

@@ -1,9 +1,9 @@
-//! A set of cells that is emptied quickly: a bit per cell for small lattices, open addressing for large ones.
+//! A set of cells that is quick to empty: a bit per cell for small lattices, open addressing for large ones.
 
 /// Up to this many modules (left and right together) a bit per cell is used: 2^26 bits, 8 MB.
 const BIT_MODULES: u32 = 26;
 const FIRST_SLOTS: usize = 1 << 10;
-/// A larger table is dropped rather than wiped.
+/// A table larger than this is dropped rather than wiped.
 const KEPT_SLOTS: usize = 1 << 14;
 
 #[derive(Default)]
@@ -17,7 +17,7 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    /// Prepares for a lattice; the set is empty, since the caller cleared it after the last use.
+    /// Prepares for a lattice. The set must be empty: the caller clears it after each use.
     pub(super) fn begin(&mut self, modules: [u32; 2]) {
         let all = modules[0] + modules[1];
         self.shift = (all <= BIT_MODULES).then_some(modules[0]);
@@ -49,7 +49,7 @@ impl Seen {
         }
     }
 
-    /// Adds the cell; `false` if it was there.
+    /// Adds the cell; `false` if it was present.
     #[inline]
     pub(super) fn insert(&mut self, [x, y]: [u32; 2]) -> bool {
         if let Some(shift) = self.shift {

@@ -266,7 +266,7 @@ impl DimibotRun<'_> {
         Violation::new(rule, time_ns, title).step(self.run.steps[nth]).label(span, "this step")
     }
 
-    /// A state holds from the end of its pulse, when the module has surely snapped.
+    /// A state holds from the end of its pulse, when the module has certainly snapped.
     fn states(&self) -> Vec<TimedState> {
         let facts = self.facts();
         let first = TimedState { t_ns: self.run.plan.start_ns, state: state(facts, self.start) };
@@ -427,7 +427,7 @@ fn standing_clear(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Fi
     }
 }
 
-/// The way that a single module carries the tip is clear.
+/// The path on which a single module carries the tip is clear.
 fn sweeps(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     for pulse in &task.pulses {
         let [stroke] = pulse.strokes[..] else { continue };

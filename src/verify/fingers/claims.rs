@@ -13,7 +13,7 @@ use crate::device::fingers::{
 /// The largest length, force, speed or other number of the facts, in their own units.
 const MAX_NUMBER: f64 = 1e9;
 
-/// The smallest number where one above zero is asked for.
+/// The smallest number accepted where one above zero is required.
 const MIN_NUMBER: f64 = 1e-9;
 
 /// Relative tolerance between a section's step and the one derived from its perimeter.

@@ -447,7 +447,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         }
     }
 
-    /// Whether a tip is nearer to a part than it may be: one that holds, elsewhere than where it does.
+    /// Whether a tip is nearer to a part than permitted: for one that holds, elsewhere than at its contact.
     pub(super) fn strays(&self, finger: usize, pose: &ObjectPose, time_ns: u64, tips_um: &[Point]) -> Option<TipHit> {
         let facts = &self.order.facts;
         let tip_um = &tips_um[finger];

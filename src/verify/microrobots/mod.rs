@@ -34,7 +34,7 @@ use std::collections::BTreeMap;
 use sweep::ROUNDING_UM;
 use voltage::{VoltageLeg, within};
 
-/// Tolerance of a recorded place.
+/// Tolerance of a recorded place: above the rounding on the longest path of one `apply`, 100 m.
 const PLACE_TOLERANCE_UM: f64 = 1e-4;
 
 /// Tolerance of a recorded heading.

@@ -14,7 +14,7 @@ fn blocks(lattice: &Lattice, numbers: &[u32]) -> Vec<FieldObstacle> {
     numbers.iter().map(cell).map(|c| FieldObstacle::Cells { from: c, to: c }).collect()
 }
 
-/// From 6 to 10 with N = 2: cost and the number of the first place visited.
+/// From 6 to 10 with N = 2: cost and the index of the first place visited.
 fn six_to_ten(obstacles: &[u32]) -> Option<(u64, u32)> {
     let lattice = symmetric(2);
     let field = LatticeField::new(lattice, &blocks(&lattice, obstacles)).unwrap();

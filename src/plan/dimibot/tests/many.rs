@@ -97,7 +97,7 @@ fn many_places_get_a_tour_within_its_bound() {
     }
 }
 
-/// Each stage comes to all its cells, and each pulse is safe.
+/// Each stage visits all its cells, and each pulse is safe.
 fn check_route(field: &LatticeField, start: LatticeCell, stages: &[RouteStage], route: &Route) {
     let mut at = start;
     for (stage, pulses) in stages.iter().zip(&route.pulses) {

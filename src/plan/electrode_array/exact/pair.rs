@@ -1,13 +1,13 @@
-//! Whether two agents can each take one of their ways of a given cost together, and from where on.
+//! Whether two agents can take paths of given costs together, and from which places on.
 
 use super::field::ExactTables;
 use super::layers::MultiValueDecisionDiagram;
 use crate::plan::search::Meter;
 
-/// Pairs of nodes beyond which a table is not made.
+/// Tables with more pairs of nodes than this are not built.
 const MOST_PAIRS: u64 = 1 << 22;
 
-/// How many of such pairs are one step of the budget.
+/// Pairs of nodes per step of the budget.
 const PAIRS_A_STEP: u64 = 4;
 
 /// One of the two agents.
@@ -17,22 +17,22 @@ pub struct PairSide<'a> {
     pub layers: &'a MultiValueDecisionDiagram,
 }
 
-/// For each instant, which pairs of nodes of two layers keep the rule and leave both a way to the end that keeps it.
+/// For each instant, the pairs of nodes of two layers that keep the rule and from which both can still reach the end together.
 pub struct CompatiblePairs {
-    /// By instant, then by the place of the first agent; none where nothing is forbidden, and past the end.
+    /// By instant, then by the place of the first agent; `None` where nothing is forbidden, and past the end.
     alive: Vec<Option<Vec<PlaceBits>>>,
-    /// Words of all bit sets together.
+    /// Words of all bit sets in total.
     words: usize,
 }
 
 impl CompatiblePairs {
-    /// The table of two agents; one that forbids nothing if it would be too large or the budget is used up.
+    /// The table of two agents; one that forbids nothing if it would be too large or the budget is spent.
     pub fn new(field: &ExactTables, one: PairSide, other: PairSide, meter: &mut Meter) -> CompatiblePairs {
         let gaps = PairGaps::new(field, one, other, meter);
         gaps.alive(one, other)
     }
 
-    /// The same, of the pairs that can also be reached from the start.
+    /// The same, restricted to pairs that are reachable from the start.
     pub fn swept(field: &ExactTables, one: PairSide, other: PairSide, meter: &mut Meter) -> CompatiblePairs {
         let gaps = PairGaps::new(field, one, other, meter);
         let mut table = gaps.alive(one, other);
@@ -50,12 +50,12 @@ impl CompatiblePairs {
         CompatiblePairs { alive: vec![], words: 0 }
     }
 
-    /// Whether the two may go together from the start.
+    /// Whether the two have compatible paths from the start.
     pub fn allows_start(&self) -> bool {
         self.allows(0, 0, 0)
     }
 
-    /// Whether they may from two places of an instant on.
+    /// Whether they have compatible paths from two places of an instant on.
     #[inline]
     pub fn allows(&self, instant: u32, place: usize, other_place: usize) -> bool {
         match self.alive.get(instant as usize) {
@@ -64,7 +64,7 @@ impl CompatiblePairs {
         }
     }
 
-    /// Whether the first agent may be at a place of an instant, wherever the second is.
+    /// Whether the first agent may be at a place of an instant, for some place of the second.
     pub fn allows_first(&self, instant: u32, place: usize) -> bool {
         match self.alive.get(instant as usize) {
             Some(Some(rows)) => !rows[place].is_empty(),
@@ -72,7 +72,7 @@ impl CompatiblePairs {
         }
     }
 
-    /// Whether the second agent may be at a place of an instant, wherever the first is.
+    /// Whether the second agent may be at a place of an instant, for some place of the first.
     pub fn allows_second(&self, instant: u32, place: usize) -> bool {
         match self.alive.get(instant as usize) {
             Some(Some(rows)) => rows.iter().any(|row| row.has(place)),
@@ -86,17 +86,17 @@ impl CompatiblePairs {
     }
 }
 
-/// What may be where between an instant and the next.
+/// Compatible nodes of two agents between an instant and the next.
 struct PairGap {
-    /// For each node of the first agent at the instant, those of the second at it, at the next instant; then for each node of the
-    /// first at the next instant those of the second at the instant, and at the next, that are not too near.
+    /// Rows by node of the first agent, bits by node of the second that is not too near: both nodes at the instant, the second at
+    /// the next, the first at the next, and both at the next.
     now: Vec<PlaceBits>,
     now_later: Vec<PlaceBits>,
     later_now: Vec<PlaceBits>,
     later: Vec<PlaceBits>,
 }
 
-/// The gaps up to the last instant at which the two can be near; none for a gap in which they cannot.
+/// The gaps up to the last instant at which the two can be near; `None` for a gap in which they cannot.
 struct PairGaps {
     gaps: Vec<Option<PairGap>>,
 }
@@ -126,7 +126,7 @@ impl PairGaps {
         PairGaps { gaps: near_ones.map(|(near, instant)| near.then(|| gap(instant))).collect() }
     }
 
-    /// The pairs from which the end can be reached.
+    /// The pairs from which the end is reachable.
     fn alive(&self, one: PairSide, other: PairSide) -> CompatiblePairs {
         let mut table = CompatiblePairs { alive: vec![None; self.gaps.len()], words: 0 };
         for instant in (0..self.gaps.len()).rev() {
@@ -145,7 +145,7 @@ impl PairGaps {
         table
     }
 
-    /// Of the pairs alive after an instant those that can be reached from pairs at it.
+    /// Of the live pairs after an instant, those reachable from pairs at it.
     fn reached(
         &self,
         one: PairSide,
@@ -171,7 +171,7 @@ impl PairGaps {
     }
 }
 
-/// The pairs of an instant from which one of `later` can be reached.
+/// The pairs of an instant from which one of `later` is reachable.
 fn before_near(one: PairSide, other: PairSide, instant: u32, gap: &PairGap, later: &[PlaceBits]) -> Vec<PlaceBits> {
     let mut alive: Vec<PlaceBits> = gap.now.iter().map(|bits| PlaceBits::empty(bits.width)).collect();
     for (place, row) in alive.iter_mut().enumerate() {
@@ -184,7 +184,7 @@ fn before_near(one: PairSide, other: PairSide, instant: u32, gap: &PairGap, late
     alive
 }
 
-/// The same where no two nodes come near.
+/// The same for layers in which no two nodes are too near.
 fn before_apart(one: PairSide, other: PairSide, instant: u32, later: &[PlaceBits]) -> Vec<PlaceBits> {
     let width = other.layers.at(instant).len();
     let mut alive = vec![PlaceBits::empty(width); one.layers.at(instant).len()];
@@ -196,7 +196,7 @@ fn before_apart(one: PairSide, other: PairSide, instant: u32, later: &[PlaceBits
     alive
 }
 
-/// Adds those places of an instant that lead to one of the targets.
+/// Adds the places of an instant that lead to one of the targets.
 fn add_leading(
     side: PairSide,
     instant: u32,
@@ -211,13 +211,13 @@ fn add_leading(
     }
 }
 
-/// Whether nothing in the layers of an instant and of the next comes too near.
+/// Whether no nodes in the layers of an instant and the next are too near.
 fn is_apart(field: &ExactTables, one: PairSide, other: PairSide, instant: u32) -> bool {
     let extent = |side: PairSide| side.layers.extent(instant).join(side.layers.extent(instant + 1));
     extent(one).is_apart(&extent(other), field.instance.separation as i32)
 }
 
-/// For each node of `one` at an instant, the nodes of `other` at an instant that are not too near.
+/// For each node of `one` at an instant, the nodes of `other` at an instant that keep the separation.
 fn clear_rows(field: &ExactTables, one: PairSide, at: u32, other: PairSide, other_at: u32) -> Vec<PlaceBits> {
     let separation = field.instance.separation as i32;
     let merged = field.is_merged(one.agent, other.agent);
@@ -278,7 +278,7 @@ impl PlaceBits {
         self.words.iter().map(|word| word.count_ones() as usize).sum::<usize>() == self.width
     }
 
-    /// What is in both.
+    /// Intersection of both sets.
     fn common(&self, other: &PlaceBits) -> PlaceBits {
         PlaceBits {
             words: self.words.iter().zip(&other.words).map(|(one, other)| one & other).collect(),

@@ -24,7 +24,7 @@ fn tiny() -> Vec<Shape> {
     ]
 }
 
-/// The groups' search against the plain searches, on instances small enough for them.
+/// The search by groups against plain searches, on instances small enough for them.
 #[test]
 fn conflict_based_search_agrees_with_plain_searches() {
     let mut chance = Chance(0xc0ffee);
@@ -189,7 +189,7 @@ fn a_blocked_pair_is_found_in_a_joint_space_too_large_to_search() {
 
 #[test]
 fn three_that_block_although_each_pair_passes_are_proven_so() {
-    // One free cell beside three agents in a ring of four, each pair alone could pass; odd permutations of all three cannot be.
+    // With one free cell, each pair of three agents in a ring of four could pass; an odd permutation of all three cannot.
     let instance = drawn(&["..", ".."], 1, &[((0, 0), (1, 0)), ((1, 0), (0, 0)), ((1, 1), (1, 1))]);
     let answer = prove(&instance, BoardObjective::SumOfCosts, None, None, &mut meter());
     assert_eq!(answer, BoardAnswer::Impossible(NoBoardPlan::Blocked { agents: vec![0, 1, 2] }));

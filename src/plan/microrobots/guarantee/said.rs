@@ -1,10 +1,10 @@
-//! Containments in words.
+//! Containments as text.
 
 use super::{Containment, ContainmentCheck};
 use crate::claims::microrobots::MicrorobotsOrder;
 
 impl Containment {
-    /// What is needed and what there is, as a clause that begins with what is meant.
+    /// The required and the available value, as a clause that begins with the quantity.
     pub fn said(&self, order: &MicrorobotsOrder) -> String {
         let name = &order.robot(self.robot).name;
         let (needs, has) = (self.needs, self.has);

@@ -139,7 +139,7 @@ fn others_keep_clear_of_an_orbit() {
     assert_eq!(later(&[(1, 900), (2, 500)]), [Rule::Orbit]);
 }
 
-/// A long way takes no more looks than a short one where there is room, nor does an endless orbit.
+/// A long path takes no more evaluations than a short one where there is room, nor does an endless orbit.
 #[test]
 fn long_ways_are_looked_at_quickly() {
     let far = |strokes| {
@@ -151,7 +151,7 @@ fn long_ways_are_looked_at_quickly() {
     assert_eq!(far(10_000_000_000), []);
 }
 
-/// Two that turn side by side come to the very limit twice in each turn: after millions of turns nobody knows.
+/// Two that turn side by side come to the very limit twice in each turn: after millions of turns no decision is possible.
 #[test]
 fn what_takes_too_long_is_refused() {
     let turns = |strokes| {
