@@ -37,7 +37,7 @@ impl Argument {
         Argument { value: value.value.clone(), span: value.span, origin: None }
     }
 
-    /// Reports what is wrong with the value, if anything is, with the place where it was given; `None` then.
+    /// Reports a fault of the value, if there is one, with the place where it was given; `None` then.
     pub fn unless(&self, wrong: Option<Diagnostic>, sink: &mut Sink) -> Option<()> {
         sink.unless(wrong.map(|wrong| errors::given_at(wrong, self)))
     }

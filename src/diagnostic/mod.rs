@@ -131,7 +131,7 @@ impl Sink {
         }
     }
 
-    /// Adds what is wrong, if anything is; `None` then.
+    /// Adds a finding, if there is one; `None` then.
     pub fn unless(&mut self, wrong: Option<Diagnostic>) -> Option<()> {
         match wrong {
             Some(diagnostic) => {
@@ -142,7 +142,7 @@ impl Sink {
         }
     }
 
-    /// Number of errors pushed: a stage compares before and after to know whether it failed.
+    /// How many errors were pushed so far: a stage compares before and after to know whether it failed.
     pub fn errors(&self) -> usize {
         self.errors
     }

@@ -5,7 +5,9 @@
 //! of the limits below and of the file's own size. The content of the log is not judged here, except by [`Log::voltage_fault`], which
 //! compares the recorded voltages and positions with the recorded schedule.
 //!
-//! The records are parsed by hand (MCAP specification, version 0): the usual reader trusts lengths.
+//! The records are parsed here (MCAP specification, version 0) and not by the `mcap` crate: version 0.26 panics on an attachment that is
+//! shorter than its header says (`parse_record` slices up to four bytes before the end), and ignores bytes after the last field of a
+//! record, in which an edited log could hide something from the reader.
 
 mod error;
 mod records;

@@ -17,12 +17,15 @@ pub enum Removal {
     Unknown,
 }
 
-pub fn impossible(
-    (step, from, to): (Span, &str, &str),
-    proof: &str,
-    blamed: &[(&str, Span)],
-    removal: Removal,
-) -> Diagnostic {
+/// A step between two places, for a message.
+pub struct StepEnds<'a> {
+    pub step: Span,
+    pub from: &'a str,
+    pub to: &'a str,
+}
+
+pub fn impossible(ends: StepEnds, proof: &str, blamed: &[(&str, Span)], removal: Removal) -> Diagnostic {
+    let StepEnds { step, from, to } = ends;
     let mut diagnostic =
         Diagnostic::new(Code::E0601, format!("no plan leads from {from} to {to}")).label(step, proof.to_owned());
     let mut said: Vec<Span> = vec![step];

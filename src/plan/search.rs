@@ -1,4 +1,16 @@
-//! The step budget that all planners share. It counts steps, never time, so that a plan does not depend on the machine.
+//! Shared by all planners: the results of a search, and its budget. Budgets count steps, never time, so that a plan does not depend on
+//! the machine.
+
+/// Result of a search. No empty plan means "no", and a search that ended early proves nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SearchAnswer<P, I, G = GaveUp> {
+    /// A plan, with the bound below which there is none.
+    Found(P),
+    /// Proven: there is no plan, and why.
+    Impossible(I),
+    /// A limit ended the search before a plan or a proof was found, with the bounds known by then.
+    GaveUp(G),
+}
 
 /// Number of steps a planner may take before it gives up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +72,14 @@ impl Meter {
     /// Takes `steps` steps at once; the last of them may overdraw the budget.
     pub fn charge(&mut self, steps: u64) {
         self.spent = self.spent.saturating_add(steps);
+    }
+
+    /// Runs a search on at most `steps` of the remaining steps, and charges the steps it took.
+    pub fn share<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
+        let mut part = Meter::new(SearchBudget::of(steps.min(self.left().steps)));
+        let result = search(&mut part);
+        self.charge(part.spent());
+        result
     }
 
     /// Steps taken so far.

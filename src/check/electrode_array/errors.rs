@@ -11,7 +11,13 @@ use crate::quantity::{Dimension, digits};
 use crate::source::Span;
 
 /// A part with a cell and where that stands in the source.
-type PartPlace<'a> = (&'a str, ElectrodeCell, Span);
+#[derive(Clone, Copy)]
+pub struct PartPlace<'a> {
+    pub name: &'a str,
+    pub cell: ElectrodeCell,
+    /// Where the program puts or sends it there.
+    pub span: Span,
+}
 
 pub fn radius_out_of_table(radius: String, [least, most]: [String; 2], nearest: String) -> Diagnostic {
     Diagnostic::new(
@@ -259,7 +265,7 @@ pub fn near_obstacle(
 ) -> Diagnostic {
     let title = match distance {
         0 => format!("cell {cell} lies on obstacle `{name}`"),
-        distance => format!("cell {cell} lies {distance} electrodes from obstacle `{name}`, {apart} are needed"),
+        distance => format!("cell {cell} lies {distance} electrodes from obstacle `{name}`; {apart} are needed"),
     };
     Diagnostic::new(code, title.replace(" 1 electrodes", " 1 electrode"))
         .label(span, if distance == 0 { "covered" } else { "too near" })
@@ -282,14 +288,13 @@ pub fn part_of_other_layout(
 }
 
 /// The part that stands too near, then the one that was there before.
-pub fn starts_too_near(
-    [(name, cell, span), (other, at, other_span)]: [PartPlace; 2],
-    apart: u32,
-    free: Option<ElectrodeCell>,
-) -> Diagnostic {
+pub fn starts_too_near(parts: [PartPlace; 2], apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
+    let [PartPlace { name, cell, span }, PartPlace { name: other, cell: at, span: other_span }] = parts;
     let title = match cell.apart(at) {
         0 => format!("parts `{other}` and `{name}` start on one cell"),
-        distance => format!("parts `{other}` and `{name}` start {}, {apart} are needed", electrodes(distance)),
+        distance => {
+            format!("parts `{other}` and `{name}` start {}; the least distance is {apart}", electrodes(distance))
+        }
     };
     Diagnostic::new(Code::E0523, title)
         .label(span, format!("`{name}` starts here"))
@@ -302,14 +307,13 @@ fn electrodes(distance: u32) -> String {
 }
 
 /// The goal that is too near, then the one that was given before.
-pub fn goals_too_near(
-    [(name, cell, span), (other, at, other_span)]: [PartPlace; 2],
-    apart: u32,
-    free: Option<ElectrodeCell>,
-) -> Diagnostic {
+pub fn goals_too_near(goals: [PartPlace; 2], apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
+    let [PartPlace { name, cell, span }, PartPlace { name: other, cell: at, span: other_span }] = goals;
     let title = match cell.apart(at) {
         0 => format!("parts `{other}` and `{name}` have one goal"),
-        distance => format!("the goals of `{other}` and `{name}` are {}, {apart} are needed", electrodes(distance)),
+        distance => {
+            format!("the goals of `{other}` and `{name}` are {}; the least distance is {apart}", electrodes(distance))
+        }
     };
     Diagnostic::new(Code::E0524, title)
         .label(span, format!("goal of `{name}`"))
@@ -317,23 +321,20 @@ pub fn goals_too_near(
         .help_if(nearest(free, &format!("that is free for `{name}`")))
 }
 
-pub fn near_standing_part(
-    (name, cell, span): PartPlace,
-    (other, at, since): PartPlace,
-    apart: u32,
-    free: Option<ElectrodeCell>,
-) -> Diagnostic {
+pub fn near_standing_part(moved: PartPlace, stays: PartPlace, apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
+    let PartPlace { name, cell, span } = moved;
+    let PartPlace { name: other, cell: at, span: since } = stays;
     let title = match cell.apart(at) {
-        0 => format!("`{name}` is sent to {cell}, where `{other}` stands"),
+        0 => format!("`{name}` is sent to {cell}, where `{other}` is"),
         distance => {
-            let distance = electrodes(distance).replace(" apart", " away");
-            format!("`{name}` is sent to {cell}, `{other}` stands {distance} at {at}, {apart} are needed")
+            let distance = electrodes(distance).replace(" apart", "");
+            format!("`{name}` is sent to {cell}, {distance} from `{other}` at {at}; the least distance is {apart}")
         }
     };
     let aside = format!("send `{other}` away before, or in the same `together`");
     Diagnostic::new(Code::E0524, title)
         .label(span, if cell == at { "taken" } else { "too near" })
-        .label_elsewhere(since, span, format!("`{other}` stands at {at} by then"))
+        .label_elsewhere(since, span, format!("`{other}` is at {at} by then"))
         .help(nearest(free, "that is free").map(|free| format!("{free}; or {aside}")).unwrap_or(aside))
 }
 
@@ -378,20 +379,23 @@ pub fn merges_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
 /// A part that stands where the scene of a later run has an obstacle, since the goal that brought it there.
 pub fn obstacle_comes_near(
     run: Span,
-    (name, cell, since): PartPlace,
+    part: PartPlace,
     (obstacle, at): (&str, Span),
     (distance, apart): (u32, u32),
 ) -> Diagnostic {
+    let PartPlace { name, cell, span: since } = part;
     let title = match distance {
-        0 => format!("`{name}` stands at {cell} by then, on obstacle `{obstacle}` of this run's scene"),
+        0 => format!("`{name}` is at {cell} by then, on obstacle `{obstacle}` of this run's scene"),
         distance => {
             let distance = electrodes(distance).replace(" apart", "");
-            format!("`{name}` stands at {cell} by then, {distance} from obstacle `{obstacle}`, {apart} are needed")
+            format!(
+                "`{name}` is at {cell} by then, {distance} from obstacle `{obstacle}`; the least distance is {apart}"
+            )
         }
     };
     Diagnostic::new(Code::E0530, title)
         .label(run, "begins with another scene than the run before")
-        .label(since, format!("`{name}` stands at {cell} since this"))
+        .label(since, format!("`{name}` is at {cell} since this"))
         .label(at, "the obstacle")
         .help(format!("send `{name}` away before this run, or give the tasks of the device one scene"))
 }

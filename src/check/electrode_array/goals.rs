@@ -243,8 +243,10 @@ impl BoardStepJudge<'_> {
             let free = nearest_cell(goal.cell, self.facts, |cell| {
                 cover.covering(cell).is_none() && spread.near(cell).is_none()
             });
-            let goals =
-                [(self.name(found.part), goal.cell, goal.span), (self.name(earlier.part), cell, earlier.goal().span)];
+            let goals = [
+                errors::PartPlace { name: self.name(found.part), cell: goal.cell, span: goal.span },
+                errors::PartPlace { name: self.name(earlier.part), cell, span: earlier.goal().span },
+            ];
             let wrong = errors::goals_too_near(goals, apart, free);
             let given = phrases(call, if found.with.is_some() { "at" } else { "to" }).next();
             self.sink.push(match given {

@@ -141,7 +141,7 @@ impl BoardWalk {
             let Some(obstacle) = cover.covering(cell).map(|index| &order.obstacles[index]) else { continue };
             if walk.told.insert((job.run_span, Some(cell))) {
                 let distance = distance_to(obstacle, cell, &order.facts);
-                let place = (part.name.as_str(), cell, since);
+                let place = errors::PartPlace { name: &part.name, cell, span: since };
                 let obstacle = (obstacle.name.as_str(), obstacle.span);
                 found.push(errors::obstacle_comes_near(job.run_span, place, obstacle, distance));
             }
@@ -215,8 +215,8 @@ impl BoardWalk {
                 && self.spread.near(cell).is_none()
                 && goals.clone().all(|goal| goal.apart(cell) >= apart)
         });
-        let moved = (self.parts[step.part].name.as_str(), stop.cell, stop.span);
-        let stays = (self.parts[other].name.as_str(), cell, since);
+        let moved = errors::PartPlace { name: &self.parts[step.part].name, cell: stop.cell, span: stop.span };
+        let stays = errors::PartPlace { name: &self.parts[other].name, cell, span: since };
         errors::near_standing_part(moved, stays, apart, free)
     }
 }

@@ -265,7 +265,10 @@ fn starts(
             let is_free = |cell| cover.covering(cell).is_none() && spread.near(cell).is_none();
             let free = nearest_cell(part.cell, facts, is_free);
             let other = &standing[other];
-            let places = [(part.name.as_str(), part.cell, at.span), (other.part.name.as_str(), cell, other.at.span)];
+            let places = [
+                errors::PartPlace { name: &part.name, cell: part.cell, span: at.span },
+                errors::PartPlace { name: &other.part.name, cell, span: other.at.span },
+            ];
             sink.push(errors::given_at(errors::starts_too_near(places, apart, free), at));
             continue;
         }

@@ -186,7 +186,17 @@ pub fn solid_reaches_out(span: Span, name: &str, reach_um: f64, most_um: f64) ->
         .help("round its corners, or use larger tips: they travel as far outside its sections as lets one pass another")
 }
 
-pub fn part_out_of_range(span: Span, name: &str, (axis, needed_um, range_um): (usize, f64, f64)) -> Diagnostic {
+/// A stage axis that does not reach around a part.
+pub struct ShortStage {
+    /// 0 to 2 for x to z.
+    pub axis: usize,
+    /// From the hand's origin.
+    pub needed_um: f64,
+    pub range_um: f64,
+}
+
+pub fn part_out_of_range(span: Span, name: &str, stage: &ShortStage) -> Diagnostic {
+    let ShortStage { axis, needed_um, range_um } = *stage;
     let axis = crate::device::fingers::AXES[axis];
     let title = format!(
         "tips around `{name}` must go to {} along {axis}, but the stages reach {}",
@@ -359,7 +369,7 @@ pub fn nothing_held(span: Span, what: &str, released: Option<Span>) -> Diagnosti
 /// A part that goes with the last finger.
 pub fn sticks(span: Span, needed_un: f64, support_un: f64, (pull_off_un, safety): (f64, f64)) -> Diagnostic {
     let title = format!(
-        "the part would stick to the last finger: {} hold it down, {} are needed",
+        "the part would stick to the last finger: {} hold it down; {} are needed",
         force(support_un),
         force(needed_un)
     );

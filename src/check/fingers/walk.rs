@@ -252,7 +252,7 @@ impl HandWalk {
             *position_um += by_um;
         }
         match part::out_of_range(&self.part, self.position_um, &order.facts) {
-            Some(wrong) => Err(Box::new(errors::part_out_of_range(at, &self.part.name, wrong))),
+            Some(wrong) => Err(Box::new(errors::part_out_of_range(at, &self.part.name, &wrong))),
             None => Ok(()),
         }
     }

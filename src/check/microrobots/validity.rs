@@ -196,7 +196,7 @@ impl TableJudge<'_> {
         (errors::voltage_out_of_limit(&robot.name, found_v, limit, self.facts.margin_v), labels)
     }
 
-    /// The two cells that a state would need to separate by one voltage.
+    /// The two cells that a state would have to tell apart by one voltage.
     fn gap(&self, gap: relays::RowGap, transition: Transition) -> Vec<DeviceLabel> {
         let (down, up) = (self.name(gap.down), self.name(gap.up));
         let [low, high] = errors::gap_labels(column(transition), [down, up], gap.gap_v);

@@ -402,8 +402,8 @@ impl<'a> DimibotTaskSearch<'a> {
             Some(Opening::Irreducible | Opening::Opens) => Removal::Opens,
             Some(Opening::Unknown) | None => Removal::Unknown,
         };
-        let ends = (step, from.to_string(), stop.cell.to_string());
-        let ends = (ends.0, ends.1.as_str(), ends.2.as_str());
+        let (from, to) = (from.to_string(), stop.cell.to_string());
+        let ends = errors::StepEnds { step, from: &from, to: &to };
         let report = errors::impossible(ends, &proof_text(proof.proof), &blamed, removal);
         sink.push(match why {
             Some(_) => report,

@@ -6,7 +6,7 @@
 use super::field::LatticeField;
 use super::labels::{self, LabelFront};
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights};
-use super::outcome::{DimibotSearchOutcome, FlipPath, Impossible};
+use super::outcome::{DimibotAnswer, FlipPath, Impossible};
 use super::pulses::{self, ModulePulse, PulseTrain};
 use super::tally::MotionTally;
 use super::{published, shortest};
@@ -164,9 +164,9 @@ impl<'a> Legs<'a> {
 
     fn by_pulses(&self, [from, to]: [LatticeCell; 2], meters: &mut Meters) -> Result<Best, NoLeg> {
         let train = match pulses::pulses(self.field, from, to, meters.find.left()) {
-            DimibotSearchOutcome::Found(train) => train,
-            DimibotSearchOutcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
-            DimibotSearchOutcome::GaveUp(report) => return Err(self.gave_up(report, meters)),
+            DimibotAnswer::Found(train) => train,
+            DimibotAnswer::Impossible(proof) => return Err(self.impossible(proof, meters)),
+            DimibotAnswer::GaveUp(report) => return Err(self.gave_up(report, meters)),
         };
         meters.find.charge(train.expanded);
         let PulseTrain { pulses, bound, .. } = train;
@@ -179,9 +179,9 @@ impl<'a> Legs<'a> {
     fn by_stages(&self, [from, to]: [LatticeCell; 2], rank: ObjectiveRank, meters: &mut Meters) -> Result<Best, NoLeg> {
         let weights = self.weights(rank);
         let path = match shortest(self.field, from, to, &weights[0], meters.find.left()) {
-            DimibotSearchOutcome::Found(path) => path,
-            DimibotSearchOutcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
-            DimibotSearchOutcome::GaveUp(report) => return Err(self.gave_up(report, meters)),
+            DimibotAnswer::Found(path) => path,
+            DimibotAnswer::Impossible(proof) => return Err(self.impossible(proof, meters)),
+            DimibotAnswer::GaveUp(report) => return Err(self.gave_up(report, meters)),
         };
         meters.find.charge(path.expanded);
         let best = self.of_path(&path, path.bound);
@@ -191,13 +191,13 @@ impl<'a> Legs<'a> {
         let allowed = TIE_STEPS.max(path.expanded.saturating_mul(TIE_FACTOR)).min(meters.ties.left().steps);
         let ordered = ordered(&weights, rank);
         match shortest(self.field, from, to, &ordered, SearchBudget::of(allowed)) {
-            DimibotSearchOutcome::Found(fine) if fine.cost == fine.bound && fine.cost >> bits(rank) == path.cost => {
+            DimibotAnswer::Found(fine) if fine.cost == fine.bound && fine.cost >> bits(rank) == path.cost => {
                 meters.ties.charge(fine.expanded);
                 let fine = self.of_path(&fine, path.bound);
                 let is_exact = is_exact(rank, fine.tally);
                 Ok(Best { is_exact, ..fine })
             }
-            DimibotSearchOutcome::Found(_) | DimibotSearchOutcome::Impossible(_) | DimibotSearchOutcome::GaveUp(_) => {
+            DimibotAnswer::Found(_) | DimibotAnswer::Impossible(_) | DimibotAnswer::GaveUp(_) => {
                 meters.ties.charge(allowed);
                 Ok(best)
             }
@@ -219,9 +219,9 @@ impl<'a> Legs<'a> {
         };
         let weights = self.weights(rank);
         let path = match method(self.field, from, to, &ordered(&weights, rank), meters.find.left()) {
-            DimibotSearchOutcome::Found(path) => path,
-            DimibotSearchOutcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
-            DimibotSearchOutcome::GaveUp(report) => {
+            DimibotAnswer::Found(path) => path,
+            DimibotAnswer::Impossible(proof) => return Err(self.impossible(proof, meters)),
+            DimibotAnswer::GaveUp(report) => {
                 let report = GaveUp { bound: report.bound >> bits(rank), ..report };
                 return Err(self.gave_up(report, meters));
             }

@@ -1,18 +1,10 @@
 //! Results of the searches of the DiMiBot planner.
 
 use super::lattice::Flip;
-pub use crate::plan::search::GaveUp;
+use crate::plan::search::SearchAnswer;
 
-/// Result of a search.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum DimibotSearchOutcome<P> {
-    /// A plan.
-    Found(P),
-    /// A proof that there is none.
-    Impossible(Impossible),
-    /// The budget ran out first.
-    GaveUp(GaveUp),
-}
+/// Result of a search on the lattice.
+pub type DimibotAnswer<P> = SearchAnswer<P, Impossible>;
 
 /// A path of single flips.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -61,8 +53,8 @@ pub enum Proof {
     },
 }
 
-impl<P> DimibotSearchOutcome<P> {
+impl<P> DimibotAnswer<P> {
     pub(crate) const fn impossible(proof: Proof, expanded: u64) -> Self {
-        DimibotSearchOutcome::Impossible(Impossible { proof, expanded })
+        SearchAnswer::Impossible(Impossible { proof, expanded })
     }
 }

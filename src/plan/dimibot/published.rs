@@ -7,7 +7,7 @@
 
 use super::field::{FieldReader, LatticeField};
 use super::lattice::{Flip, Lattice, LatticeCell, Side, SwitchWeights, bits};
-use super::outcome::{DimibotSearchOutcome, FlipPath, Proof};
+use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use super::shortest::outside;
 use crate::plan::search::{Meter, SearchBudget};
 use crate::real::Real;
@@ -22,7 +22,7 @@ pub fn dijkstra(
     goal: LatticeCell,
     weights: &SwitchWeights,
     budget: SearchBudget,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     best_first(field, start, goal, weights, budget, |_| 0)
 }
 
@@ -33,7 +33,7 @@ pub fn astar(
     goal: LatticeCell,
     weights: &SwitchWeights,
     budget: SearchBudget,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     let estimate = straight_line(field.lattice(), goal, weights);
     best_first(field, start, goal, weights, budget, estimate)
 }
@@ -45,7 +45,7 @@ pub fn hypercube_astar(
     goal: LatticeCell,
     weights: &SwitchWeights,
     budget: SearchBudget,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     let stages = HypercubeStages::new(field.lattice(), weights);
     let estimate = move |cell: LatticeCell| stages.remaining(cell, goal);
     best_first(field, start, goal, weights, budget, estimate)
@@ -126,9 +126,9 @@ fn best_first(
     weights: &SwitchWeights,
     budget: SearchBudget,
     estimate: impl Fn(LatticeCell) -> u64,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     if let Some(proof) = refused(field, start, goal) {
-        return DimibotSearchOutcome::impossible(proof, 0);
+        return DimibotAnswer::impossible(proof, 0);
     }
     let mut meter = Meter::new(budget);
     let mut reached = ReachedCells::from_iter([(start, (0, None))]);
@@ -138,13 +138,13 @@ fn best_first(
     while let Some(Reverse((total, cost, cell))) = queue.pop() {
         if cell == goal {
             let flips = trail(&reached, goal);
-            return DimibotSearchOutcome::Found(FlipPath { flips, cost, bound: cost, expanded: meter.spent() });
+            return DimibotAnswer::Found(FlipPath { flips, cost, bound: cost, expanded: meter.spent() });
         }
         if reached.get(&cell).is_some_and(|(best, _)| *best < cost) {
             continue;
         }
         if meter.step().is_none() {
-            return DimibotSearchOutcome::GaveUp(meter.gave_up(total));
+            return DimibotAnswer::GaveUp(meter.gave_up(total));
         }
         for flip in legal_flips(&mut reader, cell) {
             let (next, cost) = (cell.after(flip), cost + weights.of(flip));
@@ -154,7 +154,7 @@ fn best_first(
         }
     }
     let cells = reached.len() as u64;
-    DimibotSearchOutcome::impossible(Proof::StartShut { cells }, meter.spent())
+    DimibotAnswer::impossible(Proof::StartShut { cells }, meter.spent())
 }
 
 /// Dijkstra's algorithm from both ends (section 4.2).
@@ -164,9 +164,9 @@ pub fn bidirectional_dijkstra(
     goal: LatticeCell,
     weights: &SwitchWeights,
     budget: SearchBudget,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     if let Some(proof) = refused(field, start, goal) {
-        return DimibotSearchOutcome::impossible(proof, 0);
+        return DimibotAnswer::impossible(proof, 0);
     }
     let mut meter = Meter::new(budget);
     let mut reached = [start, goal].map(|end| ReachedCells::from_iter([(end, (0, None))]));
@@ -190,7 +190,7 @@ pub fn bidirectional_dijkstra(
             continue;
         }
         if meter.step().is_none() {
-            return DimibotSearchOutcome::GaveUp(meter.gave_up(from_start + from_goal));
+            return DimibotAnswer::GaveUp(meter.gave_up(from_start + from_goal));
         }
         for flip in legal_flips(&mut reader, cell) {
             let (next, cost) = (cell.after(flip), cost + weights.of(flip));
@@ -211,21 +211,21 @@ fn joined(
     best: Option<(u64, LatticeCell)>,
     meter: &Meter,
     start_is_shut: bool,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     let expanded = meter.spent();
     match best {
         Some((cost, middle)) => {
             let mut flips = trail(&reached[0], middle);
             flips.extend(trail(&reached[1], middle).into_iter().rev());
-            DimibotSearchOutcome::Found(FlipPath { flips, cost, bound: cost, expanded })
+            DimibotAnswer::Found(FlipPath { flips, cost, bound: cost, expanded })
         }
         None if start_is_shut => {
             let cells = reached[0].len() as u64;
-            DimibotSearchOutcome::impossible(Proof::StartShut { cells }, expanded)
+            DimibotAnswer::impossible(Proof::StartShut { cells }, expanded)
         }
         None => {
             let cells = reached[1].len() as u64;
-            DimibotSearchOutcome::impossible(Proof::GoalShut { cells }, expanded)
+            DimibotAnswer::impossible(Proof::GoalShut { cells }, expanded)
         }
     }
 }

@@ -12,7 +12,7 @@
 use super::field::LatticeField;
 use super::labels::LabelFront;
 use super::lattice::{Lattice, LatticeCell, Side, SwitchWeights};
-use super::outcome::{DimibotSearchOutcome, FlipPath, Proof};
+use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use super::shortest::{outside, shortest};
 use super::tally::{MotionTally, add_to_front};
 use crate::plan::search::{GaveUp, Meter, SearchBudget};
@@ -63,10 +63,10 @@ pub fn pulses(
     start: LatticeCell,
     goal: LatticeCell,
     budget: SearchBudget,
-) -> DimibotSearchOutcome<PulseTrain> {
+) -> DimibotAnswer<PulseTrain> {
     let mut meter = Meter::new(budget);
     if let Some(proof) = refused(field, start, goal) {
-        return DimibotSearchOutcome::impossible(proof, 0);
+        return DimibotAnswer::impossible(proof, 0);
     }
     let modules = field.lattice().modules;
     if pulse_is_safe(field, start, goal) {
@@ -87,9 +87,9 @@ fn refused(field: &LatticeField, start: LatticeCell, goal: LatticeCell) -> Optio
         .or_else(|| covered(goal).then_some(Proof::GoalCovered))
 }
 
-fn found(cells: &[LatticeCell], bound: u64, meter: &Meter) -> DimibotSearchOutcome<PulseTrain> {
+fn found(cells: &[LatticeCell], bound: u64, meter: &Meter) -> DimibotAnswer<PulseTrain> {
     let pulses = cells.windows(2).map(|pair| between(pair[0], pair[1])).collect();
-    DimibotSearchOutcome::Found(PulseTrain { pulses, bound, expanded: meter.spent() })
+    DimibotAnswer::Found(PulseTrain { pulses, bound, expanded: meter.spent() })
 }
 
 /// Prefix sums: number of slots (cells and gaps) below and left of a slot that an obstacle touches.
@@ -130,7 +130,7 @@ fn over_all_cells(
     start: LatticeCell,
     goal: LatticeCell,
     meter: &mut Meter,
-) -> DimibotSearchOutcome<PulseTrain> {
+) -> DimibotAnswer<PulseTrain> {
     let table = BlockedPrefixSums::new(field);
     let mut unseen: Vec<Unseen> =
         all_cells(field.lattice()).filter(|cell| *cell != start).map(|cell| (cell, None)).collect();
@@ -142,7 +142,7 @@ fn over_all_cells(
     while !layer.is_empty() {
         for at in layer.clone() {
             if meter.left().steps < unseen.len() as u64 {
-                return DimibotSearchOutcome::GaveUp(meter.gave_up(count + 1));
+                return DimibotAnswer::GaveUp(meter.gave_up(count + 1));
             }
             meter.charge(unseen.len() as u64);
             for (to, best) in &mut unseen {
@@ -167,7 +167,7 @@ fn over_all_cells(
         }
     }
     let cells = seen.len() as u64;
-    DimibotSearchOutcome::impossible(Proof::StartShut { cells }, meter.spent())
+    DimibotAnswer::impossible(Proof::StartShut { cells }, meter.spent())
 }
 
 fn all_cells(lattice: &Lattice) -> impl Iterator<Item = LatticeCell> + use<> {
@@ -269,13 +269,13 @@ fn by_length(
     start: LatticeCell,
     goal: LatticeCell,
     meter: &mut Meter,
-) -> DimibotSearchOutcome<PulseTrain> {
+) -> DimibotAnswer<PulseTrain> {
     let weights = SwitchWeights::switches(field.lattice());
     let path = match shortest(field, start, goal, &weights, meter.left()) {
-        DimibotSearchOutcome::Found(path) => path,
-        DimibotSearchOutcome::Impossible(proof) => return DimibotSearchOutcome::Impossible(proof),
+        DimibotAnswer::Found(path) => path,
+        DimibotAnswer::Impossible(proof) => return DimibotAnswer::Impossible(proof),
         // A single pulse was ruled out, so the bound is two.
-        DimibotSearchOutcome::GaveUp(report) => return DimibotSearchOutcome::GaveUp(GaveUp { bound: 2, ..report }),
+        DimibotAnswer::GaveUp(report) => return DimibotAnswer::GaveUp(GaveUp { bound: 2, ..report }),
     };
     meter.charge(path.expanded);
     let best = compress(field, start, &path, meter);

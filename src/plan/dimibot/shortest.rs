@@ -7,7 +7,7 @@
 use super::field::{FieldReader, LatticeField};
 use super::journey::LatticeJourney;
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};
-use super::outcome::{DimibotSearchOutcome, FlipPath, Proof};
+use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use crate::plan::search::SearchBudget;
 
 /// The cheapest path of single flips from `start` to `goal`.
@@ -17,9 +17,9 @@ pub fn shortest(
     goal: LatticeCell,
     weights: &SwitchWeights,
     budget: SearchBudget,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     if let Some(proof) = outside(field, start, goal) {
-        return DimibotSearchOutcome::impossible(proof, 0);
+        return DimibotAnswer::impossible(proof, 0);
     }
     let mut work = field.work();
     let (mut reader, space) = work.open(field);
@@ -29,15 +29,15 @@ pub fn shortest(
     {
         let cost = weights.between(start, goal);
         let expanded = flips.len() as u64;
-        return DimibotSearchOutcome::Found(FlipPath { flips, cost, bound: cost, expanded });
+        return DimibotAnswer::Found(FlipPath { flips, cost, bound: cost, expanded });
     }
     for (end, proof) in ends.into_iter().zip([Proof::StartCovered, Proof::GoalCovered]) {
         if reader.legal(end).is_none() {
-            return DimibotSearchOutcome::impossible(proof, 0);
+            return DimibotAnswer::impossible(proof, 0);
         }
     }
     if start == goal {
-        return DimibotSearchOutcome::Found(FlipPath { flips: Vec::new(), cost: 0, bound: 0, expanded: 0 });
+        return DimibotAnswer::Found(FlipPath { flips: Vec::new(), cost: 0, bound: 0, expanded: 0 });
     }
     LatticeJourney::new(reader, weights, ends, budget).run(space)
 }

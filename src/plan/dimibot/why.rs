@@ -7,7 +7,7 @@
 
 use super::field::{FieldObstacle, LatticeField};
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};
-use super::outcome::DimibotSearchOutcome;
+use super::outcome::DimibotAnswer;
 use super::shortest::{outside, shortest};
 use crate::plan::search::{Meter, SearchBudget};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -97,9 +97,8 @@ enum BlameTrial {
 
 impl BlamedScene<'_> {
     fn search(&self, covering: BTreeSet<usize>, meter: &mut Meter) -> ObstacleBlame {
-        let mut flood = Meter::new(SearchBudget::of(meter.left().steps / FLOOD_SHARE));
-        let (border, [from, to]) = self.smaller_border(&covering, &mut flood);
-        meter.charge(flood.spent());
+        let flood = meter.left().steps / FLOOD_SHARE;
+        let (border, [from, to]) = meter.share(flood, |meter| self.smaller_border(&covering, meter));
         let few = (self.obstacles.len() <= MAX_SUSPECTS).then(|| (0..self.obstacles.len()).collect());
         let singles = match border.as_ref().or(few.as_ref()) {
             Some(suspects) => self.single(suspects, &covering, meter),
@@ -165,15 +164,15 @@ impl BlamedScene<'_> {
         let weights = SwitchWeights::switches(field.lattice());
         let budget = SearchBudget::of(TRIAL.steps.min(meter.left().steps));
         match shortest(field, self.start, self.goal, &weights, budget) {
-            DimibotSearchOutcome::Found(path) => {
+            DimibotAnswer::Found(path) => {
                 meter.charge(path.expanded);
                 BlameTrial::Open
             }
-            DimibotSearchOutcome::Impossible(proof) => {
+            DimibotAnswer::Impossible(proof) => {
                 meter.charge(proof.expanded);
                 BlameTrial::Shut
             }
-            DimibotSearchOutcome::GaveUp(gave_up) => {
+            DimibotAnswer::GaveUp(gave_up) => {
                 meter.charge(gave_up.spent);
                 BlameTrial::Unknown
             }

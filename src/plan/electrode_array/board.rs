@@ -6,6 +6,9 @@
 //! four combinations of the starts and ends of two parts", split into single positions: a path is legal exactly if none of its
 //! positions is too near to any of three positions of another; pairs of moves need no check.
 
+use crate::plan::search::SearchAnswer;
+use fixedbitset::FixedBitSet;
+
 /// A cell: `row * width + column`, both from 0.
 pub type CellIndex = u32;
 
@@ -15,14 +18,14 @@ pub struct BoardGrid {
     width: u32,
     height: u32,
     /// One bit per cell, row by row; set where no centre may be.
-    blocked: Vec<u64>,
+    blocked: FixedBitSet,
 }
 
 impl BoardGrid {
     /// A board without a blocked cell; at most `u32::MAX` cells.
     pub fn new(width: u32, height: u32) -> BoardGrid {
         let cells = width as usize * height as usize;
-        BoardGrid { width, height, blocked: vec![0; cells.div_ceil(64)] }
+        BoardGrid { width, height, blocked: FixedBitSet::with_capacity(cells) }
     }
 
     /// Number of columns.
@@ -52,13 +55,13 @@ impl BoardGrid {
 
     /// Blocks one cell.
     pub fn block(&mut self, cell: CellIndex) {
-        self.blocked[cell as usize / 64] |= 1 << (cell % 64);
+        self.blocked.insert(cell as usize);
     }
 
     /// Whether the cell is forbidden to centres.
     #[inline]
     pub fn is_blocked(&self, cell: CellIndex) -> bool {
-        self.blocked[cell as usize / 64] >> (cell % 64) & 1 == 1
+        self.blocked.contains(cell as usize)
     }
 
     /// Blocks every cell nearer than `distance` (Chebyshev) to a place, which may lie outside the board.
@@ -198,15 +201,14 @@ impl BoardCosts {
     }
 }
 
-/// Result for one stage.
+/// Result for one stage; a search that gave up has lower bounds on every plan.
+pub type BoardAnswer = SearchAnswer<BoardPlan, NoBoardPlan, BoardCosts>;
+
+/// A plan of one stage with lower bounds; a cost that meets its bound is proven optimal.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum BoardAnswer {
-    /// A plan with lower bounds; a cost that meets its bound is proven optimal.
-    Found { paths: Paths, bounds: BoardCosts },
-    /// Proven: there is no plan.
-    Impossible(NoBoardPlan),
-    /// Neither a plan nor a proof within the budget; lower bounds on every plan.
-    GaveUp { bounds: BoardCosts },
+pub struct BoardPlan {
+    pub paths: Paths,
+    pub bounds: BoardCosts,
 }
 
 /// Why there is no plan.

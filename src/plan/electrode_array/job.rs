@@ -4,7 +4,7 @@
 //! form the optimal plan of the job, and its bounds are the sums of theirs. Only limits couple the steps; where the best plan
 //! breaks one, [`limited`] chooses among the plans of each step.
 
-use super::board::{self, BoardAnswer, BoardCosts, NoBoardPlan, Paths};
+use super::board::{self, BoardAnswer, BoardCosts, BoardPlan, NoBoardPlan, Paths};
 use super::labels::{BoardFigures, PlanLimits};
 use super::limited::{self, AskedStep, PlanFront, UNLIMITED};
 use super::limits;
@@ -290,7 +290,7 @@ impl Tasks<'_> {
     fn by_portfolio(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage) -> Option<Paths> {
         let budget = SearchBudget::of(self.order.planner.expansions);
         match portfolio::solve(&stage.instance, objective(self.order.objective), None, budget) {
-            BoardAnswer::Found { paths, bounds } => {
+            BoardAnswer::Found(BoardPlan { paths, bounds }) => {
                 self.add(&paths, bounds);
                 Some(paths)
             }
@@ -298,7 +298,7 @@ impl Tasks<'_> {
                 self.impossible(step.span, stage, &why);
                 None
             }
-            BoardAnswer::GaveUp { bounds } => {
+            BoardAnswer::GaveUp(bounds) => {
                 let steps = format!("{} steps", bounds.makespan);
                 let (what, to) = ("the search for a plan", goals(stage));
                 let told =
@@ -404,7 +404,12 @@ impl Tasks<'_> {
         let text = |cell| stage::cell(self.order, cell).to_string();
         let proof = format!("no cell that `{}` can come to lies beside {}", part.name, text(to));
         let proof = if blamed.is_empty() { proof } else { format!("`{}` is shut off from {}", part.name, text(to)) };
-        let told = errors::impossible((span, &text(from), &text(to)), &proof, &blamed, Removal::Unknown);
+        let told = errors::impossible(
+            errors::StepEnds { step: span, from: &text(from), to: &text(to) },
+            &proof,
+            &blamed,
+            Removal::Unknown,
+        );
         self.sink.push(match help {
             Some(help) => told.help(help),
             None => told,

@@ -9,7 +9,7 @@
 //! Guaranteed: plans keep all limits. Where the answer is proven, no other plan of the task is better, or none keeps the limits.
 //! Cost: each step gets its budget once more.
 
-use super::board::{BoardAnswer, BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths, position};
+use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, Instance, NoBoardPlan, Paths, position};
 use super::labels::{self, BoardFigures, PlanLimits};
 use super::portfolio;
 use crate::plan::search::{Meter, SearchBudget};
@@ -123,7 +123,7 @@ impl LimitedTaskSearch<'_> {
             return false;
         }
         match self.solve(BoardObjective::Makespan, steps) {
-            BoardAnswer::Found { paths, bounds } => {
+            BoardAnswer::Found(BoardPlan { paths, bounds }) => {
                 self.front.bounds[0] = self.front.bounds[0].max(bounds.makespan);
                 let figures = self.keep(paths);
                 self.asked.is_only && figures[0] <= self.front.bounds[0] && figures[1] <= sum
@@ -132,7 +132,7 @@ impl LimitedTaskSearch<'_> {
                 self.raise_steps(&why);
                 true
             }
-            BoardAnswer::GaveUp { .. } => {
+            BoardAnswer::GaveUp(_) => {
                 self.front.is_whole = false;
                 false
             }
@@ -152,10 +152,10 @@ impl LimitedTaskSearch<'_> {
         let mut is_first = true;
         loop {
             let (paths, bound) = match self.solve(BoardObjective::SumOfCosts, steps) {
-                BoardAnswer::Found { paths, bounds } => (paths, bounds.sum_of_costs),
+                BoardAnswer::Found(BoardPlan { paths, bounds }) => (paths, bounds.sum_of_costs),
                 BoardAnswer::Impossible(why) if is_first => return self.raise_steps(&why),
                 BoardAnswer::Impossible(_) => return,
-                BoardAnswer::GaveUp { .. } => {
+                BoardAnswer::GaveUp(_) => {
                     self.front.is_whole = false;
                     return;
                 }

@@ -15,7 +15,7 @@
 //! budget is spent. Same instance and budget, same answer. The figure that is not minimised is improved too, but only while that is
 //! quick, and it is not proven optimal where that takes a search. Cost: one step of the budget is one node of one search.
 
-use super::board::{BoardAnswer, BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths};
+use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, Instance, NoBoardPlan, Paths};
 use super::exact::field::ExactTables;
 use super::joint::{self, JointAim};
 use super::{alone, exact, fast, lacam, timing};
@@ -70,7 +70,7 @@ pub fn solve(instance: &Instance, objective: BoardObjective, limit: Option<u64>,
     let mut search =
         PortfolioSearch { instance, objective, limit, bounds, is_crowded: false, meter: Meter::new(budget) };
     match search.first() {
-        Some(BoardAnswer::Found { paths, .. }) => search.better(paths),
+        Some(BoardAnswer::Found(BoardPlan { paths, .. })) => search.better(paths),
         Some(decided) => decided,
         None => exact::prove(instance, objective, None, limit, &mut search.meter),
     }
@@ -87,7 +87,7 @@ fn by_itself(instance: &Instance, limit: Option<u64>) -> BoardAnswer {
                 Some(limit) if bounds.makespan > limit => {
                     BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least: bounds.makespan })
                 }
-                Some(_) | None => BoardAnswer::Found { paths, bounds },
+                Some(_) | None => BoardAnswer::Found(BoardPlan { paths, bounds }),
             }
         }
     }
@@ -118,11 +118,11 @@ impl PortfolioSearch<'_> {
                 plan = crowded.map(|paths| self.or_repaired(paths, seed));
             }
             if let Some(paths) = plan {
-                return Some(BoardAnswer::Found { paths, bounds });
+                return Some(BoardAnswer::Found(BoardPlan { paths, bounds }));
             }
             let doubt = steps.min(most) / DOUBT_SHARE;
-            match self.spend(doubt, |share| exact::prove(instance, objective, None, limit, share)) {
-                BoardAnswer::GaveUp { .. } => {}
+            match self.meter.share(doubt, |share| exact::prove(instance, objective, None, limit, share)) {
+                BoardAnswer::GaveUp(_) => {}
                 decided => return Some(decided),
             }
             steps = steps.saturating_mul(TURN_GROWTH);
@@ -181,11 +181,13 @@ impl PortfolioSearch<'_> {
         if !self.is_met(&first) {
             let (instance, objective, limit) = (self.instance, self.objective, self.limit);
             let share = self.meter.left().steps - self.meter.left().steps / IMPROVE_SHARE;
-            let looked = self.spend(share, |meter| exact::small(instance, objective, &first, limit, meter));
+            let looked = self.meter.share(share, |meter| exact::small(instance, objective, &first, limit, meter));
             match looked {
                 Some((answer, true)) => return answer,
-                Some((BoardAnswer::Found { paths, bounds }, false)) => (first, self.bounds) = (paths, bounds),
-                Some((BoardAnswer::Impossible(_) | BoardAnswer::GaveUp { .. }, false)) | None => {}
+                Some((BoardAnswer::Found(BoardPlan { paths, bounds }), false)) => {
+                    (first, self.bounds) = (paths, bounds)
+                }
+                Some((BoardAnswer::Impossible(_) | BoardAnswer::GaveUp(_), false)) | None => {}
             }
         }
         let all = self.meter.left().steps;
@@ -202,7 +204,7 @@ impl PortfolioSearch<'_> {
         }
         if self.is_met(&best) {
             let paths = self.ties(best, 1);
-            return BoardAnswer::Found { paths, bounds: self.bounds };
+            return BoardAnswer::Found(BoardPlan { paths, bounds: self.bounds });
         }
         exact::prove(self.instance, self.objective, Some(&best), self.limit, &mut self.meter)
     }
@@ -265,18 +267,10 @@ impl PortfolioSearch<'_> {
     /// Runs one of many searches; one that took no step is charged one, so that the loop terminates.
     fn searched<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
         let before = self.meter.spent();
-        let result = self.spend(steps, search);
+        let result = self.meter.share(steps, search);
         if self.meter.spent() == before {
             self.meter.charge(steps.max(1));
         }
-        result
-    }
-
-    /// Runs a search on at most `steps` of the remaining steps.
-    fn spend<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
-        let mut part = Meter::new(SearchBudget::of(steps.min(self.meter.left().steps)));
-        let result = search(&mut part);
-        self.meter.charge(part.spent());
         result
     }
 }
@@ -294,8 +288,8 @@ fn in_turns(instance: &Instance, aim: JointAim, meter: &mut Meter) -> Option<Pat
     let field = ExactTables::new(instance).ok()?;
     let everyone: Vec<usize> = (0..instance.agents.len()).collect();
     match joint::search(&field, &everyone, aim, meter) {
-        joint::JointOutcome::Found(paths) => Some(timing::earliest(instance, &paths)),
-        joint::JointOutcome::Impossible | joint::JointOutcome::NotWithin | joint::JointOutcome::GaveUp { .. } => None,
+        joint::JointAnswer::Found(paths) => Some(timing::earliest(instance, &paths)),
+        joint::JointAnswer::Impossible(_) | joint::JointAnswer::GaveUp(_) => None,
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::course::{follow, reconfigurations};
 use super::graph::{
-    self, Estimator, Grasp, GraspAnswer, GraspCosts, GraspNode, GraspPath, GraspRequest, Start, Within,
+    self, Estimator, Grasp, GraspAnswer, GraspCosts, GraspNode, GraspPath, GraspRequest, GraspSearchEnd, Start, Within,
 };
 use super::limited::{self, Sooner};
 use super::looks::LooksBudget;
@@ -388,11 +388,11 @@ pub fn sound(
     looks.hold_half_back();
     let answer = lasting(order, sections, planned, orientation, chosen);
     looks.give_back();
-    let Ok(GraspAnswer::LooksSpent { bound }) = answer else { return answer };
+    let Ok(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound })) = answer else { return answer };
     sections.deal_with_load(LoadedSections::Tabulated);
     let tabulated = lasting(order, sections, planned, orientation, chosen);
     sections.deal_with_load(LoadedSections::Asked);
-    Ok(tabulated.unwrap_or(GraspAnswer::LooksSpent { bound }))
+    Ok(tabulated.unwrap_or(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound })))
 }
 
 /// A path with a grasp that lapses between two angles is searched again without that step, as often as necessary: every search has
@@ -414,12 +414,20 @@ fn lasting(
                 left = left.saturating_sub(way.expanded);
                 least = way.bound;
             }
-            GraspAnswer::GaveUp(gave_up) => {
+            GraspAnswer::GaveUp(GraspSearchEnd::Expansions(gave_up)) => {
                 let (budget, bound) = (SearchBudget::of(order.expansions), least.max(gave_up.bound));
-                return Ok(GraspAnswer::GaveUp(GaveUp { budget, spent: budget.steps, bound }));
+                return Ok(GraspAnswer::GaveUp(GraspSearchEnd::Expansions(GaveUp {
+                    budget,
+                    spent: budget.steps,
+                    bound,
+                })));
             }
-            GraspAnswer::LooksSpent { bound } => return Ok(GraspAnswer::LooksSpent { bound: bound.max(least) }),
-            other @ (GraspAnswer::Impossible(_) | GraspAnswer::TooLarge { .. }) => return Ok(other),
+            GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound }) => {
+                return Ok(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound: bound.max(least) }));
+            }
+            other @ (GraspAnswer::Impossible(_) | GraspAnswer::GaveUp(GraspSearchEnd::TooLarge { .. })) => {
+                return Ok(other);
+            }
         }
     }
 }
@@ -484,10 +492,7 @@ fn stuck_at(planned: &Routes, answer: &GraspAnswer) -> usize {
     let at = |route: usize, leg: usize| planned.routes.get(route).and_then(|route| route.get(leg));
     let leg = match answer {
         GraspAnswer::Impossible(blocked) => at(blocked.route, blocked.leg),
-        GraspAnswer::Found(_)
-        | GraspAnswer::GaveUp(_)
-        | GraspAnswer::LooksSpent { .. }
-        | GraspAnswer::TooLarge { .. } => at(0, 0),
+        GraspAnswer::Found(_) | GraspAnswer::GaveUp(_) => at(0, 0),
     };
     leg.map_or(0, |turning| turning.step)
 }

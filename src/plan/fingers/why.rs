@@ -1,7 +1,7 @@
 //! Explanation of a stretch without a plan: which turn, how far it gets, and what would make it possible.
 
 use super::Stance;
-use super::graph::{FarthestRoute, GraspAnswer};
+use super::graph::{FarthestRoute, GraspAnswer, GraspSearchEnd};
 use super::job::{AskedStretch, FirstCriterion, MOST_LOOKS, carried_out, sound};
 use super::looks::LooksBudget;
 use super::mechanics::{Contacts, GripModel, Load, NoTables};
@@ -70,9 +70,9 @@ impl HandReasons<'_> {
     pub fn stuck(&self, answer: &GraspAnswer, planned: &Routes, begins: Begins) -> Diagnostic {
         match answer {
             GraspAnswer::Impossible(blocked) => self.impossible(blocked, planned, begins),
-            GraspAnswer::GaveUp(gave_up) => self.gave_up(gave_up),
-            GraspAnswer::LooksSpent { bound } => self.looks_spent(*bound),
-            GraspAnswer::TooLarge { nodes } => {
+            GraspAnswer::GaveUp(GraspSearchEnd::Expansions(gave_up)) => self.gave_up(gave_up),
+            GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound }) => self.looks_spent(*bound),
+            GraspAnswer::GaveUp(GraspSearchEnd::TooLarge { nodes }) => {
                 Diagnostic::new(Code::E0602, format!("{} has {nodes} grasps, more than can be searched", self.what()))
                     .label(self.span(), "this turn")
                     .help("take a larger `step`, fewer `fingers`, or several tasks")

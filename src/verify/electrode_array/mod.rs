@@ -230,7 +230,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 let (from, to, beat) = (ms(part.start_ns), ms(part.end_ns()), ms(beat_ns));
                 let begins = ms(step.start_ns);
                 let title = format!(
-                    "electrode {cell} is on from {from} to {to}, whole steps of {beat} from {begins} on are needed"
+                    "electrode {cell} is on from {from} to {to}; whole steps of {beat} from {begins} on are needed"
                 );
                 return Err(self.within(Rule::Beat, nth, part.start_ns, title));
             }

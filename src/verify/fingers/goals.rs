@@ -88,7 +88,7 @@ impl JudgedHand<'_, '_> {
     fn grasp_fault(&self, nth: usize, contacts: Option<&[u32]>) -> Option<String> {
         let holding = self.grip.holds.len();
         if holding < 2 {
-            return Some(format!("a grasp ends with {holding} fingers on the part, 2 or 3 are needed"));
+            return Some(format!("a grasp ends with {holding} fingers on the part; 2 or 3 are needed"));
         }
         let contacts = contacts?;
         let planes = planes_after(self.order, nth);

@@ -313,7 +313,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
             }
             [leg] if leg.strokes != strokes => {
                 let (driven, due) = (leg.strokes, ms(duration_ns));
-                format!("{driven} strokes are driven in `apply`, {strokes} are needed for {due}")
+                format!("{driven} strokes are driven in `apply`; {strokes} are needed for {due}")
             }
             [_] => return,
             [] | [_, ..] => format!("`apply` has {} legs, 1 is needed", legs.len()),

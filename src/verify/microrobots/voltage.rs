@@ -168,7 +168,7 @@ impl DrivenBed<'_, '_> {
             format!("the bed is at {from} V at {at}, the source gives 0 V to {max_v} V")
         } else if duration_ns < dwell_ns {
             let (lasts, due) = (ms(duration_ns), ms(dwell_ns));
-            format!("the bed is at {from} V for {lasts} at {at}, at least {due} are needed")
+            format!("the bed is at {from} V for {lasts} at {at}; at least {due} are needed")
         } else {
             self.relays.visit(from);
             return Ok(());

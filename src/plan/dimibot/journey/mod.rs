@@ -10,7 +10,7 @@ use super::blocks::{BlockDistances, Blocks};
 use super::field::FieldReader;
 use super::guided::{BlockGuide, Guide, GuidedSearch, Lists, NoBlocks, SearchEnd, SearchSpace, small_difference};
 use super::lattice::{Flip, Side, SwitchWeights, bits};
-use super::outcome::{DimibotSearchOutcome, FlipPath, Proof};
+use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use super::seen::Seen;
 use crate::plan::search::{Meter, SearchBudget};
 use rustc_hash::FxHashMap;
@@ -87,14 +87,14 @@ impl<'a, 'f> LatticeJourney<'a, 'f> {
         LatticeJourney { reader, weights, start, goal, meter: Meter::new(budget), bound }
     }
 
-    pub(super) fn run(mut self, space: &mut Workspace) -> DimibotSearchOutcome<FlipPath> {
+    pub(super) fn run(mut self, space: &mut Workspace) -> DimibotAnswer<FlipPath> {
         let coarse = space.coarse.take().unwrap_or_else(|| Blocks::new(&mut self.reader, COARSE));
         space.flood.begin(self.reader.modules(), self.goal);
         let decided = self.stages(&coarse, space);
         space.coarse = Some(coarse);
         match decided {
             Some(Decided::Path) => self.path(&space.lists, None),
-            Some(Decided::No(proof)) => DimibotSearchOutcome::impossible(proof, self.meter.spent()),
+            Some(Decided::No(proof)) => DimibotAnswer::impossible(proof, self.meter.spent()),
             None => self.some_path(space),
         }
     }
@@ -186,9 +186,9 @@ impl<'a, 'f> LatticeJourney<'a, 'f> {
     }
 
     /// A path that need not be optimal, by weighted A*.
-    fn some_path(mut self, space: &mut Workspace) -> DimibotSearchOutcome<FlipPath> {
+    fn some_path(mut self, space: &mut Workspace) -> DimibotAnswer<FlipPath> {
         let Some(coarse) = &space.coarse else {
-            return DimibotSearchOutcome::GaveUp(self.meter.gave_up(self.bound));
+            return DimibotAnswer::GaveUp(self.meter.gave_up(self.bound));
         };
         let guide = BlockGuide { blocks: coarse, distances: &space.to_goal, shift: [0, 0] };
         let limit = self.meter.left().steps / GREEDS.len() as u64;
@@ -203,14 +203,14 @@ impl<'a, 'f> LatticeJourney<'a, 'f> {
                 return self.path(&space.lists, Some(self.bound));
             }
         }
-        DimibotSearchOutcome::GaveUp(self.meter.gave_up(self.bound))
+        DimibotAnswer::GaveUp(self.meter.gave_up(self.bound))
     }
 
-    fn path(&self, lists: &Lists, bound: Option<u64>) -> DimibotSearchOutcome<FlipPath> {
+    fn path(&self, lists: &Lists, bound: Option<u64>) -> DimibotAnswer<FlipPath> {
         let flips: Vec<Flip> = lists.path();
         let cost = flips.iter().map(|flip| self.weights.of(*flip)).sum();
         let bound = bound.map_or(cost, |bound| bound.min(cost));
-        DimibotSearchOutcome::Found(FlipPath { flips, cost, bound, expanded: self.meter.spent() })
+        DimibotAnswer::Found(FlipPath { flips, cost, bound, expanded: self.meter.spent() })
     }
 }
 

@@ -7,7 +7,7 @@ use super::super::board::{CellIndex, Paths};
 use super::field::ExactTables;
 use super::split::clashes;
 use super::tree::{self, ConstraintTreeTask, End};
-use crate::plan::search::{Meter, SearchBudget};
+use crate::plan::search::Meter;
 
 /// Bounds on everyone's arrival, and the ceiling on the sum of costs.
 #[derive(Clone, Copy)]
@@ -111,9 +111,7 @@ impl Groups<'_> {
             floor: group.bound,
             outside: &outside,
         };
-        let mut own = Meter::new(SearchBudget::of(steps));
-        let end = tree::search(task, &mut own);
-        meter.charge(own.spent());
+        let end = meter.share(steps, |meter| tree::search(task, meter));
         let group = &mut self.groups[index];
         match end {
             End::Found { paths, cost } => (group.paths, group.bound, group.is_checked) = (Some(paths), cost, false),

@@ -27,8 +27,8 @@ mod pair;
 mod split;
 mod tree;
 
-use super::board::{BoardAnswer, BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths};
-use super::joint::{self, JointAim, trim};
+use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, Instance, NoBoardPlan, Paths};
+use super::joint::{self, JointAim, NoJointPlan, trim};
 use super::timing;
 use crate::plan::search::{Meter, SearchBudget};
 use demand::ALWAYS;
@@ -96,8 +96,8 @@ pub fn small(
 
 fn unsearched(best: Option<Paths>, bounds: BoardCosts) -> BoardAnswer {
     match best {
-        Some(paths) => BoardAnswer::Found { paths, bounds },
-        None => BoardAnswer::GaveUp { bounds },
+        Some(paths) => BoardAnswer::Found(BoardPlan { paths, bounds }),
+        None => BoardAnswer::GaveUp(bounds),
     }
 }
 
@@ -215,11 +215,11 @@ impl<'a, 'm> Prover<'a, 'm> {
         }
         if self.best.is_none() {
             match self.jointly(JointAim::Any) {
-                joint::JointOutcome::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
-                joint::JointOutcome::Impossible => {
+                joint::JointAnswer::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
+                joint::JointAnswer::Impossible(NoJointPlan::AtAll) => {
                     return Some(ProofEnd::Impossible(self.blocked_among(self.everyone())));
                 }
-                joint::JointOutcome::NotWithin | joint::JointOutcome::GaveUp { .. } => {}
+                joint::JointAnswer::Impossible(NoJointPlan::WithinLimit) | joint::JointAnswer::GaveUp(_) => {}
             }
         }
         match self.objective {
@@ -230,7 +230,7 @@ impl<'a, 'm> Prover<'a, 'm> {
                 }
                 if self.is_met() {
                     let limit = Some(self.bounds.makespan as u32);
-                    if let joint::JointOutcome::Found(paths) = self.jointly(JointAim::SumOfCosts { limit }) {
+                    if let joint::JointAnswer::Found(paths) = self.jointly(JointAim::SumOfCosts { limit }) {
                         self.offer(paths);
                     }
                 }
@@ -250,14 +250,16 @@ impl<'a, 'm> Prover<'a, 'm> {
     /// The least makespan, or the proof that there is no plan within the limit.
     fn makespan_of_small_joint_space(&mut self) -> Option<ProofEnd> {
         let least = match self.jointly(JointAim::Makespan { limit: None }) {
-            joint::JointOutcome::Found(paths) => {
+            joint::JointAnswer::Found(paths) => {
                 let least = BoardCosts::of(&paths).makespan;
                 self.offer(paths);
                 least
             }
-            joint::JointOutcome::Impossible => return Some(ProofEnd::Impossible(self.blocked_among(self.everyone()))),
-            joint::JointOutcome::GaveUp { bound } => bound,
-            joint::JointOutcome::NotWithin => return None,
+            joint::JointAnswer::Impossible(NoJointPlan::AtAll) => {
+                return Some(ProofEnd::Impossible(self.blocked_among(self.everyone())));
+            }
+            joint::JointAnswer::GaveUp(bound) => bound,
+            joint::JointAnswer::Impossible(NoJointPlan::WithinLimit) => return None,
         };
         self.bounds.makespan = self.bounds.makespan.max(least);
         let exceeds = self.limit.is_some_and(|limit| self.bounds.makespan > u64::from(limit));
@@ -275,12 +277,12 @@ impl<'a, 'm> Prover<'a, 'm> {
 
     fn sum_within(&mut self, limit: Option<u32>) {
         match self.jointly(JointAim::SumOfCosts { limit }) {
-            joint::JointOutcome::Found(paths) => {
+            joint::JointAnswer::Found(paths) => {
                 self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(BoardCosts::of(&paths).sum_of_costs);
                 self.offer(paths);
             }
-            joint::JointOutcome::GaveUp { bound } => self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(bound),
-            joint::JointOutcome::Impossible | joint::JointOutcome::NotWithin => {}
+            joint::JointAnswer::GaveUp(bound) => self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(bound),
+            joint::JointAnswer::Impossible(_) => {}
         }
     }
 
@@ -289,9 +291,9 @@ impl<'a, 'm> Prover<'a, 'm> {
         let Some(least) = self.best.as_ref().filter(|_| self.is_met()).map(BoardCosts::of) else { return };
         for steps in self.bounds.makespan..least.makespan {
             match self.jointly(JointAim::SumOfCosts { limit: Some(steps as u32) }) {
-                joint::JointOutcome::Found(paths) => self.offer(paths),
-                joint::JointOutcome::NotWithin => {}
-                joint::JointOutcome::Impossible | joint::JointOutcome::GaveUp { .. } => return,
+                joint::JointAnswer::Found(paths) => self.offer(paths),
+                joint::JointAnswer::Impossible(NoJointPlan::WithinLimit) => {}
+                joint::JointAnswer::Impossible(NoJointPlan::AtAll) | joint::JointAnswer::GaveUp(_) => return,
             }
             if self.best.as_ref().is_some_and(|best| BoardCosts::of(best).makespan <= steps) {
                 return;
@@ -300,7 +302,7 @@ impl<'a, 'm> Prover<'a, 'm> {
     }
 
     /// A joint search for everyone on a share of the budget.
-    fn jointly(&mut self, aim: JointAim) -> joint::JointOutcome {
+    fn jointly(&mut self, aim: JointAim) -> joint::JointAnswer {
         let group = self.everyone();
         let steps = self.meter.left().steps - self.meter.left().steps / JOINT_SHARE;
         self.spend(steps, |field, meter| joint::search(field, &group, aim, meter))
@@ -312,10 +314,10 @@ impl<'a, 'm> Prover<'a, 'm> {
         self.spend(steps, |field, meter| {
             let pairs = (0..field.agents()).flat_map(|other| (0..other).map(move |one| [one, other]));
             for pair in pairs {
-                let mut own = Meter::new(SearchBudget::of(meter.left().steps / PAIR_SHARE));
-                let outcome = joint::search(field, &pair, JointAim::Any, &mut own);
-                meter.charge(own.spent() + 1);
-                if outcome == joint::JointOutcome::Impossible {
+                let steps = meter.left().steps / PAIR_SHARE;
+                let outcome = meter.share(steps, |meter| joint::search(field, &pair, JointAim::Any, meter));
+                meter.charge(1);
+                if outcome == joint::JointAnswer::Impossible(NoJointPlan::AtAll) {
                     return Some(pair.to_vec());
                 }
             }
@@ -325,10 +327,7 @@ impl<'a, 'm> Prover<'a, 'm> {
 
     /// Runs a search on a part of the budget.
     fn spend<T>(&mut self, steps: u64, search: impl FnOnce(&ExactTables, &mut Meter) -> T) -> T {
-        let mut own = Meter::new(SearchBudget::of(steps));
-        let result = search(self.field, &mut own);
-        self.meter.charge(own.spent());
-        result
+        self.meter.share(steps, |meter| search(self.field, meter))
     }
 
     /// A small group without a plan: agents are dropped one by one while the rest still has none.
@@ -339,7 +338,7 @@ impl<'a, 'm> Prover<'a, 'm> {
             fewer.remove(place);
             let steps = self.meter.left().steps / OPEN_SHARE;
             if self.spend(steps, |field, meter| joint::search(field, &fewer, JointAim::Any, meter))
-                == joint::JointOutcome::Impossible
+                == joint::JointAnswer::Impossible(NoJointPlan::AtAll)
             {
                 agents = fewer;
             } else {
@@ -437,10 +436,12 @@ impl<'a, 'm> Prover<'a, 'm> {
         let aim = JointAim::Makespan { limit: self.limit };
         let aim = if self.limit.is_some() { aim } else { JointAim::Any };
         match joint::search(self.field, &group, aim, self.meter) {
-            joint::JointOutcome::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
-            joint::JointOutcome::Impossible => return Some(ProofEnd::Impossible(self.blocked_among(group))),
-            joint::JointOutcome::NotWithin => return Some(self.too_few_steps()),
-            joint::JointOutcome::GaveUp { .. } => {}
+            joint::JointAnswer::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
+            joint::JointAnswer::Impossible(NoJointPlan::AtAll) => {
+                return Some(ProofEnd::Impossible(self.blocked_among(group)));
+            }
+            joint::JointAnswer::Impossible(NoJointPlan::WithinLimit) => return Some(self.too_few_steps()),
+            joint::JointAnswer::GaveUp(_) => {}
         }
         None
     }

@@ -3,6 +3,7 @@
 use super::field::ExactTables;
 use super::layers::MultiValueDecisionDiagram;
 use crate::plan::search::Meter;
+use fixedbitset::FixedBitSet;
 
 /// Tables with more pairs of nodes than this are not built.
 const MOST_PAIRS: u64 = 1 << 22;
@@ -20,7 +21,7 @@ pub struct PairSide<'a> {
 /// For each instant, the pairs of nodes of two layers that keep the rule and from which both can still reach the end together.
 pub struct CompatiblePairs {
     /// By instant, then by the place of the first agent; `None` where nothing is forbidden, and past the end.
-    alive: Vec<Option<Vec<PlaceBits>>>,
+    alive: Vec<Option<Vec<FixedBitSet>>>,
     /// Words of all bit sets in total.
     words: usize,
 }
@@ -59,7 +60,7 @@ impl CompatiblePairs {
     #[inline]
     pub fn allows(&self, instant: u32, place: usize, other_place: usize) -> bool {
         match self.alive.get(instant as usize) {
-            Some(Some(rows)) => rows[place].has(other_place),
+            Some(Some(rows)) => rows[place].contains(other_place),
             Some(None) | None => true,
         }
     }
@@ -67,7 +68,7 @@ impl CompatiblePairs {
     /// Whether the first agent may be at a place of an instant, for some place of the second.
     pub fn allows_first(&self, instant: u32, place: usize) -> bool {
         match self.alive.get(instant as usize) {
-            Some(Some(rows)) => !rows[place].is_empty(),
+            Some(Some(rows)) => !rows[place].is_clear(),
             Some(None) | None => true,
         }
     }
@@ -75,7 +76,7 @@ impl CompatiblePairs {
     /// Whether the second agent may be at a place of an instant, for some place of the first.
     pub fn allows_second(&self, instant: u32, place: usize) -> bool {
         match self.alive.get(instant as usize) {
-            Some(Some(rows)) => rows.iter().any(|row| row.has(place)),
+            Some(Some(rows)) => rows.iter().any(|row| row.contains(place)),
             Some(None) | None => true,
         }
     }
@@ -90,10 +91,10 @@ impl CompatiblePairs {
 struct PairGap {
     /// Rows by node of the first agent, bits by node of the second that is not too near: both nodes at the instant, the second at
     /// the next, the first at the next, and both at the next.
-    now: Vec<PlaceBits>,
-    now_later: Vec<PlaceBits>,
-    later_now: Vec<PlaceBits>,
-    later: Vec<PlaceBits>,
+    now: Vec<FixedBitSet>,
+    now_later: Vec<FixedBitSet>,
+    later_now: Vec<FixedBitSet>,
+    later: Vec<FixedBitSet>,
 }
 
 /// The gaps up to the last instant at which the two can be near; `None` for a gap in which they cannot.
@@ -137,8 +138,8 @@ impl PairGaps {
                 (Some(gap), Some(later)) => before_near(one, other, instant as u32, gap, later),
                 (None, Some(later)) => before_apart(one, other, instant as u32, later),
             };
-            if !now.iter().all(PlaceBits::is_full) {
-                table.words += now.iter().map(|bits| bits.words.len()).sum::<usize>();
+            if !now.iter().all(FixedBitSet::is_full) {
+                table.words += now.iter().map(|bits| bits.len().div_ceil(64)).sum::<usize>();
                 table.alive[instant] = Some(now);
             }
         }
@@ -151,20 +152,27 @@ impl PairGaps {
         one: PairSide,
         other: PairSide,
         instant: u32,
-        from: &[PlaceBits],
-        alive: &[PlaceBits],
-    ) -> Vec<PlaceBits> {
+        from: &[FixedBitSet],
+        alive: &[FixedBitSet],
+    ) -> Vec<FixedBitSet> {
         let gap = self.gaps[instant as usize].as_ref();
-        let mut reached: Vec<PlaceBits> = alive.iter().map(|bits| PlaceBits::empty(bits.width)).collect();
-        for (place, row) in from.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
+        let mut reached: Vec<FixedBitSet> = alive.iter().map(|bits| FixedBitSet::with_capacity(bits.len())).collect();
+        for (place, row) in from.iter().enumerate().filter(|(_, row)| !row.is_clear()) {
             for to in one.layers.edges(instant, place).iter().map(|to| *to as usize) {
-                let mut found = PlaceBits::empty(alive[to].width);
-                let starts = gap.map_or_else(|| row.clone(), |gap| row.common(&gap.later_now[to]));
-                for other_place in starts.places() {
-                    other.layers.edges(instant, other_place).iter().for_each(|other_to| found.set(*other_to as usize));
+                let mut found = FixedBitSet::with_capacity(alive[to].len());
+                let starts = gap.map_or_else(|| row.clone(), |gap| row & &gap.later_now[to]);
+                for other_place in starts.ones() {
+                    other
+                        .layers
+                        .edges(instant, other_place)
+                        .iter()
+                        .for_each(|other_to| found.insert(*other_to as usize));
                 }
-                let found = gap.map_or_else(|| found.clone(), |gap| found.common(&gap.now_later[place]));
-                reached[to].add(&found.common(&alive[to]));
+                found.intersect_with(&alive[to]);
+                if let Some(gap) = gap {
+                    found.intersect_with(&gap.now_later[place]);
+                }
+                reached[to].union_with(&found);
             }
         }
         reached
@@ -172,22 +180,22 @@ impl PairGaps {
 }
 
 /// The pairs of an instant from which one of `later` is reachable.
-fn before_near(one: PairSide, other: PairSide, instant: u32, gap: &PairGap, later: &[PlaceBits]) -> Vec<PlaceBits> {
-    let mut alive: Vec<PlaceBits> = gap.now.iter().map(|bits| PlaceBits::empty(bits.width)).collect();
+fn before_near(one: PairSide, other: PairSide, instant: u32, gap: &PairGap, later: &[FixedBitSet]) -> Vec<FixedBitSet> {
+    let mut alive: Vec<FixedBitSet> = gap.now.iter().map(|bits| FixedBitSet::with_capacity(bits.len())).collect();
     for (place, row) in alive.iter_mut().enumerate() {
         for to in one.layers.edges(instant, place).iter().map(|to| *to as usize) {
-            let targets = later[to].common(&gap.now_later[place]);
-            let open = gap.now[place].common(&gap.later_now[to]);
-            add_leading(other, instant, row, open.places(), &targets);
+            let targets = &later[to] & &gap.now_later[place];
+            let open = &gap.now[place] & &gap.later_now[to];
+            add_leading(other, instant, row, open.ones(), &targets);
         }
     }
     alive
 }
 
 /// The same for layers in which no two nodes are too near.
-fn before_apart(one: PairSide, other: PairSide, instant: u32, later: &[PlaceBits]) -> Vec<PlaceBits> {
+fn before_apart(one: PairSide, other: PairSide, instant: u32, later: &[FixedBitSet]) -> Vec<FixedBitSet> {
     let width = other.layers.at(instant).len();
-    let mut alive = vec![PlaceBits::empty(width); one.layers.at(instant).len()];
+    let mut alive = vec![FixedBitSet::with_capacity(width); one.layers.at(instant).len()];
     for (place, row) in alive.iter_mut().enumerate() {
         for to in one.layers.edges(instant, place) {
             add_leading(other, instant, row, 0..width, &later[*to as usize]);
@@ -200,13 +208,13 @@ fn before_apart(one: PairSide, other: PairSide, instant: u32, later: &[PlaceBits
 fn add_leading(
     side: PairSide,
     instant: u32,
-    row: &mut PlaceBits,
+    row: &mut FixedBitSet,
     places: impl Iterator<Item = usize>,
-    targets: &PlaceBits,
+    targets: &FixedBitSet,
 ) {
     for place in places {
-        if !row.has(place) && side.layers.edges(instant, place).iter().any(|to| targets.has(*to as usize)) {
-            row.set(place);
+        if !row.contains(place) && side.layers.edges(instant, place).iter().any(|to| targets.contains(*to as usize)) {
+            row.insert(place);
         }
     }
 }
@@ -218,17 +226,17 @@ fn is_apart(field: &ExactTables, one: PairSide, other: PairSide, instant: u32) -
 }
 
 /// For each node of `one` at an instant, the nodes of `other` at an instant that keep the separation.
-fn clear_rows(field: &ExactTables, one: PairSide, at: u32, other: PairSide, other_at: u32) -> Vec<PlaceBits> {
+fn clear_rows(field: &ExactTables, one: PairSide, at: u32, other: PairSide, other_at: u32) -> Vec<FixedBitSet> {
     let separation = field.instance.separation as i32;
     let merged = field.is_merged(one.agent, other.agent);
     let goal = field.place(field.cell(field.goal(one.agent)));
     let (nodes, others) = (one.layers.places(at), other.layers.places(other_at));
     let row = |place: (i32, i32)| {
-        let mut bits = PlaceBits::empty(others.len());
-        for (word, chunk) in bits.words.iter_mut().zip(others.chunks(64)) {
+        let mut bits = FixedBitSet::with_capacity(others.len());
+        for (word, chunk) in bits.as_mut_slice().iter_mut().zip(others.chunks(usize::BITS as usize)) {
             for (bit, other) in chunk.iter().enumerate() {
                 let is_clear = (place.0 - other.0).abs().max((place.1 - other.1).abs()) >= separation;
-                *word |= u64::from(is_clear) << bit;
+                *word |= usize::from(is_clear) << bit;
             }
         }
         if merged {
@@ -237,65 +245,9 @@ fn clear_rows(field: &ExactTables, one: PairSide, at: u32, other: PairSide, othe
                 .iter()
                 .enumerate()
                 .filter(|(_, other)| exempt(other))
-                .for_each(|(other_place, _)| bits.set(other_place));
+                .for_each(|(other_place, _)| bits.insert(other_place));
         }
         bits
     };
     nodes.iter().map(|place| row(*place)).collect()
-}
-
-/// A set of places of a layer.
-#[derive(Clone)]
-struct PlaceBits {
-    words: Vec<u64>,
-    width: usize,
-}
-
-impl PlaceBits {
-    fn empty(width: usize) -> PlaceBits {
-        PlaceBits { words: vec![0; width.div_ceil(64)], width }
-    }
-
-    #[inline]
-    fn set(&mut self, place: usize) {
-        self.words[place / 64] |= 1 << (place % 64);
-    }
-
-    #[inline]
-    fn has(&self, place: usize) -> bool {
-        self.words[place / 64] >> (place % 64) & 1 == 1
-    }
-
-    fn is_empty(&self) -> bool {
-        self.words.iter().all(|word| *word == 0)
-    }
-
-    fn add(&mut self, other: &PlaceBits) {
-        self.words.iter_mut().zip(&other.words).for_each(|(word, other)| *word |= other);
-    }
-
-    fn is_full(&self) -> bool {
-        self.words.iter().map(|word| word.count_ones() as usize).sum::<usize>() == self.width
-    }
-
-    /// Intersection of both sets.
-    fn common(&self, other: &PlaceBits) -> PlaceBits {
-        PlaceBits {
-            words: self.words.iter().zip(&other.words).map(|(one, other)| one & other).collect(),
-            width: self.width,
-        }
-    }
-
-    fn places(&self) -> impl Iterator<Item = usize> + '_ {
-        self.words.iter().enumerate().flat_map(|(index, word)| {
-            let mut word = *word;
-            std::iter::from_fn(move || {
-                (word != 0).then(|| {
-                    let bit = word.trailing_zeros() as usize;
-                    word &= word - 1;
-                    index * 64 + bit
-                })
-            })
-        })
-    }
 }

@@ -8,7 +8,7 @@
 use super::super::board::{CellIndex, Paths};
 use super::crew::{PlannedInstance, Wish};
 use super::reservations::{Others, Reservations};
-use crate::plan::search::{Meter, SearchBudget};
+use crate::plan::search::Meter;
 
 /// Number of orders that are tried.
 const ORDERS: usize = 8;
@@ -76,10 +76,8 @@ fn attempt(
         Wish { others: Others::Hard, weight: HAZARD_WEIGHT, haste: HASTE, limit: u32::MAX, delay: 0, detour: None };
     for agent in order {
         crew.table.remove_hazard(*agent, crew.instance.agents[*agent].start);
-        let allowed = (SEARCH_STEPS + SEARCH_STEPS_PER_MOVE * u64::from(crew.least[*agent])).min(meter.left().steps);
-        let mut part = Meter::new(SearchBudget::of(allowed));
-        let path = crew.plan(*agent, wish, &mut part);
-        meter.charge(part.spent());
+        let allowed = SEARCH_STEPS + SEARCH_STEPS_PER_MOVE * u64::from(crew.least[*agent]);
+        let path = meter.share(allowed, |meter| crew.plan(*agent, wish, meter));
         match &path {
             Some(path) => crew.table.add(*agent, path),
             None => failed.push(*agent),

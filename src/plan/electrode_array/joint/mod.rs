@@ -17,7 +17,7 @@
 
 use super::board::{CellIndex, Paths};
 use super::exact::field::{ExactTables, FAR, StagedCell};
-use crate::plan::search::Meter;
+use crate::plan::search::{Meter, SearchAnswer};
 use states::States;
 
 pub mod states;
@@ -35,17 +35,17 @@ pub enum JointAim {
     SumOfCosts { limit: Option<u32> },
 }
 
-/// Result for a group.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum JointOutcome {
-    /// A plan, best for the aim; one path for each member of the group, in its order.
-    Found(Paths),
-    /// There is no plan at all.
-    Impossible,
+/// Result for a group: a plan, best for the aim, with a path for each member in its order; a search that gave up has a lower bound on
+/// the cost of any plan.
+pub type JointAnswer = SearchAnswer<Paths, NoJointPlan, u64>;
+
+/// Why a group has no plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoJointPlan {
+    /// There is none at all.
+    AtAll,
     /// There is none within the limit; beyond it nothing is known.
-    NotWithin,
-    /// The budget ran out; lower bound on the cost of any plan.
-    GaveUp { bound: u64 },
+    WithinLimit,
 }
 
 /// Heuristic weight where any plan is sufficient.
@@ -58,13 +58,13 @@ const MOST_MEMBERS: usize = 64;
 const MOST_SUMMED: usize = 12;
 
 /// Searches for the agents of `group` alone.
-pub fn search(field: &ExactTables, group: &[usize], aim: JointAim, meter: &mut Meter) -> JointOutcome {
+pub fn search(field: &ExactTables, group: &[usize], aim: JointAim, meter: &mut Meter) -> JointAnswer {
     if group.is_empty() {
-        return JointOutcome::Found(vec![]);
+        return JointAnswer::Found(vec![]);
     }
     let most = if matches!(aim, JointAim::SumOfCosts { .. }) { MOST_SUMMED } else { MOST_MEMBERS };
     if group.len() > most {
-        return JointOutcome::GaveUp { bound: 0 };
+        return JointAnswer::GaveUp(0);
     }
     let mut search = JointSearch::new(field, group, aim);
     search.begin();
@@ -184,11 +184,11 @@ impl<'a> JointSearch<'a> {
         }
     }
 
-    fn run(&mut self, meter: &mut Meter) -> JointOutcome {
+    fn run(&mut self, meter: &mut Meter) -> JointAnswer {
         let mut ply = Ply::new(self.group.len());
         while let Some(state) = self.pop() {
             if self.is_final(state) {
-                return JointOutcome::Found(self.paths(state));
+                return JointAnswer::Found(self.paths(state));
             }
             let expanded = match self.aim {
                 JointAim::Any | JointAim::Moves => self.expand_in_turns(state, meter),
@@ -196,10 +196,14 @@ impl<'a> JointSearch<'a> {
             };
             if self.states.is_full() || expanded.is_none() {
                 let bound = if self.aim == JointAim::Any { 0 } else { self.lowest as u64 };
-                return JointOutcome::GaveUp { bound };
+                return JointAnswer::GaveUp(bound);
             }
         }
-        if self.limited { JointOutcome::NotWithin } else { JointOutcome::Impossible }
+        if self.limited {
+            JointAnswer::Impossible(NoJointPlan::WithinLimit)
+        } else {
+            JointAnswer::Impossible(NoJointPlan::AtAll)
+        }
     }
 
     /// The open state with the least bound; each state is returned once.

@@ -91,6 +91,6 @@ fn apart(
     ) {
         GraspAnswer::Found(way) => Some(Some(way.cost)),
         GraspAnswer::Impossible(_) => Some(None),
-        GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } | GraspAnswer::TooLarge { .. } => None,
+        GraspAnswer::GaveUp(_) => None,
     }
 }

@@ -27,7 +27,7 @@ pub fn decompose(request: &GraspRequest, estimator: Estimator, budget: SearchBud
                 };
                 return GraspAnswer::Found(GraspPath { bound: bound(&one).unwrap_or(0).min(way.cost), ..way });
             }
-            other @ (GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } | GraspAnswer::TooLarge { .. }) => {
+            other @ GraspAnswer::GaveUp(_) => {
                 return other;
             }
         }
@@ -52,7 +52,7 @@ fn by_legs(request: &GraspRequest, route: usize, estimator: Estimator, meter: &m
             GraspAnswer::Impossible(blocked) => {
                 return GraspAnswer::Impossible(FarthestRoute { route, leg: at, ..blocked });
             }
-            other @ (GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } | GraspAnswer::TooLarge { .. }) => {
+            other @ GraspAnswer::GaveUp(_) => {
                 return other;
             }
         };

@@ -30,7 +30,7 @@ use crate::device::fingers::MAX_FINGERS;
 use crate::plan::fingers::looks::LooksBudget;
 use crate::plan::fingers::mechanics::Lazy;
 use crate::plan::fingers::tables::Tables;
-use crate::plan::search::{GaveUp, Meter, SearchBudget};
+use crate::plan::search::{GaveUp, Meter, SearchAnswer, SearchBudget};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -193,21 +193,17 @@ impl FarthestRoute {
 }
 
 /// Result of a request.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum GraspAnswer {
-    Found(GraspPath),
-    /// Proven: there is no path.
-    Impossible(FarthestRoute),
-    /// The budget of expanded nodes ran out.
-    GaveUp(GaveUp),
-    /// The looks that all searches of a task share ran out; lower bound on the cost of any path.
-    LooksSpent {
-        bound: u64,
-    },
+pub type GraspAnswer = SearchAnswer<GraspPath, FarthestRoute, GraspSearchEnd>;
+
+/// The limit that ended a search for grasps early.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GraspSearchEnd {
+    /// The budget of expanded nodes.
+    Expansions(GaveUp),
+    /// The looks that all searches of a task share; lower bound on the cost of any path.
+    Looks { bound: u64 },
     /// A route has more nodes than [`MAX_NODES`].
-    TooLarge {
-        nodes: u64,
-    },
+    TooLarge { nodes: u64 },
 }
 
 /// The cheapest path over all routes within the limit on reconfigurations; of equally cheap ones, a path with the fewest

@@ -24,10 +24,7 @@ pub fn by_few(request: &GraspRequest, solve: impl Fn(&GraspRequest) -> GraspAnsw
     }
     match solve(&fewer) {
         GraspAnswer::Found(way) => GraspAnswer::Found(restored(way, &kept)),
-        other @ (GraspAnswer::Impossible(_)
-        | GraspAnswer::GaveUp(_)
-        | GraspAnswer::LooksSpent { .. }
-        | GraspAnswer::TooLarge { .. }) => other,
+        other @ (GraspAnswer::Impossible(_) | GraspAnswer::GaveUp(_)) => other,
     }
 }
 

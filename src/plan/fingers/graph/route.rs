@@ -7,7 +7,10 @@ use super::layout::NodeSpot;
 use super::published::Published;
 use super::strands::has;
 use super::walk::{Estimate, NEVER, RankedEntry, RouteWalk, WalkProgress, ranked, unranked};
-use super::{Estimator, FarthestRoute, GraspAnswer, GraspCosts, GraspNode, GraspPath, GraspRequest, Start, TurnLeg};
+use super::{
+    Estimator, FarthestRoute, GraspAnswer, GraspCosts, GraspNode, GraspPath, GraspRequest, GraspSearchEnd, Start,
+    TurnLeg,
+};
 use crate::plan::search::Meter;
 
 /// The exact number of remaining reconfigurations where the flood has reached; a lower bound elsewhere.
@@ -38,7 +41,7 @@ impl<const N: usize> Estimate for RemainingReconfigurations<'_, N> {
 pub fn cheapest(request: &GraspRequest, estimator: Estimator, meter: &mut Meter) -> GraspAnswer {
     let courses = match courses(request) {
         Ok(courses) => courses,
-        Err(nodes) => return GraspAnswer::TooLarge { nodes },
+        Err(nodes) => return GraspAnswer::GaveUp(GraspSearchEnd::TooLarge { nodes }),
     };
     let search = RouteSearch { request, courses: &courses, meter };
     match angles(request) {
@@ -186,10 +189,12 @@ impl<'a> RouteSearch<'a> {
                 WalkProgress::AtLeast(bound) => candidate.bound = bound,
                 WalkProgress::Exhausted => drop(open.remove(at)),
                 WalkProgress::Spent(bound) if self.courses[candidate.route].looks.are_spent() => {
-                    return Some(GraspAnswer::LooksSpent { bound: unranked(bound) * unit });
+                    return Some(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound: unranked(bound) * unit }));
                 }
                 WalkProgress::Spent(bound) => {
-                    return Some(GraspAnswer::GaveUp(self.meter.gave_up(unranked(bound) * unit)));
+                    return Some(GraspAnswer::GaveUp(GraspSearchEnd::Expansions(
+                        self.meter.gave_up(unranked(bound) * unit),
+                    )));
                 }
             }
         }

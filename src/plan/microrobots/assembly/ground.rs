@@ -8,7 +8,7 @@ use crate::plan::microrobots::free::ArmSegment;
 use crate::plan::microrobots::ways::{DriveTask, NoWay};
 use crate::plan::microrobots::world::{FirstMeeting, Fixtures, Obstruction, World};
 use crate::plan::microrobots::{Leg, RobotDocking};
-use crate::plan::search::{Meter, SearchBudget};
+use crate::plan::search::Meter;
 use std::f64::consts::TAU;
 
 /// State budget of one path search.
@@ -56,10 +56,7 @@ impl<'a> AssemblyGround<'a> {
         task: &DriveTask,
         meter: &mut Meter,
     ) -> Result<Vec<ArmSegment>, StuckAssembly> {
-        let mut own = Meter::new(SearchBudget::of(meter.left().steps.min(MAX_STATES)));
-        let found = task.find(&mut own);
-        meter.charge(own.spent());
-        match found {
+        match meter.share(MAX_STATES, |meter| task.find(meter)) {
             Ok(found) => Ok(found.way),
             Err(NoWay::GaveUp(_)) if meter.left().steps == 0 => Err(StuckAssembly::GaveUp),
             Err(NoWay::Start(by) | NoWay::Goal(by) | NoWay::Blocked(by) | NoWay::GaveUp(by)) => {

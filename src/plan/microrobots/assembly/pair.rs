@@ -272,8 +272,10 @@ impl<'a> PairingContext<'a> {
     fn legs(&self, departure: &Departure, ways: Vec<Vec<ArmSegment>>, (ground, fixtures): PairSite) -> Vec<Vec<Leg>> {
         let ([first, second], index, start) = (self.facts, self.roles.first, self.first_from());
         let forced = self.forced_strokes();
-        let fits =
-            |way: &Vec<ArmSegment>| turns_within((way, forced as f64, first.step_um), (&departure.way, second.step_um));
+        let theirs = StrokedPath { segments: &departure.way, before: 0.0, step_um: second.step_um };
+        let fits = |way: &Vec<ArmSegment>| {
+            turns_within(&StrokedPath { segments: way, before: forced as f64, step_um: first.step_um }, &theirs)
+        };
         let clear = |way: &Vec<ArmSegment>| ground.world.obstruction_on(index, start, way, fixtures).is_none();
         let ways: Vec<Vec<ArmSegment>> = ways.into_iter().filter(fits).filter(clear).take(MAX_WAYS).collect();
         let total = self.total(departure);
@@ -304,27 +306,35 @@ impl<'a> PairingContext<'a> {
     }
 }
 
-/// Whether one robot turns only while the other does, up to a few strokes. Each path comes with its length per stroke, the first
-/// one also with the number of strokes before it.
-fn turns_within(
-    (way, before, step_um): (&[ArmSegment], f64, f64),
-    (other, other_step_um): (&[ArmSegment], f64),
-) -> bool {
-    let turns = |way: &[ArmSegment], before: f64, step_um: f64| {
-        let mut end = before;
+/// A path in the strokes of its robot.
+struct StrokedPath<'a> {
+    segments: &'a [ArmSegment],
+    /// Strokes before the path begins.
+    before: f64,
+    step_um: f64,
+}
+
+impl StrokedPath<'_> {
+    /// The strokes in which it turns, without a few at either end.
+    fn turns(&self) -> Vec<[f64; 2]> {
+        let mut end = self.before;
         let mut spans: Vec<[f64; 2]> = Vec::new();
-        for segment in way {
+        for segment in self.segments {
             let start = end;
-            end += segment.way_um / step_um;
+            end += segment.way_um / self.step_um;
             if segment.arm == Arm::Down && end - start > FEW_STROKES {
                 spans.push([start + FEW_STROKES, end - FEW_STROKES]);
             }
         }
         spans
-    };
-    let theirs = turns(other, 0.0, other_step_um);
+    }
+}
+
+/// Whether one robot turns only while the other does, up to a few strokes.
+fn turns_within(one: &StrokedPath, other: &StrokedPath) -> bool {
+    let theirs = other.turns();
     let covered = |span: &[f64; 2]| {
         theirs.iter().any(|other| other[0] - FEW_STROKES <= span[0] && span[1] <= other[1] + FEW_STROKES)
     };
-    turns(way, before, step_um).iter().all(covered)
+    one.turns().iter().all(covered)
 }

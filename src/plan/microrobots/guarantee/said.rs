@@ -38,7 +38,7 @@ impl Containment {
             ),
             ContainmentCheck::Edge => format!("{name} faces no docked robot at its goal"),
             ContainmentCheck::Turn => format!(
-                "a turn of {name} of {has_deg:.1} deg is too short to be sure of, {needs_deg:.1} deg are needed"
+                "a turn of {name} of {has_deg:.1} deg is too short to be sure of; {needs_deg:.1} deg are needed"
             ),
             ContainmentCheck::Meeting => format!(
                 "{name} and its partner may miss each other by {needs:.1} um of their ways, {has:.1} um can be made up for"

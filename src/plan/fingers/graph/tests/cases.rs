@@ -5,8 +5,8 @@ use super::random::{Random, case, circle};
 use crate::plan::fingers::graph::layout::{GraspChain, NodeSpot, Sets};
 use crate::plan::fingers::graph::strands::{AngleMask, below, has, single, spread};
 use crate::plan::fingers::graph::{
-    Estimator, FarthestRoute, Grasp, GraspAnswer, GraspCosts, GraspRequest, Regrasp, Start, TurnLeg, Within, decompose,
-    solve,
+    Estimator, FarthestRoute, Grasp, GraspAnswer, GraspCosts, GraspRequest, GraspSearchEnd, Regrasp, Start, TurnLeg,
+    Within, decompose, solve,
 };
 use crate::plan::fingers::tables::Tables;
 use crate::plan::search::SearchBudget;
@@ -87,7 +87,8 @@ fn the_cheaper_route_is_found_and_of_equal_ones_the_first() {
 #[test]
 fn a_budget_ends_a_search_with_a_bound() {
     let asked = request(Start::At(grasp(&[1, 38, 0])), vec![vec![leg(circle(74, 6), 11, Some(&[38, 1, 0]))]]);
-    let GraspAnswer::GaveUp(report) = solve(&asked, Estimator::Layers, SearchBudget::of(3)) else {
+    let GraspAnswer::GaveUp(GraspSearchEnd::Expansions(report)) = solve(&asked, Estimator::Layers, SearchBudget::of(3))
+    else {
         panic!("three nodes are few")
     };
     assert_eq!(report.spent, 3);
@@ -98,7 +99,10 @@ fn a_budget_ends_a_search_with_a_bound() {
 fn too_many_nodes_are_refused() {
     let tables = Tables { contacts: 600, layers: circle(4, 1).layers };
     let asked = request(Start::Any, vec![vec![leg(tables, 1, None)]]);
-    assert!(matches!(solve(&asked, Estimator::Layers, SearchBudget::DEFAULT), GraspAnswer::TooLarge { .. }));
+    assert!(matches!(
+        solve(&asked, Estimator::Layers, SearchBudget::DEFAULT),
+        GraspAnswer::GaveUp(GraspSearchEnd::TooLarge { .. })
+    ));
 }
 
 /// More angles than a word has bits; contacts wrap around several times.

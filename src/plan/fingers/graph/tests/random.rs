@@ -6,7 +6,8 @@ use crate::plan::fingers::graph::published::Published;
 use crate::plan::fingers::graph::route::{RemainingReconfigurations, flooded};
 use crate::plan::fingers::graph::walk::{Estimate, NEVER};
 use crate::plan::fingers::graph::{
-    Estimator, Grasp, GraspAnswer, GraspCosts, GraspRequest, Regrasp, Start, TurnLeg, Within, decompose, solve,
+    Estimator, Grasp, GraspAnswer, GraspCosts, GraspRequest, GraspSearchEnd, Regrasp, Start, TurnLeg, Within,
+    decompose, solve,
 };
 use crate::plan::fingers::looks::LooksBudget;
 use crate::plan::fingers::tables::{AngleLayer, ContactBits, Tables};
@@ -238,7 +239,7 @@ fn what_is_said_when_looks_run_out_is_so() {
                     found += 1;
                 }
                 GraspAnswer::Impossible(_) => assert_eq!(best, None, "case {seed}, {looks} looks"),
-                GraspAnswer::LooksSpent { bound } => {
+                GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound }) => {
                     assert!(
                         best.is_none_or(|(cost, ..)| bound <= cost),
                         "case {seed}, {looks} looks: {bound}, {best:?}"

@@ -41,7 +41,7 @@ fn turned(tables: &Arc<Tables>, steps: i32, from: [u32; 3], goals: &[Option<Gras
             Some((way.cost, changes.count()))
         }
         GraspAnswer::Impossible(_) => None,
-        GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } | GraspAnswer::TooLarge { .. } => {
+        GraspAnswer::GaveUp(_) => {
             panic!("a graph of this size is searched to its end")
         }
     }
