@@ -4,6 +4,7 @@ mod support;
 
 use std::path::{Path, PathBuf};
 use support::{build, build_in};
+use tweeze::schedule::microrobots::MicrorobotsState;
 use tweeze::schedule::{ChannelUnit, Schedule, State};
 
 fn folder() -> PathBuf {
@@ -22,8 +23,8 @@ fn examples() -> Vec<(String, String)> {
 
 fn has_docked(state: &State) -> bool {
     match state {
-        State::Microrobots { docked, .. } => !docked.is_empty(),
-        State::Dimibot { .. } | State::ElectrodeArray { .. } | State::Fingers { .. } => false,
+        State::Microrobots(MicrorobotsState { docked, .. }) => !docked.is_empty(),
+        State::Dimibot(_) | State::ElectrodeArray(_) | State::Fingers(_) => false,
     }
 }
 

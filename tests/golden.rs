@@ -6,6 +6,7 @@
 mod support;
 
 use support::build;
+use tweeze::schedule::dimibot::DimibotState;
 use tweeze::schedule::{PlanRecord, State};
 
 /// The cell pitch of a robot with so many modules a side, in micrometres (equation 2: K = 0.138, a stroke of 35 um).
@@ -39,8 +40,8 @@ fn plan(text: &str) -> Option<PlanRecord> {
 
 fn words(plan: &PlanRecord) -> Vec<u64> {
     let word = |state: &State| match state {
-        State::Dimibot { word, .. } => *word,
-        State::ElectrodeArray { .. } | State::Microrobots { .. } | State::Fingers { .. } => panic!("a DiMiBot"),
+        State::Dimibot(DimibotState { word, .. }) => *word,
+        State::ElectrodeArray(_) | State::Microrobots(_) | State::Fingers(_) => panic!("a DiMiBot"),
     };
     plan.states.iter().map(|timed| word(&timed.state)).collect()
 }
@@ -153,7 +154,7 @@ fn published_pitches_are_met() {
         );
         let built = build(&text);
         let plan = &built.schedules[0].schedule().plans[0];
-        let State::Dimibot { position_um, .. } = &plan.states.last().expect("a state").state else {
+        let State::Dimibot(DimibotState { position_um, .. }) = &plan.states.last().expect("a state").state else {
             panic!("a DiMiBot")
         };
         let half_a_digit = 0.5 * 10f64.powi(-digits);

@@ -79,9 +79,10 @@ fn rust() -> Vec<(String, String)> {
 /// The text without comments, and without what stands in strings.
 fn code(text: &str) -> String {
     let mut lines = Vec::new();
+    let mut goes_on = false;
     for line in text.lines() {
         let mut kept = String::new();
-        let (mut quoted, mut escaped) = (false, false);
+        let (mut quoted, mut escaped) = (goes_on, false);
         for (at, c) in line.char_indices() {
             if !quoted && line[at..].starts_with("//") {
                 break;
@@ -95,6 +96,8 @@ fn code(text: &str) -> String {
                 kept.push(c);
             }
         }
+        // A string goes on in the next line after a `\`.
+        goes_on = quoted && line.ends_with('\\');
         lines.push(kept);
     }
     lines.join("\n")
@@ -311,7 +314,7 @@ fn every_file_says_what_it_is() {
 #[test]
 fn a_kind_has_the_same_name_in_every_stage() {
     for kind in KINDS {
-        for stage in ["device", "claims", "check", "plan", "lower", "verify", "emit/mcap", "cli/report"] {
+        for stage in ["device", "claims", "check", "plan", "schedule", "lower", "verify", "emit/mcap", "cli/report"] {
             let file = root().join(format!("src/{stage}/{kind}.rs"));
             let folder = root().join(format!("src/{stage}/{kind}/mod.rs"));
             assert!(file.exists() || folder.exists(), "`{stage}` has nothing named `{kind}`");
@@ -322,6 +325,47 @@ fn a_kind_has_the_same_name_in_every_stage() {
     }
     let listed = std::fs::read_to_string(root().join("src/device/mod.rs")).unwrap_or_default();
     assert_eq!(listed.matches("pub mod ").count() - 1, KINDS.len(), "a kind is missing in `KINDS`, `shape` aside");
+}
+
+/// What a kind may cost outside its own files: shared files that name it in code, and lines of these.
+const MAX_SHARED_FILES: usize = 10;
+const MAX_SHARED_LINES: usize = 15;
+
+/// Lines that a kind has for what no other kind offers.
+const OWN_OFFERS: &[(&str, usize)] = &[
+    // It is simulated, and tables of voltages are suggested for it.
+    ("microrobots", 3),
+];
+
+/// How often the shared files name a kind in code, by file: `dimibot` as a word, or a word that begins with `Dimibot`. A file or a
+/// folder of the kind's name is its own.
+fn names_of_kind(kind: &str) -> BTreeMap<String, usize> {
+    let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
+    let is_own = |path: &str| path.trim_end_matches(".rs").split('/').any(|part| KINDS.contains(&part));
+    let variant: String = kind.split('_').map(|word| word[..1].to_uppercase() + &word[1..]).collect();
+    let names = |line: &&str| line.split(|c| !is_of_word(c)).any(|word| word == kind || word.starts_with(&variant));
+    let shared = sources().into_iter().filter(|(path, _)| !is_test_file(path) && !is_own(path));
+    let counts = shared.map(|(path, text)| (path, without_tests(&text).lines().filter(names).count()));
+    counts.filter(|(_, lines)| *lines > 0).collect()
+}
+
+/// The page that says what a fifth kind costs names every shared file that names one.
+#[test]
+fn shared_files_seldom_name_a_kind() {
+    let mut all = BTreeSet::new();
+    for kind in KINDS {
+        let counts = names_of_kind(kind);
+        let (files, lines) = (counts.len(), counts.values().sum::<usize>());
+        println!("{kind}: {files} shared files, {lines} lines: {counts:?}");
+        let own = OWN_OFFERS.iter().find(|(offered, _)| *offered == kind).map_or(0, |(_, lines)| *lines);
+        assert!(files <= MAX_SHARED_FILES && lines <= MAX_SHARED_LINES + own, "{kind}: {files}, {lines}: {counts:?}");
+        all.extend(counts.into_keys());
+    }
+    let page = std::fs::read_to_string(root().join("src/device/mod.rs")).unwrap_or_default();
+    let rows = page.lines().filter_map(|line| line.strip_prefix("//! | `"));
+    let listed: BTreeSet<String> =
+        rows.filter_map(|row| row.split('`').next()).filter(|path| path.ends_with(".rs")).map(str::to_owned).collect();
+    assert_eq!(listed, all, "the files that name a kind, and the table in `src/device/mod.rs`");
 }
 
 /// The largest share of types that may have their name from another type, in percent.

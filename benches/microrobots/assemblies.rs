@@ -9,7 +9,7 @@ use tweeze::claims::Claims;
 use tweeze::compile::{self, CompileRequest};
 use tweeze::diagnostic::Sink;
 use tweeze::plan::{self, Motion, Plan};
-use tweeze::simulate::microrobots::simulate;
+use tweeze::simulate::simulate;
 use tweeze::source::Sources;
 
 /// Trials of one simulation.
@@ -63,7 +63,7 @@ fn claims(text: &str) -> Claims {
     checked.claims.into_iter().next().expect("it has a task")
 }
 
-fn planned(claims: &Claims) -> Option<Plan> {
+fn planned(claims: &Claims) -> Option<Plan<Motion<'_>>> {
     plan::plan(claims, &mut Sink::default(), &mut |_, _, _| ())?.pop()
 }
 
@@ -82,10 +82,7 @@ pub fn table() {
             println!("| {count} | {:.1} | no plan | | | |", planning.as_secs_f64() * 1e3);
             continue;
         };
-        let (Motion::Microrobots(motion), Some(order)) = (&plan.motion, claims.jobs[0].order.microrobots()) else {
-            continue;
-        };
-        let (simulating, report) = timed(|| simulate(order, motion, TRIALS, 7, 1));
+        let (simulating, report) = timed(|| simulate(&plan.motion, TRIALS, 7, 1));
         println!(
             "| {count} | {:.1} | {:.1} | {:.1} | {:.0} | {} |",
             planning.as_secs_f64() * 1e3,

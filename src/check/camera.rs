@@ -12,7 +12,7 @@ use super::figures::Figures;
 use super::scope::{DeclarationPlace, Scope};
 use super::value::{ListValue, PoseValue, ShapeValue, Value};
 use super::{Checker, errors, shapes};
-use crate::device::dimibot::MAX_REACH_UM;
+use crate::device::MAX_REACH_UM;
 use crate::device::shape::ShapeForm;
 use crate::geometry::shape::Pose;
 use crate::quantity::{Dimension, Quantity};

@@ -3,14 +3,13 @@
 use super::fields::{Accepted, Given, Owner};
 use super::lineage::Base;
 use super::scope::{DeclarationPlace, DeclarationSort, nearest, path_text};
-use super::{Checker, dimibot, electrode_array, errors, fingers, microrobots};
+use super::{Checker, KindFacts, checks, errors};
 use crate::claims::ValueOrigin;
-use crate::device::{self, Kind};
+use crate::device::Kind;
 use crate::source::Span;
 use crate::syntax::tree::{self, Item};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
-use std::sync::Arc;
 
 /// A device with its own fields and those of its bases.
 #[derive(Debug, Clone)]
@@ -36,42 +35,6 @@ impl CheckedDevice {
 fn owner(kind: Kind, name: &str, span: Span) -> Owner {
     let declared = Some((span, format!("a device of the kind {}", kind.name())));
     Owner { name: format!("device `{name}`"), declared }
-}
-
-/// The facts of a device in its kind's own type.
-#[derive(Debug, Clone)]
-pub enum KindFacts {
-    Dimibot(Rc<device::dimibot::DimibotFacts>),
-    ElectrodeArray(Rc<device::electrode_array::ElectrodeArrayFacts>),
-    Microrobots(Rc<microrobots::CheckedBed>),
-    Fingers(Arc<device::fingers::FingersFacts>),
-}
-
-impl KindFacts {
-    /// Whether the device has a channel of a name.
-    pub fn has_channel(&self, name: &str) -> bool {
-        match self {
-            KindFacts::Dimibot(facts) => facts.channels().iter().any(|channel| channel == name),
-            KindFacts::ElectrodeArray(facts) => facts.electrode(name).is_some(),
-            KindFacts::Microrobots(_) => name == device::microrobots::CHANNEL,
-            KindFacts::Fingers(facts) => facts.channels().iter().any(|channel| channel == name),
-        }
-    }
-
-    /// The names of its channels, for a message: of very many only the first and the last.
-    pub fn channel_examples(&self) -> Vec<String> {
-        match self {
-            KindFacts::Dimibot(facts) => facts.channels(),
-            KindFacts::ElectrodeArray(facts) => {
-                let last = device::electrode_array::ElectrodeCell::new(facts.columns, facts.rows);
-                [device::electrode_array::ElectrodeCell::new(1, 1), last]
-                    .map(device::electrode_array::ElectrodeArrayFacts::channel)
-                    .to_vec()
-            }
-            KindFacts::Microrobots(_) => vec![device::microrobots::CHANNEL.to_owned()],
-            KindFacts::Fingers(facts) => facts.channels(),
-        }
-    }
 }
 
 impl Checker<'_> {
@@ -183,13 +146,9 @@ impl Checker<'_> {
             self.sink.push(errors::missing_fields(device.span, &device.owner().name, &missing, Some(library)));
             return None;
         }
-        match device.kind {
-            Kind::Dimibot => dimibot::facts(device, self.sink).map(|facts| KindFacts::Dimibot(Rc::new(facts))),
-            Kind::ElectrodeArray => {
-                electrode_array::facts(device, self.sink).map(|facts| KindFacts::ElectrodeArray(Rc::new(facts)))
-            }
-            Kind::Microrobots => microrobots::bed(device, self.sink).map(|bed| KindFacts::Microrobots(Rc::new(bed))),
-            Kind::Fingers => fingers::facts(device, self.sink).map(|facts| KindFacts::Fingers(Arc::new(facts))),
+        if device.fields.values().any(|field| field.value.is_unknown()) {
+            return None;
         }
+        checks(device.kind).facts(device, self.sink)
     }
 }

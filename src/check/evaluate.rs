@@ -1,10 +1,11 @@
 //! Expressions to values: every operator and function checked for the dimensions of its operands.
 
 use super::budget::MAX_LIST_DEPTH;
-use super::fingers::ANGLE_NAME;
+use super::curve::ANGLE_NAME;
 use super::scope::{DeclarationSort, Scope, nearest, path_text};
 use super::value::{ListValue, ModuleWord, PoseValue, TableValue, Value, whole};
 use super::{Checker, errors, functions};
+use crate::device::MAX_WORD_DIGITS;
 use crate::device::shape::ShapeForm;
 use crate::quantity::{Dimension, Quantity, Unit, UnitError};
 use crate::source::{Span, Spanned};
@@ -13,9 +14,6 @@ use std::rc::Rc;
 
 /// Greatest number of elements of a list, and the widest range.
 pub const MAX_ELEMENTS: usize = 1_000_000;
-
-/// Greatest number of digits of a word: twice the modules that a side may have.
-pub const MAX_WORD_DIGITS: u32 = 2 * crate::device::dimibot::MAX_MODULES;
 
 impl Checker<'_> {
     /// The value of an expression; [`Value::Unknown`] after an error, which has then been pushed.

@@ -4,19 +4,16 @@
 //! ([`super::camera`]). Promise: a device has one place in all scenes of a
 //! program, so that the relative place of any two with a place in the same scene is known.
 
-use super::devices::KindFacts;
 use super::scenes::CheckedScene;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope};
-use super::{Checker, errors};
-use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, in_scene_um};
-use crate::claims::{Job, Order, SharedScene, Timeline};
-use crate::device::{Kind, dimibot};
-use crate::geometry::shape::{Pose, Shape};
+use super::{Checker, checks, errors};
+use crate::claims::{Job, SharedScene, Timeline};
+use crate::device::{Frames, Kind};
+use crate::geometry::shape::Pose;
 use crate::source::Span;
 use crate::syntax::tree::{self, Ident, IndexedName, Path};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
-use std::sync::Arc;
 
 /// The noun of a scene that places a device. It is the language's own and no kind's.
 pub const NOUN: &str = "frame";
@@ -38,6 +35,15 @@ pub struct RunSite {
     pub span: Span,
 }
 
+/// The devices of a program that scenes place.
+pub struct PlacedDevices<'a> {
+    pub scenes: &'a BTreeMap<DeclarationPlace, Rc<CheckedScene>>,
+    /// The devices that some task of the program runs on.
+    pub running: &'a BTreeSet<DeclarationPlace>,
+    /// One for each job of the program.
+    pub sites: &'a [RunSite],
+}
+
 /// Neighbourhood of a program's robots.
 #[derive(Default)]
 pub struct Neighbours {
@@ -54,7 +60,7 @@ impl Checker<'_> {
         let path = Path { segments: vec![segment], span: name.span };
         let device = self.resolve(&path, scope, DeclarationSort::Device)?;
         let kind = self.device(device)?.kind;
-        if kind != Kind::Dimibot {
+        if kind.vocabulary().frames == Frames::No {
             self.sink.push(errors::frame_of_other_kind(name.span, self.named(device).0, kind.name()));
             return None;
         }
@@ -69,17 +75,6 @@ impl Checker<'_> {
         self.frame_pose(&value, at.span)
     }
 
-    /// The other placed robots of a scene, with their facts; those with errors in them are left out.
-    pub fn placed_beside(
-        &mut self,
-        scene: &CheckedScene,
-        device: DeclarationPlace,
-    ) -> Vec<(Rc<dimibot::DimibotFacts>, Pose)> {
-        let others = scene.frames.values().filter(|frame| frame.device != device);
-        let facts = others.map(|frame| (self.facts(frame.device), frame.pose));
-        facts.filter_map(|(facts, pose)| Some((dimibot_facts(facts?)?, pose))).collect()
-    }
-
     /// Neighbourhood of the robots of a program; those that never run remain at home, in the way of the others.
     pub fn neighbours(&mut self, timeline: &Timeline, sites: &[RunSite], jobs: &mut [Job]) -> Neighbours {
         let scenes: BTreeMap<DeclarationPlace, Rc<CheckedScene>> = {
@@ -89,7 +84,8 @@ impl Checker<'_> {
         let running: BTreeSet<DeclarationPlace> = sites.iter().map(|site| site.device).collect();
         self.one_place_each(&scenes, &running);
         let shared = self.shared(&scenes, &running);
-        self.put_idle_robots(&scenes, &running, sites, jobs);
+        let placed = PlacedDevices { scenes: &scenes, running: &running, sites };
+        Kind::ALL.iter().for_each(|kind| checks(*kind).beside(self, &placed, jobs));
         let not_held = self.not_held(timeline, sites, &shared);
         Neighbours { shared, not_held }
     }
@@ -124,40 +120,6 @@ impl Checker<'_> {
         several.map(|(scene, frames)| SharedScene { scene, frames }).collect()
     }
 
-    fn put_idle_robots(
-        &mut self,
-        scenes: &BTreeMap<DeclarationPlace, Rc<CheckedScene>>,
-        running: &BTreeSet<DeclarationPlace>,
-        sites: &[RunSite],
-        jobs: &mut [Job],
-    ) {
-        let mut known: BTreeMap<(DeclarationPlace, DeclarationPlace), Arc<Vec<DimibotObstacle>>> = BTreeMap::new();
-        for (site, job) in sites.iter().zip(jobs) {
-            let (Some(place), Order::Dimibot(order)) = (site.scene, &mut job.order) else { continue };
-            let Some(scene) = scenes.get(&place).filter(|scene| scene.frames.contains_key(&site.device)) else {
-                continue;
-            };
-            let obstacles = known.entry((place, site.device)).or_insert_with(|| {
-                let idle = scene.frames.values().filter(|frame| !running.contains(&frame.device));
-                let idle: Vec<DimibotObstacle> = idle.filter_map(|frame| self.idle_robot(frame)).collect();
-                match idle.is_empty() {
-                    true => Arc::clone(&order.obstacles),
-                    false => Arc::new(order.obstacles.iter().cloned().chain(idle).collect()),
-                }
-            });
-            order.obstacles = Arc::clone(obstacles);
-        }
-    }
-
-    /// The tip of a robot that stands at home.
-    fn idle_robot(&mut self, frame: &DeviceFrame) -> Option<DimibotObstacle> {
-        let facts = dimibot_facts(self.facts(frame.device)?)?;
-        let [x_um, y_um] = in_scene_um(facts.place_um(facts.home), Some(&frame.pose));
-        let shape = Shape::Disc { radius_um: facts.growth_um() };
-        let body = DimibotObstacleBody::Solid { shape, pose: Pose::at(x_um, y_um) };
-        Some(DimibotObstacle { name: self.named(frame.device).0.to_owned(), body, span: frame.span })
-    }
-
     /// Devices that run together in one scene without a place for each, which is warned of.
     fn not_held(&mut self, timeline: &Timeline, sites: &[RunSite], shared: &[SharedScene]) -> Vec<[String; 2]> {
         let mut pairs: BTreeMap<[DeclarationPlace; 2], [Span; 2]> = BTreeMap::new();
@@ -178,13 +140,6 @@ impl Checker<'_> {
             not_held.push(names.map(str::to_owned));
         }
         not_held
-    }
-}
-
-fn dimibot_facts(facts: KindFacts) -> Option<Rc<dimibot::DimibotFacts>> {
-    match facts {
-        KindFacts::Dimibot(facts) => Some(facts),
-        KindFacts::ElectrodeArray(_) | KindFacts::Microrobots(_) | KindFacts::Fingers(_) => None,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Operators and functions on values, with the rules of their dimensions.
 
 use super::errors;
-use super::fingers::orientation;
+use super::orientation;
 use super::value::{PoseValue, Value, whole};
 use crate::diagnostic::Diagnostic;
 use crate::quantity::{Dimension, Quantity};

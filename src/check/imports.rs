@@ -85,7 +85,7 @@ impl Loader<'_> {
     fn meshes(&mut self, tree: &tree::Tree, from: &str) -> BTreeMap<String, Arc<str>> {
         let mut meshes = BTreeMap::new();
         for text in meshes::named(tree) {
-            let Some(path) = plain(text).filter(|path| !meshes.contains_key(path)) else { continue };
+            let Some(path) = text.plain().filter(|path| !meshes.contains_key(path)) else { continue };
             let is_full = self.modules.len() + self.texts.len() >= MAX_FILES;
             match self.library.read_mesh(from, &path) {
                 Ok((name, _)) if is_full && !self.texts.contains_key(&name) => {
@@ -132,7 +132,7 @@ impl Loader<'_> {
             // A file of the standard library is named after its kind.
             tree::UsePath::Library { words, .. } => words.last().map(|last| (last.text.clone(), last.span)),
             tree::UsePath::File(text) => {
-                let Some(path) = plain(text) else {
+                let Some(path) = text.plain() else {
                     self.sink.push(errors::braces_in_use(text.span));
                     return None;
                 };
@@ -157,7 +157,7 @@ impl Loader<'_> {
     fn import(&mut self, item: &tree::Use, from: FileId) -> Option<usize> {
         match &item.path {
             tree::UsePath::Library { words, span } => self.library_file(words, *span),
-            tree::UsePath::File(text) => self.disk_file(&plain(text)?, text.span, from),
+            tree::UsePath::File(text) => self.disk_file(&text.plain()?, text.span, from),
         }
     }
 
@@ -207,17 +207,6 @@ impl Loader<'_> {
         }
         Some(self.file((name, span), text, origin))
     }
-}
-
-/// The characters of a string; `None` if there are holes in it.
-pub fn plain(text: &tree::Text) -> Option<String> {
-    text.parts
-        .iter()
-        .map(|part| match part {
-            tree::TextPart::Plain(plain) => Some(plain.as_str()),
-            tree::TextPart::Hole(_) => None,
-        })
-        .collect()
 }
 
 /// Whether a file's own name can stand before a dot.

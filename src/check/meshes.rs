@@ -1,6 +1,5 @@
 //! Files of triangles: which of them a program names, and their meshes, each made once.
 
-use super::imports::plain;
 use super::scope::Scope;
 use super::value::{MeshFile, Value};
 use super::{Checker, errors};
@@ -69,7 +68,7 @@ impl Checker<'_> {
     /// The mesh of a file that was read with the program; `None` after an error.
     pub fn accept_mesh(&mut self, expr: &Expr, scope: &Scope) -> Option<Value> {
         let path = match &expr.kind {
-            ExprKind::Text(text) => plain(text),
+            ExprKind::Text(text) => text.plain(),
             ExprKind::Error => return None,
             _ => None,
         };

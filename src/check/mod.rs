@@ -6,6 +6,7 @@
 
 mod budget;
 mod camera;
+mod curve;
 pub mod devices;
 mod dimibot;
 mod electrode_array;
@@ -13,7 +14,7 @@ mod errors;
 pub mod evaluate;
 mod fields;
 mod figures;
-pub mod fingers;
+mod fingers;
 mod frames;
 mod functions;
 pub mod imports;
@@ -23,18 +24,21 @@ mod lineage;
 mod meshes;
 pub mod microrobots;
 mod objects;
+mod orientation;
 mod programs;
 mod scenes;
 pub mod scope;
 mod settings;
 mod shapes;
+mod solid;
 mod tasks;
 mod unused;
 pub mod value;
 mod verbs;
 mod wiring;
 
-use crate::claims::{Claims, Job};
+use crate::claims::{Claims, Job, Order};
+use crate::device::{self, Kind, each_kind, for_each_kind};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity};
 use crate::source::{Sources, Span, Spanned};
@@ -43,6 +47,7 @@ use lets::LetState;
 use scope::{Declaration, DeclarationPlace, DeclarationSort, Import, Module, Scope};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
+use std::sync::Arc;
 use value::Value;
 
 /// Greatest number of repetitions of all `for`s of a program together.
@@ -63,7 +68,7 @@ pub struct Checked {
     /// One for each schedule to be built, in the order of declaration.
     pub claims: Vec<Claims>,
     /// The complete devices of the program's own files, in the order of declaration, by name.
-    pub devices: Vec<(String, devices::KindFacts)>,
+    pub devices: Vec<(String, KindFacts)>,
     pub tally: DeclarationTally,
 }
 
@@ -113,13 +118,65 @@ fn clock_ns(time: Quantity, span: Span, what: &str, sink: &mut Sink) -> Option<u
     Some(ns as u64)
 }
 
+/// The facts of a device in its kind's own type.
+#[derive(Debug, Clone)]
+pub enum KindFacts {
+    Dimibot(Rc<device::dimibot::DimibotFacts>),
+    ElectrodeArray(Rc<device::electrode_array::ElectrodeArrayFacts>),
+    Microrobots(Rc<microrobots::CheckedBed>),
+    Fingers(Arc<device::fingers::FingersFacts>),
+}
+
+/// What a kind brings to this stage, on the facts of its devices.
+trait CheckedFacts {
+    /// The names of its channels, for a message: of very many only the first and the last.
+    fn channel_examples(&self) -> Vec<String>;
+
+    /// Whether the device has a channel of a name.
+    fn has_channel(&self, name: &str) -> bool {
+        self.channel_examples().iter().any(|channel| channel == name)
+    }
+
+    /// The order of a task on the device; `None` after an error.
+    fn order(&self, checker: &mut Checker, site: &tasks::TaskSite, parts: tasks::Parts) -> Option<Order>;
+}
+
+impl KindFacts {
+    /// The facts as their kind.
+    fn asked(&self) -> &dyn CheckedFacts {
+        each_kind!(KindFacts, self, facts => facts)
+    }
+}
+
+/// What a kind brings to this stage besides.
+trait KindChecks {
+    /// The facts of a device that lacks no field; `None` after an error.
+    fn facts(&self, device: &devices::CheckedDevice, sink: &mut Sink) -> Option<KindFacts>;
+
+    /// Whether the jobs of a program, in their order, say the same of where the kind's devices and their parts are.
+    fn agree(&self, jobs: &mut [Job], sink: &mut Sink);
+
+    /// Puts those of the program's placed devices that never run in the way of the others; for kinds that have frames.
+    fn beside(&self, _checker: &mut Checker, _placed: &frames::PlacedDevices, _jobs: &mut [Job]) {}
+}
+
+/// The checks of a kind.
+fn checks(kind: Kind) -> &'static dyn KindChecks {
+    macro_rules! checks_of {
+        ({} $($module:ident $kind:ident),+) => {
+            match kind { $(Kind::$kind => &$module::CHECKS,)+ }
+        };
+    }
+    for_each_kind!(checks_of, {})
+}
+
 /// Checker state.
 pub(crate) struct Checker<'a> {
     modules: &'a [Module],
     sink: &'a mut Sink,
     lets: BTreeMap<DeclarationPlace, LetState>,
     devices: BTreeMap<DeclarationPlace, Option<Rc<devices::CheckedDevice>>>,
-    facts: BTreeMap<DeclarationPlace, Option<devices::KindFacts>>,
+    facts: BTreeMap<DeclarationPlace, Option<KindFacts>>,
     scenes: BTreeMap<DeclarationPlace, Option<Rc<scenes::CheckedScene>>>,
     used: BTreeSet<DeclarationPlace>,
     used_imports: BTreeSet<(usize, String)>,

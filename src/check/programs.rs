@@ -6,7 +6,7 @@ use super::lets::Argument;
 use super::scope::{Declaration, DeclarationPlace, DeclarationSort, Scope, nearest};
 use super::tasks::TaskRun;
 use super::value::Value;
-use super::{Checker, dimibot, electrode_array, fingers, microrobots};
+use super::{Checker, checks};
 use crate::claims::{Claims, Job, MAX_TIMELINE_DEPTH, Timeline};
 use crate::device::Kind;
 use crate::quantity::Dimension;
@@ -169,10 +169,7 @@ impl<'a> Checker<'a> {
             return None;
         }
         let errors = self.sink.errors();
-        dimibot::starts_agree(&draft.jobs, self.sink);
-        electrode_array::places_agree(&draft.jobs, self.sink);
-        microrobots::beds_agree(&draft.jobs, self.sink);
-        fingers::hands_agree(&mut draft.jobs, self.sink);
+        Kind::ALL.iter().for_each(|kind| checks(*kind).agree(&mut draft.jobs, self.sink));
         if self.sink.errors() > errors {
             return None;
         }

@@ -2,7 +2,7 @@
 
 use super::errors;
 use super::evaluate::unturned;
-use super::fingers::solid;
+use super::solid;
 use super::value::{PoseValue, ShapeValue, Value};
 use crate::device::shape::ShapeForm;
 use crate::diagnostic::Diagnostic;

@@ -1,14 +1,14 @@
 //! Tasks: settings and steps, in the words of the kind of their device.
 
 use super::Checker;
-use super::devices::{CheckedDevice, KindFacts};
+use super::devices::CheckedDevice;
 use super::errors::{self, WantedName};
 use super::fields::{Accepted, Given, Owner};
 use super::lets::Argument;
 use super::scenes::CheckedScene;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope, nearest, path_text};
 use super::value::{Value, whole};
-use crate::claims::{Job, Order, Relation, Requirement};
+use crate::claims::{Job, Relation, Requirement};
 use crate::device::{self, Together, Vocabulary};
 use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};
@@ -134,14 +134,7 @@ impl<'a> Checker<'a> {
             Some(place) => Some(place.and_then(|place| Some((place, self.scene(place)?)))?),
         };
         let site = TaskSite { place, device: Rc::clone(&device), scene };
-        let order = match self.facts(place)? {
-            KindFacts::Dimibot(facts) => self.dimibot_order(&site, &facts, parts).map(Order::Dimibot),
-            KindFacts::ElectrodeArray(facts) => {
-                self.electrode_array_order(&site, &facts, parts).map(Order::ElectrodeArray)
-            }
-            KindFacts::Microrobots(bed) => self.microrobots_order(&site, &bed, parts).map(Order::Microrobots),
-            KindFacts::Fingers(facts) => self.fingers_order(&site, &facts, parts).map(Order::Fingers),
-        };
+        let order = self.facts(place)?.asked().order(self, &site, parts);
         Some(Job {
             task: item.name.text.clone(),
             device: device.name.clone(),
@@ -362,8 +355,8 @@ impl<'a> Checker<'a> {
     }
 
     fn goals_together(&mut self, step: &tree::Step, scope: &Scope, reading: &TaskReading) -> Option<Vec<Call>> {
-        if reading.vocabulary.together == Together::No {
-            self.sink.push(errors::together_in_task(step.head.span, reading.vocabulary.name));
+        if let Together::No(why) = reading.vocabulary.together {
+            self.sink.push(errors::together_in_task(step.head.span, why));
             return None;
         }
         let alone = step.phrases.is_empty() && step.object.is_none() && step.noun.is_none();

@@ -1,7 +1,7 @@
 //! Wirings: which physical output drives which channel.
 
 use super::Checker;
-use super::devices::KindFacts;
+use super::KindFacts;
 use super::errors;
 use super::programs::Wires;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope};
@@ -80,8 +80,8 @@ impl<'a> Checker<'a> {
         let output = self.text(&wire.output, wire.output.span, scope)?;
         let channel = channel?;
         let facts = panel.facts.as_ref()?;
-        if !facts.has_channel(&channel) {
-            let known = facts.channel_examples();
+        if !facts.asked().has_channel(&channel) {
+            let known = facts.asked().channel_examples();
             self.sink.push(errors::unknown_channel(wire.channel.span, &panel.name, &channel, &known));
             return None;
         }

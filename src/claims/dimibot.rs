@@ -1,6 +1,7 @@
 //! Claims of a task on a DiMiBot.
 
-use super::Job;
+use super::{Job, KindOrder, Order};
+use crate::device::Kind;
 use crate::device::dimibot;
 pub use crate::device::dimibot::{DimibotMethod, DimibotObjective};
 use crate::diagnostic::{Code, Diagnostic};
@@ -30,7 +31,22 @@ pub struct DimibotOrder {
     pub steps: Vec<DimibotStep>,
 }
 
+impl KindOrder for DimibotOrder {
+    fn kind(&self) -> Kind {
+        Kind::Dimibot
+    }
+
+    fn frame(&self) -> Option<Pose> {
+        self.frame
+    }
+}
+
 impl DimibotOrder {
+    /// A job's order, if it is one of this kind.
+    pub fn of(order: &Order) -> Option<&DimibotOrder> {
+        if let Order::Dimibot(order) = order { Some(order) } else { None }
+    }
+
     /// E0507: the task starts at one cell by `start at`, and its robot stands at another. The checker finds it if the task before ends
     /// at a known cell, the planner after a `visit`.
     pub fn start_disagrees(

@@ -1,6 +1,7 @@
 //! Claims of a task on an electrode array.
 
-use crate::claims::ValueOrigin;
+use super::{KindOrder, Order, ValueOrigin};
+use crate::device::Kind;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 pub use crate::device::electrode_array::{ElectrodeArrayMethod, ElectrodeArrayObjective};
 use crate::source::Span;
@@ -20,6 +21,19 @@ pub struct ElectrodeArrayOrder {
     /// Whether parts without a goal may move.
     pub bystanders: Bystanders,
     pub steps: Vec<ElectrodeArrayStep>,
+}
+
+impl KindOrder for ElectrodeArrayOrder {
+    fn kind(&self) -> Kind {
+        Kind::ElectrodeArray
+    }
+}
+
+impl ElectrodeArrayOrder {
+    /// A job's order, if it is one of this kind.
+    pub fn of(order: &Order) -> Option<&ElectrodeArrayOrder> {
+        if let Order::ElectrodeArray(order) = order { Some(order) } else { None }
+    }
 }
 
 /// How the plan is searched.

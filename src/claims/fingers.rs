@@ -1,5 +1,7 @@
 //! Claims of a task on a hand.
 
+use super::{KindOrder, Order};
+use crate::device::Kind;
 pub use crate::device::fingers::FingersPlanner;
 use crate::device::fingers::{FingersFacts, Plane};
 use crate::geometry::outline::Outline;
@@ -22,6 +24,19 @@ pub struct FingersOrder {
     /// Grasps that the search may expand.
     pub expansions: u64,
     pub steps: Vec<FingersStep>,
+}
+
+impl KindOrder for FingersOrder {
+    fn kind(&self) -> Kind {
+        Kind::Fingers
+    }
+}
+
+impl FingersOrder {
+    /// A job's order, if it is one of this kind.
+    pub fn of(order: &Order) -> Option<&FingersOrder> {
+        if let Order::Fingers(order) = order { Some(order) } else { None }
+    }
 }
 
 /// The object between the fingers.

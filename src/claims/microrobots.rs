@@ -1,6 +1,7 @@
 //! Claims of a task on STRING microrobots.
 
-use crate::claims::ValueOrigin;
+use super::{KindOrder, Order, ValueOrigin};
+use crate::device::Kind;
 use crate::device::microrobots::{ControlState, MicrorobotsFacts};
 use crate::geometry::{Pose, Shape};
 use crate::source::Span;
@@ -27,7 +28,18 @@ pub struct MicrorobotsOrder {
     pub steps: Vec<MicrorobotsStep>,
 }
 
+impl KindOrder for MicrorobotsOrder {
+    fn kind(&self) -> Kind {
+        Kind::Microrobots
+    }
+}
+
 impl MicrorobotsOrder {
+    /// A job's order, if it is one of this kind.
+    pub fn of(order: &Order) -> Option<&MicrorobotsOrder> {
+        if let Order::Microrobots(order) = order { Some(order) } else { None }
+    }
+
     /// The facts of a robot of the scene, by its index in `robots`.
     pub fn robot(&self, index: usize) -> &crate::device::microrobots::Robot {
         &self.facts.robots[self.robots[index].row]

@@ -8,7 +8,7 @@ pub mod electrode_array;
 pub mod fingers;
 pub mod microrobots;
 
-use crate::device::Kind;
+use crate::device::{Kind, each_kind};
 use crate::geometry::shape::Pose;
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
@@ -45,6 +45,12 @@ pub struct Claims {
 }
 
 impl Claims {
+    /// The first job of each kind, in the order of writing.
+    pub fn first_of_kinds(&self) -> impl Iterator<Item = &Job> {
+        let is_first = |index: usize| self.jobs[..index].iter().all(|before| before.kind() != self.jobs[index].kind());
+        (0..self.jobs.len()).filter(move |index| is_first(*index)).map(|index| &self.jobs[index])
+    }
+
     /// Whether a device has a place beside another one's, so that it may need to wait for it.
     pub fn is_shared(&self, device: &str) -> bool {
         self.shared.iter().any(|scene| scene.frames.contains_key(device))
@@ -54,8 +60,8 @@ impl Claims {
     pub fn frame(&self, device: &str) -> Option<Pose> {
         let shared = self.shared.iter().find_map(|scene| scene.frames.get(device));
         let own = || {
-            let orders = self.jobs.iter().filter(|job| job.device == device).filter_map(|job| job.order.dimibot());
-            orders.filter_map(|order| order.frame).next()
+            let jobs = self.jobs.iter().filter(|job| job.device == device);
+            jobs.filter_map(|job| job.order.asked().frame()).next()
         };
         shared.copied().or_else(own)
     }
@@ -148,32 +154,17 @@ pub struct Job {
 impl Job {
     /// Number of steps.
     pub fn steps(&self) -> usize {
-        match &self.order {
-            Order::Dimibot(order) => order.steps.len(),
-            Order::ElectrodeArray(order) => order.steps.len(),
-            Order::Microrobots(order) => order.steps.len(),
-            Order::Fingers(order) => order.steps.len(),
-        }
+        each_kind!(Order, &self.order, order => order.steps.len())
     }
 
     /// Where each of its steps is written, in their order.
     pub fn step_spans(&self) -> Vec<Span> {
-        match &self.order {
-            Order::Dimibot(order) => order.steps.iter().map(|step| step.span).collect(),
-            Order::ElectrodeArray(order) => order.steps.iter().map(|step| step.span).collect(),
-            Order::Microrobots(order) => order.steps.iter().map(|step| step.span).collect(),
-            Order::Fingers(order) => order.steps.iter().map(|step| step.span).collect(),
-        }
+        each_kind!(Order, &self.order, order => order.steps.iter().map(|step| step.span).collect())
     }
 
     /// The kind of the job's device.
     pub fn kind(&self) -> Kind {
-        match &self.order {
-            Order::Dimibot(_) => Kind::Dimibot,
-            Order::ElectrodeArray(_) => Kind::ElectrodeArray,
-            Order::Microrobots(_) => Kind::Microrobots,
-            Order::Fingers(_) => Kind::Fingers,
-        }
+        self.order.asked().kind()
     }
 }
 
@@ -187,37 +178,21 @@ pub enum Order {
     Fingers(fingers::FingersOrder),
 }
 
+/// What every stage may ask of a kind's order.
+pub trait KindOrder {
+    /// The kind of its device.
+    fn kind(&self) -> Kind;
+
+    /// Where the device stands in the scene, if the program says so.
+    fn frame(&self) -> Option<Pose> {
+        None
+    }
+}
+
 impl Order {
-    /// The order, if it is a DiMiBot's.
-    pub fn dimibot(&self) -> Option<&dimibot::DimibotOrder> {
-        match self {
-            Order::Dimibot(order) => Some(order),
-            Order::ElectrodeArray(_) | Order::Microrobots(_) | Order::Fingers(_) => None,
-        }
-    }
-
-    /// The order, if it is an electrode array's.
-    pub fn electrode_array(&self) -> Option<&electrode_array::ElectrodeArrayOrder> {
-        match self {
-            Order::ElectrodeArray(order) => Some(order),
-            Order::Dimibot(_) | Order::Microrobots(_) | Order::Fingers(_) => None,
-        }
-    }
-
-    /// The order, if it is of microrobots.
-    pub fn microrobots(&self) -> Option<&microrobots::MicrorobotsOrder> {
-        match self {
-            Order::Microrobots(order) => Some(order),
-            Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Fingers(_) => None,
-        }
-    }
-
-    /// The order, if it is of a hand.
-    pub fn fingers(&self) -> Option<&fingers::FingersOrder> {
-        match self {
-            Order::Fingers(order) => Some(order),
-            Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Microrobots(_) => None,
-        }
+    /// The order as its kind.
+    pub fn asked(&self) -> &dyn KindOrder {
+        each_kind!(Order, self, order => order)
     }
 }
 

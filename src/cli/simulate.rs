@@ -1,17 +1,15 @@
 //! `tweeze simulate`.
 
 use super::arguments::SimulateArguments;
-use super::devices::aligned;
 use super::loaded::Loaded;
 use super::{Exit, terminal};
 use crate::check::Options;
 use crate::claims::Job;
 use crate::compile::{self, CompileRequest};
 use crate::diagnostic::Sink;
-use crate::plan::{self, Plan};
+use crate::plan::{self, Motion, Plan};
 use crate::quantity::digits;
-use crate::simulate::microrobots::{Dockings, FailureReason, Failures, SimulationReport, Spread};
-use crate::simulate::simulate;
+use crate::simulate::{Dockings, FailureReason, Failures, SimulationReport, Spread, simulate};
 use crate::source::Sources;
 
 /// Runs the assemblies of a program against robots and measurements with errors.
@@ -56,13 +54,11 @@ fn told(
 }
 
 /// Outcomes of one assembly; `None` if there is none, or if the device does not bound its errors.
-fn one(job: &Job, plan: &Plan, arguments: &SimulateArguments) -> Option<String> {
-    let order = job.order.microrobots()?;
+fn one(job: &Job, plan: &Plan<Motion>, arguments: &SimulateArguments) -> Option<String> {
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let (trials, seed) = (u64::from(arguments.trials), arguments.seed);
-    let report = simulate(&job.order, &plan.motion, trials, seed, threads)?;
-    let name = |robot: usize| order.robot(robot).name.clone();
-    Some(format!("{}{}{}", summary(&job.task, seed, &report), dockings(&report, &name), failures(&report, &name)))
+    let report = simulate(&plan.motion, trials, seed, threads)?;
+    Some(format!("{}{}{}", summary(&job.task, seed, &report), dockings(&report), failures(&report)))
 }
 
 fn summary(task: &str, seed: u64, report: &SimulationReport) -> String {
@@ -87,7 +83,7 @@ fn summary(task: &str, seed: u64, report: &SimulationReport) -> String {
 }
 
 /// A row for each robot, each figure as its mean, the 95th percentile and the largest.
-fn dockings(report: &SimulationReport, name: &impl Fn(usize) -> String) -> String {
+fn dockings(report: &SimulationReport) -> String {
     let heading = ["robot", "docked", "across [um]", "along [um]", "incidence [deg]", "heading [deg]"];
     let degrees = 180.0 / std::f64::consts::PI;
     let row = |docking: &Dockings| {
@@ -97,16 +93,17 @@ fn dockings(report: &SimulationReport, name: &impl Fn(usize) -> String) -> Strin
             spread(docking.incidence_rad, degrees),
             spread(docking.heading_rad, degrees),
         ];
-        [name(docking.robot), docking.count.to_string()].into_iter().chain(figures).collect()
+        [report.names[docking.robot].clone(), docking.count.to_string()].into_iter().chain(figures).collect()
     };
     let rows: Vec<Vec<String>> =
         std::iter::once(heading.map(str::to_owned).to_vec()).chain(report.dockings.iter().map(row)).collect();
-    format!("\n  errors without their signs: mean, 95th percentile, largest\n{}", aligned(&rows))
+    format!("\n  errors without their signs: mean, 95th percentile, largest\n{}", terminal::aligned(&rows))
 }
 
-fn failures(report: &SimulationReport, name: &impl Fn(usize) -> String) -> String {
-    let line =
-        |failure: &Failures| format!("  {} of {}: {}\n", failure.count, name(failure.robot), reason(&failure.reason));
+fn failures(report: &SimulationReport) -> String {
+    let line = |failure: &Failures| {
+        format!("  {} of {}: {}\n", failure.count, report.names[failure.robot], reason(&failure.reason))
+    };
     let lines: Vec<String> = report.failures.iter().map(line).collect();
     if lines.is_empty() { String::new() } else { format!("\n  failures\n{}", lines.concat()) }
 }

@@ -102,3 +102,24 @@ pub fn line(verb: &str, subject: &str, subject_width: usize, text: &str) -> Stri
     let line = format!("{verb}  {subject:<subject_width$}  {text}");
     format!("{}\n", line.trim_end())
 }
+
+/// Rows in columns, each as wide as its widest entry, two blanks apart and two from the margin; numbers stand at the right, but
+/// for those of the last column.
+pub fn aligned(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let entries = |column: usize| rows.iter().filter_map(move |row| row.get(column));
+    let width = |column: usize| entries(column).map(|entry| entry.chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let mut text = String::new();
+    for row in rows {
+        let mut line = String::new();
+        for (column, (entry, &width)) in row.iter().zip(&widths).enumerate() {
+            let is_number = entry.starts_with(|c: char| c.is_ascii_digit()) && column + 1 < columns;
+            line.push_str("  ");
+            line.push_str(&if is_number { format!("{entry:>width$}") } else { format!("{entry:<width$}") });
+        }
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}

@@ -2,6 +2,27 @@
 //!
 //! A kind brings words, never syntax. The tables here are read by the checker, printed by `tweeze devices` and
 //! offered by completions, so that the three cannot disagree. Nothing here judges a program.
+//!
+//! # What a fifth kind costs
+//!
+//! Files of its own, all of one name: facts and words here, and `claims`, `check`, `plan`, `schedule`, `lower`, `verify`, `emit/mcap` and
+//! `cli/report` each with a file or a folder; besides, `stdlib/<kind>.twz` (with its line in `src/stdlib.rs`), an example, cases of the
+//! corpus. Each stage asks it through a small trait that stands in the stage's `mod.rs`. The shared files that name it are these:
+//!
+//! | file | what it gets |
+//! |---|---|
+//! | `src/device/mod.rs` | the module, and a place in the list of `for_each_kind` |
+//! | `src/claims/mod.rs` | the module, a variant of `Order` |
+//! | `src/check/mod.rs` | the module, a variant of `KindFacts` |
+//! | `src/plan/mod.rs` | the module, a variant of `Motion` |
+//! | `src/schedule/mod.rs` | the module, a variant of `State` |
+//! | `src/lower/mod.rs` | the module |
+//! | `src/verify/mod.rs` | the module |
+//! | `src/simulate/mod.rs` | whether it is simulated |
+//! | `src/emit/mcap/mod.rs` | the module |
+//! | `src/cli/report/mod.rs` | the module |
+//!
+//! `tests/tidy.rs` holds this table against the code, and counts the lines.
 
 pub mod dimibot;
 pub mod electrode_array;
@@ -16,20 +37,57 @@ use serde::{Deserialize, Serialize};
 /// Greatest limit of states that one search may expand: some ten gigabytes of memory.
 pub const MAX_EXPANSIONS: u32 = 200_000_000;
 
-/// The kinds of device.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
-    Dimibot,
-    ElectrodeArray,
-    Microrobots,
-    Fingers,
+/// The widest workspace, in micrometres: within it the rounding of a double stays far below the margins of planning.
+pub const MAX_REACH_UM: f64 = 1e5;
+
+/// The most digits of a word that stands for a state: one for each of [`Sort::State`]'s modules.
+pub const MAX_WORD_DIGITS: u32 = 40;
+
+/// All kinds, each by its module and its variant, in the order of the handbook. Whatever is made alike for every kind is made of this
+/// list, by a macro that is handed what it is given and then the list.
+macro_rules! for_each_kind {
+    ($make:ident, $given:tt) => {
+        $make! { $given dimibot Dimibot, electrode_array ElectrodeArray, microrobots Microrobots, fingers Fingers }
+    };
 }
 
-impl Kind {
-    /// Every kind, in the order of the handbook.
-    pub const ALL: &'static [Kind] = &[Kind::Dimibot, Kind::ElectrodeArray, Kind::Microrobots, Kind::Fingers];
+/// The one match over the kinds, for each enum that has a variant of one field for every kind: the same expression for whichever variant
+/// a value is, its content under a name, as in `each_kind!(Order, &job.order, order => order.steps.len())`.
+macro_rules! each_kind {
+    ($of:ident, $value:expr, $content:ident => $result:expr) => {
+        $crate::device::for_each_kind!(each_kind, { $of, $value, $content, $result })
+    };
+    ({ $of:ident, $value:expr, $content:ident, $result:expr } $($module:ident $kind:ident),+) => {
+        match $value { $($of::$kind($content) => $result,)+ }
+    };
+}
 
+macro_rules! kinds {
+    ({} $($module:ident $kind:ident),+) => {
+        /// The kinds of device.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum Kind {
+            $($kind,)+
+        }
+
+        impl Kind {
+            /// Every kind, in the order of the handbook.
+            pub const ALL: &'static [Kind] = &[$(Kind::$kind),+];
+
+            /// What the kind adds to the language.
+            pub fn vocabulary(self) -> &'static Vocabulary {
+                match self { $(Kind::$kind => &$module::VOCABULARY,)+ }
+            }
+        }
+    };
+}
+
+pub(crate) use {each_kind, for_each_kind};
+
+for_each_kind!(kinds, {});
+
+impl Kind {
     /// The kind's word in the language.
     pub fn name(self) -> &'static str {
         self.vocabulary().name
@@ -38,16 +96,6 @@ impl Kind {
     /// The kind of a word.
     pub fn find(name: &str) -> Option<Kind> {
         Kind::ALL.iter().copied().find(|kind| kind.name() == name)
-    }
-
-    /// The kind's words.
-    pub fn vocabulary(self) -> &'static Vocabulary {
-        match self {
-            Kind::Dimibot => &dimibot::VOCABULARY,
-            Kind::ElectrodeArray => &electrode_array::VOCABULARY,
-            Kind::Microrobots => &microrobots::VOCABULARY,
-            Kind::Fingers => &fingers::VOCABULARY,
-        }
     }
 }
 
@@ -68,6 +116,8 @@ pub struct Vocabulary {
     pub state: Option<Sort>,
     /// Whether `together { … }` gives simultaneous goals.
     pub together: Together,
+    /// Whether a program may say where a device stands in a scene.
+    pub frames: Frames,
     /// Steps of a task.
     pub verbs: &'static [Verb],
     /// Objectives of `minimize`; the first is the default.
@@ -95,6 +145,14 @@ impl Vocabulary {
 /// Whether a device can have several goals at the same time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Together {
+    Yes,
+    /// With the reason, as a message says it.
+    No(&'static str),
+}
+
+/// Whether a device can have a frame in a scene, beside others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Frames {
     Yes,
     No,
 }

@@ -2,6 +2,48 @@
 
 use super::{Need, Range, Sort, VocabularyField, optional, required};
 use crate::quantity::Dimension;
+use serde::{Deserialize, Serialize};
+
+/// A plane through the origin of an object in space, in which it has an outline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Plane {
+    /// The object turns about its own z axis.
+    Xy,
+    /// The object turns about its own y axis.
+    Xz,
+}
+
+impl Plane {
+    /// Both planes, in the order of the paper.
+    pub const ALL: [Plane; 2] = [Plane::Xy, Plane::Xz];
+
+    /// The plane's own coordinate axes in the object's frame: a positive turn carries the first one towards the second.
+    ///
+    /// Both planes share the first one, along x: contact 1, the paper's I, lies where it leaves the object.
+    pub const fn axes(self) -> [[f64; 3]; 2] {
+        match self {
+            Plane::Xy => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            Plane::Xz => [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]],
+        }
+    }
+
+    /// The axis of a turn in this plane, in the object's frame; right-handed.
+    pub const fn normal(self) -> [f64; 3] {
+        match self {
+            Plane::Xy => [0.0, 0.0, 1.0],
+            Plane::Xz => [0.0, 1.0, 0.0],
+        }
+    }
+
+    /// As it is written to files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Plane::Xy => "xy",
+            Plane::Xz => "xz",
+        }
+    }
+}
 
 /// The forms of a shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -8,14 +8,14 @@ use crate::claims::dimibot::{
 use crate::claims::fingers::{self, FingersOrder, HandPart, Section};
 use crate::claims::{Claims, Job, Order, Timeline};
 use crate::device::Kind;
-use crate::device::dimibot::tests::femto_st;
-use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous, Switch};
+use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous, Switch, tests::femto_st};
 use crate::device::fingers::{FingersFacts as Hand, Plane, fixture};
 use crate::geometry::outline::Outline;
 use crate::geometry::shape::{Pose, Shape};
 use crate::schedule::{
     Actuation, Channel, ChannelUnit, PlanRecord, Schedule, ScheduledStep, SourceRef, State, Swing, TimedState,
 };
+use crate::schedule::{dimibot::DimibotState, fingers::FingersState};
 use crate::source::Span;
 use crate::verify::Verified;
 use sha2::{Digest, Sha256};
@@ -221,8 +221,8 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[LatticeCell], start_n
 }
 
 fn timed(facts: &DimibotFacts, cell: LatticeCell, t_ns: u64) -> TimedState {
-    let state = State::Dimibot { word: facts.word(cell), cell: [cell.x, cell.y], position_um: facts.place_um(cell) };
-    TimedState { t_ns, state }
+    let state = DimibotState { word: facts.word(cell), cell: [cell.x, cell.y], position_um: facts.place_um(cell) };
+    TimedState { t_ns, state: State::Dimibot(state) }
 }
 
 /// One device of 301 channels, too many for a field each, three of which change, on slopes too.
@@ -587,14 +587,14 @@ impl Gesture {
     fn record(&mut self) {
         let (sin, cos) = (self.turned as f64 * step_rad() / 2.0).sin_cos();
         let tips = self.grasp.iter().zip(self.tips_um);
-        let state = State::Fingers {
+        let state = State::Fingers(FingersState {
             grasp: self.grasp.to_vec(),
             angle_index: 1 + self.turned,
             plane: Plane::Xy,
             tips_um: tips.map(|(contact, tip_um)| (*contact > 0).then_some(tip_um)).collect(),
             position_um: [0.0, 0.0, self.height_um],
             orientation: [cos, 0.0, 0.0, sin],
-        };
+        });
         self.states.push(TimedState { t_ns: self.t_ns, state });
     }
 }

@@ -1,7 +1,7 @@
 //! Puts the plans of a program on one clock.
 
-use super::{dimibot, electrode_array, fingers, microrobots};
-use crate::claims::{Claims, Job, Order, Timeline};
+use super::lowered;
+use crate::claims::{Claims, Job, Timeline};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::plan::{Motion, Optimality, Plan};
 use crate::schedule::reached::{Reached, reached};
@@ -37,28 +37,16 @@ pub struct RunActuation {
 /// The schedule of a program, from a plan for each of its jobs.
 ///
 /// `None` after an error: the whole would last longer than [`MAX_DURATION_NS`].
-pub fn lower(claims: &Claims, plans: &[Plan], sources: &Sources, sink: &mut Sink) -> Option<Schedule> {
-    let runs: Vec<Option<LoweredRun>> =
-        claims.jobs.iter().zip(plans).map(|(job, plan)| run(&job.order, &plan.motion)).collect();
-    let Some(runs) = runs.into_iter().collect::<Option<Vec<LoweredRun>>>() else { return too_long(claims, sink) };
+pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &mut Sink) -> Option<Schedule> {
+    let runs: Option<Vec<LoweredRun>> = plans.iter().map(|plan| lowered(&plan.motion).run()).collect();
+    let Some(runs) = runs else { return too_long(claims, sink) };
     let mut starts = vec![0; runs.len()];
     let Some(duration_ns) = place(&claims.timeline, 0, &runs, &mut starts) else { return too_long(claims, sink) };
-    let mut builder = ScheduleBuilder::new(claims, &runs, sources);
+    let mut builder = ScheduleBuilder::new(claims, (plans, &runs), sources);
     for (job, (run, start_ns)) in runs.into_iter().zip(starts).enumerate() {
         builder.add(job, &plans[job], run, start_ns);
     }
     Some(builder.finish(duration_ns))
-}
-
-/// A plan on a clock of its own; `None` if it lasts longer than a `u64` counts.
-fn run(order: &Order, motion: &Motion) -> Option<LoweredRun> {
-    let of_its_kind = "the planner answers an order with a motion of its kind";
-    match order {
-        Order::Dimibot(order) => dimibot::run(order, motion.dimibot().expect(of_its_kind)),
-        Order::ElectrodeArray(order) => electrode_array::run(order, motion.electrode_array().expect(of_its_kind)),
-        Order::Microrobots(order) => microrobots::run(order, motion.microrobots().expect(of_its_kind)),
-        Order::Fingers(order) => fingers::run(order, motion.fingers().expect(of_its_kind)),
-    }
 }
 
 fn too_long(claims: &Claims, sink: &mut Sink) -> Option<Schedule> {
@@ -66,22 +54,6 @@ fn too_long(claims: &Claims, sink: &mut Sink) -> Option<Schedule> {
     let diagnostic = Diagnostic::new(Code::E0604, title).label(claims.span, "lasts too long");
     sink.push(diagnostic.help("shorten its waits, or split the program into several"));
     None
-}
-
-/// The channels of a job's device that the schedule lists, without the device's name: of a few all, of very many those
-/// that some run of the device uses.
-fn channels(job: &Job, claims: &Claims, runs: &[LoweredRun]) -> Vec<(String, ChannelUnit)> {
-    match &job.order {
-        Order::Dimibot(order) => order.facts.channels().into_iter().map(|name| (name, ChannelUnit::Volt)).collect(),
-        Order::ElectrodeArray(order) => {
-            let own = claims.jobs.iter().zip(runs).filter(|(other, _)| other.device == job.device).map(|(_, run)| run);
-            electrode_array::channels(&order.facts, own)
-        }
-        Order::Microrobots(_) => vec![(crate::device::microrobots::CHANNEL.to_owned(), ChannelUnit::Volt)],
-        Order::Fingers(order) => {
-            order.facts.channels().into_iter().map(|name| (name, ChannelUnit::Micrometre)).collect()
-        }
-    }
 }
 
 /// Where each run of a timeline begins; returns where the timeline ends.
@@ -122,7 +94,7 @@ struct ScheduleBuilder<'a> {
 }
 
 impl<'a> ScheduleBuilder<'a> {
-    fn new(claims: &'a Claims, runs: &[LoweredRun], sources: &'a Sources) -> Self {
+    fn new(claims: &'a Claims, (plans, runs): (&[Plan<Motion>], &[LoweredRun]), sources: &'a Sources) -> Self {
         let mut builder = ScheduleBuilder {
             claims,
             sources,
@@ -132,8 +104,10 @@ impl<'a> ScheduleBuilder<'a> {
             steps: Vec::new(),
             plans: Vec::new(),
         };
-        for job in &claims.jobs {
-            for (channel, unit) in channels(job, claims, runs) {
+        for (job, plan) in claims.jobs.iter().zip(plans) {
+            let is_own = |(other, _): &(&Job, &LoweredRun)| other.device == job.device;
+            let mut own = claims.jobs.iter().zip(runs).filter(is_own).map(|(_, run)| run);
+            for (channel, unit) in lowered(&plan.motion).channels(&mut own) {
                 builder.channel(&job.device, &channel, unit);
             }
         }
@@ -150,7 +124,7 @@ impl<'a> ScheduleBuilder<'a> {
         self.channels.push(Channel { name, device: device.to_owned(), unit, wire });
     }
 
-    fn add(&mut self, job: usize, plan: &Plan, run: LoweredRun, start_ns: u64) {
+    fn add(&mut self, job: usize, plan: &Plan<Motion>, run: LoweredRun, start_ns: u64) {
         let task = &self.claims.jobs[job];
         let first_step = self.steps.len();
         for (channel, actuation) in &run.actuations {
@@ -195,7 +169,7 @@ impl<'a> ScheduleBuilder<'a> {
         }
     }
 
-    fn record(&self, job: usize, plan: &Plan, run: LoweredRun, start_ns: u64) -> PlanRecord {
+    fn record(&self, job: usize, plan: &Plan<Motion>, run: LoweredRun, start_ns: u64) -> PlanRecord {
         let task = &self.claims.jobs[job];
         let on_clock = |state: TimedState| TimedState { t_ns: start_ns + state.t_ns, ..state };
         PlanRecord {

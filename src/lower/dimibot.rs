@@ -3,33 +3,42 @@
 //! A pulse lasts as long as the device's pulse does; the rest that follows belongs to it, so that whatever comes next finds the
 //! modules settled.
 
+use super::Lowered;
 use super::clock::{LoweredRun, RunActuation};
 use crate::claims::dimibot::DimibotOrder;
 use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Switch};
+use crate::plan::Planned;
 use crate::plan::dimibot::{DimibotMotion, DimibotStepMotion, ModulePulse};
-use crate::schedule::{State, TimedState};
+use crate::schedule::dimibot::DimibotState;
+use crate::schedule::{ChannelUnit, State, TimedState};
 
-/// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
-pub fn run(order: &DimibotOrder, motion: &DimibotMotion) -> Option<LoweredRun> {
-    let facts = &order.facts;
-    let mut run = LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() };
-    let mut cell = motion.start;
-    let mut delays = motion.delays.iter();
-    run.states.push(TimedState { t_ns: 0, state: state(facts, cell) });
-    for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
-        let start_ns = run.duration_ns;
-        match motion {
-            DimibotStepMotion::Wait(duration_ns) => run.duration_ns = run.duration_ns.checked_add(*duration_ns)?,
-            DimibotStepMotion::Pulses(pulses) => {
-                for pulse in pulses {
-                    run.duration_ns = run.duration_ns.checked_add(delays.next().copied().unwrap_or(0))?;
-                    cell = fire(&mut run, facts, cell, *pulse, index)?;
+impl Lowered for Planned<'_, DimibotOrder, DimibotMotion> {
+    fn run(&self) -> Option<LoweredRun> {
+        let Planned { order, motion } = self;
+        let facts = &order.facts;
+        let mut run = LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() };
+        let mut cell = motion.start;
+        let mut delays = motion.delays.iter();
+        run.states.push(TimedState { t_ns: 0, state: state(facts, cell) });
+        for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
+            let start_ns = run.duration_ns;
+            match motion {
+                DimibotStepMotion::Wait(duration_ns) => run.duration_ns = run.duration_ns.checked_add(*duration_ns)?,
+                DimibotStepMotion::Pulses(pulses) => {
+                    for pulse in pulses {
+                        run.duration_ns = run.duration_ns.checked_add(delays.next().copied().unwrap_or(0))?;
+                        cell = fire(&mut run, facts, cell, *pulse, index)?;
+                    }
                 }
             }
+            run.steps.push((step.span, start_ns, run.duration_ns - start_ns));
         }
-        run.steps.push((step.span, start_ns, run.duration_ns - start_ns));
+        Some(run)
     }
-    Some(run)
+
+    fn channels(&self, _own: &mut dyn Iterator<Item = &LoweredRun>) -> Vec<(String, ChannelUnit)> {
+        self.order.facts.channels().into_iter().map(|name| (name, ChannelUnit::Volt)).collect()
+    }
 }
 
 /// Adds one pulse, its rest, and the state that it leads to.
@@ -57,5 +66,5 @@ fn fire(
 }
 
 fn state(facts: &DimibotFacts, cell: LatticeCell) -> State {
-    State::Dimibot { word: facts.word(cell), cell: cell.pair(), position_um: facts.place_um(cell) }
+    State::Dimibot(DimibotState { word: facts.word(cell), cell: cell.pair(), position_um: facts.place_um(cell) })
 }

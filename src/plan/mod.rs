@@ -12,13 +12,14 @@ pub mod microrobots;
 mod requirements;
 pub mod search;
 
-use crate::claims::{Claims, Order};
+use crate::claims::{self, Claims, Job, Order};
+use crate::device::{each_kind, for_each_kind};
 use crate::diagnostic::{Remark, Sink};
 use std::collections::BTreeMap;
 
-/// How a job is done.
+/// How a job is done, with its motion in whatever form.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
+pub struct Plan<M> {
     pub planner: &'static str,
     pub objective: &'static str,
     /// Unit of `cost` and `bound`; empty for a count.
@@ -33,7 +34,15 @@ pub struct Plan {
     pub outcomes: BTreeMap<String, f64>,
     /// The planner's further remarks, for reports.
     pub remarks: Vec<Remark>,
-    pub motion: Motion,
+    pub motion: M,
+}
+
+impl<M> Plan<M> {
+    /// The same plan with its motion in another form.
+    pub fn map<N>(self, form: impl FnOnce(M) -> N) -> Plan<N> {
+        let Plan { planner, objective, unit, cost, bound, proof, bounds, outcomes, remarks, motion } = self;
+        Plan { planner, objective, unit, cost, bound, proof, bounds, outcomes, remarks, motion: form(motion) }
+    }
 }
 
 /// Whether a plan is known to be the best.
@@ -43,67 +52,66 @@ pub enum Optimality {
     Open,
 }
 
-/// Motion of the device, in its kind's own terms.
+/// An order with the motion that carries it out, both of one kind.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Motion {
-    Dimibot(dimibot::DimibotMotion),
-    ElectrodeArray(electrode_array::ElectrodeArrayMotion),
-    Microrobots(microrobots::MicrorobotsMotion),
-    Fingers(fingers::FingersMotion),
+pub struct Planned<'a, O, M> {
+    pub order: &'a O,
+    pub motion: M,
 }
 
-impl Motion {
-    /// The motion, if it is a DiMiBot's.
-    pub fn dimibot(&self) -> Option<&dimibot::DimibotMotion> {
-        match self {
-            Motion::Dimibot(motion) => Some(motion),
-            Motion::ElectrodeArray(_) | Motion::Microrobots(_) | Motion::Fingers(_) => None,
-        }
-    }
+/// Motion of the device, in its kind's own terms.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Motion<'a> {
+    Dimibot(Planned<'a, claims::dimibot::DimibotOrder, dimibot::DimibotMotion>),
+    ElectrodeArray(Planned<'a, claims::electrode_array::ElectrodeArrayOrder, electrode_array::ElectrodeArrayMotion>),
+    Microrobots(Planned<'a, claims::microrobots::MicrorobotsOrder, microrobots::MicrorobotsMotion>),
+    Fingers(Planned<'a, claims::fingers::FingersOrder, fingers::FingersMotion>),
+}
 
-    /// The motion, if it is an electrode array's.
-    pub fn electrode_array(&self) -> Option<&electrode_array::ElectrodeArrayMotion> {
-        match self {
-            Motion::ElectrodeArray(motion) => Some(motion),
-            Motion::Dimibot(_) | Motion::Microrobots(_) | Motion::Fingers(_) => None,
+macro_rules! standings {
+    ({} $($module:ident $kind:ident),+) => {
+        /// What the plans of a program leave behind for those that follow.
+        #[derive(Default)]
+        struct Standings {
+            $($module: $module::Standings,)+
         }
-    }
+    };
+}
 
-    /// The motion, if it is of microrobots.
-    pub fn microrobots(&self) -> Option<&microrobots::MicrorobotsMotion> {
-        match self {
-            Motion::Microrobots(motion) => Some(motion),
-            Motion::Dimibot(_) | Motion::ElectrodeArray(_) | Motion::Fingers(_) => None,
-        }
-    }
+for_each_kind!(standings, {});
 
-    /// The motion, if it is of a hand.
-    pub fn fingers(&self) -> Option<&fingers::FingersMotion> {
-        match self {
-            Motion::Fingers(motion) => Some(motion),
-            Motion::Dimibot(_) | Motion::ElectrodeArray(_) | Motion::Microrobots(_) => None,
-        }
+/// What a kind brings to this stage, on its orders.
+trait KindPlanner {
+    /// A plan for a job of this order; without one an error was pushed, for this job or for one of the same device before it.
+    fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>>;
+
+    /// The plans of a program, changed where devices of this kind would be in one another's way; asked once. `None` after an error.
+    fn settled<'a>(
+        &self,
+        _claims: &'a Claims,
+        plans: Vec<Plan<Motion<'a>>>,
+        _sink: &mut Sink,
+    ) -> Option<Vec<Plan<Motion<'a>>>> {
+        Some(plans)
     }
+}
+
+/// The planner of an order.
+fn planner(order: &Order) -> &dyn KindPlanner {
+    each_kind!(Order, order, order => order)
 }
 
 /// Called before each job is planned, with its index, the number of jobs, and its task.
 pub type Progress<'a> = &'a mut dyn FnMut(usize, usize, &str);
 
 /// A plan for every job, in their order; `None` after an error, which has been pushed for each job without a plan.
-pub fn plan(claims: &Claims, sink: &mut Sink, progress: Progress) -> Option<Vec<Plan>> {
-    let mut robots = dimibot::DimibotStandings::default();
-    let mut trays = electrode_array::BoardStandings::default();
-    let mut beds = microrobots::BedStandings::default();
-    let mut hands = fingers::HandStandings::default();
+pub fn plan<'a>(claims: &'a Claims, sink: &mut Sink, progress: Progress) -> Option<Vec<Plan<Motion<'a>>>> {
+    let mut standings = Standings::default();
     let mut plans = Vec::with_capacity(claims.jobs.len());
     for (index, job) in claims.jobs.iter().enumerate() {
         progress(index, claims.jobs.len(), &job.task);
-        plans.push(match &job.order {
-            Order::Dimibot(order) => dimibot::plan(job, order, &mut robots, sink),
-            Order::ElectrodeArray(order) => electrode_array::plan(job, order, &mut trays, sink),
-            Order::Microrobots(order) => microrobots::plan(job, order, &mut beds, sink),
-            Order::Fingers(order) => fingers::plan(job, order, &mut hands, sink),
-        });
+        plans.push(planner(&job.order).planned(job, &mut standings, sink));
     }
-    dimibot::apart(claims, plans.into_iter().collect::<Option<Vec<Plan>>>()?, sink)
+    let plans = plans.into_iter().collect::<Option<Vec<_>>>()?;
+    claims.first_of_kinds().try_fold(plans, |plans, job| planner(&job.order).settled(claims, plans, sink))
 }

@@ -8,6 +8,9 @@ use super::{Plan, errors};
 use crate::claims::{Job, Relation, Requirement};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity, Unit};
+use std::collections::BTreeMap;
+
+type Outcomes = BTreeMap<String, f64>;
 
 /// Relative tolerance of a limit; allows for rounding in a sum of floats that meets the limit exactly.
 pub const REQUIREMENT_TOLERANCE: f64 = 1e-9;
@@ -29,7 +32,7 @@ pub struct KnownLimit {
     /// is valid too.
     pub least: Option<f64>,
     /// Another plan of the same job, such as one for another objective. It is named only where it keeps all the other limits.
-    pub other: Option<Plan>,
+    pub other: Option<Plan<()>>,
     /// Advice on finding a plan where none was found and nothing is proven.
     pub advice: Option<String>,
 }
@@ -73,7 +76,12 @@ pub fn is_upper(requirement: &Requirement) -> bool {
 /// Whether a plan meets all requirements of its job; missed ones are reported.
 ///
 /// `known` is called for each missed upper limit.
-pub fn require(job: &Job, plan: &Plan, known: &mut dyn FnMut(&Requirement) -> KnownLimit, sink: &mut Sink) -> Kept {
+pub fn require<M>(
+    job: &Job,
+    plan: &Plan<M>,
+    known: &mut dyn FnMut(&Requirement) -> KnownLimit,
+    sink: &mut Sink,
+) -> Kept {
     let mut all_kept = Kept::Yes;
     for (index, requirement) in job.requirements.iter().enumerate() {
         let Some(&reached) = plan.outcomes.get(&requirement.outcome) else { continue };
@@ -108,15 +116,16 @@ pub struct Texts {
 }
 
 /// The strongest statement about a missed limit that is known to be true.
-fn verdict(job: &Job, index: usize, plan: &Plan, known: &KnownLimit) -> LimitVerdict {
+fn verdict<M>(job: &Job, index: usize, plan: &Plan<M>, known: &KnownLimit) -> LimitVerdict {
     let requirement = &job.requirements[index];
-    let candidates = [Some(plan), known.other.as_ref()];
+    let candidates =
+        [Some((plan.objective, &plan.outcomes)), known.other.as_ref().map(|plan| (plan.objective, &plan.outcomes))];
     let best =
-        candidates.into_iter().flatten().filter(|plan| keeps_the_others(job, index, plan)).min_by(|one, other| {
-            let value = |plan: &Plan| plan.outcomes.get(&requirement.outcome).copied().unwrap_or(f64::INFINITY);
-            value(one).total_cmp(&value(other))
+        candidates.into_iter().flatten().filter(|plan| keeps_the_others(job, index, plan.1)).min_by(|one, other| {
+            let value = |outcomes: &Outcomes| outcomes.get(&requirement.outcome).copied().unwrap_or(f64::INFINITY);
+            value(one.1).total_cmp(&value(other.1))
         });
-    let best = best.and_then(|plan| Some((plan.objective, *plan.outcomes.get(&requirement.outcome)?)));
+    let best = best.and_then(|(objective, outcomes)| Some((objective, *outcomes.get(&requirement.outcome)?)));
     let least = known.least.filter(|least| keeps(requirement, *least) == Kept::No);
     match (least, best) {
         (_, Some((objective, value))) if keeps(requirement, value) == Kept::Yes && objective != plan.objective => {
@@ -129,10 +138,10 @@ fn verdict(job: &Job, index: usize, plan: &Plan, known: &KnownLimit) -> LimitVer
     }
 }
 
-/// Whether a plan keeps all requirements of a job except `but`.
-fn keeps_the_others(job: &Job, but: usize, plan: &Plan) -> bool {
+/// Whether outcomes keep all requirements of a job but one.
+fn keeps_the_others(job: &Job, but: usize, outcomes: &Outcomes) -> bool {
     let mut others = job.requirements.iter().enumerate().filter(|(index, _)| *index != but);
-    others.all(|(_, other)| plan.outcomes.get(&other.outcome).is_none_or(|value| keeps(other, *value) == Kept::Yes))
+    others.all(|(_, other)| outcomes.get(&other.outcome).is_none_or(|value| keeps(other, *value) == Kept::Yes))
 }
 
 fn dimension(job: &Job, requirement: &Requirement) -> Dimension {

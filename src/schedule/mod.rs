@@ -4,11 +4,16 @@
 //! channel; a channel has at most one value at a time; every actuation knows its step, every step its source span. There are no floats
 //! but the values of actuations and the figures of plans.
 
+pub mod dimibot;
+pub mod electrode_array;
+pub mod fingers;
 pub mod json;
+pub mod microrobots;
 pub mod reached;
 
 pub use reached::Reached;
 
+use crate::device::each_kind;
 use crate::diagnostic::Remark;
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
@@ -169,18 +174,16 @@ pub struct TimedState {
     pub state: State,
 }
 
+/// What every kind's state can be asked.
+trait KindState {
+    /// The numbers in it that are not whole.
+    fn floats(&self) -> Vec<f64>;
+}
+
 impl State {
     /// The numbers in it that are not whole.
     pub fn floats(&self) -> Vec<f64> {
-        match self {
-            State::Dimibot { position_um, .. } => position_um.to_vec(),
-            State::ElectrodeArray { .. } => Vec::new(),
-            State::Microrobots { poses, .. } => poses.values().flatten().copied().collect(),
-            State::Fingers { tips_um, position_um, orientation, .. } => {
-                let tips = tips_um.iter().flatten().flatten();
-                tips.chain(position_um).chain(orientation).copied().collect()
-            }
-        }
+        each_kind!(State, self, state => state.floats())
     }
 }
 
@@ -188,39 +191,8 @@ impl State {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum State {
-    Dimibot {
-        word: u64,
-        cell: [u32; 2],
-        /// Nominal place of the end-effector in the frame R1.
-        position_um: [f64; 2],
-    },
-    ElectrodeArray {
-        /// Column and row of each part, both from 1, by its name; a part that has merged with another is gone.
-        parts: std::collections::BTreeMap<String, [u32; 2]>,
-    },
-    Microrobots {
-        /// Index of the control state of the leg that begins here.
-        control: usize,
-        /// Arms during that leg, in the order of the table: 1 for an arm that is down.
-        arms: Vec<u8>,
-        /// The robots that stick in a structure and move no more, by name in order.
-        #[serde(default, skip_serializing_if = "Vec::is_empty")]
-        docked: Vec<String>,
-        /// Place in micrometres and heading in radians, as in `pose(…)`, of each robot on the bed, by its name.
-        poses: std::collections::BTreeMap<String, [f64; 3]>,
-    },
-    Fingers {
-        /// The contact of each finger, from 1; 0 for a free finger.
-        grasp: Vec<u32>,
-        /// The angle of the turn in progress, as steps from its beginning, from 1 as in the paper; below 1 for turns backwards.
-        angle_index: i64,
-        /// The plane in which the fingers hold.
-        plane: crate::device::fingers::Plane,
-        /// The centre of each holding tip, in the hand's frame.
-        tips_um: Vec<Option<[f64; 3]>>,
-        /// Where the part's origin is in the hand's frame.
-        position_um: [f64; 3],
-        /// The part's orientation in the hand's frame as a unit quaternion w, x, y, z, with w not negative.
-        orientation: [f64; 4],
-    },
+    Dimibot(dimibot::DimibotState),
+    ElectrodeArray(electrode_array::ElectrodeArrayState),
+    Microrobots(microrobots::MicrorobotsState),
+    Fingers(fingers::FingersState),
 }

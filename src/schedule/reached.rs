@@ -6,16 +6,9 @@
 
 use super::State;
 use crate::claims::Order;
-use crate::claims::dimibot::{self, Asked, DimibotOrder};
-use crate::claims::fingers::{self, FingersOrder};
-use crate::claims::microrobots::{self, MicrorobotsOrder};
-use crate::device::fingers::Plane;
-use crate::geometry::Pose;
+use crate::device::each_kind;
 use crate::quantity::digits;
-use crate::real::Real;
-use nalgebra::{Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{PI, TAU};
 
 /// A numeric goal, and the value reached. The difference is reached less asked, where it is one number, and
 /// otherwise a distance or an angle, never negative.
@@ -106,87 +99,13 @@ impl std::fmt::Display for Reached {
     }
 }
 
-/// Values reached by a step of an order that ends in a state.
+/// What a kind's orders say of what their steps reach.
+pub(super) trait Reaching {
+    /// What a step reaches, which ends in a state; nothing where all that is asked for is met or not.
+    fn reached(&self, nth: usize, end: &State) -> Vec<Reached>;
+}
+
+/// What a step of an order reaches, which ends in a state.
 pub fn reached(order: &Order, nth: usize, end: &State) -> Vec<Reached> {
-    match order {
-        Order::Dimibot(order) => places(order, nth),
-        Order::ElectrodeArray(_) => Vec::new(),
-        Order::Microrobots(order) => poses(order, nth, end),
-        Order::Fingers(order) => turns(order, nth, end),
-    }
-}
-
-fn places(order: &DimibotOrder, nth: usize) -> Vec<Reached> {
-    let stops = match order.steps.get(nth).map(|step| &step.action) {
-        Some(dimibot::DimibotAction::Move(stops) | dimibot::DimibotAction::Visit(stops)) => stops.as_slice(),
-        Some(dimibot::DimibotAction::Wait(_)) | None => &[],
-    };
-    let place = |stop: &dimibot::DimibotStop| {
-        let Asked::Place(asked_um) = stop.asked else { return None };
-        let reached_um = order.in_scene_um(order.facts.place_um(stop.cell));
-        let off_um = (reached_um[0] - asked_um[0]).hypotenuse(reached_um[1] - asked_um[1]);
-        Some(Reached::Place { asked_um, reached_um, off_um })
-    };
-    stops.iter().filter_map(place).collect()
-}
-
-fn poses(order: &MicrorobotsOrder, nth: usize, end: &State) -> Vec<Reached> {
-    let goals: Vec<(usize, &Pose)> = match order.steps.get(nth).map(|step| &step.action) {
-        Some(microrobots::MicrorobotsAction::Drive { robot, stops }) => {
-            stops.last().map(|stop| (*robot, &stop.pose)).into_iter().collect()
-        }
-        Some(microrobots::MicrorobotsAction::Assemble(docks)) => {
-            docks.iter().map(|dock| (dock.robot, &dock.goal.pose)).collect()
-        }
-        Some(microrobots::MicrorobotsAction::Apply { .. } | microrobots::MicrorobotsAction::Wait(_)) | None => {
-            Vec::new()
-        }
-    };
-    let State::Microrobots { poses, .. } = end else { return Vec::new() };
-    let pose = |(robot, goal): (usize, &Pose)| {
-        let robot = order.robot(robot).name.clone();
-        let [x_um, y_um, heading_rad] = *poses.get(&robot)?;
-        let off_rad = (heading_rad - goal.heading_rad + PI).rem_euclid(TAU) - PI;
-        Some(Reached::Pose {
-            robot,
-            asked_um: [goal.x_um, goal.y_um],
-            reached_um: [x_um, y_um],
-            off_um: (x_um - goal.x_um).hypotenuse(y_um - goal.y_um),
-            asked_deg: goal.heading_rad.to_degrees(),
-            // Relative to the goal, so that 359 deg are not far from 1 deg.
-            reached_deg: (goal.heading_rad + off_rad).to_degrees(),
-            off_deg: off_rad.to_degrees(),
-        })
-    };
-    goals.into_iter().filter_map(pose).collect()
-}
-
-fn turns(order: &FingersOrder, nth: usize, end: &State) -> Vec<Reached> {
-    match order.steps.get(nth).map(|step| &step.action) {
-        Some(fingers::FingersAction::Rotate { plane, steps, angle_rad }) => {
-            let Some(section) = order.part.section(*plane) else { return Vec::new() };
-            let reached_rad = f64::from(*steps) * section.step_rad;
-            let axis = match plane {
-                Plane::Xy => "z",
-                Plane::Xz => "y",
-            };
-            let [asked_deg, reached_deg] = [*angle_rad, reached_rad].map(f64::to_degrees);
-            let off_deg = reached_deg - asked_deg;
-            vec![Reached::Turn { axis: axis.to_owned(), asked_deg, reached_deg, off_deg }]
-        }
-        Some(fingers::FingersAction::Orient { goal, .. }) => {
-            let State::Fingers { orientation, .. } = end else { return Vec::new() };
-            let [asked, reached] = [goal, orientation]
-                .map(|[w, x, y, z]| UnitQuaternion::from_quaternion(Quaternion::new(*w, *x, *y, *z)));
-            let off_deg = asked.angle_to(&reached).to_degrees();
-            vec![Reached::Orientation { asked: *goal, reached: *orientation, off_deg }]
-        }
-        Some(
-            fingers::FingersAction::Grasp(_)
-            | fingers::FingersAction::Translate(_)
-            | fingers::FingersAction::Release
-            | fingers::FingersAction::Wait(_),
-        )
-        | None => Vec::new(),
-    }
+    each_kind!(Order, order, order => order.reached(nth, end))
 }

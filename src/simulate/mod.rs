@@ -1,20 +1,18 @@
 //! Simulation: carries plans out with imperfect devices and measurements.
 //!
-//! Input: an order, its plan, the number of trials, a seed. Output: a report of its kind. Promise: the same seed gives the same report,
-//! whatever the number of threads. Only microrobots have error bounds.
+//! Input: a plan, how many trials, a seed. Output: a report of its kind. Promise: the same seed gives the same report,
+//! whatever the number of threads. Only microrobots state their errors so far.
 
 pub mod microrobots;
 
-use crate::claims::Order;
 use crate::plan::Motion;
-use microrobots::SimulationReport;
+pub use microrobots::{Dockings, FailureReason, Failures, SimulationReport, Spread};
 
 /// Report on `trials` trials of a plan; `None` if the kind or the device has no error bounds, or nothing is assembled.
-pub fn simulate(order: &Order, motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<SimulationReport> {
-    match (order, motion) {
-        (Order::Microrobots(order), Motion::Microrobots(motion)) => {
-            microrobots::simulate(order, motion, trials, seed, threads)
-        }
-        (Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Microrobots(_) | Order::Fingers(_), _) => None,
+pub fn simulate(motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<SimulationReport> {
+    match motion {
+        Motion::Microrobots(planned) => microrobots::simulate(planned.order, &planned.motion, trials, seed, threads),
+        // These kinds have no simulation.
+        Motion::Dimibot(_) | Motion::ElectrodeArray(_) | Motion::Fingers(_) => None,
     }
 }

@@ -238,6 +238,17 @@ pub struct Text {
     pub span: Span,
 }
 
+impl Text {
+    /// Its characters; `None` if there are holes in it.
+    pub fn plain(&self) -> Option<String> {
+        let plain = |part: &'_ TextPart| match part {
+            TextPart::Plain(plain) => Some(plain.clone()),
+            TextPart::Hole(_) => None,
+        };
+        self.parts.iter().map(plain).collect()
+    }
+}
+
 /// A piece of a string.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TextPart {

@@ -3,8 +3,8 @@
 //! Input: a schedule as it was read, and the claims. Promise: if nothing is found, every index names something, no sum of a
 //! start and a duration overflows, every number is finite, and every channel is one of a claimed device.
 
+use super::judge_of;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{dimibot, electrode_array, fingers, microrobots};
 use crate::claims::{Claims, Order};
 use crate::schedule::{Actuation, ChannelUnit, Reached, Schedule, Swing};
 use std::collections::{BTreeMap, BTreeSet};
@@ -118,13 +118,7 @@ fn channels(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
 fn owner<'a>(name: &str, orders: &BTreeMap<&'a str, &Order>) -> Option<(&'a str, ChannelUnit)> {
     orders.iter().find_map(|(device, order)| {
         let channel = name.strip_prefix(device)?.strip_prefix('.')?;
-        let unit = match order {
-            Order::Dimibot(order) => dimibot::unit(channel, order),
-            Order::ElectrodeArray(order) => electrode_array::unit(channel, order),
-            Order::Microrobots(_) => microrobots::unit(channel),
-            Order::Fingers(order) => fingers::unit(channel, order),
-        };
-        unit.map(|unit| (*device, unit))
+        judge_of(order).unit(channel).map(|unit| (*device, unit))
     })
 }
 
@@ -179,11 +173,8 @@ fn swings(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
 fn swing_fault(actuation: &Actuation, swing: Swing, order: Option<&Order>) -> Option<String> {
     let Swing { period_ns, levels: [first, second] } = swing;
     let Actuation { duration_ns, from, to, .. } = *actuation;
-    match order {
-        Some(Order::Microrobots(_)) => (),
-        Some(Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Fingers(_)) | None => {
-            return Some("swings, but a channel of this kind holds its value".to_owned());
-        }
+    if !order.is_some_and(|order| judge_of(order).swings()) {
+        return Some("swings, but a channel of this kind holds its value".to_owned());
     }
     if period_ns == 0 || !period_ns.is_multiple_of(2) {
         return Some(format!("swings with a period of {period_ns} ns, but it must be even and above 0 ns"));

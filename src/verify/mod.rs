@@ -25,13 +25,14 @@ mod record;
 mod rule;
 mod source_map;
 
-pub use fingers::forces as finger_forces;
 pub use rule::{MAX_VIOLATIONS, Rule, Violation};
 
 use crate::claims::{Claims, Order};
+use crate::device::each_kind;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::schedule::{Schedule, State, TimedState};
+use crate::schedule::{ChannelUnit, Schedule, State, TimedState};
 use crate::source::Sources;
+use clock::JudgedRun;
 use rule::Findings;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -168,6 +169,69 @@ struct RecordTerms {
 /// Where each device stands.
 type Standing<'a> = BTreeMap<&'a str, State>;
 
+/// What a kind brings to this stage, on its orders.
+trait Judge {
+    /// What the numbers of a channel are; `None` if the device has no channel of that name.
+    fn unit(&self, channel: &str) -> Option<ChannelUnit>;
+
+    /// Whether its channels may swing between two values.
+    fn swings(&self) -> bool {
+        false
+    }
+
+    /// Asks what the replay takes for granted of the claims.
+    fn premise(&self) -> Result<(), Unfit>;
+
+    /// Whether another order of the device holds the same facts about it.
+    fn has_facts_of(&self, other: &Order) -> bool;
+
+    /// Whether another order of the device knows the same parts on it, from one run to the next.
+    fn has_parts_of(&self, _other: &Order) -> bool {
+        true
+    }
+
+    /// What the claims say of a plan's record.
+    fn terms(&self) -> RecordTerms;
+
+    /// What `minimize` takes to bring an outcome down, if anything.
+    fn minimized_as(&self, outcome: &str) -> Option<&'static str>;
+
+    /// Holds a run against the order. Afterwards `standing` has where the device is.
+    ///
+    /// # Errors
+    /// At the first thing that leaves it unknown what comes after.
+    fn replay<'a>(
+        &self,
+        run: &JudgedRun<'a>,
+        claims: &Claims,
+        standing: &mut Standing<'a>,
+        findings: &mut Findings,
+    ) -> Result<Replay<'a>, Halt>;
+
+    /// Holds the program's devices of the kind against one another; asked once. `order` are the runs in the order in which devices
+    /// meet them.
+    fn beside(&self, _runs: &[JudgedRun], _order: &[usize], _claims: &Claims, _findings: &mut Findings) {}
+}
+
+/// The judge of an order.
+fn judge_of(order: &Order) -> &dyn Judge {
+    each_kind!(Order, order, order => order)
+}
+
+/// What a kind brings to this stage, on its states.
+trait JudgedState {
+    /// Whether a replayed state is this recorded one, but for rounding.
+    fn agrees(&self, replayed: &State) -> bool;
+
+    /// The state in words.
+    fn shown(&self) -> String;
+}
+
+/// The judge of a recorded or replayed state.
+fn judged_state(state: &State) -> &dyn JudgedState {
+    each_kind!(State, state, state => state)
+}
+
 fn judge(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, Unfit> {
     premise::check(claims)?;
     let mut findings = Findings::default();
@@ -182,22 +246,15 @@ fn judge(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, Unfit> 
     let mut standing = Standing::new();
     let mut lost = BTreeSet::new();
     let order = clock::timeline(schedule, claims, &mut findings);
-    dimibot::tips_apart(&runs, &order, claims, &mut findings);
+    for job in claims.first_of_kinds() {
+        judge_of(&job.order).beside(&runs, &order, claims, &mut findings);
+    }
     for index in order {
         let run = &runs[index];
         if lost.contains(run.job.device.as_str()) {
             continue;
         }
-        let replay = match &run.job.order {
-            Order::Dimibot(order) => {
-                let patience = patience(claims, &run.job.device);
-                dimibot::replay(run, (order, patience), &mut standing, &mut findings).map_err(Halt::from)
-            }
-            Order::ElectrodeArray(order) => electrode_array::replay(run, order, &mut standing, &mut findings),
-            Order::Microrobots(order) => microrobots::replay(run, order, &mut standing, &mut findings),
-            Order::Fingers(order) => fingers::replay(run, order, &mut standing, &mut findings),
-        };
-        match replay {
+        match judge_of(&run.job.order).replay(run, claims, &mut standing, &mut findings) {
             Ok(replay) => record::check(run, &replay, &mut findings),
             Err(Halt::Unfit(unfit)) => return Err(unfit),
             Err(Halt::Broken(violation)) => {
@@ -207,14 +264,6 @@ fn judge(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, Unfit> 
         }
     }
     Ok(findings.sorted())
-}
-
-/// Whether a device may wait for others in its scene.
-fn patience(claims: &Claims, device: &str) -> dimibot::Patience {
-    match claims.is_shared(device) {
-        true => dimibot::Patience::ForOthers,
-        false => dimibot::Patience::None,
-    }
 }
 
 #[cfg(test)]

@@ -3,12 +3,11 @@
 //! Input: claims. Output: nothing, or why not. Claims of the checker always pass; those of a hostile log may not,
 //! and the rules rely on these checks.
 
-use super::dimibot::is_frame;
-use super::{Unfit, dimibot, electrode_array, fingers, microrobots};
-use crate::claims::electrode_array::ElectrodeArrayOrder;
-use crate::claims::microrobots::MicrorobotsOrder;
-use crate::claims::{Claims, Job, Order, SharedScene, Timeline};
-use std::collections::{BTreeMap, BTreeSet};
+use super::{Unfit, judge_of};
+use crate::claims::{Claims, Job, SharedScene, Timeline};
+use crate::device::Frames;
+use crate::geometry::shape::{MAX_EXTENT_UM, Pose};
+use std::collections::BTreeMap;
 
 /// Greatest nesting of a timeline.
 const MAX_DEPTH: usize = 256;
@@ -24,21 +23,22 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
     let mut devices = BTreeMap::new();
     for job in &claims.jobs {
         requirements(job)?;
-        match &job.order {
-            Order::Dimibot(order) => dimibot::check_claims(order)?,
-            Order::ElectrodeArray(order) => electrode_array::check_claims(order)?,
-            Order::Microrobots(order) => microrobots::check_claims(order)?,
-            Order::Fingers(order) => fingers::check_claims(order)?,
-        }
+        let judge = judge_of(&job.order);
+        judge.premise()?;
         let first = devices.entry(job.device.as_str()).or_insert(job);
-        if !same_facts(first, job) {
+        if !judge.has_facts_of(&first.order) {
             return Err(Unfit(format!("the claims hold two sets of facts about the device `{}`", job.device)));
         }
-        if !same_parts(first, job) {
+        if !judge.has_parts_of(&first.order) {
             return Err(Unfit(format!("the claims hold two sets of parts on the device `{}`", job.device)));
         }
     }
     Ok(())
+}
+
+/// Whether numbers can be the place of a frame.
+pub(super) fn is_frame(frame: &Pose) -> bool {
+    [frame.x_um, frame.y_um, frame.heading_rad].iter().all(|value| value.abs() <= MAX_EXTENT_UM)
 }
 
 /// A shared scene places robots of the program, each where all its orders have it.
@@ -49,10 +49,10 @@ fn shared(scene: &SharedScene, claims: &Claims) -> Result<(), Unfit> {
         if !is_frame(frame) {
             return unfit("nowhere");
         }
-        if jobs().next().is_none() || jobs().any(|job| job.order.dimibot().is_none()) {
+        if jobs().next().is_none() || jobs().any(|job| job.kind().vocabulary().frames == Frames::No) {
             return unfit("as a robot that the program does not run");
         }
-        let places = jobs().filter_map(|job| job.order.dimibot()?.frame);
+        let places = jobs().filter_map(|job| job.order.asked().frame());
         if places.chain(claims.frame(device)).any(|other| other != *frame) {
             return unfit("at two places");
         }
@@ -89,37 +89,4 @@ fn requirements(job: &Job) -> Result<(), Unfit> {
         }
     }
     Ok(())
-}
-
-fn same_facts(one: &Job, other: &Job) -> bool {
-    match (&one.order, &other.order) {
-        (Order::Dimibot(one), Order::Dimibot(other)) => one.facts == other.facts,
-        (Order::ElectrodeArray(one), Order::ElectrodeArray(other)) => one.facts == other.facts,
-        (Order::Microrobots(one), Order::Microrobots(other)) => {
-            let same = |one: &MicrorobotsOrder, other: &MicrorobotsOrder| {
-                one.facts == other.facts && one.states == other.states
-            };
-            std::sync::Arc::ptr_eq(&one.facts, &other.facts) || same(one, other)
-        }
-        (Order::Fingers(one), Order::Fingers(other)) => one.facts == other.facts,
-        (Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Microrobots(_) | Order::Fingers(_), _) => false,
-    }
-}
-
-/// Parts are known by their names from one run of a device to the next.
-fn same_parts(one: &Job, other: &Job) -> bool {
-    match (&one.order, &other.order) {
-        (Order::ElectrodeArray(one), Order::ElectrodeArray(other)) => {
-            let names = |order: &ElectrodeArrayOrder| -> BTreeSet<String> {
-                order.parts.iter().map(|part| part.name.clone()).collect()
-            };
-            std::sync::Arc::ptr_eq(&one.parts, &other.parts) || names(one) == names(other)
-        }
-        (Order::Microrobots(one), Order::Microrobots(other)) => {
-            let rows = |order: &MicrorobotsOrder| order.robots.iter().map(|robot| robot.row).collect::<Vec<_>>();
-            rows(one) == rows(other)
-        }
-        (Order::Fingers(one), Order::Fingers(other)) => one.part == other.part,
-        (Order::Dimibot(_) | Order::ElectrodeArray(_) | Order::Microrobots(_) | Order::Fingers(_), _) => true,
-    }
 }

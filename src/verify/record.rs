@@ -5,16 +5,16 @@
 
 use super::clock::JudgedRun;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{RecordTerms, Replay, dimibot, electrode_array, fingers, microrobots};
-use crate::claims::{Order, Relation, Requirement};
+use super::{RecordTerms, Replay, judge_of, judged_state};
+use crate::claims::{Relation, Requirement};
 use crate::device::Outcome;
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::schedule::reached::reached;
-use crate::schedule::{Reached, State, TimedState};
+use crate::schedule::{Reached, TimedState};
 use std::borrow::Cow;
 
 /// Share of the larger one by which two figures may differ.
-const TOLERANCE: f64 = 1e-9;
+pub(super) const TOLERANCE: f64 = 1e-9;
 
 pub(super) fn check(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     names(run, findings);
@@ -29,16 +29,6 @@ pub(super) fn check(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     requirements(run, replay, findings);
 }
 
-/// Terms of a run's record, from the claims.
-fn terms(run: &JudgedRun) -> RecordTerms {
-    match &run.job.order {
-        Order::Dimibot(order) => dimibot::terms(order),
-        Order::ElectrodeArray(order) => electrode_array::terms(order),
-        Order::Microrobots(_) => microrobots::terms(),
-        Order::Fingers(order) => fingers::terms(order),
-    }
-}
-
 fn alike(one: f64, other: f64) -> bool {
     (one - other).abs() <= TOLERANCE * one.abs().max(other.abs())
 }
@@ -48,7 +38,7 @@ fn figure(run: &JudgedRun, title: String) -> Violation {
 }
 
 fn names(run: &JudgedRun, findings: &mut Findings) {
-    let terms = terms(run);
+    let terms = judge_of(&run.job.order).terms();
     let named = [
         ("planner", &run.plan.planner, terms.planner),
         ("objective", &run.plan.objective, terms.objective),
@@ -61,7 +51,7 @@ fn names(run: &JudgedRun, findings: &mut Findings) {
 }
 
 fn cost(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
-    let RecordTerms { outcome, unit, scale, .. } = terms(run);
+    let RecordTerms { outcome, unit, scale, .. } = judge_of(&run.job.order).terms();
     let replayed = replay.outcomes[outcome] * scale;
     if !alike(run.plan.cost, replayed) {
         let (recorded, replayed) = apart(run.plan.cost, replayed);
@@ -160,7 +150,8 @@ pub(super) fn difference(run: &JudgedRun, replayed: &[Cow<TimedState>]) -> Optio
     let first = recorded.iter().zip(replayed).position(differs);
     let violation = match first {
         Some(0) if recorded[0].t_ns == replayed[0].t_ns => {
-            let (recorded, replayed) = (shown(&recorded[0].state), shown(&replayed[0].state));
+            let (recorded, replayed) =
+                (judged_state(&recorded[0].state).shown(), judged_state(&replayed[0].state).shown());
             let title = format!(
                 "the run of `{}` is recorded as starting at {recorded}, but starts at {replayed}",
                 run.job.task
@@ -172,9 +163,9 @@ pub(super) fn difference(run: &JudgedRun, replayed: &[Cow<TimedState>]) -> Optio
             let title = format!(
                 "state {at} of `{}` is recorded as {} from {} on, but the replay gives {} from {} on",
                 run.job.task,
-                shown(&one.state),
+                judged_state(&one.state).shown(),
                 ms(one.t_ns),
-                shown(&other.state),
+                judged_state(&other.state).shown(),
                 ms(other.t_ns)
             );
             Violation::new(Rule::State, other.t_ns, title)
@@ -195,46 +186,7 @@ pub(super) fn miscounted(run: &JudgedRun, replayed: u64) -> Violation {
 
 /// Whether a recorded state is the replayed one, but for rounding.
 pub(super) fn agrees(recorded: &TimedState, replayed: &TimedState) -> bool {
-    recorded.t_ns == replayed.t_ns && same(&recorded.state, &replayed.state)
-}
-
-fn same(recorded: &State, replayed: &State) -> bool {
-    let near = |(one, other): (&f64, &f64)| (one - other).abs() <= TOLERANCE * other.abs().max(1.0);
-    match (recorded, replayed) {
-        (
-            State::Dimibot { word, cell, position_um },
-            State::Dimibot { word: true_word, cell: true_cell, position_um: true_um },
-        ) => word == true_word && cell == true_cell && position_um.iter().zip(true_um).all(near),
-        (State::ElectrodeArray { parts }, State::ElectrodeArray { parts: true_parts }) => parts == true_parts,
-        (
-            State::Microrobots { control, arms, docked, poses },
-            State::Microrobots { control: true_control, arms: true_arms, docked: true_docked, poses: true_poses },
-        ) => {
-            control == true_control
-                && arms == true_arms
-                && docked == true_docked
-                && poses.len() == true_poses.len()
-                && poses.iter().zip(true_poses).all(|((name, pose), (true_name, true_pose))| {
-                    name == true_name && microrobots::near(pose, true_pose)
-                })
-        }
-        (State::Fingers { .. }, State::Fingers { .. }) => fingers::near(recorded, replayed),
-        (
-            State::Dimibot { .. } | State::ElectrodeArray { .. } | State::Microrobots { .. } | State::Fingers { .. },
-            _,
-        ) => false,
-    }
-}
-
-fn shown(state: &State) -> String {
-    match state {
-        State::Dimibot { word, cell: [x, y], position_um: [x_um, y_um] } => {
-            format!("cell ({x}, {y}), word {word}, at ({}, {}) um", digits(*x_um), digits(*y_um))
-        }
-        State::ElectrodeArray { parts } => electrode_array::shown(parts),
-        State::Microrobots { control, docked, poses, .. } => microrobots::shown(*control, docked, poses),
-        State::Fingers { .. } => fingers::shown(state),
-    }
+    recorded.t_ns == replayed.t_ns && judged_state(&recorded.state).agrees(&replayed.state)
 }
 
 fn requirements(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
@@ -278,12 +230,7 @@ fn broken(run: &JudgedRun, requirement: &Requirement, outcome: &Outcome, value: 
 }
 
 fn mend(run: &JudgedRun, relation: Relation, name: &'static str, value: &str) -> String {
-    let objective = match &run.job.order {
-        Order::Dimibot(_) => dimibot::minimized_as(name),
-        Order::ElectrodeArray(_) => electrode_array::minimized_as(name),
-        Order::Microrobots(_) => microrobots::minimized_as(name),
-        Order::Fingers(_) => fingers::minimized_as(name),
-    };
+    let objective = judge_of(&run.job.order).minimized_as(name);
     let limit = match relation {
         Relation::AtMost | Relation::AtLeast | Relation::Equal => format!("a limit of {value} would hold"),
         Relation::Less => format!("a limit above {value} would hold"),

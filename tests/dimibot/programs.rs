@@ -4,6 +4,7 @@ use super::brute::{self, Cell, Figures};
 use super::scene::{Limit, OUTCOMES, Random, Scene};
 use super::{UNITS, cases, close};
 use std::collections::{BTreeMap, BTreeSet};
+use tweeze::schedule::dimibot::DimibotState;
 use tweeze::schedule::{PlanRecord, State};
 
 /// A task of one of the robots.
@@ -96,7 +97,7 @@ fn text(works: &[Vec<Work>; 2], random: &mut Random) -> String {
 }
 
 fn cell(state: &State) -> Cell {
-    let State::Dimibot { cell, .. } = state else { panic!("{state:?}") };
+    let State::Dimibot(DimibotState { cell, .. }) = state else { panic!("{state:?}") };
     *cell
 }
 

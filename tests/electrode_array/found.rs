@@ -7,7 +7,7 @@ fn text(name: &str) -> String {
     std::fs::read_to_string(path).expect("the program lies beside the tests")
 }
 
-fn planned(text: &str) -> tweeze::plan::Plan {
+fn planned(text: &str) -> tweeze::plan::Plan<()> {
     match answered(text) {
         Answered::Plan(plan) => *plan,
         other => panic!("{other:?}"),

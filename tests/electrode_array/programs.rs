@@ -12,7 +12,7 @@ use tweeze::verify::{self, Verdict};
 /// What became of the only task of a program.
 #[derive(Debug)]
 pub enum Answered {
-    Plan(Box<Plan>),
+    Plan(Box<Plan<()>>),
     /// The planner's errors, each with its code and help.
     Errors(Vec<String>),
     /// The program itself has errors.
@@ -40,7 +40,7 @@ pub fn answered(text: &str) -> Answered {
             let schedule = lower(claims, &plans, &sources, &mut sink).expect("a schedule");
             let verdict = verify::verify_program(schedule, claims, &sources);
             assert!(matches!(verdict, Verdict::Accepted(_)), "{verdict:?}\n{text}");
-            Answered::Plan(Box::new(plans.remove(0)))
+            Answered::Plan(Box::new(plans.remove(0).map(drop)))
         }
         None => Answered::Errors(
             sink.sorted()

@@ -395,7 +395,7 @@ fn limit(all: &BTreeSet<Figures>, chance: &mut Random) -> (&'static str, &'stati
     (outcome, relation, (reached + u64::from(chance.below(3))).saturating_sub(1))
 }
 
-fn figures(plan: &Plan) -> Figures {
+fn figures(plan: &Plan<()>) -> Figures {
     NAMES.map(|name| plan.outcomes[name] as u64)
 }
 

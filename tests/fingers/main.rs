@@ -18,6 +18,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use random::Random;
 use support::build;
 use tweeze::device::fingers::Plane;
+use tweeze::schedule::fingers::FingersState;
 use tweeze::schedule::{PlanRecord, State};
 
 /// The paper's hand and its ellipsoid: 74 contacts round each section. Without weight, as in the paper.
@@ -44,7 +45,7 @@ fn plan(text: &str) -> PlanRecord {
 /// Grasp, angle index and plane of every state.
 fn grasps(plan: &PlanRecord) -> Vec<(Vec<u32>, i64, Plane)> {
     let of = |state: &State| match state {
-        State::Fingers { grasp, angle_index, plane, .. } => (grasp.clone(), *angle_index, *plane),
+        State::Fingers(FingersState { grasp, angle_index, plane, .. }) => (grasp.clone(), *angle_index, *plane),
         other => panic!("a state of a hand: {other:?}"),
     };
     plan.states.iter().map(|timed| of(&timed.state)).collect()
@@ -53,7 +54,7 @@ fn grasps(plan: &PlanRecord) -> Vec<(Vec<u32>, i64, Plane)> {
 /// How the part stands at the end.
 fn last(plan: &PlanRecord) -> (Vector3<f64>, UnitQuaternion<f64>) {
     match plan.states.last().map(|timed| &timed.state) {
-        Some(State::Fingers { position_um, orientation: [w, x, y, z], .. }) => {
+        Some(State::Fingers(FingersState { position_um, orientation: [w, x, y, z], .. })) => {
             (Vector3::from(*position_um), UnitQuaternion::from_quaternion(Quaternion::new(*w, *x, *y, *z)))
         }
         other => panic!("a state of a hand: {other:?}"),

@@ -10,6 +10,7 @@ use nalgebra::{Matrix3, Quaternion, Rotation2, Rotation3, UnitQuaternion, Vector
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use tweeze::device::fingers::Plane;
+use tweeze::schedule::fingers::FingersState;
 use tweeze::schedule::{PlanRecord, Reached, Schedule, State};
 
 /// How far a recorded orientation may be from the integrated one, for each full turn that was rolled by then.
@@ -165,7 +166,7 @@ fn off(schedule: &Schedule, plan: &PlanRecord, outlines: &BTreeMap<Plane, Outlin
         .states
         .iter()
         .map(|timed| match &timed.state {
-            State::Fingers { grasp, plane, position_um, orientation: [w, x, y, z], .. } => {
+            State::Fingers(FingersState { grasp, plane, position_um, orientation: [w, x, y, z], .. }) => {
                 let turn = UnitQuaternion::from_quaternion(Quaternion::new(*w, *x, *y, *z));
                 (timed.t_ns, grasp, *plane, Vector3::from(*position_um), turn)
             }

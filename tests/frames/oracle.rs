@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use tweeze::claims::Claims;
+use tweeze::claims::dimibot::DimibotOrder;
 use tweeze::device::dimibot::DimibotFacts;
 use tweeze::schedule::Schedule;
 
@@ -62,7 +63,7 @@ fn pitch_um(facts: &DimibotFacts, modules: u32) -> f64 {
 /// All stays of a device in a schedule.
 fn stays(schedule: &Schedule, claims: &Claims, device: &str) -> (Vec<Stay>, f64) {
     let first = claims.jobs.iter().find(|job| job.device == device).expect("a run of the device");
-    let order = first.order.dimibot().expect("a DiMiBot");
+    let order = DimibotOrder::of(&first.order).expect("a DiMiBot");
     let facts = &order.facts;
     let frame = claims.shared.iter().find_map(|scene| scene.frames.get(device)).expect("a place in a scene");
     let stand = [frame.x_um, frame.y_um, frame.heading_rad];

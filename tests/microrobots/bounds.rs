@@ -5,6 +5,7 @@
 use super::random::Random;
 use super::support::build;
 use std::f64::consts::TAU;
+use tweeze::schedule::microrobots::MicrorobotsState;
 use tweeze::schedule::{Schedule, State};
 
 /// A pose: x and y in micrometres, heading in radians.
@@ -239,7 +240,7 @@ fn no_sequence_of_states_beats_the_bound_of_two_robots() {
 /// The arms of one robot in a schedule: whether down, and for how many strokes.
 fn trains(schedule: &Schedule, row: usize) -> Vec<(bool, i64)> {
     let states = schedule.plans[0].states.iter().map(|timed| match &timed.state {
-        State::Microrobots { arms, .. } => arms[row] == 1,
+        State::Microrobots(MicrorobotsState { arms, .. }) => arms[row] == 1,
         other => panic!("a state of a bed: {other:?}"),
     });
     let trains = schedule.actuations.iter().filter_map(|one| Some((one.duration_ns / one.swing?.period_ns) as i64));

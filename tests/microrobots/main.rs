@@ -14,6 +14,7 @@ use random::Random;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use support::build;
+use tweeze::schedule::microrobots::MicrorobotsState;
 use tweeze::schedule::{PlanRecord, State};
 
 /// The golden table of four robots; `turns` as a fifth column would say to which side.
@@ -39,7 +40,7 @@ fn pose(x_um: f64, y_um: f64, heading_rad: f64) -> String {
 /// Where a robot is at the end of a plan.
 fn last(plan: &PlanRecord, robot: &str) -> [f64; 3] {
     match plan.states.last().map(|timed| &timed.state) {
-        Some(State::Microrobots { poses, .. }) => poses[robot],
+        Some(State::Microrobots(MicrorobotsState { poses, .. })) => poses[robot],
         other => panic!("a state of a bed: {other:?}"),
     }
 }
@@ -113,14 +114,16 @@ fn three_robots_come_together() {
     let built = build(&text);
     assert_eq!(built.codes, Vec::<&str>::new());
     let plan = &built.schedules[0].schedule().plans[0];
-    let Some(State::Microrobots { docked, .. }) = plan.states.last().map(|timed| &timed.state) else {
+    let Some(State::Microrobots(MicrorobotsState { docked, .. })) = plan.states.last().map(|timed| &timed.state) else {
         panic!("a state of a bed")
     };
     assert_eq!(docked, &["D2", "D3", "D4"]);
     assert!(plan.bound > 0.0 && plan.bound <= plan.cost);
     let mut turned = 0;
     for timed in &plan.states {
-        let State::Microrobots { arms, docked, .. } = &timed.state else { panic!("a state of a bed") };
+        let State::Microrobots(MicrorobotsState { arms, docked, .. }) = &timed.state else {
+            panic!("a state of a bed")
+        };
         let row = |name: &String| name[1..].parse::<usize>().expect("a number") - 1;
         assert!(docked.iter().all(|name| arms[row(name)] == 0), "{docked:?} with {arms:?}");
         turned += usize::from(!docked.is_empty() && arms[1] == 1);

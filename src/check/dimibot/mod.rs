@@ -3,19 +3,19 @@
 use super::devices::CheckedDevice;
 use super::fields::Accepted;
 use super::figures::Figures;
-use super::frames::DeviceFrame;
+use super::frames::{DeviceFrame, PlacedDevices};
 use super::lets::Argument;
 use super::objects::of_other_kind;
 use super::scenes::{CheckedScene, SceneObject};
 use super::tasks::{self, Parts, TaskSite};
 use super::value::{ModuleWord, Value, whole};
-use super::{Checker, errors, shapes};
-use crate::claims::Job;
+use super::{CheckedFacts, Checker, KindChecks, KindFacts, errors, shapes};
 use crate::claims::dimibot::{
     Asked, DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacle, DimibotObstacleBody, DimibotOrder,
     DimibotPlanner, DimibotStep, DimibotStop,
 };
-use crate::device::dimibot::{self, LatticeCell, Side, Simultaneous};
+use crate::claims::{Job, Order};
+use crate::device::dimibot::{self, DimibotFacts, LatticeCell, Side, Simultaneous};
 use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::distance;
@@ -28,6 +28,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 mod cover;
+mod frames;
 mod stops;
 
 pub use cover::SceneCover;
@@ -35,13 +36,39 @@ pub use cover::SceneCover;
 /// Default limit of expanded states in one search.
 pub const DEFAULT_EXPANSIONS: u64 = 20_000_000;
 
-/// The facts of a complete device.
-pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<dimibot::DimibotFacts> {
-    let fields = &device.fields;
-    if fields.values().any(|field| field.value.is_unknown()) {
-        return None;
+impl CheckedFacts for Rc<DimibotFacts> {
+    fn channel_examples(&self) -> Vec<String> {
+        self.channels()
     }
-    let mut facts = dimibot::DimibotFacts {
+
+    fn order(&self, checker: &mut Checker, site: &TaskSite, parts: Parts) -> Option<Order> {
+        checker.dimibot_order(site, self, parts).map(Order::Dimibot)
+    }
+}
+
+/// The checks of the kind.
+pub struct DimibotChecks;
+
+pub const CHECKS: DimibotChecks = DimibotChecks;
+
+impl KindChecks for DimibotChecks {
+    fn facts(&self, device: &CheckedDevice, sink: &mut Sink) -> Option<KindFacts> {
+        facts(device, sink).map(|facts| KindFacts::Dimibot(Rc::new(facts)))
+    }
+
+    fn agree(&self, jobs: &mut [Job], sink: &mut Sink) {
+        starts_agree(jobs, sink);
+    }
+
+    fn beside(&self, checker: &mut Checker, placed: &PlacedDevices, jobs: &mut [Job]) {
+        checker.put_idle_robots(placed, jobs);
+    }
+}
+
+/// The facts of a complete device.
+fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<DimibotFacts> {
+    let fields = &device.fields;
+    let mut facts = DimibotFacts {
         left: fields.count("left")?,
         right: fields.count("right")?,
         stroke_um: fields.length_um("stroke")?,
@@ -71,7 +98,7 @@ fn simultaneous(fields: &Accepted) -> Option<Simultaneous> {
 }
 
 /// Whether the workspace is of a size that is counted with exactly.
-fn fits(facts: &dimibot::DimibotFacts, device: &CheckedDevice, sink: &mut Sink) -> bool {
+fn fits(facts: &DimibotFacts, device: &CheckedDevice, sink: &mut Sink) -> bool {
     let extent_um = 2.0 * facts.gain * facts.stroke_um * std::f64::consts::SQRT_2;
     let fits = extent_um <= dimibot::MAX_REACH_UM && facts.growth_um() <= dimibot::MAX_REACH_UM;
     if !fits {
@@ -81,7 +108,7 @@ fn fits(facts: &dimibot::DimibotFacts, device: &CheckedDevice, sink: &mut Sink) 
     fits
 }
 
-fn warn_of_coarseness(facts: &dimibot::DimibotFacts, device: &CheckedDevice, sink: &mut Sink) {
+fn warn_of_coarseness(facts: &DimibotFacts, device: &CheckedDevice, sink: &mut Sink) {
     let pitch_um = facts.pitch_um(Side::Left).min(facts.pitch_um(Side::Right));
     if facts.repeatability_um > pitch_um / 2.0 {
         let at = device.fields.get("repeatability").map_or(device.span, |field| field.span);
@@ -100,23 +127,13 @@ fn length(um: f64) -> String {
 
 impl Checker<'_> {
     /// A task's body in the kind's own terms; `None` after an error.
-    pub fn dimibot_order(
-        &mut self,
-        site: &TaskSite,
-        facts: &dimibot::DimibotFacts,
-        parts: Parts,
-    ) -> Option<DimibotOrder> {
+    pub fn dimibot_order(&mut self, site: &TaskSite, facts: &DimibotFacts, parts: Parts) -> Option<DimibotOrder> {
         let judged = self.scene_met(site, |checker, scene| checker.obstacles(site, scene, facts));
         let order = order(facts, &judged.cover, parts, &site.device.name, self.sink);
         order.filter(|_| judged.is_whole)
     }
 
-    fn obstacles(
-        &mut self,
-        site: &TaskSite,
-        scene: Option<&CheckedScene>,
-        facts: &dimibot::DimibotFacts,
-    ) -> DimibotScene {
+    fn obstacles(&mut self, site: &TaskSite, scene: Option<&CheckedScene>, facts: &DimibotFacts) -> DimibotScene {
         let Some(scene) = scene else {
             return DimibotScene { cover: SceneCover::of(Vec::new(), facts, None), is_whole: true };
         };
@@ -142,11 +159,11 @@ pub struct DimibotScene {
 
 /// The robot that a scene is judged with.
 struct SceneRobot<'a> {
-    facts: &'a dimibot::DimibotFacts,
+    facts: &'a DimibotFacts,
     name: &'a str,
     frame: Option<&'a DeviceFrame>,
     /// The other robots that the scene places.
-    others: &'a [(Rc<dimibot::DimibotFacts>, Pose)],
+    others: &'a [(Rc<DimibotFacts>, Pose)],
 }
 
 impl SceneRobot<'_> {
@@ -156,8 +173,7 @@ impl SceneRobot<'_> {
 
     /// Whether a body can touch neither the tip nor that of any other robot of the scene.
     fn is_out_of_all_reach(&self, body: &DimibotObstacleBody) -> bool {
-        let is_outside_of =
-            |(facts, pose): &(Rc<dimibot::DimibotFacts>, Pose)| is_outside(&body.seen_from(Some(pose)), facts);
+        let is_outside_of = |(facts, pose): &(Rc<DimibotFacts>, Pose)| is_outside(&body.seen_from(Some(pose)), facts);
         self.others.iter().all(is_outside_of)
     }
 }
@@ -224,7 +240,7 @@ fn point(object: &SceneObject, robot: &SceneRobot, sink: &mut Sink) -> Option<Di
 fn block(
     object: &SceneObject,
     fields: &Accepted,
-    facts: &dimibot::DimibotFacts,
+    facts: &DimibotFacts,
     sink: &mut Sink,
 ) -> Option<DimibotObstacleBody> {
     let corner = |name: &str| fields.get(name).and_then(|field| whole_cell(&field.value));
@@ -249,7 +265,7 @@ fn block(
 }
 
 /// The part of a block on the lattice; a block that misses it entirely keeps `from` above `to`.
-fn clipped(low: [i64; 2], high: [i64; 2], facts: &dimibot::DimibotFacts) -> DimibotObstacleBody {
+fn clipped(low: [i64; 2], high: [i64; 2], facts: &DimibotFacts) -> DimibotObstacleBody {
     let last = [facts.cells(Side::Left), facts.cells(Side::Right)].map(|cells| i64::from(cells) - 1);
     let missed = (0..2).any(|axis| high[axis] < 0 || low[axis] > last[axis]);
     if missed {
@@ -283,7 +299,7 @@ fn solid(object: &SceneObject, shape: Shape, robot: &SceneRobot, sink: &mut Sink
 }
 
 /// Whether a body can never touch the tip, by its bounding box.
-fn is_outside(body: &DimibotObstacleBody, facts: &dimibot::DimibotFacts) -> bool {
+fn is_outside(body: &DimibotObstacleBody, facts: &DimibotFacts) -> bool {
     match body {
         DimibotObstacleBody::Cells { from, to } => from.x > to.x,
         DimibotObstacleBody::Solid { shape, pose } => {
@@ -295,7 +311,7 @@ fn is_outside(body: &DimibotObstacleBody, facts: &dimibot::DimibotFacts) -> bool
 }
 
 /// The cell of all modules at 1.
-fn last_cell(facts: &dimibot::DimibotFacts) -> LatticeCell {
+fn last_cell(facts: &DimibotFacts) -> LatticeCell {
     LatticeCell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 }
 }
 
@@ -314,7 +330,7 @@ fn bounds_um(shape: &Shape, pose: &Pose, growth_um: f64) -> Option<[[f64; 2]; 2]
 }
 
 /// Distance of a cell's place from a body's rim; negative inside.
-fn clearance_um(shape: &Shape, pose: &Pose, cell: LatticeCell, facts: &dimibot::DimibotFacts) -> f64 {
+fn clearance_um(shape: &Shape, pose: &Pose, cell: LatticeCell, facts: &DimibotFacts) -> f64 {
     let [x_um, y_um] = facts.place_um(cell);
     let at = Point2::new(x_um, y_um);
     let body = shape.grown(pose, 0.0);
@@ -322,7 +338,7 @@ fn clearance_um(shape: &Shape, pose: &Pose, cell: LatticeCell, facts: &dimibot::
 }
 
 fn order(
-    facts: &dimibot::DimibotFacts,
+    facts: &DimibotFacts,
     cover: &SceneCover,
     parts: Parts,
     device: &str,
@@ -354,7 +370,7 @@ fn order(
 }
 
 /// The precision of a task: `None` after an error.
-fn precision(settings: &Accepted, facts: &dimibot::DimibotFacts, sink: &mut Sink) -> Option<Option<f64>> {
+fn precision(settings: &Accepted, facts: &DimibotFacts, sink: &mut Sink) -> Option<Option<f64>> {
     let Some(field) = settings.get("precision") else { return Some(None) };
     let Value::Quantity(asked) = field.value else { return None };
     let precision_um = asked.in_unit("um");
@@ -418,10 +434,10 @@ enum KnownStand {
 }
 
 /// Each `start at` must be where the device's last task left it, as far as that is known before planning.
-pub fn starts_agree(jobs: &[Job], sink: &mut Sink) {
+fn starts_agree(jobs: &[Job], sink: &mut Sink) {
     let mut stands: BTreeMap<&str, KnownStand> = BTreeMap::new();
     for job in jobs {
-        let Some(order) = job.order.dimibot() else { continue };
+        let Some(order) = DimibotOrder::of(&job.order) else { continue };
         let before = stands.get(job.device.as_str()).copied();
         if let (Some(start), Some(KnownStand::At(cell))) = (order.start, before)
             && start.value != cell

@@ -1,22 +1,18 @@
 //! The facts of a board: geometry first, then the limits from forces.
 
-use super::physics;
+use super::errors;
+use super::physics::{self, rounded_up};
 use crate::check::devices::CheckedDevice;
-use crate::check::errors;
 use crate::check::fields::Accepted;
 use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
 use crate::check::value::{ShapeValue, Value, whole};
 use crate::device::electrode_array::{ElectrodeArrayFacts, Electrodes, Hold, Layout, Separation};
 use crate::diagnostic::Sink;
-use crate::real::Real;
 
 /// The facts of a complete device; `None` where parts cannot even be placed.
 pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFacts> {
     let fields = &device.fields;
-    if fields.values().any(|field| field.value.is_unknown()) {
-        return None;
-    }
     let facts = ElectrodeArrayFacts {
         columns: fields.count("columns")?,
         rows: fields.count("rows")?,
@@ -152,24 +148,4 @@ fn warn_of_published(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: 
 /// A plain number for a message.
 pub fn number(value: f64) -> String {
     crate::quantity::digits(value)
-}
-
-/// The next figure of four digits that is no less: a least value named in a message must suffice.
-pub fn rounded_up(value: f64) -> f64 {
-    rounded(value * (1.0 - 1e-9), f64::ceil)
-}
-
-/// The next figure of four digits that is no greater.
-pub fn rounded_down(value: f64) -> f64 {
-    rounded(value * (1.0 + 1e-9), f64::floor)
-}
-
-fn rounded(value: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
-    if value <= 0.0 || !value.is_normal() {
-        return value;
-    }
-    let digits = 3 - value.common_logarithm().floor() as i32;
-    // Parsing the digits gives the nearest double; a product with a power of ten need not.
-    let scaled = to_whole(value * 10f64.whole_power(digits));
-    format!("{scaled}e{}", -digits).parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(value)
 }

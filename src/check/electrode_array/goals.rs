@@ -2,11 +2,12 @@
 
 use super::cover::{SpacedPlaces, nearest_cell};
 use super::default_expansions;
+use super::errors;
 use super::tray::{BlockedCell, BoardScene, on_board, on_obstacle, whole_cell};
+use crate::check::Checker;
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
 use crate::check::tasks::{self, Call, Parts, TaskSite};
-use crate::check::{Checker, errors};
 use crate::claims::electrode_array::{
     Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
     ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop,

@@ -2,6 +2,7 @@
 
 mod board;
 mod cover;
+mod errors;
 mod forces;
 mod goals;
 mod motion;
@@ -9,9 +10,13 @@ mod physics;
 mod places;
 mod tray;
 
-use crate::device::electrode_array::ElectrodeArrayFacts;
-pub use board::facts;
-pub use places::places_agree;
+use super::devices::CheckedDevice;
+use super::tasks::{Parts, TaskSite};
+use super::{CheckedFacts, Checker, KindChecks, KindFacts};
+use crate::claims::{Job, Order};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
+use crate::diagnostic::Sink;
+use std::rc::Rc;
 
 /// Greatest default of the limit of expanded states.
 const MOST_BY_DEFAULT: u64 = 64_000_000;
@@ -22,6 +27,36 @@ pub fn default_expansions(facts: &ElectrodeArrayFacts, parts: usize) -> u64 {
     let cells = u64::from(facts.columns) * u64::from(facts.rows);
     let more = cells.saturating_mul(2 * parts as u64);
     (16_000_000 + more).min(MOST_BY_DEFAULT)
+}
+
+impl CheckedFacts for Rc<ElectrodeArrayFacts> {
+    fn channel_examples(&self) -> Vec<String> {
+        let last = ElectrodeCell::new(self.columns, self.rows);
+        [ElectrodeCell::new(1, 1), last].map(ElectrodeArrayFacts::channel).to_vec()
+    }
+
+    fn has_channel(&self, name: &str) -> bool {
+        self.electrode(name).is_some()
+    }
+
+    fn order(&self, checker: &mut Checker, site: &TaskSite, parts: Parts) -> Option<Order> {
+        checker.electrode_array_order(site, self, parts).map(Order::ElectrodeArray)
+    }
+}
+
+/// The checks of the kind.
+pub struct ElectrodeArrayChecks;
+
+pub const CHECKS: ElectrodeArrayChecks = ElectrodeArrayChecks;
+
+impl KindChecks for ElectrodeArrayChecks {
+    fn facts(&self, device: &CheckedDevice, sink: &mut Sink) -> Option<KindFacts> {
+        board::facts(device, sink).map(|facts| KindFacts::ElectrodeArray(Rc::new(facts)))
+    }
+
+    fn agree(&self, jobs: &mut [Job], sink: &mut Sink) {
+        places::places_agree(jobs, sink);
+    }
 }
 
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! Whether the forces move a part of this device, and whether its steps are long enough.
 
-use super::board::{rounded_down, rounded_up};
+use super::errors;
 use super::forces::{Forces, RadiusTable};
 use super::motion::Glide;
 use crate::check::devices::CheckedDevice;
-use crate::check::errors;
 use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
 use crate::device::VocabularyField;
@@ -196,4 +195,24 @@ fn force(n: f64) -> String {
 
 fn three_digits(si: f64) -> f64 {
     format!("{si:.3e}").parse().unwrap_or(si)
+}
+
+/// The next figure of four digits that is no less: what a message names as the least has to be enough.
+pub fn rounded_up(value: f64) -> f64 {
+    rounded(value * (1.0 - 1e-9), f64::ceil)
+}
+
+/// The next figure of four digits that is no greater.
+pub fn rounded_down(value: f64) -> f64 {
+    rounded(value * (1.0 + 1e-9), f64::floor)
+}
+
+fn rounded(value: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
+    if value <= 0.0 || !value.is_normal() {
+        return value;
+    }
+    let digits = 3 - value.common_logarithm().floor() as i32;
+    // The text of the digits is the nearest double to them; a product with a power of ten need not be.
+    let scaled = to_whole(value * 10f64.whole_power(digits));
+    format!("{scaled}e{}", -digits).parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(value)
 }

@@ -4,8 +4,8 @@
 //! near to a part that stays where it is, or that comes back there.
 
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
+use super::errors;
 use super::tray::distance_to;
-use crate::check::errors;
 use crate::claims::Job;
 use crate::claims::electrode_array::{
     BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayOrder,
@@ -23,7 +23,7 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) {
     let mut boards: BTreeMap<&str, BoardWalk> = BTreeMap::new();
     let mut walk = PartsWalk { told: BTreeSet::new(), covers: BTreeMap::new() };
     for job in jobs {
-        let Some(order) = job.order.electrode_array() else { continue };
+        let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
         let board = boards.entry(&job.device).or_insert_with(|| BoardWalk::of(order));
         if !Arc::ptr_eq(&board.parts, &order.parts) {
             if let Some(name) = odd_part(&board.parts, &order.parts) {

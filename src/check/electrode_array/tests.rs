@@ -67,7 +67,7 @@ fn orders(text: &str) -> Vec<ElectrodeArrayOrder> {
     let (checked, codes) = checked(text);
     let checked = checked.unwrap_or_else(|| panic!("{codes:?}: {text}"));
     let jobs = checked.claims.iter().flat_map(|claims| &claims.jobs);
-    jobs.filter_map(|job| job.order.electrode_array().cloned()).collect()
+    jobs.filter_map(|job| ElectrodeArrayOrder::of(&job.order).cloned()).collect()
 }
 
 #[test]

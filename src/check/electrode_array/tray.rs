@@ -2,6 +2,8 @@
 
 use super::board;
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
+use super::errors;
+use crate::check::Checker;
 use crate::check::devices::CheckedDevice;
 use crate::check::fields::Accepted;
 use crate::check::figures::Figures;
@@ -10,7 +12,6 @@ use crate::check::objects::{ObjectNames, of_other_kind};
 use crate::check::scenes::{CheckedScene, SceneObject};
 use crate::check::tasks::TaskSite;
 use crate::check::value::{ShapeValue, Value, whole};
-use crate::check::{Checker, errors};
 use crate::claims::electrode_array::{BoardPart, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_OBSTACLES, MAX_PARTS, VOCABULARY};
 use crate::device::shape::ShapeForm;

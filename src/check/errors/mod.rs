@@ -1,25 +1,21 @@
 //! Diagnostics of the checker, one function for each finding.
 
 mod devices;
-mod electrode_array;
-mod fingers;
 mod frames;
-mod microrobots;
 mod names;
+mod shapes;
 mod tasks;
 mod values;
 
 pub use devices::*;
-pub use electrode_array::*;
-pub use fingers::*;
 pub use frames::*;
-pub use microrobots::*;
 pub use names::*;
+pub use shapes::*;
 pub use tasks::*;
 pub use values::*;
 
 /// A list of words for a message: "`a`, `b` and `c`".
-fn listed<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
+pub fn listed<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     let words: Vec<String> = words.into_iter().map(|word| format!("`{word}`")).collect();
     match words.split_last() {
         None => "nothing".to_owned(),
@@ -47,6 +43,6 @@ fn with_article(word: &str) -> String {
 }
 
 /// "did you mean `x`?", where something is near.
-fn meant(near: Option<&str>) -> Option<String> {
+pub fn meant(near: Option<&str>) -> Option<String> {
     near.map(|near| format!("did you mean `{near}`?"))
 }

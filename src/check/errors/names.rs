@@ -161,7 +161,7 @@ pub fn unknown_verb(
 ) -> Diagnostic {
     let besides = match together {
         Together::Yes => ["wait", "together"].as_slice(),
-        Together::No => ["wait"].as_slice(),
+        Together::No(_) => ["wait"].as_slice(),
     };
     let kind = with_article(kind);
     let besides = besides.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
@@ -236,4 +236,13 @@ pub fn unknown_object(span: Span, name: &str, noun: &str, near: Option<&str>, sc
         }
         (None, None) => diagnostic.help("say in which scene the task runs, as `task swap on plate in tray`"),
     }
+}
+
+pub fn too_many_objects(span: Span, noun: &str, count: usize, most: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0522, format!("{count} {noun}s in a scene; at most {most} are allowed"))
+        .label(span, "one too many")
+        .help(match noun {
+            "obstacle" => "make blocks of them, as `obstacle wall : cells { from: (20, 20), to: (23, 23) }`",
+            _ => "divide the work among several boards",
+        })
 }

@@ -286,13 +286,8 @@ pub fn planner_cannot(span: Span, name: &str, what: &str, asked: Span) -> Diagno
         .help("leave `using` out: Tweeze's own planner does it")
 }
 
-pub fn together_in_task(span: Span, kind: &str) -> Diagnostic {
-    let title = match kind {
-        "fingers" => "a hand turns one part, and no two at the same time".to_owned(),
-        "microrobots" => "one voltage drives all robots: goals at the same time are an assembly".to_owned(),
-        _ => format!("{} has one end-effector and nothing to move together", with_article(kind)),
-    };
-    Diagnostic::new(Code::E0518, title)
+pub fn together_in_task(span: Span, why: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0518, why)
         .label(span, "not in this task")
         .help("write the steps one below the other; several devices run together in a `program`")
 }

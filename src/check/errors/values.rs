@@ -190,7 +190,7 @@ pub fn division_by_zero(span: Span) -> Diagnostic {
 }
 
 pub fn word_too_long(span: Span) -> Diagnostic {
-    let limit = crate::check::evaluate::MAX_WORD_DIGITS;
+    let limit = crate::device::MAX_WORD_DIGITS;
     Diagnostic::new(Code::E0504, format!("a word of more than {limit} digits"))
         .label(span, "too many digits")
         .help(format!("a word has one digit for each module, at most {limit}"))

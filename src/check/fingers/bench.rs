@@ -24,7 +24,6 @@ const PART_TURNS: usize = 4_000;
 pub struct Lying {
     /// `None` if it has a fault, already reported.
     pub judged: Option<(Arc<crate::claims::fingers::HandPart>, f64)>,
-    pub span: Span,
 }
 
 /// A scene as a hand uses it.
@@ -51,7 +50,7 @@ impl Checker<'_> {
 
 /// A scene with a fault that suppresses further findings.
 fn broken(scene: &CheckedScene) -> HandScene {
-    let broken = scene.objects.iter().map(|object| (object.name.clone(), Lying { judged: None, span: object.span }));
+    let broken = scene.objects.iter().map(|object| (object.name.clone(), Lying { judged: None }));
     HandScene { parts: broken.collect() }
 }
 
@@ -68,7 +67,7 @@ fn judged(scene: &CheckedScene, device: &CheckedDevice, facts: &FingersFacts, si
         }
         let judged = PartReader { object, device, facts, sink }.part();
         let judged = judged.map(|JudgedPart { part, weight_un }| (Arc::new(part), weight_un));
-        parts.insert(object.name.clone(), Lying { judged, span: object.span });
+        parts.insert(object.name.clone(), Lying { judged });
     }
     HandScene { parts }
 }

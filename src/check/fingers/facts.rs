@@ -1,7 +1,7 @@
 //! The facts of a hand.
 
+use super::errors;
 use crate::check::devices::CheckedDevice;
-use crate::check::errors;
 use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
 use crate::check::value::Value;
@@ -36,9 +36,6 @@ const DEFAULT_RESERVE: f64 = 0.02;
 
 /// The facts of a hand; `None` after an error.
 pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<FingersFacts> {
-    if device.fields.values().any(|field| field.value.is_unknown()) {
-        return None;
-    }
     let errors = sink.errors();
     let steps_per_turn = steps_per_turn(device, sink);
     let gaiting_cost_deg = gaiting_cost_deg(device, sink);

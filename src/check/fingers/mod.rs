@@ -1,19 +1,46 @@
 //! Is this hand possible, is this object one that it can turn, are these steps of it?
 
 mod bench;
-mod curve;
+mod errors;
 mod facts;
-pub mod orientation;
+mod orientation;
 mod part;
-pub mod solid;
 mod step;
 mod steps;
 mod walk;
 
-pub use bench::HandScene;
-pub use curve::ANGLE_NAME;
-pub use facts::facts;
-pub use walk::hands_agree;
+use super::devices::CheckedDevice;
+use super::tasks::{Parts, TaskSite};
+use super::{CheckedFacts, Checker, KindChecks, KindFacts};
+use crate::claims::{Job, Order};
+use crate::device::fingers::FingersFacts;
+use crate::diagnostic::Sink;
+use std::sync::Arc;
+
+impl CheckedFacts for Arc<FingersFacts> {
+    fn channel_examples(&self) -> Vec<String> {
+        self.channels()
+    }
+
+    fn order(&self, checker: &mut Checker, site: &TaskSite, parts: Parts) -> Option<Order> {
+        checker.fingers_order(site, self, parts).map(Order::Fingers)
+    }
+}
+
+/// The checks of the kind.
+pub struct FingersChecks;
+
+pub const CHECKS: FingersChecks = FingersChecks;
+
+impl KindChecks for FingersChecks {
+    fn facts(&self, device: &CheckedDevice, sink: &mut Sink) -> Option<KindFacts> {
+        facts::facts(device, sink).map(|facts| KindFacts::Fingers(Arc::new(facts)))
+    }
+
+    fn agree(&self, jobs: &mut [Job], sink: &mut Sink) {
+        walk::hands_agree(jobs, sink);
+    }
+}
 
 #[cfg(test)]
 mod tests;

@@ -1,15 +1,14 @@
-//! Orientations in space: their values in a program, and the turns of whole steps that reach them.
+//! Orientations in space, and by which turns of whole steps they are reached.
 //!
 //! A turn of a part is about its own axis, so that turns in their order multiply from the left to the right.
 
+use crate::check::orientation;
+pub use crate::check::orientation::{Orientation, read, written};
 use crate::claims::fingers::{FingersTurn, HandPart};
 use crate::device::fingers::Plane;
 use crate::real::Real;
-use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Unit, UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
-
-/// Greatest deviation of a quaternion's length from 1.
-pub const NORM_SLACK: f64 = 1e-3;
 
 /// Greatest number of decompositions of one step that are searched.
 pub const MAX_WAYS: usize = 48;
@@ -17,35 +16,9 @@ pub const MAX_WAYS: usize = 48;
 /// Below this the sine of the middle angle leaves only one turn to be made.
 const FLAT: f64 = 1e-9;
 
-pub type Orientation = UnitQuaternion<f64>;
-
-/// The quaternion of turns about z, y and z.
-pub fn from_euler([a, b, c]: [f64; 3]) -> [f64; 4] {
-    written(&(about(Plane::Xy, a) * about(Plane::Xz, b) * about(Plane::Xy, c)))
-}
-
-/// A quaternion of length 1, its first number not negative.
-pub fn unit(numbers: [f64; 4]) -> [f64; 4] {
-    written(&read(numbers))
-}
-
-/// An orientation of the numbers w, x, y, z.
-pub fn read([w, x, y, z]: [f64; 4]) -> Orientation {
-    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
-}
-
-/// The form used in claims: w, x, y, z with w not negative.
-pub fn written(orientation: &Orientation) -> [f64; 4] {
-    let q = orientation.quaternion();
-    let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
-    // Adding zero takes the sign from a zero.
-    [q.w, q.i, q.j, q.k].map(|number| sign * number + 0.0)
-}
-
 /// A turn in a plane of the part.
 pub fn about(plane: Plane, angle_rad: f64) -> Orientation {
-    let [x, y, z] = plane.normal();
-    UnitQuaternion::from_axis_angle(&Unit::new_unchecked(Vector3::new(x, y, z)), angle_rad)
+    orientation::about(plane.normal(), angle_rad)
 }
 
 /// A turn about the part's x axis.

@@ -1,9 +1,9 @@
 //! A part as one hand meets it: its contacts in both planes, and whether tips reach them.
 
-use super::solid::{self, HandSolid};
+use super::errors;
 use crate::check::devices::CheckedDevice;
-use crate::check::errors;
 use crate::check::scenes::SceneObject;
+use crate::check::solid::{self, HandSolid};
 use crate::check::value::Value;
 use crate::claims::fingers::{HandPart, Section};
 use crate::device::fingers::sampling::{JUNCTION_SHARE, contacts, once_round_rad};

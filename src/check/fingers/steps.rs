@@ -1,14 +1,15 @@
 //! The steps of a task: checks that do not depend on the part's orientation at that time.
 
 use super::bench::HandScene;
+use super::errors;
 use super::orientation;
 use super::part;
 use super::step;
+use crate::check::Checker;
 use crate::check::lets::Argument;
 use crate::check::scope::nearest;
 use crate::check::tasks::{self, Call, Parts, TaskSite};
 use crate::check::value::{Value, whole};
-use crate::check::{Checker, errors};
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersStep, HandPart, Section};
 use crate::device::fingers::{FingersFacts, MAX_HOLDING, Plane};
 use crate::diagnostic::{Diagnostic, Sink};

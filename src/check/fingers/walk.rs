@@ -3,10 +3,10 @@
 //! The runs of a schedule are walked in order, and orientations become turns. Where several decompositions lead to an
 //! orientation, each of them may have been taken, and the following checks hold after every one.
 
+use super::errors;
 use super::orientation::{self, MAX_WAYS, Orientation};
 use super::part;
 use super::step;
-use crate::check::errors;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn, HandPart};
 use crate::claims::{Job, Order};
 use crate::device::fingers::{MAX_GRASPS, Plane};

@@ -4,7 +4,7 @@
 //! them; a robot that comes to a structure sticks, within an angle from the normal of the edge that it meets.
 
 use super::bodies::{RobotBody, SLACK_UM};
-use crate::check::errors;
+use super::errors;
 use crate::device::microrobots::{Docking, Robot, wrapped_rad};
 use crate::diagnostic::Diagnostic;
 use crate::geometry::Pose;

@@ -1,9 +1,9 @@
 //! The facts of a bed: its table, its levels, how robots meet, and bounds of errors.
 
+use super::errors;
 use super::table::RobotTable;
 use super::{CheckedBed, validity};
 use crate::check::devices::CheckedDevice;
-use crate::check::errors;
 use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
 use crate::device::microrobots::{Docking, Errors, Fine, MAX_ROBOTS, MicrorobotsFacts, Robot, Turning};
@@ -22,9 +22,6 @@ const MAX_CYCLES: f64 = 2_000.0;
 
 /// The facts of a device and the control states of its bed; `None` after an error.
 pub fn bed(device: &CheckedDevice, sink: &mut Sink) -> Option<CheckedBed> {
-    if device.fields.values().any(|field| field.value.is_unknown()) {
-        return None;
-    }
     let table = RobotTable::of(device)?;
     let errors = sink.errors();
     fits_a_bed(&table, device, sink);

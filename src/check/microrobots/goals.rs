@@ -1,15 +1,16 @@
 //! The steps of a task: checks that do not depend on the robots' places at that time.
 
 use super::bodies::{ObstacleSolid, RobotBody};
+use super::errors;
 use super::ground::{BedScene, first_near, is_near};
 use super::{CheckedBed, DEFAULT_EXPANSIONS};
+use crate::check::Checker;
 use crate::check::fields::Accepted;
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
 use crate::check::shapes::{self, MAX_HEADING_RAD};
 use crate::check::tasks::{self, Call, Parts, TaskSite};
 use crate::check::value::{ModuleWord, Value, whole};
-use crate::check::{Checker, errors};
 use crate::claims::microrobots::{
     Assurance, Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop, Precision,
 };

@@ -2,6 +2,8 @@
 
 use super::CheckedBed;
 use super::bodies::{ObstacleSolid, RobotBody, is_too_near};
+use super::errors;
+use crate::check::Checker;
 use crate::check::devices::CheckedDevice;
 use crate::check::lets::Argument;
 use crate::check::objects::{ObjectNames, of_other_kind};
@@ -10,7 +12,6 @@ use crate::check::scope::nearest;
 use crate::check::shapes::{self, MAX_HEADING_RAD};
 use crate::check::tasks::TaskSite;
 use crate::check::value::Value;
-use crate::check::{Checker, errors};
 use crate::claims::microrobots::{MicrorobotsObstacle, Placed};
 use crate::device::microrobots::{MAX_OBSTACLES, MAX_ROBOTS, MicrorobotsFacts, VOCABULARY};
 use crate::device::shape::ShapeForm;

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod docking;
+mod errors;
 mod facts;
 mod goals;
 mod ground;
@@ -11,11 +12,13 @@ mod table;
 mod validity;
 mod walk;
 
-pub use facts::bed;
-pub use ground::BedScene;
-pub use walk::beds_agree;
-
-use crate::device::microrobots::{ControlState, MicrorobotsFacts};
+use super::devices::CheckedDevice;
+use super::tasks::{Parts, TaskSite};
+use super::{CheckedFacts, Checker, KindChecks, KindFacts};
+use crate::claims::{Job, Order};
+use crate::device::microrobots::{CHANNEL, ControlState, MicrorobotsFacts};
+use crate::diagnostic::Sink;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// Default limit of expansions in the search of one step.
@@ -26,6 +29,31 @@ pub const DEFAULT_EXPANSIONS: u64 = 200_000;
 pub struct CheckedBed {
     pub facts: Arc<MicrorobotsFacts>,
     pub states: Arc<Vec<ControlState>>,
+}
+
+impl CheckedFacts for Rc<CheckedBed> {
+    fn channel_examples(&self) -> Vec<String> {
+        vec![CHANNEL.to_owned()]
+    }
+
+    fn order(&self, checker: &mut Checker, site: &TaskSite, parts: Parts) -> Option<Order> {
+        checker.microrobots_order(site, self, parts).map(Order::Microrobots)
+    }
+}
+
+/// The checks of the kind.
+pub struct MicrorobotsChecks;
+
+pub const CHECKS: MicrorobotsChecks = MicrorobotsChecks;
+
+impl KindChecks for MicrorobotsChecks {
+    fn facts(&self, device: &CheckedDevice, sink: &mut Sink) -> Option<KindFacts> {
+        facts::bed(device, sink).map(|bed| KindFacts::Microrobots(Rc::new(bed)))
+    }
+
+    fn agree(&self, jobs: &mut [Job], sink: &mut Sink) {
+        walk::beds_agree(jobs, sink);
+    }
 }
 
 #[cfg(test)]

@@ -77,7 +77,7 @@ fn orders(text: &str) -> Vec<MicrorobotsOrder> {
     let (checked, codes, _) = told(text);
     let checked = checked.unwrap_or_else(|| panic!("{codes:?}: {text}"));
     let jobs = checked.claims.iter().flat_map(|claims| &claims.jobs);
-    jobs.filter_map(|job| job.order.microrobots().cloned()).collect()
+    jobs.filter_map(|job| MicrorobotsOrder::of(&job.order).cloned()).collect()
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Validity of a table's relays, and the diagnostics of its faults.
 
+use super::errors::{self, Limit};
 use super::relays::{self, AllowedGaps, Analysis, Mend, Problem, RelayRow, Source, TableFault, Transition};
 use super::table::RobotTable;
 use crate::check::devices::CheckedDevice;
-use crate::check::errors::{self, Limit};
 use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
 use crate::device::microrobots::{Arm, ControlState, MAX_LEVELS, MicrorobotsFacts, Robot};

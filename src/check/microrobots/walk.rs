@@ -4,8 +4,8 @@
 
 use super::bodies::{ObstacleSolid, RobotBody, is_too_near};
 use super::docking::{self, Docked, Partner};
+use super::errors;
 use super::ground::first_near;
-use crate::check::errors;
 use crate::claims::Job;
 use crate::claims::ValueOrigin;
 use crate::claims::microrobots::{
@@ -21,7 +21,7 @@ use std::sync::Arc;
 pub fn beds_agree(jobs: &[Job], sink: &mut Sink) {
     let mut beds: BTreeMap<&str, BedWalk> = BTreeMap::new();
     for job in jobs {
-        let Some(order) = job.order.microrobots() else { continue };
+        let Some(order) = MicrorobotsOrder::of(&job.order) else { continue };
         let walk = beds.entry(&job.device).or_insert_with(|| BedWalk::of(order));
         if let Some(name) = walk.odd_robot(order) {
             sink.push(errors::unlike_robots(job.run_span, &job.device, name));

@@ -176,7 +176,7 @@ fn together(vocabulary: &Vocabulary) -> Option<(String, String)> {
     let entry = || ("together { … }".to_owned(), "the goals in the braces at the same time".to_owned());
     match vocabulary.together {
         Together::Yes => Some(entry()),
-        Together::No => None,
+        Together::No(_) => None,
     }
 }
 

@@ -1,46 +1,58 @@
-//! Report on a DiMiBot's plan.
+//! What people read of a DiMiBot's plan.
 
-use super::{Note, ReportTopic, ReportedRun, count, figure_of, proof, rounded};
+use super::{Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun, count, figure_of, proof, rounded};
+use crate::claims::Claims;
 use crate::claims::dimibot::{Asked, DimibotAction, DimibotOrder, DimibotStop};
-use crate::device::dimibot::{DimibotObjective, DimibotOutcome, LatticeCell, Side};
+use crate::device::dimibot::{DimibotFacts, DimibotObjective, DimibotOutcome, LatticeCell, Side};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::real::Real;
+use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{PlanRecord, State, TimedState};
 use std::ops::RangeInclusive;
 
-/// `29.88 um (70 r) in 9 switches, optimal (bound 29.88 um)`; in cells only where they are squares.
-pub fn cost(plan: &PlanRecord, order: &DimibotOrder) -> String {
-    let figure = |value: f64| match plan.unit.as_str() {
-        "" => digits(value),
-        unit => format!("{} {unit}", rounded(value)),
-    };
-    let pitches = Side::BOTH.map(|side| order.facts.pitch_um(side));
-    let switches = count(figure_of(plan, DimibotOutcome::Switches.name()) as usize, "switch");
-    let proof = proof(plan, figure);
-    match order.objective {
-        DimibotObjective::Distance if pitches[0] == pitches[1] => {
-            format!("{} ({} r) in {switches}, {proof}", figure(plan.cost), (plan.cost / pitches[0]).round())
+impl ReportedOrder for DimibotOrder {
+    /// `29.88 um (70 r) in 9 switches, optimal (bound 29.88 um)`; in cells only where they are squares.
+    fn cost(&self, plan: &PlanRecord) -> String {
+        let figure = |value: f64| match plan.unit.as_str() {
+            "" => digits(value),
+            unit => format!("{} {unit}", rounded(value)),
+        };
+        let pitches = Side::BOTH.map(|side| self.facts.pitch_um(side));
+        let switches = count(figure_of(plan, DimibotOutcome::Switches.name()) as usize, "switch");
+        let proof = proof(plan, figure);
+        match self.objective {
+            DimibotObjective::Distance if pitches[0] == pitches[1] => {
+                format!("{} ({} r) in {switches}, {proof}", figure(plan.cost), (plan.cost / pitches[0]).round())
+            }
+            DimibotObjective::Switches => format!("{switches}, {proof}"),
+            DimibotObjective::Distance | DimibotObjective::Time | DimibotObjective::Energy => {
+                format!("{} in {switches}, {proof}", figure(plan.cost))
+            }
         }
-        DimibotObjective::Switches => format!("{switches}, {proof}"),
-        DimibotObjective::Distance | DimibotObjective::Time | DimibotObjective::Energy => {
-            format!("{} in {switches}, {proof}", figure(plan.cost))
-        }
+    }
+
+    fn notes(&self, run: &ReportedRun) -> Vec<Note> {
+        let visits = run.steps.iter().zip(&self.steps).filter_map(|(step, claim)| match &claim.action {
+            DimibotAction::Visit(stops) => {
+                Some(visited(stops, &run.plan.states, step.start_ns..=step.start_ns + step.duration_ns))
+            }
+            DimibotAction::Move(_) | DimibotAction::Wait(_) => None,
+        });
+        let visits = visits.map(|line| (ReportTopic::Visits, line));
+        let nearest = nearest(self).into_iter().map(|line| (ReportTopic::Nearest, line));
+        visits.chain(nearest).chain(waits(run, self).map(|line| (ReportTopic::Waits, line))).collect()
     }
 }
 
-/// The order in which each `visit` reaches its places, and the distance between places and the cells that replace them.
-pub fn notes(run: &ReportedRun, order: &DimibotOrder) -> Vec<Note> {
-    let visits = run.steps.iter().zip(&order.steps).filter_map(|(step, claim)| match &claim.action {
-        DimibotAction::Visit(stops) => {
-            Some(visited(stops, &run.plan.states, step.start_ns..=step.start_ns + step.duration_ns))
-        }
-        DimibotAction::Move(_) | DimibotAction::Wait(_) => None,
-    });
-    let visits = visits.map(|line| (ReportTopic::Visits, line));
-    let nearest = nearest(order).into_iter().map(|line| (ReportTopic::Nearest, line));
-    visits.chain(nearest).chain(waits(run, order).map(|line| (ReportTopic::Waits, line))).collect()
+impl ReportedDevice for DimibotFacts {
+    fn told(&self, name: &str, _claims: &[Claims]) -> String {
+        let [left, right] = Side::BOTH.map(|side| self.modules(side));
+        let [left_um, right_um] = Side::BOTH.map(|side| super::length(self.pitch_um(side)));
+        format!("{name}: dimibot, {left} modules of {left_um} left, {right} of {right_um} right\n")
+    }
 }
 
+/// In which order each `visit` comes to its places, and how far the cells that were taken for places lie from them.
 /// Time that a robot waits for others: neither pulse nor rest nor a wait of the task.
 fn waits(run: &ReportedRun, order: &DimibotOrder) -> Option<String> {
     let moving =
@@ -60,7 +72,7 @@ fn visited(stops: &[DimibotStop], states: &[TimedState], during: RangeInclusive<
     let within = states.iter().filter(|state| during.contains(&state.t_ns));
     let mut order: Vec<LatticeCell> = Vec::new();
     for state in before.into_iter().chain(within) {
-        let State::Dimibot { cell: [x, y], .. } = state.state else { continue };
+        let State::Dimibot(DimibotState { cell: [x, y], .. }) = state.state else { continue };
         let cell = LatticeCell::new(x, y);
         if stops.iter().any(|stop| stop.cell == cell) && !order.contains(&cell) {
             order.push(cell);

@@ -1,35 +1,45 @@
-//! Report on an electrode array's plan.
+//! What people read of an electrode array's plan.
 
-use super::{count, figure_of, proof};
+use super::{ReportedDevice, ReportedOrder, count, figure_of, length, proof};
+use crate::claims::Claims;
 use crate::claims::electrode_array::{ElectrodeArrayObjective, ElectrodeArrayOrder};
-use crate::device::electrode_array::ElectrodeArrayOutcome;
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeArrayOutcome};
 use crate::quantity::digits;
 use crate::schedule::PlanRecord;
 
-/// `86 steps, optimal (bound 86); sum of costs 312, not proven optimal (bound 298)`: the minimised outcome comes first.
-pub fn cost(plan: &PlanRecord, order: &ElectrodeArrayOrder) -> String {
-    let steps = |value: f64| count(value as usize, "step");
-    let sum = |value: f64| format!("sum of costs {}", digits(value));
-    let reached = |outcome: ElectrodeArrayOutcome| figure_of(plan, outcome.name());
-    match order.objective {
-        ElectrodeArrayObjective::Makespan => {
-            let other = bounded(plan, ElectrodeArrayOutcome::SumOfCosts);
-            format!(
-                "{}, {}; {}{other}",
-                steps(plan.cost),
-                proof(plan, digits),
-                sum(reached(ElectrodeArrayOutcome::SumOfCosts))
-            )
+impl ReportedOrder for ElectrodeArrayOrder {
+    /// `86 steps, optimal (bound 86); sum of costs 312, not proven optimal (bound 298)`: the minimised outcome comes first.
+    fn cost(&self, plan: &PlanRecord) -> String {
+        let steps = |value: f64| count(value as usize, "step");
+        let sum = |value: f64| format!("sum of costs {}", digits(value));
+        let reached = |outcome: ElectrodeArrayOutcome| figure_of(plan, outcome.name());
+        match self.objective {
+            ElectrodeArrayObjective::Makespan => {
+                let other = bounded(plan, ElectrodeArrayOutcome::SumOfCosts);
+                format!(
+                    "{}, {}; {}{other}",
+                    steps(plan.cost),
+                    proof(plan, digits),
+                    sum(reached(ElectrodeArrayOutcome::SumOfCosts))
+                )
+            }
+            ElectrodeArrayObjective::SumOfCosts => {
+                let other = bounded(plan, ElectrodeArrayOutcome::Steps);
+                format!(
+                    "{}, {}; {}{other}",
+                    sum(plan.cost),
+                    proof(plan, digits),
+                    steps(reached(ElectrodeArrayOutcome::Steps))
+                )
+            }
         }
-        ElectrodeArrayObjective::SumOfCosts => {
-            let other = bounded(plan, ElectrodeArrayOutcome::Steps);
-            format!(
-                "{}, {}; {}{other}",
-                sum(plan.cost),
-                proof(plan, digits),
-                steps(reached(ElectrodeArrayOutcome::Steps))
-            )
-        }
+    }
+}
+
+impl ReportedDevice for ElectrodeArrayFacts {
+    fn told(&self, name: &str, _claims: &[Claims]) -> String {
+        let (columns, rows, pitch) = (self.columns, self.rows, length(self.pitch_um()));
+        format!("{name}: electrode_array, {columns} x {rows} electrodes {pitch} apart\n")
     }
 }
 

@@ -1,26 +1,75 @@
-//! Report on a plan for a hand.
+//! What people read of a plan for a hand.
 
-use super::{Note, ReportTopic, ReportedRun, count, figure_of, proof, reached, rounded};
+use super::{
+    Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun, count, figure_of, length, proof, reached, rounded,
+};
+use crate::claims::Claims;
 use crate::claims::fingers::{FingersOrder, Section};
-use crate::device::fingers::{FingersOutcome, Plane};
+use crate::device::fingers::{Adhesion, FingersFacts, FingersOutcome, Plane};
+use crate::quantity::{Dimension, Quantity, digits};
 use crate::schedule::PlanRecord;
+use std::collections::BTreeMap;
 
-/// `2300 deg in 8 reconfigurations, optimal (bound 2300 deg)`.
-pub fn cost(plan: &PlanRecord) -> String {
-    let figure = |degrees: f64| format!("{} deg", rounded(degrees));
-    let reconfigurations = figure_of(plan, FingersOutcome::Reconfigurations.name()) as usize;
-    format!("{} in {}, {}", figure(plan.cost), count(reconfigurations, "reconfiguration"), proof(plan, figure))
+impl ReportedOrder for FingersOrder {
+    /// `2300 deg in 8 reconfigurations, optimal (bound 2300 deg)`.
+    fn cost(&self, plan: &PlanRecord) -> String {
+        let figure = |degrees: f64| format!("{} deg", rounded(degrees));
+        let reconfigurations = figure_of(plan, FingersOutcome::Reconfigurations.name()) as usize;
+        format!("{} in {}, {}", figure(plan.cost), count(reconfigurations, "reconfiguration"), proof(plan, figure))
+    }
+
+    fn notes(&self, run: &ReportedRun) -> Vec<Note> {
+        let sections = Plane::ALL.into_iter().filter_map(|plane| Some(contacts(plane, self.part.section(plane)?)));
+        let contacts = format!("{}: {}", self.part.name, sections.collect::<Vec<_>>().join(", "));
+        let remarks = run
+            .plan
+            .remarks
+            .iter()
+            .map(|remark| (ReportTopic::Remarked, format!("{}: {}", remark.subject, remark.text)));
+        std::iter::once((ReportTopic::Contacts, contacts)).chain(remarks).chain(reached(run)).collect()
+    }
 }
 
-/// Sampling of the part, and notes of the planner.
-pub fn notes(run: &ReportedRun, order: &FingersOrder) -> Vec<Note> {
-    let sections = Plane::ALL.into_iter().filter_map(|plane| Some(contacts(plane, order.part.section(plane)?)));
-    let contacts = format!("{}: {}", order.part.name, sections.collect::<Vec<_>>().join(", "));
-    let remarks =
-        run.plan.remarks.iter().map(|remark| (ReportTopic::Remarked, format!("{}: {}", remark.subject, remark.text)));
-    std::iter::once((ReportTopic::Contacts, contacts)).chain(remarks).chain(reached(run)).collect()
+impl ReportedDevice for FingersFacts {
+    /// A line for the hand, and one for each part.
+    fn told(&self, name: &str, claims: &[Claims]) -> String {
+        let (fingers, tip) = (self.fingers, length(self.tip_radius_um));
+        let step = digits(360.0 / f64::from(self.steps_per_turn));
+        let sticking = match self.adhesion {
+            Adhesion::Sticking => {
+                format!("that stick with {}", Quantity::new(self.pull_off_un / 1e6, Dimension::FORCE))
+            }
+            Adhesion::Absent => "that do not stick".to_owned(),
+        };
+        let mut text =
+            format!("{name}: fingers, {fingers} with tips of {tip} radius {sticking}, steps of {step} deg\n");
+        for (part, contacts) in parts(name, claims) {
+            text.push_str(&format!("  {part}: {contacts}\n"));
+        }
+        text
+    }
 }
 
+/// The parts that tasks of a hand turn, by name.
+fn parts(device: &str, claims: &[Claims]) -> BTreeMap<String, String> {
+    let jobs = claims.iter().flat_map(|claims| &claims.jobs).filter(|job| job.device == device);
+    let mut parts = BTreeMap::new();
+    for job in jobs {
+        let Some(FingersOrder { part, .. }) = FingersOrder::of(&job.order) else { continue };
+        let sections = Plane::ALL.iter().filter_map(|plane| Some((plane, part.section(*plane)?)));
+        let lines: Vec<String> = sections
+            .map(|(plane, section)| {
+                let opposite = section.opposite.map_or(String::new(), |opposite| format!(", {opposite} opposite 1"));
+                let step = digits((section.step_rad.to_degrees() * 1e4).round() / 1e4);
+                format!("{} contacts in the plane {}, {step} deg apart{opposite}", section.contacts, plane.name())
+            })
+            .collect();
+        parts.insert(part.name.clone(), lines.join("; "));
+    }
+    parts
+}
+
+/// How a part was sampled, and what the planner has to say.
 /// `74 in xy (I 1, J 38)`.
 fn contacts(plane: Plane, section: &Section) -> String {
     let ends = section.opposite.map_or_else(|| "I 1".to_owned(), |opposite| format!("I 1, J {opposite}"));

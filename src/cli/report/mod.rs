@@ -7,10 +7,13 @@ mod electrode_array;
 mod fingers;
 mod microrobots;
 
+pub use microrobots::suggest;
+
 use super::terminal;
-use crate::check::DeclarationTally;
-use crate::claims::{Job, Order};
+use crate::check::{DeclarationTally, KindFacts};
+use crate::claims::{Claims, Job, Order};
 use crate::compile::Compiled;
+use crate::device::each_kind;
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::schedule::{PlanRecord, Schedule, ScheduledStep};
 use crate::verify::Verified;
@@ -70,6 +73,32 @@ impl ReportTopic {
     }
 }
 
+/// What a kind has to say of a plan, on its orders.
+trait ReportedOrder {
+    /// What a run costs and how good that is.
+    fn cost(&self, plan: &PlanRecord) -> String;
+
+    /// More that there is to say of a run.
+    fn notes(&self, _run: &ReportedRun) -> Vec<Note> {
+        Vec::new()
+    }
+}
+
+/// What a kind has to say of a device, on its facts.
+trait ReportedDevice {
+    /// The device's lines, with what follows from its figures and the tasks that use it.
+    fn told(&self, name: &str, claims: &[Claims]) -> String;
+}
+
+fn reported(order: &Order) -> &dyn ReportedOrder {
+    each_kind!(Order, order, order => order)
+}
+
+/// The lines of a device of a checked program.
+pub fn device(name: &str, facts: &KindFacts, claims: &[Claims]) -> String {
+    each_kind!(KindFacts, facts, facts => facts.told(name, claims))
+}
+
 /// The report of a whole build, each of its schedules written to some paths.
 pub fn build(file: &Path, compiled: &Compiled, settings_in_force: &[String], written: &[Vec<String>]) -> String {
     let file = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -121,13 +150,14 @@ fn subjects(verified: &Verified) -> Vec<String> {
 fn planned(verified: &Verified, width: usize, text: &mut String) {
     let runs = runs(verified);
     for (run, subject) in runs.iter().zip(subjects(verified)) {
-        text.push_str(&terminal::line("Planned", &subject, width, &cost(run)));
+        text.push_str(&terminal::line("Planned", &subject, width, &reported(&run.job.order).cost(run.plan)));
     }
     let more = runs.len().saturating_sub(MAX_PLAN_LINES);
     if more > 0 {
         text.push_str(&terminal::line("", "", width, &format!("and {} more", count(more, "run"))));
     }
-    let notes: Vec<Note> = runs.iter().flat_map(notes).chain(idle(verified)).collect();
+    let notes: Vec<Note> =
+        runs.iter().flat_map(|run| reported(&run.job.order).notes(run)).chain(idle(verified)).collect();
     for topic in ReportTopic::ALL {
         let mut lines: Vec<&str> = Vec::new();
         for (_, line) in notes.iter().filter(|(other, _)| *other == topic) {
@@ -175,25 +205,6 @@ fn idle(verified: &Verified) -> Vec<Note> {
     (0..).zip(&schedule.plans).filter(is_idle).map(line).collect()
 }
 
-/// Cost of a run, and its optimality.
-fn cost(run: &ReportedRun) -> String {
-    match &run.job.order {
-        Order::Dimibot(order) => dimibot::cost(run.plan, order),
-        Order::ElectrodeArray(order) => electrode_array::cost(run.plan, order),
-        Order::Microrobots(_) => microrobots::cost(run.plan),
-        Order::Fingers(_) => fingers::cost(run.plan),
-    }
-}
-
-fn notes(run: &ReportedRun) -> Vec<Note> {
-    match &run.job.order {
-        Order::Dimibot(order) => dimibot::notes(run, order),
-        Order::ElectrodeArray(_) => Vec::new(),
-        Order::Microrobots(order) => microrobots::notes(run, order),
-        Order::Fingers(order) => fingers::notes(run, order),
-    }
-}
-
 /// Values that steps reach, where they differ from the goals.
 fn reached<'a>(run: &'a ReportedRun) -> impl Iterator<Item = Note> + 'a {
     let all = run.steps.iter().flat_map(|step| &step.reached);
@@ -221,6 +232,11 @@ fn figures(schedule: &Schedule) -> String {
         figures.push_str(&format!(", {}", Quantity::new(energies.iter().sum(), Dimension::ENERGY)));
     }
     figures
+}
+
+/// A length for people.
+fn length(um: f64) -> String {
+    Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
 }
 
 /// A figure for the report: two decimals, more where the value is small.

@@ -14,11 +14,10 @@ mod words;
 
 pub use words::{DimibotMethod, DimibotObjective, DimibotOutcome, PLANNERS, Simultaneous, VOCABULARY};
 
-/// Greatest number of modules on one side.
-pub const MAX_MODULES: u32 = 20;
+pub use super::MAX_REACH_UM;
 
-/// The widest workspace, in micrometres: within it the rounding of a double stays far below the margins of planning.
-pub const MAX_REACH_UM: f64 = 1e5;
+/// The most modules that one side may have: a word has a digit for each.
+pub const MAX_MODULES: u32 = super::MAX_WORD_DIGITS / 2;
 
 /// Greatest number of places in one `visit`.
 pub const MAX_VISITS: usize = 64;

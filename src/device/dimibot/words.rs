@@ -4,8 +4,8 @@ use super::MAX_MODULES;
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Count, Need, Noun, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase, expansions,
-    outcome, planner,
+    Count, Frames, Need, Noun, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
+    expansions, outcome, planner,
 };
 use crate::quantity::Dimension;
 
@@ -203,7 +203,8 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     }],
     settings: SETTINGS,
     state: Some(Sort::State),
-    together: Together::No,
+    together: Together::No("a dimibot has one end-effector and nothing to move together"),
+    frames: Frames::Yes,
     verbs: VERBS,
     objectives: DimibotObjective::CHOICES,
     planners: PLANNERS,

@@ -4,7 +4,7 @@ use super::{MAX_APART, MAX_SIDE};
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Count, Need, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
+    Count, Frames, Need, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
     WordChoice, expansions, not_negative, optional, outcome, planner, positive, required,
 };
 use crate::quantity::Dimension;
@@ -208,6 +208,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     settings: SETTINGS,
     state: None,
     together: Together::Yes,
+    frames: Frames::No,
     verbs: VERBS,
     objectives: ElectrodeArrayObjective::CHOICES,
     planners: PLANNERS,

@@ -4,6 +4,7 @@
 //! model: Kumar, Gauthier, Dahmouche, *Path planning for 3-D in-hand manipulation of micro-objects using rotation decomposition*,
 //! Micromachines 12(8), 986, 2021, with errors of that text corrected where the doc comments say so.
 
+pub use super::shape::Plane;
 use crate::geometry::fault::{Fault, through};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -39,47 +40,6 @@ pub const MAX_GRASPS: usize = 1 << 29;
 
 /// The axes of a stage, in the order of coordinates.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
-
-/// A plane through the object's origin, in which its outline is sampled and fingers roll.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Plane {
-    /// The object turns about its own z axis.
-    Xy,
-    /// The object turns about its own y axis.
-    Xz,
-}
-
-impl Plane {
-    /// Both planes, in the order of the paper.
-    pub const ALL: [Plane; 2] = [Plane::Xy, Plane::Xz];
-
-    /// The plane's own coordinate axes in the object's frame: a positive turn carries the first one towards the second.
-    ///
-    /// Both planes share the first axis, along x: contact 1, the paper's I, is where it leaves the object.
-    pub const fn axes(self) -> [[f64; 3]; 2] {
-        match self {
-            Plane::Xy => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-            Plane::Xz => [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]],
-        }
-    }
-
-    /// The axis of a turn in this plane, in the object's frame; right-handed.
-    pub const fn normal(self) -> [f64; 3] {
-        match self {
-            Plane::Xy => [0.0, 0.0, 1.0],
-            Plane::Xz => [0.0, 1.0, 0.0],
-        }
-    }
-
-    /// Its name in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Plane::Xy => "xy",
-            Plane::Xz => "xz",
-        }
-    }
-}
 
 /// Whether tips stick to the object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

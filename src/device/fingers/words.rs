@@ -4,7 +4,7 @@ use super::{MAX_FINGERS, MIN_FINGERS};
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Count, Noun, Outcome, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
+    Count, Frames, Noun, Outcome, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
     WordChoice, any, expansions, not_negative, optional, outcome, planner, positive, required,
 };
 use crate::quantity::Dimension;
@@ -202,7 +202,8 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     }],
     settings: SETTINGS,
     state: None,
-    together: Together::No,
+    together: Together::No("a hand turns one part, and no two at the same time"),
+    frames: Frames::No,
     verbs: VERBS,
     objectives: FingersObjective::CHOICES,
     planners: PLANNERS,

@@ -4,7 +4,7 @@ use super::MAX_LEVELS;
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Block, Count, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
+    Block, Count, Frames, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
     WordChoice, expansions, not_negative, optional, outcome, planner, positive, required,
 };
 use crate::quantity::Dimension;
@@ -180,7 +180,8 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     ],
     settings: SETTINGS,
     state: None,
-    together: Together::No,
+    together: Together::No("one voltage drives all robots: goals at the same time are an assembly"),
+    frames: Frames::No,
     verbs: VERBS,
     objectives: MicrorobotsObjective::CHOICES,
     planners: PLANNERS,

@@ -1,9 +1,8 @@
 //! The devices of a log, where their scene places them or side by side, with their jobs in order of time.
 
-use super::frames::StandingPose;
-use super::{dimibot, electrode_array, fingers, microrobots};
-use crate::claims::dimibot::in_scene_um;
-use crate::claims::{Claims, Job, Order};
+use super::frames::{self, Mover, StandingPose};
+use super::{LogTopic, pictures};
+use crate::claims::{Claims, Job};
 use crate::schedule::PlanRecord;
 use crate::verify::Verified;
 use std::collections::BTreeMap;
@@ -33,7 +32,7 @@ impl<'a> PictureBench<'a> {
             let stand = match claims.frame(&job.device) {
                 Some(frame) => StandingPose::turned([frame.x_um, frame.y_um, 0.0], frame.heading_rad),
                 None => {
-                    let [low, high] = reach(job);
+                    let [low, high] = pictures(&job.order).reach();
                     let offset = left - low;
                     left += high - low + GAP;
                     StandingPose::at([offset, 0.0, 0.0])
@@ -45,26 +44,20 @@ impl<'a> PictureBench<'a> {
     }
 }
 
+/// `/tf`, of all devices and of what moves in their frames.
+pub fn frames(benches: &[PictureBench], movers: &[Mover]) -> LogTopic {
+    let stands: Vec<(&str, StandingPose)> = benches.iter().map(|bench| (bench.device, bench.stand)).collect();
+    frames::topic(&stands, movers)
+}
+
 /// Where along x the devices begin that no scene places.
 fn right_of_placed(claims: &Claims) -> f64 {
     let devices: BTreeMap<&str, &Job> = claims.jobs.iter().map(|job| (job.device.as_str(), job)).collect();
     let ends = devices.into_values().filter_map(|job| {
-        let (frame, order) = (claims.frame(&job.device)?, job.order.dimibot()?);
-        let [x, y] = dimibot::extent_um(&order.facts);
-        let corners = [[0.0, 0.0], [x, 0.0], [0.0, y], [x, y]];
-        Some(corners.map(|corner| in_scene_um(corner, Some(&frame))[0]).into_iter().fold(f64::NEG_INFINITY, f64::max))
+        let frame = claims.frame(&job.device)?;
+        pictures(&job.order).right_in_scene(&frame)
     });
     ends.reduce(f64::max).map_or(0.0, |end| end.max(0.0) + GAP)
-}
-
-/// From where to where the picture of a job's device reaches along x, in its own frame.
-fn reach(job: &Job) -> [f64; 2] {
-    match &job.order {
-        Order::Dimibot(order) => [0.0, dimibot::extent_um(&order.facts)[0]],
-        Order::ElectrodeArray(order) => [0.0, electrode_array::width(&order.facts)],
-        Order::Microrobots(order) => microrobots::reach_um(order),
-        Order::Fingers(order) => fingers::reach_um(order),
-    }
 }
 
 /// The jobs of a device with their plans, in order of time.

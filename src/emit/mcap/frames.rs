@@ -2,7 +2,6 @@
 //!
 //! Devices that a scene places have their frame there; pictures put the others side by side along x.
 
-use super::bench::PictureBench;
 use super::{LogTopic, WORLD, foxglove};
 use crate::real::Real;
 use foxglove::{FrameTransform, FrameTransforms, Pose, Quaternion, Vector3};
@@ -65,8 +64,9 @@ pub struct Mover {
     pub places: Vec<(u64, FramePlace)>,
 }
 
-/// `/tf`: all frames whenever one of them moves, since a viewer that jumps in time reads the last message only.
-pub fn topic(benches: &[PictureBench], movers: &[Mover]) -> LogTopic {
+/// `/tf`: all frames whenever one of them moves, since a viewer that jumps in time reads the last message only. `stands` are the frames of
+/// devices.
+pub fn topic(stands: &[(&str, StandingPose)], movers: &[Mover]) -> LogTopic {
     let mut moves: BTreeMap<u64, Vec<(usize, FramePlace)>> = BTreeMap::new();
     for (index, mover) in movers.iter().enumerate() {
         for (t_ns, place) in &mover.places {
@@ -79,8 +79,9 @@ pub fn topic(benches: &[PictureBench], movers: &[Mover]) -> LogTopic {
         for (index, place) in moved {
             places[index] = place;
         }
-        let standing =
-            benches.iter().map(|bench| transform(t_ns, WORLD.to_owned(), bench.device.to_owned(), bench.stand));
+        let of_device =
+            |(device, stand): &(&str, StandingPose)| transform(t_ns, WORLD.to_owned(), (*device).to_owned(), *stand);
+        let standing = stands.iter().map(of_device);
         let moving = movers
             .iter()
             .zip(&places)

@@ -27,6 +27,8 @@ pub use difference::{difference, difference_diagnostic};
 
 use super::{EmitError, Format, Provenance, Signals};
 use crate::claims::Order;
+use crate::device::each_kind;
+use crate::geometry::Pose;
 use crate::log::{self, CLAIMS, METADATA, SCHEDULE, SOURCE_PREFIX};
 use crate::schedule::{Reached, json};
 use crate::source::MAX_FILE_BYTES;
@@ -34,6 +36,7 @@ use crate::verify::Verified;
 use ::mcap::write::NoSeek;
 use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer, records};
 use bench::PictureBench;
+use frames::Mover;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
@@ -72,6 +75,25 @@ impl LogTopic {
         let schema = foxglove::schema::<T>().expect("every foxglove message has a schema");
         LogTopic { name: name.into(), schema, metadata: BTreeMap::new(), messages }
     }
+}
+
+/// What a kind brings to a log, on its orders.
+trait Pictures {
+    /// All topics of a device but its voltages or positions, and what moves.
+    fn topics(&self, verified: &Verified, signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>);
+
+    /// From where to where the picture of the device reaches along x, in its own frame.
+    fn reach(&self) -> [f64; 2];
+
+    /// How far right the picture reaches in the scene where a frame stands; `None` for a kind whose devices have none.
+    fn right_in_scene(&self, _frame: &Pose) -> Option<f64> {
+        None
+    }
+}
+
+/// The pictures of an order.
+fn pictures(order: &Order) -> &dyn Pictures {
+    each_kind!(Order, order, order => order)
 }
 
 /// The bytes of the log.
@@ -144,16 +166,11 @@ fn topics(verified: &Verified, signals: &Signals) -> Vec<LogTopic> {
     let benches = PictureBench::all(verified);
     let mut movers = Vec::new();
     for bench in &benches {
-        let (own, moving) = match &bench.job.order {
-            Order::Dimibot(_) => dimibot::topics(verified, signals, bench.device),
-            Order::ElectrodeArray(_) => electrode_array::topics(verified, bench.device),
-            Order::Microrobots(_) => microrobots::topics(verified, bench.device),
-            Order::Fingers(_) => fingers::topics(verified, bench.device),
-        };
+        let (own, moving) = pictures(&bench.job.order).topics(verified, signals, bench.device);
         topics.extend(own);
         movers.extend(moving);
     }
-    topics.push(frames::topic(&benches, &movers));
+    topics.push(bench::frames(&benches, &movers));
     topics.push(lines(verified));
     topics
 }

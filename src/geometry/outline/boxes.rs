@@ -4,7 +4,7 @@
 //! Promise: no relevant stretch is left out; a query for a point costs about the logarithm of the number of stretches.
 
 use super::follow::FollowedCurve;
-use super::form::{cross, dot, minus};
+use super::jet::{cross, dot, minus};
 use crate::real::Real;
 
 /// Least and greatest coordinates.

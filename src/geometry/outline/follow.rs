@@ -5,7 +5,8 @@
 //! the chord. Lengths are integrals by Gauss' rule with eight points; a stretch is halved until halves agree with the whole.
 
 use super::OutlineError;
-use super::form::{Jet, OutlineForm, cross, dot, minus, norm};
+use super::form::OutlineForm;
+use super::jet::{Jet, cross, dot, minus, norm};
 use crate::real::Real;
 
 /// Greatest error of the path along one stretch.

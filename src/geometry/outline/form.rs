@@ -3,37 +3,10 @@
 //! Input: an [`Outline`](super::Outline) whose numbers are in range. Output: a [`Form`], which is made of pieces; within a piece it is
 //! smooth. Promise: pieces follow one another counter-clockwise and without gaps; no parameter makes it panic.
 
+use super::jet::Jet;
 use super::spline::Cubic;
 use crate::real::Real;
 use std::f64::consts::{FRAC_PI_2, TAU};
-
-/// A point with its derivatives by the parameter.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Jet {
-    pub point: [f64; 2],
-    pub first: [f64; 2],
-    pub second: [f64; 2],
-}
-
-impl Jet {
-    pub fn speed(&self) -> f64 {
-        norm(self.first)
-    }
-
-    pub fn normal(&self) -> [f64; 2] {
-        let speed = self.speed();
-        [self.first[1] / speed, -self.first[0] / speed]
-    }
-
-    pub fn curvature(&self) -> f64 {
-        cross(self.first, self.second) / self.speed().whole_power(3)
-    }
-
-    /// How fast the speed grows.
-    pub fn haste(&self) -> f64 {
-        dot(self.first, self.second) / self.speed()
-    }
-}
 
 /// A straight line or an arc of a circle, with its arc length as the parameter.
 #[derive(Debug, Clone, Copy)]
@@ -147,20 +120,4 @@ fn superellipse(semi: [f64; 2], n: f64, t: f64) -> Jet {
     let (x, y) = (jet(c, -s), jet(s, c));
     let [a, b] = semi;
     Jet { point: [a * x[0], b * y[0]], first: [a * x[1], b * y[1]], second: [a * x[2], b * y[2]] }
-}
-
-pub(super) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-pub(super) fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-pub(super) fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-pub(super) fn norm(a: [f64; 2]) -> f64 {
-    a[0].hypotenuse(a[1])
 }

@@ -6,6 +6,7 @@
 mod boxes;
 mod follow;
 mod form;
+mod jet;
 mod resample;
 mod spline;
 #[cfg(test)]
@@ -14,7 +15,8 @@ mod tests;
 use super::fault::{Fault, through};
 use boxes::StretchBoxes;
 use follow::{FollowedCurve, gauss, turn};
-use form::{OutlineForm, cross, dot, minus, norm};
+use form::OutlineForm;
+use jet::{cross, dot, minus, norm};
 pub use resample::{MAX_POLYGON, MAX_SMOOTHED};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;

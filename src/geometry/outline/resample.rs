@@ -4,7 +4,7 @@
 //! points, the same result every time; a smoothed outline has at most [`MAX_SMOOTHED`] points and stays, on the average over a step,
 //! within about the unevenness of the polyline, unless corners are sharper than the finest step.
 
-use super::form::{cross, dot, minus, norm};
+use super::jet::{cross, dot, minus, norm};
 use super::{MAX_POINTS, MAX_UM, MIN_POINTS, Outline, OutlineError, spline_form};
 use crate::real::Real;
 use std::f64::consts::{PI, TAU};

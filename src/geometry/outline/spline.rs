@@ -4,7 +4,7 @@
 //! slope and second derivative are continuous all round. The parameter is the chord length, the equations are cyclic and tridiagonal
 //! and are solved with the formula of Sherman and Morrison in linear time.
 
-use super::form::{Jet, cross, minus, norm};
+use super::jet::{Jet, cross, minus, norm};
 
 /// a + b s + c s² + d s³ for s from 0 to `length_um`.
 #[derive(Debug, Clone, Copy)]

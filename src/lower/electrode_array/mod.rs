@@ -5,46 +5,48 @@
 //! that brought one to its cell stay on while it rests. An electrode that is on in one step and in the next is not switched
 //! between them.
 
+use super::Lowered;
 use super::clock::{LoweredRun, RunActuation};
 use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold};
+use crate::plan::Planned;
 use crate::plan::electrode_array::{ElectrodeArrayMotion, ElectrodeArrayStepMotion};
+use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{ChannelUnit, State, TimedState};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The channels that runs of one device use, by row and column.
-pub fn channels<'a>(
-    facts: &ElectrodeArrayFacts,
-    runs: impl Iterator<Item = &'a LoweredRun>,
-) -> Vec<(String, ChannelUnit)> {
-    let names: BTreeSet<&str> = runs.flat_map(|run| &run.actuations).map(|(name, _)| name.as_str()).collect();
-    let mut cells: Vec<ElectrodeCell> = names.into_iter().filter_map(|name| facts.electrode(name)).collect();
-    cells.sort_by_key(|cell| (cell.row, cell.column));
-    cells.into_iter().map(|cell| (ElectrodeArrayFacts::channel(cell), ChannelUnit::Volt)).collect()
-}
-
-/// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
-pub fn run(order: &ElectrodeArrayOrder, motion: &ElectrodeArrayMotion) -> Option<LoweredRun> {
-    let mut board = LoweringBoard {
-        order,
-        run: LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
-        cells: motion.start.clone(),
-    };
-    board.record(0);
-    for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
-        let start_ns = board.run.duration_ns;
-        match motion {
-            ElectrodeArrayStepMotion::Wait(duration_ns) => board.wait(*duration_ns, index)?,
-            ElectrodeArrayStepMotion::Paths(paths) => {
-                board.follow(paths, index)?;
-                if let ElectrodeArrayAction::Move(moves) = &step.action {
-                    board.merge(moves.iter().filter_map(|action| action.with));
+impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
+    fn run(&self) -> Option<LoweredRun> {
+        let Planned { order, motion } = self;
+        let mut board = LoweringBoard {
+            order,
+            run: LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
+            cells: motion.start.clone(),
+        };
+        board.record(0);
+        for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
+            let start_ns = board.run.duration_ns;
+            match motion {
+                ElectrodeArrayStepMotion::Wait(duration_ns) => board.wait(*duration_ns, index)?,
+                ElectrodeArrayStepMotion::Paths(paths) => {
+                    board.follow(paths, index)?;
+                    if let ElectrodeArrayAction::Move(moves) = &step.action {
+                        board.merge(moves.iter().filter_map(|action| action.with));
+                    }
                 }
             }
+            board.run.steps.push((step.span, start_ns, board.run.duration_ns - start_ns));
         }
-        board.run.steps.push((step.span, start_ns, board.run.duration_ns - start_ns));
+        Some(board.run)
     }
-    Some(board.run)
+
+    fn channels(&self, own: &mut dyn Iterator<Item = &LoweredRun>) -> Vec<(String, ChannelUnit)> {
+        let names: BTreeSet<&str> = own.flat_map(|run| &run.actuations).map(|(name, _)| name.as_str()).collect();
+        let mut cells: Vec<ElectrodeCell> =
+            names.into_iter().filter_map(|name| self.order.facts.electrode(name)).collect();
+        cells.sort_by_key(|cell| (cell.row, cell.column));
+        cells.into_iter().map(|cell| (ElectrodeArrayFacts::channel(cell), ChannelUnit::Volt)).collect()
+    }
 }
 
 /// The board while its plan is carried out.
@@ -133,7 +135,7 @@ impl LoweringBoard<'_> {
     fn record(&mut self, t_ns: u64) {
         let parts = self.order.parts.iter().zip(&self.cells);
         let parts = parts.filter_map(|(part, cell)| Some((part.name.clone(), (*cell)?.pair()))).collect();
-        self.run.states.push(TimedState { t_ns, state: State::ElectrodeArray { parts } });
+        self.run.states.push(TimedState { t_ns, state: State::ElectrodeArray(ElectrodeArrayState { parts }) });
     }
 }
 

@@ -9,8 +9,9 @@ use crate::claims::{Claims, Job, Order, Timeline};
 use crate::device::electrode_array::{Layout, Separation};
 use crate::diagnostic::Sink;
 use crate::lower::lower;
-use crate::plan::{Motion, Optimality, Plan};
+use crate::plan::{Motion, Optimality, Plan, Planned};
 use crate::schedule::Schedule;
+use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::source::{Sources, Span};
 use std::sync::Arc;
 
@@ -71,7 +72,7 @@ pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>
         bounds: Default::default(),
         outcomes: Default::default(),
         remarks: Vec::new(),
-        motion: Motion::ElectrodeArray(ElectrodeArrayMotion { start, steps: ways.iter().map(motion).collect() }),
+        motion: ElectrodeArrayMotion { start, steps: ways.iter().map(motion).collect() },
     };
     let job = Job {
         task: "carry".to_owned(),
@@ -92,6 +93,8 @@ pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>
     };
     let mut sources = Sources::default();
     sources.add("carry.twz", "task carry on plate {}\n");
+    let order = ElectrodeArrayOrder::of(&claims.jobs[0].order).expect("its order");
+    let plan = plan.map(|motion| Motion::ElectrodeArray(Planned { order, motion }));
     let schedule = lower(&claims, &[plan], &sources, &mut Sink::default()).expect("a short schedule");
     (claims, schedule)
 }
@@ -165,6 +168,6 @@ fn merged_droplets_are_one_in_the_last_state() {
     let (_, schedule) = carried(&facts(Electrodes::Single), &ways);
     let states = &schedule.plans[0].states;
     assert_eq!(states.len(), 3);
-    let State::ElectrodeArray { parts } = &states[2].state else { panic!("a state of a board") };
+    let State::ElectrodeArray(ElectrodeArrayState { parts }) = &states[2].state else { panic!("a state of a board") };
     assert_eq!(parts.iter().collect::<Vec<_>>(), [(&"a".to_owned(), &[4, 3])]);
 }

@@ -3,26 +3,35 @@
 //! Each axis of each finger has a value at every instant of a run: ramps while it moves, and one stretch as long as it stays, both
 //! within their steps. A step in which nothing happens takes no time, and has none.
 
+use super::Lowered;
 use super::clock::{LoweredRun, RunActuation};
 use crate::claims::fingers::FingersOrder;
 use crate::device::fingers::{AXES, channel};
+use crate::plan::Planned;
 use crate::plan::fingers::{FingersMotion, HeldGrasp, TipsMove};
-use crate::schedule::{State, TimedState};
+use crate::schedule::fingers::FingersState;
+use crate::schedule::{ChannelUnit, State, TimedState};
 
-/// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
-pub fn run(order: &FingersOrder, motion: &FingersMotion) -> Option<LoweredRun> {
-    let start = &motion.start;
-    let mut hand = Lowering {
-        run: LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
-        tips_um: start.tips_um.clone(),
-    };
-    hand.record(&start.hold);
-    for (index, (step, moves)) in order.steps.iter().zip(&motion.steps).enumerate() {
-        let start_ns = hand.run.duration_ns;
-        hand.follow(moves, index)?;
-        hand.run.steps.push((step.span, start_ns, hand.run.duration_ns - start_ns));
+impl Lowered for Planned<'_, FingersOrder, FingersMotion> {
+    fn run(&self) -> Option<LoweredRun> {
+        let Planned { order, motion } = self;
+        let start = &motion.start;
+        let mut hand = Lowering {
+            run: LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
+            tips_um: start.tips_um.clone(),
+        };
+        hand.record(&start.hold);
+        for (index, (step, moves)) in order.steps.iter().zip(&motion.steps).enumerate() {
+            let start_ns = hand.run.duration_ns;
+            hand.follow(moves, index)?;
+            hand.run.steps.push((step.span, start_ns, hand.run.duration_ns - start_ns));
+        }
+        Some(hand.run)
     }
-    Some(hand.run)
+
+    fn channels(&self, _own: &mut dyn Iterator<Item = &LoweredRun>) -> Vec<(String, ChannelUnit)> {
+        self.order.facts.channels().into_iter().map(|name| (name, ChannelUnit::Micrometre)).collect()
+    }
 }
 
 /// The hand while its plan is carried out.
@@ -76,14 +85,14 @@ impl Lowering {
     /// A state that begins now, with the tips where they are.
     fn record(&mut self, hold: &HeldGrasp) {
         let held = |(finger, contact): (usize, &u32)| (*contact != 0).then(|| self.tips_um[finger]);
-        let state = State::Fingers {
+        let state = State::Fingers(FingersState {
             grasp: hold.grasp.clone(),
             angle_index: hold.angle_index,
             plane: hold.plane,
             tips_um: hold.grasp.iter().enumerate().map(held).collect(),
             position_um: hold.position_um,
             orientation: hold.orientation,
-        };
+        });
         self.run.states.push(TimedState { t_ns: self.run.duration_ns, state });
     }
 }

@@ -6,6 +6,7 @@ use crate::device::fingers::Plane;
 use crate::device::fingers::fixture::hand;
 use crate::geometry::outline::Outline;
 use crate::plan::fingers::Stance;
+use crate::schedule::fingers::FingersState;
 use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -45,6 +46,10 @@ fn stretch(duration_ns: u64, tips_um: [[f64; 3]; 3], state: Option<HeldGrasp>) -
 const HOME: [[f64; 3]; 3] = [[10.0, 0.0, 0.0], [-5.0, 8.0, 0.0], [-5.0, -8.0, 0.0]];
 
 /// One finger moves, rests, and moves; then a rest; then nothing; then all move.
+fn run(order: &FingersOrder, motion: &FingersMotion) -> Option<LoweredRun> {
+    Planned { order, motion: motion.clone() }.run()
+}
+
 fn motion() -> FingersMotion {
     let with = |finger: usize, place: [f64; 3]| {
         let mut tips = HOME;
@@ -127,13 +132,15 @@ fn steps_follow_one_another() {
 #[test]
 fn states_are_told_with_the_tips_that_hold() {
     let run = run(&order(4), &motion()).expect("it is short");
-    let state = |grasp: [u32; 3], angle_index, tips_um: [Option<[f64; 3]>; 3]| State::Fingers {
-        grasp: grasp.to_vec(),
-        angle_index,
-        plane: Plane::Xz,
-        tips_um: tips_um.to_vec(),
-        position_um: [1.0, 2.0, 3.0],
-        orientation: [1.0, 0.0, 0.0, 0.0],
+    let state = |grasp: [u32; 3], angle_index, tips_um: [Option<[f64; 3]>; 3]| {
+        State::Fingers(FingersState {
+            grasp: grasp.to_vec(),
+            angle_index,
+            plane: Plane::Xz,
+            tips_um: tips_um.to_vec(),
+            position_um: [1.0, 2.0, 3.0],
+            orientation: [1.0, 0.0, 0.0, 0.0],
+        })
     };
     let wanted = [
         (0, state([0, 0, 0], 1, [None; 3])),

@@ -3,33 +3,42 @@
 //! Each leg is the control cycle of its state, level after level, and then one actuation that swings between the flex and the relax
 //! level, stroke after stroke, however long it is. At 0 V all arms go up, so nothing is left out between the levels.
 
+use super::Lowered;
 use super::clock::{LoweredRun, RunActuation};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, CHANNEL};
 use crate::geometry::Pose;
+use crate::plan::Planned;
 use crate::plan::microrobots::{Crew, Leg, MicrorobotsMotion, MicrorobotsStepMotion, RobotDocking};
-use crate::schedule::{State, Swing, TimedState};
+use crate::schedule::microrobots::MicrorobotsState;
+use crate::schedule::{ChannelUnit, State, Swing, TimedState};
 
-/// A plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
-pub fn run(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> Option<LoweredRun> {
-    let mut bed = LoweringBed {
-        order,
-        run: LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
-        crew: motion.start.clone(),
-    };
-    for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
-        let start_ns = bed.run.duration_ns;
-        match motion {
-            MicrorobotsStepMotion::Wait(duration_ns) => {
-                bed.record_rest();
-                bed.run.duration_ns = start_ns.checked_add(*duration_ns)?;
+impl Lowered for Planned<'_, MicrorobotsOrder, MicrorobotsMotion> {
+    fn run(&self) -> Option<LoweredRun> {
+        let Planned { order, motion } = self;
+        let mut bed = LoweringBed {
+            order,
+            run: LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
+            crew: motion.start.clone(),
+        };
+        for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
+            let start_ns = bed.run.duration_ns;
+            match motion {
+                MicrorobotsStepMotion::Wait(duration_ns) => {
+                    bed.record_rest();
+                    bed.run.duration_ns = start_ns.checked_add(*duration_ns)?;
+                }
+                MicrorobotsStepMotion::Legs { legs, docks, .. } => bed.follow(legs, docks, index)?,
             }
-            MicrorobotsStepMotion::Legs { legs, docks, .. } => bed.follow(legs, docks, index)?,
+            bed.run.steps.push((step.span, start_ns, bed.run.duration_ns - start_ns));
         }
-        bed.run.steps.push((step.span, start_ns, bed.run.duration_ns - start_ns));
+        bed.record_rest();
+        Some(bed.run)
     }
-    bed.record_rest();
-    Some(bed.run)
+
+    fn channels(&self, _own: &mut dyn Iterator<Item = &LoweredRun>) -> Vec<(String, ChannelUnit)> {
+        vec![(CHANNEL.to_owned(), ChannelUnit::Volt)]
+    }
 }
 
 /// The bed while its plan is carried out.
@@ -77,7 +86,7 @@ impl LoweringBed<'_> {
             (0..self.crew.docked.len()).filter(|robot| self.crew.docked[*robot]).map(name).collect();
         docked.sort_unstable();
         let poses = self.crew.poses.iter().enumerate().map(|(robot, pose)| (name(robot), place(pose))).collect();
-        let state = State::Microrobots { control, arms, docked, poses };
+        let state = State::Microrobots(MicrorobotsState { control, arms, docked, poses });
         self.run.states.push(TimedState { t_ns: self.run.duration_ns, state });
     }
 

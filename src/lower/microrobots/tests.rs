@@ -9,8 +9,9 @@ use crate::device::microrobots::{ControlState, Docking as Meeting, Fine, Microro
 use crate::diagnostic::Sink;
 use crate::geometry::Shape;
 use crate::lower::lower;
-use crate::plan::{Motion, Optimality, Plan};
+use crate::plan::{Motion, Optimality, Plan, Planned};
 use crate::schedule::Schedule;
+use crate::schedule::microrobots::MicrorobotsState;
 use crate::source::{Sources, Span};
 use std::sync::Arc;
 
@@ -88,10 +89,7 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
         bounds: Default::default(),
         outcomes: Default::default(),
         remarks: Vec::new(),
-        motion: Motion::Microrobots(MicrorobotsMotion {
-            start: Crew { poses: start.to_vec(), docked: vec![false; 3] },
-            steps,
-        }),
+        motion: MicrorobotsMotion { start: Crew { poses: start.to_vec(), docked: vec![false; 3] }, steps },
     };
     let job = Job {
         task: "assemble".to_owned(),
@@ -112,9 +110,11 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
     };
     let mut sources = Sources::default();
     sources.add("bed.twz", SOURCE);
+    let order = MicrorobotsOrder::of(&claims.jobs[0].order).expect("its order");
+    let plan = plan.map(|motion| Motion::Microrobots(Planned { order, motion }));
     let schedule = lower(&claims, &[plan], &sources, &mut Sink::default()).expect("a short schedule");
     let last = schedule.plans[0].states.last().expect("the state at the end");
-    let State::Microrobots { poses, .. } = &last.state else { panic!("a state of microrobots") };
+    let State::Microrobots(MicrorobotsState { poses, .. }) = &last.state else { panic!("a state of microrobots") };
     let ends: Vec<Pose> = poses.values().map(|&[x_um, y_um, heading_rad]| Pose { x_um, y_um, heading_rad }).collect();
     if let Order::Microrobots(order) = &mut claims.jobs[0].order {
         order.steps.iter_mut().for_each(|step| aim(step, &ends));
@@ -184,7 +184,11 @@ fn robots_that_dock_stay_where_they_are() {
     let (_, schedule) = bed();
     let states: Vec<_> = schedule.plans[0].states.iter().map(|timed| &timed.state).collect();
     let [.., before, after] = states[..] else { panic!("two states at least") };
-    let (State::Microrobots { poses: old, docked, .. }, State::Microrobots { poses: new, .. }) = (before, after) else {
+    let (
+        State::Microrobots(MicrorobotsState { poses: old, docked, .. }),
+        State::Microrobots(MicrorobotsState { poses: new, .. }),
+    ) = (before, after)
+    else {
         panic!("states of microrobots")
     };
     assert_eq!(docked, &["D2", "D3"]);

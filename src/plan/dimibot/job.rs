@@ -6,18 +6,18 @@
 
 use super::{
     FieldObstacle, Impossible, Lattice, LatticeCell, LatticeField, MissingLeg, ModulePulse, MotionTally, NoLeg,
-    Opening, Proof, Route, RouteRequest, RouteStage, RouteWithin, Router, Side, why,
+    Opening, Proof, Route, RouteRequest, RouteStage, RouteWithin, Router, Side, apart, why,
 };
 use crate::claims::dimibot::{
     DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacleBody, DimibotOrder, DimibotStep, DimibotStop,
 };
-use crate::claims::{self, Job, Relation, Requirement};
+use crate::claims::{self, Claims, Job, Relation, Requirement};
 use crate::device::dimibot::{DimibotFacts, DimibotOutcome, Simultaneous};
 use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, keeps, require};
 use crate::plan::search::{GaveUp, SearchBudget};
-use crate::plan::{Motion, Optimality, Plan};
+use crate::plan::{KindPlanner, Motion, Optimality, Plan, Planned, Standings};
 use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -112,8 +112,29 @@ impl DimibotStandings {
     }
 }
 
+impl KindPlanner for DimibotOrder {
+    fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
+        let plan = plan(job, self, &mut standings.dimibot, sink)?;
+        Some(plan.map(|motion| Motion::Dimibot(Planned { order: self, motion })))
+    }
+
+    fn settled<'a>(
+        &self,
+        claims: &'a Claims,
+        plans: Vec<Plan<Motion<'a>>>,
+        sink: &mut Sink,
+    ) -> Option<Vec<Plan<Motion<'a>>>> {
+        apart(claims, plans, sink)
+    }
+}
+
 /// A plan for a job; `None` after an error was pushed.
-pub fn plan(job: &Job, order: &DimibotOrder, standing: &mut DimibotStandings, sink: &mut Sink) -> Option<Plan> {
+pub fn plan(
+    job: &Job,
+    order: &DimibotOrder,
+    standing: &mut DimibotStandings,
+    sink: &mut Sink,
+) -> Option<Plan<DimibotMotion>> {
     let stands = standing.cells.get(&job.device).copied();
     let (plan, end) = planned(job, order, stands, &mut standing.fields, sink);
     standing.cells.insert(job.device.clone(), end);
@@ -127,7 +148,7 @@ fn planned(
     stands: Option<LatticeCell>,
     fields: &mut SceneFields,
     sink: &mut Sink,
-) -> (Option<Plan>, LatticeCell) {
+) -> (Option<Plan<DimibotMotion>>, LatticeCell) {
     let Some(start) = start(job, order, stands, sink) else {
         return (None, end_of(order).or(stands).unwrap_or(order.facts.home));
     };
@@ -215,7 +236,7 @@ impl<'a> DimibotTaskSearch<'a> {
     }
 
     /// A plan that keeps the limits, and the robot's cell after it; without a plan an error was pushed.
-    fn plan(&self, sink: &mut Sink) -> (Option<Plan>, Option<LatticeCell>) {
+    fn plan(&self, sink: &mut Sink) -> (Option<Plan<DimibotMotion>>, Option<LatticeCell>) {
         let mut router = self.router();
         let best = match router.best(self.order.objective) {
             Ok(best) => best,
@@ -296,7 +317,7 @@ impl<'a> DimibotTaskSearch<'a> {
             let planner = self.order.planner.method.name();
             errors::more_allowed(self.order.planner.expansions, planner)
         });
-        KnownLimit { none_keeps_all: is_proven, least, other, advice }
+        KnownLimit { none_keeps_all: is_proven, least, other: other.map(|plan| plan.map(drop)), advice }
     }
 
     /// What a plan for the objective alone proves about a limit that it misses.
@@ -328,7 +349,7 @@ impl<'a> DimibotTaskSearch<'a> {
         pulses.fold(self.start, |cell, pulse| LatticeCell::new(cell.x ^ pulse.left, cell.y ^ pulse.right))
     }
 
-    fn finished(&self, route: &Route, bound: u64) -> Plan {
+    fn finished(&self, route: &Route, bound: u64) -> Plan<DimibotMotion> {
         let mut stages = self.step_of.iter().zip(&route.pulses).peekable();
         let mut steps = Vec::with_capacity(self.order.steps.len());
         for (index, step) in self.order.steps.iter().enumerate() {
@@ -471,7 +492,7 @@ fn largest(requirement: &Requirement, unit: f64, offset: f64) -> Option<u64> {
 }
 
 /// A plan with its figures; `bound` refers to the objective's figure.
-fn finished(order: &DimibotOrder, motion: DimibotMotion, tally: MotionTally, bound: u64) -> Plan {
+fn finished(order: &DimibotOrder, motion: DimibotMotion, tally: MotionTally, bound: u64) -> Plan<DimibotMotion> {
     let waits_ms = match order.objective {
         DimibotObjective::Time => waits_ns(&order.steps) as f64 / 1e6,
         DimibotObjective::Distance | DimibotObjective::Switches | DimibotObjective::Energy => 0.0,
@@ -487,7 +508,7 @@ fn finished(order: &DimibotOrder, motion: DimibotMotion, tally: MotionTally, bou
         proof: if cost == bound { Optimality::Proven } else { Optimality::Open },
         outcomes: outcomes(order, &motion),
         remarks: Vec::new(),
-        motion: Motion::Dimibot(motion),
+        motion,
     }
 }
 

@@ -29,7 +29,7 @@ mod why;
 
 pub use apart::apart;
 pub use field::{FieldError, FieldObstacle, LatticeField, SAFETY_MARGIN_UM};
-pub use job::{DimibotMotion, DimibotStandings, DimibotStepMotion, plan};
+pub use job::{DimibotMotion, DimibotStandings, DimibotStandings as Standings, DimibotStepMotion, plan};
 pub use lattice::{Flip, Lattice, LatticeCell, LatticeError, MAX_MODULES, Side, SwitchWeights};
 pub use legs::NoLeg;
 pub use outcome::{DimibotAnswer, FlipPath, Impossible, Proof};

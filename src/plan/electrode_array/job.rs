@@ -23,7 +23,7 @@ use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, require};
 use crate::plan::search::SearchBudget;
-use crate::plan::{Motion, Optimality, Plan};
+use crate::plan::{KindPlanner, Motion, Optimality, Plan, Planned, Standings};
 use crate::source::Span;
 use std::collections::BTreeMap;
 
@@ -77,8 +77,20 @@ impl BoardStandings {
     }
 }
 
+impl KindPlanner for ElectrodeArrayOrder {
+    fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
+        let plan = plan(job, self, &mut standings.electrode_array, sink)?;
+        Some(plan.map(|motion| Motion::ElectrodeArray(Planned { order: self, motion })))
+    }
+}
+
 /// A plan for a job; `None` after an error was pushed.
-pub fn plan(job: &Job, order: &ElectrodeArrayOrder, standing: &mut BoardStandings, sink: &mut Sink) -> Option<Plan> {
+pub fn plan(
+    job: &Job,
+    order: &ElectrodeArrayOrder,
+    standing: &mut BoardStandings,
+    sink: &mut Sink,
+) -> Option<Plan<ElectrodeArrayMotion>> {
     let start = standing.of(job, order);
     let (plan, end) = planned(job, order, start, true, sink);
     let names = order.parts.iter().map(|part| part.name.clone());
@@ -92,7 +104,7 @@ pub fn without_remedies(
     order: &ElectrodeArrayOrder,
     start: Vec<Option<ElectrodeCell>>,
     sink: &mut Sink,
-) -> Option<Plan> {
+) -> Option<Plan<ElectrodeArrayMotion>> {
     planned(job, order, start, false, sink).0
 }
 
@@ -103,7 +115,7 @@ fn planned(
     start: Vec<Option<ElectrodeCell>>,
     may_remedy: bool,
     sink: &mut Sink,
-) -> (Option<Plan>, Vec<Option<ElectrodeCell>>) {
+) -> (Option<Plan<ElectrodeArrayMotion>>, Vec<Option<ElectrodeCell>>) {
     let ground = BoardGround::new(order);
     let cells = start.clone();
     let mut tasks = Tasks { job, order, ground: &ground, start: &start, cells, known: vec![], may_remedy, sink };
@@ -126,7 +138,7 @@ fn within_limits(
     ground: &BoardGround,
     (mut motion, known): (ElectrodeArrayMotion, Vec<(Paths, BoardCosts)>),
     sink: &mut Sink,
-) -> Option<Plan> {
+) -> Option<Plan<ElectrodeArrayMotion>> {
     let limits = limits::of(order, &job.requirements);
     let bounds = total(known.iter().map(|(_, bounds)| *bounds));
     let figures = limits::figures(known.iter().map(|(paths, _)| paths));
@@ -435,7 +447,12 @@ fn objective(objective: ElectrodeArrayObjective) -> board::BoardObjective {
 }
 
 /// The plan with its figures; `bounds` hold for every plan, `bound` for those that keep the limits of the task.
-fn finished(order: &ElectrodeArrayOrder, motion: ElectrodeArrayMotion, bounds: BoardCosts, bound: Option<u64>) -> Plan {
+fn finished(
+    order: &ElectrodeArrayOrder,
+    motion: ElectrodeArrayMotion,
+    bounds: BoardCosts,
+    bound: Option<u64>,
+) -> Plan<ElectrodeArrayMotion> {
     let outcomes = outcomes(order, &motion);
     let (least, other) = match order.objective {
         ElectrodeArrayObjective::Makespan => {
@@ -457,7 +474,7 @@ fn finished(order: &ElectrodeArrayOrder, motion: ElectrodeArrayMotion, bounds: B
         bounds: BTreeMap::from([other]),
         outcomes,
         remarks: Vec::new(),
-        motion: Motion::ElectrodeArray(motion),
+        motion,
     }
 }
 

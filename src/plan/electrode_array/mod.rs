@@ -22,7 +22,7 @@ mod stage;
 mod timing;
 mod why;
 
-pub use job::{BoardStandings, ElectrodeArrayMotion, ElectrodeArrayStepMotion, plan};
+pub use job::{BoardStandings as Standings, ElectrodeArrayMotion, ElectrodeArrayStepMotion, plan};
 pub use portfolio::solve;
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Whole jobs: blocking obstacles, parts that yield, and the reports where there is no plan.
 
+use super::ElectrodeArrayMotion;
 use super::*;
 use crate::claims::electrode_array::{
     BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
@@ -9,7 +10,7 @@ use crate::claims::electrode_array::{
 use crate::claims::{Job, Order, Relation, Requirement};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation};
 use crate::diagnostic::{Code, Sink};
-use crate::plan::{Motion, Optimality, Plan};
+use crate::plan::{Optimality, Plan};
 use crate::source::{FileId, Span};
 use std::sync::Arc;
 
@@ -96,28 +97,27 @@ fn limit(outcome: &str, limit: f64) -> Requirement {
     Requirement { outcome: outcome.to_owned(), relation: Relation::AtMost, limit, span: span(3) }
 }
 
-fn planned(job: &Job, standing: &mut BoardStandings) -> (Option<Plan>, Vec<(Code, String)>) {
+fn planned(job: &Job, standing: &mut Standings) -> (Option<Plan<ElectrodeArrayMotion>>, Vec<(Code, String)>) {
     let Order::ElectrodeArray(order) = &job.order else { panic!("an order of an electrode array") };
     let mut sink = Sink::default();
     let plan = plan(job, order, standing, &mut sink);
     (plan, sink.sorted().into_iter().map(|told| (told.code, format!("{told:?}"))).collect())
 }
 
-fn found(order: ElectrodeArrayOrder) -> Plan {
-    let (plan, told) = planned(&job(order, Vec::new()), &mut BoardStandings::default());
+fn found(order: ElectrodeArrayOrder) -> Plan<ElectrodeArrayMotion> {
+    let (plan, told) = planned(&job(order, Vec::new()), &mut Standings::default());
     plan.unwrap_or_else(|| panic!("{told:?}"))
 }
 
 fn refused(order: ElectrodeArrayOrder) -> (Code, String) {
-    let (plan, mut told) = planned(&job(order, Vec::new()), &mut BoardStandings::default());
+    let (plan, mut told) = planned(&job(order, Vec::new()), &mut Standings::default());
     assert!(plan.is_none());
     assert_eq!(told.len(), 1, "{told:?}");
     told.remove(0)
 }
 
-fn paths(plan: &Plan, step: usize) -> &[Vec<ElectrodeCell>] {
-    let Motion::ElectrodeArray(motion) = &plan.motion else { panic!("a motion of an electrode array") };
-    let ElectrodeArrayStepMotion::Paths(paths) = &motion.steps[step] else { panic!("a step of moves") };
+fn paths(plan: &Plan<ElectrodeArrayMotion>, step: usize) -> &[Vec<ElectrodeCell>] {
+    let ElectrodeArrayStepMotion::Paths(paths) = &plan.motion.steps[step] else { panic!("a step of moves") };
     paths
 }
 
@@ -146,7 +146,7 @@ fn parts_stand_where_the_last_task_left_them() {
     first.steps = vec![together(vec![go(0, &[(9, 3)])])];
     let mut second = order(microparts(20, 20), &[(3, 3), (3, 12)]);
     second.steps = vec![together(vec![go(0, &[(9, 4)])])];
-    let mut standing = BoardStandings::default();
+    let mut standing = Standings::default();
     assert_eq!(planned(&job(first, Vec::new()), &mut standing).0.map(|plan| plan.cost), Some(6.0));
     assert_eq!(planned(&job(second, Vec::new()), &mut standing).0.map(|plan| plan.cost), Some(1.0));
 }
@@ -243,9 +243,9 @@ fn a_limit_on_the_steps_is_kept_or_the_least_that_would_do_is_said() {
         job(order, vec![limit("steps", steps)])
     };
     for objective in [ElectrodeArrayObjective::Makespan, ElectrodeArrayObjective::SumOfCosts] {
-        let (plan, told) = planned(&task(objective, 100.0), &mut BoardStandings::default());
+        let (plan, told) = planned(&task(objective, 100.0), &mut Standings::default());
         let least = plan.unwrap_or_else(|| panic!("{told:?}")).outcomes["steps"];
-        let (plan, told) = planned(&task(objective, 5.0), &mut BoardStandings::default());
+        let (plan, told) = planned(&task(objective, 5.0), &mut Standings::default());
         assert!(plan.is_none());
         assert_eq!(told[0].0, Code::E0603, "{told:?}");
         assert!(least >= 11.0, "two parts of four electrodes go round each other: {least}");
@@ -270,7 +270,7 @@ fn the_published_planner_says_that_it_is_greedy_when_it_finds_nothing() {
     let mut order = order(microparts(20, 20), &[(3, 10), (16, 10)]);
     order.planner.method = ElectrodeArrayMethod::PlainCooperativeAstar;
     order.steps = vec![together(vec![go(0, &[(16, 10)]), go(1, &[(3, 10)])])];
-    let (plan, told) = planned(&job(order.clone(), Vec::new()), &mut BoardStandings::default());
+    let (plan, told) = planned(&job(order.clone(), Vec::new()), &mut Standings::default());
     match plan {
         Some(plan) => assert!(plan.cost >= plan.bound),
         None => assert!(told.iter().all(|(code, _)| *code == Code::E0602), "{told:?}"),

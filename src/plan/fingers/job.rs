@@ -21,7 +21,7 @@ use crate::device::fingers::{FingersObjective, FingersOutcome, Plane};
 use crate::diagnostic::{Remark, Sink};
 use crate::plan::requirements::{Kept, KnownLimit, require};
 use crate::plan::search::{GaveUp, SearchBudget};
-use crate::plan::{Motion, Optimality, Plan};
+use crate::plan::{KindPlanner, Motion, Optimality, Plan, Planned, Standings};
 use nalgebra::{Quaternion, UnitQuaternion};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -35,8 +35,20 @@ pub struct HandStandings {
     stances: BTreeMap<String, Option<Stance>>,
 }
 
+impl KindPlanner for FingersOrder {
+    fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
+        let plan = plan(job, self, &mut standings.fingers, sink)?;
+        Some(plan.map(|motion| Motion::Fingers(Planned { order: self, motion })))
+    }
+}
+
 /// A plan for a job; without one an error was pushed, for this job or an earlier one of the same hand.
-pub fn plan(job: &Job, order: &FingersOrder, standing: &mut HandStandings, sink: &mut Sink) -> Option<Plan> {
+pub fn plan(
+    job: &Job,
+    order: &FingersOrder,
+    standing: &mut HandStandings,
+    sink: &mut Sink,
+) -> Option<Plan<FingersMotion>> {
     let known = standing.stances.get(&job.device).cloned();
     let planned = match known {
         Some(None) => None,
@@ -61,7 +73,12 @@ pub enum FirstCriterion {
 pub const MOST_LOOKS: u64 = 150_000_000;
 
 /// A plan, and the stance after it.
-fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut Sink) -> Option<(Option<Plan>, Stance)> {
+fn planned(
+    job: &Job,
+    order: &FingersOrder,
+    stance: Option<Stance>,
+    sink: &mut Sink,
+) -> Option<(Option<Plan<FingersMotion>>, Stance)> {
     let looks = Rc::new(LooksBudget::of(MOST_LOOKS));
     let mut sections = match Sections::of(order, looks) {
         Ok(sections) => sections,
@@ -102,7 +119,9 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
             FingersOutcome::Reconfigurations => fewest.as_ref().map(|plan| plan.outcomes[outcome.name()]),
             FingersOutcome::Time => Some(least_s),
         }),
-        other: if limit.outcome == FingersOutcome::Time.name() { soonest.clone() } else { fewest.clone() },
+        other: if limit.outcome == FingersOutcome::Time.name() { &soonest } else { &fewest }
+            .clone()
+            .map(|plan| plan.map(drop)),
         ..KnownLimit::default()
     };
     let kept = require(job, &plan, known, sink);
@@ -124,7 +143,7 @@ pub struct AskedStretch<'a> {
 /// A plan, with its limits not yet checked.
 pub struct Done {
     /// Its proof concerns the primary criterion.
-    pub plan: Plan,
+    pub plan: Plan<FingersMotion>,
     /// The stance after it.
     pub end: Stance,
     pub stretches: Vec<TaskStretch>,
@@ -489,7 +508,7 @@ fn said(sections: &Sections, turn: FingersTurn) -> String {
 }
 
 impl Sums {
-    fn plan(self, order: &FingersOrder, motion: FingersMotion) -> Plan {
+    fn plan(self, order: &FingersOrder, motion: FingersMotion) -> Plan<FingersMotion> {
         let degrees = |cost: u64| cost as f64 / f64::from(order.facts.steps_per_turn);
         let time_s = ways::duration_ns(&motion).unwrap_or(u64::MAX) as f64 / 1e9;
         let outcomes = [
@@ -507,7 +526,7 @@ impl Sums {
             bounds: BTreeMap::new(),
             outcomes: outcomes.map(|(word, value)| (word.name().to_owned(), value)).into_iter().collect(),
             remarks: self.remarks,
-            motion: Motion::Fingers(motion),
+            motion,
         }
     }
 }

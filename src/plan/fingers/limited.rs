@@ -9,6 +9,7 @@
 //! searched again with fewer and fewer reconfigurations, which take most of the time, until one is fast enough. Not guaranteed:
 //! that no other plan is, unless the limit is below [`least_s`].
 
+use super::FingersMotion;
 use super::Stance;
 use super::job::{AskedStretch, Done, Stop, TaskStretch, carried_out, stretches};
 use super::routes::routes;
@@ -44,25 +45,25 @@ pub enum Sooner {
     /// A plan that keeps all limits.
     Kept(Box<Done>),
     /// The fastest other plan found.
-    Missed(Option<Box<Plan>>),
+    Missed(Option<Box<Plan<FingersMotion>>>),
 }
 
 /// Most plans with fewer reconfigurations that are tried for a limit on time.
 const MOST_TRIED: u32 = 16;
 
-fn is_kept(job: &Job, plan: &Plan, outcome: &str) -> bool {
+fn is_kept(job: &Job, plan: &Plan<FingersMotion>, outcome: &str) -> bool {
     let mut limits = job.requirements.iter().filter(|limit| limit.outcome == outcome && is_upper(limit));
     limits.all(|limit| plan.outcomes.get(outcome).is_none_or(|reached| keeps(limit, *reached) == Kept::Yes))
 }
 
 /// Whether a plan takes longer than a limit.
-pub fn misses_time(job: &Job, plan: &Plan) -> bool {
+pub fn misses_time(job: &Job, plan: &Plan<FingersMotion>) -> bool {
     !is_kept(job, plan, FingersOutcome::Time.name())
 }
 
 /// A plan that is fast enough, given one that is not.
 pub fn sooner(sections: &mut Sections, asked: &AskedStretch, done: &Done) -> Sooner {
-    let mut soonest: Option<Plan> = None;
+    let mut soonest: Option<Plan<FingersMotion>> = None;
     let mut gaits = done.gaits();
     for _ in 0..MOST_TRIED {
         let Some(fewer) = gaits.checked_sub(1) else { break };
@@ -80,7 +81,9 @@ pub fn sooner(sections: &mut Sections, asked: &AskedStretch, done: &Done) -> Soo
             next.plan.proof = if next.plan.bound >= next.plan.cost { Optimality::Proven } else { Optimality::Open };
             return Sooner::Kept(next);
         }
-        let time_s = |plan: &Plan| plan.outcomes.get(FingersOutcome::Time.name()).copied().unwrap_or(f64::INFINITY);
+        let time_s = |plan: &Plan<FingersMotion>| {
+            plan.outcomes.get(FingersOutcome::Time.name()).copied().unwrap_or(f64::INFINITY)
+        };
         if soonest.as_ref().is_none_or(|known| time_s(&next.plan) < time_s(known)) {
             soonest = Some(next.plan);
         }

@@ -12,7 +12,7 @@ pub mod tables;
 pub mod ways;
 mod why;
 
-pub use job::{HandStandings, plan};
+pub use job::{HandStandings as Standings, plan};
 
 use crate::device::fingers::Plane;
 

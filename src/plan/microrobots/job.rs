@@ -20,7 +20,7 @@ use crate::diagnostic::{Remark, Sink};
 use crate::geometry::Pose;
 use crate::plan::requirements::{Kept, KnownLimit, require};
 use crate::plan::search::SearchBudget;
-use crate::plan::{Motion, Optimality, Plan};
+use crate::plan::{KindPlanner, Motion, Optimality, Plan, Planned, Standings};
 use std::collections::BTreeMap;
 
 /// Poses of the robots of a bed, one entry per robot of its orders.
@@ -59,8 +59,20 @@ impl BedStandings {
     }
 }
 
+impl KindPlanner for MicrorobotsOrder {
+    fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
+        let plan = plan(job, self, &mut standings.microrobots, sink)?;
+        Some(plan.map(|motion| Motion::Microrobots(Planned { order: self, motion })))
+    }
+}
+
 /// A plan for a job; without one an error was pushed, for this job or an earlier one of the same bed.
-pub fn plan(job: &Job, order: &MicrorobotsOrder, standing: &mut BedStandings, sink: &mut Sink) -> Option<Plan> {
+pub fn plan(
+    job: &Job,
+    order: &MicrorobotsOrder,
+    standing: &mut BedStandings,
+    sink: &mut Sink,
+) -> Option<Plan<MicrorobotsMotion>> {
     let is_first = !standing.crews.contains_key(&job.device);
     let planned = standing.of(job, order).and_then(|crew| planned(job, order, (crew, is_first), sink));
     let (plan, crew) = planned.map_or((None, None), |(plan, crew)| (plan, Some(crew)));
@@ -74,7 +86,7 @@ fn planned(
     order: &MicrorobotsOrder,
     (start, is_first): (Crew, bool),
     sink: &mut Sink,
-) -> Option<(Option<Plan>, Crew)> {
+) -> Option<(Option<Plan<MicrorobotsMotion>>, Crew)> {
     let world = World::new(order);
     let mut bed = BedPoses::new(start.poses.clone(), start.docked.clone());
     let mut tally = BedTally { bound_ns: bound::least_ns(order, &start), ..BedTally::default() };
@@ -248,7 +260,7 @@ impl BedTally {
         }
     }
 
-    fn plan(self, motion: MicrorobotsMotion) -> Plan {
+    fn plan(self, motion: MicrorobotsMotion) -> Plan<MicrorobotsMotion> {
         let seconds = |ns: u64| ns as f64 / 1e9;
         let outcomes = [
             (MicrorobotsOutcome::Time, seconds(self.time_ns)),
@@ -265,7 +277,7 @@ impl BedTally {
             bounds: BTreeMap::new(),
             outcomes: outcomes.map(|(word, value)| (word.name().to_owned(), value)).into_iter().collect(),
             remarks: self.remarks,
-            motion: Motion::Microrobots(motion),
+            motion,
         }
     }
 }

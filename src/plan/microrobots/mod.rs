@@ -14,7 +14,7 @@ pub mod ways;
 mod why;
 pub mod world;
 
-pub use job::{BedStandings, Crew, leg_ns, plan};
+pub use job::{BedStandings as Standings, Crew, leg_ns, plan};
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;

@@ -49,7 +49,8 @@ pub fn simulate(
     let solids = obstacles(order);
     let start = (&first.poses[..], &first.docked[..]);
     let one = |index: u64| run(Trial::new(order, errors, &solids, start, (seed, index)), &episodes);
-    Some(SimulationReport::new(&gathered(trials.min(MAX_TRIALS), threads.max(1) as u64, &one)))
+    let names = (0..order.robots.len()).map(|robot| order.robot(robot).name.clone()).collect();
+    Some(SimulationReport::new(names, &gathered(trials.min(MAX_TRIALS), threads.max(1) as u64, &one)))
 }
 
 /// All trials in their order, by several threads.

@@ -43,6 +43,8 @@ pub struct Failures {
 /// Outcome of the trials.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SimulationReport {
+    /// Of the order's robots, by their indices.
+    pub names: Vec<String>,
     pub trials: u64,
     pub successes: u64,
     /// The share of successes, 95 % sure.
@@ -88,10 +90,11 @@ impl Spread {
 
 impl SimulationReport {
     /// Report on trials in their order.
-    pub fn new(trials: &[EndedTrial]) -> Self {
+    pub fn new(names: Vec<String>, trials: &[EndedTrial]) -> Self {
         let successes = trials.iter().filter(|trial| trial.failure.is_none()).count() as u64;
         let time_s = |trial: &EndedTrial| trial.failure.is_none().then_some(trial.time_ns as f64 / 1e9);
         SimulationReport {
+            names,
             trials: trials.len() as u64,
             successes,
             wilson: wilson(successes, trials.len() as u64),

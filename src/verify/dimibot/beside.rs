@@ -11,6 +11,7 @@ use super::super::geometry::convex::apart_um;
 use super::super::rule::{Findings, Rule, Violation, ms};
 use super::scene::{FrameTransform, room_um, swept};
 use super::{PulseInstant, pulses};
+use crate::claims::dimibot::DimibotOrder;
 use crate::claims::{Claims, SharedScene};
 use crate::device::dimibot::{DimibotFacts, LatticeCell, Switch};
 use crate::quantity::digits;
@@ -39,7 +40,7 @@ struct TipTrace<'a> {
 }
 
 /// Checks the distance of every two robots that share a scene. `order` are the runs in the order in which devices meet them.
-pub(in super::super) fn tips_apart(runs: &[JudgedRun], order: &[usize], claims: &Claims, findings: &mut Findings) {
+pub(super) fn tips_apart(runs: &[JudgedRun], order: &[usize], claims: &Claims, findings: &mut Findings) {
     let frames = claims.shared.iter().flat_map(|scene| &scene.frames);
     let placed: BTreeMap<&str, FrameTransform> =
         frames.map(|(device, frame)| (&**device, FrameTransform::of(Some(frame)))).collect();
@@ -76,7 +77,7 @@ fn needed_um(one: &TipTrace, other: &TipTrace) -> f64 {
 
 fn trace<'a>(runs: &'a [JudgedRun], own: &[usize], stand: &FrameTransform) -> Option<TipTrace<'a>> {
     let first = &runs[*own.first()?];
-    let order = first.job.order.dimibot()?;
+    let order = DimibotOrder::of(&first.job.order)?;
     let facts = &order.facts;
     let mut cell = order.start.as_ref().map_or(facts.home, |start| start.value);
     let (mut at_ns, mut at_run, mut stretches) = (0, own[0], Vec::new());
@@ -88,7 +89,7 @@ fn trace<'a>(runs: &'a [JudgedRun], own: &[usize], stand: &FrameTransform) -> Op
         step,
     };
     for index in own {
-        let Some(order) = runs[*index].job.order.dimibot() else { continue };
+        let Some(order) = DimibotOrder::of(&runs[*index].job.order) else { continue };
         for pulse in pulses(&runs[*index], order, cell) {
             stretches.push(at([cell, cell], [at_ns, pulse.start_ns.max(at_ns)], at_run, None));
             let end_ns = pulse.start_ns.saturating_add(facts.pulse_duration_ns);
@@ -161,7 +162,7 @@ fn touch(
 
 /// The step in which a robot moves, or the run after or before which it stands.
 fn span(run: &JudgedRun, step: Option<usize>) -> Span {
-    let steps = run.job.order.dimibot().map(|order| order.steps.as_slice()).unwrap_or_default();
+    let steps = DimibotOrder::of(&run.job.order).map(|order| order.steps.as_slice()).unwrap_or_default();
     let nth = step.and_then(|step| run.steps.iter().position(|index| *index == step));
     nth.and_then(|nth| steps.get(nth)).map_or(run.job.run_span, |step| step.span)
 }

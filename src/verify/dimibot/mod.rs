@@ -9,26 +9,18 @@ mod beside;
 mod scene;
 
 use super::clock::JudgedRun;
+use super::record::TOLERANCE;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{RecordTerms, Replay, Standing, Unfit};
+use super::{Halt, Judge, JudgedState, RecordTerms, Replay, Standing, Unfit};
 use crate::claims::dimibot::{DimibotAction, DimibotOrder, DimibotStop};
+use crate::claims::{Claims, Order};
 use crate::device::dimibot::{DimibotFacts, DimibotOutcome, LatticeCell, Side, Simultaneous, Switch};
+use crate::quantity::digits;
+use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
 use scene::{DimibotObstacles, TipTouch, place};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-
-pub(super) use beside::tips_apart;
-pub(super) use scene::{check_claims, is_frame};
-
-/// Whether a robot may let time pass between its pulses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Patience {
-    /// It is alone in its scene, and every pulse follows at once.
-    None,
-    /// It may need to wait for another robot.
-    ForOthers,
-}
 
 /// Actuator of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -83,26 +75,79 @@ pub(super) fn actuators(device: &str, facts: &DimibotFacts) -> BTreeMap<String, 
     both.map(|actuator| (format!("{device}.{}", actuator.name()), actuator)).collect()
 }
 
-/// Unit of a channel, if the device has one of that name.
-pub(super) fn unit(channel: &str, order: &DimibotOrder) -> Option<ChannelUnit> {
-    actuators("", &order.facts).contains_key(&format!(".{channel}")).then_some(ChannelUnit::Volt)
-}
+impl Judge for DimibotOrder {
+    fn unit(&self, channel: &str) -> Option<ChannelUnit> {
+        actuators("", &self.facts).contains_key(&format!(".{channel}")).then_some(ChannelUnit::Volt)
+    }
 
-/// Terms of a plan's record, from the claims.
-pub(super) fn terms(order: &DimibotOrder) -> RecordTerms {
-    let objective = order.objective;
-    RecordTerms {
-        planner: order.planner.method.name(),
-        objective: objective.name(),
-        outcome: objective.outcome().name(),
-        unit: objective.unit(),
-        scale: objective.units_per_si(),
+    fn premise(&self) -> Result<(), Unfit> {
+        scene::check_claims(self)
+    }
+
+    fn has_facts_of(&self, other: &Order) -> bool {
+        DimibotOrder::of(other).is_some_and(|other| other.facts == self.facts)
+    }
+
+    fn terms(&self) -> RecordTerms {
+        let objective = self.objective;
+        RecordTerms {
+            planner: self.planner.method.name(),
+            objective: objective.name(),
+            outcome: objective.outcome().name(),
+            unit: objective.unit(),
+            scale: objective.units_per_si(),
+        }
+    }
+
+    fn minimized_as(&self, outcome: &str) -> Option<&'static str> {
+        DimibotOutcome::find(outcome).map(|outcome| outcome.objective().name())
+    }
+
+    fn replay<'a>(
+        &self,
+        run: &JudgedRun<'a>,
+        claims: &Claims,
+        standing: &mut Standing<'a>,
+        findings: &mut Findings,
+    ) -> Result<Replay<'a>, Halt> {
+        let scene = DimibotObstacles::new(self)?;
+        let start = start(run, self, standing, findings);
+        let task = DimibotRun { run, order: self, start, pulses: pulses(run, self, start) };
+        shapes(&task, findings);
+        rests(&task, findings);
+        // A robot that shares its scene may have to let another pass.
+        if !claims.is_shared(&run.job.device) {
+            idle(&task, findings);
+        }
+        waits(&task, findings);
+        opposed(&task, findings);
+        switches(&task, findings);
+        simultaneous(&task, findings);
+        standing_clear(&task, &scene, findings);
+        sweeps(&task, &scene, findings);
+        mixtures(&task, &scene, findings);
+        goals(&task, findings);
+        places(&task, findings);
+        standing.insert(&run.job.device, state(&self.facts, task.end()));
+        Ok(Replay { states: task.states().into_iter().map(Cow::Owned).collect(), outcomes: task.outcomes() })
+    }
+
+    fn beside(&self, runs: &[JudgedRun], order: &[usize], claims: &Claims, findings: &mut Findings) {
+        beside::tips_apart(runs, order, claims, findings);
     }
 }
 
-/// The objective that minimises an outcome.
-pub(super) fn minimized_as(outcome: &str) -> Option<&'static str> {
-    DimibotOutcome::find(outcome).map(|outcome| outcome.objective().name())
+impl JudgedState for DimibotState {
+    fn agrees(&self, replayed: &State) -> bool {
+        let State::Dimibot(DimibotState { word, cell, position_um }) = replayed else { return false };
+        let near = |(one, other): (&f64, &f64)| (one - other).abs() <= TOLERANCE * other.abs().max(1.0);
+        self.word == *word && self.cell == *cell && self.position_um.iter().zip(position_um).all(near)
+    }
+
+    fn shown(&self) -> String {
+        let DimibotState { word, cell: [x, y], position_um: [x_um, y_um] } = self;
+        format!("cell ({x}, {y}), word {word}, at ({}, {}) um", digits(*x_um), digits(*y_um))
+    }
 }
 
 /// All actuations that begin at one instant.
@@ -129,46 +174,19 @@ struct DimibotRun<'a> {
     pulses: Vec<PulseInstant<'a>>,
 }
 
-/// Replays a run and checks it against its order.
-///
-/// # Errors
-/// When a body of the claims cannot be placed.
-pub(super) fn replay<'a>(
-    run: &JudgedRun<'a>,
-    (order, patience): (&DimibotOrder, Patience),
-    standing: &mut Standing<'a>,
-    findings: &mut Findings,
-) -> Result<Replay<'a>, Unfit> {
-    let scene = DimibotObstacles::new(order)?;
-    let start = start(run, order, standing, findings);
-    let task = DimibotRun { run, order, start, pulses: pulses(run, order, start) };
-    shapes(&task, findings);
-    rests(&task, findings);
-    if patience == Patience::None {
-        idle(&task, findings);
-    }
-    waits(&task, findings);
-    opposed(&task, findings);
-    switches(&task, findings);
-    simultaneous(&task, findings);
-    standing_clear(&task, &scene, findings);
-    sweeps(&task, &scene, findings);
-    mixtures(&task, &scene, findings);
-    goals(&task, findings);
-    places(&task, findings);
-    standing.insert(&run.job.device, state(&order.facts, task.end()));
-    Ok(Replay { states: task.states().into_iter().map(Cow::Owned).collect(), outcomes: task.outcomes() })
-}
-
 fn state(facts: &DimibotFacts, cell: LatticeCell) -> State {
     let position = place(facts, cell);
-    State::Dimibot { word: facts.word(cell), cell: [cell.x, cell.y], position_um: [position.x, position.y] }
+    State::Dimibot(DimibotState {
+        word: facts.word(cell),
+        cell: [cell.x, cell.y],
+        position_um: [position.x, position.y],
+    })
 }
 
 /// Start of a run: the device's place; for its first run the task's `start at`, or home.
 fn start(run: &JudgedRun, order: &DimibotOrder, standing: &Standing, findings: &mut Findings) -> LatticeCell {
     let claimed = order.start.as_ref();
-    let Some(State::Dimibot { cell: [x, y], .. }) = standing.get(run.job.device.as_str()) else {
+    let Some(State::Dimibot(DimibotState { cell: [x, y], .. })) = standing.get(run.job.device.as_str()) else {
         return claimed.map_or(order.facts.home, |start| start.value);
     };
     let stands = LatticeCell { x: *x, y: *y };

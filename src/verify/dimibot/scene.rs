@@ -7,6 +7,7 @@
 use super::super::Unfit;
 use super::super::boxes::{Extent, GroupedBoxes};
 use super::super::geometry::solid::Solid;
+use super::super::premise::is_frame;
 use crate::claims::dimibot::{Asked, DimibotAction, DimibotObstacleBody, DimibotOrder, DimibotStop};
 use crate::device::dimibot::{DimibotFacts, LatticeCell, MAX_MODULES};
 use crate::geometry::shape::{MAX_EXTENT_UM, Pose};
@@ -21,7 +22,7 @@ const BOX_MARGIN_UM: f64 = 1e-6;
 const TOLERANCE: f64 = 1e-9;
 
 /// Checks the assumptions that the replay makes about claims.
-pub(in super::super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> {
+pub(super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> {
     let facts = &order.facts;
     let unfit = |why: &str| Err(Unfit(format!("the claims of a dimibot {why}")));
     if ![facts.left, facts.right].iter().all(|modules| (1..=MAX_MODULES).contains(modules)) {
@@ -61,11 +62,6 @@ fn exists(facts: &DimibotFacts, cell: LatticeCell) -> bool {
 /// Nominal place of the end-effector in the frame R1.
 pub(super) fn place(facts: &DimibotFacts, cell: LatticeCell) -> Point2<f64> {
     Point2::from(DimibotFacts::workspace_frame() * facts.displacement_um(cell))
-}
-
-/// Whether numbers can be the place of a frame.
-pub(in super::super) fn is_frame(frame: &Pose) -> bool {
-    [frame.x_um, frame.y_um, frame.heading_rad].iter().all(|value| value.abs() <= MAX_EXTENT_UM)
 }
 
 /// Where a robot's frame stands in its scene, as a turn and a shift; without a frame both are none.

@@ -16,7 +16,7 @@ const MAX_SEPARATION: u32 = MAX_SIDE;
 ///
 /// # Errors
 /// If no schedule can be checked against the claims.
-pub(in super::super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
+pub(super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     facts(&order.facts)?;
     parts(order)?;
     obstacles(order)?;

@@ -16,66 +16,84 @@ mod switching;
 use super::clock::JudgedRun;
 use super::record;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{Halt, RecordTerms, Replay, Standing};
+use super::{Halt, Judge, JudgedState, RecordTerms, Replay, Standing, Unfit};
 use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder};
+use crate::claims::{Claims, Order};
 use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell};
+use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
 use beat::StepBeat;
 use bodies::BoardObstacles;
 use rustc_hash::FxHashMap;
 use stage::JudgedStage;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use switching::{ElectrodePulse, Switching};
 
-pub(super) use claims::check_claims;
-
-/// Unit of a channel, if the device has one of that name.
-pub(super) fn unit(channel: &str, order: &ElectrodeArrayOrder) -> Option<ChannelUnit> {
-    order.facts.electrode(channel).map(|_| ChannelUnit::Volt)
-}
-
-/// Terms of a plan's record, from the claims.
-pub(super) fn terms(order: &ElectrodeArrayOrder) -> RecordTerms {
-    let (planner, objective) = (order.planner.method.name(), order.objective);
-    RecordTerms { planner, objective: objective.name(), outcome: objective.outcome().name(), unit: "", scale: 1.0 }
-}
-
-/// The objective that minimises an outcome, if any.
-pub(super) fn minimized_as(outcome: &str) -> Option<&'static str> {
-    let objective = ElectrodeArrayOutcome::find(outcome)?.objective()?;
-    Some(objective.name())
-}
-
-/// A state in words.
-pub(super) fn shown(parts: &BTreeMap<String, [u32; 2]>) -> String {
-    let parts: Vec<String> = parts.iter().map(|(name, [column, row])| format!("{name} ({column}, {row})")).collect();
-    parts.join(", ")
-}
-
-/// Holds a run against its order.
-///
-/// # Errors
-/// At the first beat that breaks a rule, or the first state that is not the recorded one.
-pub(super) fn replay<'a>(
-    run: &JudgedRun<'a>,
-    order: &ElectrodeArrayOrder,
-    standing: &mut Standing<'a>,
-    findings: &mut Findings,
-) -> Result<Replay<'a>, Halt> {
-    let mut board = JudgedBoard::new(run, order, standing)?;
-    board.potentials(findings);
-    board.record(run.plan.start_ns)?;
-    board.stands_clear()?;
-    for (nth, step) in order.steps.iter().enumerate() {
-        match &step.action {
-            ElectrodeArrayAction::Wait(duration_ns) => board.wait(nth, *duration_ns, findings)?,
-            ElectrodeArrayAction::Move(moves) => board.follow(nth, moves, findings)?,
-        }
+impl Judge for ElectrodeArrayOrder {
+    fn unit(&self, channel: &str) -> Option<ChannelUnit> {
+        self.facts.electrode(channel).map(|_| ChannelUnit::Volt)
     }
-    standing.insert(&run.job.device, board.state());
-    let outcomes = board.outcomes();
-    Ok(Replay { states: board.states, outcomes })
+
+    fn premise(&self) -> Result<(), Unfit> {
+        claims::check_claims(self)
+    }
+
+    fn has_facts_of(&self, other: &Order) -> bool {
+        ElectrodeArrayOrder::of(other).is_some_and(|other| other.facts == self.facts)
+    }
+
+    fn has_parts_of(&self, other: &Order) -> bool {
+        let names = |order: &ElectrodeArrayOrder| -> BTreeSet<String> {
+            order.parts.iter().map(|part| part.name.clone()).collect()
+        };
+        ElectrodeArrayOrder::of(other)
+            .is_some_and(|other| std::sync::Arc::ptr_eq(&self.parts, &other.parts) || names(self) == names(other))
+    }
+
+    fn terms(&self) -> RecordTerms {
+        let (planner, objective) = (self.planner.method.name(), self.objective);
+        RecordTerms { planner, objective: objective.name(), outcome: objective.outcome().name(), unit: "", scale: 1.0 }
+    }
+
+    fn minimized_as(&self, outcome: &str) -> Option<&'static str> {
+        let objective = ElectrodeArrayOutcome::find(outcome)?.objective()?;
+        Some(objective.name())
+    }
+
+    fn replay<'a>(
+        &self,
+        run: &JudgedRun<'a>,
+        _claims: &Claims,
+        standing: &mut Standing<'a>,
+        findings: &mut Findings,
+    ) -> Result<Replay<'a>, Halt> {
+        let mut board = JudgedBoard::new(run, self, standing)?;
+        board.potentials(findings);
+        board.record(run.plan.start_ns)?;
+        board.stands_clear()?;
+        for (nth, step) in self.steps.iter().enumerate() {
+            match &step.action {
+                ElectrodeArrayAction::Wait(duration_ns) => board.wait(nth, *duration_ns, findings)?,
+                ElectrodeArrayAction::Move(moves) => board.follow(nth, moves, findings)?,
+            }
+        }
+        standing.insert(&run.job.device, board.state());
+        let outcomes = board.outcomes();
+        Ok(Replay { states: board.states, outcomes })
+    }
+}
+
+impl JudgedState for ElectrodeArrayState {
+    fn agrees(&self, replayed: &State) -> bool {
+        matches!(replayed, State::ElectrodeArray(replayed) if self == replayed)
+    }
+
+    fn shown(&self) -> String {
+        let parts: Vec<String> =
+            self.parts.iter().map(|(name, [column, row])| format!("{name} ({column}, {row})")).collect();
+        parts.join(", ")
+    }
 }
 
 /// A board in the course of a run.
@@ -263,7 +281,9 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
 
     fn state(&self) -> State {
         let here = self.order.parts.iter().zip(&self.cells);
-        State::ElectrodeArray { parts: here.filter_map(|(p, cell)| Some((p.name.clone(), (*cell)?.pair()))).collect() }
+        State::ElectrodeArray(ElectrodeArrayState {
+            parts: here.filter_map(|(p, cell)| Some((p.name.clone(), (*cell)?.pair()))).collect(),
+        })
     }
 
     /// Holds the state at an instant against the record's next one.
@@ -283,7 +303,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     }
 
     fn is_state(&self, state: &State) -> bool {
-        let State::ElectrodeArray { parts } = state else { return false };
+        let State::ElectrodeArray(ElectrodeArrayState { parts }) = state else { return false };
         let here = self.by_name.iter().filter_map(|part| {
             let name = self.order.parts[*part].name.as_str();
             self.cells[*part].map(|cell| (name, cell.pair()))
@@ -313,8 +333,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
 /// Where the parts stand at first: where the last run of the device left them, or where the scene has them.
 fn start(run: &JudgedRun, order: &ElectrodeArrayOrder, standing: &Standing) -> Vec<Option<ElectrodeCell>> {
     let stands = match standing.get(run.job.device.as_str()) {
-        Some(State::ElectrodeArray { parts }) => Some(parts),
-        Some(State::Dimibot { .. } | State::Microrobots { .. } | State::Fingers { .. }) | None => None,
+        Some(State::ElectrodeArray(ElectrodeArrayState { parts })) => Some(parts),
+        Some(State::Dimibot(_) | State::Microrobots(_) | State::Fingers(_)) | None => None,
     };
     let cell = |[column, row]: [u32; 2]| ElectrodeCell::new(column, row);
     let place = |parts: &BTreeMap<String, [u32; 2]>, name: &String| parts.get(name).copied().map(cell);

@@ -37,7 +37,7 @@ const MIN_CONTACTS: u32 = 3;
 ///
 /// # Errors
 /// If no schedule can be checked against the claims.
-pub(in super::super) fn check_claims(order: &FingersOrder) -> Result<(), Unfit> {
+pub(super) fn check_claims(order: &FingersOrder) -> Result<(), Unfit> {
     facts(&order.facts)?;
     let part = &order.part;
     let places = [part.centre_um, part.position_um, order.load_un];

@@ -18,6 +18,7 @@ use super::{Point, orientation_of};
 use crate::claims::fingers::{FingersAction, FingersOrder};
 use crate::device::fingers::{FingersFacts, FingersOutcome, MAX_HOLDING, Plane};
 use crate::quantity::digits;
+use crate::schedule::fingers::FingersState;
 use crate::schedule::{State, TimedState};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -80,7 +81,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         let plane = planes_after(order, 0).first().copied().unwrap_or(Plane::Xy);
         let mut grip = JudgedGrip::empty(plane, start, &body, facts.tip_radius_um);
         let mut before_steps = 0;
-        if let Some(State::Fingers { grasp, plane, position_um, orientation, angle_index, .. }) = left {
+        if let Some(State::Fingers(FingersState { grasp, plane, position_um, orientation, angle_index, .. })) = left {
             let orientation = orientation_of(orientation).unwrap_or_default();
             let pose = ObjectPose { position_um: Point::from(*position_um), orientation };
             grip = JudgedGrip::empty(*plane, pose, &body, facts.tip_radius_um);

@@ -5,8 +5,8 @@
 //! two sections share) either is accepted.
 
 use super::super::clock::JudgedRun;
+use super::super::judged_state;
 use super::super::record::agrees;
-use super::near;
 use crate::schedule::{State, TimedState};
 use std::borrow::Cow;
 
@@ -78,6 +78,6 @@ impl Spans {
 
 /// The view equal to the recorded one, or the plainest.
 pub(super) fn chosen(mut views: Vec<State>, recorded: Option<&State>) -> State {
-    let at = recorded.and_then(|recorded| views.iter().position(|view| near(recorded, view)));
+    let at = recorded.and_then(|recorded| views.iter().position(|view| judged_state(recorded).agrees(view)));
     views.swap_remove(at.unwrap_or(0))
 }

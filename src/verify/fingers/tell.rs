@@ -6,6 +6,7 @@ use super::hand::JudgedHand;
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
 use crate::schedule::State;
+use crate::schedule::fingers::FingersState;
 
 impl JudgedHand<'_, '_> {
     /// The fingers that hold, in words.
@@ -64,13 +65,13 @@ impl JudgedHand<'_, '_> {
         let orientation = pose.orientation.into_inner();
         let sign = if orientation.w < 0.0 { -1.0 } else { 1.0 };
         let tip = |finger: usize| self.grip.has(finger).then(|| self.tips_um[finger].into());
-        Some(State::Fingers {
+        Some(State::Fingers(FingersState {
             grasp: self.contacts(plane)?,
             angle_index,
             plane,
             tips_um: (0..self.flights.len()).map(tip).collect(),
             position_um: pose.position_um.into(),
             orientation: [orientation.w, orientation.i, orientation.j, orientation.k].map(|value| value * sign),
-        })
+        }))
     }
 }

@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 ///
 /// # Errors
 /// If no schedule can be checked against the claims.
-pub(in super::super) fn check_claims(order: &MicrorobotsOrder) -> Result<(), Unfit> {
+pub(super) fn check_claims(order: &MicrorobotsOrder) -> Result<(), Unfit> {
     facts(&order.facts)?;
     order.facts.robots.iter().try_for_each(robot)?;
     states(order)?;

@@ -17,22 +17,22 @@ mod voltage;
 use super::clock::JudgedRun;
 use super::record;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{Halt, RecordTerms, Replay, Standing};
+use super::{Halt, Judge, JudgedState, RecordTerms, Replay, Standing, Unfit};
 use crate::claims::microrobots::{Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop};
+use crate::claims::{Claims, Order};
 use crate::device::microrobots::{
     Arm, CHANNEL, MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner, Robot, Turning,
 };
 use crate::geometry::Pose;
 use crate::quantity::digits;
 use crate::real::Real;
+use crate::schedule::microrobots::MicrorobotsState;
 use crate::schedule::{ChannelUnit, State, TimedState};
 use motion::{Ride, RobotPlace, turn_between};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use sweep::ROUNDING_UM;
 use voltage::{VoltageLeg, within};
-
-pub(super) use claims::check_claims;
 
 /// Tolerance of a recorded place: above the rounding on the longest path of one `apply`, 100 m.
 const PLACE_TOLERANCE_UM: f64 = 1e-4;
@@ -46,84 +46,115 @@ const ROUNDING_RAD: f64 = 1e-9;
 /// Greatest number of robots named in a description of a state.
 const SHOWN: usize = 4;
 
-/// Unit of a channel, if the bed has it.
-pub(super) fn unit(channel: &str) -> Option<ChannelUnit> {
-    (channel == CHANNEL).then_some(ChannelUnit::Volt)
-}
+impl Judge for MicrorobotsOrder {
+    fn unit(&self, channel: &str) -> Option<ChannelUnit> {
+        (channel == CHANNEL).then_some(ChannelUnit::Volt)
+    }
 
-/// Terms of a plan's record, from the claims.
-pub(super) fn terms() -> RecordTerms {
-    RecordTerms {
-        planner: MicrorobotsPlanner::OneWayDubins.name(),
-        objective: MicrorobotsObjective::Time.name(),
-        outcome: MicrorobotsOutcome::Time.name(),
-        unit: "s",
-        scale: 1.0,
+    fn swings(&self) -> bool {
+        true
+    }
+
+    fn premise(&self) -> Result<(), Unfit> {
+        claims::check_claims(self)
+    }
+
+    fn has_facts_of(&self, other: &Order) -> bool {
+        MicrorobotsOrder::of(other).is_some_and(|other| {
+            std::sync::Arc::ptr_eq(&self.facts, &other.facts)
+                || (self.facts == other.facts && self.states == other.states)
+        })
+    }
+
+    fn has_parts_of(&self, other: &Order) -> bool {
+        let rows = |order: &MicrorobotsOrder| order.robots.iter().map(|robot| robot.row).collect::<Vec<_>>();
+        MicrorobotsOrder::of(other).is_some_and(|other| rows(self) == rows(other))
+    }
+
+    fn terms(&self) -> RecordTerms {
+        RecordTerms {
+            planner: MicrorobotsPlanner::OneWayDubins.name(),
+            objective: MicrorobotsObjective::Time.name(),
+            outcome: MicrorobotsOutcome::Time.name(),
+            unit: "s",
+            scale: 1.0,
+        }
+    }
+
+    fn minimized_as(&self, outcome: &str) -> Option<&'static str> {
+        (outcome == MicrorobotsOutcome::Time.name()).then_some(MicrorobotsObjective::Time.name())
+    }
+
+    fn replay<'a>(
+        &self,
+        run: &JudgedRun<'a>,
+        _claims: &Claims,
+        standing: &mut Standing<'a>,
+        findings: &mut Findings,
+    ) -> Result<Replay<'a>, Halt> {
+        let legs = voltage::legs(run, self, findings)?;
+        let mut bed = JudgedBed::new(run, self, standing);
+        bed.due_states = due_states(self, &legs);
+        for (nth, step) in self.steps.iter().enumerate() {
+            let ends_from = bed.trains.len();
+            match &step.action {
+                MicrorobotsAction::Wait(duration_ns) => bed.wait(run.step(nth).start_ns, *duration_ns)?,
+                MicrorobotsAction::Apply { state, duration_ns } => {
+                    bed.follow(nth, &legs[nth], &[], findings)?;
+                    bed.applied(nth, &legs[nth], (*state, *duration_ns), findings);
+                }
+                MicrorobotsAction::Drive { robot, stops } => {
+                    bed.follow(nth, &legs[nth], &[], findings)?;
+                    bed.stops(nth, ends_from, (*robot, stops), findings);
+                }
+                MicrorobotsAction::Assemble(docks) => {
+                    bed.follow(nth, &legs[nth], docks, findings)?;
+                    bed.assembled(nth, docks, findings);
+                }
+            }
+        }
+        bed.record_rest(run.end_ns())?;
+        clearance::check(&bed, findings)?;
+        standing.insert(&run.job.device, bed.state(bed.rest));
+        let outcomes = bed.outcomes();
+        Ok(Replay { states: bed.states, outcomes })
     }
 }
 
-/// The objective that minimises an outcome.
-pub(super) fn minimized_as(outcome: &str) -> Option<&'static str> {
-    (outcome == MicrorobotsOutcome::Time.name()).then_some(MicrorobotsObjective::Time.name())
+impl JudgedState for MicrorobotsState {
+    fn agrees(&self, replayed: &State) -> bool {
+        let State::Microrobots(MicrorobotsState { control, arms, docked, poses }) = replayed else { return false };
+        self.control == *control
+            && self.arms == *arms
+            && self.docked == *docked
+            && self.poses.len() == poses.len()
+            && self
+                .poses
+                .iter()
+                .zip(poses)
+                .all(|((name, pose), (true_name, true_pose))| name == true_name && near(pose, true_pose))
+    }
+
+    fn shown(&self) -> String {
+        let MicrorobotsState { control, docked, poses, .. } = self;
+        let pose = |(name, [x_um, y_um, heading_rad]): (&String, &[f64; 3])| {
+            let (x, y, heading) = (digits(*x_um), digits(*y_um), digits(heading_rad.to_degrees()));
+            let stuck = if docked.contains(name) { ", docked" } else { "" };
+            format!("`{name}` at ({x} um, {y} um, {heading} deg{stuck})")
+        };
+        let more = match poses.len().saturating_sub(SHOWN) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let poses: Vec<String> = poses.iter().take(SHOWN).map(pose).collect();
+        format!("control state {control} with {}{more}", poses.join(", "))
+    }
 }
 
 /// Whether a recorded pose is the replayed one, but for rounding.
-pub(super) fn near(recorded: &[f64; 3], replayed: &[f64; 3]) -> bool {
+fn near(recorded: &[f64; 3], replayed: &[f64; 3]) -> bool {
     let off_um = (recorded[0] - replayed[0]).hypotenuse(recorded[1] - replayed[1]);
     off_um <= PLACE_TOLERANCE_UM && turn_between(recorded[2], replayed[2]).abs() <= HEADING_TOLERANCE_RAD
-}
-
-/// A state in words.
-pub(super) fn shown(control: usize, docked: &[String], poses: &BTreeMap<String, [f64; 3]>) -> String {
-    let pose = |(name, [x_um, y_um, heading_rad]): (&String, &[f64; 3])| {
-        let (x, y, heading) = (digits(*x_um), digits(*y_um), digits(heading_rad.to_degrees()));
-        let stuck = if docked.contains(name) { ", docked" } else { "" };
-        format!("`{name}` at ({x} um, {y} um, {heading} deg{stuck})")
-    };
-    let more = match poses.len().saturating_sub(SHOWN) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    let poses: Vec<String> = poses.iter().take(SHOWN).map(pose).collect();
-    format!("control state {control} with {}{more}", poses.join(", "))
-}
-
-/// Replays a run and checks it against its order.
-///
-/// # Errors
-/// At the first voltage that leaves an arm uncertain, or the first state that is not the recorded one.
-pub(super) fn replay<'a>(
-    run: &JudgedRun<'a>,
-    order: &MicrorobotsOrder,
-    standing: &mut Standing<'a>,
-    findings: &mut Findings,
-) -> Result<Replay<'a>, Halt> {
-    let legs = voltage::legs(run, order, findings)?;
-    let mut bed = JudgedBed::new(run, order, standing);
-    bed.due_states = due_states(order, &legs);
-    for (nth, step) in order.steps.iter().enumerate() {
-        let ends_from = bed.trains.len();
-        match &step.action {
-            MicrorobotsAction::Wait(duration_ns) => bed.wait(run.step(nth).start_ns, *duration_ns)?,
-            MicrorobotsAction::Apply { state, duration_ns } => {
-                bed.follow(nth, &legs[nth], &[], findings)?;
-                bed.applied(nth, &legs[nth], (*state, *duration_ns), findings);
-            }
-            MicrorobotsAction::Drive { robot, stops } => {
-                bed.follow(nth, &legs[nth], &[], findings)?;
-                bed.stops(nth, ends_from, (*robot, stops), findings);
-            }
-            MicrorobotsAction::Assemble(docks) => {
-                bed.follow(nth, &legs[nth], docks, findings)?;
-                bed.assembled(nth, docks, findings);
-            }
-        }
-    }
-    bed.record_rest(run.end_ns())?;
-    clearance::check(&bed, findings)?;
-    standing.insert(&run.job.device, bed.state(bed.rest));
-    let outcomes = bed.outcomes();
-    Ok(Replay { states: bed.states, outcomes })
 }
 
 /// The strokes of a leg, with the motion of every robot.
@@ -161,8 +192,8 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
     /// Where the robots stand at first: where the last run of the device left them, or where the scene has them.
     fn new(run: &'r JudgedRun<'a>, order: &'r MicrorobotsOrder, standing: &Standing) -> Self {
         let left = match standing.get(run.job.device.as_str()) {
-            Some(State::Microrobots { poses, docked, .. }) => Some((poses, docked)),
-            Some(State::Dimibot { .. } | State::ElectrodeArray { .. } | State::Fingers { .. }) | None => None,
+            Some(State::Microrobots(MicrorobotsState { poses, docked, .. })) => Some((poses, docked)),
+            Some(State::Dimibot(_) | State::ElectrodeArray(_) | State::Fingers(_)) | None => None,
         };
         let names = || (0..order.robots.len()).map(|robot| &order.robot(robot).name);
         let stands = |name: &String| left.and_then(|(poses, _)| poses.get(name)).map(|pose| RobotPlace::new(*pose));
@@ -347,7 +378,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
             robots.clone().filter(|r| self.docked[*r].is_some()).map(|r| self.name(r).to_owned()).collect();
         docked.sort_unstable();
         let poses = robots.map(|robot| (self.name(robot).to_owned(), self.places[robot].told())).collect();
-        State::Microrobots { control, arms, docked, poses }
+        State::Microrobots(MicrorobotsState { control, arms, docked, poses })
     }
 
     /// Compares the state at an instant with the record's next one.

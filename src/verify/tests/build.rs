@@ -9,6 +9,7 @@ use crate::device::Kind;
 use crate::device::dimibot::tests::femto_st;
 use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous};
 use crate::geometry::shape::{Pose, Shape};
+use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
 use std::collections::BTreeMap;
@@ -273,7 +274,11 @@ fn record_run(schedule: &mut Schedule, index: usize, order: &DimibotOrder, start
 }
 
 fn state(facts: &DimibotFacts, t_ns: u64, cell: LatticeCell) -> TimedState {
-    let state = State::Dimibot { word: facts.word(cell), cell: [cell.x, cell.y], position_um: facts.place_um(cell) };
+    let state = State::Dimibot(DimibotState {
+        word: facts.word(cell),
+        cell: [cell.x, cell.y],
+        position_um: facts.place_um(cell),
+    });
     TimedState { t_ns, state }
 }
 

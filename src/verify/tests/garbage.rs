@@ -6,6 +6,7 @@ use crate::claims::dimibot::{DimibotAction, DimibotObstacleBody};
 use crate::device::dimibot::LatticeCell;
 use crate::geometry::shape::Shape;
 use crate::schedule::Actuation;
+use crate::schedule::dimibot::DimibotState;
 use proptest::prelude::*;
 
 fn sound() -> (Claims, Schedule) {
@@ -78,7 +79,7 @@ fn spoiled(schedule: &mut Schedule, spoil: &Spoil) {
             2 => write(plans, at, |plan| plan.outcomes.extend([("time".to_owned(), value)])),
             3 => write(plans, at, |plan| {
                 write(&mut plan.states, at, |timed| {
-                    let State::Dimibot { word, cell, position_um } = &mut timed.state else { return };
+                    let State::Dimibot(DimibotState { word, cell, position_um }) = &mut timed.state else { return };
                     (*word, cell[0], position_um[1]) = (1 << 40, u32::MAX, value);
                 })
             }),

@@ -3,6 +3,7 @@ use crate::claims::dimibot::{DimibotAction, DimibotMethod, DimibotObjective};
 use crate::claims::{Job, Relation, Requirement, Timeline};
 use crate::device::dimibot::PLANNERS;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{Actuation, Swing};
 use crate::source::Span;
 
@@ -47,7 +48,7 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     ("a negative bound", Rule::Number, |s| s.plans[0].bound = -1.0),
     ("an endless outcome", Rule::Number, |s| *s.plans[0].outcomes.get_mut("time").unwrap() = f64::INFINITY),
     ("a place that is none", Rule::Number, |s| {
-        let State::Dimibot { position_um, .. } = &mut s.plans[0].states[1].state else {
+        let State::Dimibot(DimibotState { position_um, .. }) = &mut s.plans[0].states[1].state else {
             panic!("a state of a DiMiBot")
         };
         position_um[1] = f64::NAN;
@@ -118,21 +119,27 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     }),
     ("no states", Rule::State, |s| s.plans[0].states.clear()),
     ("another word", Rule::State, |s| {
-        let State::Dimibot { word, .. } = &mut s.plans[0].states[1].state else { panic!("a state of a DiMiBot") };
+        let State::Dimibot(DimibotState { word, .. }) = &mut s.plans[0].states[1].state else {
+            panic!("a state of a DiMiBot")
+        };
         *word = 1 << 40;
     }),
     ("another cell", Rule::State, |s| {
-        let State::Dimibot { cell, .. } = &mut s.plans[0].states[1].state else { panic!("a state of a DiMiBot") };
+        let State::Dimibot(DimibotState { cell, .. }) = &mut s.plans[0].states[1].state else {
+            panic!("a state of a DiMiBot")
+        };
         cell.swap(0, 1);
     }),
     ("another place", Rule::State, |s| {
-        let State::Dimibot { position_um, .. } = &mut s.plans[0].states[1].state else {
+        let State::Dimibot(DimibotState { position_um, .. }) = &mut s.plans[0].states[1].state else {
             panic!("a state of a DiMiBot")
         };
         position_um[0] += 1e-6;
     }),
     ("another first word", Rule::Start, |s| {
-        let State::Dimibot { word, .. } = &mut s.plans[0].states[0].state else { panic!("a state of a DiMiBot") };
+        let State::Dimibot(DimibotState { word, .. }) = &mut s.plans[0].states[0].state else {
+            panic!("a state of a DiMiBot")
+        };
         *word = 1;
     }),
 ];
@@ -144,7 +151,7 @@ const NEAR_MISSES: &[(&str, Edit)] = &[
     ("a cost that differs by rounding", |s| s.plans[0].cost *= 1.0 + 1e-12),
     ("a bound above the cost by rounding", |s| s.plans[0].bound *= 1.0 + 1e-12),
     ("a place that differs by rounding", |s| {
-        let State::Dimibot { position_um, .. } = &mut s.plans[0].states[1].state else {
+        let State::Dimibot(DimibotState { position_um, .. }) = &mut s.plans[0].states[1].state else {
             panic!("a state of a DiMiBot")
         };
         position_um[0] += 1e-12;

@@ -3,8 +3,8 @@
 mod turns;
 
 use super::orientation;
-use super::solid;
 use crate::check::imports::{self, Library};
+use crate::check::solid;
 use crate::check::{Checked, Options, check};
 use crate::claims::Claims;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersTurn};
@@ -77,7 +77,7 @@ fn steps(steps: &str, expected: &[&str]) {
 }
 
 fn orders(claims: &Claims) -> Vec<&FingersOrder> {
-    claims.jobs.iter().filter_map(|job| job.order.fingers()).collect()
+    claims.jobs.iter().filter_map(|job| FingersOrder::of(&job.order)).collect()
 }
 
 fn order(fields: &str, shape: &str, steps: &str) -> FingersOrder {

@@ -45,7 +45,7 @@ fn no_way_is_missed() {
 #[test]
 fn ways_say_how_far_they_miss() {
     let order = order("", BEAD, "grasp bead");
-    let goal = orientation::read(orientation::from_euler([0.3, 1.1, -2.0]));
+    let goal = orientation::read(crate::check::orientation::from_euler([0.3, 1.1, -2.0]));
     let ways = orientation::ways(&goal, &order.part);
     assert!(!ways.is_empty());
     for way in &ways {
@@ -65,7 +65,7 @@ fn upside_down_and_flat() {
     for (euler, least) in
         [([0.0, 180.0, 0.0], 1), ([40.0, 180.0, 0.0], 2), ([0.0, 0.0, 0.0], 1), ([60.0, 0.0, 80.0], 1)]
     {
-        let goal = orientation::read(orientation::from_euler(euler.map(|deg: f64| deg.to_radians())));
+        let goal = orientation::read(crate::check::orientation::from_euler(euler.map(|deg: f64| deg.to_radians())));
         let near = orientation::ways(&goal, &order.part).into_iter().filter(|way| way.off_rad <= near_rad);
         let fewest = near.map(|way| way.turns.len()).min();
         assert!(fewest.is_some_and(|turns| turns <= least), "{euler:?}: {fewest:?}");

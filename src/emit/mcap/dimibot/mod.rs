@@ -5,21 +5,28 @@ mod points;
 pub mod scene;
 
 use super::frames::{Mover, StandingPose};
-use super::{LogTopic, Signals};
-use crate::device::dimibot::DimibotFacts;
+use super::{LogTopic, Pictures, Signals};
+use crate::claims::dimibot::{DimibotOrder, in_scene_um};
+use crate::geometry::Pose;
 use crate::verify::Verified;
 
-/// Extent of its picture along x and y.
-pub fn extent_um(facts: &DimibotFacts) -> [f64; 2] {
-    scene::extent_um(facts)
-}
+impl Pictures for DimibotOrder {
+    fn topics(&self, verified: &Verified, signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
+        let poses = motion::poses(verified, signals, device);
+        let mut topics = Vec::from(motion::topics(verified, device, &poses));
+        topics.extend(points::topics(verified, device));
+        topics.extend(scene::topics(verified, device));
+        let places = poses.into_iter().map(|(t_ns, place)| (t_ns, Some(StandingPose::at(place)))).collect();
+        (topics, vec![Mover { frame: motion::tip_frame(device), device: device.to_owned(), places }])
+    }
 
-/// All topics of a device except its voltages, and its moving frames.
-pub fn topics(verified: &Verified, signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
-    let poses = motion::poses(verified, signals, device);
-    let mut topics = Vec::from(motion::topics(verified, device, &poses));
-    topics.extend(points::topics(verified, device));
-    topics.extend(scene::topics(verified, device));
-    let places = poses.into_iter().map(|(t_ns, place)| (t_ns, Some(StandingPose::at(place)))).collect();
-    (topics, vec![Mover { frame: motion::tip_frame(device), device: device.to_owned(), places }])
+    fn reach(&self) -> [f64; 2] {
+        [0.0, scene::extent_um(&self.facts)[0]]
+    }
+
+    fn right_in_scene(&self, frame: &Pose) -> Option<f64> {
+        let [x, y] = scene::extent_um(&self.facts);
+        let corners = [[0.0, 0.0], [x, 0.0], [0.0, y], [x, y]];
+        Some(corners.map(|corner| in_scene_um(corner, Some(frame))[0]).into_iter().fold(f64::NEG_INFINITY, f64::max))
+    }
 }

@@ -5,6 +5,7 @@
 use crate::emit::mcap::bench::plans;
 use crate::emit::mcap::foxglove::{self, PoseInFrame, PosesInFrame};
 use crate::emit::mcap::{LogTopic, Signals};
+use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{State, TimedState};
 use crate::verify::Verified;
 use std::collections::BTreeSet;
@@ -30,8 +31,8 @@ pub fn topics(verified: &Verified, device: &str, poses: &[(u64, [f64; 3])]) -> [
 /// Where the end-effector is in a state.
 pub fn place(state: &TimedState) -> [f64; 3] {
     match &state.state {
-        State::Dimibot { position_um: [x, y], .. } => [*x, *y, 0.0],
-        State::ElectrodeArray { .. } | State::Microrobots { .. } | State::Fingers { .. } => {
+        State::Dimibot(DimibotState { position_um: [x, y], .. }) => [*x, *y, 0.0],
+        State::ElectrodeArray(_) | State::Microrobots(_) | State::Fingers(_) => {
             unreachable!("the verifier holds states against the kind of their device")
         }
     }

@@ -90,7 +90,7 @@ pub fn topics(verified: &Verified, device: &str) -> [LogTopic; 2] {
 /// The orders of a device with their plans, in order of time.
 pub fn jobs<'a>(verified: &'a Verified, device: &str) -> Vec<(&'a DimibotOrder, &'a PlanRecord)> {
     let jobs = bench::jobs(verified, device).into_iter();
-    jobs.filter_map(|(job, plan)| Some((job.order.dimibot()?, plan))).collect()
+    jobs.filter_map(|(job, plan)| Some((DimibotOrder::of(&job.order)?, plan))).collect()
 }
 
 /// The scenery of a device, with the instant from which it holds; the first holds from the beginning.

@@ -6,20 +6,17 @@
 
 mod scene;
 
-use super::LogTopic;
 use super::bench;
 use super::foxglove::{self, PosesInFrame};
 use super::frames::{FramePlace, Mover, StandingPose};
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
+use super::{LogTopic, Pictures, Signals};
+use crate::claims::electrode_array::ElectrodeArrayOrder;
+use crate::device::electrode_array::ElectrodeCell;
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::State;
+use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::verify::Verified;
 use std::collections::BTreeMap;
-
-/// Extent of its picture along x.
-pub fn width(facts: &ElectrodeArrayFacts) -> f64 {
-    f64::from(facts.columns)
-}
 
 /// The middle of an electrode in a picture.
 fn place(cell: ElectrodeCell) -> [f64; 2] {
@@ -32,18 +29,20 @@ struct PartsMoment {
     parts: BTreeMap<String, ElectrodeCell>,
 }
 
-/// All topics of a device but its voltages, and its parts, which move.
-pub fn topics(verified: &Verified, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
-    let moments = moments(verified, device);
-    let mut topics = vec![poses(device, &moments)];
-    topics.extend(scene::topics(verified, device));
-    let orders = bench::jobs(verified, device);
-    if let Some(order) = orders.first().and_then(|(job, _)| job.order.electrode_array()) {
-        let pitch = Quantity::new(order.facts.pitch_um() / 1e6, Dimension::LENGTH);
+impl Pictures for ElectrodeArrayOrder {
+    fn topics(&self, verified: &Verified, _signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
+        let moments = moments(verified, device);
+        let mut topics = vec![poses(device, &moments)];
+        topics.extend(scene::topics(verified, device));
+        let pitch = Quantity::new(self.facts.pitch_um() / 1e6, Dimension::LENGTH);
         let pitch = format!("1 unit is a pitch of {pitch}");
         topics.iter_mut().for_each(|topic| drop(topic.metadata.insert("scale".to_owned(), pitch.clone())));
+        (topics, movers(device, &moments))
     }
-    (topics, movers(device, &moments))
+
+    fn reach(&self) -> [f64; 2] {
+        [0.0, f64::from(self.facts.columns)]
+    }
 }
 
 /// The frame that goes with a part.
@@ -56,9 +55,9 @@ fn frame(device: &str, part: &str) -> String {
 fn moments(verified: &Verified, device: &str) -> Vec<PartsMoment> {
     let mut moments: Vec<PartsMoment> = Vec::new();
     for (job, plan) in bench::jobs(verified, device) {
-        let Some(order) = job.order.electrode_array() else { continue };
+        let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
         for timed in &plan.states {
-            let State::ElectrodeArray { parts } = &timed.state else { continue };
+            let State::ElectrodeArray(ElectrodeArrayState { parts }) = &timed.state else { continue };
             let parts: BTreeMap<String, ElectrodeCell> =
                 parts.iter().map(|(name, [column, row])| (name.clone(), ElectrodeCell::new(*column, *row))).collect();
             let begins_ns = timed.t_ns.saturating_sub(order.facts.step_ns);

@@ -14,6 +14,7 @@ use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, cloud, rectangle}
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
 use crate::quantity::{Dimension, Quantity};
+use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{PlanRecord, State};
 use crate::verify::Verified;
 use nalgebra::Point2;
@@ -45,7 +46,7 @@ const ACTIVE: Color = Color { r: 1.0, g: 0.95, b: 0.4, a: 1.0 };
 pub fn topics(verified: &Verified, device: &str) -> Vec<LogTopic> {
     let jobs: Vec<(&ElectrodeArrayOrder, &PlanRecord)> = bench::jobs(verified, device)
         .into_iter()
-        .filter_map(|(job, plan)| Some((job.order.electrode_array()?, plan)))
+        .filter_map(|(job, plan)| Some((ElectrodeArrayOrder::of(&job.order)?, plan)))
         .collect();
     let (mut scenes, mut plans) = (Vec::new(), Vec::new());
     let (mut scene_points, mut plan_points) = (Vec::new(), Vec::new());
@@ -154,7 +155,7 @@ fn obstacles(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> SceneEntit
 fn ways(order: &ElectrodeArrayOrder, plan: &PlanRecord) -> Vec<(usize, Vec<ElectrodeCell>)> {
     let mut ways: BTreeMap<&str, Vec<ElectrodeCell>> = BTreeMap::new();
     for timed in &plan.states {
-        let State::ElectrodeArray { parts } = &timed.state else { continue };
+        let State::ElectrodeArray(ElectrodeArrayState { parts }) = &timed.state else { continue };
         for (name, [column, row]) in parts {
             let way = ways.entry(name).or_default();
             let cell = ElectrodeCell::new(*column, *row);

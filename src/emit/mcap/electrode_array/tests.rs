@@ -1,3 +1,4 @@
+use super::super::tests::device_topics;
 use super::foxglove::{FrameTransforms, SceneUpdate};
 use super::*;
 use crate::device::electrode_array::Electrodes;
@@ -18,7 +19,7 @@ fn topic<'a>(topics: &'a [LogTopic], name: &str) -> &'a LogTopic {
 
 #[test]
 fn a_part_rests_where_it_is_until_its_step_begins() {
-    let (topics, _) = topics(&two(), "plate");
+    let (topics, _) = device_topics(&two(), "plate");
     let poses = topic(&topics, "/plate/poses");
     let said: Vec<(u64, Vec<f64>)> = poses
         .messages
@@ -36,7 +37,7 @@ fn a_part_rests_where_it_is_until_its_step_begins() {
 
 #[test]
 fn the_electrodes_that_are_on_are_drawn_and_no_others() {
-    let (topics, _) = topics(&two(), "plate");
+    let (topics, _) = device_topics(&two(), "plate");
     let active = topic(&topics, "/plate/active");
     let drawn: Vec<(u64, usize)> = active
         .messages
@@ -52,7 +53,7 @@ fn the_electrodes_that_are_on_are_drawn_and_no_others() {
 #[test]
 fn each_part_has_a_frame_a_body_and_a_way() {
     let verified = two();
-    let (topics, movers) = topics(&verified, "plate");
+    let (topics, movers) = device_topics(&verified, "plate");
     let scene = SceneUpdate::decode(topic(&topics, "/plate/scene").messages[0].1.as_slice()).unwrap();
     for name in ["a", "b"] {
         let body = scene.entities.iter().find(|entity| entity.id == format!("plate/part/{name}")).unwrap();
@@ -61,7 +62,7 @@ fn each_part_has_a_frame_a_body_and_a_way() {
     }
     let plan = SceneUpdate::decode(topic(&topics, "/plate/plan").messages[0].1.as_slice()).unwrap();
     assert_eq!(plan.entities[0].lines.len(), 2);
-    let frames = super::super::frames::topic(&bench::PictureBench::all(&verified), &movers);
+    let frames = bench::frames(&bench::PictureBench::all(&verified), &movers);
     let last = FrameTransforms::decode(frames.messages.last().unwrap().1.as_slice()).unwrap();
     let names: Vec<&str> = last.transforms.iter().map(|frame| frame.child_frame_id.as_str()).collect();
     assert_eq!(names, ["plate", "plate/a", "plate/b"]);

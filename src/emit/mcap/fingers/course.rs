@@ -8,6 +8,7 @@ use crate::claims::fingers::FingersOrder;
 use crate::device::fingers::{AXES, Plane, finger_axis};
 use crate::emit::Signals;
 use crate::emit::mcap::bench;
+use crate::schedule::fingers::FingersState;
 use crate::schedule::{PlanRecord, State};
 use crate::verify::Verified;
 
@@ -70,7 +71,7 @@ impl<'a> HandCourse<'a> {
     /// Motion of a device; empty for one of another kind.
     pub fn new(verified: &'a Verified, signals: &Signals, device: &str) -> Self {
         let jobs = bench::jobs(verified, device).into_iter();
-        let plans = jobs.filter_map(|(job, plan)| HandPlanCourse::new(job.order.fingers()?, plan));
+        let plans = jobs.filter_map(|(job, plan)| HandPlanCourse::new(FingersOrder::of(&job.order)?, plan));
         let mut plans: Vec<HandPlanCourse> = plans.collect();
         let fingers = plans.first().map_or(0, |plan| plan.order.facts.fingers as usize);
         let stages = stages(signals, device, fingers);
@@ -126,7 +127,8 @@ impl<'a> HandPlanCourse<'a> {
     fn new(order: &'a FingersOrder, plan: &'a PlanRecord) -> Option<Self> {
         let mut grasps = Vec::with_capacity(plan.states.len());
         for timed in &plan.states {
-            let State::Fingers { grasp, angle_index, plane, position_um, orientation, .. } = &timed.state else {
+            let State::Fingers(FingersState { grasp, angle_index, plane, position_um, orientation, .. }) = &timed.state
+            else {
                 return None;
             };
             grasps.push(RecordedGrasp {

@@ -7,34 +7,15 @@ mod course;
 mod scene;
 mod solid;
 
-use super::LogTopic;
 use super::drawing;
 use super::foxglove::{self, PoseInFrame};
 use super::frames::{FramePlace, Mover, StandingPose};
+use super::{LogTopic, Pictures};
 use crate::claims::fingers::{FingersAction, FingersOrder};
 use crate::emit::Signals;
 use crate::geometry::outline::Curve;
 use crate::verify::Verified;
 use course::{HandCourse, HandMoment, PartPose};
-
-/// From where to where the picture reaches along x: the part, the tips that go round it, and as far as it is carried.
-pub fn reach_um(order: &FingersOrder) -> [f64; 2] {
-    let sections = [Some(&order.part.xy), order.part.xz.as_ref()].into_iter().flatten();
-    let reaches = sections.filter_map(|section| Some(Curve::of(&section.outline).ok()?.reach_um()));
-    let facts = &order.facts;
-    let round_um = f64::from(facts.fingers) * (2.0 * facts.tip_radius_um + facts.clearance_um);
-    let carried_um = order.steps.iter().map(|step| match step.action {
-        FingersAction::Translate([x_um, ..]) => x_um.abs(),
-        FingersAction::Grasp(_)
-        | FingersAction::Rotate { .. }
-        | FingersAction::Orient { .. }
-        | FingersAction::Release
-        | FingersAction::Wait(_) => 0.0,
-    });
-    let reach_um = reaches.fold(0.0, f64::max) + round_um + carried_um.sum::<f64>();
-    let [x_um, ..] = order.part.position_um;
-    [x_um - reach_um, x_um + reach_um].map(drawing::snapped)
-}
 
 /// The frame that goes with the part.
 fn part_frame(device: &str, part: &str) -> String {
@@ -51,13 +32,31 @@ fn stand(pose: &PartPose) -> StandingPose {
     StandingPose::oriented(pose.position_um.map(drawing::snapped), pose.orientation)
 }
 
-/// All topics of a device but its positions, and its part and tips, which move.
-pub fn topics(verified: &Verified, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
-    let signals = Signals::new(verified.schedule());
-    let course = HandCourse::new(verified, &signals, device);
-    let mut topics = vec![pose(&course, device)];
-    topics.extend(scene::topics(&course, device));
-    (topics, movers(&course, device))
+impl Pictures for FingersOrder {
+    fn topics(&self, verified: &Verified, signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
+        let course = HandCourse::new(verified, signals, device);
+        let mut topics = vec![pose(&course, device)];
+        topics.extend(scene::topics(&course, device));
+        (topics, movers(&course, device))
+    }
+
+    fn reach(&self) -> [f64; 2] {
+        let sections = [Some(&self.part.xy), self.part.xz.as_ref()].into_iter().flatten();
+        let reaches = sections.filter_map(|section| Some(Curve::of(&section.outline).ok()?.reach_um()));
+        let facts = &self.facts;
+        let round_um = f64::from(facts.fingers) * (2.0 * facts.tip_radius_um + facts.clearance_um);
+        let carried_um = self.steps.iter().map(|step| match step.action {
+            FingersAction::Translate([x_um, ..]) => x_um.abs(),
+            FingersAction::Grasp(_)
+            | FingersAction::Rotate { .. }
+            | FingersAction::Orient { .. }
+            | FingersAction::Release
+            | FingersAction::Wait(_) => 0.0,
+        });
+        let reach_um = reaches.fold(0.0, f64::max) + round_um + carried_um.sum::<f64>();
+        let [x_um, ..] = self.part.position_um;
+        [x_um - reach_um, x_um + reach_um].map(drawing::snapped)
+    }
 }
 
 /// `/<device>/pose`: the part in the hand's frame, written whenever it has moved, and once more before it moves.

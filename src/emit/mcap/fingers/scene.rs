@@ -8,12 +8,12 @@ use super::solid;
 use super::{part_frame, stand, tip_frame};
 use crate::claims::fingers::{FingersOrder, HandPart};
 use crate::device::fingers::Plane;
-use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{SpaceStroke, space_cloud};
 use crate::emit::mcap::drawing::{self, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, Vector3, line_primitive};
+use crate::emit::mcap::{LogTopic, Pictures};
 use crate::geometry::outline::Curve;
-use crate::verify::finger_forces;
+use crate::verify::fingers;
 use nalgebra::{Point3, Quaternion, UnitQuaternion};
 
 /// Opacity of a tip.
@@ -136,7 +136,7 @@ fn letting_go(plan: &HandPlanCourse, index: usize, place: [f64; 3], device: &str
 fn state(course: &HandCourse, device: &str) -> LogTopic {
     let mut messages: Vec<(u64, Vec<u8>)> = Vec::new();
     for plan in &course.plans {
-        let [_, high_um] = super::reach_um(plan.order);
+        let [_, high_um] = plan.order.reach();
         let curve = |plane| Curve::of(&plan.order.part.section(plane)?.outline).ok();
         let curves = Plane::ALL.map(|plane| (plane, curve(plane)));
         for (index, grasp) in plan.grasps.iter().enumerate() {
@@ -158,7 +158,7 @@ fn contacts(order: &FingersOrder, grasp: &RecordedGrasp, curve: Option<&Curve>, 
     let mut entity = drawing::entity(format!("{device}/contacts"), &frame, grasp.t_ns);
     let (Some(section), Some(curve)) = (order.part.section(grasp.plane), curve) else { return entity };
     let tip_um = order.facts.tip_radius_um;
-    let forces_un = finger_forces(order, grasp.state).unwrap_or_default();
+    let forces_un = fingers::forces(order, grasp.state).unwrap_or_default();
     for (finger, contact) in grasp.contacts.iter().enumerate().filter(|(_, contact)| **contact > 0) {
         let rolled_rad = f64::from(contact - 1) * section.step_rad;
         let spot = curve.spot(curve.way_rolled_um(rolled_rad, tip_um));

@@ -1,8 +1,10 @@
+use super::super::tests::device_topics;
 use super::course::{HandCourse, MAX_MOMENTS};
 use super::*;
 use crate::emit::fixture;
 use crate::emit::mcap::foxglove::SceneUpdate;
 use crate::schedule::State;
+use crate::schedule::fingers::FingersState;
 use prost::Message as _;
 
 fn topic<'a>(topics: &'a [LogTopic], name: &str) -> &'a LogTopic {
@@ -16,7 +18,7 @@ fn scene(topic: &LogTopic, at: usize) -> SceneUpdate {
 #[test]
 fn the_part_is_where_the_states_say_and_turns_steadily_between_them() {
     let (hand, _) = fixture::hand();
-    let (topics, movers) = topics(&hand, "hand");
+    let (topics, movers) = device_topics(&hand, "hand");
     let poses = topic(&topics, "/hand/pose");
     let said: Vec<(u64, foxglove::Pose)> = poses
         .messages
@@ -25,7 +27,9 @@ fn the_part_is_where_the_states_say_and_turns_steadily_between_them() {
         .collect();
     let at = |t_ns: u64| said.iter().rfind(|(said_ns, _)| *said_ns <= t_ns).unwrap().1;
     for timed in &hand.schedule().plans[0].states {
-        let State::Fingers { position_um, orientation, .. } = &timed.state else { panic!("a state of a hand") };
+        let State::Fingers(FingersState { position_um, orientation, .. }) = &timed.state else {
+            panic!("a state of a hand")
+        };
         let (pose, [w, _, _, z]) = (at(timed.t_ns), orientation);
         let turn = pose.orientation.unwrap();
         assert!((turn.w - w).abs() < 1e-8 && (turn.z - z).abs() < 1e-8, "{timed:?}");
@@ -66,7 +70,7 @@ fn a_ball_a_flat_part_and_another_are_drawn_with_their_sections() {
         let (schedule, mut claims) = (hand.schedule().clone(), hand.claims().clone());
         let crate::claims::Order::Fingers(order) = &mut claims.jobs[0].order else { panic!("a hand") };
         change(std::sync::Arc::make_mut(&mut order.part));
-        let (topics, _) = topics(&Verified::assume(schedule, claims), "hand");
+        let (topics, _) = device_topics(&Verified::assume(schedule, claims), "hand");
         let body = scene(topic(&topics, "/hand/scene"), 0).entities[0].clone();
         assert_eq!((body.id.as_str(), body.frame_id.as_str()), ("hand/part/bead", "hand/bead"));
         // The ends I and J are two balls.
@@ -81,7 +85,7 @@ fn a_ball_a_flat_part_and_another_are_drawn_with_their_sections() {
 #[test]
 fn grasps_are_shown_from_state_to_state() {
     let (hand, _) = fixture::hand();
-    let (topics, _) = topics(&hand, "hand");
+    let (topics, _) = device_topics(&hand, "hand");
     let state = topic(&topics, "/hand/state");
     let states = &hand.schedule().plans[0].states;
     assert_eq!(state.messages.len(), states.len());
@@ -133,10 +137,10 @@ fn a_long_way_is_a_bounded_number_of_moments() {
 fn contacts_go_when_the_fingers_begin_to_leave() {
     let gone = fixture::changed(&fixture::hand().0, |schedule| {
         let last = schedule.plans[0].states.last_mut().unwrap();
-        let State::Fingers { grasp, tips_um, .. } = &mut last.state else { panic!("a state of a hand") };
+        let State::Fingers(FingersState { grasp, tips_um, .. }) = &mut last.state else { panic!("a state of a hand") };
         (*grasp, *tips_um) = (vec![0; 3], vec![None; 3]);
     });
-    let (topics, _) = topics(&gone, "hand");
+    let (topics, _) = device_topics(&gone, "hand");
     let state = topic(&topics, "/hand/state");
     let leave_ns = gone.schedule().steps[2].start_ns;
     let going = state.messages.iter().rposition(|(t_ns, _)| *t_ns == leave_ns).unwrap();

@@ -7,6 +7,7 @@ use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::Arm;
 use crate::emit::mcap::bench;
 use crate::geometry::Pose;
+use crate::schedule::microrobots::MicrorobotsState;
 use crate::schedule::{Actuation, PlanRecord, Schedule, State};
 use crate::verify::Verified;
 use std::f64::consts::TAU;
@@ -81,7 +82,7 @@ impl<'a> BedCourse<'a> {
     pub fn new(verified: &'a Verified, device: &str) -> Self {
         let trains = trains(verified.schedule(), device);
         let jobs = bench::jobs(verified, device).into_iter();
-        let plans = jobs.filter_map(|(job, plan)| BedPlanCourse::new(job.order.microrobots()?, plan, &trains));
+        let plans = jobs.filter_map(|(job, plan)| BedPlanCourse::new(MicrorobotsOrder::of(&job.order)?, plan, &trains));
         let mut plans: Vec<BedPlanCourse> = plans.collect();
         let robots = plans.first().map_or_else(Vec::new, |plan| names(plan.order));
         plans.retain(|plan| plan.order.robots.len() == robots.len());
@@ -115,7 +116,9 @@ impl<'a> BedPlanCourse<'a> {
     fn new(order: &'a MicrorobotsOrder, plan: &'a PlanRecord, trains: &[&Actuation]) -> Option<Self> {
         let mut legs = Vec::with_capacity(plan.states.len());
         for (index, timed) in plan.states.iter().enumerate() {
-            let State::Microrobots { control, arms, docked, poses } = &timed.state else { return None };
+            let State::Microrobots(MicrorobotsState { control, arms, docked, poses }) = &timed.state else {
+                return None;
+            };
             let end_ns = plan.states.get(index + 1).map_or(plan.start_ns + plan.duration_ns, |next| next.t_ns);
             let first = trains.partition_point(|train| train.start_ns < timed.t_ns);
             let train = trains.get(first).filter(|train| train.start_ns < end_ns);

@@ -7,7 +7,7 @@ mod scene;
 use super::foxglove::{self, PosesInFrame};
 use super::frames::{Mover, StandingPose};
 use super::voltages::{MessageShape, encode_fields, schema};
-use super::{LogTopic, drawing};
+use super::{LogTopic, Pictures, Signals, drawing};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::emit::identifier;
 use crate::geometry::Pose;
@@ -17,16 +17,6 @@ use std::collections::BTreeMap;
 
 /// Name of the field for the control state of the bed.
 const CONTROL: &str = "control";
-
-/// From where to where the picture reaches along x.
-pub fn reach_um(order: &MicrorobotsOrder) -> [f64; 2] {
-    let starts = (0..order.robots.len()).map(|robot| (order.robots[robot].pose, orbit_um(order, robot)));
-    let goals = scene::goals(order).map(|(robot, stop)| (stop.pose, orbit_um(order, robot)));
-    let obstacles = order.obstacles.iter().map(|obstacle| (obstacle.pose, 0.0));
-    let ends =
-        starts.chain(goals).chain(obstacles).map(|(pose, reach_um)| [pose.x_um - reach_um, pose.x_um + reach_um]);
-    ends.fold([0.0; 2], |[low, high], [left, right]| [f64::min(low, left), f64::max(high, right)])
-}
 
 /// Greatest distance of the orbit of a robot from the robot's place.
 fn orbit_um(order: &MicrorobotsOrder, robot: usize) -> f64 {
@@ -45,14 +35,24 @@ fn stand(pose: &Pose) -> StandingPose {
     StandingPose::turned([place.x, place.y, 0.0], pose.heading_rad)
 }
 
-/// All topics of a device but its voltages, and its robots, which move.
-pub fn topics(verified: &Verified, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
-    let course = BedCourse::new(verified, device);
-    let mut topics = vec![poses(&course, device)];
-    topics.extend((0..course.robots.len()).map(|robot| path(&course, device, robot)));
-    topics.extend(arms(&course, device));
-    topics.extend(scene::topics(&course, device));
-    (topics, movers(&course, device))
+impl Pictures for MicrorobotsOrder {
+    fn topics(&self, verified: &Verified, _signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
+        let course = BedCourse::new(verified, device);
+        let mut topics = vec![poses(&course, device)];
+        topics.extend((0..course.robots.len()).map(|robot| path(&course, device, robot)));
+        topics.extend(arms(&course, device));
+        topics.extend(scene::topics(&course, device));
+        (topics, movers(&course, device))
+    }
+
+    fn reach(&self) -> [f64; 2] {
+        let starts = (0..self.robots.len()).map(|robot| (self.robots[robot].pose, orbit_um(self, robot)));
+        let goals = scene::goals(self).map(|(robot, stop)| (stop.pose, orbit_um(self, robot)));
+        let obstacles = self.obstacles.iter().map(|obstacle| (obstacle.pose, 0.0));
+        let ends =
+            starts.chain(goals).chain(obstacles).map(|(pose, reach_um)| [pose.x_um - reach_um, pose.x_um + reach_um]);
+        ends.fold([0.0; 2], |[low, high], [left, right]| [f64::min(low, left), f64::max(high, right)])
+    }
 }
 
 /// `/<device>/poses`: all robots, in the order of the table, which the metadata list.

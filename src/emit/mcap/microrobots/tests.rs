@@ -1,9 +1,11 @@
+use super::super::tests::device_topics;
 use super::course::MAX_POSES;
 use super::foxglove::{FrameTransforms, SceneUpdate};
 use super::*;
 use crate::emit::fixture;
-use crate::emit::mcap::{bench, frames};
+use crate::emit::mcap::bench;
 use crate::schedule::State;
+use crate::schedule::microrobots::MicrorobotsState;
 use prost::Message as _;
 
 fn topic<'a>(topics: &'a [LogTopic], name: &str) -> &'a LogTopic {
@@ -17,7 +19,7 @@ fn scene(topic: &LogTopic, at: usize) -> SceneUpdate {
 #[test]
 fn poses_are_those_of_the_states_and_follow_circles_between_them() {
     let (bed, _) = fixture::bed();
-    let (topics, _) = topics(&bed, "m");
+    let (topics, _) = device_topics(&bed, "m");
     let poses = topic(&topics, "/m/poses");
     assert_eq!(poses.metadata["robots"], "D1 D2 D3");
     let said: Vec<(u64, Vec<[f64; 2]>)> = poses
@@ -30,7 +32,7 @@ fn poses_are_those_of_the_states_and_follow_circles_between_them() {
         })
         .collect();
     for timed in &bed.schedule().plans[0].states {
-        let State::Microrobots { poses, .. } = &timed.state else { panic!("a state of microrobots") };
+        let State::Microrobots(MicrorobotsState { poses, .. }) = &timed.state else { panic!("a state of microrobots") };
         let (_, last) = said.iter().rfind(|(t_ns, _)| *t_ns <= timed.t_ns).unwrap();
         for (place, [x_um, y_um, _]) in last.iter().zip(poses.values()) {
             assert!((place[0] - x_um).abs() < 1e-6 && (place[1] - y_um).abs() < 1e-6, "{place:?} {x_um} {y_um}");
@@ -45,7 +47,7 @@ fn poses_are_those_of_the_states_and_follow_circles_between_them() {
 #[test]
 fn arms_are_numbers_that_jump() {
     let (bed, _) = fixture::bed();
-    let (topics, _) = topics(&bed, "m");
+    let (topics, _) = device_topics(&bed, "m");
     let arms = topic(&topics, "/m/arms");
     let values = |data: &[u8]| data.chunks(9).map(|chunk| f64::from_le_bytes(chunk[1..].try_into().unwrap())).collect();
     let said: Vec<(u64, Vec<f64>)> = arms.messages.iter().map(|(t_ns, data)| (*t_ns, values(data))).collect();
@@ -71,7 +73,7 @@ fn an_orbit_is_a_whole_turn_without_interruption() {
 #[test]
 fn what_holds_in_a_leg_is_drawn_and_nothing_else() {
     let (bed, _) = fixture::bed();
-    let (topics, _) = topics(&bed, "m");
+    let (topics, _) = device_topics(&bed, "m");
     let state = topic(&topics, "/m/state");
     let drawn: Vec<(usize, usize, usize)> = (0..state.messages.len())
         .map(|at| {
@@ -90,7 +92,7 @@ fn what_holds_in_a_leg_is_drawn_and_nothing_else() {
 #[test]
 fn robots_have_bodies_in_frames_that_turn() {
     let (bed, _) = fixture::bed();
-    let (topics, movers) = topics(&bed, "m");
+    let (topics, movers) = device_topics(&bed, "m");
     let standing = scene(topic(&topics, "/m/scene"), 0);
     for name in ["D1", "D2", "D3"] {
         let body = standing.entities.iter().find(|entity| entity.id == format!("m/robot/{name}")).unwrap();
@@ -98,10 +100,10 @@ fn robots_have_bodies_in_frames_that_turn() {
         assert_eq!(body.cubes[0].size.map(|size| (size.x, size.y)), Some((120.0, 60.0)));
         assert_eq!(body.triangles.len(), 1);
     }
-    let tf = frames::topic(&bench::PictureBench::all(&bed), &movers);
+    let tf = bench::frames(&bench::PictureBench::all(&bed), &movers);
     let last = FrameTransforms::decode(tf.messages.last().unwrap().1.as_slice()).unwrap();
     let state = bed.schedule().plans[0].states.last().unwrap();
-    let State::Microrobots { poses, .. } = &state.state else { panic!("a state of microrobots") };
+    let State::Microrobots(MicrorobotsState { poses, .. }) = &state.state else { panic!("a state of microrobots") };
     for (name, [_, _, heading_rad]) in poses {
         let frame = last.transforms.iter().find(|frame| frame.child_frame_id == format!("m/{name}")).unwrap();
         let turn = frame.rotation.unwrap();
@@ -120,7 +122,7 @@ fn robots_stand_from_the_beginning_on() {
         schedule.plans[0].start_ns += 1000;
         schedule.plans[0].states.iter_mut().for_each(|state| state.t_ns += 1000);
     });
-    let (topics, movers) = topics(&later, "m");
+    let (topics, movers) = device_topics(&later, "m");
     let instants = |name| topic(&topics, name).messages.iter().map(|(t_ns, _)| *t_ns).take(2).collect::<Vec<_>>();
     assert_eq!(instants("/m/poses"), [0, 2_001_000]);
     assert_eq!(instants("/m/scene"), [0]);

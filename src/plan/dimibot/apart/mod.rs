@@ -11,10 +11,12 @@ mod timing;
 mod tips;
 mod tries;
 
+use super::DimibotMotion;
+use crate::claims::dimibot::DimibotOrder;
 use crate::claims::{Claims, Job};
 use crate::device::dimibot::{DimibotObjective, DimibotOutcome};
 use crate::diagnostic::Sink;
-use crate::plan::{Optimality, Plan, errors};
+use crate::plan::{Motion, Optimality, Plan, errors};
 use crate::quantity::digits;
 use std::collections::BTreeMap;
 use tips::PlacedRobot;
@@ -24,7 +26,7 @@ use tries::{FoundPlans, TryFailure, TryReason, attempt, tries};
 const COMPARISONS: u64 = 400_000_000;
 
 /// Plans robots that share a scene so that they never touch; `None` if no such plans were found, which has been reported.
-pub fn apart(claims: &Claims, plans: Vec<Plan>, sink: &mut Sink) -> Option<Vec<Plan>> {
+pub fn apart<'a>(claims: &'a Claims, plans: Vec<Plan<Motion<'a>>>, sink: &mut Sink) -> Option<Vec<Plan<Motion<'a>>>> {
     if claims.shared.is_empty() {
         return Some(plans);
     }
@@ -58,7 +60,7 @@ fn robots(claims: &Claims) -> BTreeMap<&str, PlacedRobot> {
     let placed = claims.shared.iter().flat_map(|scene| &scene.frames);
     let robot = |(device, frame): (&'_ String, &_)| {
         let job = claims.jobs.iter().find(|job| job.device == *device)?;
-        Some((job.device.as_str(), PlacedRobot { facts: job.order.dimibot()?.facts.clone(), frame: *frame }))
+        Some((job.device.as_str(), PlacedRobot { facts: DimibotOrder::of(&job.order)?.facts.clone(), frame: *frame }))
     };
     placed.filter_map(robot).collect()
 }
@@ -87,7 +89,7 @@ fn report(claims: &Claims, failure: &TryFailure) -> crate::diagnostic::Diagnosti
 }
 
 /// A plan with delays before its pulses, on its own path or on that of the best plan alone.
-fn delayed(alone: &Plan, mut plan: Plan, delays: Vec<u64>) -> Plan {
+fn delayed(alone: &Plan<DimibotMotion>, mut plan: Plan<DimibotMotion>, delays: Vec<u64>) -> Plan<DimibotMotion> {
     let idle_ns: u64 = delays.iter().sum();
     if let Some(time_s) = plan.outcomes.get_mut(DimibotOutcome::Time.name()) {
         let ns = (*time_s * 1e9).round() + idle_ns as f64;
@@ -102,8 +104,6 @@ fn delayed(alone: &Plan, mut plan: Plan, delays: Vec<u64>) -> Plan {
         Optimality::Proven if plan.cost <= alone.cost => Optimality::Proven,
         Optimality::Proven | Optimality::Open => Optimality::Open,
     };
-    if let crate::plan::Motion::Dimibot(motion) = &mut plan.motion {
-        motion.delays = if idle_ns > 0 { delays } else { Vec::new() };
-    }
+    plan.motion.delays = if idle_ns > 0 { delays } else { Vec::new() };
     plan
 }

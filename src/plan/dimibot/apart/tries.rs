@@ -7,9 +7,9 @@ use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, DimibotOrder}
 use crate::claims::{Claims, Job, Order, Timeline};
 use crate::device::dimibot::{DimibotObjective, DimibotOutcome, LatticeCell};
 use crate::diagnostic::Sink;
-use crate::plan::Plan;
 use crate::plan::dimibot::{DimibotMotion, DimibotStandings, DimibotStepMotion, SAFETY_MARGIN_UM, plan};
 use crate::plan::requirements::{Kept, keeps};
+use crate::plan::{Motion, Plan, Planned};
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -60,13 +60,13 @@ pub struct TryFailure {
 }
 
 /// Plans that keep the robots apart.
-pub struct FoundPlans {
-    pub plans: Vec<Plan>,
+pub struct FoundPlans<'a> {
+    pub plans: Vec<Plan<Motion<'a>>>,
     /// Number of plans that cost more than alone, end of the program, and sum of waits; smaller is better.
     pub rank: (usize, u64, u64),
 }
 
-impl FoundPlans {
+impl FoundPlans<'_> {
     /// Whether every plan is that of the robot alone.
     pub fn is_untouched(&self) -> bool {
         let (detours, _, idle_ns) = self.rank;
@@ -75,12 +75,12 @@ impl FoundPlans {
 }
 
 /// Partial plans of a program during one attempt.
-struct Try<'a> {
+struct Try<'a, 'r> {
     claims: &'a Claims,
-    robots: &'a BTreeMap<&'a str, PlacedRobot>,
+    robots: &'r BTreeMap<&'a str, PlacedRobot>,
     policy: Policy,
-    allowed: &'a mut u64,
-    plans: Vec<Plan>,
+    allowed: &'r mut u64,
+    plans: Vec<Plan<Motion<'a>>>,
     traces: BTreeMap<&'a str, PlannedTrace>,
     /// Robots planned later, in the other branches of each enclosing `together`.
     later: Vec<BTreeSet<&'a str>>,
@@ -154,12 +154,12 @@ fn devices<'a>(part: &Timeline, claims: &'a Claims, robots: &BTreeMap<&str, Plac
 ///
 /// # Errors
 /// If neither a timing nor a detour was found. `allowed` is the remaining number of comparisons and is decremented.
-pub fn attempt(
-    (claims, robots): (&Claims, &BTreeMap<&str, PlacedRobot>),
-    alone: &[Plan],
+pub fn attempt<'a>(
+    (claims, robots): (&'a Claims, &BTreeMap<&'a str, PlacedRobot>),
+    alone: &[Plan<Motion<'a>>],
     policy: Policy,
     allowed: &mut u64,
-) -> Result<FoundPlans, TryFailure> {
+) -> Result<FoundPlans<'a>, TryFailure> {
     let traces = robots.iter().map(|(device, robot)| (*device, PlannedTrace::begin(device, robot, claims))).collect();
     let (plans, later) = (alone.to_vec(), Vec::new());
     let mut attempt = Try { claims, robots, policy, allowed, plans, traces, later, detours: 0, idle_ns: 0 };
@@ -167,7 +167,7 @@ pub fn attempt(
     Ok(FoundPlans { rank: (attempt.detours, end_ns, attempt.idle_ns), plans: attempt.plans })
 }
 
-impl<'a> Try<'a> {
+impl<'a> Try<'a, '_> {
     fn part(&mut self, part: &Timeline, start_ns: u64) -> Result<u64, TryFailure> {
         match part {
             Timeline::Wait(duration_ns) => Ok(start_ns.saturating_add(*duration_ns)),
@@ -193,9 +193,10 @@ impl<'a> Try<'a> {
     }
 
     fn job(&mut self, index: usize, start_ns: u64) -> Result<u64, TryFailure> {
-        let job = &self.claims.jobs[index];
+        let claims = self.claims;
+        let job = &claims.jobs[index];
         let device = job.device.as_str();
-        let (Some(robot), Some(order)) = (self.robots.get(device), job.order.dimibot()) else {
+        let (Some(robot), Some(order)) = (self.robots.get(device), DimibotOrder::of(&job.order)) else {
             return Ok(start_ns.saturating_add(duration_ns(&self.plans[index])));
         };
         let cell = self.traces[device].cell;
@@ -205,8 +206,8 @@ impl<'a> Try<'a> {
         let (stretches, end_ns) = way.stretches(&delays);
         self.idle_ns = self.idle_ns.saturating_add(delays.iter().sum());
         let is_detour = plan.motion != alone.motion;
-        let end = plan.motion.dimibot().map_or(cell, end_of);
-        self.plans[index] = delayed(&alone, plan, delays);
+        let end = end_of(&plan.motion);
+        self.plans[index] = delayed(&alone, plan, delays).map(|motion| Motion::Dimibot(Planned { order, motion }));
         self.detours += usize::from(is_detour);
         if let Some(trace) = self.traces.get_mut(device) {
             trace.follow(stretches, end, index);
@@ -215,11 +216,15 @@ impl<'a> Try<'a> {
     }
 
     /// The best plan of a robot alone from its current cell.
-    fn alone(&self, index: usize, order: &DimibotOrder, cell: LatticeCell) -> Option<Plan> {
+    fn alone(&self, index: usize, order: &DimibotOrder, cell: LatticeCell) -> Option<Plan<DimibotMotion>> {
         let known = &self.plans[index];
-        match known.motion.dimibot().is_some_and(|motion| motion.start == cell) {
-            true => Some(known.clone()),
-            false => replanned(&self.claims.jobs[index], order, cell),
+        match &known.motion {
+            Motion::Dimibot(Planned { motion, .. }) if motion.start == cell => {
+                Some(known.clone().map(|_| motion.clone()))
+            }
+            Motion::Dimibot(_) | Motion::ElectrodeArray(_) | Motion::Microrobots(_) | Motion::Fingers(_) => {
+                replanned(&self.claims.jobs[index], order, cell)
+            }
         }
     }
 
@@ -228,12 +233,12 @@ impl<'a> Try<'a> {
         &mut self,
         index: usize,
         (robot, order): (&PlacedRobot, &DimibotOrder),
-        alone: &Plan,
+        alone: &Plan<DimibotMotion>,
         start_ns: u64,
-    ) -> Result<(Plan, TimedWay, Vec<u64>), TryFailure> {
+    ) -> Result<(Plan<DimibotMotion>, TimedWay, Vec<u64>), TryFailure> {
         let job = &self.claims.jobs[index];
         let mut failure = None;
-        let mut best: Option<(Plan, TimedWay, Vec<u64>)> = None;
+        let mut best: Option<(Plan<DimibotMotion>, TimedWay, Vec<u64>)> = None;
         for round in Round::ALL {
             let plan = match round {
                 Round::Nothing => Some(alone.clone()),
@@ -242,8 +247,7 @@ impl<'a> Try<'a> {
                 }
             };
             let Some(plan) = plan else { continue };
-            let Some(motion) = plan.motion.dimibot() else { continue };
-            let way = self.way(job, robot, motion, start_ns);
+            let way = self.way(job, robot, &plan.motion, start_ns);
             match self.delays(index, &way) {
                 Ok(delays) if keeps_all(job, &delayed(alone, plan.clone(), delays.clone())) => {
                     let is_final =
@@ -344,12 +348,12 @@ impl<'a> Try<'a> {
         &self,
         index: usize,
         (robot, order): (&PlacedRobot, &DimibotOrder),
-        alone: &Plan,
+        alone: &Plan<DimibotMotion>,
         round: Round,
         start_ns: u64,
-    ) -> Option<Plan> {
+    ) -> Option<Plan<DimibotMotion>> {
         let job = &self.claims.jobs[index];
-        let cell = alone.motion.dimibot()?.start;
+        let cell = alone.motion.start;
         let mut obstacles: Vec<DimibotObstacle> = Vec::new();
         for name in self.neighbours(&job.device) {
             let (other, beside) = (self.robots.get(name)?, self.other(&job.device, name));
@@ -400,7 +404,7 @@ impl Round {
 impl PlannedTrace {
     /// A robot at the start of its first run.
     fn begin(device: &str, robot: &PlacedRobot, claims: &Claims) -> PlannedTrace {
-        let first = claims.jobs.iter().find(|job| job.device == device).and_then(|job| job.order.dimibot());
+        let first = claims.jobs.iter().find(|job| job.device == device).and_then(|job| DimibotOrder::of(&job.order));
         let cell = first.and_then(|order| order.start).map_or(robot.facts.home, |start| start.value);
         let stretches = vec![TipStay { start_ns: 0, end_ns: u64::MAX, area: robot.at(cell) }];
         PlannedTrace { stretches, cell, job: None }
@@ -428,7 +432,7 @@ fn end_of(motion: &DimibotMotion) -> LatticeCell {
 }
 
 /// A plan from a cell, if the planner finds one.
-fn replanned(job: &Job, order: &DimibotOrder, cell: LatticeCell) -> Option<Plan> {
+fn replanned(job: &Job, order: &DimibotOrder, cell: LatticeCell) -> Option<Plan<DimibotMotion>> {
     let mut standing = DimibotStandings::at(&job.device, cell);
     let job = Job { order: Order::Dimibot(order.clone()), ..job.clone() };
     plan(&job, order, &mut standing, &mut Sink::default())
@@ -447,7 +451,7 @@ fn grain_ns(robots: &BTreeMap<&str, PlacedRobot>) -> u64 {
         .unwrap_or(1)
 }
 
-fn keeps_all(job: &Job, plan: &Plan) -> bool {
+fn keeps_all(job: &Job, plan: &Plan<DimibotMotion>) -> bool {
     let reached = |name: &str| plan.outcomes.get(name).copied();
     job.requirements
         .iter()
@@ -455,12 +459,12 @@ fn keeps_all(job: &Job, plan: &Plan) -> bool {
 }
 
 /// Cost of a plan with its delays, where time is minimised.
-fn total(plan: &Plan, delays: &[u64]) -> f64 {
+fn total(plan: &Plan<DimibotMotion>, delays: &[u64]) -> f64 {
     let idle_ms = delays.iter().sum::<u64>() as f64 / 1e6;
     if plan.objective == DimibotObjective::Time.name() { plan.cost + idle_ms } else { plan.cost }
 }
 
-fn duration_ns(plan: &Plan) -> u64 {
+fn duration_ns<M>(plan: &Plan<M>) -> u64 {
     // Every kind counts time in whole nanoseconds; seconds as `f64` convert back exactly up to the longest schedule.
     (plan.outcomes.get(DimibotOutcome::Time.name()).copied().unwrap_or_default() * 1e9).round() as u64
 }

@@ -8,6 +8,7 @@ use crate::claims::electrode_array::{
 use crate::claims::{Claims, Job, Order};
 use crate::device::Kind;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation};
+use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
 use crate::verify::tests::{bare, build, step_of};
@@ -222,7 +223,7 @@ impl Writer {
     fn state(&self, order: &ElectrodeArrayOrder) -> TimedState {
         let here = order.parts.iter().zip(&self.cells);
         let parts = here.filter_map(|(part, cell)| Some((part.name.clone(), (*cell)?.pair()))).collect();
-        TimedState { t_ns: self.at_ns, state: State::ElectrodeArray { parts } }
+        TimedState { t_ns: self.at_ns, state: State::ElectrodeArray(ElectrodeArrayState { parts }) }
     }
 
     fn rest(&mut self, order: &ElectrodeArrayOrder, duration_ns: u64) {

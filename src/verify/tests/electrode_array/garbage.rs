@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::device::electrode_array::{Electrodes, MAX_PARTS};
+use crate::schedule::electrode_array::ElectrodeArrayState;
 use proptest::prelude::*;
 
 fn sound() -> (Claims, Schedule) {
@@ -62,7 +63,7 @@ fn spoiled(schedule: &mut Schedule, (what, at): (u8, usize), value: u64, small: 
         9 => plans.iter_mut().for_each(|plan| plan.states.truncate(at)),
         10 => drop((at < actuations.len()).then(|| actuations.remove(at))),
         _ => drop(pick(plans, 0).and_then(|plan| pick(&mut plan.states, at)).map(|state| {
-            let State::ElectrodeArray { parts } = &mut state.state else { return };
+            let State::ElectrodeArray(ElectrodeArrayState { parts }) = &mut state.state else { return };
             parts.insert("a".into(), [small, at as u32]);
         })),
     }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::schedule::electrode_array::ElectrodeArrayState;
 
 fn pair(
     facts: crate::device::electrode_array::ElectrodeArrayFacts,
@@ -71,10 +72,14 @@ fn what_has_merged_is_gone() {
     let claims = steps(go(0, &[(5, 7)]));
     let sound = schedule(&claims, words);
     passes(&sound, &claims);
-    let State::ElectrodeArray { parts } = &sound.plans[0].states[2].state else { panic!("a board's state") };
+    let State::ElectrodeArray(ElectrodeArrayState { parts }) = &sound.plans[0].states[2].state else {
+        panic!("a board's state")
+    };
     assert_eq!(parts.len(), 1);
     let mut two = sound.clone();
-    let State::ElectrodeArray { parts } = &mut two.plans[0].states[2].state else { panic!("a board's state") };
+    let State::ElectrodeArray(ElectrodeArrayState { parts }) = &mut two.plans[0].states[2].state else {
+        panic!("a board's state")
+    };
     parts.insert("b".into(), [5, 5]);
     only(Rule::State, &two, &claims);
     let mut gone = steps(go(1, &[(5, 7)]));

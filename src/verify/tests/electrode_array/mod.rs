@@ -5,6 +5,8 @@ use crate::claims::electrode_array::{
     ElectrodeArrayOrder,
 };
 use crate::device::electrode_array::{Hold, Separation};
+use crate::schedule::dimibot::DimibotState;
+use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Schedule, State, Swing};
 use crate::verify::{Rule, Verdict, verify};
 use build::*;
@@ -81,7 +83,7 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
         s.plans[0].states.extend(last);
     }),
     ("a state of another kind", Rule::State, |s| {
-        s.plans[0].states[1].state = State::Dimibot { word: 0, cell: [0, 0], position_um: [0.0, 0.0] };
+        s.plans[0].states[1].state = State::Dimibot(DimibotState { word: 0, cell: [0, 0], position_um: [0.0, 0.0] });
     }),
     ("no states", Rule::State, |s| s.plans[0].states.clear()),
     ("another cost", Rule::Figure, |s| (s.plans[0].cost, s.plans[0].bound) = (6.0, 6.0)),
@@ -91,7 +93,9 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
 ];
 
 fn parts(schedule: &mut Schedule, state: usize) -> &mut std::collections::BTreeMap<String, [u32; 2]> {
-    let State::ElectrodeArray { parts } = &mut schedule.plans[0].states[state].state else { panic!("a board's state") };
+    let State::ElectrodeArray(ElectrodeArrayState { parts }) = &mut schedule.plans[0].states[state].state else {
+        panic!("a board's state")
+    };
     parts
 }
 
@@ -280,7 +284,9 @@ fn parts_stand_where_the_last_run_left_them() {
     let sound = schedule(&claims, words);
     passes(&sound, &claims);
     let mut early = sound.clone();
-    let State::ElectrodeArray { parts } = &mut early.plans[1].states[0].state else { panic!("a board's state") };
+    let State::ElectrodeArray(ElectrodeArrayState { parts }) = &mut early.plans[1].states[0].state else {
+        panic!("a board's state")
+    };
     parts.insert("a".into(), [4, 4]);
     only(Rule::Start, &early, &claims);
     let mut lost = sound.clone();

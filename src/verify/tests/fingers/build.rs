@@ -5,6 +5,8 @@ use crate::claims::{Claims, Job, Order};
 use crate::device::Kind;
 use crate::device::fingers::{AXES, FingersFacts, Plane, channel, fixture};
 use crate::geometry::outline::{Curve, Outline};
+use crate::schedule::electrode_array::ElectrodeArrayState;
+use crate::schedule::fingers::FingersState;
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
 use crate::verify::tests::{bare, build, step_of};
@@ -111,7 +113,7 @@ impl Day {
         let mut day = Day {
             order,
             start_um: tips_um.clone(),
-            first: State::ElectrodeArray { parts: BTreeMap::new() },
+            first: State::ElectrodeArray(ElectrodeArrayState { parts: BTreeMap::new() }),
             lines: Vec::new(),
             tips_um,
             position_um,
@@ -148,14 +150,14 @@ impl Day {
         let q = self.orientation.into_inner();
         let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
         let tip = |(tip, contact): (&Point, &u32)| (*contact > 0).then(|| [tip.x, tip.y, tip.z]);
-        State::Fingers {
+        State::Fingers(FingersState {
             grasp: self.grasp.clone(),
             angle_index: self.angle_index,
             plane: self.plane,
             tips_um: self.tips_um.iter().zip(&self.grasp).map(tip).collect(),
             position_um: self.position_um.into(),
             orientation: [q.w, q.i, q.j, q.k].map(|value| value * sign),
-        }
+        })
     }
 
     /// Begins a step.

@@ -4,6 +4,7 @@ use super::*;
 use crate::claims::Claims;
 use crate::claims::fingers::Section;
 use crate::geometry::outline::Outline;
+use crate::schedule::fingers::FingersState;
 use proptest::prelude::*;
 
 fn instant() -> impl Strategy<Value = u64> {
@@ -52,7 +53,9 @@ fn spoiled(schedule: &mut Schedule, (what, at): (u8, usize), value: u64, small: 
         9 => drop(pick(channels, at).map(|channel| channel.name = format!("hand.f{small}.x"))),
         10 => plans.iter_mut().for_each(|plan| plan.states.truncate(at % 5)),
         _ => drop(pick(plans, 0).and_then(|plan| pick(&mut plan.states, at)).map(|timed| {
-            let State::Fingers { grasp, angle_index, position_um, orientation, tips_um, .. } = &mut timed.state else {
+            let State::Fingers(FingersState { grasp, angle_index, position_um, orientation, tips_um, .. }) =
+                &mut timed.state
+            else {
                 return;
             };
             (position_um[0], orientation[1], *angle_index) = (number, number, value as i64);

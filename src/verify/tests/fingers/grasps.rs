@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::claims::fingers::{HandPart, Section};
+use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::verify::fingers::forces;
 
 /// A round bead of 72 contacts, at which every quarter is a contact, between fingers of other facts.
@@ -213,7 +214,7 @@ fn shown_forces_balance() {
     let mut loaded = order.clone();
     loaded.load_un = [0.0, 40.0, 0.0];
     assert_eq!(forces(&loaded, &held(order, &[1, 38, 0]).state()), None);
-    let other = State::ElectrodeArray { parts: Default::default() };
+    let other = State::ElectrodeArray(ElectrodeArrayState { parts: Default::default() });
     assert_eq!(forces(&loaded, &other), None);
 }
 

@@ -1,6 +1,8 @@
 use super::{Edit, each_alone, only, passes, rules};
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn};
 use crate::device::fingers::{Adhesion, FingersFacts, Plane};
+use crate::schedule::dimibot::DimibotState;
+use crate::schedule::fingers::FingersState;
 use crate::schedule::{Actuation, Reached, Schedule, State};
 use crate::verify::{Rule, Verdict, verify};
 use build::*;
@@ -80,7 +82,7 @@ const CARRY: usize = ROLL + 8 + 8 + 5 + 8 + 2;
 type StateEdit<'a> = (&'a mut Vec<u32>, &'a mut i64, &'a mut Plane, &'a mut [f64; 3], &'a mut [f64; 4]);
 
 fn with_state(schedule: &mut Schedule, at: usize, edit: impl FnOnce(StateEdit)) {
-    let State::Fingers { grasp, angle_index, plane, position_um, orientation, .. } =
+    let State::Fingers(FingersState { grasp, angle_index, plane, position_um, orientation, .. }) =
         &mut schedule.plans[0].states[at].state
     else {
         panic!("a hand's state")
@@ -130,7 +132,7 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     }),
     ("no states", Rule::State, |s| s.plans[0].states.clear()),
     ("a state of another kind", Rule::State, |s| {
-        s.plans[0].states[1].state = State::Dimibot { word: 0, cell: [0, 0], position_um: [0.0, 0.0] };
+        s.plans[0].states[1].state = State::Dimibot(DimibotState { word: 0, cell: [0, 0], position_um: [0.0, 0.0] });
     }),
     ("a turn that is said to reach more", Rule::Figure, |s| told_turn(s, 0.011)),
     ("a turn that is said to reach less", Rule::Figure, |s| told_turn(s, -0.011)),
@@ -204,7 +206,9 @@ fn a_hand_goes_on_where_it_was() {
     jumps.actuations.iter_mut().find(|line| line.start_ns == start_ns).expect("a line").from += 1e-5;
     only(Rule::Axis, &jumps, &claims);
     let mut other = sound.clone();
-    let State::Fingers { grasp, .. } = &mut other.plans[1].states[0].state else { panic!("a hand's state") };
+    let State::Fingers(FingersState { grasp, .. }) = &mut other.plans[1].states[0].state else {
+        panic!("a hand's state")
+    };
     grasp[0] += 1;
     only(Rule::Start, &other, &claims);
 }

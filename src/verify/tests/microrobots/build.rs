@@ -8,6 +8,7 @@ use crate::claims::{Claims, Job, Order};
 use crate::device::Kind;
 use crate::device::microrobots::{Arm, ControlState, Docking, Fine, MicrorobotsFacts, Robot, Turning};
 use crate::geometry::{Pose, Shape};
+use crate::schedule::microrobots::MicrorobotsState;
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, Swing, TimedState};
 use crate::source::Span;
 use crate::verify::tests::{bare, build, step_of};
@@ -293,7 +294,7 @@ impl Writer {
         docked.sort();
         let place = |(robot, pose): (usize, &Pose)| (name(robot), [pose.x_um, pose.y_um, pose.heading_rad]);
         let poses = self.poses.iter().enumerate().map(place).collect();
-        TimedState { t_ns: self.at_ns, state: State::Microrobots { control, arms, docked, poses } }
+        TimedState { t_ns: self.at_ns, state: State::Microrobots(MicrorobotsState { control, arms, docked, poses }) }
     }
 
     fn drive(&mut self, order: &MicrorobotsOrder, leg: &Leg) {

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::claims::microrobots::Dock;
+use crate::schedule::microrobots::MicrorobotsState;
 
 fn docking(state: usize, strokes: u64, docks: &[usize]) -> Leg {
     Leg { docks: docks.to_vec(), ..leg(state, strokes) }
@@ -101,10 +102,14 @@ fn what_is_docked_stays_so_in_the_next_run() {
     let sound = schedule(&claims, &[first.legs, second.legs]);
     passes(&sound, &claims);
     assert_eq!(robots.len(), 4);
-    let State::Microrobots { docked, .. } = &sound.plans[1].states[1].state else { panic!("a bed's state") };
+    let State::Microrobots(MicrorobotsState { docked, .. }) = &sound.plans[1].states[1].state else {
+        panic!("a bed's state")
+    };
     assert_eq!(*docked, ["D1", "D2", "D3"]);
     let mut loose = sound;
-    let State::Microrobots { docked, .. } = &mut loose.plans[1].states[0].state else { panic!("a bed's state") };
+    let State::Microrobots(MicrorobotsState { docked, .. }) = &mut loose.plans[1].states[0].state else {
+        panic!("a bed's state")
+    };
     docked.remove(1);
     only(Rule::Start, &loose, &claims);
 }

@@ -4,6 +4,7 @@ use super::*;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{MAX_ROBOTS, MicrorobotsFacts};
 use crate::geometry::Shape;
+use crate::schedule::microrobots::MicrorobotsState;
 use proptest::prelude::*;
 
 fn sound() -> (Claims, Schedule) {
@@ -62,7 +63,9 @@ fn spoiled(schedule: &mut Schedule, (what, at): (u8, usize), value: u64, small: 
         11 => drop((at < actuations.len()).then(|| actuations.remove(at))),
         12 => drop(pick(channels, at).map(|channel| channel.name = format!("fleet.bed{small}"))),
         _ => drop(pick(plans, 0).and_then(|plan| pick(&mut plan.states, at)).map(|timed| {
-            let State::Microrobots { control, arms, docked, poses } = &mut timed.state else { return };
+            let State::Microrobots(MicrorobotsState { control, arms, docked, poses }) = &mut timed.state else {
+                return;
+            };
             (*control, arms[0]) = (small as usize, small as u8);
             docked.push(format!("D{small}"));
             poses.insert(format!("D{small}"), [number, 0.0, 0.0]);

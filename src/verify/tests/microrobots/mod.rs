@@ -2,6 +2,8 @@ use super::{Edit, each_alone, only, passes, rules};
 use crate::claims::Claims;
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsStep};
 use crate::geometry::Pose;
+use crate::schedule::dimibot::DimibotState;
+use crate::schedule::microrobots::MicrorobotsState;
 use crate::schedule::{Schedule, State, Swing};
 use crate::source::Span;
 use crate::verify::{Rule, Verdict, verify};
@@ -47,14 +49,17 @@ fn cut(schedule: &mut Schedule, at: usize, first_ns: u64) {
 }
 
 fn with_state(schedule: &mut Schedule, at: usize, edit: impl FnOnce(&mut usize, &mut Vec<u8>, &mut Vec<String>)) {
-    let State::Microrobots { control, arms, docked, .. } = &mut schedule.plans[0].states[at].state else {
+    let State::Microrobots(MicrorobotsState { control, arms, docked, .. }) = &mut schedule.plans[0].states[at].state
+    else {
         panic!("a bed's state")
     };
     edit(control, arms, docked);
 }
 
 fn with_pose(schedule: &mut Schedule, at: usize, [x_um, heading_rad]: [f64; 2]) {
-    let State::Microrobots { poses, .. } = &mut schedule.plans[0].states[at].state else { panic!("a bed's state") };
+    let State::Microrobots(MicrorobotsState { poses, .. }) = &mut schedule.plans[0].states[at].state else {
+        panic!("a bed's state")
+    };
     let pose = poses.get_mut("D1").expect("a robot");
     (pose[0], pose[2]) = (pose[0] + x_um, pose[2] + heading_rad);
 }
@@ -112,7 +117,7 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
         s.plans[0].states.extend(last);
     }),
     ("a state of another kind", Rule::State, |s| {
-        s.plans[0].states[1].state = State::Dimibot { word: 0, cell: [0, 0], position_um: [0.0, 0.0] };
+        s.plans[0].states[1].state = State::Dimibot(DimibotState { word: 0, cell: [0, 0], position_um: [0.0, 0.0] });
     }),
     ("another cost", Rule::Figure, |s| s.plans[0].cost += 1e-6),
     ("another planner", Rule::Figure, |s| s.plans[0].planner = "portfolio".into()),

@@ -7,6 +7,7 @@ use crate::geometry::distance::{point_segment, quadrilateral_core, segment_core}
 use crate::geometry::shape::Core;
 use crate::geometry::{Rounded, Shape};
 use crate::schedule::Actuation;
+use crate::schedule::microrobots::MicrorobotsState;
 use nalgebra::Point2;
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -269,7 +270,8 @@ fn is_certain(schedule: &Schedule, claims: &Claims) -> bool {
                         arm = after(arm, actuation.from);
                         return true;
                     };
-                    let Some(State::Microrobots { arms, .. }) = due.next().map(|timed| &timed.state) else {
+                    let Some(State::Microrobots(MicrorobotsState { arms, .. })) = due.next().map(|timed| &timed.state)
+                    else {
                         return false;
                     };
                     swing.levels.iter().cycle().take(6).all(|level_v| after(arm, *level_v) == arm) && arm == arms[row]

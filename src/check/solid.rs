@@ -1,9 +1,8 @@
 //! From the shapes of the language to outlines in the planes of a part, and to the known properties of its inside.
 
-use crate::check::errors;
+use super::errors;
 use crate::check::value::{ShapeValue, Value};
-use crate::device::fingers::Plane;
-use crate::device::shape::ShapeForm;
+use crate::device::shape::{Plane, ShapeForm};
 use crate::diagnostic::Diagnostic;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::outline::{Curve, EXPONENTS, MAX_POINTS, MIN_POINTS, MIN_UM, Outline, OutlineError};

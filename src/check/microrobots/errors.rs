@@ -2,7 +2,8 @@
 //!
 //! Faults of a device come without labels: the caller puts them on fields and cells, of whichever file they are.
 
-use super::{listed, meant};
+pub use crate::check::errors::*;
+
 use crate::check::value::Value;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Pose;

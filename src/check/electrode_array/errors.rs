@@ -2,6 +2,8 @@
 //!
 //! Faults of a device come without labels: the caller puts them on the fields, of whichever file they are.
 
+pub use crate::check::errors::*;
+
 use crate::check::value::Value;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::diagnostic::{Code, Diagnostic};
@@ -163,15 +165,6 @@ pub fn published_needs_published(chosen: Option<Span>) -> Diagnostic {
     };
     diagnostic
         .help("write `using cooperative_astar` or `using plain_cooperative_astar`, or give the device `separation: 4`")
-}
-
-pub fn too_many_objects(span: Span, noun: &str, count: usize, most: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0522, format!("{count} {noun}s in a scene; at most {most} are allowed"))
-        .label(span, "one too many")
-        .help(match noun {
-            "obstacle" => "make blocks of them, as `obstacle wall : cells { from: (20, 20), to: (23, 23) }`",
-            _ => "divide the work among several boards",
-        })
 }
 
 pub fn stands_nowhere(span: Span, noun: &str, name: &str) -> Diagnostic {

@@ -1,12 +1,12 @@
 //! Beds of microrobots: their control matrix with levels and slack, and voltage tables for robots still to be built.
 
-use super::aligned;
-use super::program::length;
+use super::length;
 use crate::check::microrobots::CheckedBed;
 use crate::check::microrobots::relays::RelayRow;
 use crate::check::microrobots::suggest::{self, SuggestLimits, Suggestion};
+use crate::cli::Exit;
 use crate::cli::arguments::DevicesArguments;
-use crate::cli::{Exit, terminal};
+use crate::cli::terminal::{self, aligned};
 use crate::device::microrobots::{ControlState, Robot};
 use crate::quantity::{Dimension, Quantity, digits};
 use std::fmt::Write;

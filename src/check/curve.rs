@@ -1,6 +1,6 @@
 //! Curves: an expression of the angle `t`, evaluated over a full turn.
 
-use crate::check::errors::{self, WantedName};
+use super::errors::{self, WantedName};
 use crate::check::scope::{DeclarationSort, Scope};
 use crate::check::value::Value;
 use crate::check::{Checker, fields};

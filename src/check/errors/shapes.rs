@@ -1,0 +1,42 @@
+//! Shapes, curves and orientations.
+
+use crate::check::value::Value;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::digits;
+use crate::source::Span;
+
+pub fn no_angle(span: Span, found: &Value) -> Diagnostic {
+    Diagnostic::new(Code::E0307, format!("`euler` needs three angles, but this is {}", found.describe_fully()))
+        .label(span, found.describe())
+        .help("write `euler(80 deg, 220 deg, 100 deg)`: turns about z, y and z, each about the part's own axis")
+}
+
+pub fn no_unit_quaternion(span: Span, numbers: [f64; 4], norm: f64) -> Diagnostic {
+    let title = format!("a quaternion of length {}; an orientation has length 1", digits(norm));
+    let diagnostic = Diagnostic::new(Code::E0307, title).label(span, "no orientation");
+    if norm == 0.0 || !norm.is_finite() {
+        return diagnostic.help("write w, x, y and z: `quaternion(1, 0, 0, 0)` turns nothing");
+    }
+    let unit: Vec<String> = numbers.iter().map(|number| format!("{:.6}", number / norm)).collect();
+    diagnostic.help(format!("divided by its length it is `quaternion({})`", unit.join(", ")))
+}
+
+pub fn angle_name_taken(span: Span, earlier: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0202, "`t` is declared twice: a curve has its own")
+        .label(span, "here it is the angle that goes once round")
+        .label(earlier, "declared here")
+        .help("give the other one another name")
+}
+
+pub fn mesh_file_not_plain(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0553, "the name of a mesh file must be a string in quotes in the mesh's own declaration")
+        .label(span, "not such a name")
+        .help("write the name itself, in a `let` or in a scene: `mesh { file: \"bead.stl\", unit: 1 um }`")
+}
+
+/// A file of triangles that is no closed surface.
+pub fn bad_mesh(span: Span, path: &str, why: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0553, format!("`{path}` {why}"))
+        .label(span, "used here")
+        .help("write the file anew from a solid: one closed surface round its origin, as STL, in text or binary")
+}

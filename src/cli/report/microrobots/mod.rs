@@ -1,0 +1,45 @@
+//! What people read of a plan for microrobots.
+
+mod beds;
+
+pub use beds::suggest;
+
+use super::{
+    Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun, count, figure_of, length, proof, reached, rounded,
+};
+use crate::check::microrobots::CheckedBed;
+use crate::claims::Claims;
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::MicrorobotsOutcome;
+use crate::schedule::PlanRecord;
+
+impl ReportedOrder for MicrorobotsOrder {
+    /// `12.3 s in 9 switches, optimal (bound 12.3 s)`.
+    fn cost(&self, plan: &PlanRecord) -> String {
+        let figure = |seconds: f64| format!("{} s", rounded(seconds));
+        let switches = count(figure_of(plan, MicrorobotsOutcome::Switches.name()) as usize, "switch");
+        format!("{} in {switches}, {}", figure(plan.cost), proof(plan, figure))
+    }
+
+    fn notes(&self, run: &ReportedRun) -> Vec<Note> {
+        let remarks = run.plan.remarks.iter();
+        let assured = remarks.map(|remark| (ReportTopic::Guaranteed, format!("{}: {}", remark.subject, remark.text)));
+        assured.chain(reached(run)).chain(absent(self)).collect()
+    }
+}
+
+impl ReportedDevice for CheckedBed {
+    fn told(&self, name: &str, _claims: &[Claims]) -> String {
+        beds::told(name, self)
+    }
+}
+
+/// Whether each goal of an assembly is guaranteed under the device's error bounds, where robots end, and which ones are not there.
+/// The robots of the table that the scene leaves out.
+fn absent(order: &MicrorobotsOrder) -> Option<Note> {
+    let is_absent = |row: &usize| order.robots.iter().all(|robot| robot.row != *row);
+    let rows = (0..order.facts.robots.len()).filter(is_absent);
+    let names: Vec<&str> = rows.map(|row| order.facts.robots[row].name.as_str()).collect();
+    let line = format!("{} of the table, left out by the scene: taken not to be on the bed", names.join(", "));
+    (!names.is_empty()).then_some((ReportTopic::Absent, line))
+}

@@ -1,0 +1,61 @@
+//! States of a hand, and the turns and orientations that its steps reach.
+
+use super::reached::{Reached, Reaching};
+use super::{KindState, State};
+use crate::claims::fingers::{FingersAction, FingersOrder};
+use crate::device::fingers::Plane;
+use nalgebra::{Quaternion, UnitQuaternion};
+use serde::{Deserialize, Serialize};
+
+/// What a hand holds, and where.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FingersState {
+    /// The contact that each finger holds, from 1; 0 for a free finger.
+    pub grasp: Vec<u32>,
+    /// The angle of the turn that goes on, as steps from its beginning, from 1 as in the paper; below 1 for turns backwards.
+    pub angle_index: i64,
+    /// The plane in which the fingers hold.
+    pub plane: Plane,
+    /// The centre of each tip that holds, in the hand's frame.
+    pub tips_um: Vec<Option<[f64; 3]>>,
+    /// Where the part's origin is in the hand's frame.
+    pub position_um: [f64; 3],
+    /// The part's orientation in the hand's frame as a unit quaternion w, x, y, z, with w not negative.
+    pub orientation: [f64; 4],
+}
+
+impl KindState for FingersState {
+    fn floats(&self) -> Vec<f64> {
+        let tips = self.tips_um.iter().flatten().flatten();
+        tips.chain(&self.position_um).chain(&self.orientation).copied().collect()
+    }
+}
+
+impl Reaching for FingersOrder {
+    fn reached(&self, nth: usize, end: &State) -> Vec<Reached> {
+        match self.steps.get(nth).map(|step| &step.action) {
+            Some(FingersAction::Rotate { plane, steps, angle_rad }) => {
+                let Some(section) = self.part.section(*plane) else { return Vec::new() };
+                let reached_rad = f64::from(*steps) * section.step_rad;
+                let axis = match plane {
+                    Plane::Xy => "z",
+                    Plane::Xz => "y",
+                };
+                let [asked_deg, reached_deg] = [*angle_rad, reached_rad].map(f64::to_degrees);
+                let off_deg = reached_deg - asked_deg;
+                vec![Reached::Turn { axis: axis.to_owned(), asked_deg, reached_deg, off_deg }]
+            }
+            Some(FingersAction::Orient { goal, .. }) => {
+                let State::Fingers(FingersState { orientation, .. }) = end else { return Vec::new() };
+                let [asked, reached] = [goal, orientation]
+                    .map(|[w, x, y, z]| UnitQuaternion::from_quaternion(Quaternion::new(*w, *x, *y, *z)));
+                let off_deg = asked.angle_to(&reached).to_degrees();
+                vec![Reached::Orientation { asked: *goal, reached: *orientation, off_deg }]
+            }
+            Some(
+                FingersAction::Grasp(_) | FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_),
+            )
+            | None => Vec::new(),
+        }
+    }
+}
