@@ -1,4 +1,4 @@
-//! The built program as its users meet it: commands, exit statuses, files, streams.
+//! The built program as users see it: commands, exit statuses, files, streams.
 
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;

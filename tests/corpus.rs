@@ -1,10 +1,10 @@
 //! The corpus: programs with the report that a person sees, beside each.
 //!
-//! `corpus/<stage>/*.twz` is compiled; what is told, plain and 100 columns wide, must be the `.txt` of the same name.
-//! `TWEEZE_UPDATE=1` writes the reports anew: read what has changed before it is committed.
+//! `corpus/<stage>/*.twz` is compiled; the report, plain and 100 columns wide, must be the `.txt` of the same name.
+//! `TWEEZE_UPDATE=1` rewrites the reports: read the changes before committing them.
 //!
-//! A first line `// set=name=value task=name` gives the options of `build`. A line `// file lab.twz` ends the program, and what
-//! follows is a file beside it.
+//! A first line `// set=name=value task=name` gives the options of `build`. A line `// file lab.twz` ends the program, and
+//! the rest is a file beside it.
 
 #[path = "support/case.rs"]
 mod case;

@@ -1,4 +1,4 @@
-//! Every example with something to build: checked without a word, built, verified, written in every format.
+//! Every example with something to build: checked without diagnostics, built, verified, written in every format.
 
 mod support;
 

@@ -1,7 +1,7 @@
 //! The pages of `tweeze explain`: every code has one, and the programs on it do what the page says.
 //!
-//! A page holds fenced blocks. ```` ```twz fails ```` is a program that yields the page's code and no other; ```` ```twz mended ````
-//! is the same program without an error or a warning. `set=name=value` and `task=name` after either word stand for the
+//! A page has fenced blocks. ```` ```twz fails ```` is a program that yields the page's code and no other; ```` ```twz mended ````
+//! is the same program without an error or a warning. `set=name=value` and `task=name` after either word are the
 //! options of `build`. ```` ```twz file=lab.twz ```` is a file beside the program of the block before it, which is itself called
 //! `main.twz`.
 

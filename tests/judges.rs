@@ -1,6 +1,6 @@
-//! The third-party judges of `tests/oracles`, on what the built program writes for the examples.
+//! The third-party readers of `tests/oracles`, on the files that the built program writes for the examples.
 //!
-//! Not run by libtest, so that what is skipped is said aloud. `TWEEZE_ORACLE_PYTHON` names the Python that has the readers, else
+//! Not run by libtest, so that skipped tests are reported. `TWEEZE_ORACLE_PYTHON` names the Python that has the readers; otherwise
 //! `.venv-oracle/bin/python` or `python3` is tried; with `TWEEZE_REQUIRE_ORACLES=1` a missing judge is a failure.
 
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! The rules of the house, executed on its own files.
+//! The house rules, checked on the project's own files.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
-//! What a program may cost to check. A text of a few hundred bytes can ask for more work, and for longer strings, than any machine
-//! has: each `let` may grow tenfold what the one before it holds. Programs come from strangers too, inside of logs.
+//! Budget of checking a program. A text of a few hundred bytes can demand more work, and longer strings, than any machine
+//! has: each `let` may be ten times as long as the one before it. Programs come from strangers too, inside logs.
 //!
-//! Everything that can grow is counted here; where a limit is passed, that is reported once, and what is left is unknown.
+//! Everything that can grow is counted here; passing a limit is reported once, and the remaining values are unknown.
 
 use super::value::Value;
 use super::{Checker, errors};
@@ -9,20 +9,20 @@ use crate::source::Span;
 use std::mem::discriminant;
 use std::rc::Rc;
 
-/// The most parts of expressions that are worked out, and the most elements that are compared, in a whole program: `for`s and
-/// curves work out their expressions again at every turn.
+/// Greatest number of subexpressions evaluated and elements compared in a whole program: `for`s and
+/// curves evaluate their expressions again at every iteration.
 pub const MAX_WORK: u64 = 50_000_000;
 
-/// The most bytes of strings that a program makes and hands on.
+/// Greatest number of bytes of strings that a program builds and passes on.
 pub const MAX_TEXT_BYTES: u64 = 64 * 1024 * 1024;
 
 /// The deepest that lists may hold one another.
 pub const MAX_LIST_DEPTH: usize = 64;
 
-/// What comparing a file of triangles or a curve counts.
+/// Work charged for the comparison of a file of triangles or a curve.
 const WORK_OF_A_SOLID: u64 = 10_000;
 
-/// What was spent so far.
+/// Work and text used.
 #[derive(Debug, Default)]
 pub struct CheckBudget {
     work: u64,

@@ -1,12 +1,12 @@
-//! Camera frames: what is read off an image, in the coordinates of the scene.
+//! Camera frames: conversion of pixels into scene coordinates.
 //!
-//! `frame top : image { scale: 0.32 um/px } at pose(…)` says where the image of a camera lies in a scene. Input: values as a program has
-//! them, with places and poses in pixels. Output: the same in lengths from the origin of the scene. Promise: this is done once, where a
-//! place or a pose of the scene or of a task in it is accepted; nothing after knows of pixels.
+//! `frame top : image { scale: 0.32 um/px } at pose(…)` places the image of a camera in a scene. Input: values of a program,
+//! with places and poses in pixels. Output: the same in lengths from the origin of the scene. Promise: this is done once, where a
+//! place or a pose of the scene or of a task in it is accepted; no later stage handles pixels.
 //!
 //! In an image x counts along its rows to the right and y down its columns, as cameras and programs for images count. A heading is
-//! counter-clockwise as the image shows it: 90 deg faces up, towards smaller y. The heading of the frame is where the rows point in the
-//! scene; `mirrored` says that the image shows the scene from behind.
+//! counter-clockwise in the image: 90 deg faces up, towards smaller y. The heading of the frame is the direction of the rows in the
+//! scene; `mirrored` means that the image shows the scene from behind.
 
 use super::figures::Figures;
 use super::scope::{DeclarationPlace, Scope};
@@ -24,7 +24,7 @@ use std::rc::Rc;
 /// Where the image of a camera lies in a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// Of the pixel that lies at the place of the pose; its heading is that of the image's rows.
+    /// Pose of the pixel at the place of the frame; its heading is that of the image's rows.
     pose: Pose,
     origin_px: [f64; 2],
     scale_um: f64,
@@ -33,7 +33,7 @@ pub struct Camera {
     pub span: Span,
 }
 
-/// What is known of the image that a place in pixels is read off.
+/// The image that places in pixels refer to, as far as known.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum View {
     /// There is none.
@@ -86,7 +86,7 @@ fn is_in_pixels(value: &Value) -> bool {
 }
 
 impl Checker<'_> {
-    /// A value with what is read off an image in the coordinates of the scene; [`Value::Unknown`] after an error.
+    /// A value with its pixels converted into scene coordinates; [`Value::Unknown`] after an error.
     pub fn in_scene(&mut self, value: Value, span: Span, scope: &Scope) -> Value {
         match &value {
             Value::List(list) if list.iter().any(|element| is_in_pixels(&element.value)) => {
@@ -166,7 +166,7 @@ impl Checker<'_> {
         Some(Camera { pose, span: object.name.span, ..read(&image)? })
     }
 
-    /// Where something stands in a scene that says so of itself; `None` after an error.
+    /// The pose of an object in scene coordinates; `None` after an error.
     pub fn frame_pose(&mut self, value: &Value, span: Span) -> Option<Pose> {
         if value.is_unknown() {
             return None;
@@ -186,7 +186,7 @@ impl Checker<'_> {
         Some(pose)
     }
 
-    /// What a task sees of its scene.
+    /// The view that a task has of its scene.
     pub fn view_of(&mut self, scene: Option<Option<DeclarationPlace>>) -> View {
         match scene {
             None => View::None,

@@ -1,4 +1,4 @@
-//! Devices: bases, fields, and what the kind makes of them.
+//! Devices: bases, fields, and the facts that the kind derives from them.
 
 use super::fields::{Accepted, Given, Owner};
 use super::lets::ValueOrigin;

@@ -11,10 +11,10 @@ use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, ExprKind, Field, Ident, Operator, Path, Table, Text, TextPart};
 use std::rc::Rc;
 
-/// The most elements of a list and the widest range.
+/// Greatest number of elements of a list, and the widest range.
 pub const MAX_ELEMENTS: usize = 1_000_000;
 
-/// The most digits of a word: twice the modules that a side may have.
+/// Greatest number of digits of a word: twice the modules that a side may have.
 pub const MAX_WORD_DIGITS: u32 = 2 * crate::device::dimibot::MAX_MODULES;
 
 impl Checker<'_> {
@@ -301,7 +301,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Evaluates fields whose owner is unknown, so that their own mistakes are still told.
+    /// Evaluates fields whose owner is unknown, so that their own mistakes are still reported.
     pub fn read_for_errors(&mut self, fields: &[Field], scope: &Scope) {
         let mut scope = scope.clone();
         for field in fields {
@@ -367,7 +367,7 @@ impl Checker<'_> {
     }
 }
 
-/// How many values a value holds that are looked at one by one.
+/// Number of elements of a value that are visited one by one.
 pub fn elements(value: &Value) -> usize {
     match value {
         Value::List(list) => list.len(),

@@ -1,4 +1,4 @@
-//! Fields and arguments: each value held against the sort that its table wants.
+//! Fields and arguments: each value is checked against the sort in its table.
 
 use super::Checker;
 use super::errors::{self, WantedName};
@@ -145,7 +145,7 @@ impl Checker<'_> {
         (!self.names_value(path, scope)).then(|| Value::Text(choice.name.to_owned()))
     }
 
-    /// What is said of a bare name that is no value, where words or truth values belong.
+    /// Diagnostic for a bare name that is no value, where words or truth values are expected.
     fn unknown_word(&self, sort: Sort, expr: &Expr, scope: &Scope, wanted: &WantedName) -> Option<Diagnostic> {
         let ExprKind::Path(path) = &expr.kind else { return None };
         let text = path_text(path);
@@ -217,7 +217,7 @@ impl Checker<'_> {
         Some(format!("{name}{}", texts.join("_")))
     }
 
-    /// Where a value has a name, the place where it was given says more than the owner's declaration.
+    /// If a value has a name, the place where it was given is more useful than the owner's declaration.
     fn with_origin(&mut self, wanted: &WantedName, expr: &Expr, scope: &Scope) -> WantedName {
         match self.origin(expr, scope) {
             Some(origin) => WantedName { declared: Some((origin.span, origin.text)), ..wanted.clone() },
@@ -254,13 +254,13 @@ impl Checker<'_> {
     }
 }
 
-/// How many turns of a loop a shape in space counts: to judge it takes as long.
+/// Iterations of a loop charged for a shape in space: checking it takes as long.
 const SOLID_TURNS: usize = 2_000;
 
-/// How many turns of a loop a shape in space counts besides, where it is refused.
+/// Further iterations charged for a shape in space that is rejected.
 const REFUSED_TURNS: usize = 10_000;
 
-/// How many pairs of sides of a polygon are compared in the time that a part of an expression takes.
+/// Pairs of sides of a polygon that are compared in the time of one subexpression.
 const SIDES_AT_ONCE: u64 = 16;
 
 /// Whether a value is of a sort.
@@ -336,7 +336,7 @@ pub fn judge(
     }
 }
 
-/// Whether a table has the columns that are wanted, at least one row, and in each cell what its column holds.
+/// Whether a table has the required columns, at least one row, and in each cell a value of its column's sort.
 fn judge_table(
     columns: &'static [device::VocabularyField],
     table: &TableValue,
@@ -395,7 +395,7 @@ fn is_point(value: &Value, dimension: Dimension) -> bool {
     matches!(value, Value::Point(point) if point.len() == 2 && point[0].dimension == dimension)
 }
 
-/// Two or three numbers in brackets, or a list of numbers; what they stand for is for the hand to say.
+/// Two or three numbers in brackets, or a list of numbers; the kind decides what they mean.
 fn is_contacts(value: &Value) -> bool {
     match value {
         Value::Point(point) => point[0].dimension == Dimension::NUMBER,
@@ -430,7 +430,7 @@ fn judge_vector(
     }
 }
 
-/// Whether a text could stand for itself where names are asked for.
+/// Whether a text may be used as a name.
 fn is_name(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }

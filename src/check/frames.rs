@@ -1,8 +1,8 @@
-//! Frames: where devices stand in a scene, and which robots of a program are held against one another.
+//! Frames: the places of devices in a scene, and the robots of a program that must keep apart.
 //!
 //! `frame left at pose(…)` in a scene puts the frame of the device `left` there; a frame with a shape is that of an image
 //! ([`super::camera`]). Promise: a device has one place in all scenes of a
-//! program, so that any two with a place in the same scene know where they are to each other.
+//! program, so that the relative place of any two with a place in the same scene is known.
 
 use super::devices::KindFacts;
 use super::scenes::CheckedScene;
@@ -30,7 +30,7 @@ pub struct DeviceFrame {
     pub span: Span,
 }
 
-/// One run of a task in a program: on what, where, and where it is written.
+/// One run of a task in a program: its device and scene, and where it is written.
 #[derive(Debug, Clone, Copy)]
 pub struct RunSite {
     pub device: DeclarationPlace,
@@ -38,7 +38,7 @@ pub struct RunSite {
     pub span: Span,
 }
 
-/// What a program's robots are to one another.
+/// Neighbourhood of a program's robots.
 #[derive(Default)]
 pub struct Neighbours {
     pub shared: Vec<SharedScene>,
@@ -80,7 +80,7 @@ impl Checker<'_> {
         facts.filter_map(|(facts, pose)| Some((dimibot_facts(facts?)?, pose))).collect()
     }
 
-    /// What the robots of a program are to one another; those that never run stand at home, in the way of the others.
+    /// Neighbourhood of the robots of a program; those that never run remain at home, in the way of the others.
     pub fn neighbours(&mut self, timeline: &Timeline, sites: &[RunSite], jobs: &mut [Job]) -> Neighbours {
         let scenes: BTreeMap<DeclarationPlace, Rc<CheckedScene>> = {
             let places: BTreeSet<DeclarationPlace> = sites.iter().filter_map(|site| site.scene).collect();

@@ -9,7 +9,7 @@ use crate::real::Real;
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::Operator;
 
-/// A value, or what is wrong with making it.
+/// A value, or the diagnostic of the call.
 pub type CallResult = Result<Value, Box<Diagnostic>>;
 
 type Operand<'a> = (Span, &'a Value);
@@ -257,7 +257,7 @@ fn euler(angles: [&Spanned<Value>; 3]) -> CallResult {
     Ok(Value::Orientation(orientation::from_euler(rad)))
 }
 
-/// A unit quaternion; what rounding took from its length is given back, but no more.
+/// A unit quaternion; a rounding error of its length is normalised away, but no more.
 fn quaternion(span: Span, parts: [&Spanned<Value>; 4]) -> CallResult {
     let mut numbers = [0.0; 4];
     for (slot, part) in numbers.iter_mut().zip(parts) {

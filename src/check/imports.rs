@@ -9,7 +9,7 @@ use crate::syntax::{self, tree};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The most files of one program.
+/// Greatest number of files in one program.
 pub const MAX_FILES: usize = 256;
 
 /// Where used files come from: the disk, a log, a test's memory.
@@ -21,15 +21,15 @@ pub trait Library {
     /// Why it cannot be read, in words that end a sentence.
     fn read(&self, from: &str, path: &str) -> Result<(String, String), String>;
 
-    /// The same of a file of triangles, as text whatever it is on the disk.
+    /// As for a program, but for a file of triangles, as text whatever its format on the disk.
     ///
     /// # Errors
-    /// Why it cannot be read, in words that end a sentence.
+    /// Why it cannot be read, as words that end a sentence.
     fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), String> {
         self.read(from, path)
     }
 
-    /// What messages call the file of a name.
+    /// Name of a file in messages.
     fn shown(&self, name: &str) -> String {
         name.to_owned()
     }
@@ -73,7 +73,7 @@ impl Loader<'_> {
         index
     }
 
-    /// What messages call a file.
+    /// Name of a file in messages.
     fn shown(&self, name: &str, origin: Origin) -> String {
         match origin {
             Origin::User => self.library.shown(name),

@@ -1,4 +1,4 @@
-//! Values of `let`s, each made out once, those that it needs before it; and where the value of an expression was given.
+//! Evaluates each `let` once, dependencies first; and finds where the value of an expression was given.
 
 use super::scope::{Declaration, DeclarationPlace, DeclarationSort, Scope, path_text};
 use super::value::Value;
@@ -6,16 +6,16 @@ use super::{Checker, errors};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, ExprKind, Item, Path, TextPart};
 
-/// What is known of a `let` so far.
+/// State of a `let`.
 pub enum LetState {
-    /// Being made out: to ask for it now is a circle.
+    /// Being evaluated: a use of it now is a cycle.
     Open,
     Done(Value),
 }
 
 /// A `let` on the way to its value.
 enum LetTask {
-    /// See what it needs.
+    /// Evaluate this dependency first.
     Begin(DeclarationPlace),
     /// All that it needs is known, or lies in a circle with it.
     Evaluate(DeclarationPlace),

@@ -1,11 +1,11 @@
-//! What devices and scenes stand on: their bases, theirs, and so on, followed without recursion.
+//! Bases of devices and scenes, and their bases in turn, followed without recursion.
 
 use super::scope::DeclarationPlace;
 use super::{Checker, errors};
 use crate::syntax::tree::{self, Item};
 use std::collections::BTreeSet;
 
-/// What something stands on.
+/// Base of a declaration.
 pub enum Base<R> {
     /// Nothing further: a device's kind, or no other scene.
     Root(R),

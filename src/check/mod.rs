@@ -43,10 +43,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use value::Value;
 
-/// How often all `for`s of a program may repeat together.
+/// Greatest number of repetitions of all `for`s of a program together.
 pub const MAX_REPETITIONS: usize = 1_000_000;
 
-/// What the command line adds to a program.
+/// Settings from the command line.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
     /// `--set name=value`, as given.
@@ -65,7 +65,7 @@ pub struct Checked {
     pub tally: DeclarationTally,
 }
 
-/// What the program's own file declares.
+/// Counts of declarations in the program's own file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct DeclarationTally {
     pub devices: usize,
@@ -111,7 +111,7 @@ fn clock_ns(time: Quantity, span: Span, what: &str, sink: &mut Sink) -> Option<u
     Some(ns as u64)
 }
 
-/// The state of a check: what was made out so far.
+/// Checker state.
 pub(crate) struct Checker<'a> {
     modules: &'a [Module],
     sink: &'a mut Sink,
@@ -123,10 +123,10 @@ pub(crate) struct Checker<'a> {
     used_imports: BTreeSet<(usize, String)>,
     /// The tasks and programs that some schedule runs.
     run: BTreeSet<DeclarationPlace>,
-    /// The programs that run themselves, which was said.
+    /// The programs that run themselves, already reported.
     circular: BTreeSet<DeclarationPlace>,
     jobs: BTreeMap<DeclarationPlace, Option<Rc<Job>>>,
-    /// What scenes are to devices, each scene judged once with each device.
+    /// Scenes as devices see them, each scene checked once with each device.
     covers: BTreeMap<(DeclarationPlace, DeclarationPlace), dimibot::DimibotScene>,
     trays: BTreeMap<(DeclarationPlace, DeclarationPlace), electrode_array::BoardScene>,
     origins: electrode_array::CellOrigins,
@@ -226,7 +226,7 @@ impl<'a> Checker<'a> {
         scope.local(&path.segments[0].name.text).is_some() || self.find(path, scope).is_some()
     }
 
-    /// The declaration of a sort that a path names; what is wrong with it is reported.
+    /// The declaration of a sort that a path names; faults are reported.
     fn resolve(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort) -> Option<DeclarationPlace> {
         if let Some(segment) = path.segments.iter().find(|segment| !segment.indices.is_empty()) {
             self.sink.push(errors::indexed_name(segment.span));
@@ -256,8 +256,8 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Says that a name names nothing, unless it is one that could not be read, or of a file that could not be used, which
-    /// was said.
+    /// Reports an unknown name, unless its declaration could not be read or its file could not be used, which
+    /// was already reported.
     fn report_unknown(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort) {
         let file = &self.modules[scope.module];
         let first = &path.segments[0];
@@ -321,12 +321,12 @@ impl<'a> Checker<'a> {
             return;
         }
         let elements = self.elements(&each.over, scope);
-        // Inside of another loop, or with parameters, no turn may be just what is meant.
+        // Inside another loop, or with parameters, zero iterations may be intended.
         if elements.is_empty() && scope.local_names().next().is_none() {
             self.sink.push(errors::repeats_nothing(each.over.span));
         }
         for (number, element) in elements.into_iter().enumerate() {
-            // What a turn has built may have passed the limit, which was reported there.
+            // The body may have passed the limit, already reported there.
             if self.repetitions > MAX_REPETITIONS {
                 return;
             }
@@ -345,8 +345,8 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Counts what curves and solids cost, as turns of a loop that takes as long; `false` once there were too many, which is reported
-    /// where it came to that.
+    /// Charges the cost of curves and solids, as iterations of a loop that takes as long; `false` once there are too many, which is
+    /// reported at that place.
     fn counts_as_outline(&mut self, turns: usize, span: Span) -> bool {
         let before = self.repetitions;
         self.repetitions = before.saturating_add(turns);
@@ -356,7 +356,7 @@ impl<'a> Checker<'a> {
         self.repetitions <= MAX_REPETITIONS
     }
 
-    /// What a `for` runs over; once over the unknown value if that cannot be said.
+    /// The elements that a `for` runs over; the unknown value once if they are unknown.
     fn elements(&mut self, over: &Expr, scope: &Scope) -> Vec<Spanned<Value>> {
         match self.evaluate(over, scope) {
             Value::Range { from, to } => {

@@ -1,4 +1,4 @@
-//! Programs: runs of tasks on one clock, and what may not happen at once.
+//! Programs: runs of tasks on one clock, and conflicts between them.
 
 use super::errors::{self, WantedName};
 use super::frames::{Neighbours, RunSite};
@@ -14,13 +14,13 @@ use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Entry, Expr, ExprKind, Item};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How many runs and waits one schedule may hold.
+/// Greatest number of runs and waits in one schedule.
 pub const MAX_RUNS: usize = 10_000;
 
-/// How many steps the tasks of one schedule may have together.
+/// Greatest number of steps of all tasks of one schedule.
 pub const MAX_STEPS: usize = 1_000_000;
 
-/// How deep programs may run one another.
+/// Greatest nesting of programs.
 pub const MAX_PROGRAM_DEPTH: usize = 64;
 
 /// The wires of each device, by channel.
@@ -35,9 +35,9 @@ struct Draft {
     runs: Vec<RunSite>,
     /// The programs that are being read, the outermost first.
     open: Vec<DeclarationPlace>,
-    /// Runs and waits so far.
+    /// Runs and waits counted.
     parts: usize,
-    /// Steps of tasks so far.
+    /// Steps of tasks counted.
     steps: usize,
     state: DraftState,
 }
@@ -47,7 +47,7 @@ struct Draft {
 enum DraftState {
     #[default]
     Whole,
-    /// There are errors; what follows is read for more of them.
+    /// There are errors; the rest is read only to report more of them.
     Broken,
     /// A limit is passed; nothing more is read.
     Full,
@@ -456,7 +456,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// What a parameter takes.
+/// Sort of a parameter.
 #[derive(Clone, Copy)]
 enum ParameterSort {
     Quantity(Dimension),
@@ -468,7 +468,7 @@ enum ParameterSort {
     Object(&'static str),
 }
 
-/// The nouns that a parameter can stand for: what a device handles, not what is in its way.
+/// The nouns that a parameter can have: objects that a device handles, not obstacles.
 fn object_nouns() -> impl Iterator<Item = &'static str> {
     let nouns = Kind::ALL.iter().flat_map(|kind| kind.vocabulary().nouns).map(|noun| noun.name);
     nouns.filter(|noun| *noun != "obstacle").collect::<BTreeSet<_>>().into_iter()

@@ -1,4 +1,4 @@
-//! Scenes: their objects, unrolled and inherited. What an object means is for the kind of a task's device to say.
+//! Scenes: their objects, unrolled and inherited. The kind of a task's device decides what an object means.
 
 use super::camera::{Camera, View};
 use super::frames::{self, DeviceFrame};
@@ -14,7 +14,7 @@ use crate::syntax::tree::{self, Item, SceneEntry};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// How many scenes may stand on one another as bases.
+/// Longest chain of bases of a scene.
 pub const MAX_BASES: usize = 32;
 
 /// Something that stands in a scene.
@@ -31,7 +31,7 @@ pub struct SceneObject {
     pub span: Span,
 }
 
-/// What stands in a scene, its bases' objects first.
+/// The objects of a scene, its bases' first.
 #[derive(Debug, Clone, Default)]
 pub struct CheckedScene {
     pub objects: Vec<Rc<SceneObject>>,
@@ -39,17 +39,17 @@ pub struct CheckedScene {
     pub frames: BTreeMap<DeclarationPlace, DeviceFrame>,
     /// Where the image lies that places are read off, if there is one.
     pub camera: Option<Camera>,
-    /// How many scenes it stands on.
+    /// Number of bases below it.
     depth: usize,
 }
 
 impl CheckedScene {
-    /// What is known of its image.
+    /// Its image, as far as known.
     pub fn view(&self) -> View {
         self.camera.map_or(View::None, View::Image)
     }
 
-    /// What is said of a scene with more objects of a noun than its device takes; `most` holds the nouns with their limits.
+    /// Diagnostic for a scene with more objects of a noun than its device allows; `most` are the nouns with their limits.
     pub fn crowd(&self, most: &[(&str, usize)]) -> Option<Diagnostic> {
         most.iter().find_map(|&(noun, most)| {
             let mut alike = self.objects.iter().filter(|object| object.noun == noun);
@@ -59,7 +59,7 @@ impl CheckedScene {
     }
 }
 
-/// The objects of a scene while it is being made out.
+/// The objects of a scene while it is being evaluated.
 struct Collected {
     objects: Vec<Rc<SceneObject>>,
     /// Index and origin of each name.

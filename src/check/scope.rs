@@ -1,4 +1,4 @@
-//! What a name means where it stands: the files of a program, their declarations, and the names of a block.
+//! Meaning of a name in its place: the files of a program, their declarations, and the names of a block.
 
 use super::camera::View;
 use super::errors;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub const FUNCTIONS: &[&str] =
     &["abs", "min", "max", "round", "floor", "sqrt", "sin", "cos", "atan2", "count", "pose", "euler", "quaternion"];
 
-/// A file with what it declares and which files it uses.
+/// A file with its declarations and the files that it uses.
 #[derive(Debug)]
 pub struct Module {
     pub tree: Tree,
@@ -29,7 +29,7 @@ pub struct Module {
 /// A used file.
 #[derive(Debug, Clone, Copy)]
 pub struct Import {
-    /// `None` if the file could not be used, which was reported.
+    /// `None` if the file could not be used, already reported.
     pub module: Option<usize>,
     pub span: Span,
 }
@@ -44,7 +44,7 @@ pub struct Declaration {
     pub span: Span,
 }
 
-/// What a name at the top of a file names.
+/// Sort of a top-level name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DeclarationSort {
     Let,
@@ -86,7 +86,7 @@ pub struct DeclarationPlace {
 }
 
 impl Module {
-    /// Collects what a file declares; names declared twice and names that the language keeps are reported.
+    /// Collects the declarations of a file; duplicate and reserved names are reported.
     pub fn new(tree: Tree, imports: BTreeMap<String, Import>, origin: Origin, sink: &mut Sink) -> Module {
         let mut names: BTreeMap<String, Declaration> = BTreeMap::new();
         let declared = tree.items.iter().enumerate().filter_map(|(index, item)| Some((index, declared(item)?)));
@@ -105,12 +105,12 @@ impl Module {
         Module { tree, imports, names, meshes: BTreeMap::new(), origin }
     }
 
-    /// Whether a name would be declared here by a part that could not be read: to miss it would tell one mistake twice.
+    /// Whether a part that could not be read may declare a name here: reporting it as missing would repeat one mistake.
     pub fn is_broken(&self, name: &str) -> bool {
         self.tree.broken_names.iter().any(|broken| broken.text == name)
     }
 
-    /// Whether a declaration could not be read, so that what is missing may stand in it.
+    /// Whether a declaration could not be read, so that it may contain a name that seems missing.
     pub fn has_broken_parts(&self) -> bool {
         self.tree.items.iter().any(|item| matches!(item, Item::Error(_)))
     }
@@ -121,7 +121,7 @@ impl Module {
     }
 }
 
-/// The name that an item declares, and what it names.
+/// The name that an item declares, and its sort.
 pub fn declared(item: &Item) -> Option<(&Ident, DeclarationSort)> {
     match item {
         Item::Let(item) => Some((&item.name, DeclarationSort::Let)),
@@ -133,7 +133,7 @@ pub fn declared(item: &Item) -> Option<(&Ident, DeclarationSort)> {
     }
 }
 
-/// What the language keeps a name for, if it does.
+/// The use for which the language reserves a name, if it does.
 pub fn keeper(name: &str) -> Option<&'static str> {
     if Kind::find(name).is_some() {
         return Some("a device kind");
@@ -153,7 +153,7 @@ pub fn keeper(name: &str) -> Option<&'static str> {
 pub struct Scope {
     pub module: usize,
     pub file: FileId,
-    /// What places in pixels are read off here.
+    /// The image that places in pixels refer to here.
     pub view: View,
     locals: Vec<Local>,
 }
@@ -174,7 +174,7 @@ impl Scope {
         Scope { module, file, view: View::None, locals: Vec::new() }
     }
 
-    /// The same with another view.
+    /// The scope with another view.
     pub fn seeing(&self, view: View) -> Scope {
         Scope { view, ..self.clone() }
     }
@@ -228,7 +228,7 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     let is_begun = |candidate: &str| candidate.strip_prefix(name).is_some_and(|rest| rest.starts_with('_'));
     let is_long = |candidate: &str| candidate.chars().nth(characters + allowed).is_some();
     let near = known.into_iter().filter(|candidate| !is_long(candidate) || is_begun(candidate)).take(MAX_NEAR_NAMES);
-    // What begins with the name differs by what follows.
+    // Candidates that begin with the name differ by their remaining characters.
     let far = |candidate: &str| candidate.chars().count() - characters;
     near.map(|candidate| (if is_long(candidate) { far(candidate) } else { distance(candidate) }, candidate))
         .filter(|(distance, candidate)| {

@@ -44,7 +44,7 @@ impl Checker<'_> {
                 self.sink.push(errors::bad_setting(Some(span), &setting.name, "is given twice", "give it once"));
             }
         }
-        // What was evaluated for comparison may rest on values that are replaced now.
+        // Values evaluated for comparison may depend on values that are replaced now.
         self.lets.clear();
         self.lets.extend(replaced.into_iter().map(|(place, value)| (place, LetState::Done(value))));
     }

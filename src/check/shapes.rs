@@ -12,10 +12,10 @@ use crate::quantity::{Dimension, Quantity};
 use crate::source::Span;
 use std::f64::consts::TAU;
 
-/// The most corners of a polygon: whether it crosses itself is found by looking at every pair of sides.
+/// Greatest number of corners of a polygon: the test for self-intersection compares every pair of sides.
 pub const MAX_CORNERS: usize = 2_000;
 
-/// What makes a shape impossible, if anything does.
+/// Diagnostic for an impossible shape, if it is one.
 pub fn impossible(shape: &ShapeValue, span: Span) -> Option<Diagnostic> {
     match shape.form {
         ShapeForm::Disc | ShapeForm::Capsule | ShapeForm::Cells | ShapeForm::Layout | ShapeForm::Image => None,
@@ -113,7 +113,7 @@ pub fn in_plane(shape: &ShapeValue) -> Option<Shape> {
     }
 }
 
-/// The largest heading that says where it points: a million turns, of which rounding takes a billionth of a degree.
+/// Greatest heading with a known direction: a million turns, where rounding is a billionth of a degree.
 pub const MAX_HEADING_RAD: f64 = 1e6 * TAU;
 
 /// Where something stands: `None` where the value is neither a place nor a pose.
@@ -126,18 +126,18 @@ pub fn pose_of(at: &Value) -> Option<Pose> {
         _ => return None,
     };
     let PoseValue { x, y, heading } = pose;
-    // Whole turns are taken off. Beyond so many that the number no longer says where it points, it is left for its kind to refuse.
+    // Whole turns are removed. A heading too large for that is left for its kind to reject.
     let is_known = (TAU..=MAX_HEADING_RAD).contains(&heading.si.abs());
     let heading_rad = if is_known { heading.si % TAU } else { heading.si };
     Some(Pose { x_um: x.in_unit("um"), y_um: y.in_unit("um"), heading_rad })
 }
 
-/// Whether the number of a heading still says where it points; [`pose_of`] has taken whole turns off those that do.
+/// Whether a heading is small enough for its direction to be known; [`pose_of`] has removed whole turns from those.
 pub fn heading_is_known(pose: &Pose) -> bool {
     pose.heading_rad.abs() <= MAX_HEADING_RAD
 }
 
-/// Whether a shape and its pose are within what is counted with exactly.
+/// Whether a shape and its pose are within the range of exact geometry.
 pub fn within_extent(shape: &Shape, pose: &Pose) -> bool {
     pose.x_um.abs().max(pose.y_um.abs()) <= MAX_EXTENT_UM && shape.grown(pose, 0.0).is_ok()
 }

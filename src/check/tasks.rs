@@ -16,7 +16,7 @@ use crate::syntax::tree::{self, Entry, Expr, ExprKind, Item, Operator};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// A run of a task: what its parameters are worth, and where it is run.
+/// A run of a task: its arguments, and where it is run.
 pub struct TaskRun {
     pub task: DeclarationPlace,
     pub arguments: Vec<Spanned<Value>>,
@@ -31,12 +31,12 @@ pub struct Parts {
     pub settings: Accepted,
     pub requirements: Vec<Requirement>,
     pub steps: Vec<VocabularyStep>,
-    /// Whether nothing had to be left out.
+    /// Whether nothing was left out because of errors.
     pub is_whole: bool,
 }
 
 impl Parts {
-    /// What the task allows its planner's search to expand, where it says so.
+    /// The limit of expansions set by the task, if any.
     pub fn expansions(&self) -> Option<u64> {
         let (_, options) = self.planner.as_ref()?;
         match &options.get("expansions")?.value {
@@ -52,7 +52,7 @@ pub struct VocabularyStep {
     pub span: Span,
 }
 
-/// What a step does.
+/// Action of a step.
 pub enum VocabularyAction {
     Verb(Call),
     /// Goals that are reached at the same time, in the order of writing.
@@ -66,7 +66,7 @@ pub struct Call {
     pub verb: &'static device::Verb,
     pub object: Option<Argument>,
     pub phrases: Vec<(&'static str, Argument)>,
-    /// What stands in its braces.
+    /// The entries in its braces.
     pub entries: Vec<Entered>,
     pub span: Span,
 }
@@ -78,7 +78,7 @@ pub struct Entered {
     pub span: Span,
 }
 
-/// What a task is checked against: its device with the facts of its kind, and its scene.
+/// Context of a task: its device with the facts of its kind, and its scene.
 pub struct TaskSite {
     pub place: DeclarationPlace,
     pub device: Rc<CheckedDevice>,
@@ -125,7 +125,7 @@ impl<'a> Checker<'a> {
         let place = place?;
         let device = self.device(place)?;
         scope.view = self.view_of(scene);
-        // The words are checked even where the device's own figures cannot be made out.
+        // The words are checked even if the device's own figures are unknown.
         let mut parts = self.parts(item, device.kind.vocabulary(), scope);
         let is_whole = parts.is_whole;
         let requirements = std::mem::take(&mut parts.requirements);
@@ -380,7 +380,7 @@ impl<'a> Checker<'a> {
         is_whole.then_some(calls)
     }
 
-    /// The verbs of a block; whether nothing had to be left out.
+    /// The verbs of a block; and whether nothing was left out because of errors.
     fn calls(
         &mut self,
         entries: &[Entry],

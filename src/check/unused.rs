@@ -1,4 +1,4 @@
-//! Warnings for what is declared and never used.
+//! Warnings for unused declarations.
 
 use super::scope::{DeclarationPlace, DeclarationSort};
 use super::{Checker, errors};
@@ -6,7 +6,7 @@ use super::{Checker, errors};
 impl Checker<'_> {
     /// Warns of unused names of the program's own file; other files are there to be used by several.
     ///
-    /// Next to an error they would mislead: what stands where it could not be read may well use the name. A file that builds
+    /// Next to an error they would mislead: an unreadable part may well use the name. A file that builds
     /// nothing is there to be used as well.
     pub fn warn_of_unused(&mut self) {
         let module = &self.modules[0];

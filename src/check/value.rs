@@ -1,4 +1,4 @@
-//! What an expression is worth.
+//! Values of expressions.
 
 use crate::device::shape::ShapeForm;
 use crate::geometry::mesh::Mesh;
@@ -7,8 +7,8 @@ use crate::source::{Span, Spanned};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// A constant value. [`Value::Unknown`] stands where a diagnostic was pushed, or for a parameter without an argument;
-/// whatever is made of it is unknown too, so that one mistake is told once.
+/// A constant value. [`Value::Unknown`] is the value after a diagnostic, or of a parameter without an argument;
+/// values derived from it are unknown too, so that one mistake is reported once.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     Quantity(Quantity),
@@ -50,7 +50,7 @@ pub struct PoseValue {
     pub heading: Quantity,
 }
 
-/// Something of a scene, by its noun and its name; which scene is for the task to say.
+/// An object of a scene, by its noun and its name; the task determines the scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ObjectName {
     pub noun: &'static str,
@@ -60,7 +60,7 @@ pub struct ObjectName {
 /// A file of triangles, in the file's own unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshFile {
-    /// As the program writes it.
+    /// The path as written in the program.
     pub path: String,
     pub mesh: Mesh,
 }
@@ -69,7 +69,7 @@ pub struct MeshFile {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ListValue {
     elements: Vec<Spanned<Value>>,
-    /// How deep lists hold one another in it, from 1.
+    /// Depth of nested lists in it, from 1.
     depth: usize,
 }
 
@@ -83,7 +83,7 @@ impl ListValue {
         ListValue { depth: depth.max().unwrap_or(0) + 1, elements }
     }
 
-    /// How deep lists hold one another in it, from 1.
+    /// Depth of nested lists in it, from 1.
     pub fn depth(&self) -> usize {
         self.depth
     }
@@ -97,7 +97,7 @@ impl std::ops::Deref for ListValue {
     }
 }
 
-/// A form with the fields that were given so far.
+/// A shape with the fields given to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShapeValue {
     pub form: ShapeForm,
@@ -112,7 +112,7 @@ pub struct TableValue {
 }
 
 impl Value {
-    /// What it is, with its article: `a length`, `a cell`, `a list`.
+    /// Its sort, with an article: `a length`, `a cell`, `a list`.
     pub fn describe(&self) -> String {
         match self {
             Value::Quantity(quantity) => quantity.dimension.with_article(),
@@ -133,7 +133,7 @@ impl Value {
         }
     }
 
-    /// What it is, and how much where that helps: `a voltage (35 V)`.
+    /// Its sort, and its value where that helps: `a voltage (35 V)`.
     pub fn describe_fully(&self) -> String {
         match self {
             Value::Quantity(quantity) if quantity.dimension == Dimension::NUMBER => {

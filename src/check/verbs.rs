@@ -42,7 +42,7 @@ impl Checker<'_> {
         None
     }
 
-    /// What stands in a verb's braces; `None` after an error.
+    /// The entries in a verb's braces; `None` after an error.
     fn braces(&mut self, step: &tree::Step, verb: &'static device::Verb, scope: &Scope) -> Option<Vec<Entered>> {
         match (&step.block, verb.block) {
             (None, None) => Some(Vec::new()),
@@ -62,7 +62,7 @@ impl Checker<'_> {
         }
     }
 
-    /// The entries of a verb's braces; whether nothing had to be left out.
+    /// The entries of a verb's braces; and whether nothing was left out because of errors.
     fn entered(
         &mut self,
         entries: &[Entry],
@@ -152,7 +152,7 @@ impl Checker<'_> {
         }
     }
 
-    /// The preposition that `move m1 (5, 3)` lacks, and where: what looks like a call of a function is an object and its place.
+    /// The preposition that `move m1 (5, 3)` lacks, and where: what looks like a function call is an object and its place.
     fn without_preposition(
         &self,
         expr: &Expr,
@@ -197,7 +197,7 @@ impl Checker<'_> {
                 None => is_whole = false,
             }
         }
-        // An object where there should be none stands for the phrase that is lacking, as a phrase that is wrong does, and was told.
+        // An object where there should be none stands for the missing phrase, as a wrong phrase does, and was already reported.
         let lacks_preposition =
             step.object.as_ref().is_some_and(|expr| self.without_preposition(expr, verb, scope).is_some());
         let is_told = !is_whole || (step.object.is_some() && verb.object.is_none()) || lacks_preposition;
@@ -210,7 +210,7 @@ impl Checker<'_> {
     }
 }
 
-/// What a verb lacks that has no object.
+/// Diagnostic text for a verb without its object.
 fn lacking(sort: device::Sort) -> String {
     if let device::Sort::Object(noun) = sort { format!("a {noun}") } else { "an object".to_owned() }
 }

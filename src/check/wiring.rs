@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 struct Panel {
     device: DeclarationPlace,
     name: String,
-    /// `None` where its figures cannot be made out.
+    /// `None` if its figures are unknown.
     facts: Option<KindFacts>,
     wired: BTreeMap<String, (String, Span)>,
 }

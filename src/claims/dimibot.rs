@@ -1,4 +1,4 @@
-//! What a task claims of a DiMiBot.
+//! Claims of a task on a DiMiBot.
 
 use super::Job;
 use crate::device::dimibot;
@@ -23,15 +23,15 @@ pub struct DimibotOrder {
     pub objective: DimibotObjective,
     pub planner: DimibotPlanner,
     pub simultaneous: dimibot::Simultaneous,
-    /// How far the cell taken for a place may lie from it; without it any nearest cell will do.
+    /// Greatest distance of a place from its cell; without it any nearest cell is accepted.
     pub precision_um: Option<f64>,
-    /// `start at`, where the task says it; else the robot stands where its last task left it, or at home.
+    /// `start at`, if the task has it; otherwise the robot stands where its last task left it, or at home.
     pub start: Option<Spanned<dimibot::LatticeCell>>,
     pub steps: Vec<DimibotStep>,
 }
 
 impl DimibotOrder {
-    /// E0507: the task says to start at one cell, and its robot stands at another. The checker finds it where the task before ends
+    /// E0507: the task starts at one cell by `start at`, and its robot stands at another. The checker finds it if the task before ends
     /// at a known cell, the planner after a `visit`.
     pub fn start_disagrees(
         &self,
@@ -79,7 +79,7 @@ pub struct DimibotPlanner {
     pub expansions: u64,
 }
 
-/// What the tip must not touch.
+/// An obstacle to the tip.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DimibotObstacle {
     /// The name in the scene.
@@ -121,7 +121,7 @@ pub struct DimibotStep {
     pub span: Span,
 }
 
-/// What a step does.
+/// Action of a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DimibotAction {
@@ -129,7 +129,7 @@ pub enum DimibotAction {
     Move(Vec<DimibotStop>),
     /// Through all stops, in whatever order is best.
     Visit(Vec<DimibotStop>),
-    /// Nothing is switched for so long.
+    /// Nothing is switched for this time, in nanoseconds.
     Wait(u64),
 }
 
@@ -143,7 +143,7 @@ pub struct DimibotStop {
     pub span: Span,
 }
 
-/// What the program asked for.
+/// The goal as written in the program.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Asked {

@@ -1,4 +1,4 @@
-//! What a task claims of an electrode array.
+//! Claims of a task on an electrode array.
 
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 pub use crate::device::electrode_array::{ElectrodeArrayMethod, ElectrodeArrayObjective};
@@ -16,7 +16,7 @@ pub struct ElectrodeArrayOrder {
     pub parts: Arc<Vec<BoardPart>>,
     pub objective: ElectrodeArrayObjective,
     pub planner: ElectrodeArrayPlanner,
-    /// What the parts without a goal do.
+    /// Whether parts without a goal may move.
     pub bystanders: Bystanders,
     pub steps: Vec<ElectrodeArrayStep>,
 }
@@ -29,7 +29,7 @@ pub struct ElectrodeArrayPlanner {
     pub expansions: u64,
 }
 
-/// What the parts without a goal do.
+/// Whether parts without a goal may move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bystanders {
@@ -78,24 +78,24 @@ pub struct ElectrodeArrayStep {
     pub span: Span,
 }
 
-/// What a step does.
+/// Action of a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ElectrodeArrayAction {
     /// Parts to their goals at the same time; the step ends when the last one has arrived.
     Move(Vec<ElectrodeArrayMove>),
-    /// Nothing moves for so long, in nanoseconds.
+    /// Nothing moves for this time, in nanoseconds.
     Wait(u64),
 }
 
-/// What one part does in a step, or two that become one.
+/// Action of one part in a step, or of two that become one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ElectrodeArrayMove {
     /// Index of the order's parts.
     pub part: usize,
     /// The part that it merges with at its goal: from then on that one is gone, and this one is both.
     pub with: Option<usize>,
-    /// Where it has to come by, in this order; the last one is its goal. One stop where parts merge.
+    /// Its stops, in order; the last one is its goal. One stop where parts merge.
     pub stops: Vec<ElectrodeArrayStop>,
     #[serde(skip)]
     pub span: Span,

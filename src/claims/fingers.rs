@@ -1,4 +1,4 @@
-//! What a task claims of a hand.
+//! Claims of a task on a hand.
 
 pub use crate::device::fingers::FingersPlanner;
 use crate::device::fingers::{FingersFacts, Plane};
@@ -12,9 +12,9 @@ use std::sync::Arc;
 pub struct FingersOrder {
     /// Shared by all tasks of one device, like the part by all of one scene.
     pub facts: Arc<FingersFacts>,
-    /// What the task turns. All tasks of one device in one schedule turn the same part.
+    /// The part that the task turns. All tasks of one device in one schedule turn the same part.
     pub part: Arc<HandPart>,
-    /// How far from its goal each turn may end.
+    /// Tolerance of the end of each turn.
     pub precision_rad: f64,
     /// The force on the part in the hand's frame, weight included, in micronewtons; it acts at the part's centre of mass.
     pub load_un: [f64; 3],
@@ -60,11 +60,11 @@ impl HandPart {
 pub struct Section {
     /// In the coordinates of [`Plane::axes`], counter-clockwise.
     pub outline: Outline,
-    /// c: how many contacts there are, numbered from 1.
+    /// c: number of contacts, numbered from 1.
     pub contacts: u32,
     /// The number of the contact where the x axis enters, the paper's J; contact 1 is its I. `None` where no contact lies there.
     pub opposite: Option<u32>,
-    /// By how much rolling from one contact to the next turns the object: nearly the device's step.
+    /// Turn of the object by rolling from one contact to the next: nearly the device's step.
     pub step_rad: f64,
 }
 
@@ -76,7 +76,7 @@ pub struct FingersStep {
     pub span: Span,
 }
 
-/// What a step does.
+/// Action of a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FingersAction {
@@ -84,11 +84,11 @@ pub enum FingersAction {
     ///
     /// In the plane of the next turn of the task, or of the last one where none follows.
     Grasp(Option<Vec<u32>>),
-    /// In a plane, by so many steps of its section: all the way round, not the short one.
+    /// In a plane, by `steps` steps of its section, in the direction of their sign and never the short way instead.
     Rotate {
         plane: Plane,
         steps: i32,
-        /// As asked for.
+        /// The angle as written in the program.
         angle_rad: f64,
     },
     /// To an orientation, whichever way: a unit quaternion w, x, y, z that carries the part's axes into the hand's frame.
@@ -98,14 +98,14 @@ pub enum FingersAction {
     Orient {
         goal: [f64; 4],
         turns: Vec<Vec<FingersTurn>>,
-        /// How many steps the ways turn at least that were too many to be searched; `None` if none were.
+        /// Least number of steps of the decompositions left out because there were too many; `None` if none were.
         left_out_steps: Option<u32>,
     },
     /// Carried along, all fingers together.
     Translate([f64; 3]),
     /// All fingers leave.
     Release,
-    /// Nothing moves for so long, in nanoseconds.
+    /// Nothing moves for this time, in nanoseconds.
     Wait(u64),
 }
 

@@ -1,4 +1,4 @@
-//! What a task claims of STRING microrobots.
+//! Claims of a task on STRING microrobots.
 
 use crate::device::microrobots::{ControlState, MicrorobotsFacts};
 use crate::geometry::{Pose, Shape};
@@ -33,7 +33,7 @@ impl MicrorobotsOrder {
     }
 }
 
-/// What no robot may come near.
+/// An obstacle to all robots.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MicrorobotsObstacle {
     /// The name in the scene.
@@ -55,14 +55,14 @@ pub struct Placed {
     pub span: Span,
 }
 
-/// How near to its goal a robot has to end.
+/// Tolerance of a robot's goal.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Precision {
     pub place_um: f64,
     pub heading_rad: f64,
 }
 
-/// What becomes of a goal that cannot be guaranteed under the device's error bounds.
+/// Treatment of a goal that cannot be guaranteed under the device's error bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Assurance {
@@ -80,17 +80,17 @@ pub struct MicrorobotsStep {
     pub span: Span,
 }
 
-/// What a step does.
+/// Action of a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MicrorobotsAction {
-    /// The drive train in a control state for so long, without its control cycle; rounded up to whole strokes.
+    /// The drive train in a control state for this time, without its control cycle; rounded up to whole strokes.
     Apply { state: usize, duration_ns: u64 },
     /// One robot through poses in this order; the last one is its goal.
     Drive { robot: usize, stops: Vec<MicrorobotsStop> },
     /// Robots to goals where they dock with one another; at least two, each once.
     Assemble(Vec<Dock>),
-    /// The bed is at 0 V for so long, in nanoseconds: all arms go up and nothing moves.
+    /// The bed is at 0 V for this time, in nanoseconds: all arms go up and nothing moves.
     Wait(u64),
 }
 

@@ -1,7 +1,7 @@
-//! What a program claims: the checked form of one schedule to be built, without an unresolved name or a bare number.
+//! Claims of a program: the checked form of one schedule to be built, without an unresolved name or a bare number.
 //!
-//! Planners read it as their order, the verifier as the law. It is written into a log as JSON and derived again from the
-//! embedded source when the log is verified, so spans, which only messages need, are left out of that form.
+//! Planners read it as their order, the verifier as the rules. It is written into a log as JSON and derived again from the
+//! embedded source when the log is verified; spans, which only messages need, are left out of that form.
 
 pub mod dimibot;
 pub mod electrode_array;
@@ -28,7 +28,7 @@ pub struct Claims {
     /// The scenes in which two or more of the program's robots have a place: these never touch one another.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shared: Vec<SharedScene>,
-    /// Devices that run together in one scene and are not held against one another, since one of them has no place there.
+    /// Devices that run together in one scene without a check of their distance, since one of them has no place there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_held: Vec<[String; 2]>,
     /// Where the program or task is declared.
@@ -37,7 +37,7 @@ pub struct Claims {
 }
 
 impl Claims {
-    /// Whether a device has a place beside another one's, so that it may have to wait for it.
+    /// Whether a device has a place beside another one's, so that it may need to wait for it.
     pub fn is_shared(&self, device: &str) -> bool {
         self.shared.iter().any(|scene| scene.frames.contains_key(device))
     }
@@ -66,16 +66,16 @@ pub struct SharedScene {
 #[serde(rename_all = "snake_case")]
 pub enum Timeline {
     Run(usize),
-    /// Nothing happens for so long.
+    /// Nothing happens for this time.
     Wait(u64),
     /// One after the other, each from the end of the one before.
     Sequence(Vec<Timeline>),
-    /// All from the same instant; what follows begins when the longest has ended.
+    /// All from the same instant; the next part begins when the longest has ended.
     Together(Vec<Timeline>),
 }
 
 impl Timeline {
-    /// The same without parts that hold but one, sequences within sequences, and groups within groups.
+    /// The timeline simplified: without groups of one element, sequences within sequences, and groups within groups.
     #[must_use]
     pub fn flat(self) -> Timeline {
         match self {
@@ -91,7 +91,7 @@ impl Timeline {
         }
     }
 
-    /// How deep it is nested: 1 for a run or a wait.
+    /// Its nesting: 1 for a run or a wait.
     pub fn depth(&self) -> usize {
         match self {
             Timeline::Run(_) | Timeline::Wait(_) => 1,
@@ -102,7 +102,7 @@ impl Timeline {
     }
 }
 
-/// Flat parts, those that `open` takes apart replaced by what they hold.
+/// Flat list of parts; those that `open` takes apart are replaced by their content.
 fn spliced(parts: Vec<Timeline>, open: fn(Timeline) -> Result<Vec<Timeline>, Timeline>) -> Vec<Timeline> {
     let mut flat = Vec::with_capacity(parts.len());
     for part in parts {
@@ -138,7 +138,7 @@ pub struct Job {
 }
 
 impl Job {
-    /// How many steps it has.
+    /// Number of steps.
     pub fn steps(&self) -> usize {
         match &self.order {
             Order::Dimibot(order) => order.steps.len(),
@@ -169,7 +169,7 @@ impl Job {
     }
 }
 
-/// What a job is in its kind's own terms.
+/// A job in its kind's own terms.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Order {

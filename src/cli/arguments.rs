@@ -1,4 +1,4 @@
-//! What may be said on the command line.
+//! Command-line arguments.
 
 use crate::emit::Format;
 use crate::quantity::{Dimension, Unit};
@@ -30,14 +30,14 @@ pub enum Command {
         after_help = "Examples:\n  tweeze build fetch.twz\n  tweeze build fetch.twz --emit mcap,csv,scpi -o out --task fetch"
     )]
     Build(BuildArguments),
-    /// Replay a written log against the device models, trusting nothing of the planner
+    /// Replay a written log against the device models, independently of the planner
     #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz\n  \
                       tweeze verify fetch.mcap --against fetch.twz --set pitch=80um")]
     Verify(VerifyArguments),
-    /// Explain a diagnostic, with an example and how to mend it
+    /// Explain a diagnostic, with an example and its fix
     #[command(after_help = "Example: tweeze explain E0503")]
     Explain(ExplainArguments),
-    /// Simulate the assemblies of a program with imperfect robots and measurements, and count how they end
+    /// Simulate the assemblies of a program with imperfect robots and measurements, and count the outcomes
     #[command(after_help = "Example: tweeze simulate assemble.twz --trials 1000 --seed 7")]
     Simulate(SimulateArguments),
     /// List the device kinds, the vocabulary of one of them, or the devices of a program with all derived figures
@@ -49,12 +49,12 @@ pub enum Command {
     Completions(CompletionsArguments),
 }
 
-/// How diagnostics are written.
+/// Format of diagnostics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ReportFormat {
-    /// The source with every place labelled, and how to mend it
+    /// The source with every place labelled, and the fix
     Human,
-    /// One JSON object on each line
+    /// One JSON object per line
     Json,
 }
 
@@ -101,10 +101,10 @@ pub struct VerifyArguments {
     /// The log to replay
     #[arg(value_name = "FILE.mcap")]
     pub file: PathBuf,
-    /// Hold the log against this program, and not only against the one that it carries
+    /// Check the log against this program too, not only against the one that it contains
     #[arg(long, value_name = "FILE.twz")]
     pub against: Option<PathBuf>,
-    /// Take the program of `--against` with this value; without it the program's own values count, whatever the log says
+    /// Set a value of the `--against` program; without this option the program's own values apply, whatever the log contains
     #[arg(long = "set", value_name = "NAME=VALUE", requires = "against")]
     pub set: Vec<String>,
     #[command(flatten)]
@@ -113,13 +113,13 @@ pub struct VerifyArguments {
 
 #[derive(Debug, Args)]
 pub struct ExplainArguments {
-    /// A code, as E0503; without one all codes are listed
+    /// A code such as E0503; all codes are listed if omitted
     pub code: Option<String>,
 }
 
 #[derive(Debug, Args)]
 pub struct DevicesArguments {
-    /// A device kind, or a program; without one all kinds are listed
+    /// A device kind or a program; all kinds are listed if omitted
     #[arg(value_name = "KIND|FILE.twz")]
     pub subject: Option<String>,
     #[command(flatten)]
@@ -129,22 +129,22 @@ pub struct DevicesArguments {
     /// Find a voltage table for robots of this kind
     #[arg(long, value_name = "KIND", requires_all = ["robots", "margin", "max"], conflicts_with = "subject", value_parser = ["microrobots"])]
     pub suggest: Option<String>,
-    /// How many robots the table is to have
+    /// Number of robots in the table
     #[arg(long, value_name = "NUMBER", requires = "suggest", value_parser = clap::value_parser!(u32).range(1..=128))]
     pub robots: Option<u32>,
-    /// Each transition voltage is known to plus or minus this, as 4V
+    /// Uncertainty (plus or minus) of each transition voltage, such as 4V
     #[arg(long, value_name = "VOLTAGE", requires = "suggest", value_parser = voltage)]
     pub margin: Option<f64>,
-    /// The most that the source gives, as 200V
+    /// Greatest voltage of the source, such as 200V
     #[arg(long, value_name = "VOLTAGE", requires = "suggest", value_parser = voltage)]
     pub max: Option<f64>,
-    /// The relax level of the drive train, if it is given
+    /// Relax level of the drive train, if fixed
     #[arg(long, value_name = "VOLTAGE", requires_all = ["suggest", "flex"], value_parser = voltage)]
     pub relax: Option<f64>,
-    /// The flex level of the drive train, if it is given
+    /// Flex level of the drive train, if fixed
     #[arg(long, value_name = "VOLTAGE", requires_all = ["suggest", "relax"], value_parser = voltage)]
     pub flex: Option<f64>,
-    /// How far the flex level is to be above the relax level, where they are not given
+    /// Required distance of the flex level above the relax level, if these are not given
     #[arg(long, value_name = "VOLTAGE", requires = "suggest", default_value = "38V", value_parser = voltage)]
     pub swing: f64,
 }
@@ -168,10 +168,10 @@ pub struct SimulateArguments {
     /// Simulate this task or program alone
     #[arg(long, value_name = "NAME")]
     pub task: Option<String>,
-    /// How often each assembly is run
+    /// Number of runs of each assembly
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=MAX_TRIALS))]
     pub trials: u32,
-    /// The same seed gives the same figures
+    /// Seed of the random numbers; the same seed gives the same results
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     #[command(flatten)]
@@ -180,7 +180,7 @@ pub struct SimulateArguments {
     pub report: ReportArguments,
 }
 
-/// The most trials of one simulation.
+/// Greatest number of trials in one simulation.
 const MAX_TRIALS: i64 = 1_000_000;
 
 #[derive(Debug, Args)]
@@ -190,14 +190,14 @@ pub struct CompletionsArguments {
 
 #[derive(Debug, Args)]
 pub struct Settings {
-    /// Replace a top-level `let`, as pitch=80um, or lab.pitch=80um in a used file
+    /// Replace a top-level `let`, such as pitch=80um, or lab.pitch=80um in a used file
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub set: Vec<String>,
 }
 
 #[derive(Debug, Args)]
 pub struct ReportArguments {
-    /// How diagnostics are written to standard error
+    /// Format of diagnostics on standard error
     #[arg(long, value_enum, default_value = "human")]
     pub format: ReportFormat,
 }

@@ -77,8 +77,8 @@ fn write(arguments: &BuildArguments, compiled: Compiled, provenance: &Provenance
     terminal::answer(&report::build(&arguments.file, &compiled, &arguments.settings.set, &written))
 }
 
-/// Verifies the log of a schedule from its bytes, as `tweeze verify` would: whatever is written can be read. What was read takes the
-/// place of what was written, so that there is one of them at a time.
+/// Verifies the log of a schedule from its bytes, as `tweeze verify` would: whatever is written can be read. The schedule read back replaces
+/// the one written, so that only one is in memory at a time.
 fn read_back(verified: Verified, set: &[OutputFile], report: ReportFormat) -> Result<Verified, Exit> {
     let Some(file) = set.iter().find(|file| file.name.ends_with(".mcap")) else { return Ok(verified) };
     drop(verified);

@@ -9,7 +9,7 @@ use crate::diagnostic::Sink;
 use crate::source::Sources;
 use std::path::Path;
 
-/// Checks each file by itself; the gravest outcome is the answer.
+/// Checks each file separately; the exit status is the gravest one.
 pub fn run(arguments: &CheckArguments) -> Exit {
     let exits = arguments.files.iter().map(|file| one(file, arguments));
     exits.fold(Exit::Done, Exit::max)

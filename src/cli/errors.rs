@@ -1,4 +1,4 @@
-//! What goes wrong with files: E080x.
+//! Diagnostics of files: E080x.
 
 use crate::diagnostic::{Code, Diagnostic};
 use std::io;
@@ -80,7 +80,7 @@ pub fn other_program(log: &Path, program: &Path) -> Diagnostic {
     Diagnostic::new(Code::E0742, title).help("build the trusted program again and use that log")
 }
 
-/// What is to be said where a log was built with other settings than the trusted program is taken with; nothing if they are the same.
+/// Note that a log was built with other settings than the trusted program; `None` if they are the same.
 pub fn other_settings(log: &Path, program: &Path, of_log: &[String], given: &[String]) -> Option<Diagnostic> {
     let lacking = |of: &[String], list: &[String]| -> Vec<String> {
         of.iter()
@@ -113,7 +113,7 @@ pub fn other_settings(log: &Path, program: &Path, of_log: &[String], given: &[St
     Some(Diagnostic::new(Code::E0772, title).help(help))
 }
 
-/// A word as a shell takes it for what it is: a log may hold any setting, and its text is offered for copying.
+/// A word quoted for a shell: a log may have any setting, and its text is offered for copying.
 fn quoted(word: &str) -> String {
     let is_safe = |c: char| c.is_ascii_alphanumeric() || "=._+-".contains(c);
     if word.chars().all(is_safe) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }

@@ -1,4 +1,4 @@
-//! A program's file, read and with what the command line adds, ready for the compiler.
+//! A program's file with the settings of the command line, ready for the compiler.
 
 use super::arguments::ReportArguments;
 use super::disk;
@@ -11,17 +11,17 @@ use std::path::{Path, PathBuf};
 /// A program as a command was given it.
 pub struct Loaded {
     path: PathBuf,
-    /// As outputs carry it.
+    /// Its name in outputs.
     name: String,
     text: String,
     pub options: Options,
 }
 
 impl Loaded {
-    /// Reads a file; what is wrong with it is reported.
+    /// Reads a file; failures are reported.
     ///
     /// # Errors
-    /// The exit status where it cannot be read.
+    /// The exit status if it cannot be read.
     pub fn read(file: &Path, options: Options, report: &ReportArguments) -> Result<Loaded, Exit> {
         match disk::read_program(file) {
             Ok(text) => Ok(Loaded { path: file.to_owned(), name: Disk::round(file).program_name(), text, options }),
@@ -42,7 +42,7 @@ impl Loaded {
         Disk::round(&self.path)
     }
 
-    /// What the compiler takes.
+    /// Input of the compiler.
     pub fn program<'a>(&'a self, disk: &'a Disk<'a>) -> CompileRequest<'a> {
         CompileRequest { name: &self.name, text: &self.text, library: disk, options: &self.options }
     }

@@ -37,7 +37,7 @@ pub enum Exit {
     Fault = 5,
 }
 
-/// The stack of the thread that does the work, in bytes: several times what the deepest nesting that is let through needs.
+/// Stack of the working thread, in bytes: several times the need of the deepest nesting that is accepted.
 const STACK_BYTES: usize = 64 * 1024 * 1024;
 
 /// Runs a command line and answers with its exit status.

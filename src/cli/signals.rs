@@ -1,5 +1,5 @@
-//! Signals that end a build: Ctrl-C, a closed terminal, a request to terminate. What is staged is removed, or a commit that has begun
-//! is finished; then the process ends as the signal alone would have ended it.
+//! Signals that end a build: Ctrl-C, a closed terminal, a request to terminate. Staged files are removed, or a commit that has begun
+//! is finished; then the process dies of the signal.
 
 use super::terminal;
 use std::io::{self, IsTerminal};
@@ -30,7 +30,7 @@ pub fn wait_for_end() -> ! {
     }
 }
 
-/// Says what was written, once no folder is being changed. The guard is held until the process ends: nothing is begun any more.
+/// Reports the files written, once no folder is being changed. The guard is held until the process ends, so that nothing more is begun.
 fn say_goodbye() -> MutexGuard<'static, bool> {
     let in_place = changing_files();
     let line = if io::stderr().is_terminal() { "\n" } else { "" };
@@ -65,8 +65,8 @@ pub fn catch() {
     }
 }
 
-/// The signals that the parent has this process ignore, as bits: `nohup` and shells do so for what is to outlive them. Empty where the
-/// system does not tell.
+/// The signals that the parent process set to be ignored, as bits: `nohup` and shells do so for processes that are to outlive them. Empty
+/// where the system does not report them.
 #[cfg(unix)]
 fn ignored_signals() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -34,7 +34,7 @@ pub fn run(arguments: &SimulateArguments) -> Exit {
     }
 }
 
-/// What came of each assembly; `None` after an error.
+/// Outcomes of each assembly; `None` after an error.
 fn told(
     program: &CompileRequest,
     arguments: &SimulateArguments,
@@ -55,7 +55,7 @@ fn told(
     is_whole.then_some(told)
 }
 
-/// What came of one assembly; `None` where there is none, or where the device does not say its errors.
+/// Outcomes of one assembly; `None` if there is none, or if the device does not bound its errors.
 fn one(job: &Job, plan: &Plan, arguments: &SimulateArguments) -> Option<String> {
     let order = job.order.microrobots()?;
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);

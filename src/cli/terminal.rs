@@ -1,4 +1,4 @@
-//! What is written to the terminal: diagnostics, report lines, answers.
+//! Output to the terminal: diagnostics, report lines, results.
 
 use super::Exit;
 use super::arguments::ReportFormat;
@@ -58,7 +58,7 @@ fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|term| term == "dumb")
 }
 
-/// What `COLUMNS` asks for, else the width of the terminal that standard error is.
+/// The width set by `COLUMNS`, otherwise that of the terminal on standard error.
 fn columns() -> Option<usize> {
     let from_environment = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
     from_environment.or_else(|| console::Term::stderr().size_checked().map(|(_, columns)| usize::from(columns)))
@@ -66,7 +66,7 @@ fn columns() -> Option<usize> {
 
 /// Writes a text to standard error.
 pub fn to_stderr(text: &str) {
-    // Nobody is left to be told when standard error is gone.
+    // If standard error is gone, the failure cannot be reported either.
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
@@ -85,7 +85,7 @@ pub fn answer(text: &str) -> Exit {
     }
 }
 
-/// The most characters of a name that a report shows.
+/// Greatest number of characters of a name in a report.
 const MAX_NAME_CHARACTERS: usize = 200;
 
 /// A name as a report shows it: without anything that commands a terminal or begins a line of its own.
@@ -93,7 +93,7 @@ pub fn name(text: &str) -> String {
     plain(&shortened(text, MAX_NAME_CHARACTERS)).into_owned()
 }
 
-/// A line of the report of a build: what was done, to what, and how it went.
+/// A line of the report of a build: action, object and result.
 pub fn line(verb: &str, subject: &str, subject_width: usize, text: &str) -> String {
     let colour = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let verb = format!("{verb:>9}");

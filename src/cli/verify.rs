@@ -15,7 +15,7 @@ use crate::source::Sources;
 use crate::verify::{self, Verdict, Verified};
 use std::path::Path;
 
-/// A refusal on its way to the terminal: what was found, and the answer.
+/// A refusal on its way to the terminal: its diagnostics, and the exit status.
 pub struct Refusal {
     pub sources: Sources,
     pub sink: Sink,
@@ -30,7 +30,7 @@ impl Refusal {
     }
 }
 
-/// Replays a log; every step that refuses it says why.
+/// Replays a log; every refusing step states why.
 pub fn run(arguments: &VerifyArguments) -> Exit {
     match judge(arguments) {
         Ok(text) => terminal::answer(&text),
@@ -55,10 +55,10 @@ fn judge(arguments: &VerifyArguments) -> Result<String, Box<Refusal>> {
 
 /// A log that was accepted.
 pub struct Judged {
-    /// What it does.
+    /// The verified schedule.
     pub verified: Verified,
     provenance: Provenance,
-    /// Of the Tweeze that wrote it.
+    /// Version of the Tweeze that wrote it.
     version: String,
 }
 
@@ -66,8 +66,8 @@ fn not_ours(version: &str) -> Box<Refusal> {
     Refusal::one(log::other_version(Some(version), None), Exit::Files)
 }
 
-/// Judges a log by itself: it is whole, its program claims what it says, its schedule keeps the claims, and it shows its schedule.
-/// What is no longer needed of it goes at once: all of it together may take more memory than there is.
+/// Judges a log on its own: it is intact, its program has the claims that it contains, its schedule keeps the claims, and its messages show
+/// the schedule. Data are dropped as soon as they are no longer needed: all together may exceed the memory.
 pub fn judge_bytes(path: &Path, bytes: &[u8]) -> Result<Judged, Box<Refusal>> {
     let log = log::read(bytes).map_err(|error| Refusal::one(error.diagnostic(), Exit::Files))?;
     let version = log.version.clone();
@@ -94,7 +94,7 @@ struct Derived {
     sources: Sources,
 }
 
-/// The claims of the program in the log, derived again; what the log says of itself must agree.
+/// The claims of the program in the log, derived again; the log's own must agree.
 fn own_claims(path: &Path, log: &Log) -> Result<Derived, Box<Refusal>> {
     let (name, text) = &log.files[0];
     let options = options(&log.schedule, &log.settings);
@@ -117,7 +117,7 @@ fn written(claims: &Claims) -> Option<Vec<u8>> {
     log::write_claims(claims).ok()
 }
 
-/// What is asked of a program: the schedule of the log's name, with some settings.
+/// Compiler options: the schedule of the log's name, with some settings.
 fn options(schedule: &Schedule, settings: &[String]) -> Options {
     Options { settings: settings.to_vec(), only: Some(schedule.name.clone()) }
 }
@@ -154,8 +154,8 @@ fn keeps_the_claims_of(schedule: &Schedule, derived: &Derived) -> Result<(), Box
     Err(Box::new(Refusal { sources: derived.sources.clone(), sink, exit: Exit::Refused }))
 }
 
-/// Holds the log against a program that the user trusts. Nothing of the log reaches that program: its settings are those of the
-/// command line, and where the log has others, that is said before anything that follows from it.
+/// Checks the log against a program that the user trusts. Nothing of the log reaches that program: its settings are those of the
+/// command line, and if the log has others, that is reported before any consequence of it.
 fn against(arguments: &VerifyArguments, trusted: &Path, judged: &Judged) -> Result<(), Box<Refusal>> {
     let text = disk::read_program(trusted).map_err(|error| Refusal::one(*error, Exit::Files))?;
     let disk = Disk::round(trusted);
@@ -168,7 +168,7 @@ fn against(arguments: &VerifyArguments, trusted: &Path, judged: &Judged) -> Resu
         match (derive(&CompileRequest { name: &name, text: &text, library: &disk, options: &options }), unlike) {
             (Ok(derived), None) => derived,
             (Ok(derived), Some(unlike)) => match written(&derived.claims) == own {
-                // Settings that say what the program says anyway.
+                // Settings equal to the program's own values.
                 true => derived,
                 false => return Err(Refusal::one(unlike, Exit::Refused)),
             },
@@ -205,7 +205,7 @@ fn report(arguments: &VerifyArguments, judged: &Judged) -> String {
     text
 }
 
-/// What a log says of its plans that no replay can show.
+/// Claims of a log about its plans that no replay can check.
 fn hearsay(schedule: &Schedule) -> String {
     let optimal = schedule.plans.iter().filter(|plan| plan.optimal).count();
     let optima = match (optimal, schedule.plans.len()) {

@@ -6,19 +6,19 @@ use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// How long work may last before a sign is given.
+/// Time after which a progress line appears.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// How often the sign moves.
+/// Period of the animation.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Told what is being worked at; shows it once a second has passed. Dropping it clears the line.
+/// Progress line; appears after one second. Dropping it clears the line.
 pub struct ProgressLine {
     news: Option<Sender<News>>,
     watcher: Option<JoinHandle<()>>,
 }
 
-/// The part of the work that has begun: which one of how many, and its name.
+/// The current part of the work: its index, the number of parts, and its name.
 struct News {
     index: usize,
     count: usize,
@@ -55,7 +55,7 @@ impl ProgressLine {
     /// Tells that a part of the work has begun.
     pub fn at(&self, index: usize, count: usize, name: &str) {
         if let Some(news) = &self.news {
-            // The watcher only goes when it is told to.
+            // The watcher ends only when this sender is dropped.
             let _ = news.send(News { index, count, name: name.to_owned() });
         }
     }
@@ -83,7 +83,7 @@ impl Drop for ProgressLine {
     fn drop(&mut self) {
         self.news = None;
         if let Some(watcher) = self.watcher.take() {
-            // A watcher that came to grief has nothing to clear.
+            // A watcher that panicked has nothing to clear.
             let _ = watcher.join();
         }
     }

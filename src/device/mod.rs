@@ -1,7 +1,7 @@
 //! The closed list of device kinds, and the vocabulary that each brings: fields, units, limits, verbs, shapes.
 //!
-//! A kind brings words, never syntax. The tables here are what the checker reads, what `tweeze devices` prints and what
-//! completions offer, so that the three cannot disagree. Nothing here judges a program.
+//! A kind brings words, never syntax. The tables here are read by the checker, printed by `tweeze devices` and
+//! offered by completions, so that the three cannot disagree. Nothing here judges a program.
 
 pub mod dimibot;
 pub mod electrode_array;
@@ -13,7 +13,7 @@ mod words;
 use crate::quantity::Dimension;
 use serde::{Deserialize, Serialize};
 
-/// The most states that one search may be allowed to expand: some ten gigabytes of memory.
+/// Greatest limit of states that one search may expand: some ten gigabytes of memory.
 pub const MAX_EXPANSIONS: u32 = 200_000_000;
 
 /// The kinds of device.
@@ -40,7 +40,7 @@ impl Kind {
         Kind::ALL.iter().copied().find(|kind| kind.name() == name)
     }
 
-    /// What the kind adds to the language.
+    /// The kind's words.
     pub fn vocabulary(self) -> &'static Vocabulary {
         match self {
             Kind::Dimibot => &dimibot::VOCABULARY,
@@ -60,23 +60,23 @@ pub struct Vocabulary {
     pub library: (&'static str, &'static str),
     /// The fields of a device.
     pub fields: &'static [VocabularyField],
-    /// What may stand in a scene.
+    /// Objects of a scene.
     pub nouns: &'static [Noun],
     /// The `field: value` settings of a task, besides `minimize`, `using`, `start at` and `require`.
     pub settings: &'static [VocabularyField],
-    /// What `start at` and the field `home` take; `None` where the scene says how a task begins.
+    /// Sort of `start at` and of the field `home`; `None` if the scene determines the start of a task.
     pub state: Option<Sort>,
     /// Whether `together { … }` asks for goals at the same time.
     pub together: Together,
-    /// What a task may do.
+    /// Steps of a task.
     pub verbs: &'static [Verb],
-    /// What `minimize` takes; the first is the default.
+    /// Objectives of `minimize`; the first is the default.
     pub objectives: &'static [WordChoice],
-    /// What `using` takes; the first is the default.
+    /// Planners of `using`; the first is the default.
     pub planners: &'static [Planner],
-    /// What `require` compares.
+    /// Outcomes that `require` compares.
     pub outcomes: &'static [Outcome],
-    /// How the channels are named and what they carry.
+    /// Names and content of the channels.
     pub channels: &'static str,
 }
 
@@ -99,7 +99,7 @@ pub enum Together {
     No,
 }
 
-/// A word with what it stands for.
+/// A word with its meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WordChoice {
     pub name: &'static str,
@@ -135,7 +135,7 @@ const fn required(name: &'static str, sort: Sort, doc: &'static str) -> Vocabula
     VocabularyField { name, sort, need: Need::Required, doc }
 }
 
-/// A field that may be left out; `without` says what then holds.
+/// A field that may be left out; `without` describes the default.
 const fn optional(name: &'static str, sort: Sort, without: &'static str, doc: &'static str) -> VocabularyField {
     VocabularyField { name, sort, need: Need::Optional(without), doc }
 }
@@ -160,11 +160,11 @@ const fn outcome(word: WordChoice, dimension: Dimension) -> Outcome {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Need {
     Required,
-    /// May be left out; the text says what then holds.
+    /// May be left out; the text describes the default.
     Optional(&'static str),
 }
 
-/// What a field, an argument or an object takes.
+/// Sort of a field, an argument or an object.
 #[derive(Debug, Clone, Copy)]
 pub enum Sort {
     /// A whole number.
@@ -246,7 +246,7 @@ impl Range {
     }
 }
 
-/// What may stand in a scene.
+/// An object of a scene.
 #[derive(Debug)]
 pub struct Noun {
     pub name: &'static str,
@@ -255,7 +255,7 @@ pub struct Noun {
     pub shapes: &'static [shape::ShapeForm],
 }
 
-/// What a task may do.
+/// A step of a task.
 #[derive(Debug)]
 pub struct Verb {
     pub name: &'static str,
@@ -263,7 +263,7 @@ pub struct Verb {
     pub noun: Option<&'static str>,
     pub object: Option<Sort>,
     pub phrases: &'static [VocabularyPhrase],
-    /// What stands in its braces, if it has some.
+    /// The content of its braces, if it has them.
     pub block: Option<&'static Block>,
     pub doc: &'static str,
     pub example: &'static str,
@@ -284,7 +284,7 @@ pub struct VocabularyPhrase {
     pub count: Count,
 }
 
-/// How often a preposition may stand in one step.
+/// How often a preposition may be used in one step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Count {
     Once,

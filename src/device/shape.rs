@@ -103,7 +103,7 @@ impl ShapeForm {
         ShapeForm::ALL.iter().copied().find(|form| form.name() == name)
     }
 
-    /// The fields that say how large it is.
+    /// The fields of its dimensions.
     pub fn fields(self) -> &'static [VocabularyField] {
         match self {
             ShapeForm::Disc => &DISC,
@@ -122,7 +122,7 @@ impl ShapeForm {
         }
     }
 
-    /// What it is.
+    /// Its description.
     pub fn doc(self) -> &'static str {
         match self {
             ShapeForm::Disc => "all that lies within a radius of its origin",

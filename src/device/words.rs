@@ -1,8 +1,8 @@
 //! Words of the language that are enums of the compiler: one list gives the variants, their spelling and their line of help.
 
-/// Declares an enum of words: `Variant = "word": "what it stands for"`, the default first.
+/// Declares an enum of words: `Variant = "word": "its meaning"`, the default first.
 ///
-/// It has `ALL` and `CHOICES` (words with their help) in the order of writing, `name`, `choice`, `find` and `default`; it is serialised
+/// It has `ALL` and `CHOICES` (words with their help) in source order, `name`, `choice`, `find` and `default`; it is serialised
 /// as its word.
 macro_rules! words {
     ($(#[$meta:meta])* pub enum $name:ident { $($variant:ident = $word:literal: $doc:literal,)+ }) => {
@@ -22,7 +22,7 @@ macro_rules! words {
             /// Every word, the default first.
             pub const ALL: &'static [$name] = &[$($name::$variant,)+];
 
-            /// Every word with what it stands for.
+            /// Every word with its meaning.
             pub const CHOICES: &'static [crate::device::WordChoice] =
                 &[$($name::$variant.choice(),)+];
 
@@ -31,7 +31,7 @@ macro_rules! words {
                 self.choice().name
             }
 
-            /// The word with what it stands for, as `tweeze devices` prints it.
+            /// The word with its meaning, as `tweeze devices` prints it.
             pub const fn choice(self) -> crate::device::WordChoice {
                 match self {
                     $($name::$variant => crate::device::WordChoice { name: $word, doc: $doc },)+

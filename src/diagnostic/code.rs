@@ -28,7 +28,7 @@ macro_rules! ledger {
                 match self { $(Code::$code => stringify!($code),)* }
             }
 
-            /// What it is about, in a few words.
+            /// Its subject, in a few words.
             pub fn summary(self) -> &'static str {
                 match self { $(Code::$code => $summary,)* }
             }
@@ -293,7 +293,7 @@ impl Code {
         Code::ALL.iter().copied().find(|code| code.name().eq_ignore_ascii_case(name))
     }
 
-    /// An error stops the build, a warning does not: the first letter says which.
+    /// An error stops the build, a warning does not: the first letter decides.
     pub fn severity(self) -> Severity {
         if self.name().starts_with('E') { Severity::Error } else { Severity::Warning }
     }

@@ -1,7 +1,7 @@
-//! What the compiler has to say to a person: one form for every stage, collected in a [`Sink`].
+//! Diagnostics: one form for every stage, collected in a [`Sink`].
 //!
-//! A stage pushes [`Diagnostic`]s and goes on; it never prints. `code` is the ledger of codes, `render` the only place that
-//! knows how a diagnostic becomes text.
+//! A stage pushes [`Diagnostic`]s and continues; it never prints. `code` is the ledger of codes, `render` the only place that
+//! turns a diagnostic into text.
 
 pub mod code;
 mod excerpt;
@@ -13,7 +13,7 @@ pub use code::{Code, Severity};
 use crate::source::Span;
 use serde::Serialize;
 
-/// A place in the source and what is to be said of it.
+/// A place in the source and its text.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Label {
     pub span: Span,
@@ -22,8 +22,8 @@ pub struct Label {
 
 /// One mistake, or one warning.
 ///
-/// The title is lower case without a full stop and says what is wrong, with the number, its unit and the limit. The first
-/// label is the place itself; further ones say why it clashes. The help says the mend.
+/// The title is lower case without a full stop and names the fault, with the number, its unit and the limit. The first
+/// label is the place itself; further ones explain the conflict. The help is the fix.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
     pub code: Code,
@@ -45,7 +45,7 @@ impl Diagnostic {
         self
     }
 
-    /// Adds a place unless it is one that was said already, as happens in a `for`.
+    /// Adds a place unless it is labelled already, as happens in a `for`.
     #[must_use]
     pub fn label_elsewhere(self, span: Span, said: Span, text: impl Into<String>) -> Self {
         if span == said { self } else { self.label(span, text) }
@@ -70,14 +70,14 @@ impl Diagnostic {
         self.labels.first().map(|label| label.span)
     }
 
-    /// Whether another one says the same of the same places.
+    /// Whether another one reports the same at the same places.
     fn repeats(&self, other: &Diagnostic) -> bool {
         let same_places =
             || !self.labels.is_empty() && self.labels.iter().map(|l| l.span).eq(other.labels.iter().map(|l| l.span));
         self.code == other.code && (self == other || same_places())
     }
 
-    /// The same with texts of a length that can be read: a name of a megabyte is shown by its two ends.
+    /// The diagnostic with texts of readable length: a name of a megabyte is shown by its two ends.
     fn shortened(mut self) -> Diagnostic {
         let texts = [&mut self.title].into_iter().chain(self.labels.iter_mut().map(|label| &mut label.text));
         for text in texts.chain(&mut self.help) {
@@ -94,20 +94,20 @@ impl Diagnostic {
     }
 }
 
-/// A line of a report: what it is about, and what is said.
+/// A line of a report: its topic, and the text.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Remark {
     pub subject: String,
     pub text: String,
 }
 
-/// The most diagnostics that are kept; a file with more mistakes than this is not a Tweeze file.
+/// Greatest number of diagnostics that are kept; a file with more mistakes than this is not a Tweeze file.
 pub const MAX_DIAGNOSTICS: usize = 200;
 
-/// The most characters of a title, a label or a help that are kept, apart from a few that say how many there were.
+/// Greatest number of characters of a title, a label or a help that are kept, apart from a note on the number left out.
 pub const MAX_TEXT_CHARACTERS: usize = 2000;
 
-/// Collects what the stages find.
+/// Collects the findings of the stages.
 #[derive(Debug, Default)]
 pub struct Sink {
     diagnostics: Vec<Diagnostic>,
@@ -116,8 +116,8 @@ pub struct Sink {
 }
 
 impl Sink {
-    /// Adds a diagnostic. A finding is kept once: what a `for` or a further run repeats at the same places, with other figures
-    /// perhaps, adds nothing. Beyond [`MAX_DIAGNOSTICS`] it is only counted.
+    /// Adds a diagnostic. A finding is kept once: repetitions by a `for` or a further run at the same places, possibly with other figures,
+    /// add nothing. Beyond [`MAX_DIAGNOSTICS`] it is only counted.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         let diagnostic = diagnostic.shortened();
         if self.diagnostics.iter().any(|known| known.repeats(&diagnostic)) {
@@ -131,12 +131,12 @@ impl Sink {
         }
     }
 
-    /// How many errors were pushed so far: a stage compares before and after to know whether it failed.
+    /// Number of errors pushed: a stage compares before and after to know whether it failed.
     pub fn errors(&self) -> usize {
         self.errors
     }
 
-    /// How many diagnostics were not kept.
+    /// Number of diagnostics that were not kept.
     pub fn dropped(&self) -> usize {
         self.dropped
     }
@@ -146,7 +146,7 @@ impl Sink {
         self.diagnostics.len() >= MAX_DIAGNOSTICS
     }
 
-    /// What was kept, by place: file, then offset, then the order of finding.
+    /// The diagnostics kept, by place: file, then offset, then the order of finding.
     pub fn sorted(&self) -> Vec<&Diagnostic> {
         let mut list: Vec<&Diagnostic> = self.diagnostics.iter().collect();
         list.sort_by_key(|diagnostic| diagnostic.span().map(|span| (span.file, span.start)));

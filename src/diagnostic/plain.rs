@@ -21,12 +21,12 @@ pub fn plain(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// As [`plain`], but lines may end.
+/// As [`plain`], but line ends are kept.
 pub fn plain_lines(text: &str) -> String {
     text.split('\n').map(plain).collect::<Vec<_>>().join("\n")
 }
 
-/// The text, or its beginning and its end where it has more than so many characters.
+/// The text, or its beginning and its end if it has more than `limit` characters.
 pub fn shortened(text: &str, limit: usize) -> Cow<'_, str> {
     if text.len() <= limit || text.chars().nth(limit).is_none() {
         return Cow::Borrowed(text);

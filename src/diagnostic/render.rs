@@ -24,7 +24,7 @@ pub enum Colour {
     Ansi,
 }
 
-/// What the lines of a report are drawn with.
+/// Characters with which a report is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Characters {
     Ascii,

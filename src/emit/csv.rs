@@ -11,10 +11,10 @@ use super::{Format, Signals};
 use crate::diagnostic::plain::commands;
 use crate::schedule::{Channel, ChannelUnit};
 
-/// About how many bytes a voltage takes, with its comma.
+/// Estimated bytes of a voltage, with its comma.
 const VOLTAGE_BYTES: u64 = 4;
 
-/// About how many bytes a position takes.
+/// Estimated bytes of a position.
 const POSITION_BYTES: u64 = 20;
 
 /// The bytes of the file.
@@ -59,7 +59,7 @@ fn value_bytes(channel: &Channel) -> u64 {
     }
 }
 
-/// How many digits a number has.
+/// Number of digits of a number.
 pub(super) fn digits(number: u64) -> u64 {
     u64::from(number.checked_ilog10().unwrap_or(0)) + 1
 }

@@ -1,4 +1,4 @@
-//! What a format cannot hold.
+//! Why a format cannot represent a schedule.
 
 use super::{Format, Signals};
 use crate::diagnostic::{Code, Diagnostic};
@@ -15,14 +15,14 @@ pub enum EmitError {
     Ramp { format: Format, channel: String, start_ns: u64, from: f64, to: f64 },
     /// The file would be larger than its readers take.
     TooLarge { format: Format, bytes: u64, limit: u64 },
-    /// The instrument's memory is too small for the schedule at its sample period; where it plays a sequence, which repeats
-    /// some points, the memory or the most steps of a sequence are.
+    /// The instrument's memory is too small for the schedule at its sample period. Where it plays a sequence, which repeats
+    /// some points, the limit is that memory or the greatest number of steps in a sequence.
     TooManyPoints { points: u64, limit: u64, period_ns: u64, duration_ns: u64, most_steps: Option<u64> },
     /// The instrument has fewer outputs than the schedule has channels.
     TooManyOutputs { channels: usize, limit: usize },
     /// A position jumps, and the format only has straight lines between positions.
     Leap { format: Format, channel: String, t_ns: u64, from: f64, to: f64 },
-    /// The format only says where stages are: the first channel that is none, if there is a channel.
+    /// The format only represents positions of stages: the first channel that is none, if there is a channel.
     NotPositions { format: Format, channel: Option<String> },
     /// The library that writes the format gave up.
     Failed { format: Format, detail: String },

@@ -37,7 +37,7 @@ pub fn pair() -> (Verified, Provenance) {
     build("Pair", &[(bot, vec![LatticeCell { x: 19, y: 28 }], 0), (aid, way, 7_500_000)])
 }
 
-/// As large as they get: 20 + 20 modules, 80 channels.
+/// The largest robot: 20 + 20 modules, 80 channels.
 pub fn large() -> (Verified, Provenance) {
     let bot = Robot { device: "bot", facts: facts(20, 20, 1_000_000), wired: true };
     let way = (0..40).map(|i| LatticeCell { x: (0x0005_5555 * i) % (1 << 20), y: (0x000a_bcde * i) % (1 << 20) });
@@ -273,7 +273,7 @@ pub fn bed() -> (Verified, Provenance) {
     (Verified::assume(schedule, claims), Provenance { files, settings: Vec::new() })
 }
 
-/// The same bed with a single drive train of so many strokes of 50 us.
+/// The same bed with a single drive train of `strokes` strokes of 50 us.
 pub fn train(strokes: u64) -> Verified {
     let (bed, _) = bed();
     changed(&bed, |schedule| {
@@ -355,7 +355,7 @@ const CONTACTS: u32 = 74;
 /// Where the free tips of [`hand`] are, from the middle of the ball.
 const FREE_UM: f64 = 28.5;
 
-/// How far the ball turns from a contact to the next.
+/// Turn of the ball from a contact to the next.
 fn step_rad() -> f64 {
     TAU * (1.0 + BALL_UM / TIP_UM) / f64::from(CONTACTS)
 }
@@ -460,7 +460,7 @@ fn hand_order(facts: Hand) -> FingersOrder {
     }
 }
 
-/// What three fingers do, move by move.
+/// Motion of three fingers, move by move.
 struct Gesture {
     t_ns: u64,
     tips_um: [[f64; 3]; 3],

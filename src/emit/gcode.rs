@@ -1,13 +1,13 @@
-//! G-code in the dialect of LinuxCNC: where the stages of a hand are to be, on the schedule's clock.
+//! G-code in the dialect of LinuxCNC: positions of the stages of a hand, on the schedule's clock.
 //!
 //! `<name>.<device>.ngc` moves up to three fingers: X Y Z are the axes of the first, U V W of the second, A B C of the third, all nine
 //! of them linear and in millimetres. A hand with more fingers has a file for every three, `<name>.<device>.f1-f3.ngc` and so on,
-//! which are to be started together. After a rapid move to where the schedule begins, the program pauses (M0); going on is the
-//! schedule's instant 0. Each line then says where the axes that move are at the next common instant. In G93 the feed is one over
+//! which must be started together. After a rapid move to the start of the schedule, the program pauses (M0); resuming is the
+//! schedule's instant 0. Each line then gives the positions of the moving axes at the next common instant. In G93 the feed is one over
 //! the minutes that a line takes, so that all axes arrive together and in time; G4 waits while nothing moves. G61 keeps the
 //! controller from rounding corners.
 //!
-//! Numbers are whole nanometres. What accelerations a machine needs is its own affair, and adds to the time of its moves.
+//! Numbers are whole nanometres. The machine's accelerations are not considered, and add to the time of its moves.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
@@ -24,13 +24,13 @@ const FINGERS: usize = 3;
 /// Axes of a finger.
 const AXES: usize = LETTERS.len() / FINGERS;
 
-/// About how many bytes a line takes for each axis, and besides.
+/// Estimated bytes of a line for each axis, and for the rest.
 const WORD_BYTES: u64 = 11;
 const LINE_BYTES: u64 = 24;
 
 const NS_PER_MINUTE: f64 = 60e9;
 
-/// The files, each with what stands between the schedule's name and `.ngc`.
+/// The files, each with the part of its name between the schedule's name and `.ngc`.
 ///
 /// # Errors
 /// [`EmitError::NotPositions`] where some channel is no stage's, or there is none; [`EmitError::Leap`] for a position that jumps;
@@ -68,7 +68,7 @@ fn refuse_what_is_no_stage(signals: &Signals) -> Result<(), EmitError> {
     }
 }
 
-/// The program that moves some channels of a device, as many as there are letters at the most.
+/// The program that moves some channels of a device, at most one for each axis letter.
 fn program(signals: &Signals, device: &str, channels: &[usize]) -> String {
     let mut text = header(signals, device, channels);
     let mut at_nm = places_nm(signals, channels, 0);
@@ -94,7 +94,7 @@ fn program(signals: &Signals, device: &str, channels: &[usize]) -> String {
     text
 }
 
-/// What whoever runs the program has to know; comments reach from `;` to the end of their line.
+/// Instructions for the operator; comments extend from `;` to the end of their line.
 fn header(signals: &Signals, device: &str, channels: &[usize]) -> String {
     let schedule = signals.schedule;
     let mut text = String::new();
@@ -130,7 +130,7 @@ fn places_nm(signals: &Signals, channels: &[usize], t_ns: u64) -> Vec<i64> {
     channels.iter().map(|channel| (signals.value(*channel, t_ns) * 1000.0).round() as i64).collect()
 }
 
-/// The axes that are to be said, in millimetres.
+/// The words of the axes that move, in millimetres.
 fn words(places_nm: &[i64], is_said: impl Fn(usize) -> bool) -> String {
     let mut text = String::new();
     for (axis, letter) in LETTERS.into_iter().enumerate().take(places_nm.len()).filter(|(axis, _)| is_said(*axis)) {

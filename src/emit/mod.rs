@@ -1,7 +1,7 @@
-//! Writes a verified schedule in the forms that other programs read.
+//! Writes a verified schedule in formats for other programs.
 //!
 //! Input: a [`Verified`] schedule and its [`Provenance`]. Output: [`OutputFile`]s, in memory. Promise: no file is touched, the
-//! same input gives the same bytes, and every format holds every channel at every instant, or [`EmitError`] says why it cannot.
+//! same input gives the same bytes, and every format represents every channel at every instant, or [`EmitError`] states why it cannot.
 
 pub mod csv;
 mod error;
@@ -45,7 +45,7 @@ impl Format {
     pub const ALL: &'static [Format] =
         &[Format::Mcap, Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi, Format::Gcode];
 
-    /// As `--emit` takes it.
+    /// The name used by `--emit`.
     pub fn name(self) -> &'static str {
         match self {
             Format::Mcap => "mcap",
@@ -72,7 +72,7 @@ pub struct OutputFile {
     pub bytes: Vec<u8>,
 }
 
-/// Where a schedule comes from: what a log carries, so that it can be judged without the files beside it.
+/// Origin of a schedule: written into a log, so that it can be judged without the files beside it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Provenance {
     /// Name and text of every file: the program's own first, then the used ones; without the standard library.

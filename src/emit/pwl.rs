@@ -1,16 +1,16 @@
 //! PWL: piecewise linear voltage sources for SPICE, and a small deck that ngspice runs.
 //!
-//! `<name>.pwl.inc` holds a source for each channel, between ground and a node that is named like the channel, with `_` for what
-//! SPICE does not take in a name. `<name>.cir` includes it, puts a load on every node, runs the schedule and writes the node
-//! voltages to `<name>.ngspice.txt`. A source cannot jump: a step at `t` begins at `t` and is done [`RISE_NS`] later. Straight
+//! `<name>.pwl.inc` has a source for each channel, between ground and a node that is named like the channel, with `_` for characters
+//! that SPICE does not allow in a name. `<name>.cir` includes it, puts a load on every node, runs the schedule and writes the node
+//! voltages to `<name>.ngspice.txt`. A source cannot jump: a step at `t` begins at `t` and ends [`RISE_NS`] later. Straight
 //! lines from one value to another are exact.
 //!
-//! A channel of positions is a source too, in which 1 V stands for 1 um: what a model of a stage, or of the amplifier in front of
-//! it, takes as its set point after a gain of volts for each micrometre. The comment before the source says so.
+//! A channel of positions is a source too, in which 1 V means 1 um: the set point of a model of a stage, or of the amplifier in front of
+//! it, after a gain of volts per micrometre. The comment before the source states this.
 //!
-//! A drive train stays one line however long it is: the PWL source of its channel holds the second level of the swing, and a PULSE
-//! source in series with it adds the difference to the first one for half of each period; its eighth number is how many
-//! periods there are. The node carries the sum, the voltage of the channel.
+//! A drive train remains one line however long it is: the PWL source of its channel has the second level of the swing, and a PULSE
+//! source in series adds the difference to the first one for half of each period; its eighth number is the number of
+//! periods. The node carries the sum, the voltage of the channel.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
@@ -20,25 +20,25 @@ use crate::schedule::{Actuation, ChannelUnit, Swing};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// How long a step takes, in nanoseconds: the smallest that the schedule's clock can tell apart.
+/// Duration of a step, in nanoseconds: the resolution of the schedule's clock.
 pub const RISE_NS: u64 = 1;
 
-/// What each source of the deck drives, in ohms: light enough not to matter, to be replaced by the actuator's model.
+/// Load of each source of the deck, in ohms: negligible; to be replaced by the actuator's model.
 const LOAD_OHM: &str = "1meg";
 
 /// Time steps that the deck asks for; the edges come on top.
 const STEPS: u64 = 1000;
 
-/// About how many bytes a point takes.
+/// Estimated bytes of a point.
 const POINT_BYTES: u64 = 32;
 
-/// About how many bytes the source of a train takes.
+/// Estimated bytes of the source of a train.
 const TRAIN_BYTES: u64 = 128;
 
-/// The most edges that the deck runs through where there are trains, since ngspice takes some thirty points for each.
+/// Greatest number of edges in the deck if there are trains, since ngspice takes some thirty points for each.
 const MAX_EDGES: u64 = 20_000;
 
-/// The most edges times sources, since ngspice asks every source at every point.
+/// Greatest product of edges and sources, since ngspice evaluates every source at every point.
 const MAX_WORK: u64 = 5_000_000;
 
 /// The sources and the deck.
@@ -103,7 +103,7 @@ impl<'a> Waveform<'a> {
         self.second_level(train).unwrap_or_else(|| self.signals.value_before(self.channel, t_ns))
     }
 
-    /// Whether a stage is where it was, but for rounding, so that nothing has to rise.
+    /// Whether a stage does not jump at an instant, up to rounding, so that no rise is needed.
     fn bends(&self, t_ns: u64) -> bool {
         match self.signals.unit(self.channel) {
             ChannelUnit::Volt => false,
@@ -174,7 +174,7 @@ fn sources(signals: &Signals, lines: &[Waveform], nodes: &[String], inner: &[Str
     text
 }
 
-/// What a train adds to the second level of its swing.
+/// Voltage that a train adds to the second level of its swing.
 fn pulses(train: &Actuation, swing: Swing) -> String {
     let Swing { period_ns, levels: [first, second] } = swing;
     let (rise, width) = (seconds(RISE_NS), seconds(half_ns(swing) - RISE_NS));
@@ -225,7 +225,7 @@ fn stop_ns(signals: &Signals) -> u64 {
     }
 }
 
-/// How many edges the deck runs through at the most.
+/// Upper bound on the number of edges in the deck.
 fn most_edges(signals: &Signals) -> usize {
     let sources = (signals.schedule.channels.len() + trains(signals)) as u64;
     MAX_EDGES.min(MAX_WORK / sources.max(1)) as usize

@@ -1,14 +1,14 @@
 //! The channels of a schedule as functions of time.
 //!
-//! Outside of its actuations a voltage is 0 V, and a stage stays where it was last, or where it is first wanted.
+//! Outside of its actuations a voltage is 0 V, and a stage stays at its last position, or at its first one before the first actuation.
 //!
-//! A swing is one actuation, however long it is. Its ends are [`Signals::breaks`]; what happens between them is only counted, or
-//! told one instant after the other by [`Edges`], for the formats that cannot say it in one go.
+//! A swing is one actuation, however long it is. Its ends are [`Signals::breaks`]; the changes between them are only counted, or
+//! listed one by one by [`Edges`], for the formats without a notation for trains.
 
 use crate::schedule::{Actuation, ChannelUnit, Schedule, Swing};
 use std::collections::BTreeSet;
 
-/// What two positions may differ by and be the same but for rounding.
+/// Greatest rounding difference of two equal positions.
 pub const LEAP_UM: f64 = 1e-9;
 
 /// The actuations of every channel, for looking up values.
@@ -40,7 +40,7 @@ impl<'a> Signals<'a> {
         self.of(channel).iter().filter_map(|actuation| Some((*actuation, actuation.swing?)))
     }
 
-    /// What the numbers of a channel are.
+    /// Unit of a channel.
     pub fn unit(&self, channel: usize) -> ChannelUnit {
         self.schedule.channels[channel].unit
     }
@@ -66,7 +66,7 @@ impl<'a> Signals<'a> {
         })
     }
 
-    /// The value between two actuations, so many of them being over: a stage stays where it is, a voltage is off.
+    /// The value between two actuations, `over` of them being over: a stage stays where it is, a voltage is off.
     fn rest(&self, channel: usize, over: usize) -> f64 {
         let list = self.of(channel);
         match self.unit(channel) {
@@ -78,12 +78,12 @@ impl<'a> Signals<'a> {
         }
     }
 
-    /// How many actuations of a channel have begun by an instant.
+    /// Number of actuations of a channel that have begun by an instant.
     fn begun(&self, channel: usize, t_ns: u64) -> usize {
         self.of(channel).partition_point(|actuation| actuation.start_ns <= t_ns)
     }
 
-    /// How many actuations of a channel have begun before an instant.
+    /// Number of actuations of a channel that have begun before an instant.
     fn begun_before(&self, channel: usize, t_ns: u64) -> usize {
         self.of(channel).partition_point(|actuation| actuation.start_ns < t_ns)
     }
@@ -152,7 +152,7 @@ impl<'a> Signals<'a> {
         })
     }
 
-    /// The first instant at which a stage would have to be in two places, with its channel; or where it would swing.
+    /// The first instant at which a stage would need to be in two places, with its channel; or where it would swing.
     pub fn first_leap(&self) -> Option<(usize, u64)> {
         let leap = |channel: usize| {
             let leaps = |t_ns: &u64| (self.value_before(channel, *t_ns) - self.value(channel, *t_ns)).abs() > LEAP_UM;
@@ -169,9 +169,9 @@ pub struct SignalEdges<'a> {
     signals: &'a Signals<'a>,
     swinging: Vec<usize>,
     breaks: Vec<u64>,
-    /// Index of the first break that is not told yet.
+    /// Index of the first break not yet listed.
     next: usize,
-    /// Start and half period of the swings that go on since the last break.
+    /// Start and half period of the swings in progress since the last break.
     open: Vec<(u64, u64)>,
     last_ns: u64,
 }
@@ -194,7 +194,7 @@ impl Iterator for SignalEdges<'_> {
     }
 }
 
-/// How long each level of a swing lasts; at least a nanosecond, whatever the period says.
+/// Duration of each level of a swing; at least a nanosecond, whatever the period.
 pub fn half_ns(swing: Swing) -> u64 {
     (swing.period_ns / 2).max(1)
 }

@@ -5,13 +5,13 @@
 /// A measure that can be put wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Fault {
-    /// `geometry::distance`: between what a body sweeps and the core of an obstacle.
+    /// `geometry::distance`: between the area swept by a body and the core of an obstacle.
     Distance,
     /// `geometry::shape`: the radius of a grown shape.
     Grown,
     /// `geometry::shape`: the x coordinate of a shape's place.
     Place,
-    /// `device::dimibot`: by how much obstacles are grown.
+    /// `device::dimibot`: growth of obstacles.
     Growth,
     /// `device::dimibot`: from a cell to the next one.
     Pitch,
@@ -23,31 +23,31 @@ pub(crate) enum Fault {
     Normal,
     /// `geometry::outline`: the way once round.
     Perimeter,
-    /// `geometry::outline`: by how much a part turns while a tip rolls along a way.
+    /// `geometry::outline`: turn of a part while a tip rolls along a path.
     Rolled,
-    /// `geometry::outline`: how far a tip rolls while a part turns.
+    /// `geometry::outline`: path rolled by a tip while a part turns.
     WayRolled,
     /// `device::fingers`: the force that pulls a tip off.
     Sticking,
-    /// `device::fingers`: how far from a contact tips are slow.
+    /// `device::fingers`: distance from a contact within which tips are slow.
     Slow,
     /// `device::fingers`: the nominal step of rotation.
     Step,
-    /// `device::microrobots`: how far a stroke carries a robot.
+    /// `device::microrobots`: distance that a stroke carries a robot.
     Stroke,
-    /// Of the verifier: between bodies.
+    /// Verifier: distance between bodies.
     JudgedDistance,
-    /// Of the verifier: the x coordinate of an obstacle's place.
+    /// Verifier: the x coordinate of an obstacle's place.
     JudgedPlace,
-    /// Of the verifier: the distance of a point from an outline.
+    /// Verifier: the distance of a point from an outline.
     JudgedOutline,
-    /// Of the verifier: the direction of a normal.
+    /// Verifier: the direction of a normal.
     JudgedNormal,
-    /// Of the verifier: by how much a part turns while a tip rolls along a way.
+    /// Verifier: turn of a part while a tip rolls along a path.
     JudgedRoll,
 }
 
-/// What comes out of a measure.
+/// The result of a measure, unchanged outside of tests.
 #[cfg(not(test))]
 #[inline(always)]
 pub(crate) const fn through(_: Fault, number: f64) -> f64 {
@@ -62,7 +62,7 @@ mod switch {
     use super::Fault;
     use std::cell::Cell;
 
-    /// A factor, and what is added then.
+    /// A factor, and an offset added after it.
     pub(crate) type Wrong = [f64; 2];
 
     thread_local! {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-/// What is wrong with an outline; corners are counted from 1.
+/// Fault of an outline; corners are counted from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PolygonFault {
     TooFewCorners,

@@ -8,7 +8,8 @@ use super::fault::{Fault, through};
 use nalgebra::{Isometry2, Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
-/// Largest coordinate or extent accepted, in micrometres (one metre). Beyond it the rounding of `f64` comes near the planner's safety margin.
+/// Largest coordinate or extent accepted, in micrometres (one metre). Beyond it the rounding of `f64` comes near the planner's safety
+/// margin.
 pub const MAX_EXTENT_UM: f64 = 1e6;
 
 /// A solid shape in its own frame.
@@ -63,14 +64,14 @@ impl Pose {
         Isometry2::new(Vector2::new(self.x_um, self.y_um), self.heading_rad)
     }
 
-    /// The same pose in the coordinates of a frame that stands at `frame` in the world.
+    /// The pose in the coordinates of a frame at `frame` in the world.
     pub fn seen_from(&self, frame: &Pose) -> Pose {
         let place = frame.isometry().inverse_transform_point(&Point2::new(self.x_um, self.y_um));
         Pose { x_um: place.x, y_um: place.y, heading_rad: self.heading_rad - frame.heading_rad }
     }
 }
 
-/// What is rounded in a [`Rounded`] body.
+/// The core of a [`Rounded`] body.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Core {
     /// A single point.

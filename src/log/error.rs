@@ -1,4 +1,4 @@
-//! What is wrong with a log.
+//! Faults of a log.
 
 use super::{SCHEMA, VoltageFault};
 use crate::diagnostic::{Code, Diagnostic};
@@ -18,7 +18,7 @@ pub enum LogError {
     Missing { what: String },
     /// The log is of another schema, written by the version of Tweeze that is named.
     OtherSchema { schema: String, version: Option<String> },
-    /// A part is whole but does not hold what it should.
+    /// A part is intact but does not have the required content.
     Content { place: String, what: String },
 }
 
@@ -59,9 +59,9 @@ impl LogError {
     }
 }
 
-/// For the person at the terminal: a log of another version, and of another schema if that is named, is not judged.
+/// Diagnostic for a log of another version, and of another schema if one is given, which is not judged.
 ///
-/// Whatever the log says of itself is printed without control characters and cut to a line.
+/// Texts from the log are printed without control characters and cut to a line.
 pub fn other_version(version: Option<&str>, schema: Option<&str>) -> Diagnostic {
     let clean = |text: &str| text.chars().filter(|c| !c.is_control()).take(40).collect::<String>();
     let writer =

@@ -1,11 +1,11 @@
-//! Reads a written log back, trusting nothing in it.
+//! Reads a written log back without trusting it.
 //!
-//! Input: the bytes of an MCAP file. Output: a [`Log`] with what the verifier needs, or a [`LogError`] that says what is wrong
-//! and where. Promise: every checksum is there and right; no input makes it panic or hang; memory stays within a small multiple
-//! of the limits below and of the file's own size. What the log says is not judged here, but for [`Log::voltage_fault`], which
-//! holds the recorded voltages and positions against the recorded schedule.
+//! Input: the bytes of an MCAP file. Output: a [`Log`] with the data that the verifier needs, or a [`LogError`] with the fault and its
+//! place. Promise: every checksum is present and correct; no input makes it panic or hang; memory stays within a small multiple
+//! of the limits below and of the file's own size. The content of the log is not judged here, except by [`Log::voltage_fault`], which
+//! compares the recorded voltages and positions with the recorded schedule.
 //!
-//! The records are taken apart by hand (MCAP specification, version 0): the usual reader takes lengths on trust.
+//! The records are parsed by hand (MCAP specification, version 0): the usual reader trusts lengths.
 
 mod error;
 mod records;
@@ -25,17 +25,17 @@ pub const MAX_DATA_BYTES: u64 = 512 * 1024 * 1024;
 /// The largest message that a log may hold, in bytes.
 pub const MAX_MESSAGE_BYTES: u64 = 64 * 1024 * 1024;
 
-/// The most messages that a log may hold.
+/// Greatest number of messages in a log.
 pub const MAX_MESSAGES: u64 = 4_000_000;
 
-/// The most bytes that the message types and topics of a log may take together, each counted once; what is made of them takes some
+/// Greatest number of bytes of the message types and topics of a log together, each counted once; their parsed form takes some
 /// ten times as much memory.
 pub const MAX_DEFINITION_BYTES: u64 = 16 * 1024 * 1024;
 
 /// The largest map of names to texts in one record, in bytes.
 pub const MAX_MAP_BYTES: u64 = 8 * 1024 * 1024;
 
-/// The most topics of channels that a log may hold.
+/// Greatest number of topics of channels in a log.
 pub const MAX_DEVICES: u64 = 1000;
 
 /// The largest schedule that a log may carry, in bytes of JSON.
@@ -50,17 +50,17 @@ pub const SCHEDULE: &str = "schedule.json";
 /// Name of the attachment that holds the claims.
 pub const CLAIMS: &str = "claims.json";
 
-/// What the names of attached source files begin with.
+/// Prefix of the names of attached source files.
 pub const SOURCE_PREFIX: &str = "source/";
 
-/// The version of what a log holds; it goes up when a log of the version before would be misjudged, because its records, its claims,
-/// or what follows from a program are others now. Logs that do not say it are of version 1.
+/// Version of the log's content; increased when a log of the version before would be misjudged, because its records, its claims,
+/// or the consequences of a program have changed. Logs without it are of version 1.
 pub const SCHEMA: u64 = 2;
 
 /// The word in `format` of the attached claims.
 pub const CLAIMS_FORMAT: &str = "tweeze-claims";
 
-/// Name of the metadata record that says where the log comes from.
+/// Name of the metadata record with the origin of the log.
 pub const METADATA: &str = "tweeze";
 
 /// The topic of a device that holds its channels of a unit.
@@ -74,7 +74,7 @@ pub fn is_topic(name: &str) -> bool {
         && [ChannelUnit::Volt, ChannelUnit::Micrometre].iter().any(|unit| name.ends_with(suffix(*unit)))
 }
 
-/// What the topics of channels end with; the device stands before it.
+/// Suffix of the topics of channels, after the device's name.
 fn suffix(unit: ChannelUnit) -> &'static str {
     match unit {
         ChannelUnit::Volt => "/voltages",
@@ -82,13 +82,13 @@ fn suffix(unit: ChannelUnit) -> &'static str {
     }
 }
 
-/// What stands behind the path of a field in the metadata of a topic of channels, for the entry that says which [`Bound`] it is.
+/// Metadata key suffix, after a field's path in a topic of channels, of the entry that names its [`Bound`].
 pub const BOUND_SUFFIX: &str = ".bound";
 
 /// As [`BOUND_SUFFIX`], for the periods of the drive trains in nanoseconds, with blanks between them.
 pub const PERIOD_SUFFIX: &str = ".period_ns";
 
-/// What a log says.
+/// Content of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Log {
     pub schedule: Schedule,
@@ -100,7 +100,7 @@ pub struct Log {
     pub settings: Vec<String>,
     /// The version of Tweeze that wrote it.
     pub version: String,
-    /// What the recorded plots show of the channels, one series for each device and unit.
+    /// The recorded plots of the channels, one series for each device and unit.
     pub voltages: Vec<Series>,
 }
 
@@ -136,7 +136,7 @@ pub fn read_with<'v>(bytes: &[u8], visit: &'v mut (dyn FnMut(&str, u64, &[u8]) +
     Ok(Log { schedule, claims: claims.to_vec(), files, settings, version, voltages: contents.voltages })
 }
 
-/// Refuses a log of another schema, before anything in it is taken for what it is not.
+/// Refuses a log of another schema, before any of its content is misread.
 fn of_this_schema(contents: &Contents) -> Result<(), LogError> {
     let Some(metadata) = &contents.metadata else { return Ok(()) };
     let entry = |key: &str| metadata.get(key).cloned();
@@ -147,7 +147,7 @@ fn of_this_schema(contents: &Contents) -> Result<(), LogError> {
     }
 }
 
-/// Whether claims say the form that is read. What they claim is compared as it is written, and never taken apart.
+/// Whether claims have the expected form. Their content is compared as text, and never parsed.
 fn check_form(bytes: &[u8]) -> Result<(), String> {
     #[derive(serde::Deserialize)]
     struct Form {

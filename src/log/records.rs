@@ -15,7 +15,7 @@ const RECORD_HEAD_BYTES: usize = 9;
 /// The largest chunk that is unpacked: the largest message, and as much again for those before it.
 const MAX_CHUNK_BYTES: u64 = MAX_MESSAGE_BYTES + MAX_MESSAGE_BYTES / 4;
 
-/// What is taken from a log.
+/// Content taken from a log.
 #[derive(Default)]
 pub struct Contents<'a> {
     pub attachments: Vec<Attachment<'a>>,
@@ -31,16 +31,16 @@ pub struct Attachment<'a> {
     pub data: &'a [u8],
 }
 
-/// What is called with the topic, the instant and the bytes of every message, in the order of the file.
+/// Called with the topic, the instant and the bytes of every message, in the order of the file.
 pub type Visitor<'v> = dyn FnMut(&str, u64, &[u8]) + 'v;
 
-/// Message types and topics met so far, and how much was read.
+/// Message types and topics met, and the amount read.
 struct RecordsState<'v> {
     visit: &'v mut Visitor<'v>,
     schemas: BTreeMap<u16, RecordSchema>,
     topics: BTreeMap<u16, SeriesTopic>,
     data_bytes: u64,
-    /// Of message types and topics, each counted once.
+    /// Bytes of message types and topics, each counted once.
     definition_bytes: u64,
     messages: u64,
 }
@@ -95,7 +95,7 @@ pub fn read<'a, 'v>(bytes: &'a [u8], visit: &'v mut Visitor<'v>) -> Result<Conte
     Ok(contents)
 }
 
-/// Reads to the end of the file. What the summary says is for fast access by viewers; only its checksum matters here.
+/// Reads to the end of the file. The summary serves fast access by viewers; only its checksum matters here.
 fn check_summary(records: &mut Records) -> Result<(), LogError> {
     let start = records.at;
     loop {

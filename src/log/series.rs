@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The largest message type that is read, in bytes; decoding one takes some hundred times as much memory.
 pub const MAX_DESCRIPTOR_BYTES: usize = 64 * 1024;
 
-/// By how much a value on a slope may differ from its straight line, of the larger end's size: the rounding of few operations.
+/// Tolerance of a value on a slope, relative to the larger end: the rounding of a few operations.
 const SLOPE_ROUNDING: f64 = 1e-12;
 
 /// The recorded channels of a device.
@@ -54,13 +54,13 @@ impl Samples {
     }
 }
 
-/// What a number of each message is.
+/// Meaning of a number in each message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SeriesColumn {
     /// Full name of the channel: `bot.bl4.set`.
     pub channel: String,
     pub bound: Bound,
-    /// The periods of the channel's drive trains, as the log says them; empty for an exact value.
+    /// The periods of the channel's drive trains, as in the log; empty for an exact value.
     pub periods_ns: String,
 }
 
@@ -69,14 +69,14 @@ pub struct SeriesColumn {
 pub enum Bound {
     /// It is the value.
     Exact,
-    /// It is the lower level of a drive train while one goes on, else the value.
+    /// The lower level during a drive train, otherwise the value.
     Low,
     /// It is the higher level.
     High,
 }
 
 impl Bound {
-    /// As the metadata of a topic and the names of its fields say it.
+    /// Its name in the metadata of a topic and in the names of its fields.
     pub fn name(self) -> Option<&'static str> {
         match self {
             Bound::Exact => None,
@@ -99,7 +99,7 @@ pub enum Decoder {
     List { number: u64, count: usize },
 }
 
-/// The decoder of a message type, and what its numbers are, which the topic's metadata say for each field.
+/// The decoder of a message type, with the meaning of its numbers, which the topic's metadata give for each field.
 pub fn decoder(
     name: &str,
     descriptor: &[u8],
@@ -160,7 +160,7 @@ const FIXED64: u64 = 1;
 const LENGTH_DELIMITED: u64 = 2;
 
 impl Decoder {
-    /// The values of a message. Every channel must be said, once.
+    /// The values of a message. Every channel must be present, once.
     pub fn decode(&self, mut bytes: &[u8]) -> Result<Vec<f64>, String> {
         match self {
             Decoder::Fields(fields) => {
@@ -273,7 +273,7 @@ fn topic_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Ser
     faults.map(|(index, column)| column_fault(schedule, series, index, column)).find_map(|fault| fault)
 }
 
-/// What has to be recorded of a channel.
+/// The columns that must be recorded of a channel.
 fn columns(channel: &str, actuations: &[&Actuation]) -> impl Iterator<Item = SeriesColumn> {
     let swings = actuations.iter().filter_map(|actuation| actuation.swing);
     let periods: BTreeSet<u64> = swings.map(|swing| swing.period_ns).collect();
@@ -311,7 +311,8 @@ fn column_fault(
     None
 }
 
-/// The value between actuations, so many of them being over: a stage stays where it is, or where it is first wanted.
+/// The value between actuations, `over` of them being over: a stage stays at its last position, or at its first one before the first
+/// actuation.
 fn rest(unit: ChannelUnit, actuations: &[&Actuation], over: usize) -> f64 {
     match unit {
         ChannelUnit::Volt => 0.0,
@@ -322,7 +323,7 @@ fn rest(unit: ChannelUnit, actuations: &[&Actuation], over: usize) -> f64 {
     }
 }
 
-/// The value that an actuation asks for at an instant within it, and how exact it has to be.
+/// The value of an actuation at an instant within it, and its tolerance.
 fn value(actuation: &Actuation, bound: Bound, t_ns: u64) -> (f64, f64) {
     let Actuation { start_ns, duration_ns, from, to, swing, .. } = *actuation;
     match (swing, bound) {
@@ -337,7 +338,7 @@ fn value(actuation: &Actuation, bound: Bound, t_ns: u64) -> (f64, f64) {
     (from * (1.0 - passed) + to * passed, SLOPE_ROUNDING * from.abs().max(to.abs()))
 }
 
-/// The first instant that has to be recorded and is not.
+/// The first instant that must be recorded and is not.
 fn gap(duration_ns: u64, series: &Series, actuations: &[&Actuation]) -> Option<VoltageFault> {
     let edges = actuations.iter().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);
     let times = edges.flat_map(|t_ns| [t_ns.saturating_sub(1), t_ns]).chain([0, duration_ns]);

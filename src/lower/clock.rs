@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 /// The longest schedule, in nanoseconds: a little over eleven days.
 pub const MAX_DURATION_NS: u64 = 1_000_000_000_000_000;
 
-/// A job by itself, from its own instant 0.
+/// A job alone, from its own instant 0.
 pub struct LoweredRun {
     pub duration_ns: u64,
     /// Channels are named without the device.

@@ -1,7 +1,7 @@
 //! The schedule as JSON: format `tweeze-schedule`, version 1, the form that `schema/schedule.schema.json` describes.
 //!
-//! Input: a [`Schedule`], or the bytes of one. Promise: [`read`] gives back exactly what [`write()`] was given but the spans,
-//! every float bit for bit; what it returns has no index out of range, no instant beyond `u64`, no empty actuation, and swings of
+//! Input: a [`Schedule`], or the bytes of one. Promise: [`read`] gives back exactly the input of [`write()`] except the spans,
+//! every float bit for bit; the result has no index out of range, no instant beyond `u64`, no empty actuation, and swings of
 //! whole periods only.
 
 use super::{Actuation, Schedule, Swing};
@@ -15,7 +15,7 @@ pub const FORMAT: &str = "tweeze-schedule";
 /// The number in `version`; it goes up when a reader of the old form would misread the new one.
 pub const VERSION: u64 = 1;
 
-/// The most nanoseconds that a written schedule may last, about 146 years: twice as many are still a `u64`.
+/// Longest duration of a written schedule, in nanoseconds, about 146 years: twice as many are still a `u64`.
 pub const MAX_DURATION_NS: u64 = u64::MAX / 4;
 
 #[derive(Serialize)]
@@ -35,11 +35,11 @@ struct Header {
 /// Why bytes are not a schedule.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ReadError {
-    /// Not JSON, or not of this form; what and where in words.
+    /// Not JSON, or not of this form; the fault and its place in words.
     Form(String),
     /// Another format or version.
     Version { format: String, version: u64 },
-    /// An entry that contradicts another, by its place (`actuations[3].channel`) and what is wrong with it.
+    /// An entry that contradicts another, by its place (`actuations[3].channel`) and the fault.
     Contradiction { place: String, what: String },
 }
 
@@ -123,7 +123,7 @@ fn check(schedule: &Schedule) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// What is wrong with a swing: the field, and how.
+/// Fault of a swing: the field, and the reason.
 fn swing_fault(actuation: &Actuation, swing: Swing) -> Option<(&'static str, &'static str)> {
     let Swing { period_ns, levels } = swing;
     let bits = |values: [f64; 2]| values.map(f64::to_bits);
@@ -137,7 +137,7 @@ fn swing_fault(actuation: &Actuation, swing: Swing) -> Option<(&'static str, &'s
     (!agrees).then_some(("swing.levels", "are not `from` and `to`"))
 }
 
-/// How deep lists stand whose elements get a line each: those of the document, and the states of a plan.
+/// Depths of lists whose elements get a line each: those of the document, and the states of a plan.
 const DEPTHS_OF_LINES: [usize; 3] = [1, 2, 4];
 
 /// Prints small things on one line and long lists on many.

@@ -1,7 +1,7 @@
 //! The one timed form of all kinds: channels, actuations in integer nanoseconds, the steps that caused them.
 //!
-//! Data only: `lower` makes it, `verify` judges it, `emit` writes it, `log` reads it. Promise: actuations are sorted by start, then channel; a
-//! channel has at most one value at a time; every actuation knows its step, every step its source span. There are no floats
+//! Data only: `lower` makes it, `verify` judges it, `emit` writes it, `log` reads it. Promise: actuations are sorted by start, then
+//! channel; a channel has at most one value at a time; every actuation knows its step, every step its source span. There are no floats
 //! but the values of actuations and the figures of plans.
 
 pub mod json;
@@ -14,7 +14,7 @@ use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// What a program does, when.
+/// The timed actuations of a program, with its steps and plans.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     /// The program's or task's name.
@@ -33,7 +33,7 @@ pub struct Schedule {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SourceRef {
     pub file: String,
-    /// Of the file's bytes, in lower-case hexadecimal.
+    /// SHA-256 of the file's bytes, in lower-case hexadecimal.
     pub sha256: String,
 }
 
@@ -57,7 +57,7 @@ pub struct Channel {
     pub wire: Option<String>,
 }
 
-/// What a channel's numbers are.
+/// Unit of a channel's numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum ChannelUnit {
     #[serde(rename = "V")]
@@ -68,7 +68,7 @@ pub enum ChannelUnit {
 }
 
 impl ChannelUnit {
-    /// As it is printed and written to files.
+    /// Its symbol in reports and files.
     pub fn symbol(self) -> &'static str {
         match self {
             ChannelUnit::Volt => "V",
@@ -117,7 +117,7 @@ pub struct ScheduledStep {
     pub task: String,
     /// Index of the schedule's plans.
     pub plan: u32,
-    /// As the user wrote it, on one line.
+    /// As written by the user, on one line.
     pub text: String,
     /// The file it stands in.
     pub file: String,
@@ -125,14 +125,14 @@ pub struct ScheduledStep {
     pub column: u32,
     pub start_ns: u64,
     pub duration_ns: u64,
-    /// How near it comes to what it asks for, where that is not met exactly by its nature.
+    /// Values that it reaches, where goals are by nature not met exactly.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reached: Vec<Reached>,
     #[serde(skip)]
     pub span: Span,
 }
 
-/// What a planner says of one job, and the states that its plan goes through.
+/// A planner's record of one job, with the states of its plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlanRecord {
     pub task: String,
@@ -140,7 +140,7 @@ pub struct PlanRecord {
     pub kind: crate::device::Kind,
     pub planner: String,
     pub objective: String,
-    /// Of `cost` and `bound`; empty for a count.
+    /// Unit of `cost` and `bound`; empty for a count.
     pub unit: String,
     pub cost: f64,
     /// No plan costs less.
@@ -149,14 +149,14 @@ pub struct PlanRecord {
     pub optimal: bool,
     /// Every figure that the kind knows, in SI units, by the names of the vocabulary's outcomes.
     pub outcomes: std::collections::BTreeMap<String, f64>,
-    /// Below these outcomes there is no plan either, though they were not what was minimised; by the same names.
+    /// Lower bounds of other outcomes than the minimised one: no plan is below them; by the same names.
     #[serde(default, skip_serializing_if = "std::collections::BTreeMap::is_empty")]
     pub bounds: std::collections::BTreeMap<String, f64>,
     pub start_ns: u64,
     pub duration_ns: u64,
     /// The state at the beginning and after every change, in order of time.
     pub states: Vec<TimedState>,
-    /// What the planner has to say of it besides.
+    /// Further notes of the planner.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<Remark>,
 }
@@ -201,7 +201,7 @@ pub enum State {
     Microrobots {
         /// Index of the control state of the leg that begins here.
         control: usize,
-        /// Of that leg, in the order of the table: 1 for an arm that is down.
+        /// Arms during that leg, in the order of the table: 1 for an arm that is down.
         arms: Vec<u8>,
         /// The robots that stick in a structure and move no more, by name in order.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -212,7 +212,7 @@ pub enum State {
     Fingers {
         /// The contact that each finger holds, from 1; 0 for a free finger.
         grasp: Vec<u32>,
-        /// The angle of the turn that goes on, as steps from its beginning, from 1 as in the paper; below 1 for turns backwards.
+        /// The angle of the turn in progress, as steps from its beginning, from 1 as in the paper; below 1 for turns backwards.
         angle_index: i64,
         /// The plane in which the fingers hold.
         plane: crate::device::fingers::Plane,

@@ -1,8 +1,8 @@
-//! How near a step comes to what it asks for.
+//! Values reached by a step, compared with its goals.
 //!
-//! Turns are whole steps, places are cells, robots stop after whole strokes: what is reached is seldom exactly what was asked for.
-//! Input: an order, the index of a step, the state at its end. Output: one [`Reached`] for each thing that the step asks for in
-//! numbers that need not be met exactly. Cells, electrodes and contacts are met or not, and have none.
+//! Turns are whole steps, places are cells, robots stop after whole strokes: goals are seldom reached exactly.
+//! Input: an order, the index of a step, the state at its end. Output: one [`Reached`] for each goal of the step that is given by
+//! numbers and need not be met exactly. Cells, electrodes and contacts are met or not, and have none.
 
 use super::State;
 use crate::claims::Order;
@@ -17,7 +17,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
-/// Something that was asked for in numbers, and what became of it. What is off is reached less asked, where it is one number, and
+/// A numeric goal, and the value reached. The difference is reached less asked, where it is one number, and
 /// otherwise a distance or an angle, never negative.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "of", rename_all = "snake_case")]
@@ -58,7 +58,7 @@ impl Reached {
         }
     }
 
-    /// Whether what is reached differs from what was asked for by more than rounding.
+    /// Whether the value reached differs from the goal by more than rounding.
     pub fn is_off(&self) -> bool {
         const ROUNDING: f64 = 5e-5;
         match self {
@@ -68,7 +68,7 @@ impl Reached {
         }
     }
 
-    /// Whether two say the same of the same thing, but for a difference of each number.
+    /// Whether two are about the same goal with the same values, within a tolerance of each number.
     pub fn is_near(&self, other: &Reached, within: f64) -> bool {
         let named = |reached: &Reached| match reached {
             Reached::Turn { axis, .. } => format!("turn {axis}"),
@@ -106,7 +106,7 @@ impl std::fmt::Display for Reached {
     }
 }
 
-/// What a step of an order reaches, which ends in a state.
+/// Values reached by a step of an order that ends in a state.
 pub fn reached(order: &Order, nth: usize, end: &State) -> Vec<Reached> {
     match order {
         Order::Dimibot(order) => places(order, nth),
@@ -153,7 +153,7 @@ fn poses(order: &MicrorobotsOrder, nth: usize, end: &State) -> Vec<Reached> {
             reached_um: [x_um, y_um],
             off_um: (x_um - goal.x_um).hypotenuse(y_um - goal.y_um),
             asked_deg: goal.heading_rad.to_degrees(),
-            // The turn of the goal, lest 359 deg look far from 1 deg.
+            // Relative to the goal, so that 359 deg are not far from 1 deg.
             reached_deg: (goal.heading_rad + off_rad).to_degrees(),
             off_deg: off_rad.to_degrees(),
         })

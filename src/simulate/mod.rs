@@ -1,7 +1,7 @@
-//! Simulation: carries plans out with devices and measurements that are not what they should be.
+//! Simulation: carries plans out with imperfect devices and measurements.
 //!
-//! Input: an order, its plan, how many trials, a seed. Output: a report of its kind. Promise: the same seed gives the same report,
-//! whatever the number of threads. Only microrobots state their errors so far.
+//! Input: an order, its plan, the number of trials, a seed. Output: a report of its kind. Promise: the same seed gives the same report,
+//! whatever the number of threads. Only microrobots have error bounds.
 
 pub mod microrobots;
 
@@ -9,7 +9,7 @@ use crate::claims::Order;
 use crate::plan::Motion;
 use microrobots::SimulationReport;
 
-/// Report on so many trials of a plan; `None` where the kind or the device does not state its errors, or nothing is assembled.
+/// Report on `trials` trials of a plan; `None` if the kind or the device has no error bounds, or nothing is assembled.
 pub fn simulate(order: &Order, motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<SimulationReport> {
     match (order, motion) {
         (Order::Microrobots(order), Motion::Microrobots(motion)) => {

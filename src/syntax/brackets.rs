@@ -1,4 +1,4 @@
-//! Brackets that pair up: what is open, what was forgotten, and where a forgotten one is taken as closed.
+//! Matching of brackets: which are open, which were forgotten, and where a forgotten one is taken as closed.
 
 use super::errors;
 use super::lexical;
@@ -20,7 +20,7 @@ struct Open {
 #[derive(Debug, Default)]
 pub(super) struct Brackets {
     open: Vec<Open>,
-    /// A brace that was closed by a `}` further left than its own line: what is missing is missing there.
+    /// A brace that was closed by a `}` further left than its own line: its own closing brace is missing.
     suspect: Option<usize>,
     is_too_deep: bool,
 }
@@ -31,7 +31,7 @@ impl Brackets {
         self.open.last().is_some_and(|open| open.bracket == b'{' && open.at >= offset)
     }
 
-    /// A line ended where an open `(` or `[` has no reason to go on.
+    /// A line ended where an open `(` or `[` may not continue on the next one.
     pub fn line_ended(&mut self, at: usize) {
         for open in self.open.iter_mut().rev().take_while(|open| open.bracket != b'{') {
             open.line_end.get_or_insert(at);
@@ -144,7 +144,7 @@ impl Scan<'_> {
         self.cover(outer.at, code);
     }
 
-    /// A declaration begins: what is open here and stands no further right was forgotten.
+    /// A declaration begins: any bracket open here that stands no further right was forgotten.
     pub fn item_begins(&mut self) {
         let Some(first) = self.brackets.open.first() else { return };
         if self.indent > first.indent {

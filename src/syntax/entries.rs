@@ -1,4 +1,4 @@
-//! What stands in braces: fields, objects, steps, wires, and the loops over them.
+//! Content of braces: fields, objects, steps, wires, and the loops over them.
 
 use super::errors;
 use super::grammar::{Node, Rule};
@@ -35,7 +35,7 @@ impl Reader<'_> {
         })
     }
 
-    /// What stands in a scene.
+    /// Entries of a scene.
     pub fn scene_entries(&mut self, node: Node) -> Vec<SceneEntry> {
         self.block(node, |reader, child, doc| {
             let span = reader.span(&child);
@@ -50,7 +50,7 @@ impl Reader<'_> {
         })
     }
 
-    /// What stands in a task, a program, or a block of one.
+    /// Entries of a task, a program, or a block of one.
     pub fn entries(&mut self, node: Node) -> Vec<Entry> {
         self.block(node, |reader, child, doc| {
             let span = reader.span(&child);
@@ -66,7 +66,7 @@ impl Reader<'_> {
         })
     }
 
-    /// What stands in a wiring.
+    /// Entries of a wiring.
     pub fn wires(&mut self, node: Node) -> Vec<WiringEntry> {
         self.block(node, |reader, child, _| {
             let span = reader.span(&child);

@@ -1,4 +1,4 @@
-//! What the parser has to say: one function for each mistake.
+//! Diagnostics of the parser: one function for each mistake.
 
 use super::grammar::Rule;
 use super::tree::{Column, Ident};
@@ -15,7 +15,7 @@ pub(super) enum ListPlace {
 }
 
 impl ListPlace {
-    /// What may stand there, with an example.
+    /// The entries expected there, with an example.
     pub fn wants(self) -> &'static str {
         match self {
             ListPlace::Fields => "a field, such as `left: 5`",
@@ -49,7 +49,7 @@ pub(super) fn token_at(text: &str, offset: usize) -> &str {
     &rest[..length.unwrap_or(rest.len())]
 }
 
-/// How far a message looks around its place for words to repeat, in bytes: a line may be a megabyte long.
+/// Bytes around a mistake in which a message looks for words to repeat: a line may be a megabyte long.
 const SIGHT_BYTES: usize = 512;
 
 /// The text before an offset, as far as a message looks.

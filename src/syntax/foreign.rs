@@ -1,6 +1,6 @@
-//! Words of other languages that newcomers bring, and what Tweeze has for them.
+//! Words of other languages that newcomers use, and their equivalents in Tweeze.
 
-/// What to write for a word of another language; `None` for any other word.
+/// Replacement for a word of another language; `None` for any other word.
 pub(super) fn help(word: &str) -> Option<&'static str> {
     Some(match word {
         "if" | "else" | "elif" | "elseif" | "unless" | "switch" => {

@@ -1,4 +1,4 @@
-//! What stands at the top of a file.
+//! Declarations at the top of a file.
 
 use super::errors;
 use super::grammar::{Node, Rule};

@@ -1,4 +1,4 @@
-//! Words, numbers, strings and signs: what one of them may look like, and what to say where it does not.
+//! Words, numbers, strings and signs: their valid forms, and the diagnostics of invalid ones.
 
 use super::errors;
 use super::scan::{MAX_NESTING, Scan};
@@ -13,7 +13,7 @@ pub(super) fn end_of_word(text: &str, at: usize) -> usize {
     text[at..].find(|c| !is_word(c)).map_or(text.len(), |length| at + length)
 }
 
-/// The most bytes of a name: it is repeated in every channel, file and message that it comes to stand in.
+/// Greatest number of bytes of a name: it is repeated in every channel, file and message that uses it.
 pub const MAX_NAME_BYTES: usize = 200;
 
 /// A name or a word of the language.

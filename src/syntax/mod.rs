@@ -1,11 +1,11 @@
 //! Text to tree.
 //!
 //! Input: the text of one file. Output: its [`Tree`] and, in the sink, one diagnostic for each mistake. Promise: there is
-//! always a tree, every node's span lies in its parent's, and what could be read around a mistake is in it.
+//! always a tree, every node's span lies in its parent's, and it contains whatever could be read around a mistake.
 //!
-//! The work is done in three passes. `scan` reads characters: it reports what no grammar can mend and covers it. pest reads
-//! what is left by `grammar/*.pest`, whose lists end in rules that take everything. The `Reader` turns pest's pairs into the
-//! tree and says what was wrong with the parts that only those rules could take.
+//! The work is done in three passes. `scan` reads characters: it reports and covers text that no grammar rule can recover from. pest parses
+//! the rest by `grammar/*.pest`, whose lists end in rules that accept anything. The `Reader` turns pest's pairs into the
+//! tree and reports the faults of the parts that only those rules accepted.
 
 mod brackets;
 mod entries;

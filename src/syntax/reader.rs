@@ -1,7 +1,7 @@
-//! From pest's pairs to the tree: what every part of the walk shares.
+//! From pest's pairs to the tree: the shared parts of the walk.
 //!
 //! Input: the pairs of one text. Output: nodes of the tree with owned spans, and findings. Promise: a finding for every
-//! mark that the grammar left where it mended a mistake, and none for what `scan` has put a hole over.
+//! mark that the grammar left where it recovered from a mistake, and none for text that `scan` has covered.
 
 use super::errors;
 use super::grammar::{Node, Rule};
@@ -9,7 +9,7 @@ use super::tree::{Doc, Expr, ExprKind, Ident};
 use crate::diagnostic::{Diagnostic, MAX_DIAGNOSTICS, Sink};
 use crate::source::{FileId, Span};
 
-/// The most findings that a pass keeps of one text; the sink shows fewer.
+/// Greatest number of findings that a pass keeps of one text; the sink shows fewer.
 pub(super) const MAX_FINDINGS: usize = 4 * MAX_DIAGNOSTICS;
 
 /// The length of `///` and of `//!`.
@@ -39,7 +39,7 @@ pub(super) struct Reader<'s> {
     pub file: FileId,
     /// The whole text as it was written, for messages.
     pub source: &'s str,
-    /// The whole text, with holes over what could not be read.
+    /// The whole text, with holes over unreadable parts.
     pub text: &'s str,
     pub origin: FragmentOrigin<'s>,
     pub findings: Vec<Diagnostic>,
@@ -112,7 +112,7 @@ impl<'s> Reader<'s> {
         ident
     }
 
-    /// The text of doc comments that belong to what follows.
+    /// The text of doc comments of the next node.
     pub fn doc(&mut self, node: Node) -> Doc {
         let mut lines = Vec::new();
         for line in node.into_inner().filter(|line| line.as_rule() == Rule::doc_text) {

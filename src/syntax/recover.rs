@@ -1,4 +1,4 @@
-//! Fragments that no rule could read: what to say of them, and what can be saved.
+//! Fragments that no rule could read: their diagnostics, and the parts that can be saved.
 
 use super::errors::{self, ListPlace};
 use super::foreign;
@@ -26,7 +26,7 @@ const PREPOSITIONS: [&str; 10] = ["to", "from", "by", "about", "for", "at", "via
 /// Steps that every kind of device knows: a second one of them on a line is a second step.
 const COMMON_HEADS: [&str; 7] = ["run", "wait", "together", "minimize", "require", "using", "start"];
 
-/// How many letters a misspelt word may be off.
+/// Greatest number of wrong letters in a misspelt word.
 const MISSPELT: usize = 2;
 
 /// The declaration's word that someone may have meant.
@@ -128,7 +128,7 @@ impl Reader<'_> {
         self.report(finding);
     }
 
-    /// What follows a misspelt first word, if it is a whole declaration.
+    /// The rest after a misspelt first word, if it is a whole declaration.
     fn read_rest(&mut self, rule: Rule, span: Span, skip: usize, doc: Doc) -> Option<Item> {
         let start = span.start as usize + skip;
         let rest = &self.text[start..span.end as usize];
@@ -180,7 +180,7 @@ impl Reader<'_> {
         self.findings.retain(|finding| !finding.span().is_some_and(|place| span.contains(place)));
     }
 
-    /// The finding for a fragment of which only its place is known: where reading stopped and what was wanted there.
+    /// The finding for a fragment of which only its place is known: where parsing stopped and what was expected there.
     fn diagnose(&mut self, span: Span, place: ListPlace) -> Diagnostic {
         let text = &self.source[span.range()];
         if place == ListPlace::Steps

@@ -1,7 +1,7 @@
 //! Characters, before the grammar reads them.
 //!
-//! Input: the text of a file. Output: the same text, as long and in the same places, in which what no rule can mend is
-//! covered with [`HOLE`], what another language spells otherwise is spelt our way, and a line end after which a forgotten
+//! Input: the text of a file. Output: the same text, of the same length and in the same places, in which text that no rule can recover from
+//! is covered with [`HOLE`], spellings of other languages are replaced by Tweeze's, and a line end after which a forgotten
 //! `}` is assumed is a [`CUT`]; with it the findings and the places of the doc comments. Promise: brackets in the returned
 //! text pair up, apart from braces that a cut or the end closes, and nest at most [`MAX_NESTING`] deep.
 
@@ -21,7 +21,7 @@ pub(super) const CUT: char = '\u{2}';
 /// The deepest that brackets, braces and blocks may nest.
 pub const MAX_NESTING: usize = 64;
 
-/// What the scan found.
+/// Result of the scan.
 pub(super) struct Scanned<'t> {
     pub text: Cow<'t, str>,
     pub findings: Vec<Diagnostic>,
@@ -102,7 +102,7 @@ impl<'t> Scan<'t> {
         bytes[start..start + with.len()].copy_from_slice(with.as_bytes());
     }
 
-    /// Covers what has been reported.
+    /// Covers text that has been reported.
     pub fn cover(&mut self, start: usize, end: usize) {
         let bytes = self.covered.get_or_insert_with(|| self.text.as_bytes().to_vec());
         bytes[start..end].fill(HOLE as u8);

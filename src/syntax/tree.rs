@@ -1,7 +1,7 @@
-//! The tree of one file: what was written, where, and nothing of what it means.
+//! The tree of one file: the text and its places, without meaning.
 //!
 //! Every node carries its span, and a child's span lies in its parent's. Parts that could not be read are
-//! [`ExprKind::Error`] or an `Error` entry; their diagnostic was pushed when they were read, so later stages pass them by.
+//! [`ExprKind::Error`] or an `Error` entry; their diagnostic was pushed when they were read, so later stages ignore them.
 //! Verbs, fields, nouns and shapes are plain words here: a device kind adds no node.
 
 use crate::source::{FileId, Span};
@@ -27,7 +27,7 @@ pub struct Tree {
     pub broken_names: Vec<Ident>,
 }
 
-/// What stands at the top of a file.
+/// A declaration at the top of a file.
 #[derive(Debug, Clone)]
 pub enum Item {
     Use(Use),
@@ -53,7 +53,7 @@ pub struct Use {
 pub enum UsePath {
     /// `std.dimibot`: the words between the dots, `std` included.
     Library { words: Vec<Ident>, span: Span },
-    /// `"bench.twz"`, relative to the file that says so.
+    /// `"bench.twz"`, relative to the file with the `use`.
     File(Text),
 }
 
@@ -95,7 +95,7 @@ pub struct Scene {
     pub span: Span,
 }
 
-/// What stands in a scene.
+/// An entry of a scene.
 #[derive(Debug, Clone)]
 pub enum SceneEntry {
     Object(Object),
@@ -163,7 +163,7 @@ pub struct Program {
     pub span: Span,
 }
 
-/// What stands in a task, a program, or a block of one.
+/// An entry of a task, a program, or a block of one.
 #[derive(Debug, Clone)]
 pub enum Entry {
     /// `precision: 0.25 um`.
@@ -207,7 +207,7 @@ pub struct Wiring {
     pub span: Span,
 }
 
-/// What stands in a wiring.
+/// An entry of a wiring.
 #[derive(Debug, Clone)]
 pub enum WiringEntry {
     Wire(Wire),
@@ -231,7 +231,7 @@ pub struct Path {
     pub span: Span,
 }
 
-/// A string and what its braces hold.
+/// A string and the values in its braces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Text {
     pub parts: Vec<TextPart>,

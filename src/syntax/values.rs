@@ -7,7 +7,7 @@ use super::tree::{Column, Expr, ExprKind, Field, Ident, IndexedName, Operator, P
 use crate::source::Span;
 use pest::Parser;
 
-/// The most operators in one expression, those of the brackets around it included. With the limit of nesting it bounds the
+/// Greatest number of operators in one expression, those of the brackets around it included. With the limit of nesting it bounds the
 /// height of a tree.
 pub const MAX_OPERATORS: usize = 256;
 

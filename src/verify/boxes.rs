@@ -1,11 +1,11 @@
 //! Which of many boxes meet a box: a two-level list that spares most comparisons.
 //!
-//! Input: axis-aligned boxes. Output: those that meet an area, touching included, in the order of their indices. Cost of a query: the number of groups
-//! plus the members of the groups that meet the area.
+//! Input: axis-aligned boxes. Output: those that meet an area, touching included, in the order of their indices. Cost of a query: the
+//! number of groups plus the members of the groups that meet the area.
 
 use nalgebra::Point2;
 
-/// How many boxes share one outer box.
+/// Boxes per group; about the square root of the 1000 obstacles of a large scene, so that a query visits about as many groups as members.
 const GROUP: usize = 32;
 
 /// An axis-aligned box, borders included.
@@ -16,13 +16,13 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// The least box about some points; of no points, a box that meets none.
+    /// Bounding box of some points; of no points, a box that meets none.
     pub fn of(points: &[Point2<f64>]) -> Extent {
         let none = Extent { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
         points.iter().fold(none, |all, point| all.with(Extent { low: [point.x, point.y], high: [point.x, point.y] }))
     }
 
-    /// The same, wider on all sides.
+    /// The box widened on all sides.
     pub fn widened(self, by: f64) -> Extent {
         Extent { low: self.low.map(|value| value - by), high: self.high.map(|value| value + by) }
     }
@@ -37,7 +37,7 @@ impl Extent {
         (0..2).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
     }
 
-    /// How far the two are apart along the axis along which that is most; not above 0 where they meet.
+    /// The greater of the gaps of the two boxes along x and y; at most 0 if they meet.
     pub fn gap_um(&self, other: &Extent) -> f64 {
         let along = |axis: usize| (self.low[axis] - other.high[axis]).max(other.low[axis] - self.high[axis]);
         along(0).max(along(1))

@@ -9,7 +9,7 @@ use crate::claims::{Claims, Job, Timeline};
 use crate::schedule::{Actuation, PlanRecord, Schedule, ScheduledStep};
 use std::collections::BTreeMap;
 
-/// A job, and what the schedule makes of it.
+/// A job with its plan, steps and actuations in the schedule.
 #[derive(Debug)]
 pub(super) struct JudgedRun<'a> {
     pub schedule: &'a Schedule,

@@ -1,4 +1,4 @@
-//! First round: is it a schedule at all, and for these devices.
+//! First round: is it a schedule at all, and for these devices?
 //!
 //! Input: a schedule as it was read, and the claims. Promise: if nothing is found, every index names something, no sum of a
 //! start and a duration overflows, every number is finite, and every channel is one of a claimed device.
@@ -114,7 +114,7 @@ fn channels(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     }
 }
 
-/// The claimed device that has a channel of a name, and what the channel's numbers are.
+/// The claimed device that has a channel of this name, and the channel's unit.
 fn owner<'a>(name: &str, orders: &BTreeMap<&'a str, &Order>) -> Option<(&'a str, ChannelUnit)> {
     orders.iter().find_map(|(device, order)| {
         let channel = name.strip_prefix(device)?.strip_prefix('.')?;
@@ -175,7 +175,7 @@ fn swings(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     }
 }
 
-/// What is wrong with a swing, on a device of an order.
+/// The fault of a swing, if any, on a device of an order.
 fn swing_fault(actuation: &Actuation, swing: Swing, order: Option<&Order>) -> Option<String> {
     let Swing { period_ns, levels: [first, second] } = swing;
     let Actuation { duration_ns, from, to, .. } = *actuation;

@@ -1,16 +1,16 @@
 //! Judges a schedule against the device models and the program's claims, trusting nothing of the planner.
 //!
 //! Input: a [`Schedule`] and the [`Claims`] of its program. Output: a [`Verdict`].
-//! Promise: only this stage can make a [`Verified`] value, and only such a value can be emitted. Nothing of a planner is in sight, and
-//! nothing that planners measure with: distances, placed shapes and outlines are those of `geometry` in here. What else both take from
-//! `device` is listed in `tests/tidy.rs`. Places come from the kinematic matrix, sweeps from gaps between shadows, moves of parts from
-//! the electrodes that are on, turns of parts from where tips touch them. No input makes it panic. Cost for n actuations and m
+//! Promise: only this stage can make a [`Verified`] value, and only such a value can be emitted. It uses nothing of a planner, and
+//! nothing that planners measure with: distances, placed shapes and outlines are those of `geometry` in here. The parts of
+//! `device` that both use are listed in `tests/tidy.rs`. Places come from the kinematic matrix, sweeps from gaps between projections, moves
+//! of parts from the electrodes that are on, turns of parts from the contacts of tips. No input makes it panic. Cost for n actuations and m
 //! obstacles: n log n to sort, and for each move m/32 comparisons of boxes plus the exact distance of the few bodies near it; each
 //! step of a board also costs its parts, each sample of a rolling motion a linear program.
 //!
 //! Rules are checked in three rounds, each only if the one before found nothing, since a broken index or interval would
-//! make nonsense of the rest: `form` (the schedule by itself), `clock` (its runs and steps against the claims), and
-//! then together the timeline, the replay of each run (one file per kind), and `record` (what the schedule says of itself).
+//! make nonsense of the rest: `form` (the schedule alone), `clock` (its runs and steps against the claims), and
+//! then together the timeline, the replay of each run (one file per kind), and `record` (the schedule's own figures).
 
 mod boxes;
 mod clock;
@@ -48,7 +48,7 @@ impl Verified {
         &self.held.0
     }
 
-    /// What it was held against.
+    /// The claims that it was checked against.
     pub fn claims(&self) -> &Claims {
         &self.held.1
     }
@@ -60,21 +60,21 @@ impl Verified {
     }
 }
 
-/// What the verifier says.
+/// Result of verification.
 #[derive(Debug, Clone)]
 pub enum Verdict {
     /// Every rule is kept.
     Accepted(Verified),
-    /// What is broken, by time; at least one violation, at most [`MAX_VIOLATIONS`].
+    /// The violations, by time; at least one, at most [`MAX_VIOLATIONS`].
     Rejected(Vec<Violation>),
-    /// The claims are not such that any schedule could be held against them.
+    /// No schedule can be checked against the claims.
     Inconclusive { why: String },
 }
 
-/// Holds a schedule against its program: the claims, which were derived from the files of `sources`, and the files themselves for
-/// what the schedule says of its steps.
+/// Checks a schedule against its program: the claims, which were derived from the files of `sources`, and the files themselves for
+/// the texts of its steps.
 ///
-/// Claims that the checker made are always fit to be judged; [`Verdict::Inconclusive`] comes only of claims from elsewhere.
+/// Claims of the checker can always be judged; [`Verdict::Inconclusive`] results only from claims from elsewhere.
 pub fn verify_program(schedule: Schedule, claims: &Claims, sources: &Sources) -> Verdict {
     match judge(&schedule, claims).map(|found| with_source_map(found, &schedule, claims, sources)) {
         Err(Unfit(why)) => Verdict::Inconclusive { why },
@@ -95,15 +95,15 @@ fn with_source_map(found: Vec<Violation>, schedule: &Schedule, claims: &Claims, 
     findings.sorted()
 }
 
-/// What of a schedule breaks the claims of another program than its own; the words of its steps are not that program's.
+/// Violations of the claims of another program than the schedule's own; texts of steps are not compared.
 ///
 /// # Errors
-/// Why nothing can be held against the claims.
+/// Why no schedule can be checked against the claims.
 pub fn violations(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, String> {
     judge(schedule, claims).map_err(|Unfit(why)| why)
 }
 
-/// As [`verify_program`] but for the source map, for schedules that the tests make by hand.
+/// As [`verify_program`] but without the source map, for schedules that the tests make by hand.
 #[cfg(test)]
 fn verify(schedule: Schedule, claims: &Claims) -> Verdict {
     match judge(&schedule, claims) {
@@ -115,7 +115,7 @@ fn verify(schedule: Schedule, claims: &Claims) -> Verdict {
     }
 }
 
-/// What is said where the claims are such that nothing can be held against them.
+/// The diagnostic for claims against which no schedule can be checked.
 pub fn inconclusive(why: &str) -> Diagnostic {
     Diagnostic::new(Code::E0740, format!("the claims cannot be judged by: {why}"))
 }
@@ -128,7 +128,7 @@ struct Unfit(String);
 #[derive(Debug)]
 enum Halt {
     Unfit(Unfit),
-    /// What comes after this is unknown, so the device is not followed further.
+    /// The state after this is unknown, so the device is not followed further.
     Broken(Box<Violation>),
 }
 
@@ -144,24 +144,24 @@ impl From<Violation> for Halt {
     }
 }
 
-/// What a run turned out to be.
+/// Result of the replay of a run.
 #[derive(Debug)]
 struct Replay<'a> {
-    /// At the beginning and after every change. Borrowed from the record where that was found to say the same.
+    /// At the beginning and after every change. Borrowed from the record where the two are equal.
     states: Vec<Cow<'a, TimedState>>,
     /// Every outcome that the kind knows, in SI units.
     outcomes: BTreeMap<&'static str, f64>,
 }
 
-/// What the claims say of a plan's record.
+/// Terms of a plan's record, from the claims.
 struct RecordTerms {
     planner: &'static str,
     objective: &'static str,
     /// The outcome that the objective minimises.
     outcome: &'static str,
-    /// Of the cost.
+    /// Unit of the cost.
     unit: &'static str,
-    /// How many of that unit one SI unit is.
+    /// Number of these units in one SI unit.
     scale: f64,
 }
 

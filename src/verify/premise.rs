@@ -1,7 +1,7 @@
-//! Whether the claims are such that a schedule can be held against them at all.
+//! Whether the claims are such that a schedule can be checked against them at all.
 //!
-//! Input: claims. Output: nothing, or why not. Claims that the checker made always pass; those of a hostile log may not,
-//! and the rules rely on what is asked here.
+//! Input: claims. Output: nothing, or why not. Claims of the checker always pass; those of a hostile log may not,
+//! and the rules rely on these checks.
 
 use super::dimibot::is_frame;
 use super::{Unfit, dimibot, electrode_array, fingers, microrobots};
@@ -10,10 +10,10 @@ use crate::claims::microrobots::MicrorobotsOrder;
 use crate::claims::{Claims, Job, Order, SharedScene, Timeline};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How deep a timeline may nest.
+/// Greatest nesting of a timeline.
 const MAX_DEPTH: usize = 256;
 
-/// Asks what every rule takes for granted.
+/// Checks the assumptions of all rules.
 pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
     let mut runs = vec![0; claims.jobs.len()];
     count_runs(&claims.timeline, MAX_DEPTH, &mut runs)?;

@@ -1,4 +1,4 @@
-//! Third round: what a plan's record says of itself, and what the task requires of the outcome.
+//! Third round: the plan's own record, and the task's requirements on the outcome.
 //!
 //! Input: a run and its replay. Figures agree when they differ by no more than [`TOLERANCE`], since the planner may add up in
 //! another order; counts and times then agree exactly, being far from that limit.
@@ -29,7 +29,7 @@ pub(super) fn check(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     requirements(run, replay, findings);
 }
 
-/// What the claims say of a run's record.
+/// Terms of a run's record, from the claims.
 fn terms(run: &JudgedRun) -> RecordTerms {
     match &run.job.order {
         Order::Dimibot(order) => dimibot::terms(order),
@@ -125,10 +125,10 @@ fn outcomes(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     }
 }
 
-/// How far a number of what a step reaches may be from the replay's: micrometres, degrees, or a quaternion's.
+/// Tolerance between a recorded number of what a step reaches and the replay's: micrometres, degrees, or a quaternion's.
 const REACHED_TOLERANCE: f64 = 5e-3;
 
-/// What a step is said to reach, if anything is, is what it reaches in the replay.
+/// The recorded result of a step, if there is one, is its result in the replay.
 fn nearness(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     for nth in 0..run.steps.len() {
         let step = run.step(nth);

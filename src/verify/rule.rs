@@ -1,9 +1,9 @@
-//! The rules, and what is said when one is broken.
+//! The rules, and the messages of their violations.
 
 use crate::diagnostic::{Code, Diagnostic, Label};
 use crate::source::Span;
 
-/// What a schedule must keep: each rule has one function that checks it.
+/// The rules of a schedule: each has one function that checks it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Rule {
     /// Every index names something.
@@ -24,7 +24,7 @@ pub enum Rule {
     Plan,
     /// The steps of a run are those of its task, without a gap.
     Step,
-    /// Runs begin and the schedule ends when the claims say so.
+    /// Runs begin and the schedule ends at the claimed times.
     Timeline,
     /// A device is in one run at a time.
     Busy,
@@ -36,7 +36,7 @@ pub enum Rule {
     State,
     /// Conditions on the outcome hold.
     Requirement,
-    /// A device starts where it stands and where the task says.
+    /// A device starts at its present place and at the task's `start at`.
     Start,
     /// Stops are reached, in their order where there is one.
     Goal,
@@ -110,7 +110,7 @@ pub enum Rule {
     Equilibrium,
     /// Fingers that stay resist the pull of one that leaves.
     Removal,
-    /// What a part rests on holds it as the last fingers leave.
+    /// The support of a part holds it as the last fingers leave.
     Support,
     /// No tip is in the part, and no free one too near it.
     Pierce,
@@ -205,7 +205,7 @@ pub struct Violation {
     pub help: Option<String>,
 }
 
-/// What remains to be said where the program is not to blame.
+/// Closing note where the program is not to blame.
 const NOT_THE_PROGRAM: &str = "a schedule fresh from `tweeze build` never breaks this rule, so report it as a bug with the \
      program; a log that breaks it was edited, or made for another device";
 
@@ -247,7 +247,7 @@ impl From<Violation> for Diagnostic {
     }
 }
 
-/// The most violations that are kept: one is enough to refuse, and a hostile log could hold millions.
+/// Greatest number of violations that are kept: one is enough to refuse, and a hostile log could have millions.
 pub const MAX_VIOLATIONS: usize = 100;
 
 /// Collects violations, the first [`MAX_VIOLATIONS`] of them.

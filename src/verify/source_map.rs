@@ -1,7 +1,7 @@
-//! The steps of a schedule say where they stand in the program, and how they are written: both are read again there.
+//! The steps of a schedule record their place and text in the program: both are compared with the source.
 //!
 //! Input: a schedule that the other rules found nothing in, and the files that its claims were derived from, whose spans the claims
-//! hold. A viewer's `/log` and every reader of `schedule.json` take these words for the program's own.
+//! contain. A viewer's `/log` and every reader of `schedule.json` take these texts for the program's own.
 
 use super::rule::{Findings, Rule, Violation};
 use crate::claims::{Claims, Job};
@@ -61,7 +61,7 @@ impl LineCounter {
     }
 }
 
-/// What is recorded and what is written, where they differ.
+/// The recorded and the actual value, where they differ.
 fn differences(
     step: &ScheduledStep,
     file: &SourceFile,

@@ -1,6 +1,6 @@
-//! Brute force over every state of a task: which cells were visited, which step is next, where the tip stands.
+//! Brute force over every state of a task: the cells visited, the next step, the place of the tip.
 //!
-//! Knows the language and the paper; shares no code with the compiler. Figures are whole numbers: distance in units of the finer
+//! Based on docs/language.md and the paper; shares no code with the compiler. Figures are whole numbers: distance in units of the finer
 //! pitch, switches, pulses.
 
 use std::cmp::Reverse;

@@ -1,7 +1,7 @@
 //! Plans of DiMiBots against brute force: feasibility, cost, bound, `optimal`, ties and limits of random small tasks, and the programs that
 //! once were answered wrongly.
 //!
-//! `TWEEZE_ORACLE_CASES` sets how many random scenes are tried.
+//! `TWEEZE_ORACLE_CASES` sets the number of random scenes.
 
 mod brute;
 #[path = "../support/case.rs"]

@@ -1,4 +1,4 @@
-//! Programs of several tasks on two robots: each starts where its robot's last task ended, and is as good as can be from there.
+//! Programs of several tasks on two robots: each starts where its robot's last task ended, and is optimal from there.
 
 use super::brute::{self, Cell, Figures};
 use super::scene::{Limit, OUTCOMES, Random, Scene};

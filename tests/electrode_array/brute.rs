@@ -1,7 +1,7 @@
-//! The truth about tiny instances: every joint state of a few parts, each step of all of them tried. Plain and exhaustive.
+//! Ground truth on tiny instances: every joint state of a few parts, each step of all of them tried. Plain and exhaustive.
 //!
-//! A part's state is its cell, how many of its stops it has come by, and, for the sum of costs, whether it has arrived for good,
-//! after which it stays and is free of charge. All joint states are numbered, and Dijkstra's algorithm runs over the numbers.
+//! A part's state is its cell, the number of stops passed, and, for the sum of costs, whether it has arrived for good,
+//! after which it stays and costs nothing. All joint states are numbered, and Dijkstra's algorithm runs over the numbers.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

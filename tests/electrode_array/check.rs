@@ -1,6 +1,6 @@
-//! An independent judge of plans: it walks through a plan step by step and looks at what moves, from where and to where.
+//! An independent checker of plans: it walks through a plan step by step and examines each move.
 //!
-//! It shares nothing with the planner but the types of the problem: columns and rows are taken apart anew, and the rule is checked on
+//! It shares nothing with the planner but the types of the problem: columns and rows are separated again, and the rule is checked on
 //! moves (all four combinations of the starts and ends of two parts), where the planner checks single positions.
 
 use tweeze::plan::electrode_array::board::{BoardAnswer, BoardCosts, CellIndex, Instance, Paths};

@@ -1,4 +1,4 @@
-//! The planner of many parts on one board, from outside: every plan judged step by step, proofs compared with the truth of tiny boards.
+//! The planner of many parts on one board, from outside: every plan checked step by step, proofs compared with brute force on tiny boards.
 
 mod brute;
 mod check;

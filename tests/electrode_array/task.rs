@@ -1,7 +1,7 @@
-//! Whole tasks against the truth: random programs of one or two steps on tiny boards, with limits, and every plan that there is.
+//! Whole tasks against brute force: random programs of one or two steps on tiny boards, with limits, and every possible plan.
 //!
 //! The truth is found without the planner: instant by instant, all joint positions with all sums of costs and moves that lead to them,
-//! up to [`MOST_STEPS`] for each step of the task. `TWEEZE_ORACLE_CASES=1000` runs so many tasks for each objective, each
+//! up to [`MOST_STEPS`] for each step of the task. `TWEEZE_ORACLE_CASES=1000` runs 1000 tasks for each objective, each
 //! without limits and with three sets of limits.
 
 use crate::programs::{Answered, answered};

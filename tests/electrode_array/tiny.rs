@@ -1,4 +1,4 @@
-//! Tiny boards, where brute force knows the truth: optima, impossibility, stops on the way, and parts that merge.
+//! Tiny boards, where brute force gives the truth: optima, impossibility, intermediate stops, and parts that merge.
 
 use crate::brute::least;
 use crate::check::judged;

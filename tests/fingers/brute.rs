@@ -1,8 +1,8 @@
 //! The least effort of a task by Dijkstra's algorithm over every grasp at every angle of every turn, all turns together.
 //!
-//! It shares nothing with the planner: ellipses are integrated here, what holds is asked of a linear program over forces and torques in
-//! space (`forces`), and all edges are looked at. What is taken from the handbook: where contacts lie, that a grasp holds at 63 instants of a step
-//! with the reserve kept back, who may come and leave, what it costs, and that a turn goes once round on its own side at most.
+//! It shares nothing with the planner: ellipses are integrated here, holding is decided by a linear program over forces and torques in
+//! space (`forces`), and all edges are examined. Taken from docs/language.md: the places of contacts, that a grasp holds at 63 instants of a step
+//! with the reserve kept back, which fingers may come and leave, the costs, and that a turn goes once round at most, in its own direction.
 
 use crate::case::{Case, FINGERS, Step, TRANSLATED_UM};
 use crate::forces::{self, Tip};

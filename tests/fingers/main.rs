@@ -1,4 +1,4 @@
-//! Hands from a program's text to verified schedules: what the planner rolls, the judge has integrated from positions alone.
+//! Hands from a program's text to verified schedules: rolls of the planner are integrated by the verifier from positions alone.
 
 // The oracles keep to the platform's own mathematics.
 #![allow(clippy::disallowed_methods)]

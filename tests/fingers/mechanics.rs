@@ -1,4 +1,4 @@
-//! What holds, with what kept back, and what is said where nothing does: programs that once were answered wrongly.
+//! Holding, the reserve, and the messages if nothing holds: programs that once were answered wrongly.
 
 use super::support::build;
 use tweeze::check::Options;

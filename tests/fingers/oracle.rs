@@ -1,4 +1,4 @@
-//! Random hands against all grasps there are: effort, reconfigurations, limits on both, optimality and the proof that there is no plan.
+//! Random hands against all possible grasps: effort, reconfigurations, limits on both, optimality and the proof that there is no plan.
 
 use super::brute::Brute;
 use super::case::{Case, Step};

@@ -1,7 +1,7 @@
-//! The ways to an orientation as the handbook has them: up to three turns about z and y, each by the nearest number of steps or the next
-//! one, the short way or the long one.
+//! The decompositions of an orientation by docs/language.md: up to three turns about z and y, each by the nearest number of steps or the
+//! next one, the short way or the long one.
 //!
-//! The exact angles are found by trying: the middle one from what it does to the axis of the first, the others from what is left.
+//! The exact angles are found by search: the middle one from its effect on the axis of the first, the others from the rest.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};

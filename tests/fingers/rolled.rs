@@ -1,8 +1,8 @@
-//! An integration of its own: tips touch an outline that is given by a formula here, and roll on it without slip.
+//! An independent integration: tips touch an outline that is given by a formula here, and roll on it without slip.
 //!
 //! Nothing of the crate's geometry is used. At each instant the velocity of the part is the one that carries the points at which tips
-//! touch with the tips, by least squares over all tips; it is integrated by the midpoint rule along what the stages do. Recorded poses
-//! and the figures of what is reached must agree with it.
+//! touch with the tips, by least squares over all tips; it is integrated by the midpoint rule along the motion of the stages. Recorded poses
+//! and the figures of `reached` must agree with it.
 
 use crate::random::Random;
 use crate::support::build;

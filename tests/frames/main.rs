@@ -1,4 +1,4 @@
-//! Robots in one scene's frame, from outside: programs as text, and an oracle that follows the tips by itself.
+//! Robots in one scene's frame, from outside: programs as text, and an oracle with its own motion of the tips.
 
 // The oracle keeps to the platform's own mathematics.
 #![allow(clippy::disallowed_methods)]

@@ -1,4 +1,4 @@
-//! Where tips are, by kinematics of its own: at every instant, everything that a robot may touch, and how near two robots come.
+//! Positions of tips, by independent kinematics: at every instant, everything that a robot may touch, and the distance of two robots.
 
 use std::collections::BTreeMap;
 use tweeze::claims::Claims;

@@ -1,4 +1,4 @@
-//! Random programs from the vocabulary of the kinds: most are sound, with now and then a number of another magnitude.
+//! Random programs from the vocabulary of the kinds: most are sound, occasionally with a number of another magnitude.
 
 use super::numbers::{self, MAGNITUDES};
 use super::random::Random;

@@ -1,4 +1,4 @@
-//! One text or log through the compiler, and what must not come of it.
+//! One text or log through the compiler, and the forbidden outcomes.
 
 use tweeze::check::Options;
 use tweeze::check::imports::Library;

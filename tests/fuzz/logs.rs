@@ -1,4 +1,4 @@
-//! Logs of small programs, altered, with every checksum put right.
+//! Logs of small programs, altered, with every checksum corrected.
 
 use super::mutate;
 use super::numbers::{self, MAGNITUDES};

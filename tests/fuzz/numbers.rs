@@ -1,4 +1,4 @@
-//! The numbers of a text, and what becomes of one that is written at another magnitude.
+//! The numbers of a text, and their replacement by other magnitudes.
 
 use std::ops::Range;
 

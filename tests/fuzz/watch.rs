@@ -1,4 +1,4 @@
-//! Gives cases to workers and watches them: who dies, or takes too long or too much memory, has found something.
+//! Gives cases to workers and watches them: a worker that dies, or takes too long or too much memory, has found a fault.
 
 use super::worker::{self, Tally};
 use super::{Attack, Run};

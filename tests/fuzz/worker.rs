@@ -1,7 +1,7 @@
-//! Carries cases out, in a process of its own: it may die or hang.
+//! Runs cases in a process of its own, which may die or hang.
 //!
-//! Each line of the standard input is the number of a case; each line of the answer says what came of it: `fine`, and how many texts
-//! were parsed, checked, built, verified and refused; or `fault`, and which.
+//! Each line of the standard input is the number of a case; each line of the output is its result: `fine`, with the numbers of texts
+//! parsed, checked, built, verified and refused; or `fault`, and which.
 
 use super::generate;
 use super::judge::{self, Built};

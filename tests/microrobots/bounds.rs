@@ -1,6 +1,6 @@
 //! Bounds of drives against all sequences of control states on small beds, and against shortcuts of real plans.
 //!
-//! The model of motion here is its own: it shares nothing with the planner or the judge. `TWEEZE_ORACLE_CASES=1000` runs more cases.
+//! The model of motion is independent: it shares nothing with the planner or the verifier. `TWEEZE_ORACLE_CASES=1000` runs more cases.
 
 use super::random::Random;
 use super::support::build;

@@ -1,4 +1,4 @@
-//! Programs of beds that once hung, were refused by the judge, or were answered with something false. Each says in its first line what is due.
+//! Programs of beds that once hung, were refused by the verifier, or got a false answer. The first line of each gives the right one.
 
 use super::support::{Built, build};
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! Microrobots from a program's text to verified schedules: what the planner drives, the judge has integrated from the voltage alone.
+//! Microrobots from a program's text to verified schedules: drives of the planner are integrated by the verifier from the voltage alone.
 
 // The expected figures come from the platform's own mathematics.
 #![allow(clippy::disallowed_methods)]

@@ -1,4 +1,4 @@
-//! The built program, run in folders of the tests' own.
+//! The built program, run in the tests' own folders.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

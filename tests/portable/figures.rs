@@ -1,4 +1,4 @@
-//! Numbers of another magnitude are an error at their place, or are built: no search without end, no plan that is refused.
+//! Numbers of another magnitude are an error at their place, or are built: no endless search, no plan that is refused.
 
 use super::bench::{root, tweeze};
 

@@ -1,5 +1,5 @@
 //! Nothing on the way from a program to its outputs calls the mathematics of the platform: with a C library whose functions are all
-//! off by one in the last place, the outputs are the same.
+//! off by one unit in the last place, the outputs are the same.
 
 use super::bench::{done, root, tweeze};
 use super::outputs::fingerprints;

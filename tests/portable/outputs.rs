@@ -1,7 +1,7 @@
-//! The fingerprints of all outputs of all examples stand in `tests/data/outputs.sha256`, in the form of `sha256sum`: whatever changes
-//! a byte on some platform, or by a change of the compiler, shows up here.
+//! The fingerprints of all outputs of all examples are in `tests/data/outputs.sha256`, in the form of `sha256sum`: any change of
+//! a byte on some platform, or by a change of the compiler, fails here.
 //!
-//! `TWEEZE_UPDATE=1 cargo test --test portable outputs` writes them anew after a change that was meant.
+//! `TWEEZE_UPDATE=1 cargo test --test portable outputs` rewrites them after an intended change.
 
 use super::bench::{done, files, root, tweeze};
 use sha2::{Digest, Sha256};

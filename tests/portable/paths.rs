@@ -1,4 +1,4 @@
-//! Outputs do not hang on where a program lies or how its path is typed; messages show the path as it was typed.
+//! Outputs do not depend on where a program is stored or how its path is typed; messages show the path as typed.
 
 use super::bench::{done, files, tweeze};
 use std::fs;

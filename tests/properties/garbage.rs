@@ -1,4 +1,4 @@
-//! Whatever is handed to the compiler, it ends and does not panic; what it does not understand it reports.
+//! Whatever the compiler is given, it ends and does not panic; it reports whatever it does not understand.
 
 use super::support::{Built, build};
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! What holds for every program, tried on random ones: the compiler against brute force, against itself, and against garbage.
+//! Properties of every program, tried on random ones: the compiler against brute force, against itself, and against garbage.
 //!
 //! The scenes come from fixed seeds. The oracle knows the language and the paper; it shares no code with the compiler.
 

@@ -1,4 +1,4 @@
-//! Files: what a build finds in its folder, and what it leaves there. Kills are tested where the acts are, in `cli/disk`.
+//! Files: those that a build finds in its folder, and those that it leaves there. Kills are tested with the commit, in `cli/disk`.
 
 use super::bench::{Bench, DONE, FILES, says};
 use std::fs;

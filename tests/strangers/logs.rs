@@ -1,4 +1,4 @@
-//! Logs: the judge is not talked round.
+//! Logs: the verifier is not deceived.
 
 use super::bench::{Bench, DONE, REFUSED, USAGE, found, says};
 use tweeze::check::Options;

@@ -1,6 +1,6 @@
-//! Programs and logs from strangers: what they may not do to the person who checks, builds or verifies them.
+//! Programs and logs from strangers: attacks on the person who checks, builds or verifies them.
 //!
-//! `tests/found/` holds the programs that once did; each says in its first line what it is.
+//! `tests/found/` has the programs that once succeeded; the first line of each describes it.
 
 mod bench;
 mod files;

@@ -1,4 +1,4 @@
-//! Signals to a build: how it ends, and what it leaves.
+//! Signals to a build: how it ends, and the files that it leaves.
 
 use super::bench::{Bench, found};
 use std::os::unix::process::ExitStatusExt;

@@ -1,4 +1,4 @@
-//! Programs: whatever a text asks for, it is answered with a diagnostic, soon and in little memory.
+//! Programs: whatever a text demands, the answer is a diagnostic, soon and in little memory.
 
 use super::bench::{Bench, DONE, ERRORS, found, says};
 

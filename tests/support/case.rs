@@ -1,4 +1,4 @@
-//! What the tests of pages and of the corpus share: programs in memory, compiled as far as they go.
+//! Shared by the tests of pages and of the corpus: programs in memory, compiled as far as possible.
 
 #![allow(dead_code, reason = "each test uses the part that it needs")]
 

@@ -1,4 +1,4 @@
-//! Programs as text through the compiler's own door, for the tests of its outcome.
+//! Programs as text through the compiler's public interface, for tests of the result.
 
 #![allow(dead_code, reason = "each test uses the part that it needs")]
 

@@ -1,4 +1,4 @@
-//! The random numbers of tests and benchmarks: splitmix64, so that a seed means the same on each machine.
+//! The random numbers of tests and benchmarks: splitmix64, so that a seed gives the same numbers on each machine.
 
 #![allow(dead_code, reason = "each test uses the part that it needs")]
 

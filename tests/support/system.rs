@@ -1,4 +1,4 @@
-//! Commands of the system that some tests ask for.
+//! System commands that some tests need.
 
 use std::process::Command;
 

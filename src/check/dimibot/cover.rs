@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// The obstacles of a scene as one device meets them, ready to be asked.
 #[derive(Debug, Clone)]
 pub struct SceneCover {
-    /// Where the robot stands in the scene, if the scene says it.
+    /// Pose of the robot's frame in the scene, if the scene has one.
     pub frame: Option<Pose>,
     /// In the scene's coordinates.
     pub obstacles: Arc<Vec<DimibotObstacle>>,

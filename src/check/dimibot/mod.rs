@@ -32,7 +32,7 @@ mod stops;
 
 pub use cover::SceneCover;
 
-/// States that one search may expand where the task does not say.
+/// Default limit of expanded states in one search.
 pub const DEFAULT_EXPANSIONS: u64 = 20_000_000;
 
 /// The facts of a complete device.
@@ -65,7 +65,7 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<dimibot::Dimibot
     Some(facts)
 }
 
-/// Whether modules may be switched together, where the fields say so.
+/// Whether modules may be switched together, if the fields set it.
 fn simultaneous(fields: &Accepted) -> Option<Simultaneous> {
     fields.word("simultaneous").and_then(Simultaneous::find)
 }
@@ -204,7 +204,7 @@ fn obstacle(object: &SceneObject, robot: &SceneRobot, sink: &mut Sink) -> Option
     Some(obstacle)
 }
 
-/// Whether an object's place is told in cells.
+/// Whether an object's place is given in cells.
 fn stands_on_cells(object: &SceneObject) -> bool {
     let is_block = object.shape.as_ref().is_some_and(|shape| shape.value.form == ShapeForm::Cells);
     is_block || object.at.as_ref().is_some_and(|at| whole_cell(&at.value).is_some())
@@ -320,7 +320,7 @@ fn bounds_um(shape: &Shape, pose: &Pose, growth_um: f64) -> Option<[[f64; 2]; 2]
     Some([low_um, high_um])
 }
 
-/// How far the place of a cell lies from a body's rim; negative inside.
+/// Distance of a cell's place from a body's rim; negative inside.
 fn clearance_um(shape: &Shape, pose: &Pose, cell: LatticeCell, facts: &dimibot::DimibotFacts) -> f64 {
     let [x_um, y_um] = facts.place_um(cell);
     let at = Point2::new(x_um, y_um);
@@ -372,7 +372,7 @@ fn precision(settings: &Accepted, facts: &dimibot::DimibotFacts, sink: &mut Sink
     Some(Some(precision_um))
 }
 
-/// What `minimize` names, distance where it is left out.
+/// The objective that `minimize` names; distance by default.
 fn objective(name: Option<&str>) -> Option<DimibotObjective> {
     name.map_or(Some(DimibotObjective::Distance), DimibotObjective::find)
 }
@@ -385,7 +385,7 @@ fn warn_of_simultaneous(settings: &Accepted, objective: DimibotObjective, sink: 
     }
 }
 
-/// The method and budget of a task; `None` where a published method is asked for what it does not know.
+/// The method and budget of a task; `None` if a published method is asked for a feature that it lacks.
 fn planner(parts: &Parts, asked: (DimibotObjective, Simultaneous), sink: &mut Sink) -> Option<DimibotPlanner> {
     let Some((planner, _)) = &parts.planner else {
         return Some(DimibotPlanner { method: DimibotMethod::StagedAstar, expansions: DEFAULT_EXPANSIONS });
@@ -398,7 +398,7 @@ fn planner(parts: &Parts, asked: (DimibotObjective, Simultaneous), sink: &mut Si
     Some(DimibotPlanner { method, expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS) })
 }
 
-/// What a published method is asked for that it does not know, and where; Tweeze's own knows all.
+/// A feature that the task asks of a published method and that it lacks, and where; Tweeze's own planner has all.
 fn beyond(
     method: DimibotMethod,
     parts: &Parts,

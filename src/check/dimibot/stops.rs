@@ -7,7 +7,7 @@ use crate::claims::dimibot::{in_robot_um, in_scene_um};
 use crate::diagnostic::Code;
 use crate::real::Real;
 
-/// How many rings of cells round a covered goal are searched for a free one.
+/// Number of rings of cells round a covered goal that are searched for a free one.
 const MAX_RINGS: u32 = 64;
 
 /// Judges the stops of one task.
@@ -39,7 +39,7 @@ impl<'a> StopJudge<'a> {
         Some(Spanned::new(stop.cell, stop.span))
     }
 
-    /// Pushes what is wrong with a target, if anything is.
+    /// Reports the fault of a target, if there is one.
     fn unless(&mut self, wrong: Option<Diagnostic>, target: &Argument) -> Option<()> {
         match wrong {
             Some(diagnostic) => {
@@ -170,7 +170,7 @@ impl<'a> StopJudge<'a> {
         format!("{}, cell {cell}", place(self.scene_um(cell)))
     }
 
-    /// How many modules would bring a place into the workspace, if any number does.
+    /// Number of modules that would bring a place into the workspace, if any number does.
     fn modules_to_reach(&self, place_um: [f64; 2]) -> String {
         if place_um[0] < 0.0 || place_um[1] < 0.0 {
             return match self.cover.frame {
@@ -201,7 +201,7 @@ impl<'a> StopJudge<'a> {
         }
     }
 
-    /// How many modules would make a cell exist, on the sides that have too few.
+    /// Number of modules with which a cell would exist, on the sides that have too few.
     fn modules_for_cell(&self, x: i64, y: i64) -> String {
         if x < 0 || y < 0 {
             return "; cells count from 0".to_owned();
@@ -236,7 +236,7 @@ impl<'a> StopJudge<'a> {
         self.cover.covering(cell, self.facts)
     }
 
-    /// What lies on which obstacle, why, and what is free instead.
+    /// Diagnostic for a covered cell: the obstacle, the reason, and the nearest free cell.
     fn covered(&self, stop: &DimibotStop, index: usize, code: Code) -> Diagnostic {
         let obstacle = &self.cover.obstacles[index];
         let what = match stop.asked {
@@ -272,7 +272,7 @@ impl<'a> StopJudge<'a> {
     }
 }
 
-/// Whether a place lies between the outermost cells, as far as the robot can tell and a printed figure shows.
+/// Whether a place lies between the outermost cells, within the robot's precision and that of a printed figure.
 fn within_workspace(facts: &dimibot::DimibotFacts, place_um: [f64; 2]) -> bool {
     let last = facts.place_um(LatticeCell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 });
     Side::BOTH.iter().all(|side| {

@@ -1,4 +1,4 @@
-//! The facts of a board: geometry first, then what the forces allow.
+//! The facts of a board: geometry first, then the limits from forces.
 
 use super::physics;
 use crate::check::devices::CheckedDevice;
@@ -110,7 +110,7 @@ fn keeps_apart(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut S
 
 /// The least whole number above a figure.
 fn beyond(figure: f64) -> u32 {
-    // A cast takes what is too large for the largest there is.
+    // A cast saturates at the largest integer.
     ((figure * (1.0 + 1e-9)).floor() as u32).saturating_add(1)
 }
 
@@ -156,7 +156,7 @@ pub fn number(value: f64) -> String {
     crate::quantity::digits(value)
 }
 
-/// The next figure of four digits that is no less: what a message names as the least has to be enough.
+/// The next figure of four digits that is no less: a least value named in a message must suffice.
 pub fn rounded_up(value: f64) -> f64 {
     rounded(value * (1.0 - 1e-9), f64::ceil)
 }
@@ -171,7 +171,7 @@ fn rounded(value: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
         return value;
     }
     let digits = 3 - value.common_logarithm().floor() as i32;
-    // The text of the digits is the nearest double to them; a product with a power of ten need not be.
+    // Parsing the digits gives the nearest double; a product with a power of ten need not.
     let scaled = to_whole(value * 10f64.whole_power(digits));
     format!("{scaled}e{}", -digits).parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(value)
 }

@@ -8,7 +8,7 @@ use crate::claims::electrode_array::{ElectrodeArrayObstacle, ElectrodeArrayObsta
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use rustc_hash::FxHashMap;
 
-/// How many rings of cells round a place are searched for a better one.
+/// Number of rings of cells round a place that are searched for a better one.
 const MAX_RINGS: u32 = 64;
 
 /// For each cell the obstacle that keeps centres from it.
@@ -49,7 +49,7 @@ impl ObstacleCells {
     }
 }
 
-/// The first unpainted column from one on, counted from 0; what lies on the way is shortened.
+/// The first unpainted column from a given one on, counted from 0; links passed on the way are shortened.
 fn free_from(next: &mut [u32], from: u32) -> u32 {
     let mut at = from;
     while next[at as usize] != at {
@@ -72,7 +72,7 @@ fn grown(body: &ElectrodeArrayObstacleBody, facts: &ElectrodeArrayFacts) -> [Ele
     [low, high]
 }
 
-/// Places that keep a distance from each other, each with what stands there.
+/// Places that keep a distance from each other, each with its object.
 pub struct SpacedPlaces<T> {
     apart: u32,
     squares: FxHashMap<(u32, u32), Vec<(ElectrodeCell, T)>>,
@@ -94,7 +94,7 @@ impl<T: Copy> SpacedPlaces<T> {
         self.squares.entry(self.square(cell)).or_default().push((cell, what));
     }
 
-    /// Takes away what stands there and is what is meant.
+    /// Removes the object at a place if it is the one meant.
     pub fn take(&mut self, cell: ElectrodeCell, is_meant: impl Fn(T) -> bool) {
         let square = self.square(cell);
         if let Some(there) = self.squares.get_mut(&square) {
@@ -102,7 +102,7 @@ impl<T: Copy> SpacedPlaces<T> {
         }
     }
 
-    /// What stands too near to a place, the nearest first, then what was put there first.
+    /// The object too near to a place: the nearest, and of these the one added first.
     pub fn near(&self, cell: ElectrodeCell) -> Option<(ElectrodeCell, T)> {
         let (column, row) = self.square(cell);
         let squares = (row - 1..=row + 1).flat_map(|row| (column - 1..=column + 1).map(move |column| (column, row)));

@@ -1,4 +1,4 @@
-//! What pulls on a part and what holds it, from the table of forces.
+//! Driving and holding forces on a part, from the table of forces.
 //!
 //! Between two radii of the table every figure is interpolated. Electrostatic forces grow with the permittivity and with the
 //! square of the potential, which is exact for one dielectric and a first approximation for layers of several.
@@ -107,7 +107,7 @@ fn row(table: &TableValue, index: usize) -> ForceRow {
     }
 }
 
-/// What acts on a part that is to leave its cell, one pitch from its goal.
+/// Forces on a part that is to leave its cell, one pitch from its goal.
 #[derive(Debug, Clone, Copy)]
 pub struct Forces {
     row: ForceRow,
@@ -149,7 +149,7 @@ impl Forces {
         self.friction * (self.row.vertical_n * self.growth(potential_v) + self.row.weight_n)
     }
 
-    /// What is left to move the part; not above 0 where friction holds it.
+    /// Net force that moves the part; at most 0 where friction holds it.
     pub fn net_n(&self, potential_v: f64) -> f64 {
         self.lateral_n(potential_v) - self.friction_n(potential_v)
     }

@@ -50,7 +50,7 @@ impl Checker<'_> {
     }
 }
 
-/// What `minimize` names, the makespan where it is left out.
+/// The objective that `minimize` names; the makespan by default.
 fn objective(name: Option<&str>) -> Option<ElectrodeArrayObjective> {
     name.map_or(Some(ElectrodeArrayObjective::Makespan), ElectrodeArrayObjective::find)
 }
@@ -59,7 +59,7 @@ fn bystanders(parts: &Parts) -> Bystanders {
     if parts.settings.is_set("may_yield") { Bystanders::Yield } else { Bystanders::Stay }
 }
 
-/// The method and budget of a task; `None` where a method is asked for what it does not know.
+/// The method and budget of a task; `None` if a method is asked for a feature that it lacks.
 fn planner(
     parts: &Parts,
     asked: (ElectrodeArrayObjective, Bystanders),
@@ -88,7 +88,7 @@ fn planner(
     Some(ElectrodeArrayPlanner { method, expansions: parts.expansions().unwrap_or(default_expansions(facts, count)) })
 }
 
-/// What the published methods are asked for that they do not know, and where.
+/// The features that the task asks of a published method and that it lacks, and where.
 fn beyond_published(
     parts: &Parts,
     (objective, bystanders): (ElectrodeArrayObjective, Bystanders),
@@ -124,7 +124,7 @@ struct BoardStepJudge<'a> {
     tray: &'a BoardScene,
     /// Where the task's scene is declared.
     scene: Option<Span>,
-    /// Where the device says whether it holds its parts, if it does.
+    /// The field that sets whether the device holds its parts, if there is one.
     hold: Option<Span>,
     origins: &'a mut CellOrigins,
     sink: &'a mut Sink,
@@ -190,7 +190,7 @@ impl BoardStepJudge<'_> {
         self.tray.parts.get(part).map_or("", |part| part.name.as_str())
     }
 
-    /// The part that an argument names; without a diagnostic if what is wrong with that part was said.
+    /// The part that an argument names; without a diagnostic if the fault of that part was already reported.
     fn part(&mut self, argument: &Argument) -> Option<usize> {
         let Value::Object(object) = &argument.value else { return None };
         if let Some(known) = self.tray.names.get(&object.name) {
@@ -234,7 +234,7 @@ impl BoardStepJudge<'_> {
         Some(ElectrodeArrayStop { cell, span: target.span })
     }
 
-    /// Where the cell of a stop was given, for what is found when it is known where the parts stand by then.
+    /// Records where the cell of a stop was given, for findings that need the places of the parts.
     fn remember(&mut self, target: &Argument, cell: ElectrodeCell) {
         let Some(origin) = &target.origin else { return };
         let known = self.origins.entry((target.span, cell)).or_insert_with(|| Some(origin.clone()));
@@ -243,7 +243,7 @@ impl BoardStepJudge<'_> {
         }
     }
 
-    /// Pushes what is wrong, if anything is, with the place where the value was given.
+    /// Reports a fault, if there is one, with the place where the value was given.
     fn unless(&mut self, wrong: Option<Diagnostic>, given: Option<&Argument>) -> Option<()> {
         match wrong {
             Some(diagnostic) => {

@@ -14,10 +14,10 @@ pub use board::facts;
 pub use places::{CellOrigins, places_agree};
 pub use tray::BoardScene;
 
-/// No more states are expanded where the task does not say.
+/// Greatest default of the limit of expanded states.
 const MOST_BY_DEFAULT: u64 = 64_000_000;
 
-/// States that the search of one step may expand where the task does not say: 16 million, and 2 more for each part and cell, at
+/// Default limit of expanded states in the search of one step: 16 million, and 2 more for each part and cell, at
 /// most 64 million.
 pub fn default_expansions(facts: &ElectrodeArrayFacts, parts: usize) -> u64 {
     let cells = u64::from(facts.columns) * u64::from(facts.rows);

@@ -12,13 +12,13 @@ use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity};
 use crate::real::Real;
 
-/// What may be lost in the arithmetic of a limit.
+/// Relative rounding error allowed in the comparison with a limit.
 const SLACK: f64 = 1e-9;
 
-/// Where an electrode pulls hardest, over the radius, if the device does not say.
+/// Distance of the greatest pull over the electrode radius, by default (figure 7 of the paper on microparts).
 const PEAK_AT_RADIUS: f64 = 1.0;
 
-/// Within which share of the pitch and of the greatest speed a part is at rest, if the device does not say.
+/// Share of the pitch and of the greatest speed within which a part counts as at rest, by default.
 const REST_SHARE: f64 = 0.02;
 
 /// Checks radius, gap, potential and step of a device against its own limits and forces.
@@ -67,7 +67,7 @@ fn forces(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) 
     Some(Forces::new(row, facts.pitch_um() / 1e6, peak_at_m, si(device, "permittivity"), friction))
 }
 
-/// Whether the potential moves a part: it must be what was measured or what the table asks for, and beat friction.
+/// Whether the potential moves a part: it must reach the measured least potential or the table's, and overcome friction.
 fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDevice, sink: &mut Sink) {
     let potential_v = facts.potential_v;
     let measured_v = si(device, "least_potential");
@@ -77,7 +77,7 @@ fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &Chec
     if is_enough && net_n.is_none_or(|net_n| net_n > 0.0) {
         return;
     }
-    // What is needed is at least what beats friction.
+    // The needed potential is at least the one that overcomes friction.
     let least_v = match forces.map(|forces| (forces, forces.net_n(needed_v))) {
         Some((forces, net_n)) if net_n <= 0.0 => forces.balance_v().map(|balance_v| balance_v * 1.001).map(rounded_up),
         _ => Some(rounded_up(needed_v)),

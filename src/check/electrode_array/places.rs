@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Where the cell of a stop was given, if a name stands for it; `None` if several names stand for it in several runs.
+/// Where the cell of a stop was given, if by a name; `None` if different names give it in several runs.
 pub type CellOrigins = BTreeMap<(Span, ElectrodeCell), Option<ValueOrigin>>;
 
 /// Where parts stand between the tasks of a schedule, as far as that is known before planning.
@@ -54,7 +54,7 @@ pub fn places_agree(jobs: &[Job], origins: &CellOrigins, sink: &mut Sink) {
     }
 }
 
-/// What is kept on the way through the runs of a schedule.
+/// State of the walk through the runs of a schedule.
 struct PartsWalk<'a> {
     origins: &'a CellOrigins,
     told: BTreeSet<Finding>,
@@ -69,7 +69,7 @@ impl PartsWalk<'_> {
     }
 }
 
-/// What tells one finding from another, however often a task runs: a place in the source and a cell.
+/// Identity of a finding, however often a task runs: a place in the source and a cell.
 type Finding = (Span, Option<ElectrodeCell>);
 
 /// A part that only one of two scenes has.
@@ -91,7 +91,7 @@ enum PartStand {
 /// A board between two steps.
 struct BoardWalk {
     parts: Arc<Vec<BoardPart>>,
-    /// Of the scene of the last run; all parts stand clear of them.
+    /// Obstacles of the scene of the last run; all parts are clear of them.
     obstacles: Arc<Vec<ElectrodeArrayObstacle>>,
     /// One for each part.
     stands: Vec<PartStand>,
@@ -137,7 +137,7 @@ impl BoardWalk {
         (0..self.stands.len()).for_each(|part| self.enter(part));
     }
 
-    /// What the parts stand too near to when a scene with other obstacles comes.
+    /// Obstacles that the parts are too near to when a scene with other obstacles comes.
     fn stands_clear(&self, job: &Job, order: &ElectrodeArrayOrder, walk: &mut PartsWalk) -> Vec<Diagnostic> {
         let cover = walk.cover(order);
         let mut found = Vec::new();
@@ -154,7 +154,7 @@ impl BoardWalk {
         found
     }
 
-    /// Judges a step, and moves its parts to their goals; what was told is not said again.
+    /// Checks a step, and moves its parts to their goals; findings are reported once.
     fn advance(
         &mut self,
         moves: &[ElectrodeArrayMove],

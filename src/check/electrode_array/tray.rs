@@ -58,7 +58,7 @@ fn judged_scene(
     judged(&scene.objects, device, facts, sink)
 }
 
-/// Of a part that was read: where it stands, with the place of that figure.
+/// A part that was read: its cell, and where that was given.
 struct StandingPart {
     part: BoardPart,
     at: Argument,
@@ -153,7 +153,7 @@ impl TrayReader<'_> {
         is_own
     }
 
-    /// What follows `at`.
+    /// The value after `at`.
     fn place(&mut self) -> Option<Argument> {
         let object = self.object;
         match &object.at {
@@ -165,7 +165,7 @@ impl TrayReader<'_> {
         }
     }
 
-    /// The whole cell of a place, which need not be one of the board.
+    /// The whole cell of a place, possibly off the board.
     fn whole_cell(&mut self, at: &Argument) -> Option<[i64; 2]> {
         let cell = whole_cell(&at.value);
         if cell.is_none() {
@@ -287,7 +287,7 @@ pub struct BlockedCell {
     pub span: Span,
 }
 
-/// What is said of a cell that is too near to an obstacle.
+/// Diagnostic for a cell that is too near to an obstacle.
 pub fn on_obstacle(
     place: &BlockedCell,
     obstacle: &ElectrodeArrayObstacle,
@@ -298,7 +298,7 @@ pub fn on_obstacle(
     errors::near_obstacle((place.code, place.span), place.cell, (&obstacle.name, obstacle.span), distance, free)
 }
 
-/// How far a centre is from an obstacle, and how far it has to be, in electrodes.
+/// Actual and required distance of a centre from an obstacle, in electrodes.
 pub fn distance_to(
     obstacle: &ElectrodeArrayObstacle,
     centre: ElectrodeCell,

@@ -1,6 +1,6 @@
 //! Electrode arrays: E0409 and on, E0505, E0515, E0521 and on.
 //!
-//! What is wrong with a device comes without labels: the caller puts them on the fields, of whichever file they are.
+//! Faults of a device come without labels: the caller puts them on the fields, of whichever file they are.
 
 use crate::check::value::Value;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
@@ -46,11 +46,11 @@ pub struct Balance {
     pub net: String,
     /// The net force at the needed potential.
     pub there: Option<String>,
-    /// What asks for more than that the net force be above 0, where it is above.
+    /// The source of a requirement beyond a net force above 0, if there is one.
     pub known_by: Option<&'static str>,
 }
 
-/// `least` is the potential that works, `most_friction` what works where no potential does.
+/// `least` is the potential that works, `most_friction` the friction that works where no potential does.
 pub fn potential_too_low(
     potential: &str,
     radius: &str,
@@ -360,7 +360,7 @@ pub fn merges_with_itself(span: Span, name: &str) -> Diagnostic {
         .help("name two droplets of the scene")
 }
 
-/// `hold` is where the device says that it does not hold its parts.
+/// `hold` is the field with which the device turns holding off.
 pub fn merges_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
     let diagnostic =
         Diagnostic::new(Code::E0529, "droplets merge on a device that holds them, this one has `hold: false`")

@@ -16,7 +16,7 @@ fn angle(rad: f64) -> String {
 
 /// A length of at most five digits for a message.
 fn length(um: f64) -> String {
-    // What rounding left of a difference is no length.
+    // A mere rounding difference is printed as 0.
     let um: f64 = if um.abs() < 1e-7 { 0.0 } else { format!("{um:.4e}").parse().unwrap_or(um) };
     Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
 }
@@ -299,7 +299,7 @@ pub fn turn_too_far(span: Span, asked_rad: f64) -> Diagnostic {
         .help("write several steps one below the other")
 }
 
-/// What whole steps are to reach.
+/// The goal of a number of whole steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AskedTurn {
     Orientation,

@@ -1,6 +1,6 @@
 //! Microrobots: E0416 and on, E0531 and on.
 //!
-//! What is wrong with a device comes without labels: the caller puts them on fields and cells, of whichever file they are.
+//! Faults of a device come without labels: the caller puts them on fields and cells, of whichever file they are.
 
 use super::{listed, meant};
 use crate::check::value::Value;
@@ -20,12 +20,12 @@ pub fn length(um: f64) -> String {
     Quantity::new(six_digits(um / 1e6), Dimension::LENGTH).to_string()
 }
 
-/// A length of three digits that is no more, for what falls short.
+/// A length of three digits rounded down, for values that fall short.
 fn at_most(um: f64) -> String {
     length(three_digits(um, f64::floor))
 }
 
-/// A length of three digits that is no less, for what is too much and for what mends.
+/// A length of three digits rounded up, for excessive values and for fixes.
 fn at_least(um: f64) -> String {
     length(three_digits(um, f64::ceil))
 }
@@ -35,7 +35,7 @@ fn three_digits(value: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
         return 0.0;
     }
     let scale = 10f64.whole_power(2 - value.common_logarithm().floor() as i32);
-    // What was lost in arithmetic is no reason for another digit.
+    // Rounding errors must not add another digit.
     let scaled = value * scale;
     let whole = if (scaled - scaled.round()).abs() < 1e-6 { scaled.round() } else { to_whole(scaled) };
     whole / scale
@@ -46,7 +46,7 @@ fn angle(rad: f64) -> String {
     Quantity::new(six_digits(rad.to_degrees()).to_radians(), Dimension::ANGLE).to_string()
 }
 
-/// What rounding left of a difference is no figure for a message.
+/// A mere rounding difference is printed as 0.
 fn six_digits(value: f64) -> f64 {
     if value.abs() < 1e-12 { 0.0 } else { format!("{value:.5e}").parse().unwrap_or(value) }
 }
@@ -60,7 +60,7 @@ pub fn too_many_cycles(fine: &str, cycles: f64, most: f64) -> Diagnostic {
     Diagnostic::new(Code::E0423, title).help("make `fine_length` shorter, or `fine_cycle` longer")
 }
 
-/// A pose as a program would say it.
+/// A pose in program syntax.
 pub fn pose_text(pose: &Pose) -> String {
     let Pose { x_um, y_um, heading_rad } = *pose;
     let heading = angle(heading_rad.rem_euclid(std::f64::consts::TAU));
@@ -132,7 +132,7 @@ pub fn release_above_snap_down(name: &str, release_v: f64, snap_down_v: f64) -> 
         .help("an arm that is down stays there until the voltage has fallen far below what lowered it")
 }
 
-/// A level that a voltage of the table has to keep away from.
+/// A level from which a voltage of the table must keep its distance.
 #[derive(Debug, Clone, Copy)]
 pub enum Limit {
     Hold { relax_v: f64, most_v: f64 },
@@ -142,7 +142,7 @@ pub enum Limit {
 }
 
 impl Limit {
-    /// What stands at the cell.
+    /// The label at the cell.
     pub fn label(self) -> String {
         match self {
             Limit::Hold { most_v, .. } | Limit::Range { most_v, .. } => format!("{} at most", volts(most_v)),
@@ -223,7 +223,7 @@ pub fn no_sequence((state, lowered): (usize, &[&str]), [levels, most]: [usize; 2
     ))
 }
 
-/// Labels of the voltages that lie too near: of the arm that has to be down, and of the one that has to be up.
+/// Labels of two voltages that are too near: of the arm that must be down, and of the one that must be up.
 pub fn gap_labels(column: &str, [down, up]: [&str; 2], gap_v: f64) -> [String; 2] {
     let gap = volts(gap_v.abs());
     let verb = if column == "release" { "is released" } else { "snaps down" };
@@ -241,7 +241,7 @@ pub fn too_many_states(most: usize) -> Diagnostic {
         .help("nested gaps multiply the states: give robots that are used alike rows with the same voltages")
 }
 
-/// `code` is that of the last fault that was told.
+/// `code` is that of the last fault that was reported.
 pub fn more_faults(code: Code, count: usize) -> Diagnostic {
     Diagnostic::new(code, format!("{count} more faults of this table")).help("mend the others first")
 }
@@ -292,7 +292,7 @@ pub fn robot_without_row(
     })
 }
 
-/// What a list leaves out.
+/// The rest of a shortened list.
 fn rest(count: usize, shown: usize) -> String {
     if count > shown { format!(" and {} more", count - shown) } else { String::new() }
 }
@@ -332,7 +332,7 @@ pub fn obstacle_without_place(span: Span, found: &Value) -> Diagnostic {
     .help("write `at (900 um, 2.5 mm)`, or `at pose(900 um, 2.5 mm, 30 deg)` for a turned shape")
 }
 
-/// A heading so large that its number does not say where it points.
+/// A heading so large that its direction is lost in rounding.
 pub fn heading_too_large(span: Span, most_deg: f64) -> Diagnostic {
     Diagnostic::new(Code::E0501, format!("a heading of more than {} deg", digits(most_deg)))
         .label(span, "so many turns cannot be told apart")
@@ -362,7 +362,7 @@ pub struct BlockedRobot<'a> {
     pub span: Span,
 }
 
-/// How far bodies lie apart, for a title: what is and what is needed.
+/// Actual and required distance of two bodies, for a title.
 fn shortage([gap_um, kept_um]: [f64; 2], other: &str) -> String {
     if gap_um > 0.0 {
         format!("lies {} from {other}, {} is needed", at_most(gap_um), length(kept_um))
@@ -556,7 +556,7 @@ pub fn docked_askew(goal: &GoalPlace, met: &GoalPlace, (angle_rad, most_rad): (f
         .help("a robot docks with its front: turn its goal towards the edge that it meets")
 }
 
-/// `asked` is what is asked of it: `driven`, `assembled`.
+/// `asked` is the participle of the verb: `driven`, `assembled`.
 pub fn docked_before(name: &str, (span, asked): (Span, &str), since: Span) -> Diagnostic {
     Diagnostic::new(Code::E0539, format!("`{name}` has docked by then, and does not move any more"))
         .label(span, format!("{asked} here"))

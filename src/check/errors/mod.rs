@@ -1,4 +1,4 @@
-//! What the checker says, one function for each finding.
+//! Diagnostics of the checker, one function for each finding.
 
 mod devices;
 mod electrode_array;

@@ -138,7 +138,7 @@ pub fn indexed_name(span: Span) -> Diagnostic {
         .help("declare it under a name of its own")
 }
 
-/// `at` is where it is asked for while it is being made out.
+/// `at` is where the value is used in its own evaluation.
 pub fn defined_by_itself((name, declared): (&str, Span), at: Span) -> Diagnostic {
     Diagnostic::new(Code::E0207, format!("`{name}` is defined by itself"))
         .label(at, format!("this needs `{name}` again"))

@@ -33,7 +33,7 @@ pub fn given_at(diagnostic: Diagnostic, argument: &Argument) -> Diagnostic {
     given_from(diagnostic, argument.span, argument.origin.as_ref())
 }
 
-/// The same of a value that is labelled already, by its span.
+/// As [`given_at`] for a value that is labelled already, by its span.
 pub fn given_from(diagnostic: Diagnostic, labelled: Span, origin: Option<&ValueOrigin>) -> Diagnostic {
     match origin {
         Some(origin) => diagnostic.label_elsewhere(origin.span, labelled, origin.text.clone()),

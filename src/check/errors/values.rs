@@ -8,12 +8,12 @@ use crate::quantity::{Dimension, Quantity, Unit, digits};
 use crate::source::Span;
 use crate::syntax::tree::Ident;
 
-/// What a field, an argument or a parameter is called in a message, and where it is declared.
+/// Name of a field, an argument or a parameter in messages, and where it is declared.
 #[derive(Debug, Clone)]
 pub struct WantedName {
     /// "`stroke` of device `bot`".
     pub name: String,
-    /// What it stands for, from its table; empty where there is none.
+    /// Its meaning, from its table; empty where there is none.
     pub doc: String,
     /// The declaration it belongs to.
     pub declared: Option<(Span, String)>,
@@ -140,7 +140,7 @@ pub fn bad_exponent(span: Span, found: &Value) -> Diagnostic {
         .help("a quantity with a unit is raised to whole powers only; `sqrt(x)` takes the square root")
 }
 
-/// Units as people say them, with the unit that is meant.
+/// Units as spelt out in words, with the symbol that is meant.
 const SPELT_OUT: [(&str, &str); 24] = [
     ("micron", "um"),
     ("microns", "um"),

@@ -12,21 +12,21 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// The most parts of one scene.
+/// Greatest number of parts in one scene.
 pub const MAX_PARTS: usize = 64;
 
-/// How many turns of a loop a part counts for each hand that meets it.
+/// Iterations of a loop charged for a part, for each hand that meets it.
 const PART_TURNS: usize = 4_000;
 
 /// A part of a scene.
 #[derive(Debug, Clone)]
 pub struct Lying {
-    /// `None` if something is wrong with it, which was said.
+    /// `None` if it has a fault, already reported.
     pub judged: Option<(Arc<crate::claims::fingers::HandPart>, f64)>,
     pub span: Span,
 }
 
-/// What a scene is to a hand.
+/// A scene as a hand uses it.
 #[derive(Debug, Clone, Default)]
 pub struct HandScene {
     pub parts: Rc<BTreeMap<String, Lying>>,
@@ -53,7 +53,7 @@ impl Checker<'_> {
     }
 }
 
-/// A scene of which nothing more is said.
+/// A scene with a fault that suppresses further findings.
 fn broken(scene: &CheckedScene) -> HandScene {
     let broken = scene.objects.iter().map(|object| (object.name.clone(), Lying { judged: None, span: object.span }));
     HandScene { parts: Rc::new(broken.collect()) }

@@ -11,7 +11,7 @@ use crate::syntax::tree::{Expr, Ident};
 use std::f64::consts::TAU;
 use std::rc::Rc;
 
-/// At how many angles a curve is worked out.
+/// Number of angles at which a curve is evaluated.
 pub const SAMPLES: usize = 1024;
 
 /// The name of the angle.

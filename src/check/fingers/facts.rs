@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 /// The fewest steps of one turn: 90 deg each.
 const MIN_STEPS_PER_TURN: u32 = 4;
 
-/// How far from a whole number of steps a full turn may be, in steps: what digits of a step leave out.
+/// Greatest deviation of a full turn from a whole number of steps, in steps: the rounding of a step that was written with few digits.
 const STEP_SLACK: f64 = 1e-4;
 
 /// The largest length of a hand: a metre.
@@ -20,16 +20,16 @@ const MAX_LENGTH_UM: f64 = 1e6;
 /// The smallest length that is planned with: an atom.
 const MIN_LENGTH_UM: f64 = 1e-4;
 
-/// The least force but none, and the largest: a femtonewton and a newton.
+/// Least non-zero and greatest force: a femtonewton and a newton.
 const FORCES_UN: [f64; 2] = [1e-9, 1e6];
 
 /// The slowest and the fastest tip.
 const SPEEDS_UM_PER_S: [f64; 2] = [1e-3, 1e9];
 
-/// The least friction coefficient and removal safety but none, and the largest.
+/// Least non-zero and greatest friction coefficient and removal safety.
 const RATIOS: [f64; 2] = [1e-6, 100.0];
 
-/// What is kept back while tips roll where the device does not say.
+/// Default share of the forces that is kept in reserve while tips roll.
 const DEFAULT_RESERVE: f64 = 0.02;
 
 /// The facts of a hand; `None` after an error.
@@ -65,7 +65,7 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<FingersFacts> {
     (sink.errors() == errors).then_some(facts)
 }
 
-/// How many steps make a full turn; `None` after an error.
+/// Number of steps in a full turn; `None` after an error.
 fn steps_per_turn(device: &CheckedDevice, sink: &mut Sink) -> Option<u32> {
     let step = device.fields.quantity("step")?;
     let steps = TAU / step.si;
@@ -94,7 +94,7 @@ fn gaiting_cost_deg(device: &CheckedDevice, sink: &mut Sink) -> Option<f64> {
     None
 }
 
-/// Tells what is wrong with a field, at its value; at the device where that value comes from elsewhere.
+/// Reports a fault of a field, at its value; at the device where that value comes from elsewhere.
 fn tell(device: &CheckedDevice, field: &str, wrong: crate::diagnostic::Diagnostic, label: &str, sink: &mut Sink) {
     let told = match device.fields.get(field) {
         Some(value) => wrong.label(value.span, label),
@@ -108,7 +108,7 @@ fn tell(device: &CheckedDevice, field: &str, wrong: crate::diagnostic::Diagnosti
     sink.push(told.label(device.span, "of this device"));
 }
 
-/// Reads figures and holds them against their limits.
+/// Reads figures and checks them against their limits.
 struct HandFigures<'a> {
     device: &'a CheckedDevice,
     sink: &'a mut Sink,

@@ -1,4 +1,4 @@
-//! Orientations in space: from what a program says of them, and by which turns of whole steps they are reached.
+//! Orientations in space: their values in a program, and the turns of whole steps that reach them.
 //!
 //! A turn of a part is about its own axis, so that turns in their order multiply from the left to the right.
 
@@ -8,10 +8,10 @@ use crate::real::Real;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// How far from 1 the length of a quaternion may be.
+/// Greatest deviation of a quaternion's length from 1.
 pub const NORM_SLACK: f64 = 1e-3;
 
-/// The most ways of one step that are searched.
+/// Greatest number of decompositions of one step that are searched.
 pub const MAX_WAYS: usize = 48;
 
 /// Below this the sine of the middle angle leaves only one turn to be made.
@@ -34,7 +34,7 @@ pub fn read([w, x, y, z]: [f64; 4]) -> Orientation {
     UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
 }
 
-/// As claims hold it: w, x, y, z with w not negative.
+/// The form used in claims: w, x, y, z with w not negative.
 pub fn written(orientation: &Orientation) -> [f64; 4] {
     let q = orientation.quaternion();
     let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
@@ -53,7 +53,7 @@ pub fn about_x(angle_rad: f64) -> Orientation {
     UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle_rad)
 }
 
-/// What some turns of whole steps do to a part.
+/// Orientation of a part after some turns of whole steps.
 pub fn after(turns: &[FingersTurn], part: &HandPart) -> Orientation {
     turns.iter().fold(UnitQuaternion::identity(), |reached, turn| {
         let step_rad = part.section(turn.plane).map_or(0.0, |section| section.step_rad);
@@ -61,7 +61,7 @@ pub fn after(turns: &[FingersTurn], part: &HandPart) -> Orientation {
     })
 }
 
-/// A way to an orientation, and by how much it misses.
+/// A decomposition into turns that reaches an orientation, and its error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TurnsToOrientation {
     pub turns: Vec<FingersTurn>,
@@ -71,11 +71,12 @@ pub struct TurnsToOrientation {
 /// For each of three angles: the short way or the long one, and the nearest number of steps or the next one.
 const CHOICES: u32 = 1 << 6;
 
-/// How much more than 360 deg a turn of whole steps may be, as a share.
+/// Share by which a turn of whole steps may exceed 360 deg.
 const FULL_SLACK: f64 = 1e-2;
 
 /// The ways of up to three turns of whole steps in alternating planes that come near a relative orientation: both solutions of its
-/// angles, with either plane first, each angle either way round, and by the nearest number of steps or the next one. None twice, those of less turning first, at most [`MAX_WAYS`].
+/// angles, with either plane first, each angle either way round, and by the nearest number of steps or the next one. None twice, those of
+/// less turning first, at most [`MAX_WAYS`].
 pub fn ways(goal: &Orientation, part: &HandPart) -> Vec<TurnsToOrientation> {
     let mut found: Vec<TurnsToOrientation> = Vec::new();
     for first in Plane::ALL {
@@ -100,7 +101,7 @@ fn effort(way: &TurnsToOrientation, part: &HandPart) -> f64 {
 
 /// The angles of three turns, the first and the last in one plane, the middle one in the other.
 fn decompositions(goal: &Orientation, first: Plane) -> Vec<[f64; 3]> {
-    // What is z, y, z in these coordinates is y, z, y in the part's own: x turned round, y and z exchanged.
+    // z, y, z in these coordinates is y, z, y in the part's own: x reversed, y and z exchanged.
     let swap = match first {
         Plane::Xy => UnitQuaternion::identity(),
         Plane::Xz => {
@@ -123,8 +124,8 @@ fn decompositions(goal: &Orientation, first: Plane) -> Vec<[f64; 3]> {
     vec![[a, b, c], [a + PI, -b, c + PI]]
 }
 
-/// Each angle as the nearest whole number of steps or the next one, the short way or the long one, by the bits of `choice`; `None` where that is no
-/// turn.
+/// Each angle as the nearest whole number of steps or the next one, the short way or the long one, by the bits of `choice`; `None` where
+/// that is no turn.
 fn whole_turns(angles: [f64; 3], choice: u32, first: Plane, part: &HandPart) -> Option<Vec<FingersTurn>> {
     let other = match first {
         Plane::Xy => Plane::Xz,

@@ -18,10 +18,10 @@ use std::f64::consts::PI;
 /// Places looked at for where an outline bends inwards most.
 const LOOKS: usize = 4096;
 
-/// What the acceleration of a falling body is defined to be: standard gravity, 3rd General Conference on Weights and Measures, 1901.
+/// Standard gravity by definition: 3rd General Conference on Weights and Measures, 1901.
 const STANDARD_GRAVITY_M_PER_S2: f64 = 9.806_65;
 
-/// A part with what a task needs besides.
+/// A part with the further data that a task needs.
 #[derive(Debug, Clone)]
 pub struct JudgedPart {
     pub part: HandPart,
@@ -53,7 +53,7 @@ impl PartReader<'_> {
             return None;
         }
         let position_um = self.position_um()?;
-        // What is impossible in itself was said where the shape was read.
+        // An impossible shape was already reported where it was read.
         let solid = solid::of(&shape.value, shape.span).ok()?;
         let xy = self.section(&solid.xy, Plane::Xy, shape.span)?;
         let xz = match &solid.xz {
@@ -202,7 +202,7 @@ pub fn junction_fault(part: &HandPart, facts: &FingersFacts) -> Option<String> {
     })
 }
 
-/// The stage axis that does not reach round a part, how far it would have to reach, and how far it does.
+/// The stage axis whose range does not suffice round a part, the required range, and the actual one.
 pub fn out_of_range(part: &HandPart, position_um: [f64; 3], facts: &FingersFacts) -> Option<(usize, f64, f64)> {
     let sections = std::iter::once(&part.xy).chain(&part.xz);
     let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());

@@ -1,4 +1,4 @@
-//! From the shapes of the language to outlines in the planes of a part, and to what is known of its inside.
+//! From the shapes of the language to outlines in the planes of a part, and to the known properties of its inside.
 
 use crate::check::errors;
 use crate::check::value::{ShapeValue, Value};
@@ -13,7 +13,7 @@ use crate::source::Span;
 use std::f64::consts::PI;
 use std::rc::Rc;
 
-/// What a shape is to a hand.
+/// A shape as a hand uses it.
 #[derive(Debug, Clone)]
 pub struct HandSolid {
     pub xy: Outline,
@@ -22,14 +22,14 @@ pub struct HandSolid {
     /// Its volume, where it is known, in cubic micrometres.
     pub volume_um3: Option<f64>,
     pub centre_um: [f64; 3],
-    /// How far it reaches from its origin, as far as that is known.
+    /// Its greatest distance from its origin, as far as known.
     pub reach_um: f64,
     pub density_kg_per_m3: Option<f64>,
-    /// Its surface, where the sections alone do not tell whether tips run into it.
+    /// Its surface, where the sections alone do not decide whether tips run into it.
     pub surface: Option<Rc<Mesh>>,
 }
 
-/// How far from a rectangle a section may be that is taken for one, as a share of it.
+/// Greatest relative deviation of a section from a rectangle as which it is treated.
 const SAME_SHARE: f64 = 1e-6;
 
 /// The radius of the corners of a rectangle of a mesh, as a share of half its lesser width: a tip stands in them by 0.2 % of that.
@@ -40,7 +40,7 @@ type Told<T> = Result<T, Box<Diagnostic>>;
 /// The solid of a shape that hands know; `span` is the whole shape.
 ///
 /// # Errors
-/// What makes it impossible.
+/// Why it is impossible.
 pub fn of(shape: &ShapeValue, span: Span) -> Told<HandSolid> {
     let density = shape.fields.get("material").and_then(|field| match &field.value {
         Value::Quantity(density) => Some(density.si),
@@ -166,7 +166,7 @@ fn log_gamma(x: f64) -> f64 {
     (x - 0.5) * x.natural_logarithm() - x + 0.5 * (2.0 * PI).natural_logarithm() + series - below
 }
 
-/// How far a superellipsoid reaches, by Lagrange's condition.
+/// Greatest distance of a superellipsoid from its origin, by Lagrange's condition.
 pub(super) fn super_reach(axes: [f64; 3], n: f64) -> f64 {
     let greatest = axes.into_iter().fold(0.0, f64::max);
     if n - 2.0 < 1e-3 {
@@ -269,7 +269,7 @@ fn rectangle(polygon: &[[f64; 2]]) -> Option<Outline> {
         .then_some(Outline::RoundedRectangle { half_um, radius_um: (CORNER_SHARE * least_um).max(MIN_UM) })
 }
 
-/// What is said of a section that cannot be followed.
+/// Diagnostic for a section whose outline cannot be sampled.
 fn told_of_polygon(fault: &OutlineError, at: &dyn Fn(String) -> Box<Diagnostic>) -> Box<Diagnostic> {
     let point = |[x, y]: [f64; 2]| format!("({} um, {} um)", digits(x), digits(y));
     at(match fault {
@@ -355,7 +355,7 @@ fn too_many(count: usize, span: Span) -> Diagnostic {
     errors::bad_shape(span, &what, "too many points", "take every tenth: a smooth curve is laid through them")
 }
 
-/// What is said of an outline that cannot be followed.
+/// Diagnostic for an outline that cannot be sampled.
 fn told(fault: &OutlineError, outline: &Outline, span: Span) -> Diagnostic {
     let point = |[x, y]: [f64; 2]| format!("({} um, {} um)", digits(x), digits(y));
     let place = |index: usize| match outline {

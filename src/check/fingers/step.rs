@@ -8,13 +8,13 @@ use crate::device::fingers::{FingersFacts, MAX_CONTACTS, MAX_STEPS_PER_TURN, Pla
 use crate::geometry::outline::Curve;
 use std::f64::consts::TAU;
 
-/// The fewest steps of one turn that are looked at.
+/// Fewest steps of one turn that are tried.
 const FEWEST: u32 = 4;
 
-/// The most values of `step` with which ways to an orientation are looked for.
+/// Greatest number of values of `step` with which decompositions of an orientation are sought.
 const MAX_TRIED: usize = 64;
 
-/// What whole steps are to reach.
+/// The goal of a number of whole steps.
 pub enum WantedTurn<'a> {
     /// These angles in these planes, in radians.
     Turns(&'a [(Plane, f64)]),

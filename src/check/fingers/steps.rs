@@ -1,4 +1,4 @@
-//! The steps of a task: what can be judged of them without knowing how the part is turned by then.
+//! The steps of a task: checks that do not depend on the part's orientation at that time.
 
 use super::bench::HandScene;
 use super::orientation;
@@ -18,16 +18,16 @@ use crate::source::Span;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Grasps that a search may expand where the task does not say.
+/// Default limit of grasps that a search may expand.
 pub const DEFAULT_EXPANSIONS: u64 = 200_000_000;
 
-/// How far from its goal a turn may end where the task does not say.
+/// Default tolerance of the end of a turn.
 const DEFAULT_PRECISION_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
 /// The largest `precision`: a turn that ends farther off is no such turn.
 const MAX_PRECISION_RAD: f64 = 90.0 * std::f64::consts::PI / 180.0;
 
-/// How much more than 360 deg one step may turn by rounding, in radians.
+/// Rounding allowed beyond 360 deg in one step, in radians.
 const FULL_TURN_SLACK: f64 = 1e-9;
 
 impl Checker<'_> {
@@ -56,7 +56,7 @@ impl Checker<'_> {
     }
 }
 
-/// How far from its goal a turn may end; `None` after an error.
+/// Tolerance of the end of a turn; `None` after an error.
 fn precision_rad(parts: &Parts, sink: &mut Sink) -> Option<f64> {
     let Some(setting) = parts.settings.get("precision") else { return Some(DEFAULT_PRECISION_RAD) };
     let Value::Quantity(angle) = setting.value else { return None };
@@ -189,7 +189,7 @@ impl HandStepJudge<'_> {
         let action = match &step.action {
             tasks::VocabularyAction::Wait(duration_ns) => FingersAction::Wait(*duration_ns),
             tasks::VocabularyAction::Verb(call) => self.call(call, planes)?,
-            // The kind has no goals at the same time, which was said.
+            // The kind has no simultaneous goals, already reported.
             tasks::VocabularyAction::Together(_) => return None,
         };
         Some(FingersStep { action, span: step.span })

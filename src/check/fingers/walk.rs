@@ -1,7 +1,7 @@
-//! How the part is turned, whether it is held, and where it is when a step begins: known before planning, as goals are fixed.
+//! Orientation, hold and place of the part when a step begins: known before planning, as goals are fixed.
 //!
-//! The runs of a schedule are walked in their order, and orientations become turns on the way. Where several ways lead to an
-//! orientation, each of them may have been taken, and what follows holds after every one.
+//! The runs of a schedule are walked in order, and orientations become turns. Where several decompositions lead to an
+//! orientation, each of them may have been taken, and the following checks hold after every one.
 
 use super::orientation::{self, MAX_WAYS, Orientation};
 use super::part;
@@ -22,20 +22,20 @@ const SAME_RAD: f64 = 1e-9;
 /// The share of a load in a plane that is more than rounding.
 const LEAST_SHARE: f64 = 1e-9;
 
-/// The most orientations that a part may have after a step.
+/// Greatest number of orientations that a part may have after a step.
 const MAX_REACHED: usize = 256;
 
-/// What stands for an orientation in the hand's frame until the runs are walked.
+/// Placeholder for an orientation in the hand's frame until the runs are walked.
 pub fn absolute(goal: [f64; 4]) -> FingersAction {
     FingersAction::Orient { goal, turns: Vec::new(), left_out_steps: None }
 }
 
-/// What stands for an orientation relative to where the part is until the runs are walked: with one way that does nothing.
+/// Placeholder for an orientation relative to the part's present one until the runs are walked: with one decomposition without turns.
 pub fn relative(goal: Orientation) -> FingersAction {
     FingersAction::Orient { goal: orientation::written(&goal), turns: vec![Vec::new()], left_out_steps: None }
 }
 
-/// What a schedule asks of each hand and its part, run after run.
+/// Checks the demands of a schedule on each hand and its part, run after run.
 pub fn hands_agree(jobs: &mut [Job], sink: &mut Sink) {
     let mut hands: BTreeMap<String, HandWalk> = BTreeMap::new();
     for job in jobs {
@@ -98,7 +98,7 @@ impl HandWalk {
         }
     }
 
-    /// Whether a part of another scene is the one that the hand has turned so far.
+    /// Whether a part of another scene is the one that the hand has turned before.
     fn is_alike(&self, part: &Arc<HandPart>) -> bool {
         let own = &self.part;
         Arc::ptr_eq(own, part) || (own.name == part.name && own.xy == part.xy && own.xz == part.xz)
@@ -163,8 +163,8 @@ impl HandWalk {
         Ok(())
     }
 
-    /// The ways to an orientation that reach it from wherever the part may be, and how many steps those turn at least that are too many
-    /// to be searched.
+    /// The decompositions that reach an orientation from every possible present one; and, if these are too many to be searched,
+    /// a lower bound on the steps of the ones left out.
     fn orient(
         &mut self,
         (asked, goal): (errors::AskedTurn, &Orientation),

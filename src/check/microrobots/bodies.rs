@@ -1,4 +1,4 @@
-//! Bodies of robots, and obstacles: how far they lie from each other.
+//! Bodies of robots, and obstacles: their distances from each other.
 
 use crate::claims::microrobots::MicrorobotsObstacle;
 use crate::device::microrobots::Robot;
@@ -6,7 +6,7 @@ use crate::geometry::{Core, Pose, Rounded, distance};
 use crate::real::Real;
 use nalgebra::{Point2, Vector2};
 
-/// What may be lost in the arithmetic of a distance, in micrometres.
+/// Rounding allowed in a distance, in micrometres.
 pub const SLACK_UM: f64 = 1e-6;
 
 /// The body of a robot at a pose: a rectangle about the pose's place, its long side along the heading.
@@ -39,7 +39,7 @@ impl RobotBody {
         })
     }
 
-    /// How far it lies from another body; negative is the depth of the overlap, the least way out of it.
+    /// Distance from another body; a negative one is the depth of the overlap, the least shift that separates them.
     pub fn gap_um(&self, other: &RobotBody) -> f64 {
         let depth_um = self.way_out(other).map_or(0.0, |way| way.norm());
         if depth_um > 0.0 { -depth_um } else { self.way_to(other).norm() }
@@ -63,7 +63,7 @@ impl RobotBody {
         of_other.into_iter().chain(own).reduce(shorter).filter(|_| !lies_apart)
     }
 
-    /// How far its nearest corner lies beyond a line; negative where it reaches across.
+    /// Distance of its nearest corner beyond a line; negative where it reaches across.
     pub fn beyond_um(&self, normal: Vector2<f64>, at: Point2<f64>) -> f64 {
         self.corners.iter().map(|corner| (corner - at).dot(&normal)).fold(f64::INFINITY, f64::min)
     }
@@ -91,7 +91,7 @@ pub struct ObstacleSolid {
 }
 
 impl ObstacleSolid {
-    /// `None` for a shape that cannot be placed, which the scene has been told of.
+    /// `None` for a shape that cannot be placed, already reported for the scene.
     pub fn of(obstacle: &MicrorobotsObstacle) -> Option<ObstacleSolid> {
         let body = obstacle.shape.grown(&obstacle.pose, 0.0).ok()?;
         let corners = match &body.core {
@@ -106,7 +106,7 @@ impl ObstacleSolid {
         Some(ObstacleSolid { body, centre, reach_um })
     }
 
-    /// How far a robot's body lies from it; no more than 0 where they touch. Only exact up to `enough_um`.
+    /// Distance of a robot's body from it; at most 0 where they touch. Only exact up to `enough_um`.
     pub fn gap_um(&self, body: &RobotBody, enough_um: f64) -> f64 {
         let least_um = (self.centre - body.centre).norm() - self.reach_um - body.reach_um;
         if least_um > enough_um {
@@ -116,7 +116,7 @@ impl ObstacleSolid {
     }
 }
 
-/// Whether a gap is less than what is to be kept; bodies that touch are always too near.
+/// Whether a gap is less than required; bodies that touch are always too near.
 pub fn is_too_near(gap_um: f64, kept_um: f64) -> bool {
     gap_um < kept_um - SLACK_UM || gap_um <= SLACK_UM
 }

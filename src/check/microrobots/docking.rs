@@ -13,7 +13,7 @@ use crate::source::Span;
 use nalgebra::{Point2, Vector2};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// What may be lost in the arithmetic of an angle.
+/// Rounding allowed in an angle.
 const SLACK_RAD: f64 = 1e-9;
 
 /// A robot at its goal.
@@ -81,7 +81,7 @@ impl HeadOn {
     }
 }
 
-/// Whether a body lies before the front of another, but for what docked bodies may overlap.
+/// Whether a body lies before the front of another, except for the overlap that docking permits.
 fn lies_before(body: &RobotBody, other: &RobotBody, docking: &Docking) -> bool {
     let [(normal, at), ..] = other.sides();
     body.beyond_um(normal, at) >= -docking.tolerance_um - SLACK_UM
@@ -100,30 +100,30 @@ pub fn sticks(one: &Docked, met: &Docked, docking: &Docking) -> bool {
     touches(one, met, docking) && incidence_rad(one, met, docking) <= docking.sticking_rad + SLACK_RAD
 }
 
-/// What is wrong with one goal of an assembly.
+/// Why a goal of an assembly does not fit.
 pub enum GoalMisfit<'a> {
-    /// It overlaps another goal, by so much.
+    /// It overlaps another goal, by this depth.
     Overlaps { other: Docked<'a>, depth_um: f64 },
-    /// It is so far from what it could dock with.
+    /// It is this far from anything that it could dock with.
     Apart { nearest: Docked<'a>, gap_um: f64 },
     /// The first two do not meet head on.
     NotHeadOn { other: Docked<'a>, meeting: HeadOn },
-    /// It meets what it docks with at too great an angle.
+    /// It meets its partner at too great an angle.
     Slips { met: Docked<'a>, angle_rad: f64 },
 }
 
-/// What a robot docks with.
+/// The partner of a docking.
 #[derive(Debug, Clone, Copy)]
 pub enum Partner<'a> {
     /// Nothing yet: it is the first of a new structure.
     Nothing,
-    /// The first of a new structure, which it has to meet head on.
+    /// The first of a new structure, which it must meet head on.
     First(&'a Docked<'a>),
     /// Any robot that has docked.
     Structure,
 }
 
-/// What is wrong with a goal, given those that are docked by then.
+/// Why a goal does not fit, given those docked before it.
 pub fn misfit<'a>(
     one: &Docked,
     before: &[Docked<'a>],
@@ -155,7 +155,7 @@ pub fn misfit<'a>(
     }
 }
 
-/// The nearest pose of the same heading at which a body neither overlaps what it docks with nor lies apart from it.
+/// The nearest pose of the same heading at which a body neither overlaps its partner nor is apart from it.
 pub fn mended(one: &Docked, other: &Docked, accepts: impl Fn(&Docked) -> bool) -> Option<Pose> {
     let body = one.body();
     let way = body.way_out(&other.body()).unwrap_or_else(|| body.way_to(&other.body()));
@@ -169,7 +169,7 @@ pub fn mended(one: &Docked, other: &Docked, accepts: impl Fn(&Docked) -> bool) -
     candidates.into_iter().find(|pose| accepts(&Docked { pose: *pose, ..*one }))
 }
 
-/// What is said of a goal that does not fit.
+/// Diagnostic for a goal that does not fit.
 pub fn told(one: &Docked, before: &[Docked], partner: Partner, misfit: &GoalMisfit, docking: &Docking) -> Diagnostic {
     let place = |docked: &Docked| errors::GoalPlace { robot: docked.facts.name.clone(), span: docked.span };
     let fits = |moved: &Docked| self::misfit(moved, before, partner, docking).is_none();

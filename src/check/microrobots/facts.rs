@@ -1,4 +1,4 @@
-//! The facts of a bed: its table, its levels, how robots meet, and how far figures may be off.
+//! The facts of a bed: its table, its levels, how robots meet, and bounds of errors.
 
 use super::table::RobotTable;
 use super::{CheckedBed, validity};
@@ -14,10 +14,10 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
-/// The fields that bound what robots and measurements depart from their figures.
+/// The fields that bound errors of robots and measurements.
 const ERROR_FIELDS: [&str; 5] = ["speed_error", "turning_error", "place_error", "heading_error", "replan_interval"];
 
-/// The most cycles of a fine motion.
+/// Greatest number of cycles in a fine motion.
 const MAX_CYCLES: f64 = 2_000.0;
 
 /// The facts of a device and the control states of its bed; `None` after an error.
@@ -148,10 +148,10 @@ fn errors_of(device: &CheckedDevice, sink: &mut Sink) -> Option<Option<Errors>> 
     }))
 }
 
-/// The least length of a body or of its circle, in micrometres: below it a unit has slipped.
+/// Least length of a body or of its circle, in micrometres: a smaller one is a mistaken unit.
 const LEAST_BODY_UM: f64 = 0.1;
 
-/// The least that a stroke carries a robot, in micrometres; planners and the verifier count strokes.
+/// Least length of a stroke, in micrometres; planners and the verifier count strokes.
 const LEAST_STROKE_UM: f64 = 1e-5;
 
 /// The longest fine motion, in micrometres: some bodies, as its cycles are walked one by one.
@@ -161,7 +161,7 @@ const MAX_FINE_UM: f64 = 1_000.0;
 const MAX_ERRORS: [(&str, f64); 4] =
     [("speed_error", 1.0), ("turning_error", 2e3 * PI), ("place_error", 1e-3), ("heading_error", PI)];
 
-/// A bound beyond which errors say nothing, and a fine motion that is no fine motion, are a slip of the unit.
+/// An error bound that bounds nothing, or an endless fine motion, is a mistaken unit.
 fn figures_have_sense(device: &CheckedDevice, sink: &mut Sink) {
     let most = MAX_ERRORS.into_iter().chain([("fine_length", MAX_FINE_UM / 1e6)]);
     for (name, most_si) in most {
@@ -171,7 +171,7 @@ fn figures_have_sense(device: &CheckedDevice, sink: &mut Sink) {
     }
 }
 
-/// Lengths beyond what geometry counts exactly are a slip of the unit.
+/// Lengths beyond the range of exact geometry are a mistaken unit.
 fn bodies_are_countable(facts: &MicrorobotsFacts, table: &RobotTable, device: &CheckedDevice, sink: &mut Sink) {
     let mut of_device = BTreeMap::new();
     for (row, robot) in facts.robots.iter().enumerate() {
@@ -225,7 +225,7 @@ fn levels_in_order(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut 
     (sink.errors() == errors).then_some(())
 }
 
-/// A robot meets what it docks with by its front: docking angles are below a right angle.
+/// A robot meets its partner with its front: docking angles are below a right angle.
 fn meets_forwards(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut Sink) {
     let angles =
         [("self_aligning_angle", facts.docking.self_aligning_rad), ("sticking_angle", facts.docking.sticking_rad)];

@@ -1,4 +1,4 @@
-//! The steps of a task: what can be judged of them without knowing where the robots stand by then.
+//! The steps of a task: checks that do not depend on the robots' places at that time.
 
 use super::bodies::{ObstacleSolid, RobotBody};
 use super::ground::{BedScene, first_near, is_near};
@@ -22,13 +22,13 @@ use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// How far from its goal a robot may end where the task does not say.
+/// Default tolerance of a goal.
 const DEFAULT_PRECISION: Precision = Precision { place_um: 0.5, heading_rad: 0.5 * std::f64::consts::PI / 180.0 };
 
-/// How far one `apply` carries a robot at most: on longer ways rounding takes more than the verifier grants.
+/// Greatest distance of one `apply`: on longer paths rounding exceeds the tolerance of the verifier.
 const MAX_APPLIED_UM: f64 = 1e8;
 
-/// Where the pose of a goal was given, if a name stands for it; `None` if several names stand for it in several runs.
+/// Where the pose of a goal was given, if by a name; `None` if different names give it in several runs.
 pub type PoseOrigins = BTreeMap<Span, Option<ValueOrigin>>;
 
 impl Checker<'_> {
@@ -60,7 +60,7 @@ fn assurance(settings: &Accepted) -> Assurance {
     if settings.is_set("guaranteed") { Assurance::Demanded } else { Assurance::Told }
 }
 
-/// How near goals are met; a robot ends no nearer than half a stroke.
+/// Tolerance of goals; a robot ends no nearer than half a stroke.
 fn precision(settings: &Accepted, bed: &CheckedBed, ground: &BedScene, sink: &mut Sink) -> Option<Precision> {
     let given = |name: &str| match settings.get(name).map(|setting| &setting.value) {
         Some(Value::Quantity(quantity)) => Ok(Some(*quantity)),
@@ -102,7 +102,7 @@ impl BedStepJudge<'_> {
         let action = match &step.action {
             tasks::VocabularyAction::Wait(duration_ns) => MicrorobotsAction::Wait(*duration_ns),
             tasks::VocabularyAction::Verb(call) => self.call(call)?,
-            // The kind has no goals at the same time, which was said.
+            // The kind has no simultaneous goals, already reported.
             tasks::VocabularyAction::Together(_) => return None,
         };
         Some(MicrorobotsStep { action, span: step.span })
@@ -126,7 +126,7 @@ impl BedStepJudge<'_> {
         Some(MicrorobotsAction::Apply { state: state?, duration_ns })
     }
 
-    /// The robot that so many strokes carry the farthest, if that is too far.
+    /// The robot that this number of strokes carries farthest, if that is too far.
     fn too_far(&self, duration_ns: u64, span: Span) -> Option<Diagnostic> {
         let facts = &self.bed.facts;
         let robots = self.ground.robots.iter().map(|placed| &facts.robots[placed.row]);
@@ -199,7 +199,7 @@ impl BedStepJudge<'_> {
         placed.map_or("", |placed| self.bed.facts.robots[placed.row].name.as_str())
     }
 
-    /// The robot that an argument names; without a diagnostic if what is wrong with that robot was said.
+    /// The robot that an argument names; without a diagnostic if the fault of that robot was already reported.
     fn robot(&mut self, argument: &Argument) -> Option<usize> {
         let Value::Object(object) = &argument.value else { return None };
         if let Some(known) = self.ground.names.get(&object.name) {
@@ -245,7 +245,7 @@ impl BedStepJudge<'_> {
         Some(errors::robot_near_obstacle(&what, obstacle, (gap_um, kept_um), free))
     }
 
-    /// Where the pose of a stop was given, for what is found when it is known what has docked by then.
+    /// Records where the pose of a stop was given, for findings that need the docked robots.
     fn remember(&mut self, target: &Argument) {
         let Some(origin) = &target.origin else { return };
         let known = self.origins.entry(target.span).or_insert_with(|| Some(origin.clone()));
@@ -254,7 +254,7 @@ impl BedStepJudge<'_> {
         }
     }
 
-    /// Pushes what is wrong, if anything is, with the place where the value was given.
+    /// Reports a fault, if there is one, with the place where the value was given.
     fn unless(&mut self, wrong: Option<Diagnostic>, given: Option<&Argument>) -> Option<()> {
         match wrong {
             Some(diagnostic) => {
@@ -279,7 +279,7 @@ fn digits(word: ModuleWord) -> String {
     (0..word.width).rev().map(|at| if word.bits >> at & 1 == 1 { '1' } else { '0' }).collect()
 }
 
-/// How many rings of places round a pose are searched for a better one, and how many places each has.
+/// Number of rings of places round a pose that are searched for a better one, and of places on each.
 const RINGS: [u32; 2] = [60, 24];
 
 /// The nearest pose with the same heading, a whole number of micrometres away in rings that widen, that is as asked.

@@ -215,7 +215,7 @@ fn starts(standing: &[StandingRobot], obstacles: &[MicrorobotsObstacle], facts: 
     }
 }
 
-/// The first obstacle that a body lies too near to, and how far it lies from it.
+/// The first obstacle that a body is too near to, and its distance.
 pub fn first_near<'o>(
     body: &RobotBody,
     obstacles: &'o [MicrorobotsObstacle],

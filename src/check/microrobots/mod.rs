@@ -1,4 +1,4 @@
-//! Is this bed possible, what can its voltage reach, is this scene possible for it, are these goals?
+//! Checks of beds, of the reach of their voltages, of scenes and of goals.
 
 mod bodies;
 mod docking;
@@ -19,7 +19,7 @@ pub use walk::beds_agree;
 use crate::device::microrobots::{ControlState, MicrorobotsFacts};
 use std::sync::Arc;
 
-/// Ways that the search of one step may expand where the task does not say.
+/// Default limit of expansions in the search of one step.
 pub const DEFAULT_EXPANSIONS: u64 = 200_000;
 
 /// A bed: its facts, and the control states that its voltage can reach.

@@ -5,7 +5,7 @@ use crate::check::value::{TableValue, Value};
 use crate::quantity::Quantity;
 use crate::source::{Span, Spanned};
 
-/// The field `robots` of a device; its columns and cells were held against the vocabulary.
+/// The field `robots` of a device; its columns and cells were checked against the vocabulary.
 #[derive(Clone, Copy)]
 pub struct RobotTable<'a> {
     value: &'a TableValue,
@@ -14,7 +14,7 @@ pub struct RobotTable<'a> {
 }
 
 impl<'a> RobotTable<'a> {
-    /// `None` where a cell is unknown, which was said.
+    /// `None` if a cell is unknown, already reported.
     pub fn of(device: &'a CheckedDevice) -> Option<RobotTable<'a>> {
         let field = device.fields.get("robots")?;
         let Value::Table(value) = &field.value else { return None };
@@ -22,7 +22,7 @@ impl<'a> RobotTable<'a> {
         is_known.then_some(RobotTable { value, span: field.span })
     }
 
-    /// How many rows it has.
+    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.value.rows.len()
     }

@@ -1,4 +1,4 @@
-//! Each check just inside and just outside, and what an order says.
+//! Each check just inside and just outside its limit, and the content of orders.
 
 use super::bodies::{ObstacleSolid, RobotBody};
 use super::docking::{Docked, HeadOn, incidence_rad};
@@ -19,7 +19,7 @@ impl Library for Nothing {
     }
 }
 
-/// What is checked, the codes, and each help.
+/// The checked program, the codes, and each help.
 fn told(text: &str) -> (Option<Checked>, Vec<String>, Vec<String>) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let text = format!("use std.microrobots as m\n{text}");
@@ -218,7 +218,7 @@ fn little_slack_is_told_once_for_each_state() {
     rows(&[[110.0, 20.0], [114.38, 20.0]], &["W0403"]);
     rows(&[[110.0, 20.0], [114.38, 20.0], [118.76, 20.0]], &["W0403", "W0403"]);
     let many: Vec<[f64; 2]> = (0..12).map(|row| [106.0 + 4.1 * f64::from(row), 20.0]).collect();
-    // Eleven states that tell two neighbours apart: eight by name, and the rest.
+    // Eleven states that separate two neighbours: eight by name, and the rest.
     rows(&many, &["W0403"; 9]);
 }
 
@@ -396,7 +396,7 @@ fn a_later_assembly_docks_with_the_structure_or_begins_another() {
     both("drive D2 to pose(2069.9 um, 3 mm, 90 deg)", &["E0502"]);
 }
 
-/// What stands in an orbit about a start may be driven away first: that is a matter of the plan.
+/// A robot in an orbit about a start pose may be driven away first: that is up to the planner.
 #[test]
 fn what_stands_in_an_orbit_is_no_error_of_the_program() {
     let goal = "D4 to pose(165 um, 300 um, 90 deg), D3 to pose(165 um, 560 um, 270 deg)";

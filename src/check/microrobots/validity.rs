@@ -1,4 +1,4 @@
-//! What the relays of a table allow, and what is said where they do not.
+//! Validity of a table's relays, and the diagnostics of its faults.
 
 use super::facts::{at, told};
 use super::relays::{self, AllowedGaps, Analysis, Mend, Problem, RelayRow, Source, TableFault, Transition};
@@ -10,13 +10,13 @@ use crate::device::microrobots::{Arm, ControlState, MAX_LEVELS, MicrorobotsFacts
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::Span;
 
-/// The most levels of a control cycle where the device does not say.
+/// Default of the greatest number of levels in a control cycle.
 const DEFAULT_LEVELS: usize = 8;
 
-/// Below this share of the margin the slack of a control state is told.
+/// A control state with a slack below this share of the margin gets a warning.
 const SMALL_SLACK: f64 = 0.1;
 
-/// The most control states whose slack is told one by one.
+/// Greatest number of control states with a warning of their own.
 const MAX_WARNINGS: usize = 8;
 
 /// The control states of a bed; `None` after an error.
@@ -57,7 +57,7 @@ fn gaps(device: &CheckedDevice) -> AllowedGaps {
     if device.fields.is_set("non_string") { AllowedGaps::Any } else { AllowedGaps::String }
 }
 
-/// Says what is wrong with a table, at the rows that it is about.
+/// Reports the faults of a table, at the rows concerned.
 struct TableJudge<'a> {
     facts: &'a MicrorobotsFacts,
     table: &'a RobotTable<'a>,
@@ -199,7 +199,7 @@ impl TableJudge<'_> {
         (errors::voltage_out_of_limit(&robot.name, found_v, limit, self.facts.margin_v), labels)
     }
 
-    /// The two cells that a state would have to tell apart by one voltage.
+    /// The two cells that a state would need to separate by one voltage.
     fn gap(&self, gap: relays::RowGap, transition: Transition) -> Labels {
         let (down, up) = (self.name(gap.down), self.name(gap.up));
         let [low, high] = errors::gap_labels(column(transition), [down, up], gap.gap_v);

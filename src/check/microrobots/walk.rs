@@ -1,6 +1,6 @@
-//! What has docked when a step begins: goals of assemblies are fixed, so that this is known before planning.
+//! The docked robots when a step begins: goals of assemblies are fixed, so that these are known before planning.
 //!
-//! The runs of a schedule are walked in their order. Where robots stand that have not docked is a matter of the plan.
+//! The runs of a schedule are walked in order. The places of other robots depend on the plan.
 
 use super::bodies::{ObstacleSolid, RobotBody, is_too_near};
 use super::docking::{self, Docked, Partner};
@@ -17,7 +17,7 @@ use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// What a schedule asks of robots that have docked.
+/// Checks the demands of a schedule on docked robots.
 pub fn beds_agree(jobs: &[Job], origins: &PoseOrigins, sink: &mut Sink) {
     let mut beds: BTreeMap<&str, BedWalk> = BTreeMap::new();
     for job in jobs {
@@ -42,9 +42,9 @@ pub fn beds_agree(jobs: &[Job], origins: &PoseOrigins, sink: &mut Sink) {
 
 /// A bed between two steps.
 struct BedWalk {
-    /// As the first scene puts them.
+    /// Start poses of the first scene.
     robots: Arc<Vec<Placed>>,
-    /// Of the scene of the last run.
+    /// Obstacles of the scene of the last run.
     obstacles: Arc<Vec<MicrorobotsObstacle>>,
     /// Where robots have docked, by their index.
     docked: BTreeMap<usize, MicrorobotsStop>,
@@ -79,7 +79,7 @@ impl BedWalk {
         })
     }
 
-    /// Judges a step, and docks what it assembles.
+    /// Checks a step, and docks the robots that it assembles.
     fn advance(&mut self, action: &MicrorobotsAction, span: Span, order: &MicrorobotsOrder) -> Vec<Diagnostic> {
         match action {
             MicrorobotsAction::Wait(_) | MicrorobotsAction::Apply { .. } => Vec::new(),
@@ -152,7 +152,7 @@ fn ranks(order: &MicrorobotsOrder) -> Option<Vec<usize>> {
     is_chain.then(|| lowered.iter().map(|lowered| order.states.len() - lowered).collect())
 }
 
-/// What is wrong with goals that are taken in this order.
+/// Fault of goals that are taken in this order.
 fn in_this_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> Option<Diagnostic> {
     let mut before = structure.to_vec();
     for (at, goal) in goals.iter().enumerate() {
@@ -165,7 +165,7 @@ fn in_this_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> O
     None
 }
 
-/// What the goal at an index docks with: the first two begin a structure of their own, unless the first one touches another.
+/// Docking partner of the goal at an index: the first two begin a structure of their own, unless the first one touches another.
 fn partner<'a>(structure: &[Docked], goals: &'a [Docked<'a>], at: usize, docking: &Docking) -> Partner<'a> {
     let first = &goals[0];
     let is_new = structure.iter().all(|docked| !docking::touches(first, docked, docking));
@@ -176,7 +176,7 @@ fn partner<'a>(structure: &[Docked], goals: &'a [Docked<'a>], at: usize, docking
     }
 }
 
-/// What is wrong with goals whatever the order in which they are taken: of all orders, in the one that goes furthest.
+/// Fault of goals in every possible order: that of the order that gets furthest.
 fn in_any_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> Option<Diagnostic> {
     let pairs = Pairs::of(structure, goals, docking);
     let orders = (0..goals.len()).map(|first| pairs.order(first));
@@ -187,7 +187,7 @@ fn in_any_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> Op
 
 /// How goals fit to each other and to a structure, each pair looked at once.
 struct Pairs {
-    /// For each goal what it may dock with: goals, then the structure. `None` where the two overlap.
+    /// For each goal its possible partners: goals, then the structure. `None` where the two overlap.
     fits: Vec<Vec<Option<Fit>>>,
     goals: usize,
 }
@@ -215,7 +215,7 @@ impl Pairs {
         Pairs { fits, goals: goals.len() }
     }
 
-    /// The goals in an order that begins with one of them and takes the next that fits as long as there is one, and how many fit.
+    /// The goals in an order that begins with one of them and takes the next that fits as long as there is one, and the number that fit.
     fn order(&self, first: usize) -> (Vec<usize>, usize) {
         let structure = self.goals..self.fits[first].len();
         let is_new = structure.clone().all(|docked| !self.fits[first][docked].is_some_and(|fit| fit.touches));

@@ -1,4 +1,4 @@
-//! What is told of a hand: its figures, and the contacts of the parts that its tasks turn.
+//! Report on a hand: its figures, and the contacts of the parts that its tasks turn.
 
 use super::program::length;
 use crate::claims::{Claims, Order};

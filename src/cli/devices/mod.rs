@@ -1,4 +1,4 @@
-//! `tweeze devices`: the kinds, what one of them offers, the devices of a program, and tables that a lab might build.
+//! `tweeze devices`: the kinds, the vocabulary of one of them, the devices of a program, and suggested voltage tables.
 
 mod beds;
 mod hands;

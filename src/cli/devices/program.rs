@@ -1,4 +1,4 @@
-//! The devices of a program, with what follows from their figures.
+//! The devices of a program, with all derived figures.
 
 use super::{beds, hands};
 use crate::check::Options;
@@ -14,7 +14,7 @@ use crate::quantity::{Dimension, Quantity};
 use crate::source::Sources;
 use std::path::Path;
 
-/// Checks a program and tells of each of its devices.
+/// Checks a program and reports each of its devices.
 pub fn run(file: &Path, arguments: &DevicesArguments) -> Exit {
     let options = Options { settings: arguments.settings.set.clone(), only: None };
     let loaded = match Loaded::read(file, options, &arguments.report) {

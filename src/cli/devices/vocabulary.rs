@@ -58,7 +58,7 @@ pub fn page(vocabulary: &'static Vocabulary) -> String {
     page.text
 }
 
-/// A page of sections, each a list of terms and what they mean.
+/// A page of sections, each a list of terms and their meanings.
 #[derive(Default)]
 struct Page {
     text: String,
@@ -93,7 +93,7 @@ impl Page {
     }
 }
 
-/// A text in lines of at most so many characters, broken at blanks.
+/// Wraps a text to lines of at most `width` characters, broken at blanks.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ') {

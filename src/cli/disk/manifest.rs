@@ -14,13 +14,13 @@ use std::path::{Component, Path, PathBuf};
 /// The name of the hidden file.
 pub const NAME: &str = ".tweeze.json";
 
-/// By the name of each file, what it was built from.
+/// Maps the name of each file to the program it was built from.
 #[derive(Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Manifest {
     files: BTreeMap<String, ProgramId>,
 }
 
-/// A program, told apart by its place. The place is hashed: a folder that is handed on tells nothing of the machine.
+/// A program, identified by its place. The place is hashed: a folder that is passed on reveals nothing about the machine.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct ProgramId {
     /// The program's file without its folder, for messages.
@@ -62,7 +62,7 @@ impl Manifest {
         Ok(self.files != before)
     }
 
-    /// As it is written.
+    /// Its serialised form.
     pub fn bytes(&self) -> Vec<u8> {
         let mut bytes = serde_json::to_vec_pretty(self).expect("names are JSON");
         bytes.push(b'\n');
@@ -73,7 +73,7 @@ impl Manifest {
 impl ProgramId {
     fn of(folder: &Path, program: &Path) -> ProgramId {
         let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        // Both exist by now; where the system cannot tell their places, the words of the user stand for them.
+        // Both exist by now; where the system cannot resolve their places, the paths as typed are used.
         let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let way = way_to(&whole(folder), &whole(program));
         let digest = Sha256::digest(way.to_string_lossy().replace('\\', "/").as_bytes());

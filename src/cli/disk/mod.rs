@@ -29,7 +29,7 @@ pub fn read_program(path: &Path) -> Result<String, Box<Diagnostic>> {
     })
 }
 
-/// Reads a file of at most so many bytes.
+/// Reads a file of at most `limit` bytes.
 ///
 /// # Errors
 /// A diagnostic: the file cannot be read or is too large.
@@ -47,7 +47,7 @@ pub fn read_bytes(path: &Path, limit: usize) -> Result<Vec<u8>, Box<Diagnostic>>
     Ok(bytes)
 }
 
-/// What a set of files is written for.
+/// Target of a set of files.
 pub struct Destination<'a> {
     pub folder: &'a Path,
     /// The program that the files are built from.
@@ -56,8 +56,8 @@ pub struct Destination<'a> {
     pub force: bool,
 }
 
-/// Writes a set of files into a folder: all of them, or none; see [`commit`] for what a kill leaves. Files that another program was
-/// built to are only replaced where that is asked for.
+/// Writes a set of files into a folder: all of them, or none; see [`commit`] for the effect of a kill. Files that another program was
+/// built to are replaced only if that is requested.
 ///
 /// # Errors
 /// A diagnostic that names the file or folder and why.
@@ -79,7 +79,7 @@ pub fn write_all(to: &Destination, files: &[OutputFile]) -> Result<(), Box<Diagn
     fs::create_dir_all(folder).map_err(fail(folder))?;
     let written = write_set(to, files);
     if written.is_err() && made {
-        // Only succeeds while it is empty, which is what is wanted.
+        // Only succeeds while it is empty, as intended.
         let _ = fs::remove_dir(folder);
     }
     *in_place = written.is_ok();
@@ -90,10 +90,10 @@ pub fn write_all(to: &Destination, files: &[OutputFile]) -> Result<(), Box<Diagn
     written
 }
 
-/// Finishes a build into the folder of a file that was ended half way, so that what is read there is of one build.
+/// Finishes an interrupted build into the folder of a file, so that all files read there are of one build.
 ///
 /// # Errors
-/// A diagnostic: the build cannot be finished, or is none of this folder.
+/// A diagnostic: the build cannot be finished, or is not of this folder.
 pub fn settle(file: &Path) -> Result<(), Box<Diagnostic>> {
     let folder = file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
     if folder.join(JOURNAL).symlink_metadata().is_err() {

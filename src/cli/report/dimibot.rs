@@ -1,4 +1,4 @@
-//! What a build tells of a DiMiBot's plan.
+//! Report on a DiMiBot's plan.
 
 use super::{Note, ReportTopic, ReportedRun, count, figure_of, proof, rounded};
 use crate::claims::dimibot::{Asked, DimibotAction, DimibotOrder, DimibotStop};
@@ -28,7 +28,7 @@ pub fn cost(plan: &PlanRecord, order: &DimibotOrder) -> String {
     }
 }
 
-/// In which order each `visit` comes to its places, and how far the cells that were taken for places lie from them.
+/// The order in which each `visit` comes to its places, and the distance between places and the cells that replace them.
 pub fn notes(run: &ReportedRun, order: &DimibotOrder) -> Vec<Note> {
     let visits = run.steps.iter().zip(&order.steps).filter_map(|(step, claim)| match &claim.action {
         DimibotAction::Visit(stops) => {
@@ -41,7 +41,7 @@ pub fn notes(run: &ReportedRun, order: &DimibotOrder) -> Vec<Note> {
     visits.chain(nearest).chain(waits(run, order).map(|line| (ReportTopic::Waits, line))).collect()
 }
 
-/// How long a robot waits for others: what is neither pulse nor rest nor a wait of the task.
+/// Time that a robot waits for others: neither pulse nor rest nor a wait of the task.
 fn waits(run: &ReportedRun, order: &DimibotOrder) -> Option<String> {
     let moving =
         run.steps.iter().zip(&order.steps).filter(|(_, claim)| !matches!(claim.action, DimibotAction::Wait(_)));

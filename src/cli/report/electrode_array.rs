@@ -1,4 +1,4 @@
-//! What a build tells of an electrode array's plan.
+//! Report on an electrode array's plan.
 
 use super::{count, figure_of, proof};
 use crate::claims::electrode_array::{ElectrodeArrayObjective, ElectrodeArrayOrder};
@@ -6,7 +6,7 @@ use crate::device::electrode_array::ElectrodeArrayOutcome;
 use crate::quantity::digits;
 use crate::schedule::PlanRecord;
 
-/// `86 steps, optimal (bound 86); sum of costs 312, not proven optimal (bound 298)`: what was minimised comes first.
+/// `86 steps, optimal (bound 86); sum of costs 312, not proven optimal (bound 298)`: the minimised outcome comes first.
 pub fn cost(plan: &PlanRecord, order: &ElectrodeArrayOrder) -> String {
     let steps = |value: f64| count(value as usize, "step");
     let sum = |value: f64| format!("sum of costs {}", digits(value));

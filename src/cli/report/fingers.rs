@@ -1,4 +1,4 @@
-//! What a build tells of a plan for a hand.
+//! Report on a plan for a hand.
 
 use super::{Note, ReportTopic, ReportedRun, count, figure_of, proof, reached, rounded};
 use crate::claims::fingers::{FingersOrder, Section};
@@ -12,7 +12,7 @@ pub fn cost(plan: &PlanRecord) -> String {
     format!("{} in {}, {}", figure(plan.cost), count(reconfigurations, "reconfiguration"), proof(plan, figure))
 }
 
-/// How a part was sampled, and what the planner has to say.
+/// Sampling of the part, and notes of the planner.
 pub fn notes(run: &ReportedRun, order: &FingersOrder) -> Vec<Note> {
     let sections = Plane::ALL.into_iter().filter_map(|plane| Some(contacts(plane, order.part.section(plane)?)));
     let contacts = format!("{}: {}", order.part.name, sections.collect::<Vec<_>>().join(", "));

@@ -1,4 +1,4 @@
-//! What a build tells of a plan for microrobots.
+//! Report on a plan for microrobots.
 
 use super::{Note, ReportTopic, ReportedRun, count, figure_of, proof, reached, rounded};
 use crate::claims::microrobots::MicrorobotsOrder;

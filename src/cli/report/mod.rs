@@ -1,6 +1,6 @@
-//! What a build tells of each stage: one line for what was checked, planned, verified and written.
+//! Report of a build: one line for each thing checked, planned, verified and written.
 //!
-//! What a plan's line says is the kind's own; it stands in a file of the kind's name.
+//! The text of a plan's line depends on the kind; it is in a file of the kind's name.
 
 mod dimibot;
 mod electrode_array;
@@ -28,10 +28,10 @@ struct ReportedRun<'a> {
     steps: Vec<&'a ScheduledStep>,
 }
 
-/// More that a kind has to tell of a run: what it is about, and the line.
+/// Additional note of a kind on a run: its topic, and the line.
 type Note = (ReportTopic, String);
 
-/// What a note is about, in the order of the report.
+/// Topic of a note, in the order of the report.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum ReportTopic {
     Visits,
@@ -175,7 +175,7 @@ fn idle(verified: &Verified) -> Vec<Note> {
     (0..).zip(&schedule.plans).filter(is_idle).map(line).collect()
 }
 
-/// What a run costs and how good that is.
+/// Cost of a run, and its optimality.
 fn cost(run: &ReportedRun) -> String {
     match &run.job.order {
         Order::Dimibot(order) => dimibot::cost(run.plan, order),
@@ -194,7 +194,7 @@ fn notes(run: &ReportedRun) -> Vec<Note> {
     }
 }
 
-/// What steps reach, where that is not what they ask for.
+/// Values that steps reach, where they differ from the goals.
 fn reached<'a>(run: &'a ReportedRun) -> impl Iterator<Item = Note> + 'a {
     let all = run.steps.iter().flat_map(|step| &step.reached);
     all.filter(|reached| reached.is_off()).map(|reached| (ReportTopic::Nearest, reached.to_string()))

@@ -2,7 +2,7 @@
 //!
 //! Facts, kinematics and vocabulary of the kind. Source of the model: Chalvet, Haddab, Lutz, *Trajectory planning for
 //! micromanipulation with a nonredundant digital microrobot*, J. Mechanisms and Robotics 8(2), 2016, with the slips of that
-//! text put right where the doc comments say so.
+//! text corrected where the doc comments say so.
 
 use crate::geometry::PlaneAxis;
 use crate::geometry::fault::{Fault, through};
@@ -14,13 +14,13 @@ mod words;
 
 pub use words::{DimibotMethod, DimibotObjective, DimibotOutcome, PLANNERS, Simultaneous, VOCABULARY};
 
-/// The most modules that one side may have.
+/// Greatest number of modules on one side.
 pub const MAX_MODULES: u32 = 20;
 
 /// The widest workspace, in micrometres: within it the rounding of a double stays far below the margins of planning.
 pub const MAX_REACH_UM: f64 = 1e5;
 
-/// The most places that one `visit` may name.
+/// Greatest number of places in one `visit`.
 pub const MAX_VISITS: usize = 64;
 
 /// The state of all modules of one side each: bit i of `x` is module `bl<i>`, bit j of `y` is module `br<j>`.
@@ -114,7 +114,7 @@ impl Side {
     }
 }
 
-/// What a device of this kind is: the fields of its declaration.
+/// Facts of a device of this kind: the fields of its declaration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DimibotFacts {
     /// Modules on the left, 1 to [`MAX_MODULES`].
@@ -130,7 +130,7 @@ pub struct DimibotFacts {
     pub pulse_duration_ns: u64,
     /// Time after each pulse in which no module is switched.
     pub rest_ns: u64,
-    /// How far the end-effector may stand from its nominal place.
+    /// Greatest distance of the end-effector from its nominal place, in micrometres.
     pub repeatability_um: f64,
     /// Radius of the tip that goes down to the working plane.
     pub tip_radius_um: f64,
@@ -248,7 +248,7 @@ impl DimibotFacts {
         self.pulse_voltage_v * self.pulse_current_a * self.pulse_duration_ns as f64 / 1e9
     }
 
-    /// By how much an obstacle is grown: tip radius and repeatability.
+    /// Growth of obstacles: tip radius plus repeatability.
     pub fn growth_um(&self) -> f64 {
         through(Fault::Growth, self.tip_radius_um + self.repeatability_um)
     }
@@ -267,7 +267,7 @@ impl DimibotFacts {
     }
 }
 
-/// What an actuator of a module does; each module has one thermal actuator for either direction.
+/// Direction of an actuator; each module has one thermal actuator for each direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Switch {
     /// To state 1.

@@ -10,7 +10,7 @@ use crate::device::{
 use crate::quantity::Dimension;
 
 words! {
-    /// What is minimised.
+    /// Objective.
     pub enum DimibotObjective {
         Distance = "distance": "the way of the end-effector",
         Switches = "switches": "how often a module is switched",
@@ -69,7 +69,7 @@ impl DimibotObjective {
         }
     }
 
-    /// How many of its units make one of the SI.
+    /// Number of its units in one SI unit.
     pub fn units_per_si(self) -> f64 {
         match self {
             DimibotObjective::Distance => 1e6,
@@ -80,7 +80,7 @@ impl DimibotObjective {
 }
 
 impl DimibotOutcome {
-    /// What `minimize` takes to bring the figure down.
+    /// The objective that minimises the figure.
     pub fn objective(self) -> DimibotObjective {
         match self {
             DimibotOutcome::Distance => DimibotObjective::Distance,

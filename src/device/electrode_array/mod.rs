@@ -2,8 +2,8 @@
 //!
 //! Facts, geometry and vocabulary of the kind. Source of the model: Kritikou, Lamprianidis, Aspragathos, *A modified
 //! cooperative A\* algorithm for the simultaneous motion of multiple microparts on a "Smart Platform" with electrostatic fields*,
-//! Micromachines 9, 2018, with the rule of distance put right where its tables contradict one another (the standard
-//! library's file says how).
+//! Micromachines 9, 2018, with the rule of distance corrected where its tables contradict one another (see the standard
+//! library's file).
 
 use serde::{Deserialize, Serialize};
 
@@ -11,13 +11,13 @@ mod words;
 
 pub use words::{ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOutcome, VOCABULARY};
 
-/// The most columns, and the most rows, of a board.
+/// Greatest number of columns, and of rows, of a board.
 pub const MAX_SIDE: u32 = 1_000;
 
-/// The most parts of one scene.
+/// Greatest number of parts in one scene.
 pub const MAX_PARTS: usize = 1_000;
 
-/// The most obstacles of one scene.
+/// Greatest number of obstacles in one scene.
 pub const MAX_OBSTACLES: usize = 100_000;
 
 /// The largest distance that parts may be asked to keep from each other or from obstacles, in electrodes.
@@ -59,7 +59,7 @@ impl std::fmt::Display for ElectrodeCell {
     }
 }
 
-/// How far the centres of two parts keep apart.
+/// Distance that the centres of two parts must keep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Separation {
@@ -101,7 +101,7 @@ impl Electrodes {
         }
     }
 
-    /// How many columns and rows at the rim of the board no centre can take.
+    /// Number of columns and rows at the rim of the board that no centre can take.
     pub const fn rim(self) -> u32 {
         match self {
             Electrodes::Single => 0,
@@ -109,14 +109,14 @@ impl Electrodes {
         }
     }
 
-    /// The least separation at which the electrodes that move one part pull on no other: an electrode pulls what lies one pitch
-    /// away, diagonals included, so that the outermost electrodes of two parts stay two pitches apart.
+    /// The least separation at which the electrodes that move one part do not pull another: an electrode attracts anything within one pitch
+    /// of it, diagonals included, so the outermost electrodes of two parts must stay two pitches apart.
     pub const fn least_apart(self) -> u32 {
         2 * self.rim() + 2
     }
 }
 
-/// What a part looks like from below.
+/// Footprint of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Layout {
     pub electrodes: Electrodes,
@@ -128,13 +128,13 @@ pub struct Layout {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Hold {
-    /// A part rests by itself; its electrodes are on only while it moves.
+    /// A part rests without voltage; its electrodes are on only while it moves.
     Off,
     /// The electrodes that brought a part to its cell stay on while it rests there.
     On,
 }
 
-/// What a device of this kind is: the fields of its declaration.
+/// Facts of a device of this kind: the fields of its declaration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ElectrodeArrayFacts {
     /// 1 to [`MAX_SIDE`].

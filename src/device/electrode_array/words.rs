@@ -10,7 +10,7 @@ use crate::device::{
 use crate::quantity::Dimension;
 
 words! {
-    /// What is minimised.
+    /// Objective.
     pub enum ElectrodeArrayObjective {
         Makespan = "makespan": "the steps until the last part has arrived",
         SumOfCosts = "sum_of_costs": "the steps until each part's last arrival, added up",
@@ -47,7 +47,7 @@ impl ElectrodeArrayObjective {
 }
 
 impl ElectrodeArrayOutcome {
-    /// What `minimize` takes to bring the figure down. A plan with the least sum of costs may have more moves than another one: a
+    /// The objective that minimises the figure. A plan with the least sum of costs may have more moves than another one: a
     /// step in which a part rests counts as much as one in which it moves.
     pub fn objective(self) -> Option<ElectrodeArrayObjective> {
         match self {

@@ -2,7 +2,7 @@
 //!
 //! Facts, frames and vocabulary of the kind. Tips are spheres that translate and never turn; the object rolls on them. Source of the
 //! model: Kumar, Gauthier, Dahmouche, *Path planning for 3-D in-hand manipulation of micro-objects using rotation decomposition*,
-//! Micromachines 12(8), 986, 2021, with the slips of that text put right where the doc comments say so.
+//! Micromachines 12(8), 986, 2021, with errors of that text corrected where the doc comments say so.
 
 use crate::geometry::fault::{Fault, through};
 use serde::{Deserialize, Serialize};
@@ -18,22 +18,23 @@ pub use words::{FingersObjective, FingersOutcome, FingersPlanner, VOCABULARY};
 /// The fewest fingers that can hand an object over.
 pub const MIN_FINGERS: u32 = 3;
 
-/// The most fingers of one hand.
+/// Greatest number of fingers of one hand.
 pub const MAX_FINGERS: u32 = 6;
 
-/// The most fingers that hold at the same time.
+/// Greatest number of fingers that hold at the same time.
 pub const MAX_HOLDING: usize = 3;
 
-/// The most steps of one turn: 1 deg each.
+/// Greatest number of steps in one turn: 1 deg each.
 pub const MAX_STEPS_PER_TURN: u32 = 360;
 
-/// The most contacts of one section.
+/// Greatest number of contacts of one section.
 pub const MAX_CONTACTS: u32 = 512;
 
 /// The largest share that may be kept back while tips roll.
 pub const MAX_RESERVE: f64 = 0.9;
 
-/// The most grasps of three that the planner looks at: those of one section, times the angles that a load makes differ.
+/// Greatest number of grasps of three fingers that the planner considers: those of one section, times the number of angles if a load makes
+/// them differ.
 pub const MAX_GRASPS: usize = 1 << 29;
 
 /// The axes of a stage, in the order of coordinates.
@@ -71,7 +72,7 @@ impl Plane {
         }
     }
 
-    /// As it is written to files.
+    /// Its name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Plane::Xy => "xy",
@@ -84,13 +85,13 @@ impl Plane {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Adhesion {
-    /// A tip has to be pulled off.
+    /// A tip must be pulled off.
     Sticking,
     /// Tips only push.
     Absent,
 }
 
-/// What a device of this kind is: the fields of its declaration.
+/// Facts of a device of this kind: the fields of its declaration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FingersFacts {
     /// [`MIN_FINGERS`] to [`MAX_FINGERS`]; at most [`MAX_HOLDING`] of them hold at the same time.
@@ -102,29 +103,29 @@ pub struct FingersFacts {
     pub pull_off_un: f64,
     /// The greatest normal force of one tip, in micronewtons.
     pub max_force_un: f64,
-    /// Of a tip on the object, a plain number above 0.
+    /// Friction coefficient of a tip on the object, above 0.
     pub friction: f64,
-    /// How many rotation steps make 360 deg: the nominal step is 360 deg over this.
+    /// Number of rotation steps in 360 deg: the nominal step is 360 deg over this.
     pub steps_per_turn: u32,
     /// κ: the fingers that stay must resist this many times the pull-off force of the one that leaves.
     pub removal_safety: f64,
-    /// What placing or removing a finger counts, in degrees rolled by one finger; whole.
+    /// Cost of placing or removing a finger, in degrees rolled by one finger; whole.
     pub gaiting_cost_deg: f64,
-    /// How far two tips, or a tip that is free and the object, stay apart.
+    /// Least distance between two tips, and between a free tip and the object, in micrometres.
     pub clearance_um: f64,
-    /// How far from its contact a tip goes along the normal, slowly, when it comes and when it leaves.
+    /// Distance along the normal, in micrometres, within which a tip approaches and leaves its contact slowly.
     pub retract_um: f64,
-    /// Of a free tip, along its way.
+    /// Speed of a free tip along its path.
     pub speed_um_per_s: f64,
-    /// Of a tip within `retract_um` of its contact.
+    /// Speed of a tip within `retract_um` of its contact.
     pub approach_um_per_s: f64,
     /// The fastest that a tip moves while it holds.
     pub rolling_um_per_s: f64,
-    /// The force with which what the object rests on holds it before the first grasp and after a release, in micronewtons.
+    /// Force with which its support holds the object before the first grasp and after a release, in micronewtons.
     pub support_un: f64,
-    /// How far each stage reaches along x, y and z to both sides of the hand's origin.
+    /// Range of each stage along x, y and z to both sides of the hand's origin.
     pub range_um: [f64; 3],
-    /// How far a contact may be from rolling and touching exactly: planned ways keep within half of it.
+    /// Tolerance of contacts in rolling and touching, in micrometres: planned paths keep within half of it.
     pub tolerance_um: f64,
     /// The torque about its normal that a contact bears, over the force that presses and sticks: the soft finger's coefficient of
     /// torsional friction.
@@ -148,14 +149,14 @@ impl FingersFacts {
         }
     }
 
-    /// How far from its contact a tip is slow when it comes and when it leaves: never less than the clearance.
+    /// Distance from its contact within which a tip is slow: never less than the clearance.
     pub fn slow_um(&self) -> f64 {
         through(Fault::Slow, self.retract_um.max(self.clearance_um))
     }
 
     /// The radius of the sphere about the object's origin on which the tip of a finger, counted from 0, waits and travels while it is
-    /// free, for an object that reaches so far: each finger has its own, clear of what holds and is held and of those of the
-    /// fingers before it, though chords of it dip by the tolerance.
+    /// free, for an object that reaches `reach_um`: each finger has its own sphere, clear of the holding tips, the object and the spheres of
+    /// the fingers before it, though chords of it dip by the tolerance.
     pub fn sphere_um(&self, finger: usize, reach_um: f64) -> f64 {
         let beyond_um = (2.0 * (self.tip_radius_um + self.clearance_um)).max(self.slow_um());
         let apart_um = 2.0 * self.tip_radius_um + self.clearance_um + self.tolerance_um;

@@ -3,16 +3,16 @@
 use super::FingersFacts;
 use crate::geometry::outline::Curve;
 
-/// How far from a contact the place J may lie, in steps.
+/// Greatest distance of the place J from a contact, in steps.
 const OPPOSITE_SLACK: f64 = 0.02;
 
-/// How far numbers of contacts are tried from the best one, for a contact at J.
+/// Numbers of contacts tried to each side of the best one, for a contact at J.
 const CONTACTS_TRIED: i32 = 2;
 
-/// Which share of the device's tolerance may be lost where a finger holds the part in one plane and goes on in the other.
+/// Share of the device's tolerance that may be lost where a finger holds the part in one plane and continues in the other.
 pub const JUNCTION_SHARE: f64 = 0.25;
 
-/// By how much the part turns while a tip rolls once round it: U.
+/// Turn of the part while a tip rolls once round it: U.
 pub fn once_round_rad(curve: &Curve, tip_radius_um: f64) -> f64 {
     curve.rolled_rad(curve.perimeter_um(), tip_radius_um) - curve.rolled_rad(0.0, tip_radius_um)
 }

@@ -10,7 +10,7 @@ use crate::device::{
 use crate::quantity::Dimension;
 
 words! {
-    /// What is minimised.
+    /// Objective.
     pub enum FingersObjective {
         Effort = "effort": "degrees rolled, and the gaiting cost of each finger placed or removed",
     }

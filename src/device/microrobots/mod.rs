@@ -3,7 +3,7 @@
 //! Facts, kinematics and vocabulary of the kind. Each robot lowers its steering arm at its own snap-down voltage and raises it at
 //! its own release voltage; with the arm down it turns on a circle, with the arm up it runs straight. Source of the model:
 //! Donald, Levey, Paprotny, Rus, *Simultaneous control of multiple MEMS microrobots*, WAFR 2008 (supporting material), with
-//! its headings and formulas put right (the standard library's file says how).
+//! its headings and formulas corrected (see the standard library's file).
 
 use crate::geometry::Pose;
 use crate::geometry::fault::{Fault, through};
@@ -15,13 +15,13 @@ mod words;
 
 pub use words::{MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner, VOCABULARY};
 
-/// The most robots of one table.
+/// Greatest number of robots in one table.
 pub const MAX_ROBOTS: usize = 128;
 
-/// The most obstacles of one scene.
+/// Greatest number of obstacles in one scene.
 pub const MAX_OBSTACLES: usize = 1_000;
 
-/// The most levels that one control cycle may visit.
+/// Greatest number of levels in one control cycle.
 pub const MAX_LEVELS: u32 = 64;
 
 /// The channel of a bed, without the device's name.
@@ -73,19 +73,19 @@ pub struct Robot {
     pub snap_down_v: f64,
     /// At or below it the arm goes up.
     pub release_v: f64,
-    /// Of its centre's circle, arm down.
+    /// Radius of its centre's circle, arm down.
     pub turning_radius_um: f64,
-    /// How far one pulse of the drive train carries its centre.
+    /// Distance that one pulse of the drive train carries its centre.
     pub step_um: f64,
     pub turning: Turning,
-    /// Of its body, along its heading; the pose is that of the body's centre.
+    /// Length of its body, along its heading; the pose is that of the body's centre.
     pub length_um: f64,
-    /// Of its body, across its heading.
+    /// Width of its body, across its heading.
     pub width_um: f64,
 }
 
 impl Robot {
-    /// Where its centre is after so many micrometres of its way.
+    /// Pose of its centre after `way_um` of its path.
     ///
     /// The exact step of the unicycle with the turning rate v/r (equation 4 of the paper, whose equation 5 contradicts it).
     pub fn moved(&self, pose: Pose, arm: Arm, way_um: f64) -> Pose {
@@ -134,7 +134,7 @@ pub struct Docking {
     pub self_aligning_um: f64,
     /// A robot that meets a structure sticks up to this angle from the normal of the edge that it meets.
     pub sticking_rad: f64,
-    /// How far bodies that are docked may lie apart or overlap.
+    /// Greatest gap or overlap of docked bodies.
     pub tolerance_um: f64,
 }
 
@@ -147,52 +147,52 @@ pub struct Fine {
     pub cycle_um: f64,
 }
 
-/// Bounds on what robots and measurements may depart from their figures.
+/// Bounds on the errors of robots and measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
-    /// Of the speed, as a share of it.
+    /// Error of the speed, as a share of it.
     pub speed_ratio: f64,
-    /// Of the heading, for each micrometre of the way.
+    /// Error of the heading, per micrometre of the path.
     pub turning_rad_per_um: f64,
-    /// Of a measured place, in any direction.
+    /// Error of a measured place, in any direction.
     pub place_um: f64,
-    /// Of a measured heading.
+    /// Error of a measured heading.
     pub heading_rad: f64,
     /// From one measurement to the next.
     pub replan_ns: u64,
 }
 
 impl Errors {
-    /// Whether there are none: robots and measurements are as their figures say.
+    /// Whether all are zero: robots and measurements are exact.
     pub fn are_zero(&self) -> bool {
         [self.speed_ratio, self.turning_rad_per_um, self.place_um, self.heading_rad] == [0.0; 4]
     }
 }
 
-/// What a device of this kind is: the fields of its declaration.
+/// Facts of a device of this kind: the fields of its declaration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MicrorobotsFacts {
     /// In the order of the table; 1 to [`MAX_ROBOTS`].
     pub robots: Vec<Robot>,
     /// Each snap-down and release voltage is known to plus or minus this.
     pub margin_v: f64,
-    /// The most that the source gives.
+    /// Greatest voltage of the source.
     pub max_v: f64,
     /// Between the strokes of the drive train.
     pub relax_v: f64,
     /// At the strokes of the drive train.
     pub flex_v: f64,
-    /// Of one stroke: half of it at the flex level, then half at the relax level. Even, at least 2.
+    /// Duration of one stroke: half of it at the flex level, then half at the relax level. Even, at least 2.
     pub period_ns: u64,
-    /// How long each level of a control cycle lasts.
+    /// Duration of each level of a control cycle.
     pub dwell_ns: u64,
-    /// What a moving body keeps from obstacles and other bodies.
+    /// Least distance of a moving body from obstacles and other bodies.
     pub clearance_um: f64,
-    /// What everything keeps from the disc that an orbiting robot sweeps.
+    /// Least distance of anything from the disc that an orbiting robot sweeps.
     pub orbit_clearance_um: f64,
     pub docking: Docking,
     pub fine: Fine,
-    /// `None` where the device does not say them all: nothing can be guaranteed or simulated then.
+    /// `None` unless the device gives them all: nothing can be guaranteed or simulated then.
     pub errors: Option<Errors>,
 }
 
@@ -210,7 +210,7 @@ pub struct ControlState {
     pub arms: Vec<Arm>,
     /// The levels of its control cycle, each held for the dwell time: as few as there can be.
     pub levels_v: Vec<f64>,
-    /// By how much every level may be off before an arm is no longer certain.
+    /// Tolerance of every level within which all arms remain certain.
     pub slack_v: f64,
 }
 

@@ -10,7 +10,7 @@ use crate::device::{
 use crate::quantity::Dimension;
 
 words! {
-    /// What is minimised.
+    /// Objective.
     pub enum MicrorobotsObjective {
         Time = "time": "from the beginning of the task to the end of its last step",
     }

@@ -22,7 +22,7 @@ const AROUND: usize = 40;
 /// Characters of a label that are shown on a cropped line.
 const MAX_LABEL_CHARACTERS: usize = 60;
 
-/// The most characters of a file's name that are shown.
+/// Greatest number of characters of a file's name that are shown.
 const MAX_NAME_CHARACTERS: usize = 400;
 
 /// Some lines of one file.
@@ -36,7 +36,7 @@ pub struct Excerpt {
 
 /// One line of an excerpt.
 struct ExcerptLine {
-    /// As people count.
+    /// Line number, from 1.
     number: u32,
     /// Its place in the excerpt's text, the line end included.
     place: Range<usize>,
@@ -94,7 +94,7 @@ impl Excerpt {
         &self.name
     }
 
-    /// Adds a line, or what is kept of it, and puts its marks where they now lie.
+    /// Adds a line, or the part of it that is kept, and moves its marks accordingly.
     fn push(
         &mut self,
         file: &SourceFile,
@@ -133,7 +133,7 @@ impl Excerpt {
         (line < self.lines.len()).then_some(line)
     }
 
-    /// The lines `first..=last` widened by so many before and after, as far as they follow one another in the file.
+    /// The lines `first..=last` with `before` and `after` more, as far as they follow one another in the file.
     fn widened(&self, (first, last): (usize, usize), before: usize, after: usize) -> (usize, usize) {
         let follows = |line: usize| self.lines[line].number == self.lines[line - 1].number + 1;
         let (mut first, mut last) = (first, last);

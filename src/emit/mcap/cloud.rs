@@ -1,6 +1,6 @@
 //! Lines as coloured points.
 //!
-//! Rerun 0.41 shows clouds of points but no `SceneUpdate`, and without points it opens no view in three dimensions by itself.
+//! Rerun 0.41 shows point clouds but no `SceneUpdate`, and without points it does not open a 3D view on its own.
 
 use super::drawing;
 use super::foxglove::{self, Color, PackedElementField, PointCloud, packed_element_field::NumericType};
@@ -11,7 +11,7 @@ use nalgebra::{Point2, Point3};
 /// Distance of neighbouring points, in micrometres, unless there would be too many.
 const STEP_UM: f64 = 0.05;
 
-/// About the most points of a cloud.
+/// Approximate limit of points in a cloud.
 const MAX_POINTS: f64 = 50_000.0;
 
 /// Corners of a polygon that stands for a circle.
@@ -65,7 +65,7 @@ pub fn cloud(strokes: &[Stroke], device: &str, t_ns: u64) -> PointCloud {
     spaced_cloud(strokes, device, t_ns, STEP_UM)
 }
 
-/// A cloud whose neighbouring points are so far apart, or farther if there would be too many.
+/// A cloud with this spacing of neighbouring points, or a wider one if there would be too many.
 pub fn spaced_cloud(strokes: &[Stroke], device: &str, t_ns: u64, least_step_um: f64) -> PointCloud {
     let flat = |stroke: &Stroke| SpaceStroke {
         corners: stroke.corners.iter().map(|corner| Point3::new(corner.x, corner.y, 0.0)).collect(),

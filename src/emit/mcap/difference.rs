@@ -6,10 +6,10 @@ use crate::log;
 use crate::verify::Verified;
 use std::io::{self, Write};
 
-/// What differs between a log and the one written from a schedule, or nothing if they are the same byte for byte.
+/// The difference between a log and the one written from a schedule, or nothing if they are the same byte for byte.
 ///
-/// Names the first message that differs, is missing or is one too many, by topic and time; or else the part that differs. The
-/// log may be anything: what cannot be read differs too.
+/// Names the first message that differs, is missing or is superfluous, by topic and time; or else the part that differs. The
+/// log may be anything: unreadable parts count as different.
 pub fn difference(log_bytes: &[u8], verified: &Verified, provenance: &Provenance) -> Option<String> {
     let mut comparison = Comparison { rest: log_bytes, differs: false };
     let written = super::write_to(&mut comparison, verified, provenance);
@@ -27,9 +27,9 @@ pub fn difference(log_bytes: &[u8], verified: &Verified, provenance: &Provenance
     }
 }
 
-/// Takes what is written and compares it with what should come, so that no second log is held in memory.
+/// Receives the bytes written and compares them with the log, so that no second log is held in memory.
 struct Comparison<'a> {
-    /// What of the log was not met yet.
+    /// The part of the log not yet compared.
     rest: &'a [u8],
     differs: bool,
 }
@@ -59,10 +59,10 @@ pub fn difference_diagnostic(difference: &str) -> Diagnostic {
         .help("the log was changed after it was written: build the program again")
 }
 
-/// The messages that should come, and what was found wrong so far.
+/// The expected messages, and the first difference found.
 struct MessageComparison {
     topics: Vec<LogTopic>,
-    /// How many messages of each topic were seen.
+    /// Number of messages seen of each topic.
     seen: Vec<usize>,
     found: Option<String>,
 }
@@ -106,7 +106,7 @@ fn missing(topic: &str, t_ns: u64) -> String {
     format!("`{topic}` lacks its message at {t_ns} ns")
 }
 
-/// What differs besides the messages.
+/// Differences outside the messages.
 fn part(log: &log::Log, verified: &Verified, provenance: &Provenance) -> String {
     let claims = log::write_claims(verified.claims()).ok();
     let parts = [

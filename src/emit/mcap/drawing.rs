@@ -8,7 +8,7 @@ use super::foxglove::{
 use crate::geometry::shape::{Core, Rounded};
 use nalgebra::{Point2, Vector2};
 
-/// What the parts of a picture look like; chosen to be told apart by the colour-blind (after Okabe and Ito) and on dark as on
+/// Colours of pictures; chosen to be distinguishable for the colour-blind (after Okabe and Ito) and on dark and
 /// light ground.
 pub mod color {
     use super::Color;
@@ -37,10 +37,10 @@ pub mod color {
     }
 }
 
-/// The most corners of a polygon whose inside is filled; the way of filling grows with the square of their number.
+/// Greatest number of corners of a polygon that is filled; the cost of filling is quadratic in their number.
 const MAX_FILLED_CORNERS: usize = 2000;
 
-/// Diameter of the mark for what has no extent, in micrometres.
+/// Diameter of the mark for an object without extent, in micrometres.
 const MARK_UM: f64 = 0.06;
 
 /// A slab of a colour, from `bottom_um` up.
@@ -197,8 +197,8 @@ fn edges(corners: &[Point2<f64>]) -> impl Iterator<Item = (Point2<f64>, Point2<f
     corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
 }
 
-/// Fills a simple polygon by cutting off its ears (Meisters, *Polygons have ears*, 1975). What crosses itself, or has too many
-/// corners, is filled as far as the ears go, its outline being drawn anyway.
+/// Fills a simple polygon by ear clipping (Meisters, *Polygons have ears*, 1975). A polygon that crosses itself, or has too many
+/// corners, is filled as far as ears are found; its outline is drawn anyway.
 pub fn triangles(corners: &[Point2<f64>]) -> Vec<[Point2<f64>; 3]> {
     let mut rest = match corners.len() {
         0..=MAX_FILLED_CORNERS => corners.to_vec(),

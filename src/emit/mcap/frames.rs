@@ -1,6 +1,6 @@
-//! The frames that devices and what they move stand in, over time.
+//! Frames of devices and of the objects that they move, over time.
 //!
-//! Devices that a scene places are where it says; pictures put the others side by side along x.
+//! Devices that a scene places have their frame there; pictures put the others side by side along x.
 
 use super::bench::PictureBench;
 use super::{LogTopic, WORLD, foxglove};
@@ -37,7 +37,7 @@ impl StandingPose {
         StandingPose { place, turn: turn.map(|value| (value * GRID).round() / GRID + 0.0) }
     }
 
-    /// As a message.
+    /// The pose as a message.
     pub fn pose(&self) -> Option<Pose> {
         Some(Pose { position: Some(self.translation()), orientation: Some(self.rotation()) })
     }

@@ -1,11 +1,11 @@
 //! MCAP: a log that viewers play without set-up, and that `tweeze verify` judges without any other file.
 //!
-//! All messages are protobuf. For each device: `/<device>/voltages` (V) or `/<device>/positions` (um); `/<device>/pose` (where the
-//! end-effector or the held part is) and `/<device>/path` (the whole way of an end-effector), or the `poses` of all parts or robots;
-//! `/<device>/scene` and `/<device>/plan` (what stands there, ways and stops, in three dimensions), and both as `…/points` for
+//! All messages are protobuf. For each device: `/<device>/voltages` (V) or `/<device>/positions` (um); `/<device>/pose` (of the
+//! end-effector or the held part) and `/<device>/path` (the whole path of an end-effector), or the `poses` of all parts or robots;
+//! `/<device>/scene` and `/<device>/plan` (scenery, paths and stops, in three dimensions), and both as `…/points` for
 //! viewers that show no scenes. For all: `/tf` and `/log` (each step at its start, with its source line). Attachments:
-//! `schedule.json`, `claims.json`, every source file as `source/<name>`. The metadata record `tweeze` says which version wrote the
-//! log, in which schema, and from what. The clock begins at 0.
+//! `schedule.json`, `claims.json`, every source file as `source/<name>`. The metadata record `tweeze` names the version that wrote the
+//! log, its schema, and its sources. The clock begins at 0.
 //!
 //! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one micrometre.
 
@@ -38,10 +38,10 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
-/// What the scale of pictures is, as the metadata record says it.
+/// The scale of pictures, as in the metadata record.
 pub const SCALE: &str = "1 unit of a picture is 1 um";
 
-/// As the file's header says it.
+/// The library, as in the file's header.
 pub const LIBRARY: &str = concat!("tweeze ", env!("CARGO_PKG_VERSION"));
 
 /// Uncompressed size from which on a chunk is closed. Up to this size the bytes of zstd do not depend on its threads.
@@ -49,10 +49,10 @@ const CHUNK_BYTES: u64 = 768 * 1024;
 
 const ZSTD_LEVEL: u32 = 3;
 
-/// What stands before the bytes of a message in the file.
+/// Bytes of the file before those of a message.
 const MESSAGE_HEAD_BYTES: u64 = 31;
 
-/// About what the name and the metadata of a topic take, which its chunks repeat.
+/// Estimated size of the name and the metadata of a topic, which its chunks repeat.
 const DEFINITION_BYTES: u64 = 64 * 1024;
 
 /// The frame that all devices stand in.
@@ -77,7 +77,7 @@ impl LogTopic {
 /// The bytes of the log.
 ///
 /// # Errors
-/// [`EmitError::TooLarge`] past what the log's reader takes; [`EmitError::Failed`] if the library gives up.
+/// [`EmitError::TooLarge`] beyond the limits of the log's reader; [`EmitError::Failed`] if the library fails.
 pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
     let mut bytes = Vec::new();
     write_to(&mut bytes, verified, provenance)?;
@@ -122,7 +122,7 @@ fn refuse_what_is_not_read(topics: &[LogTopic]) -> Result<(), EmitError> {
     refuse(topics.iter().filter(|topic| log::is_topic(&topic.name)).count() as u64, log::MAX_DEVICES)
 }
 
-/// Writes an attachment of at most so many bytes.
+/// Writes an attachment of at most `limit` bytes.
 fn attach<W: Write + Seek>(
     writer: &mut Writer<W>,
     name: &str,
@@ -158,7 +158,7 @@ fn topics(verified: &Verified, signals: &Signals) -> Vec<LogTopic> {
     topics
 }
 
-/// `/log`: the source line of every step, with what it reaches where that is not exactly what it asks for.
+/// `/log`: the source line of every step, with the reached value where that differs from the goal.
 fn lines(verified: &Verified) -> LogTopic {
     let messages = verified.schedule().steps.iter().map(|step| {
         let line = foxglove::Log {

@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 type Edit<'a> = &'a mut dyn FnMut(&str, u64, Vec<u8>) -> Vec<Vec<u8>>;
 
-/// The log packed anew, every message being replaced by what `edit` makes of it, and the attachments by what `attach` does.
+/// The log repacked, with every message replaced by the result of `edit`, and the attachments by that of `attach`.
 fn edited(bytes: &[u8], edit: Edit, attach: impl Fn(&mut Attachment)) -> Vec<u8> {
     let mut writer = WriteOptions::new().library(LIBRARY).compression(None).create(Cursor::new(Vec::new())).unwrap();
     for message in ::mcap::MessageStream::new(bytes).unwrap() {

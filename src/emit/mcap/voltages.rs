@@ -1,15 +1,15 @@
 //! The voltages or positions of a device's channels as a time series that viewers plot by name.
 //!
-//! `/bot/voltages` has volts, `/hand/positions` micrometres; what follows holds of both.
+//! `/bot/voltages` has volts, `/hand/positions` micrometres; the following applies to both.
 //!
-//! A message type is made for each device. Up to [`MAX_FIELDS`] channels each is a field, so that a plot is asked for as
-//! `/bot/voltages.bl4_set`; beyond that they are one list, `/plate/voltages.volts[7]`. The topic's metadata says which field is
-//! which channel, and the wire behind it. Every message holds all channels, since a missing field reads as 0 V. Just before a
-//! jump, 1 ns earlier, the old values are said again, so that lines between messages are the signal itself.
+//! A message type is made for each device. Up to [`MAX_FIELDS`] channels each is a field, so that a plot is selected as
+//! `/bot/voltages.bl4_set`; beyond that they are one list, `/plate/voltages.volts[7]`. The topic's metadata map each field to its
+//! channel and wire. Every message contains all channels, since a missing field reads as 0 V. Just before a
+//! jump, 1 ns earlier, the old values are repeated, so that lines between messages are the signal itself.
 //!
 //! A channel with drive trains would need a message for every edge, so it has two fields, `/bed/voltages.bed_low` and `…bed_high`:
-//! the lower and the higher level of the train that goes on, the same value twice outside of trains. The topic's metadata say
-//! which of the two a field is, and the periods of the trains.
+//! the lower and the higher level of the current train, the same value twice outside of trains. The topic's metadata name
+//! the level of each field, and the periods of the trains.
 
 use super::{LogTopic, Signals, foxglove};
 use crate::emit::identifier;
@@ -20,10 +20,10 @@ use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The most channels that get a field each.
+/// Greatest number of channels with a field each.
 pub const MAX_FIELDS: usize = 300;
 
-/// The most bytes of names that get a field each: readers limit the size of a message type.
+/// Greatest number of bytes of field names: readers limit the size of a message type.
 const MAX_NAME_BYTES: usize = 16 * 1024;
 
 /// The name of the field that lists many channels.
@@ -52,7 +52,7 @@ fn columns(signals: &Signals, channels: &[usize]) -> Vec<MessageColumn> {
     channels.iter().flat_map(of_channel).collect()
 }
 
-/// About how many bytes all messages take.
+/// Estimated bytes of all messages.
 pub fn estimated_bytes(signals: &Signals) -> u64 {
     let of_device = |channels: &[usize]| {
         let messages = 2 * signals.breaks(channels.iter().copied()).len() + 2;
@@ -110,7 +110,7 @@ fn periods(signals: &Signals, channel: usize) -> String {
     periods.iter().map(u64::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// What a message looks like.
+/// Layout of a message.
 pub enum MessageShape<'a> {
     Fields(&'a [String]),
     /// One field of this name.

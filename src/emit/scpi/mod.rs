@@ -1,8 +1,8 @@
 //! SCPI: a script that uploads each channel to an arbitrary-waveform generator and plays all of them on one trigger.
 //!
-//! `<name>.scpi` is what to send, message by message, each ended by a line feed; samples travel as IEEE 488.2 definite-length
-//! blocks, so the file is no text. SCPI knows no comments, so `<name>.scpi.txt` says in words which output plays which channel.
-//! What differs between instruments is the data of a [`Profile`].
+//! `<name>.scpi` has the messages to send, each ended by a line feed; samples are IEEE 488.2 definite-length
+//! blocks, so the file is no text. SCPI has no comments, so `<name>.scpi.txt` describes which output plays which channel.
+//! The differences between instruments are the data of a [`Profile`].
 //!
 //! The sample period is the greatest common divisor of all times, so that every edge falls on a sample. One sample of 0 V
 //! comes before the schedule and one after it: a generator waits at its first sample and rests at its last, and an actuator
@@ -11,10 +11,10 @@
 //! Where a channel has drive trains, all outputs play sequences instead, in the dialect of the 33500 series: a train is one
 //! segment and the number of its repetitions. A sequence waits for its trigger at 0 V and rests at 0 V.
 //!
-//! A channel of positions is the voltage at the analogue input of a stage's driver, 1 V for each um, which a lab scales by what its
-//! driver takes. A generator has no straight lines, so they are sampled: at each sample the output is where the stage is to be, and
-//! from one to the next no stage moves by more than `sampling::SAMPLE_UM` unless the instrument's memory is too small for that; the
-//! description says by how much. It waits at the first position and rests at the last one.
+//! A channel of positions is the voltage at the analogue input of a stage's driver, 1 V per um, to be scaled to the driver's
+//! sensitivity. A generator has no straight lines, so they are sampled: each sample is the position of the stage, and
+//! between two samples no stage moves by more than `sampling::SAMPLE_UM` unless the instrument's memory is too small for that; the
+//! description gives the distance. It waits at the first position and rests at the last one.
 
 mod sampling;
 mod sequence;
@@ -28,9 +28,9 @@ pub use sequence::Sequencer;
 use sequence::{Sequence, sequence};
 use std::fmt::Write as _;
 
-/// What an instrument takes, and how it is spoken to.
+/// Limits and commands of an instrument.
 ///
-/// In the commands `{output}` stands for the number of the output, `{segment}` for the name of its waveform, `{block}` for the
+/// In the commands `{output}` is the number of the output, `{segment}` for the name of its waveform, `{block}` for the
 /// samples, `{span}` for the voltage between the lowest and the highest code, `{seconds}` for the length of the waveform.
 #[derive(Debug, Clone)]
 pub struct Profile {
@@ -106,19 +106,19 @@ pub const GENERIC: Profile = Profile {
 const MARKER_POINT: u64 = 4;
 
 impl Profile {
-    /// The code of a voltage, where full scale is so many volts.
+    /// The code of a voltage, where full scale is `volts`.
     fn code(&self, value: f64, volts: f64) -> i16 {
         (value / volts * f64::from(self.full_scale)).round() as i16
     }
 }
 
-/// What the outputs play, one entry for each channel where they play sequences.
+/// The waveforms of the outputs, one entry for each channel where they play sequences.
 enum Playing {
     Waveforms,
     Sequences(Vec<Sequence>),
 }
 
-/// What goes into the places of a command.
+/// Values of the placeholders of a command.
 struct Filling<'a> {
     channel: usize,
     segment: &'a str,
@@ -330,7 +330,7 @@ fn stages(signals: &Signals, sampling: &Sampling) -> String {
     )
 }
 
-/// How long the outputs play, and how they wait and rest.
+/// Duration of the playback, and how the outputs wait and rest.
 fn playback(signals: &Signals, sampling: &Sampling, playing: &Playing) -> String {
     let Sampling { period_ns, points } = sampling;
     match playing {

@@ -1,4 +1,4 @@
-//! How often outputs are sampled.
+//! Sample period of the outputs.
 //!
 //! Voltages have their edges on samples, so that they are exact. Positions are sampled often enough for their speed.
 
@@ -7,10 +7,10 @@ use crate::emit::Signals;
 use crate::emit::signal::half_ns;
 use crate::schedule::{Actuation, ChannelUnit};
 
-/// The most that a stage moves from one sample to the next, in micrometres, unless the instrument's memory is too small.
+/// Greatest move of a stage from one sample to the next, in micrometres, unless the instrument's memory is too small.
 pub const SAMPLE_UM: f64 = 0.05;
 
-/// The most parts that the common period of voltages is divided into for the sake of positions.
+/// Greatest number of parts into which the common period of voltages is divided for positions.
 const MAX_PARTS: u64 = 100_000;
 
 /// The samples of all channels, before they are scaled.
@@ -44,7 +44,7 @@ impl Sampling {
         (0..self.points).map(move |index| signals.value(channel, at(index)))
     }
 
-    /// The most that a stage moves in a period, in micrometres; `None` without stages.
+    /// Greatest move of a stage in a period, in micrometres; `None` without stages.
     pub fn step_um(&self, signals: &Signals) -> Option<f64> {
         let step_um = fastest_um_per_ns(signals)? * self.period_ns as f64;
         // Rounded up, but for the rounding of the product.
@@ -52,7 +52,7 @@ impl Sampling {
     }
 }
 
-/// The greatest time that all times of voltages are multiples of; 0 without voltages.
+/// The greatest common divisor of all times of voltages; 0 without voltages.
 fn common_ns(signals: &Signals) -> u64 {
     let of_volts = || signals.in_unit(ChannelUnit::Volt).flat_map(|channel| signals.of(channel));
     let times = of_volts().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);

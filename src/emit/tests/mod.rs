@@ -101,8 +101,8 @@ fn what_is_not_finite_is_refused() {
     }
 }
 
-/// Writes every format of every fixture into the folder that `TWEEZE_FIXTURES` names, for `tests/oracles/run.py`; what runs on
-/// slopes, and so cannot be written in every format, into its folder `slopes`, and a long drive train into `trains`.
+/// Writes every format of every fixture into the folder that `TWEEZE_FIXTURES` names, for `tests/oracles/run.py`; fixtures with
+/// slopes, which not every format can represent, into its folder `slopes`, and a long drive train into `trains`.
 #[test]
 #[ignore = "writes files: for the judges under tests/oracles"]
 fn write_fixtures() {
@@ -129,7 +129,7 @@ fn write_fixtures() {
         formats(&make().0).for_each(|format| write(&folder, format, make()));
     }
     for format in [Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi] {
-        // Longer than the deck goes on.
+        // Longer than the run of the deck.
         let long = fixture::changed(&fixture::train(12_000), |schedule| schedule.name = "long".to_owned());
         write(&trains, format, (long, Provenance::default()));
     }

@@ -86,7 +86,7 @@ fn scpi_waits_and_rests_where_the_stages_do() {
     let files = emit(Format::Scpi, &fixture::hand().0, &Provenance::default()).unwrap();
     let script = &files[0].bytes;
     let notes = String::from_utf8(files[1].bytes.clone()).unwrap();
-    // 28.5 um in 20 ms at the most: 0.05 um take 35 us, rounded down to 20 us.
+    // At most 28.5 um in 20 ms: 0.05 um take 35 us, rounded down to 20 us.
     assert!(notes.contains("a stage moves by 0.0"), "{notes}");
     assert!(notes.contains("3\tCH3\t5\thand.f1.z [um]\t-\n"), "{notes}");
     let head = b":SOUR3:DATA:ARB:DAC CH3,#";

@@ -1,13 +1,13 @@
-//! Positions as an encoder counts them.
+//! Positions as encoder counts.
 //!
 //! Input: a channel of positions. Output: the instants at which its nearest multiple of [`COUNT_UM`] changes, each with the new
-//! one. Promise: at every nanosecond the count that holds is within half of [`COUNT_UM`] of the position, but for what rounding
-//! adds.
+//! one. Promise: at every nanosecond the current count is within half of [`COUNT_UM`] of the position, except for
+//! rounding.
 
 use crate::emit::Signals;
 use crate::schedule::{Actuation, ChannelUnit};
 
-/// What one count stands for.
+/// Length of one count, in micrometres.
 pub const COUNT_UM: f64 = 1.0 / COUNTS_PER_UM;
 
 /// A whole number, so that a count over it is the nearest number to its decimal form.
@@ -33,7 +33,7 @@ pub fn number(signals: &Signals) -> u64 {
 /// The counts of a channel from each instant on, in order of time.
 pub struct Counts<'a> {
     actuations: std::slice::Iter<'a, &'a Actuation>,
-    /// The line that goes on, and how many of its changes were told.
+    /// Current ramp, and how many of its steps were written.
     line: Option<(&'a Actuation, f64)>,
 }
 

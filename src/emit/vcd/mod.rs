@@ -1,10 +1,10 @@
-//! VCD (IEEE 1364-2005, clause 18): step functions for GTKWave and its kin.
+//! VCD (IEEE 1364-2005, clause 18): step functions for GTKWave and similar viewers.
 //!
 //! Each channel is a `real` variable in volts, found under its own name: the scopes are the name's parts, `bot` / `bl4`, and the
 //! variable is `set`. A wired channel is found a second time in the scope `wires`, under the wire's name. The timescale is 1 ns.
 //!
-//! A position moves steadily, and VCD has steps only. So it is written as an encoder of 10 nm would count it: at every nanosecond
-//! the nearest multiple of [`COUNT_UM`], which a comment says of the channel.
+//! A position changes continuously, and VCD has steps only. So it is written as the counts of an encoder of 10 nm: at every nanosecond
+//! the nearest multiple of [`COUNT_UM`], as a comment states for the channel.
 
 mod counts;
 
@@ -18,7 +18,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::fmt::Write as _;
 
-/// About how many bytes a change takes besides the digits of its instant.
+/// Estimated bytes of a change without the digits of its instant.
 const CHANGE_BYTES: u64 = 10;
 
 /// The scope that holds the physical outputs.
@@ -79,7 +79,7 @@ struct NameScope {
 }
 
 impl NameScope {
-    /// As deep as the names of channels have dots, which the language keeps to a few.
+    /// Recursion depth is the number of dots in a channel's name, which the language limits to a few.
     fn print(&self, text: &mut String) {
         for (name, index) in &self.variables {
             let _ = writeln!(text, "$var real 64 {} {name} $end", code(*index));
@@ -125,7 +125,7 @@ fn first(signals: &Signals, channel: usize) -> f64 {
     }
 }
 
-/// What channels are from an instant on, in order of time, then of channel; some of it is no change.
+/// Values of channels, in order of time, then of channel; some are no changes.
 fn values<'a>(signals: &'a Signals) -> impl Iterator<Item = (u64, usize, f64)> + 'a {
     let of_channel = |channel: usize| -> Box<dyn Iterator<Item = (u64, f64)> + 'a> {
         match signals.unit(channel) {

@@ -1,8 +1,8 @@
-//! Distances in the plane between what a tip sweeps and the core of a body.
+//! Distances in the plane between the area swept by a tip and the core of a body.
 //!
 //! Input: points in micrometres. Output: the distance between two closed sets, 0 where they meet, in micrometres. Promise:
 //! no safety margin, no tolerance; the error is that of a few roundings of the coordinates, about 1e-15 of the largest one. Planners
-//! and the checker use this file; the verifier measures by itself, in `verify::geometry`.
+//! and the checker use this file; the verifier has its own measures, in `verify::geometry`.
 
 use super::fault::{Fault, through};
 use super::shape::Core;
@@ -80,7 +80,7 @@ fn edges(corners: &[Point2<f64>]) -> impl Iterator<Item = Segment> + '_ {
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| [*a, *b])
 }
 
-/// Whether each segment has the ends of the other strictly on its two sides. Segments that only touch are told by the
+/// Whether each segment has the ends of the other strictly on its two sides. Segments that only touch are left to the
 /// distance of their ends.
 fn cross([a, b]: Segment, [c, d]: Segment) -> bool {
     let side = |p: Point2<f64>, q: Point2<f64>, r: Point2<f64>| (q - p).perp(&(r - p));

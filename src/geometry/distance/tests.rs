@@ -1,4 +1,4 @@
-//! Distances against known figures, and against dense samples with an independent test of what lies inside.
+//! Distances against known figures, and against dense samples with an independent inside test.
 
 use super::*;
 use proptest::prelude::*;
@@ -100,7 +100,7 @@ fn quadrilaterals_and_cores() {
     assert_eq!(quadrilateral_core(nothing, &Core::Point(p(0.0, 0.0))), 5.0);
 }
 
-/// How many parts a segment is sampled in.
+/// Number of parts into which a segment is sampled.
 const PARTS: usize = 20;
 
 fn samples(segment: Segment) -> impl Iterator<Item = Point2<f64>> {
@@ -128,7 +128,7 @@ fn sampled(point: Point2<f64>, core: &Core) -> f64 {
     }
 }
 
-/// By how much samples of a core may be too far apart.
+/// Bound on the error from sampling a core.
 fn coarseness(core: &Core) -> f64 {
     let longest = match core {
         Core::Point(_) => 0.0,

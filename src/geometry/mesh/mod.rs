@@ -1,10 +1,10 @@
 //! Closed surfaces of triangles: reading STL files, volume and centre, sections, distances.
 //!
 //! Input: the bytes of an STL file, text or binary, whose numbers are micrometres. Output: a [`Mesh`] whose surface is closed and faces
-//! outwards. Promise: what is not closed, not finite or too large is refused; the same bytes give the same mesh, and
-//! [`Mesh::to_text`] is read back bit by bit. Whether the surface meets itself is not looked at.
+//! outwards. Promise: a surface that is not closed, not finite or too large is refused; the same bytes give the same mesh, and
+//! [`Mesh::to_text`] is read back bit by bit. Self-intersection is not checked.
 //!
-//! Volume and centre come from the divergence theorem. A section gives a vertex that lies on the plane to the side in front of it, as
+//! Volume and centre come from the divergence theorem. A section counts a vertex on the plane as being in front of it, as
 //! though the plane lay a little behind (symbolic perturbation); so each triangle is cut on two edges or on none.
 
 mod said;
@@ -14,7 +14,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-/// The most triangles of a mesh.
+/// Greatest number of triangles of a mesh.
 pub const MAX_TRIANGLES: usize = 200_000;
 
 /// The longest file.
@@ -30,7 +30,7 @@ pub enum MeshError {
     TooLong { bytes: usize },
     /// More than [`MAX_TRIANGLES`].
     TooManyTriangles(usize),
-    /// It is no STL file; what the reader says.
+    /// Not an STL file; the reader's message.
     Format(String),
     /// No triangle at all.
     Empty,
@@ -59,7 +59,7 @@ pub struct Mesh {
     blocks_um: Vec<[[f64; 3]; 2]>,
 }
 
-/// How many triangles, which often lie beside one another, have bounds of their own.
+/// Triangles per bounding box; neighbours in the file are often neighbours in space.
 const BLOCK: usize = 64;
 
 impl Mesh {
@@ -80,22 +80,22 @@ impl Mesh {
         surface::joined(corners_um)
     }
 
-    /// The same in other units and about another origin: each coordinate less that of the origin, times the scale.
+    /// The mesh in other units and about another origin: each coordinate less that of the origin, times the scale.
     ///
     /// # Errors
-    /// When that is no mesh any more, because numbers become too large or fall together.
+    /// If the result is no mesh any more, because numbers become too large or coincide.
     pub fn placed(&self, origin_um: [f64; 3], scale: f64) -> Result<Mesh, MeshError> {
         let place = |point: [f64; 3]| [0, 1, 2].map(|axis| (point[axis] - origin_um[axis]) * scale);
         let corners_um: Vec<[[f64; 3]; 3]> = self.corners().map(|corners| corners.map(place)).collect();
         Mesh::of(&corners_um)
     }
 
-    /// As the text of an STL file, without normals. What was read from a file is read back from this bit by bit.
+    /// The mesh as text of an STL file, without normals. A mesh read from a file is read back from this bit by bit.
     pub fn to_text(&self) -> String {
         stl::text(self)
     }
 
-    /// How many triangles it has.
+    /// Number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
@@ -109,12 +109,12 @@ impl Mesh {
         triangle.map(|vertex| self.vertices_um[vertex as usize])
     }
 
-    /// The least and the greatest coordinates.
+    /// Bounding box: the least and the greatest coordinates.
     pub fn bounds_um(&self) -> [[f64; 3]; 2] {
         surface::bounds(self.vertices_um.iter().copied())
     }
 
-    /// What it encloses, in cubic micrometres.
+    /// Enclosed volume, in cubic micrometres.
     pub fn volume_um3(&self) -> f64 {
         surface::volume_and_centre(self).0
     }

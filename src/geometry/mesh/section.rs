@@ -7,7 +7,7 @@ use super::surface::edges;
 use super::{Mesh, cross, dot};
 use crate::real::Real;
 
-/// What a line encloses at least, as a share of the square of its length.
+/// Least area enclosed by a line, as a share of the square of its length.
 const LEAST_AREA: f64 = 1e-12;
 
 /// A triangle that the plane cuts: the edges on which the way along the section comes in and goes out.

@@ -1,7 +1,7 @@
-//! STL files: which of the two formats a file has, and their triangles.
+//! STL files: detection of the format, and the triangles.
 //!
-//! Input: bytes. Output: the corners of triangles, or the canonical text of a mesh. Promise: a file is binary exactly if it is as long
-//! as the count of triangles in it says, whatever its header begins with; nothing is allocated for a count that the file does not hold.
+//! Input: bytes. Output: the corners of triangles, or the canonical text of a mesh. Promise: a file is binary exactly if its length
+//! matches its count of triangles, whatever its header begins with; nothing is allocated for a count beyond the file's length.
 //! Normals and attributes are not used: they follow from the corners, and are often wrong.
 
 use super::{MAX_BYTES, MAX_TRIANGLES, Mesh, MeshError};
@@ -34,7 +34,7 @@ pub(super) fn corners(bytes: &[u8]) -> Result<Vec<[[f64; 3]; 3]>, MeshError> {
     }
 }
 
-/// How many triangles a binary file has, if it is one.
+/// Number of triangles in a binary file, if it is one.
 fn binary_count(bytes: &[u8]) -> Option<usize> {
     let count = bytes.get(HEADER_BYTES..HEAD_BYTES)?.try_into().ok().map(u32::from_le_bytes)? as usize;
     let length = count.checked_mul(TRIANGLE_BYTES)?.checked_add(HEAD_BYTES)?;

@@ -1,4 +1,4 @@
-//! What makes triangles a closed surface, and what it encloses.
+//! Conditions for a closed surface of triangles, and its volume.
 //!
 //! Input: the corners of triangles. Output: vertices, joined where they are the same place, and triangles that face outwards. Promise:
 //! each edge belongs to two triangles that run along it in opposite directions.
@@ -6,7 +6,7 @@
 use super::{BLOCK, MAX_TRIANGLES, MAX_UM, Mesh, MeshError, cross, dot, minus};
 use crate::real::Real;
 
-/// The least volume, as a share of the cube round the mesh.
+/// Least volume, as a share of the cube round the mesh.
 const LEAST_VOLUME: f64 = 1e-9;
 
 pub(super) fn joined(corners_um: &[[[f64; 3]; 3]]) -> Result<Mesh, MeshError> {
@@ -101,7 +101,7 @@ pub(super) fn volume_and_centre(mesh: &Mesh) -> (f64, [f64; 3]) {
     (volume, [0, 1, 2].map(|axis| apex[axis] + moment[axis] / volume))
 }
 
-/// The least and the greatest coordinates of some places.
+/// Bounding box of some places: the least and the greatest coordinates.
 pub(super) fn bounds(places_um: impl Iterator<Item = [f64; 3]>) -> [[f64; 3]; 2] {
     places_um.fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], place| {
         [[0, 1, 2].map(|axis| low[axis].min(place[axis])), [0, 1, 2].map(|axis| high[axis].max(place[axis]))]

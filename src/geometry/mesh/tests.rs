@@ -154,7 +154,7 @@ fn a_box_is_exact() {
     assert_eq!(mesh.placed([0.0; 3], 1e9), Err(MeshError::Number { triangle: 0 }));
 }
 
-/// The distance from a fine grid of places on each triangle is hardly more than that told, and never less.
+/// The distance from a fine grid of places on each triangle is hardly more than the reported one, and never less.
 #[test]
 fn distances_are_those_of_brute_force() {
     let mesh = Mesh::of(&scaled(&icosphere(3), [9.0, 7.0, 5.0])).unwrap();

@@ -1,7 +1,7 @@
-//! Boxes round the stretches of a curve, in a tree, for questions about what is near.
+//! Tree of boxes round the stretches of a curve, for queries of nearby stretches.
 //!
 //! Input: the stretches and their nodes. Output: the stretches near a point, nearest first, and two stretches whose chords meet.
-//! Promise: no stretch that may matter is left out; a question about a point costs about the logarithm of the number of stretches.
+//! Promise: no relevant stretch is left out; a query for a point costs about the logarithm of the number of stretches.
 
 use super::follow::FollowedCurve;
 use super::form::{cross, dot, minus};

@@ -8,25 +8,25 @@ use super::OutlineError;
 use super::form::{Jet, OutlineForm, cross, dot, minus, norm};
 use crate::real::Real;
 
-/// How exactly one stretch tells its way.
+/// Greatest error of the path along one stretch.
 const WAY_UM: f64 = 1e-9;
 
-/// How exactly the length of one stretch is known.
+/// Greatest error of the length of one stretch.
 const LENGTH_UM: f64 = 1e-10;
 
-/// How far the tangent turns along one stretch.
+/// Greatest turn of the tangent along one stretch.
 const MAX_TURN_RAD: f64 = 0.1;
 
-/// How often a piece is halved.
+/// Greatest number of halvings of a piece.
 const MAX_DEPTH: u32 = 36;
 
-/// The most stretches of a curve of few pieces.
+/// Greatest number of stretches of a curve of few pieces.
 const MAX_STRETCHES: usize = 1 << 12;
 
-/// The most stretches of each piece, where there are many: smooth outlines take two or three of them.
+/// Greatest number of stretches per piece, if there are many: smooth outlines take two or three of them.
 const STRETCHES_PER_PIECE: usize = 8;
 
-/// At how many places of a piece its direction is looked at before it is followed.
+/// Number of places at which the direction of a piece is evaluated before it is followed.
 const LOOKS: u32 = 4;
 
 /// The upper half of the nodes and weights of Gauss' rule with eight points.
@@ -67,7 +67,7 @@ pub(super) struct CurveStretch {
     pub from_t: f64,
     pub to_t: f64,
     pub length_um: f64,
-    /// How far the curve leaves the chord.
+    /// Greatest distance of the curve from the chord.
     pub sag_um: f64,
     /// The parameter's share by the way's share, and the other way round.
     share_by_way: Quintic,
@@ -101,7 +101,7 @@ fn length(form: &OutlineForm, piece: usize, from: f64, to: f64) -> f64 {
     sum
 }
 
-/// By how much the direction turns from one to another.
+/// Turn from one direction to another.
 pub(super) fn turn(from: [f64; 2], to: [f64; 2]) -> f64 {
     cross(from, to).arc_tangent_over(dot(from, to))
 }
@@ -177,7 +177,7 @@ fn spans(form: &OutlineForm, (first, begin): (usize, f64)) -> Vec<(usize, f64, f
     let mut spans = Vec::new();
     let mut add = |piece: usize, low: f64, high: f64| {
         let cuts = form.cuts(piece);
-        // A sliver beside a cut is left out: it is shorter than anything that is told.
+        // A sliver beside a cut is left out: it is shorter than any reported length.
         let least = 1e-12 * (cuts[cuts.len() - 1] - cuts[0]);
         for pair in cuts.windows(2) {
             let (from, to) = (pair[0].max(low), pair[1].min(high));
@@ -210,7 +210,7 @@ fn too_rough(form: &OutlineForm, spans: &[(usize, f64, f64)], most: usize) -> Op
     sharpest.1.filter(|_| all_rad > MAX_TURN_RAD * most as f64)
 }
 
-/// The stretch between two parameters, unless it has to be halved.
+/// The stretch between two parameters, unless it must be halved.
 fn measured(
     form: &OutlineForm,
     piece: usize,

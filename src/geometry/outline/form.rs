@@ -78,7 +78,7 @@ impl OutlineForm {
         OutlineForm::Parts { parts: all.into_iter().filter(|(_, length)| *length > 0.0).collect() }
     }
 
-    /// How many pieces it has.
+    /// Number of pieces.
     pub fn pieces(&self) -> usize {
         match self {
             OutlineForm::Ellipse { .. } | OutlineForm::Superellipse { .. } => 1,

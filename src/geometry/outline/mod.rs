@@ -1,7 +1,7 @@
-//! Closed smooth outlines in the plane: what they are, and how far along them a place, a normal and a curvature lie.
+//! Closed smooth outlines in the plane: their forms, and places, normals and curvatures by path length along them.
 //!
-//! Input: an [`Outline`] in micrometres. Output: a [`Curve`], run through counter-clockwise by the way along it, which begins where the
-//! positive x axis leaves it for good. Promise: ways, normals and curvatures agree with one another to [`PRECISION_UM`].
+//! Input: an [`Outline`] in micrometres. Output: a [`Curve`], parametrised counter-clockwise by arc length, which begins where the
+//! positive x axis leaves it for good. Promise: arc lengths, normals and curvatures agree with one another to [`PRECISION_UM`].
 
 mod boxes;
 mod follow;
@@ -19,19 +19,19 @@ pub use resample::{MAX_POLYGON, MAX_SMOOTHED};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// How exactly a [`Curve`] follows its outline.
+/// Greatest error of a [`Curve`] relative to its outline.
 pub const PRECISION_UM: f64 = 1e-6;
 
-/// The fewest points of a spline.
+/// Fewest points of a spline.
 pub const MIN_POINTS: usize = 4;
 
-/// The most points of a spline.
+/// Greatest number of points of a spline.
 pub const MAX_POINTS: usize = 4096;
 
-/// The greatest coordinate or semi-axis.
+/// Greatest coordinate or semi-axis.
 pub const MAX_UM: f64 = 1e6;
 
-/// The least semi-axis, half width or radius of a corner.
+/// Least semi-axis, half width or radius of a corner.
 pub const MIN_UM: f64 = 1e-3;
 
 /// The exponents of superellipses.
@@ -160,7 +160,7 @@ impl Curve {
         through(Fault::Perimeter, self.perimeter_um)
     }
 
-    /// How far from the origin it reaches.
+    /// Greatest distance from the origin.
     pub fn reach_um(&self) -> f64 {
         self.reach_um
     }
@@ -273,14 +273,14 @@ impl Curve {
         NearestPlace { square: dot(gap, gap), way_um: self.course.ways_um[at] + stretch.way_um(t), sign }
     }
 
-    /// By how much the object turns while a tip rolls from way 0 to a way: the integral of κ + 1/l2, which is the turn of the normal
-    /// and the way over the tip's radius.
+    /// Turn of the object while a tip rolls from arc length 0 to `way_um`: the integral of κ + 1/l2, which is the turn of the normal
+    /// plus the arc length over the tip's radius.
     pub fn rolled_rad(&self, way_um: f64, tip_radius_um: f64) -> f64 {
         through(Fault::Rolled, self.spot(way_um).normal_rad - self.course.turns_rad[0] + way_um / tip_radius_um)
     }
 
-    /// The way at which a tip has rolled so far; the inverse of [`Curve::rolled_rad`], for tips that reach everywhere (κ > -1/l2). For
-    /// others it is one of the ways, or none: some number.
+    /// The arc length at which a tip has rolled this far; the inverse of [`Curve::rolled_rad`], for tips that reach everywhere (κ > -1/l2).
+    /// For others it is one of several solutions, or an arbitrary number if there is none.
     pub fn way_rolled_um(&self, rolled_rad: f64, tip_radius_um: f64) -> f64 {
         let once_rad = TAU + self.perimeter_um / tip_radius_um;
         let laps = (rolled_rad / once_rad).floor();
@@ -350,13 +350,13 @@ impl Curve {
     }
 }
 
-/// The most steps of Newton's method, halvings among them.
+/// Greatest number of steps of Newton's method, halvings among them.
 const MAX_ITERATIONS: usize = 60;
 
 /// Newton's method ends when it moves by less.
 const NEWTON_UM: f64 = 1e-9;
 
-/// How often an interval is cut by the golden section.
+/// Number of golden-section steps in an interval.
 const SECTIONS: usize = 40;
 
 /// The smaller part of the golden section.
@@ -430,7 +430,7 @@ fn spline_form(points_um: &[[f64; 2]]) -> Result<OutlineForm, OutlineError> {
     Ok(OutlineForm::Spline { cubics })
 }
 
-/// How near two neighbours may be, as a share of the whole.
+/// Least distance of two neighbours, as a share of the whole.
 const LEAST_GAP: f64 = 1e-9;
 
 /// A piece and a parameter in it.

@@ -9,13 +9,13 @@ use super::{MAX_POINTS, MAX_UM, MIN_POINTS, Outline, OutlineError, spline_form};
 use crate::real::Real;
 use std::f64::consts::{PI, TAU};
 
-/// The most points of a polyline that is smoothed.
+/// Greatest number of points of a polyline that is smoothed.
 pub const MAX_POLYGON: usize = 1_000_000;
 
-/// The most points of an outline that was smoothed.
+/// Greatest number of points of a smoothed outline.
 pub const MAX_SMOOTHED: usize = 512;
 
-/// The fewest.
+/// Fewest points of a smoothed outline.
 const MIN_SMOOTHED: usize = 96;
 
 /// Waves shorter than the perimeter over this number are damped; the coarsest that is near enough to the polyline is taken.
@@ -24,14 +24,14 @@ const CUTOFFS: [usize; 9] = [8, 12, 16, 24, 32, 48, 64, 96, 128];
 /// Waves are damped by 1 / (1 + (k / cutoff)^ORDER).
 const ORDER: i32 = 6;
 
-/// What is near enough, as a share of the size: at least and at most.
+/// Least and greatest tolerance, as shares of the size.
 const NEAR: [f64; 2] = [1e-4, 1e-2];
 
 impl Outline {
     /// The spline through samples of a smooth closed curve, in order; the first point may be repeated at the end.
     ///
     /// # Errors
-    /// What is wrong with the points; whether the curve meets itself is told by [`Curve::of`](super::Curve::of).
+    /// The fault of the points; [`Curve::of`](super::Curve::of) reports whether the curve intersects itself.
     pub fn sampled(points_um: &[[f64; 2]]) -> Result<Outline, OutlineError> {
         let open = match points_um {
             [first, inner @ .., last] if first == last && inner.len() + 1 >= MIN_POINTS => &points_um[..=inner.len()],
@@ -46,11 +46,12 @@ impl Outline {
 
     /// A smooth outline along a closed polyline of up to [`MAX_POLYGON`] points, clockwise or not.
     ///
-    /// Points are spread evenly, by the way along the polyline, and its short waves are damped: those that come from its having
-    /// straight sides, or from noise. How strongly is told by the polyline itself, by how far its typical corner leaves its neighbours.
+    /// Points are spread evenly, by arc length along the polyline, and short waves are damped: those that come from its straight
+    /// sides, or from noise. The strength follows from the polyline itself: from the distance of its typical corner to the line of its
+    /// neighbours.
     ///
     /// # Errors
-    /// What is wrong with the points; whether the outline meets itself is told by [`Curve::of`](super::Curve::of).
+    /// The fault of the points; [`Curve::of`](super::Curve::of) reports whether the outline intersects itself.
     pub fn from_polygon(points_um: &[[f64; 2]]) -> Result<Outline, OutlineError> {
         if points_um.len() > MAX_POLYGON {
             return Err(OutlineError::TooManyPoints(points_um.len()));
@@ -95,12 +96,12 @@ fn size(ring: &[[f64; 2]]) -> f64 {
     extent(0).hypotenuse(extent(1)) / 2.0
 }
 
-/// Measured from the first corner, lest a ring far from the origin loses digits.
+/// Measured from the first corner, so that a ring far from the origin loses no digits.
 fn area(ring: &[[f64; 2]]) -> f64 {
     sides(ring).map(|[a, b]| cross(minus(a, ring[0]), minus(b, ring[0])) / 2.0).sum()
 }
 
-/// How far the corner in the middle of all, sorted by that, leaves the line between its neighbours.
+/// Median distance of a corner from the line between its neighbours.
 fn unevenness(ring: &[[f64; 2]]) -> f64 {
     let count = ring.len();
     let mut offs: Vec<f64> = (0..count)
@@ -119,7 +120,7 @@ fn unevenness(ring: &[[f64; 2]]) -> f64 {
 struct Waves(Vec<[[f64; 2]; 2]>);
 
 impl Waves {
-    /// Of samples that are averages over equal steps; what averaging took from a wave is given back.
+    /// Fourier coefficients of samples that are averages over equal steps; the attenuation by averaging is compensated.
     fn of(averages: &[[f64; 2]]) -> Waves {
         let count = averages.len();
         let circle: Vec<(f64, f64)> = (0..count).map(|step| (TAU * step as f64 / count as f64).sine_cosine()).collect();

@@ -24,8 +24,8 @@ impl Cubic {
         }
     }
 
-    /// Where y is 0, by parameter; an end that lies on the axis counts. The next cubic begins at `end_y`: what is rounded differently at
-    /// the end of this one shall not hide a root between them.
+    /// Parameters where y is 0; an end on the axis counts. The next cubic begins at `end_y`, so that different rounding at
+    /// the end of this one cannot hide a root between them.
     pub fn roots_y(&self, end_y: f64) -> Vec<f64> {
         let y = |s: f64| if s == self.length_um { end_y } else { self.at(s).point[1] };
         let mut ends = vec![0.0];

@@ -94,7 +94,7 @@ impl LoweringBoard<'_> {
         both.flat_map(|(from, to)| electrodes(facts, from, to)).collect()
     }
 
-    /// Ends what is no longer wanted and begins what was not on.
+    /// Ends the electrodes that are no longer needed and begins the new ones.
     fn switch(
         &mut self,
         on: &mut BTreeMap<ElectrodeCell, u64>,
@@ -148,8 +148,8 @@ fn electrodes(facts: &ElectrodeArrayFacts, from: ElectrodeCell, to: ElectrodeCel
     }
 }
 
-/// The two electrodes where the leading electrodes of a micropart are at the end of its move; none if it rests, since it
-/// rests by itself.
+/// The two electrodes under the leading electrodes of a micropart at the end of its move; none if it rests, since it
+/// rests without voltage.
 fn leading(from: ElectrodeCell, to: ElectrodeCell) -> Vec<ElectrodeCell> {
     let (column, row) = (to.column, to.row);
     let pair = match (to.column.cmp(&from.column), to.row.cmp(&from.row)) {

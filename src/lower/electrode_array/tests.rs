@@ -96,7 +96,7 @@ pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>
     (claims, schedule)
 }
 
-/// The step that asks for what ways lead to.
+/// The step whose goals are the ends of these paths.
 fn asked(ways: &[Vec<ElectrodeCell>]) -> TaskStep {
     if ways.is_empty() {
         return TaskStep { action: ElectrodeArrayAction::Wait(1_000_000), span: Span::default() };

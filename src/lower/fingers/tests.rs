@@ -10,7 +10,7 @@ use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// An order of so many steps; what they say does not matter here.
+/// An order of `steps` steps; their content does not matter here.
 fn order(steps: usize) -> FingersOrder {
     let outline = Outline::Ellipse { semi_um: [16.0, 11.845] };
     let xy = Section { outline, contacts: 74, opposite: Some(38), step_rad: 0.349 };

@@ -57,7 +57,7 @@ fn states() -> Vec<ControlState> {
     vec![state(0, &[0.0]), state(1, &[0.0, 150.0]), state(2, &[0.0, 170.0]), state(3, &[200.0])]
 }
 
-/// The claims and the schedule of a task on the bed `m` whose steps are these; where robots dock, that is what was asked for.
+/// The claims and the schedule of a task on the bed `m` with these steps; where robots dock, that was the goal.
 pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
     let start = [(0.0, 0.0, 0.0), (600.0, 0.0, 1.5), (0.0, -500.0, -3.0)];
     let start = start.map(|(x_um, y_um, heading_rad)| Pose { x_um, y_um, heading_rad });
@@ -122,7 +122,7 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
     (claims, schedule)
 }
 
-/// The text that the schedule says it is from.
+/// The source text of the schedule.
 pub(crate) const SOURCE: &str = "task assemble on m { }\n";
 
 /// The step that asks for a motion, from its robots' places to be filled in.

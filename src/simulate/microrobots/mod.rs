@@ -1,20 +1,20 @@
-//! Closes the loop: carries a plan's assemblies out with robots and measurements that are not what they should be.
+//! Closed-loop simulation: carries out a plan's assemblies with imperfect robots and measurements.
 //!
-//! Input: an order, its plan, how many trials, a seed. Output: a [`SimulationReport`]. Every trial draws for each robot what departs from its
+//! Input: an order, its plan, the number of trials, a seed. Output: a [`SimulationReport`]. Every trial draws for each robot errors of its
 //! figures, always within the bounds of the device (`facts.errors`): a part that stays for the trial and a part that
 //! changes from interval to interval; a quarter of the trials keep extreme errors throughout, another quarter change between
 //! extremes. Robots are then brought to their goals by the closed loop of [`strategy`](crate::plan::microrobots::strategy).
 //!
-//! What is simulated: measurement, gross motion, fine motion by whole cycles of its primitives, contact of a corner, alignment,
-//! collisions of the true bodies. What is not: single strokes (ways are continuous); robots that orbit keep their nominal centres, and
-//! a body that comes into the disc that they sweep, grown by what a centre may creep in one turn, has collided; other steps than
-//! `assemble` are taken as carried out exactly. Where the first two robots stick together is where the structure is: what docks
-//! later has its goal and approach moved along with it, and is measured relative to it.
+//! Simulated: measurement, gross motion, fine motion by whole cycles of its primitives, contact of a corner, alignment,
+//! collisions of the true bodies. Not simulated: single strokes (paths are continuous). Robots that orbit keep their nominal centres, and
+//! a body that enters the disc that they sweep, grown by the creep of a centre in one turn, has collided. Other steps than
+//! `assemble` are assumed to be carried out exactly. The structure is where its first two robots stick together: the goals and approaches of
+//! later robots move along with it, and are measured relative to it.
 //!
-//! Where all errors are 0, measuring changes nothing: the legs of the plan are carried out as they are written (`written`).
+//! If all errors are 0, measuring changes nothing: the legs of the plan are carried out as written (`written`).
 //!
 //! The same seed gives the same report, whatever the number of threads: a trial depends on the seed and its own index alone.
-//! Cost grows with trials times the length of the way over the interval.
+//! Cost grows with trials times the path length over the interval.
 
 mod pair;
 mod report;
@@ -31,10 +31,10 @@ use crate::plan::microrobots::{AssemblyStage, MicrorobotsMotion};
 use single::SingleStage;
 use trial::{EndedTrial, Trial, TrialFailure};
 
-/// The most trials of one call.
+/// Greatest number of trials in one call.
 pub const MAX_TRIALS: u64 = 10_000_000;
 
-/// Report on so many trials (at most [`MAX_TRIALS`]) of a plan; `None` where the device does not say its errors, or nothing is
+/// Report on `trials` trials (at most [`MAX_TRIALS`]) of a plan; `None` if the device does not bound its errors, or nothing is
 /// assembled.
 pub fn simulate(
     order: &MicrorobotsOrder,

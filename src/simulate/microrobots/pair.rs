@@ -14,10 +14,10 @@ use std::f64::consts::PI;
 /// Intervals of one gross motion.
 const MAX_INTERVALS: usize = 20_000;
 
-/// What of the distance up to which two robots align themselves is used before the fine motion.
+/// Share of the distance of self-alignment that is used before the fine motion.
 const ALIGNED_SHARE: f64 = 0.5;
 
-/// How often the way to a contact is halved; far below a stroke.
+/// Bisection steps to a contact; leaves an error far below a stroke.
 const HALVINGS: usize = 40;
 
 /// The two robots of a stage.
@@ -50,8 +50,7 @@ pub fn run(trial: &mut Trial, episode: &Episode) -> Result<(), TrialFailure> {
 }
 
 impl PairMeeting<'_> {
-    /// Brings the second robot to the orbit from which it is to be driven, if it is not there yet; and tells by way of which
-    /// centres both go on.
+    /// Brings the second robot to the orbit from which it is driven, if it is not there yet; returns the via centres of both.
     fn bring_near(&self, trial: &mut Trial, episode: &Episode) -> Result<[Vec<[f64; 2]>; 2], TrialFailure> {
         let [first, second] = self.robots;
         let Some(&[_, ends]) = episode.gross.first() else { return Ok([Vec::new(), Vec::new()]) };
@@ -170,7 +169,7 @@ impl PairMeeting<'_> {
         Err((self.robots[1], FailureReason::TimeLimit))
     }
 
-    /// Whether the two come at once, and what the fine motion cannot correct is within what they align themselves.
+    /// Whether the two arrive together, and the error that fine motion cannot correct is within self-alignment.
     fn is_within_reach(&self, trial: &Trial) -> bool {
         let measured = self.measured(trial);
         let frames = self.couple.frames(self.goals, measured);

@@ -1,4 +1,4 @@
-//! What came of the trials: numbers for people.
+//! Statistics of the trials.
 
 use super::trial::{EndedTrial, FailureReason, Met};
 use serde::Serialize;
@@ -19,15 +19,15 @@ pub struct Spread {
 pub struct Dockings {
     /// Index of the order's robots.
     pub robot: usize,
-    /// How often it met its structure.
+    /// Number of times that it met its structure.
     pub count: u64,
     /// Sideways, once it lies flat; of a pair, between the axes.
     pub across_um: Spread,
-    /// Along its heading: how far the structure is from where it should be, of a pair.
+    /// Along its heading; for a pair, the displacement of the structure.
     pub along_um: Spread,
     /// Between its heading and the normal of the edge at contact; of a pair, between the axes.
     pub incidence_rad: Spread,
-    /// Of its heading in the world, once it lies flat.
+    /// Error of its heading in the world, once it lies flat.
     pub heading_rad: Spread,
 }
 
@@ -40,7 +40,7 @@ pub struct Failures {
     pub count: u64,
 }
 
-/// What came of the trials.
+/// Outcome of the trials.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SimulationReport {
     pub trials: u64,
@@ -49,7 +49,7 @@ pub struct SimulationReport {
     pub wilson: [f64; 2],
     /// In the order in which the robots are driven.
     pub dockings: Vec<Dockings>,
-    /// Of the trials that succeeded, in seconds.
+    /// Times of the successful trials, in seconds.
     pub time_s: Spread,
     /// The most frequent first.
     pub failures: Vec<Failures>,
@@ -71,7 +71,7 @@ pub fn wilson(successes: u64, trials: u64) -> [f64; 2] {
 }
 
 impl Spread {
-    /// Of any numbers, whatever their order; all 0 for none.
+    /// Spread of any numbers, in any order; all 0 for none.
     pub fn of(mut values: Vec<f64>) -> Self {
         if values.is_empty() {
             return Spread::default();
@@ -87,7 +87,7 @@ impl Spread {
 }
 
 impl SimulationReport {
-    /// Of trials in their order.
+    /// Report on trials in their order.
     pub fn new(trials: &[EndedTrial]) -> Self {
         let successes = trials.iter().filter(|trial| trial.failure.is_none()).count() as u64;
         let time_s = |trial: &EndedTrial| trial.failure.is_none().then_some(trial.time_ns as f64 / 1e9);

@@ -15,7 +15,7 @@ pub const MAX_ROUNDS: usize = 20;
 /// A gross motion may last as many times its nominal way.
 const MAX_TIMES: f64 = 20.0;
 
-/// How often the way to a contact is halved; far below a stroke.
+/// Bisection steps to a contact; leaves an error far below a stroke.
 const HALVINGS: usize = 40;
 
 /// The robot of a stage.

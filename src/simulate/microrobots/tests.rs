@@ -36,7 +36,7 @@ pub fn robot(name: &str, turning: Turning) -> Robot {
     }
 }
 
-/// A bed with so many robots of one kind; state j lowers the first j.
+/// A bed with `count` robots of one kind; state j lowers the first j.
 pub fn order(count: usize, turning: Turning, errors: Errors, poses: &[Pose]) -> MicrorobotsOrder {
     let robots = (0..count).map(|index| robot(&format!("D{}", index + 1), turning)).collect();
     let arm = |state: usize, row: usize| if row < state { Arm::Down } else { Arm::Up };
@@ -81,7 +81,7 @@ pub fn pose(x_um: f64, y_um: f64, degrees: f64) -> Pose {
     Pose { x_um, y_um, heading_rad: degrees.to_radians() }
 }
 
-/// Where a robot has to be so that so great a share of turning leads it to a goal.
+/// The pose from which a share `share` of turning leads a robot to a goal.
 pub fn before(robot: &Robot, goal: Pose, share: f64, way_um: f64) -> Pose {
     let turn_per_um = share * robot.turning.sign() / robot.turning_radius_um;
     let back = Pose { heading_rad: goal.heading_rad + std::f64::consts::PI, ..goal };
@@ -261,7 +261,7 @@ fn a_robot_in_the_way_is_run_into() {
     assert_eq!(report.failures[0].reason, FailureReason::Collision("wall".into()));
 }
 
-/// Two robots that meet head on at the origin, so far from their approaches, and two legs that tell their ways.
+/// Two robots that meet head on at the origin, some way from their approaches, and two legs with their path lengths.
 pub fn pair(errors: Errors, second: Pose) -> (MicrorobotsOrder, MicrorobotsMotion) {
     let goals = [pose(-130.0, 0.0, 0.0), pose(130.0, 0.0, 180.0)];
     let starts = [pose(-2500.0, -1400.0, 70.0), second];
@@ -344,7 +344,7 @@ fn a_third_robot_follows_the_structure() {
     let assured = guarantees(&order, &motion).expect("the errors are known");
     assert_eq!(assured.iter().map(|stage| stage.robots.len()).collect::<Vec<_>>(), [2, 1]);
     assert_eq!(assured[0].violated(), None);
-    // How far the structure may be displaced is reckoned twice near the structure itself, so the room seems too small.
+    // The possible displacement of the structure is counted twice near the structure itself, so the room seems too small.
     assert!(assured[1].violated().is_none_or(|held| held.check == ContainmentCheck::Gross("D3".into())));
     let report = simulate(&order, &motion, 300, 7, 2).expect("the errors are known");
     assert_eq!(report.successes, 300, "{:?}", report.failures);

@@ -1,4 +1,4 @@
-//! One trial: where robots truly are, what is measured of them, what time it is.
+//! One trial: true poses of the robots, their measurements, and the time.
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Errors};
@@ -17,7 +17,7 @@ const STRIDE_UM: f64 = 10.0;
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FailureReason {
-    /// After so many rounds it was still not where the fine motion may begin.
+    /// After the greatest number of rounds it had still not reached the start of the fine motion.
     LeftCylinder,
     /// The goal was not within the reach of the fine motion.
     MissedCone,
@@ -63,18 +63,18 @@ enum Manner {
     Mixed,
 }
 
-/// What departs from its figure in a robot, in this interval.
+/// Errors of a robot's figures in this interval.
 #[derive(Debug, Clone, Copy, Default)]
 struct Drift {
     speed_bias: f64,
     curl_bias: f64,
     speed: f64,
     curl: f64,
-    /// Of the measurement, in parts of the bounds: place, direction, heading.
+    /// Errors of the measurement, as shares of the bounds: place, direction, heading.
     noise: [f64; 3],
 }
 
-/// A trial that goes on.
+/// A trial in progress.
 pub struct Trial<'a> {
     pub order: &'a MicrorobotsOrder,
     pub errors: Errors,
@@ -96,7 +96,7 @@ pub struct Trial<'a> {
     spent_ns: f64,
 }
 
-/// What a moving body may do to docked ones.
+/// Permitted contact of a moving body with docked ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ContactManners {
     /// Touch none.
@@ -153,8 +153,8 @@ impl<'a> Trial<'a> {
         self.active = active;
     }
 
-    /// Takes what the plan says of robots that are not docked, where a step of the task begins; the docked ones are where they
-    /// truly are.
+    /// Takes over the plan's poses of robots that are not docked, at the beginning of a step of the task; docked ones keep their
+    /// true poses.
     pub fn take(&mut self, episode: &Episode) {
         if self.step.replace(episode.step) == Some(episode.step) {
             return;
@@ -218,7 +218,7 @@ impl<'a> Trial<'a> {
         Ok(())
     }
 
-    /// Where a robot truly is after so many strokes in a state.
+    /// True pose of a robot after `strokes` strokes in a state.
     pub fn gone(&self, robot: usize, state: usize, strokes: f64) -> Pose {
         if self.docked[robot] {
             return self.poses[robot];

@@ -1,7 +1,7 @@
-//! A stage of a plan as it is written: leg by leg, without measurements.
+//! A stage of a plan carried out as written: leg by leg, without measurements.
 //!
-//! Input: a trial without errors. Output: its robots docked where the legs bring them, or what they ran into, or how far they missed
-//! their goals. What is looked at is the same as in the closed loop: the true bodies, and where they come to lie.
+//! Input: a trial without errors. Output: its robots docked at the ends of the legs, or their collision, or the distance by which they
+//! missed their goals. The checks are the same as in the closed loop: the true bodies, and their final places.
 
 use super::trial::{ContactManners, FailureReason, Met, Trial, TrialFailure};
 use crate::device::microrobots::wrapped_rad;
@@ -23,7 +23,7 @@ pub fn run(trial: &mut Trial, episode: &Episode) -> Result<(), TrialFailure> {
     let way_um = |strokes: u64| facts.step_um * strokes as f64;
     let mut left_um: f64 = episode.legs.iter().map(|leg| way_um(leg.strokes)).sum();
     for leg in episode.legs {
-        // The last stretch is long enough for what comes near its partner in it.
+        // The last stretch is long enough for any robot that comes near its partner in it.
         let apart_um = (left_um - fine.length_um - fine.cycle_um).clamp(0.0, way_um(leg.strokes));
         trial.drive(leg.state, robot, apart_um, ContactManners::Apart)?;
         trial.drive(leg.state, robot, way_um(leg.strokes) - apart_um, ContactManners::Docking)?;

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Texts with a mistake, the code and what it points at.
+/// Texts with a mistake, the code and the text that it points at.
 const ENTRIES: &[(&str, &str, &str)] = &[
     // in a task
     ("move to (1, 2) move to (3, 4)", "E0103", "move"),
@@ -114,7 +114,7 @@ fn a_mistake_in_a_task_is_found_once_and_leaves_its_neighbours() {
     }
 }
 
-/// Whole files with a mistake, the code and what it points at.
+/// Whole files with a mistake, the code and the text that it points at.
 const FILES: &[(&str, &str, &str)] = &[
     ("let a = 1 let b = 2\n", "E0103", "let"),
     ("let a = 1;\n", "E0104", ";"),

@@ -1,9 +1,9 @@
 //! Robots that share a scene: their tips never touch, at any instant of the program.
 //!
 //! A tip is a disc of its radius and its robot's repeatability. While a pulse lasts it may be anywhere in the segment that the pulse
-//! sweeps, or in the rectangle of a pulse of several modules, since modules snap at unknown instants; otherwise it stands in its
+//! sweeps, or in the rectangle of a pulse of several modules, since modules snap at unknown instants; otherwise it is at its
 //! cell, also before the robot's first run and after its last. Both ends of a pulse belong to it, so that two pulses that meet in
-//! one instant are held against each other. Cost for n pulses: n for each pair of robots.
+//! one instant are compared too. Cost for n pulses: n for each pair of robots.
 
 use super::super::boxes::Extent;
 use super::super::clock::JudgedRun;
@@ -18,7 +18,7 @@ use crate::source::Span;
 use nalgebra::Point2;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How much wider than it is a tip counts when boxes are compared, so that rounding hides none.
+/// Margin added to a tip when boxes are compared, so that rounding never hides a contact.
 const BOX_MARGIN_UM: f64 = 1e-6;
 
 /// Where a tip may be from one instant to another, both included.
@@ -38,7 +38,7 @@ struct TipTrace<'a> {
     stretches: Vec<TipInterval>,
 }
 
-/// Holds every two robots that share a scene against each other. `order` are the runs in the order in which devices meet them.
+/// Checks the distance of every two robots that share a scene. `order` are the runs in the order in which devices meet them.
 pub(in super::super) fn tips_apart(runs: &[JudgedRun], order: &[usize], claims: &Claims, findings: &mut Findings) {
     let frames = claims.shared.iter().flat_map(|scene| &scene.frames);
     let placed: BTreeMap<&str, FrameTransform> =
@@ -115,7 +115,7 @@ fn first_touch<'a>(one: &'a TipTrace, other: &'a TipTrace) -> Option<(&'a TipInt
     let needed_um = needed_um(one, other);
     let mut from = 0;
     for stretch in &one.stretches {
-        // Stretches follow one another, so what ended before this one began is over for all that come.
+        // Stretches are in order of time, so one that ended before this one began is over for all later ones too.
         while other.stretches.get(from).is_some_and(|beside| beside.end_ns < stretch.start_ns) {
             from += 1;
         }

@@ -1,8 +1,9 @@
 //! Replays the run of a DiMiBot: pulses into module states, states into places, moves into sweeps.
 //!
 //! Input: a [`Run`] whose steps and channels are sound, and where the device stands. Output: its states and outcomes;
-//! one function per rule. A pulse is what begins at one instant on the device; it takes the pulse duration of the facts and then
-//! the rest, in which nothing is switched. A step of moves is pulse after pulse without idle time; its end is that of its last rest.
+//! one function per rule. A pulse is the set of actuations that begin at one instant on the device; it takes the pulse duration of the
+//! facts and then the rest, in which nothing is switched. A step of moves is pulse after pulse without idle time; it ends with its last
+//! rest.
 
 mod beside;
 mod scene;
@@ -25,11 +26,11 @@ pub(super) use scene::{check_claims, is_frame};
 pub(super) enum Patience {
     /// It is alone in its scene, and every pulse follows at once.
     None,
-    /// It may have to let another robot pass.
+    /// It may need to wait for another robot.
     ForOthers,
 }
 
-/// What a channel acts on.
+/// Actuator of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Actuator {
     side: Side,
@@ -82,12 +83,12 @@ pub(super) fn actuators(device: &str, facts: &DimibotFacts) -> BTreeMap<String, 
     both.map(|actuator| (format!("{device}.{}", actuator.name()), actuator)).collect()
 }
 
-/// What the numbers of a channel are, if the device has one of that name.
+/// Unit of a channel, if the device has one of that name.
 pub(super) fn unit(channel: &str, order: &DimibotOrder) -> Option<ChannelUnit> {
     actuators("", &order.facts).contains_key(&format!(".{channel}")).then_some(ChannelUnit::Volt)
 }
 
-/// What the claims say of a plan's record.
+/// Terms of a plan's record, from the claims.
 pub(super) fn terms(order: &DimibotOrder) -> RecordTerms {
     let objective = order.objective;
     RecordTerms {
@@ -99,12 +100,12 @@ pub(super) fn terms(order: &DimibotOrder) -> RecordTerms {
     }
 }
 
-/// What `minimize` takes to bring an outcome down.
+/// The objective that minimises an outcome.
 pub(super) fn minimized_as(outcome: &str) -> Option<&'static str> {
     DimibotOutcome::find(outcome).map(|outcome| outcome.objective().name())
 }
 
-/// What begins at one instant.
+/// All actuations that begin at one instant.
 #[derive(Debug)]
 struct PulseInstant<'a> {
     start_ns: u64,
@@ -115,7 +116,7 @@ struct PulseInstant<'a> {
     parts: Vec<(&'a Actuation, Actuator)>,
     before: LatticeCell,
     after: LatticeCell,
-    /// What really changes.
+    /// The actuators that change their module.
     strokes: Vec<Actuator>,
 }
 
@@ -128,7 +129,7 @@ struct DimibotRun<'a> {
     pulses: Vec<PulseInstant<'a>>,
 }
 
-/// Holds a run against its order.
+/// Replays a run and checks it against its order.
 ///
 /// # Errors
 /// When a body of the claims cannot be placed.
@@ -164,7 +165,7 @@ fn state(facts: &DimibotFacts, cell: LatticeCell) -> State {
     State::Dimibot { word: facts.word(cell), cell: [cell.x, cell.y], position_um: [position.x, position.y] }
 }
 
-/// Where a run starts: where the device stands, or for its first run where the task says, or at home.
+/// Start of a run: the device's place; for its first run the task's `start at`, or home.
 fn start(run: &JudgedRun, order: &DimibotOrder, standing: &Standing, findings: &mut Findings) -> LatticeCell {
     let claimed = order.start.as_ref();
     let Some(State::Dimibot { cell: [x, y], .. }) = standing.get(run.job.device.as_str()) else {
@@ -318,7 +319,7 @@ fn rests(task: &DimibotRun, findings: &mut Findings) {
     }
 }
 
-/// A step of moves is pulse after pulse, from its beginning to its end. Not asked of robots that may have to wait for another:
+/// A step of moves is pulse after pulse, from its beginning to its end. Not checked for robots that may need to wait for another:
 /// their idle time counts as time of the plan.
 fn idle(task: &DimibotRun, findings: &mut Findings) {
     for (nth, claimed) in task.order.steps.iter().enumerate() {

@@ -14,13 +14,13 @@ use crate::quantity::digits;
 use crate::real::Real;
 use nalgebra::{Point2, Vector2};
 
-/// How much wider than it is a body counts when boxes are compared, so that rounding hides none.
+/// Margin added to a body when boxes are compared, so that rounding never hides a contact.
 const BOX_MARGIN_UM: f64 = 1e-6;
 
 /// Share of a length by which a place may be off its limit, for the rounding of the checker.
 const TOLERANCE: f64 = 1e-9;
 
-/// Asks what the replay takes for granted of claims.
+/// Checks the assumptions that the replay makes about claims.
 pub(in super::super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> {
     let facts = &order.facts;
     let unfit = |why: &str| Err(Unfit(format!("the claims of a dimibot {why}")));
@@ -93,8 +93,8 @@ impl FrameTransform {
     }
 }
 
-/// The corners of what the tip's centre may sweep between two cells, `low` the lower one in both axes, in order round it and in the
-/// scene: a rectangle, a segment where a single module moves, or a point.
+/// Corners of the area that the tip's centre may sweep between two cells, `low` the lower one in both axes, in order round it, in
+/// scene coordinates: a rectangle, a segment where a single module moves, or a point.
 pub(super) fn swept(facts: &DimibotFacts, stand: &FrameTransform, [low, high]: [LatticeCell; 2]) -> Vec<Point2<f64>> {
     let cells = match (low.x == high.x, low.y == high.y) {
         (true, true) => vec![low],
@@ -114,13 +114,13 @@ pub(super) struct DimibotObstacles<'a> {
     block_boxes: GroupedBoxes,
 }
 
-/// What is touched.
+/// Obstacles that the tip touches.
 pub(super) struct TipTouch {
     /// Index of the order's obstacles: the first one touched.
     pub obstacle: usize,
-    /// How many more are touched.
+    /// Number of further obstacles touched.
     others: usize,
-    /// Distance from the first one's own surface, negative never; without it for cells.
+    /// Distance from the first one's own surface, never negative; `None` for cells.
     gap_um: Option<f64>,
 }
 
@@ -164,8 +164,8 @@ impl<'a> DimibotObstacles<'a> {
         Ok(DimibotObstacles { facts: &order.facts, stand, solids, solid_boxes, blocks, block_boxes })
     }
 
-    /// What the tip touches in the rectangle between two cells, `low` the lower one in both axes; a rectangle without width
-    /// is the way of a single module, one without any extent a place.
+    /// Obstacles touched by the tip in the rectangle between two cells, `low` the lower one in both axes; a rectangle without width
+    /// is the path of a single module, one without any extent a place.
     pub fn touch(&self, low: LatticeCell, high: LatticeCell) -> Option<TipTouch> {
         let solids = self.touched_solids(low, high);
         let blocks = self.touched_blocks(low, high);
@@ -199,7 +199,7 @@ fn lattice_point(cell: LatticeCell) -> Point2<f64> {
     Point2::new(f64::from(cell.x), f64::from(cell.y))
 }
 
-/// How far from its nominal place something may touch the tip: its radius, and how far it may stand off.
+/// Greatest distance from the nominal place at which a body may touch the tip: tip radius plus repeatability.
 pub(super) fn room_um(facts: &DimibotFacts) -> f64 {
     facts.tip_radius_um + facts.repeatability_um
 }

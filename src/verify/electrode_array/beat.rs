@@ -1,6 +1,6 @@
-//! The rules of one beat: what the electrodes that are on do to each part, and how near the parts come to what.
+//! The rules of one beat: motion of each part by the electrodes that are on, and clearances between parts and obstacles.
 //!
-//! Every rule is asked of the whole board; the first violation is returned, that of the first part in the order of the scene.
+//! Every rule is checked on the whole board; the first violation is returned, that of the first part in the order of the scene.
 
 use super::JudgedBoard;
 use super::bodies::{SweptCells, first_touch, needed};
@@ -12,7 +12,7 @@ use crate::verify::Violation;
 use crate::verify::rule::{Rule, ms};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// How many electrodes a message names.
+/// Greatest number of electrodes named in a message.
 const SHOWN: usize = 4;
 
 /// A beat of a step.
@@ -24,7 +24,7 @@ pub(super) struct StepBeat<'m> {
     pub on: &'m FxHashSet<ElectrodeCell>,
 }
 
-/// What each part that is there does, by the index of the part.
+/// Motion of each part on the board, by the index of the part.
 type Pulls = Vec<(usize, PartPull)>;
 
 impl JudgedBoard<'_, '_> {
@@ -181,7 +181,7 @@ impl JudgedBoard<'_, '_> {
         self.clearances(moment.at_ns, pulls).map_or(Ok(()), |broken| Err(explain(broken)))
     }
 
-    /// The same before the first beat.
+    /// As [`Self::sweeps`], before the first beat.
     pub(super) fn stands_clear(&self) -> Result<(), Violation> {
         let at_ns = self.run.plan.start_ns;
         let rests = |(part, cell): (usize, &Option<ElectrodeCell>)| {
@@ -198,7 +198,7 @@ impl JudgedBoard<'_, '_> {
         }
     }
 
-    /// Two parts keep the separation; of two that merge what is done on their goal does not count.
+    /// Two parts keep the separation; between two that merge, moves on their common goal are exempt.
     fn touches(&self, stage: &JudgedStage, at_ns: u64, pulls: &Pulls) -> Option<Broken> {
         let needed = needed(&self.order.facts);
         let ways: Vec<SweptCells> = pulls.iter().map(|(_, pull)| SweptCells::new(pull.from, pull.to)).collect();
@@ -241,7 +241,7 @@ impl JudgedBoard<'_, '_> {
     }
 }
 
-/// A rule with what is to be said, and the parts that it is about.
+/// A broken rule with the text of its message, and the parts concerned.
 type Broken = (Rule, String, Vec<usize>);
 
 /// Some electrodes in words.

@@ -1,8 +1,8 @@
-//! How near the bodies of parts come to each other and to obstacles in one step of the board.
+//! Distances of parts from one another and from obstacles in one step of the board.
 //!
 //! A part is pulled, runs over and settles in a time of its own, so in a step it may be anywhere between its start and its end,
-//! whatever another one does. What a part sweeps is the rectangle of its centre's way; two parts are as near as their rectangles.
-//! With the distances of whole cells that is as strict as asking all four combinations of starts and ends.
+//! independently of the others. A part sweeps the rectangle of its centre's path; the distance of two parts is that of their rectangles.
+//! With distances of whole cells this is as strict as checking all four combinations of starts and ends.
 
 use super::super::boxes::{Extent, GroupedBoxes};
 use crate::claims::electrode_array::{ElectrodeArrayObstacleBody, ElectrodeArrayOrder};
@@ -34,7 +34,7 @@ impl SweptCells {
         }
     }
 
-    /// The least Chebyshev distance of two centres.
+    /// Least Chebyshev distance of two centres, in electrodes.
     pub fn apart(&self, other: &SweptCells) -> u32 {
         let gap = |low: u32, high: u32, other_low: u32, other_high: u32| {
             other_low.saturating_sub(high).max(low.saturating_sub(other_high))
@@ -44,15 +44,15 @@ impl SweptCells {
     }
 }
 
-/// The least distance that two centres keep, in electrodes: the separation of the device, which leaves room for the oscillation
-/// at the end of a move; and never so little that the bodies overlap.
+/// Least distance that two centres must keep, in electrodes: the separation of the device, which includes the oscillation
+/// at the end of a move; at least as much as keeps the bodies from overlapping.
 pub(super) fn needed(facts: &ElectrodeArrayFacts) -> u32 {
     let width = (2.0 * facts.layout.half_width_pitches).ceil();
     facts.separation.apart().max(width as u32)
 }
 
-/// The first two parts that come nearer than a distance, with how near they come. `apart` tells how near two parts come, by
-/// their places in the list; `None` if there is nothing to keep between them.
+/// The first two parts that come nearer than a distance, with their distance. `apart` gives the distance of two parts by
+/// their indices in the list; `None` if no distance is required between them.
 pub(super) fn first_touch(
     ways: &[SweptCells],
     needed: u32,

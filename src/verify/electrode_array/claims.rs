@@ -1,6 +1,6 @@
-//! What the replay takes for granted of claims on an electrode array.
+//! Assumptions of the replay about claims on an electrode array.
 //!
-//! Input: an order. Output: nothing, or why no run can be held against it. Claims that the checker made always pass.
+//! Input: an order. Output: nothing, or why no run can be checked against it. Claims of the checker always pass.
 
 use super::super::Unfit;
 use crate::claims::electrode_array::{
@@ -12,10 +12,10 @@ use std::collections::BTreeSet;
 /// The largest separation, in electrodes.
 const MAX_SEPARATION: u32 = MAX_SIDE;
 
-/// Asks what every rule takes for granted.
+/// Checks the assumptions of all rules.
 ///
 /// # Errors
-/// When the claims are such that nothing can be held against them.
+/// If no schedule can be checked against the claims.
 pub(in super::super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     facts(&order.facts)?;
     parts(order)?;

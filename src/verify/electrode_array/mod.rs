@@ -1,9 +1,9 @@
-//! Replays the run of an electrode array: which electrodes are on into pulls, pulls into moves, moves into what parts sweep.
+//! Replays the run of an electrode array: electrodes that are on into pulls, pulls into moves, moves into swept cells.
 //!
 //! Input: a [`Run`] whose steps and channels are sound, and where the parts stand. Output: their states and the outcomes. A step
 //! of parts is made of steps of the board, here called beats, in which no electrode is switched; a wait is one long beat. Promise:
-//! a part moves only where electrodes pull it, and the first beat that breaks a rule ends the replay of its device, since where
-//! parts are after it nobody knows. Cost: for each beat the parts and the electrodes that are on, but no more beats than the
+//! a part moves only where electrodes pull it, and the first beat that breaks a rule ends the replay of its device, since the places of
+//! parts are unknown after it. Cost: for each beat the parts and the electrodes that are on, but no more beats than the
 //! record has states.
 
 mod beat;
@@ -30,18 +30,18 @@ use switching::{ElectrodePulse, Switching};
 
 pub(super) use claims::check_claims;
 
-/// What the numbers of a channel are, if the device has one of that name.
+/// Unit of a channel, if the device has one of that name.
 pub(super) fn unit(channel: &str, order: &ElectrodeArrayOrder) -> Option<ChannelUnit> {
     order.facts.electrode(channel).map(|_| ChannelUnit::Volt)
 }
 
-/// What the claims say of a plan's record.
+/// Terms of a plan's record, from the claims.
 pub(super) fn terms(order: &ElectrodeArrayOrder) -> RecordTerms {
     let (planner, objective) = (order.planner.method.name(), order.objective);
     RecordTerms { planner, objective: objective.name(), outcome: objective.outcome().name(), unit: "", scale: 1.0 }
 }
 
-/// What `minimize` takes to bring an outcome down, if anything.
+/// The objective that minimises an outcome, if any.
 pub(super) fn minimized_as(outcome: &str) -> Option<&'static str> {
     let objective = ElectrodeArrayOutcome::find(outcome)?.objective()?;
     Some(objective.name())
@@ -131,7 +131,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         }
     }
 
-    /// Nothing moves for as long as claimed; what holds the parts stays on.
+    /// Nothing moves for the claimed duration; holding electrodes stay on.
     fn wait(&mut self, nth: usize, duration_ns: u64, findings: &mut Findings) -> Result<(), Halt> {
         let step = self.run.step(nth);
         if step.duration_ns != duration_ns {
@@ -202,7 +202,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         Err(self.within(Rule::Beat, nth, step.start_ns, title))
     }
 
-    /// What is switched in a step, if that is between beats, and pulls no part that is stuck.
+    /// Changes of electrodes in a step, provided that they are between beats and pull no stuck part.
     fn switching(&self, nth: usize, beat_ns: u64) -> Result<Switching, Violation> {
         let step = self.run.step(nth);
         let mut pulses = Vec::with_capacity(self.pulses[nth].len());
@@ -291,7 +291,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         here.eq(parts.iter().map(|(name, cell)| (name.as_str(), *cell)))
     }
 
-    /// How many states a record of this run has: one at first and one after each beat of its steps.
+    /// Number of states that a record of this run must have: one at first and one after each beat of its steps.
     fn due_states(&self) -> u64 {
         let beats = self.order.steps.iter().enumerate().map(|(nth, step)| match step.action {
             ElectrodeArrayAction::Wait(_) => 0,

@@ -15,12 +15,12 @@ const PAIRS: [([i64; 2], [[i64; 2]; 2]); 4] = [
     ([0, 1], [[-1, 2], [1, 2]]),
 ];
 
-/// What the electrodes do to one part in one step of the board.
+/// Motion of one part in one step of the board, caused by the electrodes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct PartPull {
     pub from: ElectrodeCell,
     pub to: ElectrodeCell,
-    /// The electrodes that do it; none for a part that rests by itself.
+    /// The electrodes that cause it; none for a part that rests without voltage.
     pub by: Vec<ElectrodeCell>,
 }
 
@@ -49,7 +49,7 @@ pub(super) fn acting(on: &FxHashSet<ElectrodeCell>, electrodes: Electrodes, at: 
     around.filter_map(|offset| shifted(at, offset)).filter(|cell| on.contains(cell)).collect()
 }
 
-/// The cell so many columns and rows on, if the numbers allow it.
+/// The cell shifted by some columns and rows, unless that overflows.
 fn shifted(cell: ElectrodeCell, [columns, rows]: [i64; 2]) -> Option<ElectrodeCell> {
     let on = |at: u32, by: i64| u32::try_from(i64::from(at) + by).ok();
     Some(ElectrodeCell::new(on(cell.column, columns)?, on(cell.row, rows)?))
@@ -84,8 +84,8 @@ fn droplet(at: ElectrodeCell, acting: &[ElectrodeCell]) -> Option<PartPull> {
     }
 }
 
-/// Where a droplet goes that merges with another at a goal. Once there it stays. Before that the electrode of the goal is not
-/// held against it, since it is the other one's; where no other electrode acts on it, it goes to the goal if it can.
+/// Motion of a droplet that merges with another at a goal. Once there it stays. Before that the electrode of the goal is
+/// ignored, since it belongs to the other droplet; if no other electrode acts on the droplet, it goes to the goal if it can.
 pub(super) fn merging(on: &FxHashSet<ElectrodeCell>, at: ElectrodeCell, goal: ElectrodeCell) -> Option<PartPull> {
     let acting = acting(on, Electrodes::Single, at);
     let called = acting.contains(&goal);

@@ -1,4 +1,4 @@
-//! What one step of a task asks of the parts, and how far they have come.
+//! Goals of the parts in one step of a task, and their progress.
 
 use super::pull::PartPull;
 use crate::claims::electrode_array::{ElectrodeArrayMove, ElectrodeArrayStop};
@@ -13,7 +13,7 @@ pub(super) struct JudgedStage<'o> {
     of: BTreeMap<usize, usize>,
     /// For both parts that merge the other one and the goal; none where one of them is gone already.
     pairs: BTreeMap<usize, (usize, ElectrodeCell)>,
-    /// For each move how many of its stops are reached.
+    /// For each move the number of stops reached.
     turns: Vec<usize>,
     /// Where the parts without a goal stood that have moved.
     pub homes: BTreeMap<usize, ElectrodeCell>,
@@ -70,7 +70,7 @@ impl<'o> JudgedStage<'o> {
         self.arrivals.values().fold(0, |sum, beats| sum.saturating_add(*beats))
     }
 
-    /// Parts with the first stop that they have not reached, and whether that is where they have to end.
+    /// Parts with their first stop not yet reached, and whether that is their last.
     pub fn missed(&self, cells: &[Option<ElectrodeCell>]) -> Vec<(usize, &'o ElectrodeArrayStop, bool)> {
         let of_move = |(index, action): (usize, &'o ElectrodeArrayMove)| {
             let (left, goal) = (&action.stops[self.turns[index]..], action.goal());

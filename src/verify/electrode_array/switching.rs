@@ -14,7 +14,7 @@ pub(super) struct ElectrodePulse {
     pub to: u64,
 }
 
-/// What is switched at the beginning of a step of the board; off comes before on.
+/// An electrode switched at the beginning of a step of the board; off is ordered before on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Change {
     Off,

@@ -1,7 +1,7 @@
-//! The part between the tips: where it is, and how far its outlines lie from a tip.
+//! Pose of the part between the tips, and distances of its outlines from a tip.
 //!
 //! Only its two sections are known. A tip whose centre lies in the plane of one is as far from the part as from that outline;
-//! of any other the verifier only knows how far it is from a sphere round the part's origin that holds both.
+//! of any other the verifier only knows the distance from a sphere round the part's origin that encloses both.
 
 use super::super::geometry::contour::{Contour, Foot};
 use super::Point;
@@ -24,14 +24,14 @@ impl ObjectPose {
         [first, second, plane.normal()].map(|axis| self.orientation * Point::from(axis))
     }
 
-    /// A place in the coordinates of a section, and how far it lies before its plane.
+    /// A place in the coordinates of a section, and its height above the section's plane.
     pub fn section_um(&self, plane: Plane, place_um: &Point) -> ([f64; 2], f64) {
         let from_origin = place_um - self.position_um;
         let [x, y, z] = self.axes(plane).map(|axis| axis.dot(&from_origin));
         ([x, y], z)
     }
 
-    /// The same part, turned about the normal of a plane after it was moved.
+    /// The orientation of the part after a turn about the normal of a plane.
     pub fn turned(&self, plane: Plane, turn_rad: f64) -> UnitQuaternion<f64> {
         self.orientation * UnitQuaternion::from_scaled_axis(Point::from(plane.normal()) * turn_rad)
     }
@@ -53,17 +53,17 @@ impl Surface {
         Some(Surface { contour, contacts: section.contacts, step_rad: section.step_rad, tip_radius_um })
     }
 
-    /// By how much the part turns from one contact to the next.
+    /// Turn of the part from one contact to the next.
     pub fn contact_step_rad(&self) -> f64 {
         self.step_rad
     }
 
-    /// By how much the part turns while a tip rolls once round.
+    /// Turn of the part while a tip rolls once round.
     pub fn round_rad(&self) -> f64 {
         TAU + self.contour.round_um() / self.tip_radius_um
     }
 
-    /// By how much the part turns while a tip rolls from contact 1 to a place.
+    /// Turn of the part while a tip rolls from contact 1 to a place.
     pub fn turned_rad(&self, foot: &Foot) -> f64 {
         foot.turn_of_tip_rad(self.tip_radius_um)
     }
@@ -73,7 +73,7 @@ impl Surface {
         self.contour.rolled_to(f64::from(contact.saturating_sub(1)) * self.step_rad, self.tip_radius_um)
     }
 
-    /// The number of the nearest contact, and how far a tip's centre has to roll to it.
+    /// The number of the nearest contact, and the distance that a tip's centre must roll to it.
     pub fn contact(&self, foot: &Foot) -> (u32, f64) {
         let rolled_rad = self.turned_rad(foot);
         let steps = (rolled_rad / self.step_rad).round();
@@ -88,7 +88,7 @@ impl Surface {
 pub(super) struct PartOutlines {
     xy: Surface,
     xz: Option<Surface>,
-    /// How far from its origin the part reaches.
+    /// Greatest distance of the part's sections from its origin.
     pub reach_um: f64,
 }
 
@@ -124,7 +124,7 @@ impl PartOutlines {
         surface.contour.foot(place_um)
     }
 
-    /// How far from the part a tip's centre is at least; not necessarily the most that is known where it is `enough_um`.
+    /// Lower bound on the distance of a tip's centre from the part; need not be the best bound once it reaches `enough_um`.
     pub fn gap_um(&self, pose: &ObjectPose, tip_um: &Point, tolerance_um: f64, enough_um: f64) -> f64 {
         let sphere_um = (tip_um - pose.position_um).norm() - self.reach_um;
         if sphere_um >= enough_um {

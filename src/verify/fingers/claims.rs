@@ -1,6 +1,6 @@
-//! What the replay takes for granted of claims on a hand.
+//! Assumptions of the replay about claims on a hand.
 //!
-//! Input: an order. Output: nothing, or why no run can be held against it. Claims that the checker made always pass.
+//! Input: an order. Output: nothing, or why no run can be checked against it. Claims of the checker always pass.
 
 use super::super::Unfit;
 use super::body::Surface;
@@ -16,25 +16,27 @@ const MAX_NUMBER: f64 = 1e9;
 /// The smallest number where one above zero is asked for.
 const MIN_NUMBER: f64 = 1e-9;
 
-/// How far a section's step may be from what its perimeter says, as a share.
+/// Relative tolerance between a section's step and the one derived from its perimeter.
 const STEP_TOLERANCE: f64 = 1e-6;
 
-/// How many contacts more or fewer than the nominal step makes a section may have: the checker looks two to each side for an opposite one.
+/// Greatest difference between a section's number of contacts and the nominal one: the checker tries two to each side to find an opposite
+/// contact.
 const CONTACTS_BESIDE: f64 = 2.5;
 
-/// How far a tip may have to roll from the opposite contact to the x axis, as a share of the tolerance: the checker allows a quarter, by the nominal step.
+/// Greatest distance from the opposite contact to the x axis, as a share of the tolerance: the checker allows a quarter, by the nominal
+/// step.
 const AXIS_TOLERANCE: f64 = 0.5;
 
-/// What rounding alone may make of it.
+/// Rounding of that distance.
 const AXIS_ROUNDING_UM: f64 = 1e-6;
 
-/// The fewest contacts that can be told apart.
+/// The fewest distinguishable contacts.
 const MIN_CONTACTS: u32 = 3;
 
-/// Asks what every rule takes for granted.
+/// Checks the assumptions of all rules.
 ///
 /// # Errors
-/// When the claims are such that nothing can be held against them.
+/// If no schedule can be checked against the claims.
 pub(in super::super) fn check_claims(order: &FingersOrder) -> Result<(), Unfit> {
     facts(&order.facts)?;
     let part = &order.part;

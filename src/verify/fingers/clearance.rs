@@ -1,21 +1,21 @@
-//! How near tips come to one another, and free tips to the part.
+//! Distances between tips, and of free tips from the part.
 //!
-//! Tips move on straight lines from one instant to another, so the least distance of two of them is known exactly. The way of a free
-//! tip past a resting part is followed in strides: a distance grows no faster than the tip moves, so a stride as long as what it
-//! has to spare is safe, and one that is shorter than half of the device's tolerance need not be.
+//! Tips move on straight lines from one instant to another, so the least distance of two of them is exact. The path of a free
+//! tip past a resting part is followed in strides: a distance grows no faster than the tip moves, so a stride as long as the
+//! excess over the clearance is safe; strides need not be shorter than half of the device's tolerance.
 
 use super::Point;
 use super::body::{ObjectPose, PartOutlines};
 use super::track::Stretch;
 use crate::device::fingers::FingersFacts;
 
-/// The most strides along one stretch; a tip that needs more all but touches.
+/// Greatest number of strides along one stretch; a tip that needs more almost touches.
 const MAX_STRIDES: usize = 20_000;
 
-/// How much of its way a tip may slip through a clearance, as a share of the tolerance.
+/// Share of the tolerance by which a tip may pass below a clearance undetected.
 const STRIDE: f64 = 0.5;
 
-/// The least distance of two tips along a stretch, and at which share of it.
+/// The least distance of two tips along a stretch, and the share of the stretch at which it occurs.
 pub(super) fn least_um(stretch: &Stretch, one: usize, other: usize) -> (f64, f64) {
     let from_um = stretch.from_um[one] - stretch.from_um[other];
     let run_um = stretch.to_um[one] - stretch.to_um[other] - from_um;
@@ -37,12 +37,12 @@ pub(super) fn too_near(stretch: &Stretch, facts: &FingersFacts) -> Option<([usiz
     distances.filter(|found| found.1 < due_um).min_by(|one, other| one.1.total_cmp(&other.1))
 }
 
-/// How far the centres of two tips stay apart.
+/// Least distance that the centres of two tips must keep.
 pub(super) fn apart_um(facts: &FingersFacts) -> f64 {
     2.0 * facts.tip_radius_um + facts.clearance_um
 }
 
-/// How far the centre of a free tip stays from the part.
+/// Least distance that the centre of a free tip must keep from the part.
 pub(super) fn clear_um(facts: &FingersFacts) -> f64 {
     facts.tip_radius_um + facts.clearance_um
 }
@@ -145,7 +145,7 @@ impl Flight {
     }
 }
 
-/// How far from its contact a tip may be nearer to the part than its clearance.
+/// Distance from its contact within which a tip may be nearer to the part than its clearance.
 fn retreat_um(facts: &FingersFacts) -> f64 {
     facts.retract_um.max(facts.clearance_um) + facts.tolerance_um
 }

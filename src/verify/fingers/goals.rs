@@ -1,4 +1,4 @@
-//! What each step of a hand asks for, held against what came of it.
+//! Compares the goal of each step of a hand with the result.
 
 use super::super::rule::{Findings, Rule, ms};
 use super::Point;
@@ -13,13 +13,13 @@ use nalgebra::{Quaternion, UnitQuaternion};
 /// Rounding of a place or a turn that is no breach.
 const ROUNDING: f64 = 1e-6;
 
-/// How far the turn that a record tells may be from the turn that the tips make.
+/// Tolerance between a recorded turn and the turn that the tips make.
 const TOLD_DEG: f64 = 0.01;
 
-/// By how much, as a share of a step of rotation, a part may be turned where it should not.
+/// Share of a step of rotation by which a part may be turned where it should not be.
 const STEADY: f64 = 1e-3;
 
-/// How a part stood when a step began, and what has turned it since, by plane.
+/// Orientation of a part at the beginning of a step, and the turns since, by plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Since {
     pub pose: ObjectPose,
@@ -33,7 +33,7 @@ impl Since {
 }
 
 impl JudgedHand<'_, '_> {
-    /// Holds a step that is over against what the task asks for.
+    /// Checks a finished step against its goal in the task.
     pub(super) fn check_goal(&self, nth: usize, findings: &mut Findings) {
         let fault = match &self.order.steps[nth].action {
             FingersAction::Grasp(contacts) => {
@@ -57,7 +57,7 @@ impl JudgedHand<'_, '_> {
         self.check_told_turn(nth, findings);
     }
 
-    /// A turn that the record says to be reached is the one by which the part has turned.
+    /// A recorded turn is the one by which the part has turned.
     fn check_told_turn(&self, nth: usize, findings: &mut Findings) {
         let FingersAction::Rotate { plane, .. } = &self.order.steps[nth].action else { return };
         let turned_deg = self.since.turn_rad(*plane).to_degrees();

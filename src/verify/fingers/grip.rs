@@ -1,9 +1,9 @@
 //! Which fingers hold the part, and where it is while they move.
 //!
-//! Tips translate and roll: the pose in the plane is the one in which all tips touch and none has slipped. Without slip the way along the
+//! Tips translate and roll: the pose in the plane is the one in which all tips touch and none has slipped. Without slip the path along the
 //! outline and the world angle of its normal change together, w + l2 φ being constant, so the law holds at every instant
-//! and not only between neighbours. Two or three fingers give more equations than the pose has numbers: the pose is their least-squares
-//! solution by Gauss and Newton from the last one, and what is left over is how far the tips are from rolling and touching exactly.
+//! and not only between neighbours. Two or three fingers give more equations than the pose has unknowns: the pose is their least-squares
+//! solution by Gauss-Newton from the last one, and its residual is the tips' distance from rolling and touching exactly.
 
 use super::super::geometry::contour::Foot;
 use super::Point;
@@ -12,7 +12,7 @@ use crate::device::fingers::Plane;
 use crate::real::Real;
 use nalgebra::{Matrix3, Vector3};
 
-/// The most corrections of a pose.
+/// Greatest number of corrections of a pose.
 const MAX_CORRECTIONS: usize = 60;
 
 /// A correction that no longer matters.
@@ -24,15 +24,15 @@ pub(super) struct HoldingTip {
     pub finger: usize,
     /// Where it touches.
     pub foot: Foot,
-    /// What it has rolled and the part's turn, together: the same as long as it does not slip.
+    /// Sum of rolled distance and the part's turn (w + l2 φ): constant as long as the tip does not slip.
     anchor_rad: f64,
-    /// How far before the section's plane it is.
+    /// Height above the section's plane.
     height_um: f64,
-    /// How far from touching exactly it came to hold: the part is not moved by that.
+    /// Gap at the instant when the finger began to hold; kept as an offset, so that it does not move the part.
     gap_um: f64,
 }
 
-/// Fingers that hold in a plane; also an empty one, which only says where the part is.
+/// Fingers that hold in a plane; also an empty set, which only carries the pose.
 #[derive(Debug, Clone)]
 pub(super) struct JudgedGrip {
     pub plane: Plane,
@@ -48,10 +48,10 @@ pub(super) struct JudgedGrip {
     pub holds: Vec<HoldingTip>,
 }
 
-/// How far tips are from touching and rolling exactly.
+/// Deviation of tips from touching and rolling exactly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RollingMisfit {
-    /// The finger farthest from touching; how far, positive outside of the part.
+    /// The finger farthest from touching, and its gap, positive outside of the part.
     pub gap_um: (usize, f64),
     /// The finger that slips most, along the outline or across the plane.
     pub slip_um: (usize, f64),
@@ -79,7 +79,7 @@ impl JudgedGrip {
         }
     }
 
-    /// By how much the part has turned since turns began to count.
+    /// Turn of the part since counting began.
     pub fn turn_rad(&self) -> f64 {
         self.shift_um.z / self.reach_um
     }
@@ -115,7 +115,7 @@ impl JudgedGrip {
         self.holds.retain(|hold| hold.finger != finger);
     }
 
-    /// The same fingers hold in a plane, from now on.
+    /// Restarts the grip in a plane with the same fingers.
     pub fn anew(&self, plane: Plane, body: &PartOutlines, tips_um: &[Point]) -> Option<Self> {
         let mut grip = JudgedGrip::empty(plane, self.pose(), body, self.tip_radius_um);
         let surface = body.surface(plane)?;
@@ -204,7 +204,7 @@ impl JudgedGrip {
     }
 }
 
-/// What one tip asks of the pose: a gap of zero, and no slip.
+/// Equations of one tip on the pose: a gap of zero, and no slip.
 struct Equation {
     foot: Foot,
     gap: Vector3<f64>,

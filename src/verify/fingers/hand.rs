@@ -23,15 +23,15 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// What holds the part.
+/// How the part is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Held {
-    /// What it rests on, and maybe fingers that have come.
+    /// By its support, and possibly by fingers that have come.
     Supported,
     ByFingers,
 }
 
-/// What has been said of the grip that goes on, so that it is said once.
+/// The findings already reported for the current grip, so that each is reported once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum ReportedGrip {
     Nothing,
@@ -52,10 +52,10 @@ pub(super) struct JudgedHand<'r, 'a> {
     pub(super) hurried: Option<usize>,
     held: Held,
     told: ReportedGrip,
-    /// The turn of the grip when the step of the task began, or the plane was changed, and how many steps it has come since.
+    /// Turn of the grip when the step of the task began or the plane was changed, and the steps turned since.
     pub(super) leg_rad: f64,
     pub(super) leg_steps: i64,
-    /// How many steps a turn had come before that, if it goes on.
+    /// Steps of the turn before that, if it continues an earlier one.
     pub(super) before_steps: i64,
     /// When the last motion of the part in this step ended, or the step began.
     pub(super) carried_ns: u64,
@@ -131,7 +131,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         surface_of(&self.body, self.grip.plane)
     }
 
-    /// The first state, and what is where it must not be at first.
+    /// Records the first state, and reports anything misplaced in it.
     pub fn begin(&mut self, findings: &mut Findings) {
         let start_ns = self.run.plan.start_ns;
         self.spans.begin(start_ns, Due::Always, self.views());
@@ -164,7 +164,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     pub fn begin_step(&mut self, nth: usize) {
         self.since = Since { pose: self.grip.pose(), turns_rad: [0.0; 2] };
         self.carried_ns = self.run.step(nth).start_ns;
-        // A step that does not turn goes on with the angle of the last one that did.
+        // A step that does not turn keeps the angle of the last one that did.
         if self.leg_steps != 0 {
             self.before_steps = self.leg_steps;
         }
@@ -462,7 +462,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         (distance_um < due_um - facts.tolerance_um).then_some(TipHit { time_ns, distance_um, due_um })
     }
 
-    /// The state at the end of the run, as the record tells it.
+    /// The state at the end of the run, in the record's terms.
     pub fn left(&self) -> State {
         let recorded = self.run.plan.states.last().map(|timed| &timed.state);
         chosen(self.views(), recorded)

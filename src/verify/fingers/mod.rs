@@ -1,13 +1,13 @@
 //! Replays the run of a hand from the positions of its stages alone.
 //!
-//! Input: a run whose steps and channels are sound. Output: its states and the outcomes. `track` puts the axes together, `body` tells
-//! how far the part's outlines are, `grip` solves for the pose in which all tips that hold touch and roll, `hand` follows
-//! stretch by stretch which tips hold, come and leave, `statics` asks a solver of linear programs whether they hold the part,
-//! `clearance` looks at how near tips come, `pace` how fast, `goals` holds each step against the task and `states` the changes against the
-//! record. Promise: nothing is read of the record but to be compared; the first motion that does not roll ends the replay of its device.
-//! Equilibrium is asked after each finger that comes or leaves and, while tips roll, at both ends and the middle of each stretch, and
-//! as often between as no tip moves more than a quarter of its radius from one sample to the next. Cost: for each sample a few distances
-//! to the outline and one linear program.
+//! Input: a run whose steps and channels are sound. Output: its states and the outcomes. `track` assembles the axes, `body` gives
+//! distances to the part's outlines, `grip` solves for the pose in which all tips that hold touch and roll, `hand` follows
+//! stretch by stretch which tips hold, come and leave, `statics` decides by linear programs whether they hold the part,
+//! `clearance` checks distances of tips, `pace` their speeds, `goals` each step against the task and `states` the changes against the
+//! record. Promise: the record is read only to be compared; the first motion that does not roll ends the replay of its device.
+//! Equilibrium is checked after each finger that comes or leaves and, while tips roll, at both ends and the middle of each stretch, and
+//! in between so often that no tip moves more than a quarter of its radius from one sample to the next. Cost: for each sample a few
+//! distances to the outline and one linear program.
 
 mod body;
 mod claims;
@@ -39,22 +39,22 @@ pub(super) use claims::check_claims;
 /// A place or a direction in the hand's frame.
 type Point = Vector3<f64>;
 
-/// How far a recorded place may be off.
+/// Tolerance of a recorded place.
 const PLACE_TOLERANCE_UM: f64 = 1e-3;
 
-/// How far a recorded orientation may be off.
+/// Tolerance of a recorded orientation.
 const TURN_TOLERANCE_RAD: f64 = 1e-4;
 
 /// The share of its greatest force that each finger bears in pictures.
 const SHOWN_FORCE: f64 = 0.1;
 
-/// What a channel's numbers are, if the hand has it.
+/// Unit of a channel, if the hand has it.
 pub(super) fn unit(channel: &str, order: &FingersOrder) -> Option<ChannelUnit> {
     let (finger, _) = finger_axis(channel)?;
     (finger < order.facts.fingers as usize).then_some(ChannelUnit::Micrometre)
 }
 
-/// What the claims say of a plan's record.
+/// Terms of a plan's record, from the claims.
 pub(super) fn terms(order: &FingersOrder) -> RecordTerms {
     RecordTerms {
         planner: order.planner.name(),
@@ -138,8 +138,8 @@ pub(super) fn shown(state: &State) -> String {
 
 /// The force of each finger on the part in a held state, in the hand's frame and micronewtons; `None` for a free finger.
 ///
-/// Many forces balance a grasp: these are deepest inside the friction cones while their normal parts sum to a tenth of what the
-/// fingers can, or as nearly as can be. `None` if the state is none of the order's, or nothing balances.
+/// Many forces balance a grasp: these are deepest inside the friction cones while their normal parts sum to a tenth of the fingers'
+/// capacity, or as nearly as possible. `None` if the state is none of the order's, or no forces balance.
 pub fn forces(order: &FingersOrder, state: &State) -> Option<Vec<Option<[f64; 3]>>> {
     let told = HandState::of(state)?;
     let body = PartOutlines::of(&order.part, order.facts.tip_radius_um)?;
@@ -159,10 +159,10 @@ pub fn forces(order: &FingersOrder, state: &State) -> Option<Vec<Option<[f64; 3]
     Some(told.grasp.iter().map(force).collect())
 }
 
-/// Holds a run against its order.
+/// Replays a run and checks it against its order.
 ///
 /// # Errors
-/// At the first axis without a value, the first tip that slips or loses its contact, or the first grasp that nothing can be said of.
+/// At the first axis without a value, the first tip that slips or loses its contact, or the first grasp that cannot be judged.
 pub(super) fn replay<'a>(
     run: &JudgedRun<'a>,
     order: &FingersOrder,

@@ -2,7 +2,8 @@
 //!
 //! All axes of a hand take their lines together or not, so within a stretch a tip moves steadily. Three speeds limit it: that of a free
 //! tip, the slower one near the contact that it comes to or leaves, and that of a tip that holds. Near means nearer than
-//! the way that a tip retracts, or its clearance, without a break: a tip that comes is known to come only once it touches, so its way is kept until then.
+//! the way that a tip retracts, or its clearance, without a break: a tip that comes is known to come only once it touches, so its way is
+//! kept until then.
 
 use super::super::rule::{Findings, Rule, ms};
 use super::Point;
@@ -12,10 +13,10 @@ use crate::device::fingers::FingersFacts;
 use crate::quantity::digits;
 use std::mem::take;
 
-/// By what share a tip may be too fast: durations are whole nanoseconds.
+/// Relative excess of speed that is tolerated: durations are whole nanoseconds.
 const TOO_FAST: f64 = 1e-6;
 
-/// What rounding may take from the distance within which tips are slow.
+/// Rounding of the distance within which tips must be slow.
 const NEAR_UM: f64 = 1e-6;
 
 /// A straight way of a free tip, without the stretches in which it rests.
@@ -41,7 +42,7 @@ pub(super) struct Fast {
     pub time_ns: u64,
     pub um_per_s: f64,
     pub due_um_per_s: f64,
-    /// What the tip does then.
+    /// Phase of the tip's motion, for messages.
     pub doing: &'static str,
 }
 
@@ -60,7 +61,7 @@ impl FreeTipLeg {
         }
     }
 
-    /// The least distance of the leg from a place.
+    /// Least distance of the leg from a place.
     fn off_um(&self, place_um: &Point) -> f64 {
         let (along_um, off_um) = (self.to_um - self.from_um, place_um - self.from_um);
         let square = along_um.norm_squared();
@@ -80,7 +81,7 @@ impl Pace {
         Pace { left_um: Some(left_um), legs: Vec::new() }
     }
 
-    /// The part moves, or the run ends: the tip came to no contact on its way so far.
+    /// Ends the flight of a tip without a contact: the part moves, or the run ends.
     pub fn settle(&mut self, facts: &FingersFacts) -> Result<(), Fast> {
         let legs = take(self).legs;
         legs.iter().try_for_each(|leg| leg.against(facts.speed_um_per_s, "is free"))
@@ -125,7 +126,7 @@ impl JudgedHand<'_, '_> {
         self.settle_paces(nth, findings);
     }
 
-    /// What free tips did until now is over.
+    /// Ends the flights of all free tips.
     pub(super) fn settle_paces(&mut self, nth: usize, findings: &mut Findings) {
         for finger in 0..self.paces.len() {
             let kept = self.paces[finger].settle(&self.order.facts);

@@ -1,6 +1,6 @@
 //! Tips that hold move: the part rolls between them, or is carried along.
 //!
-//! Which plane they roll in is told by how they move: where all that hold touch in both sections, it is the one that fits better.
+//! The plane of rolling follows from the motion: where all holding tips touch in both sections, it is the one that fits better.
 
 use super::super::Halt;
 use super::super::rule::{Findings, Rule, ms};
@@ -17,13 +17,13 @@ use crate::quantity::digits;
 /// The longest way of a tip from one sample of a rolling motion to the next, as a share of its radius.
 const SAMPLE: f64 = 0.25;
 
-/// The most samples of one stretch.
+/// Greatest number of samples of one stretch.
 const MAX_SAMPLES: f64 = 2048.0;
 
-/// A misfit that tells nothing about the plane in which tips roll.
+/// Difference of misfits below which the plane of rolling is undecided.
 const SAME_MISFIT_UM: f64 = 1e-9;
 
-/// How far from a whole number of steps a turn still counts as one, in steps.
+/// Greatest distance of a turn from a whole number of steps, in steps.
 const GRID_STEPS: f64 = 1e-3;
 
 impl JudgedHand<'_, '_> {
@@ -53,7 +53,7 @@ impl JudgedHand<'_, '_> {
         self.count_steps(stretch.end_ns)
     }
 
-    /// How many samples a stretch takes: an even number, so that its middle is one.
+    /// Number of samples of a stretch: even, so that the middle is one.
     fn samples(&self, stretch: &Stretch) -> u32 {
         let line_um = |finger: usize| (stretch.to_um[finger] - stretch.from_um[finger]).norm();
         let longest_um = self.grip.holds.iter().map(|hold| line_um(hold.finger)).fold(0.0, f64::max);

@@ -1,8 +1,8 @@
 //! When a hand's states change, and which of them the record should hold.
 //!
-//! A state lasts from the end of one change to the beginning of the next. The record says when in between it was taken; what it holds
-//! must be what the replay gives. Where a grasp can be told in two ways (the angle of a turn that is over, the contacts that
-//! two sections share) each of them will do.
+//! A state lasts from the end of one change to the beginning of the next. The record gives an instant in between and a state that
+//! must be the replayed one. Where a grasp has two descriptions (the angle of a turn that is over, the contacts that
+//! two sections share) either is accepted.
 
 use super::super::clock::JudgedRun;
 use super::super::record::agrees;
@@ -10,11 +10,11 @@ use super::near;
 use crate::schedule::{State, TimedState};
 use std::borrow::Cow;
 
-/// Whether a state has to be recorded.
+/// Whether a state must be recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Due {
     Always,
-    /// As between the fingers of a first grasp.
+    /// Optional, such as the states between the fingers of a first grasp.
     Perhaps,
 }
 
@@ -25,7 +25,7 @@ pub(super) struct StateSpan {
     /// The beginning of the next change.
     pub until_ns: u64,
     pub due: Due,
-    /// The ways in which it can be told, the plainest first; at least one.
+    /// The accepted descriptions of the state, the plainest first; at least one.
     pub views: Vec<State>,
 }
 
@@ -48,7 +48,7 @@ impl Spans {
         }
     }
 
-    /// The last state has to be recorded.
+    /// Makes the last state mandatory.
     pub fn settle(&mut self) {
         if let Some(last) = self.list.last_mut() {
             last.due = Due::Always;
@@ -76,7 +76,7 @@ impl Spans {
     }
 }
 
-/// The view that says what the record says, or the plainest one.
+/// The view equal to the recorded one, or the plainest.
 pub(super) fn chosen(mut views: Vec<State>, recorded: Option<&State>) -> State {
     let at = recorded.and_then(|recorded| views.iter().position(|view| near(recorded, view)));
     views.swap_remove(at.unwrap_or(0))

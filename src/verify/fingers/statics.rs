@@ -1,11 +1,10 @@
 //! Whether fingers hold the part still: equilibrium and removal as linear programs.
 //!
-//! Each contact bears a normal force, tangential forces in the plane of the section and across it, whose sizes together keep within
-//! friction, and a torque about its normal within `torsion`; where tips stick, both begin at the pull-off force. Forces and torques in
-//! space sum to zero with the load. Instead of asking whether forces exist that balance
-//! the load, the program finds those deepest inside all cones, and by how much they are inside: [`TOLERANCE`] below zero still holds,
-//! so that what is exactly in balance does. Tips that only push also balance by not touching at all, so without a load it is asked
-//! whether forces whose normal parts sum to 1 balance.
+//! Each contact bears a normal force, tangential forces in the plane of the section and across it, whose magnitudes add up to at most
+//! the friction, and a torque about its normal within `torsion`; where tips stick, both limits begin at the pull-off force. Forces and
+//! torques in space sum to zero with the load. Instead of only deciding whether such forces exist, the program finds those deepest inside
+//! all cones, and by how much they are inside: [`TOLERANCE`] below zero still holds, so that an exact balance passes. Tips that only push
+//! also balance by not touching at all, so without a load the normal parts are required to sum to 1.
 
 use super::super::geometry::contour::Foot;
 use super::Point;
@@ -15,13 +14,13 @@ use crate::device::fingers::{Adhesion, FingersFacts, Plane};
 use crate::real::Real;
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 
-/// How far outside of its cone a force may be, as a share of the forces that matter: those that load, pull or hold.
+/// Greatest excess of a force over its cone, as a share of the forces that matter: those that load, pull or hold.
 pub(super) const TOLERANCE: f64 = 1e-6;
 
-/// What missing the wanted sum of normal forces counts against being deep inside the cones.
+/// Weight of a deviation from the wanted sum of normal forces, relative to the depth inside the cones.
 const SUM_WEIGHT: f64 = 1e3;
 
-/// The share of a load that rounding leaves of nothing.
+/// Share of a load below which it counts as zero (rounding).
 const ROUNDING: f64 = 1e-9;
 
 /// Where a tip touches, in section coordinates.
@@ -52,7 +51,7 @@ pub(super) struct Statics<'a> {
     /// Along the plane's normal.
     across_un: f64,
     centre_um: [f64; 2],
-    /// How far the centre of mass lies in front of the plane.
+    /// Height of the centre of mass above the plane.
     height_um: f64,
     reach_um: f64,
 }
@@ -78,7 +77,7 @@ pub(super) fn pull_off_un(facts: &FingersFacts) -> f64 {
 }
 
 impl<'a> Statics<'a> {
-    /// Of a part in a pose.
+    /// Load on a part in a pose.
     pub fn of(order: &'a FingersOrder, plane: Plane, pose: &ObjectPose, reach_um: f64) -> Self {
         let load_un = Point::from(order.load_un);
         let [x, y, z] = pose.axes(plane).map(|axis| axis.dot(&load_un));
@@ -100,7 +99,7 @@ impl<'a> Statics<'a> {
         self.across_un.abs().max(torque_un_um / self.reach_um) > ROUNDING * self.size_un()
     }
 
-    /// Whether contacts hold the part by themselves. Tips that only push must do so without the load too: a part that merely rests
+    /// Whether contacts alone hold the part. Tips that only push must do so without the load too: a part that merely rests
     /// on them is not held.
     pub fn holds(&self, touches: &[ContactPoint]) -> bool {
         let holds = |statics: &Statics| statics.margin(touches, None).is_some_and(|margin| margin >= -TOLERANCE);
@@ -113,7 +112,7 @@ impl<'a> Statics<'a> {
         self.margin(touches, Some(leaving)).is_some_and(|margin| margin >= -TOLERANCE)
     }
 
-    /// How deep inside their cones forces can be that balance the load and the pull on a contact that is left; `None` if none balance.
+    /// Depth inside their cones of the best forces that balance the load and the pull on a leaving contact; `None` if none balance.
     fn margin(&self, touches: &[ContactPoint], leaving: Option<&ContactPoint>) -> Option<f64> {
         let facts = &self.order.facts;
         let pull_un = pull_off_un(facts) * facts.removal_safety;
@@ -122,7 +121,7 @@ impl<'a> Statics<'a> {
         let unit_un = if is_idle { 1.0 } else { pull_off_un(facts).max(pull_un).max(load_un) };
         let mut problem = Problem::new(OptimizationDirection::Maximize);
         let depth = problem.add_var(1.0, (f64::NEG_INFINITY, 1.0));
-        // Idle forces have no size: what counts is their sum.
+        // Idle forces are unbounded in scale: only their sum is fixed.
         let most = if is_idle { 2.0 } else { facts.max_force_un / unit_un };
         let bearings = self.bearings(&mut problem, touches, depth, (unit_un, most));
         if is_idle {
@@ -170,8 +169,8 @@ impl<'a> Statics<'a> {
         touches.iter().map(bearing).collect()
     }
 
-    /// What a contact bears out of the plane. The lever of the load is known to the tolerance of contacts: so much of a torque is
-    /// let pass.
+    /// Forces of a contact out of the plane. The lever of the load is known to the tolerance of contacts: a torque of
+    /// that size is ignored.
     fn beyond(&self, problem: &mut Problem, normal: Variable, (unit_un, sticking): (f64, f64)) -> Beyond {
         let facts = &self.order.facts;
         let across = problem.add_var(0.0, (f64::NEG_INFINITY, f64::INFINITY));

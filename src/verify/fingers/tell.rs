@@ -1,4 +1,4 @@
-//! A hand's state, and what is wrong with it, as it is told.
+//! Descriptions of a hand's state and of its faults, for records and messages.
 
 use super::super::rule::ms;
 use super::clearance::{self, TipHit};
@@ -48,7 +48,7 @@ impl JudgedHand<'_, '_> {
         Some(contacts)
     }
 
-    /// The state as it is now, in the ways in which it can be told: a turn that is over may go on or a new one begin, and grasps on the
+    /// All accepted descriptions of the present state: a finished turn may continue or a new one begin, and grasps on the
     /// contacts that two sections share, or on none, hold in both.
     pub(super) fn views(&self) -> Vec<State> {
         let angle_index = self.leg_steps.saturating_add(1);

@@ -1,8 +1,8 @@
-//! Where the tips of a hand are at every instant of a run.
+//! Positions of the tips of a hand at every instant of a run.
 //!
-//! Input: a run whose actuations `form` and `clock` found sound. Output: [`Tracks`], which tell stretch by stretch, from one instant at
-//! which any axis takes a new line to the next, how all tips move on straight lines. Promise: every axis has exactly one value
-//! throughout the run, goes on where it was before, and stays in its range.
+//! Input: a run whose actuations `form` and `clock` found sound. Output: [`Tracks`], which give the straight motion of all tips stretch by
+//! stretch, from one instant at which any axis takes a new line to the next. Promise: every axis has exactly one value
+//! throughout the run, continues from its last position, and stays in its range.
 
 use super::super::clock::JudgedRun;
 use super::super::rule::{Rule, Violation, ms};
@@ -13,7 +13,7 @@ use crate::quantity::digits;
 use crate::schedule::Actuation;
 use std::collections::BTreeMap;
 
-/// By how much a position may differ from the one before it: rounding.
+/// Greatest jump of a position: rounding.
 const JUMP_UM: f64 = 1e-6;
 
 /// One axis of one finger: its lines in order of time, without a gap.
@@ -81,7 +81,7 @@ impl<'a> Tracks<'a> {
         Ok(Tracks { axes, instants_ns, still_um })
     }
 
-    /// How many stretches the run has.
+    /// Number of stretches in the run.
     pub fn len(&self) -> usize {
         self.instants_ns.len() - 1
     }

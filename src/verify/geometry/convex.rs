@@ -1,9 +1,9 @@
-//! How far two convex bodies are apart: the widest gap between their shadows.
+//! Distance of two convex bodies: the widest gap between their projections.
 //!
 //! Input: the corners of each body in order round it, in micrometres; one is a point, two are a segment. Output: their distance, 0 where
-//! they meet. On every line the shadows of two convex bodies are no farther apart than the bodies, and on one line they are as far: on one
-//! that runs across an edge, or from a corner of one body to a corner of the other (the dual of the least distance of two points). So
-//! each line that is looked at gives a lower bound, and the greatest is exact but for a few roundings.
+//! they meet. On every line the projections of two convex bodies are no farther apart than the bodies, and on one line they are as far: on
+//! one that runs across an edge, or from a corner of one body to a corner of the other (the dual of the least distance of two points). So
+//! each line examined gives a lower bound, and the greatest is exact but for a few roundings.
 
 use crate::geometry::fault::{Fault, through};
 use nalgebra::{Point2, Vector2};
@@ -24,13 +24,13 @@ pub fn sides(corners: &[Point2<f64>]) -> impl Iterator<Item = [Point2<f64>; 2]> 
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| [*a, *b])
 }
 
-/// What lies between the shadows of two bodies on a line; not above 0 where they overlap, or the line has no direction.
+/// Gap between the projections of two bodies on a line; at most 0 where they overlap, or if the line has no direction.
 fn gap_um(one: &[Point2<f64>], other: &[Point2<f64>], line: Vector2<f64>) -> f64 {
     let length_um = line.norm();
     if length_um == 0.0 {
         return 0.0;
     }
-    // Counted from a corner, lest bodies far from the origin lose digits.
+    // Measured from a corner, so that bodies far from the origin lose no digits.
     let shadow = |body: &[Point2<f64>]| {
         let places = body.iter().map(|corner| (corner - one[0]).dot(&line));
         places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| [low.min(place), high.max(place)])

@@ -1,7 +1,7 @@
-//! Obstacles where they stand, as they are.
+//! Obstacles in their places, not grown.
 //!
-//! Input: a shape and a pose of the claims, in micrometres and radians. Output: how far a convex body is from the obstacle. Nothing
-//! is grown: whoever asks compares the gap with what has to be kept.
+//! Input: a shape and a pose of the claims, in micrometres and radians. Output: the distance of a convex body from the obstacle. Nothing
+//! is grown: callers compare the gap with the required clearance.
 
 use super::super::boxes::Extent;
 use super::convex::{apart_um, sides};
@@ -18,7 +18,7 @@ pub struct Solid {
     radius_um: f64,
 }
 
-/// What of a shape has corners.
+/// The corners of a shape.
 #[derive(Debug, Clone, PartialEq)]
 enum Frame {
     /// A point, a segment, or a convex polygon.
@@ -52,14 +52,14 @@ impl Solid {
         is_sound.then_some(Solid { frame, radius_um })
     }
 
-    /// The least box about it.
+    /// Its bounding box.
     pub fn extent(&self) -> Extent {
         match &self.frame {
             Frame::Convex(corners) | Frame::Outline(corners) => Extent::of(corners).widened(self.radius_um),
         }
     }
 
-    /// How far a convex body, its corners in order, is from the obstacle; where they overlap, some number of 0 or below.
+    /// Distance of a convex body, its corners in order, from the obstacle; where they overlap, some number of 0 or below.
     pub fn gap_um(&self, body: &[Point2<f64>]) -> f64 {
         let apart_um = match &self.frame {
             Frame::Convex(corners) => apart_um(corners, body),

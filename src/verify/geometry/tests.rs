@@ -1,4 +1,4 @@
-//! The judge's distances against the planners', on bodies of every size that lie apart, touch, overlap or are none.
+//! The verifier's distances against the planners', on bodies of every size that are apart, touch, overlap or are degenerate.
 
 use super::convex::apart_um;
 use super::solid::Solid;
@@ -8,7 +8,7 @@ use crate::geometry::{Pose, Rounded, Shape};
 use nalgebra::{Point2, Vector2};
 use proptest::prelude::*;
 
-/// How far two measures may differ, for coordinates of this size.
+/// Tolerance between the two measures, for coordinates of this size.
 fn rounding_um(size_um: f64) -> f64 {
     1e-15 * size_um * 40.0
 }
@@ -123,7 +123,7 @@ proptest! {
         }
     }
 
-    /// What is grown by planners and touches is what the judge finds no farther than the growth.
+    /// If a body grown by planners touches, the verifier finds a distance of at most the growth.
     #[test]
     fn growing_an_obstacle_is_keeping_away_from_it(
         (shape, pose, growth_um) in (shape(), pose(), 0.0..5.0f64),
@@ -182,7 +182,7 @@ fn distances_by_hand() {
         assert_eq!(apart_um(&square, &body), expected, "{body:?}");
         assert_eq!(apart_um(&body, &square), expected, "{body:?} turned");
     }
-    // Collinear segments, where no side tells them apart.
+    // Collinear segments, which no side separates.
     assert_eq!(apart_um(&[p(0.0, 0.0), p(1.0, 0.0)], &[p(3.0, 0.0), p(4.0, 0.0)]), 2.0);
     // A hollow is outside, and so is a body in it.
     let cup = Shape::Polygon {

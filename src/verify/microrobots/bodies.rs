@@ -1,4 +1,4 @@
-//! How far two bodies are apart, or how deep they overlap.
+//! Distance of two bodies, or the depth of their overlap.
 //!
 //! Input: rectangles and points in micrometres. Output: distances in micrometres, exact but for rounding.
 
@@ -9,7 +9,7 @@ use nalgebra::{Point2, Vector2};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct JudgedBody {
     pub centre: Point2<f64>,
-    /// Of length 1, along its heading.
+    /// Unit vector along its heading.
     pub along: Vector2<f64>,
     /// Half of its length and width.
     pub half_um: [f64; 2],
@@ -26,7 +26,7 @@ impl JudgedBody {
         [length + width, width - length, -length - width, length - width].map(|corner| self.centre + corner)
     }
 
-    /// How far a point lies from the body; 0 within it.
+    /// Distance of a point from the body; 0 within it.
     pub fn point_gap_um(&self, point: Point2<f64>) -> f64 {
         let beyond = |axis: Vector2<f64>, half_um: f64| ((point - self.centre).dot(&axis).abs() - half_um).max(0.0);
         beyond(self.along, self.half_um[0]).hypotenuse(beyond(self.across(), self.half_um[1]))
@@ -39,13 +39,13 @@ impl JudgedBody {
         if apart_um <= 0.0 {
             return apart_um;
         }
-        // Of two convex bodies that are apart, one has a corner where they are nearest.
+        // If two convex bodies are apart, a corner of one of them is at the least distance.
         let ours = self.vertices().into_iter().map(|corner| other.point_gap_um(corner));
         let theirs = other.vertices().into_iter().map(|corner| self.point_gap_um(corner));
         ours.chain(theirs).fold(f64::INFINITY, f64::min)
     }
 
-    /// What lies between the shadows of two bodies on an axis.
+    /// Gap between the projections of two bodies on an axis.
     fn apart_along_um(&self, other: &JudgedBody, axis: Vector2<f64>) -> f64 {
         let half_um = |body: &JudgedBody| {
             body.half_um[0] * body.along.dot(&axis).abs() + body.half_um[1] * body.across().dot(&axis).abs()
@@ -53,7 +53,7 @@ impl JudgedBody {
         (other.centre - self.centre).dot(&axis).abs() - half_um(self) - half_um(other)
     }
 
-    /// What a body covers that goes straight on along its heading.
+    /// The area covered by a body that moves straight on along its heading.
     pub fn stretched(&self, way_um: f64) -> JudgedBody {
         let [length_um, width_um] = self.half_um;
         let centre = self.centre + self.along * (way_um / 2.0);

@@ -1,6 +1,6 @@
-//! What the replay takes for granted of claims on microrobots.
+//! Assumptions of the replay about claims on microrobots.
 //!
-//! Input: an order. Output: nothing, or why no run can be held against it. Claims that the checker made always pass.
+//! Input: an order. Output: nothing, or why no run can be checked against it. Claims of the checker always pass.
 
 use super::super::Unfit;
 use super::super::geometry::solid::Solid;
@@ -10,10 +10,10 @@ use crate::geometry::Pose;
 use crate::geometry::shape::MAX_EXTENT_UM;
 use std::collections::BTreeSet;
 
-/// Asks what every rule takes for granted.
+/// Checks the assumptions of all rules.
 ///
 /// # Errors
-/// When the claims are such that nothing can be held against them.
+/// If no schedule can be checked against the claims.
 pub(in super::super) fn check_claims(order: &MicrorobotsOrder) -> Result<(), Unfit> {
     facts(&order.facts)?;
     order.facts.robots.iter().try_for_each(robot)?;

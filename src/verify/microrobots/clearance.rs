@@ -1,10 +1,10 @@
-//! How near robots come to obstacles, to one another, and to the discs of orbits.
+//! Distances of robots from obstacles, from one another, and from the discs of orbits.
 //!
-//! Input: the trains of a run, with what each robot does in them. Output: what comes too near. A robot that keeps its arm down for a
-//! whole turn or more, over legs that no wait parts, takes all of the disc about the middle of its circle for that long. Two robots
-//! may come nearer than the clearance where one of them is on the last stretch of its way before it docks, and the other one is docked by then.
-//! Promise: that of `sweep`; ways are looked at as they are driven, all robots at the same share of the same train. Cost: for each train
-//! the pairs of robots and the obstacles about each; few looks where there is room.
+//! Input: the trains of a run, with the motion of each robot. Output: every approach below the clearance. A robot that keeps its arm down
+//! for a whole turn or more, over legs that no wait separates, occupies all of the disc about the middle of its circle for that long. Two
+//! robots may come nearer than the clearance if one of them is on the last part of its path before it docks, and the other one is docked by
+//! then. Promise: that of `sweep`; paths are examined as they are driven, all robots at the same share of the same train. Cost: for each
+//! train the pairs of robots and the obstacles about each; few evaluations where there is room.
 
 use super::super::Halt;
 use super::super::boxes::{Extent, GroupedBoxes};
@@ -19,10 +19,10 @@ use nalgebra::Point2;
 use rustc_hash::FxHashSet;
 use std::f64::consts::TAU;
 
-/// How much of a turn may be missing from a whole one for rounding.
+/// Part of a turn that may be missing from a whole one because of rounding.
 const ROUNDING_TURN_RAD: f64 = 1e-9;
 
-/// How much wider than it is a body counts when boxes are compared, so that rounding hides none.
+/// Margin added to a body when boxes are compared, so that rounding never hides a contact.
 const BOX_MARGIN_UM: f64 = 1e-3;
 
 /// The disc that an orbiting robot takes.
@@ -32,10 +32,10 @@ struct TakenDisc {
     reach_um: f64,
 }
 
-/// What is told at most once in a run: a rule, a robot, and another robot or an obstacle.
+/// Reported at most once in a run: a rule, a robot, and another robot or an obstacle.
 type ReportedMeeting = (Rule, usize, usize);
 
-/// Looks at all trains of a run.
+/// Checks all trains of a run.
 ///
 /// # Errors
 /// When the run cannot be judged in a reasonable time.
@@ -78,7 +78,7 @@ fn orbits(bed: &JudgedBed) -> Vec<Vec<(usize, TakenDisc)>> {
     orbits
 }
 
-/// What is asked of each train.
+/// The clearances checked in each train.
 struct Watch<'b, 'r, 'a, 'f> {
     bed: &'b JudgedBed<'r, 'a>,
     findings: &'f mut Findings,
@@ -210,7 +210,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         for obstacle in self.about(disc.centre, disc.reach_um + needed_um) {
             let solid = &self.solids[obstacle];
             let gap_um = solid.gap_um(&[disc.centre]) - disc.reach_um;
-            // Obstacles and robots are told apart: the former come after the latter.
+            // Indices of obstacles follow those of robots, so that the two are distinct.
             let told = (Rule::Orbit, robot, train.rides.len() + obstacle);
             if gap_um < needed_um - ROUNDING_UM && !self.told.contains(&told) {
                 let name = format!("`{}`", self.bed.order.obstacles[obstacle].name);

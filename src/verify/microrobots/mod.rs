@@ -1,8 +1,8 @@
-//! Replays the run of microrobots from the voltage of the bed alone: levels into arms, strokes into ways, ways into what is swept.
+//! Replays the run of microrobots from the voltage of the bed alone: levels into arms, strokes into paths, paths into swept areas.
 //!
-//! Input: a [`Run`] whose steps and channels are sound, and where the robots stand. Output: their states and the outcomes. `voltage`
-//! makes legs of the actuations, this file follows them and holds stops and dockings against the steps, and `clearance` looks at how near
-//! bodies and orbits come. Promise: nothing is read of the record but to be compared; the first leg whose arms or poses are not certain ends
+//! Input: a [`Run`] whose steps and channels are sound, and the places of the robots. Output: their states and the outcomes. `voltage`
+//! turns the actuations into legs, this file follows them and checks stops and dockings against the steps, and `clearance` checks the
+//! distances of bodies and orbits. Promise: the record is read only to be compared; the first leg whose arms or poses are not certain ends
 //! the replay of its device. Cost: for each leg the levels times the table's rows, the pairs of robots, and the obstacles near
 //! each robot.
 
@@ -34,24 +34,24 @@ use voltage::{VoltageLeg, within};
 
 pub(super) use claims::check_claims;
 
-/// How far a recorded place may be off.
+/// Tolerance of a recorded place.
 const PLACE_TOLERANCE_UM: f64 = 1e-4;
 
-/// How far a recorded heading may be off.
+/// Tolerance of a recorded heading.
 const HEADING_TOLERANCE_RAD: f64 = 1e-6;
 
-/// Rounding of a heading that is no breach of a precision.
+/// Rounding of a heading that does not count as a breach of a precision.
 const ROUNDING_RAD: f64 = 1e-9;
 
-/// How many robots a state in words names.
+/// Greatest number of robots named in a description of a state.
 const SHOWN: usize = 4;
 
-/// What a channel's numbers are, if the bed has it.
+/// Unit of a channel, if the bed has it.
 pub(super) fn unit(channel: &str) -> Option<ChannelUnit> {
     (channel == CHANNEL).then_some(ChannelUnit::Volt)
 }
 
-/// What the claims say of a plan's record.
+/// Terms of a plan's record, from the claims.
 pub(super) fn terms() -> RecordTerms {
     RecordTerms {
         planner: MicrorobotsPlanner::OneWayDubins.name(),
@@ -88,7 +88,7 @@ pub(super) fn shown(control: usize, docked: &[String], poses: &BTreeMap<String, 
     format!("control state {control} with {}{more}", poses.join(", "))
 }
 
-/// Holds a run against its order.
+/// Replays a run and checks it against its order.
 ///
 /// # Errors
 /// At the first voltage that leaves an arm uncertain, or the first state that is not the recorded one.
@@ -126,14 +126,14 @@ pub(super) fn replay<'a>(
     Ok(Replay { states: bed.states, outcomes })
 }
 
-/// The strokes of a leg, with what every robot does in them.
+/// The strokes of a leg, with the motion of every robot.
 #[derive(Debug)]
 struct JudgedTrain {
     nth: usize,
     leg: VoltageLeg,
     /// One for each robot of the order.
     rides: Vec<Ride>,
-    /// How many waits come before it: an arm that goes up in one begins a new turn.
+    /// Number of waits before it: an arm that goes up in one begins a new turn.
     waits: usize,
     /// Before this train, in the run.
     strokes_before: u64,
@@ -147,13 +147,13 @@ struct JudgedBed<'r, 'a> {
     rest: usize,
     /// One for each robot of the order, like `docked`.
     places: Vec<RobotPlace>,
-    /// After how many trains of the run the robot docks, 0 if it is docked before; `None` if it is not.
+    /// Number of trains in the run after which the robot docks, 0 if it is docked before; `None` if it is not.
     docked: Vec<Option<usize>>,
     trains: Vec<JudgedTrain>,
     waits: usize,
     strokes: u64,
     states: Vec<Cow<'a, TimedState>>,
-    /// How many there are in the end.
+    /// Number of states that the record must have.
     due_states: u64,
 }
 
@@ -310,7 +310,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         findings.push(self.within(Rule::Goal, nth, end_ns, title).label(missed.span, "this stop"));
     }
 
-    /// How far a robot is off, in words.
+    /// Distance of a robot from its goal, in words.
     fn off(&self, robot: usize, pose: &Pose) -> String {
         let [off_um, off_rad] = self.places[robot].off(pose);
         let precision = self.order.precision;
@@ -350,7 +350,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         State::Microrobots { control, arms, docked, poses }
     }
 
-    /// Holds the state at an instant against the record's next one.
+    /// Compares the state at an instant with the record's next one.
     fn record(&mut self, t_ns: u64, control: usize) -> Result<(), Halt> {
         let replayed = TimedState { t_ns, state: self.state(control) };
         match self.run.plan.states.get(self.states.len()) {

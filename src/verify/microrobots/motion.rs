@@ -26,7 +26,7 @@ impl RobotPlace {
         RobotPlace::new([pose.x_um, pose.y_um, pose.heading_rad])
     }
 
-    /// As states say it: x, y and the heading from +x, counter-clockwise, between -180 and 180 degrees.
+    /// As in states: x, y and the heading from +x, counter-clockwise, between -180 and 180 degrees.
     pub fn told(self) -> [f64; 3] {
         [self.at.x, self.at.y, turn_between(0.0, FRAC_PI_2 - self.theta_rad)]
     }
@@ -62,7 +62,7 @@ pub(super) fn turn_between(from_rad: f64, to_rad: f64) -> f64 {
     if turn_rad > TAU / 2.0 { turn_rad - TAU } else { turn_rad }
 }
 
-/// How a body goes on in one train of strokes; its share runs from 0 to 1.
+/// Motion of a body in one train of strokes; its share runs from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ride {
     pub start: RobotPlace,
@@ -119,7 +119,7 @@ impl Ride {
         }
     }
 
-    /// The same without the turns after the first one, and which share of the way that is.
+    /// The ride without the turns after the first one, and its share of the path.
     pub fn once_round(&self) -> (Ride, f64) {
         let whole_um = self.curve_um.map_or(f64::INFINITY, |curve_um| TAU * curve_um.abs());
         if self.way_um <= whole_um {

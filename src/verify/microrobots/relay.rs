@@ -1,7 +1,7 @@
-//! Where the steering arms can be under a voltage, when each transition voltage is known only to plus or minus a margin.
+//! Possible positions of the steering arms under a voltage, when each transition voltage is known only to plus or minus a margin.
 //!
-//! Input: the levels of the bed, one after the other. Output: for each arm up, down, or not known. Promise: an arm that is said to be up or
-//! down is so for every combination of transition voltages within their margins, from whatever arms were at first.
+//! Input: the levels of the bed, one after the other. Output: for each arm up, down, or unknown. Promise: an arm reported as up or
+//! down is so for every combination of transition voltages within their margins, from any initial positions.
 
 use crate::device::microrobots::{Arm, MicrorobotsFacts, Robot};
 

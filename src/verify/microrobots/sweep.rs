@@ -1,21 +1,21 @@
-//! Whether something that moves ever comes too near something else: by halving its way.
+//! Whether a moving body ever comes too near another: by bisecting its path.
 //!
-//! Input: a distance as a function of the share of the way, and how fast it can change. Output: where it is too small, if anywhere. The
-//! distance in the middle of a stretch, less what can be lost on half of the stretch, holds for all of it; where that is not enough, both
-//! halves are looked at, down to stretches on which less than [`RESOLUTION_UM`] can be lost. Promise: what keeps its distance is never refused; what
-//! comes nearer by more than [`RESOLUTION_UM`] always is. Cost: logarithmic in the way where the distance is ample; of the order of
-//! the way over the resolution where something slides along at the very limit.
+//! Input: a distance as a function of the share of the path, and the greatest rate of its change. Output: a place where it is too small, if
+//! any. The distance in the middle of a stretch, less the greatest change on half of the stretch, bounds all of it from below; where that
+//! is not enough, both halves are examined, down to stretches on which less than [`RESOLUTION_UM`] can be lost. Promise: a body that keeps
+//! its distance is never refused; one that comes nearer by more than [`RESOLUTION_UM`] always is. Cost: logarithmic in the path length
+//! where the distance is ample; of the order of path length over resolution where a body slides along at the very limit.
 
-/// How far something may come too near without being found.
+/// Approach below the clearance that may remain undetected.
 const RESOLUTION_UM: f64 = 5e-4;
 
 /// Rounding that is no breach.
 pub(super) const ROUNDING_UM: f64 = 1e-6;
 
-/// How often one run may be looked at before the verifier gives up on it.
+/// Greatest number of evaluations in one run before the verifier gives up on it.
 const MAX_LOOKS: u64 = 1 << 24;
 
-/// What is left of the looks.
+/// The evaluations left.
 #[derive(Debug)]
 pub(super) struct Looks(u64);
 
@@ -29,7 +29,7 @@ impl Default for Looks {
 #[derive(Debug)]
 pub(super) struct Endless;
 
-/// Where something is too near, as a share of the way, and how near.
+/// A place where the distance is too small, as a share of the path, and the distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SweptTouch {
     pub share: f64,
@@ -42,7 +42,7 @@ pub(super) struct SweptGap<G, F> {
     pub at: G,
     /// Something that it never falls below between two shares, and that is cheaper to know.
     pub floor: F,
-    /// How much it can change on the whole way.
+    /// Greatest change of the distance on the whole path.
     pub travel_um: f64,
 }
 
@@ -50,7 +50,7 @@ impl<G: Fn(f64) -> f64, F: Fn([f64; 2]) -> f64> SweptGap<G, F> {
     /// A place between two shares of the way where it is less than needed.
     ///
     /// # Errors
-    /// When all looks are used up, or the way is so long that its halves are none.
+    /// If all evaluations are used up, or the path is so long that bisection is below the resolution of a double.
     pub fn below(&self, span: [f64; 2], needed_um: f64, looks: &mut Looks) -> Result<Option<SweptTouch>, Endless> {
         let mut open = vec![span];
         while let Some([from, to]) = open.pop() {

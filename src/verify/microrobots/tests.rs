@@ -1,4 +1,4 @@
-//! The parts of the replay by themselves, each against a plainer way to the same answer.
+//! The parts of the replay alone, each compared with a simpler method.
 
 use super::bodies::JudgedBody;
 use super::motion::{Ride, RobotPlace, turn_between};

@@ -1,8 +1,8 @@
-//! What the voltage of the bed does to the arms: control cycles and trains of strokes.
+//! Effect of the bed's voltage on the arms: control cycles and trains of strokes.
 //!
 //! Input: a run. Output: its legs, each with the control state in which its strokes are driven. Promise: in each leg every arm is
-//! up or down for certain, as a control state of the claims has it, and no stroke moves it, however many there are: a level that
-//! leaves all arms as they are does so when it comes again. Outside of actuations the bed is at 0 V.
+//! certainly up or down, as a control state of the claims has it, and no stroke moves it, however many there are: a level that
+//! leaves all arms as they are does so again when repeated. Outside of actuations the bed is at 0 V.
 
 use super::super::clock::JudgedRun;
 use super::super::rule::{Findings, Rule, Violation, ms};

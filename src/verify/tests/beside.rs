@@ -12,7 +12,7 @@ const HAIR_UM: f64 = 1e-10;
 /// Two tips of 10 nm that repeat to 90 nm each.
 const NEEDED_UM: f64 = 0.2;
 
-/// What two robots do at the same time, the second one placed in the scene of the first.
+/// The actions of two robots at the same time, the second one placed in the scene of the first.
 fn together(first: DimibotAction, second: Vec<DimibotAction>, frame: Pose) -> Claims {
     let jobs = vec![job("a", "left", order(facts(3, 3), vec![first])), job("b", "right", order(facts(3, 3), second))];
     let mut claims = claims(jobs, Timeline::Together(vec![Timeline::Run(0), Timeline::Run(1)]));

@@ -105,7 +105,7 @@ pub fn cells(name: &str, from: (u32, u32), to: (u32, u32)) -> DimibotObstacle {
     DimibotObstacle { name: name.into(), body, span: Span::default() }
 }
 
-/// What each step of each job does: pulses one after the other, the channels of one pulse parted by blanks.
+/// The pulses of each step of each job, in order; the channels of one pulse separated by blanks.
 pub type Pulses<'a> = &'a [&'a [&'a [&'a str]]];
 
 /// The tight schedule of these pulses, with true records.

@@ -15,7 +15,7 @@ fn moves() -> Claims {
 
 const MOVES: Pulses = &[&[&["bl0.set", "bl1.set"], &["br1.set"]]];
 
-/// Lets everything from an instant on happen later, or earlier where `by_ns` is negative: what lasts over the instant is stretched.
+/// Delays everything from an instant on, or advances it where `by_ns` is negative: an actuation that spans the instant is stretched.
 fn slide(schedule: &mut Schedule, from_ns: u64, by_ns: i64) {
     let moved = |at_ns: &mut u64| {
         if *at_ns >= from_ns {
@@ -170,7 +170,7 @@ fn a_sweep_keeps_its_gap_from_every_shape() {
     let square = || Shape::Box { size_um: [1.0, 1.0] };
     let capsule = || Shape::Capsule { length_um: 2.0, radius_um: 0.25 };
     let disc = || Shape::Disc { radius_um: 0.5 };
-    // A shape beside the way along x, its turn, where along the way, and how far below its origin it reaches.
+    // A shape beside the path along x: its turn, its place along the path, and how far below its origin it extends.
     let beside = [
         (Shape::Point, 0.0, 3.0, 0.0),
         (disc(), 0.0, 3.0, 0.5),

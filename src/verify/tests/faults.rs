@@ -1,7 +1,7 @@
-//! Faults in what planners and the checker measure with, or in what the verifier does: the build refuses by itself.
+//! Faults in measures of planners and the checker, or in the verifier's: the build refuses in either case.
 //!
-//! Each program is planned by measures of which one is wrong, and judged by the right ones; then the other way round. Were a measure shared,
-//! both would be wrong alike and the build would say that all is well.
+//! Each program is planned with one wrong measure and judged with the right ones; then the other way round. Were a measure shared,
+//! both would be wrong alike and the build would report success.
 
 use super::*;
 use crate::check::Options;
@@ -21,7 +21,7 @@ impl Library for Nothing {
     }
 }
 
-/// What a build comes to.
+/// Outcome of a build.
 #[derive(Debug, PartialEq)]
 enum Built {
     Verified,
@@ -29,7 +29,7 @@ enum Built {
     Stopped(Vec<&'static str>),
     /// The rules that the verifier finds broken.
     Refused(Vec<Rule>),
-    /// The verifier says that no schedule can be judged by these claims.
+    /// The verifier reports that no schedule can be judged by these claims.
     Inconclusive(String),
 }
 
@@ -207,7 +207,7 @@ fn faults_in_figures_of_hands_are_noticed() {
     inconclusive_for(BEAN, Fault::Step, [3.0, 0.0], "the device's step apart");
 }
 
-/// What the judge gets wrong by itself refuses what is right.
+/// A fault in the verifier alone refuses a correct schedule.
 #[test]
 fn faults_of_the_verifier_are_noticed() {
     let dust = dust();

@@ -29,7 +29,7 @@ fn number() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(20.0), Just(f64::NAN), Just(f64::INFINITY), Just(-1e308), Just(1e308), any::<f64>()]
 }
 
-/// One field of a schedule, and what to write there.
+/// One field of a schedule, and the value to write there.
 #[derive(Debug, Clone)]
 enum Spoil {
     Index(usize, usize, u32),

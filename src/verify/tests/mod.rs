@@ -1,4 +1,4 @@
-//! The sceptic: every rule is broken by hand in a way that it alone catches, and nearly broken in a way that passes.
+//! Every rule is broken by hand in a way that it alone catches, and nearly broken in a way that passes.
 
 mod beside;
 mod build;

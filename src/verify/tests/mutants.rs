@@ -22,7 +22,7 @@ impl Scenario {
     }
 }
 
-/// What is drawn: robot, a walk with the modules of each pulse and what its step is, and bodies as shares of the workspace.
+/// The random draw: robot, a walk with the modules of each pulse and the kind of its step, and bodies as shares of the workspace.
 type Draw = ((u32, u32, bool, bool), Vec<(Index, Option<Index>, u8)>, Vec<(f64, f64, f64)>);
 
 fn draw() -> impl Strategy<Value = Draw> {
@@ -63,7 +63,7 @@ fn scenario() -> impl Strategy<Value = Scenario> {
     })
 }
 
-/// Puts a pulse into the step that goes on, or begins a new one.
+/// Adds a pulse to the current step, or begins a new one.
 fn take(actions: &mut Vec<DimibotAction>, pulses: &mut Vec<Vec<String>>, sort: u8, names: String, to: LatticeCell) {
     let goal = stop(to.x, to.y);
     match (sort, actions.last_mut()) {
@@ -184,7 +184,7 @@ proptest! {
         prop_assert_eq!(refused, bytes(&mutant) != bytes(&sound));
     }
 
-    /// A forger who also makes the records true gains nothing but what a simulator of its own finds sound.
+    /// A forger who also makes the records true gains only schedules that an independent simulator finds sound.
     #[test]
     fn an_exchange_with_true_records_is_judged_as_the_simulator_does(
         scenario in scenario(),

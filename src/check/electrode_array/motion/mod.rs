@@ -1,8 +1,8 @@
-//! How long a part takes from one cell to rest on the next.
+//! Time that a part takes from one cell to rest on the next.
 //!
-//! The equation of motion is the paper's (2): m du/dt + b u = F(x), x from the pitch to 0. Of F the paper gives a figure; the curve
-//! here is the simplest odd one through its known points: nothing at 0, greatest at the peak distance, and the table's force at
-//! the table's distance. Solved by Runge-Kutta of fourth order with a fixed step, so that every machine finds the same.
+//! The equation of motion is the paper's (2): m du/dt + b u = F(x), x from the pitch to 0. The paper gives F as a figure; the curve
+//! here is the simplest odd one through its known points: zero at 0, greatest at the peak distance, and the table's force at
+//! the table's distance. Solved by fourth-order Runge-Kutta with a fixed step, so that every machine gets the same result.
 
 use crate::real::Real;
 
@@ -30,7 +30,7 @@ impl Pull {
         Pull { peak_at_m, peak_n: force_n / share(distance_m / peak_at_m) }
     }
 
-    /// Towards the goal, so far from it.
+    /// Force towards the goal, at this distance from it.
     pub fn at(&self, distance_m: f64) -> f64 {
         self.peak_n * share(distance_m / self.peak_at_m)
     }

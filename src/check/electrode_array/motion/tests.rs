@@ -1,4 +1,4 @@
-//! Settling against a second solver: drag and pull in turns, each by itself, where the checker goes by Runge and Kutta.
+//! Settling against a second solver: operator splitting, drag and pull in turns, where the checker uses Runge-Kutta.
 
 use super::*;
 use proptest::prelude::*;
@@ -6,13 +6,13 @@ use proptest::prelude::*;
 /// Steps in one radian of the oscillation round the goal.
 const STEPS_PER_RADIAN: f64 = 3000.0;
 
-/// The pull of a part as its definition says, written once more.
+/// The pull on a part by its definition, implemented a second time.
 fn pull_n(glide: &Glide, place_m: f64) -> f64 {
     let peak_m = glide.pull.peak_at_m;
     2.0 * glide.pull.peak_n * place_m * peak_m / (peak_m * peak_m + place_m * place_m)
 }
 
-/// When place and speed are within a share for good, within so long.
+/// The time after which place and speed remain within a share; sought up to `within_s`.
 fn settled_s(glide: &Glide, share: f64, within_s: f64) -> f64 {
     let frequency = (2.0 * glide.pull.peak_n / glide.pull.peak_at_m / glide.mass_kg).sqrt();
     let step_s = 1.0 / (STEPS_PER_RADIAN * frequency.max(glide.damping / glide.mass_kg));

@@ -1,4 +1,4 @@
-//! Each check just inside and just outside, what an order says, and turns against all turns.
+//! Each check just inside and just outside its limit, the content of orders, and chosen turns against all turns.
 
 mod turns;
 
@@ -47,7 +47,7 @@ fn ball(radius: f64, count: usize) -> String {
 
 const BEAD: &str = "ellipsoid { axes: (16 um, 11.845 um, 11.845 um), material: f.silicon }";
 
-/// What is checked, and the codes.
+/// The checked program, and the codes.
 fn told(text: &str) -> (Option<Checked>, Vec<String>) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let text = format!("use std.fingers as f\n{text}");

@@ -1,8 +1,8 @@
-//! The shortest control cycle that sets an arm pattern, from whatever arms were before and with every transition voltage off by
-//! less than the margin; of these, one whose levels may be off the farthest.
+//! The shortest control cycle that sets an arm pattern, from any previous positions and with every transition voltage off by
+//! less than the margin; of these, one with the greatest tolerance of its levels.
 //!
-//! The method looks back from the last level. Let the arms of set D have to end down, those of set U up. Of the levels from the
-//! last back to any other, only the highest `b` and the lowest `a` matter. An arm of D is *settled* by them if its snap-down
+//! The method looks back from the last level. Let the arms of set D be those that must end down, U those that must end up. Of the levels
+//! from the last back to any other, only the highest `b` and the lowest `a` matter. An arm of D is *settled* by them if its snap-down
 //! voltage + margin is at most `b`, and then no earlier level matters to it; as long as it is not, no level may release it: levels
 //! are at least L(b), the highest release voltage + margin of arms of D that are not settled. In the same way an arm of U is settled
 //! if its release voltage - margin is at least `a`, and levels are at most H(a), the lowest snap-down voltage - margin of arms of U
@@ -52,7 +52,7 @@ struct Interval {
     high: i64,
 }
 
-/// Arms of one set that are not settled, by the voltage that settles them, and what they demand of levels.
+/// Arms of one set that are not settled, by the voltage that settles them, and their bounds on levels.
 struct WaitingArms {
     /// The hardest to settle first.
     settling: Vec<i64>,
@@ -63,9 +63,9 @@ struct WaitingArms {
 /// A pattern to be set.
 pub struct PatternTarget<'a> {
     table: &'a VoltageTable,
-    /// Arms that have to be down: settled by snap-down voltages, they demand by release voltages.
+    /// Arms that must be down: settled by snap-down voltages, they bound levels by release voltages.
     downs: WaitingArms,
-    /// Arms that have to be up: settled by release voltages, they demand by snap-down voltages.
+    /// Arms that must be up: settled by release voltages, they bound levels by snap-down voltages.
     ups: WaitingArms,
 }
 
@@ -73,7 +73,7 @@ pub struct PatternTarget<'a> {
 struct ReversedCycle {
     /// The last level in time first.
     intervals: Vec<Interval>,
-    /// The least half of their widths.
+    /// Half of the least width of the intervals.
     slack: i64,
     /// To which end of the range the first level in time lies.
     first: LevelSide,
@@ -90,7 +90,7 @@ impl<'a> PatternTarget<'a> {
         }
     }
 
-    /// The pattern with its best cycle, or how many levels it takes if these are too many.
+    /// The pattern with its best cycle, or its number of levels if these are too many.
     pub fn state(&self, is_down: &[bool]) -> Result<ControlState, usize> {
         let length = self.length();
         if length > self.table.most_levels {
@@ -107,7 +107,7 @@ impl<'a> PatternTarget<'a> {
         Ok(ControlState { arms: arms(is_down), levels_v: self.levels_v(&best), slack_v: volts_v(best.slack) })
     }
 
-    /// How many levels it takes; `usize::MAX` if the pattern cannot be set.
+    /// Number of levels; `usize::MAX` if the pattern cannot be set.
     pub fn length(&self) -> usize {
         let length = |side| self.chain(side, 0, usize::MAX).map_or(usize::MAX, |chain| chain.intervals.len());
         length(LevelSide::Above).min(length(LevelSide::Below))
@@ -122,7 +122,7 @@ impl<'a> PatternTarget<'a> {
         Some(best)
     }
 
-    /// The chain whose levels may all be off by `slack`, if it has at most so many; `side` is where the level before the last
+    /// The chain whose levels may all be off by `slack`, if it has at most `most` levels; `side` is where the level before the last
     /// one lies.
     fn chain(&self, side: LevelSide, slack: i64, most: usize) -> Option<ReversedCycle> {
         let (least, highest) = (slack, self.table.max - slack);
@@ -169,7 +169,7 @@ impl<'a> PatternTarget<'a> {
 
     /// The middles of the intervals in order of time.
     ///
-    /// The first level only has to be far enough out. If that costs no slack, it is the one that moves all arms of the table: so
+    /// The first level only needs to be far enough out. If that costs no slack, it is the one that moves all arms of the table, so
     /// that cycles have few different levels in all.
     fn levels_v(&self, chain: &ReversedCycle) -> Vec<f64> {
         let mut intervals = chain.intervals.clone();
@@ -209,12 +209,12 @@ impl WaitingArms {
         self.settling.len()
     }
 
-    /// What the first `count` arms demand together.
+    /// Common bound of the first `count` arms.
     fn demand(&self, count: usize) -> Option<i64> {
         count.checked_sub(1).map(|last| self.demands[last])
     }
 
-    /// How many of the first `count` arms a level leaves unsettled.
+    /// Number of the first `count` arms that a level leaves unsettled.
     fn left(&self, count: usize, is_left: impl Fn(i64) -> bool) -> usize {
         self.settling[..count].partition_point(|voltage| is_left(*voltage))
     }

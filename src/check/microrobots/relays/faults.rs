@@ -1,12 +1,12 @@
-//! What is wrong with a table: rows by themselves, pairs of rows, states.
+//! Faults of a table: single rows, pairs of rows, states.
 
 use super::table::{VoltageTable, volts_v};
 use super::{AllowedGaps, Problem, RowGap};
 
-/// How many faults each row has a part in.
+/// Number of faults that each row takes part in.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Census {
-    /// Of the row by itself.
+    /// Faults of the row alone.
     alone: Vec<usize>,
     /// With other rows.
     shared: Vec<usize>,
@@ -31,7 +31,7 @@ impl Census {
     }
 }
 
-/// In how many pairs with others a row is at fault.
+/// Number of pairs with others in which a row is at fault.
 pub fn shared(table: &VoltageTable, gaps: AllowedGaps, row: usize) -> usize {
     match gaps {
         AllowedGaps::String => (0..table.len()).filter(|other| *other != row && !table.is_ordered(row, *other)).count(),
@@ -39,7 +39,7 @@ pub fn shared(table: &VoltageTable, gaps: AllowedGaps, row: usize) -> usize {
     }
 }
 
-/// The faults of rows and pairs, rows first; at most so many.
+/// The faults of rows and pairs, rows first; at most `most`.
 pub fn problems(table: &VoltageTable, gaps: AllowedGaps, most: usize) -> Vec<Problem> {
     let rows = 0..table.len();
     let alone = rows.clone().flat_map(|row| alone(table, row));
@@ -50,7 +50,7 @@ pub fn problems(table: &VoltageTable, gaps: AllowedGaps, most: usize) -> Vec<Pro
     }
 }
 
-/// The faults of a row by itself.
+/// The faults of a row alone.
 pub fn alone(table: &VoltageTable, row: usize) -> impl Iterator<Item = Problem> {
     let (snap_down, release) = (table.snap_downs[row], table.releases[row]);
     let gap = 2 * table.margin;

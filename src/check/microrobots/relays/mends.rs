@@ -11,7 +11,7 @@ use super::{AllowedGaps, Mend, Problem, Transition};
 /// Decimals that are tried: a nanovolt to a tenth of a volt.
 const GRAINS: [i64; 5] = [2, 2_000, 2_000_000, 20_000_000, 200_000_000];
 
-/// How much good a change does; the best first.
+/// Improvement by a change; the best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Good {
     /// The table has no fault any more.
@@ -22,7 +22,7 @@ enum Good {
     Some,
 }
 
-/// The smallest change for each fault, of those that do the most good to it.
+/// The smallest change for each fault, of those that improve it most.
 ///
 /// `problems` are all faults of the table, or as many as are to be reported.
 pub fn mends(table: &VoltageTable, gaps: AllowedGaps, problems: &[Problem]) -> Vec<Option<Mend>> {
@@ -89,7 +89,7 @@ impl VoltageBreakpoint {
 }
 
 impl Clinic<'_> {
-    /// How much farther than a change that does some good to look for one that does more.
+    /// Excess over a change with some improvement within which a change with a greater one is sought, in units of the table.
     fn patience(&self, good: Good) -> i64 {
         match (good, self.problem.state()) {
             (Good::All, _) => 0,
@@ -141,7 +141,7 @@ impl Clinic<'_> {
         rounded.map(|to| (good_of(to), to)).find_map(|(good, to)| good.filter(|good| *good <= best).zip(Some(to)))
     }
 
-    /// How much good a table with a change in one row does.
+    /// Improvement of a table by a change in one row.
     fn good(&self, changed: &VoltageTable, place: VoltageBreakpoint) -> Option<Good> {
         let row = place.row;
         if !keeps_limits(changed, row, place.transition) {

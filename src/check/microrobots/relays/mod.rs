@@ -1,10 +1,10 @@
 //! Which arm patterns one voltage can set, and by which levels.
 //!
 //! Input: the voltages of a table and the limits of the source. Output: [`Analysis`], the control states with a shortest control
-//! cycle each, or what is wrong with the table and the smallest change of one voltage that mends it.
+//! cycle each, or the faults of the table and the smallest change of one voltage that fixes it.
 //!
-//! Voltages are compared as whole numbers (`table::Table`), so that a gap of exactly two margins is one. Which patterns can be
-//! set follows from pairs of rows (`table::Table::separates`); how, and why nothing else can, is proven in `cycles`.
+//! Voltages are compared as whole numbers (`table::VoltageTable`), so that a gap of exactly two margins is one. The patterns that can be
+//! set follow from pairs of rows (`table::VoltageTable::separates`); `cycles` proves how, and why no others can.
 
 mod cycles;
 mod faults;
@@ -17,10 +17,10 @@ use cycles::PatternTarget;
 use faults::Census;
 use table::VoltageTable;
 
-/// The most faults that are reported one by one.
+/// Greatest number of faults reported one by one.
 pub const MAX_FAULTS: usize = 16;
 
-/// The most control states of a table that is not STRING.
+/// Greatest number of control states of a table that is not STRING.
 pub const MAX_STATES: usize = 4_096;
 
 /// The voltages of one robot.
@@ -30,7 +30,7 @@ pub struct RelayRow {
     pub release_v: f64,
 }
 
-/// What the source gives and how well the transition voltages are known.
+/// Limits of the source, and the uncertainty of the transition voltages.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Source {
     /// Each transition voltage is known to plus or minus this.
@@ -38,7 +38,7 @@ pub struct Source {
     pub relax_v: f64,
     pub flex_v: f64,
     pub max_v: f64,
-    /// The most levels of a control cycle.
+    /// Greatest number of levels in a control cycle.
     pub most_levels: usize,
 }
 
@@ -75,18 +75,18 @@ pub struct TableFault {
     pub mend: Option<Mend>,
 }
 
-/// Two rows that a state would have to tell apart by one of their voltages.
+/// Two rows that a state would need to separate by one of their voltages.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RowGap {
-    /// Its arm has to be down.
+    /// Its arm must be down.
     pub down: usize,
-    /// Its arm has to be up.
+    /// Its arm must be up.
     pub up: usize,
-    /// By how much the voltage of `up` is above that of `down`.
+    /// Voltage of `up` minus that of `down`.
     pub gap_v: f64,
 }
 
-/// What is wrong; rows are indices of the table.
+/// A fault; rows are indices of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Problem {
     /// The relax level could release an arm: the release voltage is above `most_v`, relax level - 2 margins.
@@ -126,13 +126,13 @@ impl Problem {
     }
 }
 
-/// What a table can do.
+/// Capabilities of a table.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Analysis {
     /// The row that snaps first, second and so on; empty where the table is not STRING.
     pub order: Vec<usize>,
-    /// Empty after a fault. With [`AllowedGaps::String`] state j lowers the first j arms of `order`; with [`AllowedGaps::Any`] they are sorted
-    /// by how many arms are down, then by their digits.
+    /// Empty after a fault. With [`AllowedGaps::String`] state j lowers the first j arms of `order`; with [`AllowedGaps::Any`] they are
+    /// sorted by the number of arms that are down, then by their digits.
     pub states: Vec<ControlState>,
     pub faults: Vec<TableFault>,
     /// Faults beyond [`MAX_FAULTS`].
@@ -166,7 +166,7 @@ fn refused(table: &VoltageTable, gaps: AllowedGaps, order: Vec<usize>, problems:
     Analysis { order, more_faults: total - faults.len(), faults, ..Analysis::default() }
 }
 
-/// The chain of states of a table whose rows are all told apart.
+/// The chain of states of a table whose rows are all separated.
 fn string(table: &VoltageTable, order: Vec<usize>) -> Analysis {
     let ranked = table.ranked();
     let mut is_down = vec![false; table.len()];

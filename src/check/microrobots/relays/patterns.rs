@@ -1,7 +1,7 @@
 //! All arm patterns that can be set.
 //!
 //! An arm that is down keeps down every arm that it is not separated from, and so on: the patterns that can be set are those
-//! closed under this (`cycles` says why). They are listed by deciding one arm after the other and what follows from it, so
+//! closed under this (proof in `cycles`). They are listed by deciding one arm after the other and its consequences, so
 //! that no decision is ever taken back, and n arms cost O(n) for each pattern.
 
 use super::table::VoltageTable;
@@ -9,7 +9,7 @@ use super::table::VoltageTable;
 /// One bit for each row.
 type RowMask = u128;
 
-/// The patterns by the number of arms that are down, then by digits; `None` if there are more than so many.
+/// The patterns by the number of arms that are down, then by digits; `None` if there are more than `most`.
 pub fn accessible(table: &VoltageTable, most: usize) -> Option<Vec<Vec<bool>>> {
     if table.len() > RowMask::BITS as usize {
         return None;

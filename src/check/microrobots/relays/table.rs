@@ -2,7 +2,7 @@
 
 use super::{RelayRow, Source, Transition};
 
-/// How many units a volt has: half nanovolts. What is given is rounded to whole nanovolts, so that the middle of two levels is
+/// Units per volt: half nanovolts. Given values are rounded to whole nanovolts, so that the middle of two levels is
 /// a whole number too.
 pub const UNITS_PER_VOLT: f64 = 2e9;
 
@@ -68,12 +68,12 @@ impl VoltageTable {
         order.into_iter().collect()
     }
 
-    /// For each row, how many others can be down while it is up.
+    /// For each row, the number of others that can be down while it is up.
     pub fn ranks(&self) -> Vec<usize> {
         (0..self.len()).map(|row| self.rank(row)).collect()
     }
 
-    /// How many others can be down while this row is up: in an order its place.
+    /// Number of others that can be down while this row is up: its place, if rows form an order.
     pub fn rank(&self, row: usize) -> usize {
         (0..self.len()).filter(|other| *other != row && self.separates(*other, row)).count()
     }
@@ -114,7 +114,7 @@ impl VoltageTable {
     }
 }
 
-/// Volts in units; what is no number is 0.
+/// Volts in units; NaN becomes 0.
 pub fn units(volts_v: f64) -> i64 {
     (volts_v.clamp(-MOST_V, MOST_V) * UNITS_PER_VOLT / 2.0).round() as i64 * 2
 }

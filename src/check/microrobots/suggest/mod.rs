@@ -1,8 +1,8 @@
-//! A table of voltages for so many robots: the one whose smallest slack is greatest.
+//! A table of voltages for a number of robots: the one whose smallest slack is greatest.
 //!
 //! Input: margin, range and drive levels of a source. Output: [`Suggestion`]. Promise: no table has a greater slack, and no table
 //! has more robots than `most`, among STRING tables whose control cycles have at most two levels. (Longer cycles set the states
-//! of somewhat larger tables, which this does not look for.)
+//! of somewhat larger tables, which are not searched here.)
 //!
 //! With two levels each of the n - 1 states between the first and the last needs a gap of 2 (margin + s) between the arms that
 //! are down and those that are up, in snap-down or in release, if its slack is to be s. Let p of them be gaps in snap-down and
@@ -16,13 +16,13 @@ use super::relays::table::units;
 use super::relays::{AllowedGaps, RelayRow, Source, analyse};
 use crate::device::microrobots::MAX_ROBOTS;
 
-/// Decimals of the voltages: the coarsest that cost little slack are taken. The last is what voltages are compared in.
+/// Decimals of the voltages: the coarsest that cost little slack are taken. The last is the resolution of comparisons.
 const GRAINS_V: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-6, 1e-9];
 
-/// The share of the greatest slack that round figures have to keep.
+/// Share of the greatest slack that round figures must keep.
 const KEPT: f64 = 0.99;
 
-/// What a suggestion has to keep.
+/// Limits of a suggestion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SuggestLimits {
     /// Each transition voltage will be known to plus or minus this.
@@ -30,25 +30,25 @@ pub struct SuggestLimits {
     pub max_v: f64,
     /// The relax and the flex level; where `None`, they are chosen, `swing_v` apart.
     pub drive_v: Option<[f64; 2]>,
-    /// By how much the flex level is above the relax level where they are not given.
+    /// Difference of flex and relax level where they are not given.
     pub swing_v: f64,
 }
 
-/// A table and what it promises.
+/// A table and its promises.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Suggestion {
     /// The largest number of robots that fits, up to [`crate::device::microrobots::MAX_ROBOTS`].
     pub most: usize,
-    /// In the order in which arms snap down; `None` where so many do not fit, or none are asked for.
+    /// In the order in which arms snap down; `None` if the robots do not fit, or none are asked for.
     pub table: Option<Vec<RelayRow>>,
-    /// As given, or chosen: for the largest table where so many robots do not fit, and without meaning where none does.
+    /// As given, or chosen: for the largest table if the robots do not fit, and without meaning if none does.
     pub relax_v: f64,
     pub flex_v: f64,
     /// The smallest slack of the table's control states, each with at most two levels; 0 without a table.
     pub slack_v: f64,
 }
 
-/// The STRING table of so many robots whose smallest slack is greatest, in round figures.
+/// The STRING table of `robots` robots whose smallest slack is greatest, in round figures.
 pub fn suggest(robots: usize, limits: SuggestLimits) -> Suggestion {
     let most = most(limits);
     let best_v = best_slack_v(robots, limits);
@@ -97,7 +97,7 @@ fn free_slack_v(robots: usize, limits: SuggestLimits) -> f64 {
     room_v / (2.0 * steps + 4.0)
 }
 
-/// How many of the steps between robots are best made in snap-down, and the slack then.
+/// The best number of steps between robots made in snap-down, and the slack then.
 fn split(robots: usize, limits: SuggestLimits, drive_v: [f64; 2]) -> (usize, f64) {
     let steps = robots.saturating_sub(1).min(MAX_ROBOTS);
     let slack_v = |above: usize| {
@@ -108,12 +108,12 @@ fn split(robots: usize, limits: SuggestLimits, drive_v: [f64; 2]) -> (usize, f64
     (1..=steps).map(|above| (above, slack_v(above))).fold((0, slack_v(0)), better)
 }
 
-/// What the limits leave to release and to snap-down voltages.
+/// The ranges that the limits leave to release and to snap-down voltages.
 fn rooms_v(limits: SuggestLimits, [relax_v, flex_v]: [f64; 2]) -> [f64; 2] {
     [relax_v - 3.0 * limits.margin_v, limits.max_v - flex_v - 3.0 * limits.margin_v]
 }
 
-/// The slack of so many equal steps in some room.
+/// The slack of `steps` equal steps in a range.
 fn step_slack_v(room_v: f64, steps: usize, limits: SuggestLimits) -> f64 {
     (room_v - 2.0 * limits.margin_v * steps as f64) / (2.0 * steps as f64 + 2.0)
 }

@@ -1,15 +1,15 @@
-//! Puts a set of files into a folder so that a kill at any instant loses nothing: the next build finds the whole old set, or makes
-//! the new one whole.
+//! Puts a set of files into a folder so that a kill at any instant loses nothing: the next build finds the whole old set, or completes
+//! the new one.
 //!
 //! 1. The files are written beside their places, under names that begin with `.tweeze-`, and synchronised.
 //! 2. A journal that lists them is written beside its own place, synchronised, and renamed to [`JOURNAL`]. From here on the set counts
-//!    as the new one.
-//! 3. Each file is renamed over its target, which a reader therefore never finds missing; then the journal goes.
+//! as the new one.
+//! 3. Each file is renamed over its target, which a reader therefore never finds missing; then the journal is removed.
 //!
-//! Whoever builds into the folder or verifies a log in it next first carries out a journal that was left; the next build clears what has
-//! no journal. A set of one file needs none: its one rename is the commit. A rename that fails is answered by a journal of the old
-//! files, which were kept by hard links. The folder is locked all the while. Where the process is asked to end, it clears what it staged
-//! before the journal counts, and carries the journal out after that.
+//! The next build into the folder, or verification of a log in it, first completes a journal that was left; the next build removes staged
+//! files without a journal. A set of one file needs no journal: its one rename is the commit. If a rename fails, a journal of the old
+//! files is written, which were kept by hard links. The folder is locked all the time. If the process is asked to end, it removes staged
+//! files before the journal counts, and completes the journal after that.
 
 use super::signals;
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// What the names of all files begin with that no set leaves behind.
+/// Prefix of all temporary files.
 const PREFIX: &str = ".tweeze-";
 
 /// The journal's name.
@@ -28,13 +28,13 @@ pub const JOURNAL: &str = ".tweeze-journal";
 /// The journal before it counts.
 const DRAFT: &str = ".tweeze-draft";
 
-/// How often a folder that another build has locked is looked at.
+/// Interval of polling a folder that another build has locked.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// Whether a journal tells its own files from others of their names.
+/// Whether a journal can identify its own files by number, so that others of the same names are not touched.
 pub const KNOWS_FILES: bool = cfg!(unix);
 
-/// What could not be done, and to which file.
+/// A failed operation, and its file.
 #[derive(Debug)]
 pub struct DiskFault {
     pub path: PathBuf,
@@ -52,7 +52,7 @@ pub trait Acts {
         file.sync_all()
     }
 
-    /// An error once the process is asked to end. What must be finished does not ask.
+    /// An error once the process is asked to end. Operations that must be finished do not call it.
     fn go_on(&self) -> io::Result<()> {
         Ok(())
     }
@@ -84,7 +84,7 @@ impl Acts for RealDisk {
     }
 }
 
-/// What is still to be done, by names in the folder.
+/// Pending operations, by names in the folder.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Journal {
     /// Those whose files are gone were made already.
@@ -97,7 +97,7 @@ struct Journal {
 struct Move {
     from: String,
     to: String,
-    /// The file's number on the disk, as [`number`] tells it: a journal that came with a folder from elsewhere moves nothing.
+    /// The file's number on the disk, from [`number`]: a journal that came with a folder from elsewhere moves nothing.
     number: Option<u64>,
 }
 
@@ -109,7 +109,7 @@ struct FileRemoval {
 }
 
 impl Journal {
-    /// Whether it only names files of the folder, and moves only what a build left there. A folder may come from anywhere.
+    /// Whether it only names files of the folder, and moves only files that a build left there. A folder may come from anywhere.
     fn is_sound(&self) -> bool {
         let is_name = |name: &str| Path::new(name).file_name().is_some_and(|plain| plain == name);
         let removed = self.remove.iter().map(|removal| &removal.name);
@@ -127,7 +127,7 @@ impl Journal {
     }
 }
 
-/// The number of a file on its disk, where the system tells one; none where there is no such file.
+/// The number of a file on its disk, where the system has one; `None` if there is no such file.
 fn number(path: &Path) -> Option<u64> {
     #[cfg(unix)]
     return path.symlink_metadata().ok().map(|about| std::os::unix::fs::MetadataExt::ino(&about));
@@ -144,7 +144,7 @@ pub struct Folder<'a> {
 }
 
 impl<'a> Folder<'a> {
-    /// Waits until nobody builds into the folder, and finishes what a build that was killed has left.
+    /// Waits until no other build uses the folder, and finishes the work of a build that was killed.
     pub fn open(path: &'a Path, acts: &'a dyn Acts) -> Result<Folder<'a>, DiskFault> {
         let lock = lock(path, acts).map_err(|error| DiskFault { path: path.to_owned(), error })?;
         let folder = Folder { path, acts, _lock: lock };
@@ -249,7 +249,7 @@ impl<'a> Folder<'a> {
         self.acts.sync(self.path).map_err(self.fault(""))
     }
 
-    /// What would bring the old files back, which are kept under second names.
+    /// The journal that would restore the old files, which are kept under second names.
     fn way_back(&self, journal: &Journal) -> Result<Journal, DiskFault> {
         let mut back = Journal::default();
         for (index, Move { to: name, number: of_new, .. }) in journal.moves.iter().enumerate() {
@@ -298,7 +298,7 @@ fn lock(folder: &Path, acts: &dyn Acts) -> io::Result<File> {
         match file.try_lock() {
             Ok(()) => return Ok(file),
             Err(TryLockError::WouldBlock) => acts.go_on()?,
-            // Some disks of networks have no locks; two builds at once are then nobody's to tell apart.
+            // Some network disks have no locks; concurrent builds are not kept apart there.
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => return Ok(file),
             Err(TryLockError::Error(error)) => return Err(error),
         }

@@ -4,7 +4,7 @@ use super::*;
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
-/// A disk on which a process lives for so many acts.
+/// A disk on which the process is killed after a number of operations.
 struct Mortal {
     left: Cell<usize>,
 }
@@ -92,7 +92,7 @@ fn a_kill_before_any_act_leaves_a_whole_set_to_the_next_build() {
     assert!(seen[0] > 3 && seen[1] > 3, "{seen:?}");
 }
 
-/// A disk on which one act fails and all others go on.
+/// A disk on which one operation fails and all others succeed.
 struct Faulty {
     at: usize,
     acts: Cell<usize>,
@@ -167,7 +167,7 @@ fn a_removal_is_of_one_file() {
     }
 }
 
-/// A disk on which the process is asked to end after so many questions.
+/// A disk on which the process is asked to end after a number of checks.
 struct Asked {
     after: Cell<usize>,
 }

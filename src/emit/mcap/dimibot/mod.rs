@@ -1,4 +1,4 @@
-//! What a log shows of a DiMiBot: end-effector, way, obstacles and lattice. One unit of its pictures is one micrometre.
+//! Content of a log for a DiMiBot: end-effector, path, obstacles and lattice. One unit of its pictures is one micrometre.
 
 pub mod motion;
 mod points;
@@ -9,12 +9,12 @@ use super::{LogTopic, Signals};
 use crate::device::dimibot::DimibotFacts;
 use crate::verify::Verified;
 
-/// How far its picture reaches along x and y.
+/// Extent of its picture along x and y.
 pub fn extent_um(facts: &DimibotFacts) -> [f64; 2] {
     scene::extent_um(facts)
 }
 
-/// All topics of a device but its voltages, and what moves.
+/// All topics of a device except its voltages, and its moving frames.
 pub fn topics(verified: &Verified, signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
     let poses = motion::poses(verified, signals, device);
     let mut topics = Vec::from(motion::topics(verified, device, &poses));

@@ -1,6 +1,6 @@
-//! Where an end-effector is: poses over time, and the whole way of each plan.
+//! Motion of an end-effector: poses over time, and the whole path of each plan.
 //!
-//! A module snaps at some instant within its pulse, so the old pose is said again at the pulse's start and the new one at its end.
+//! A module snaps at some instant within its pulse, so the old pose is repeated at the pulse's start and the new one written at its end.
 
 use crate::emit::mcap::bench::plans;
 use crate::emit::mcap::foxglove::{self, PoseInFrame, PosesInFrame};
@@ -62,7 +62,7 @@ pub fn poses(verified: &Verified, signals: &Signals, device: &str) -> Vec<(u64, 
     poses
 }
 
-/// The most places of one message of a way: readers of logs take so many without trouble, and Tweeze's own takes 64 MiB.
+/// Greatest number of places in one message of a path: readers of logs handle this many easily, and Tweeze's own accepts 64 MiB.
 const MAX_PLACES: usize = 10_000;
 
 /// The way of each plan. A long one comes in several messages, each at the instant of its first place, which ends the one before.

@@ -1,7 +1,7 @@
-//! The scene in three dimensions: obstacles with their true and their grown shapes, the lattice, the tip, the way, the stops.
+//! The scene in three dimensions: obstacles with their true and their grown shapes, the lattice, the tip, the path, the stops.
 //!
-//! What stands there and what is planned are two topics for each device, because a viewer that jumps in time reads the last
-//! message of each topic only: every message shows all there is to show. Scenery is said again when a job brings another.
+//! Scenery and plan are two topics for each device, because a viewer that jumps in time reads the last
+//! message of each topic only: every message contains the whole picture. Scenery is written again when a job brings another.
 
 use super::motion;
 use crate::claims::dimibot::{DimibotAction, DimibotObstacle, DimibotObstacleBody, DimibotOrder, DimibotStop};
@@ -18,13 +18,13 @@ use std::collections::BTreeSet;
 /// Gap between the lattice and its title.
 const TITLE_GAP_UM: f64 = 1.25;
 
-/// Heights above the ground, in micrometres: what must not be touched stands, what is only shown lies.
+/// Heights above the ground, in micrometres: obstacles are upright, mere illustrations flat.
 const OBSTACLE_HEIGHT_UM: f64 = 0.4;
 const GROWN_HEIGHT_UM: f64 = 0.02;
 const PATH_HEIGHT_UM: f64 = 0.05;
 const LABEL_HEIGHT_UM: f64 = 0.6;
 
-/// Distance of a label from what it names.
+/// Distance of a label from its object.
 const LABEL_GAP_UM: f64 = 0.3;
 
 /// Diameter of the mark of a stop.
@@ -33,10 +33,10 @@ pub const STOP_UM: f64 = 0.12;
 /// Part of a cell that a blocked one fills, so that neighbours are seen apart from cells.
 const CELL_PART: f64 = 0.8;
 
-/// The most stops and obstacles that get a label each.
+/// Greatest number of stops and obstacles with labels.
 const MAX_LABELS: usize = 200;
 
-/// The most obstacles and stops that are drawn.
+/// Greatest number of obstacles and stops that are drawn.
 const MAX_DRAWN: usize = 20_000;
 
 /// The cell of all modules at 1.
@@ -93,7 +93,7 @@ pub fn jobs<'a>(verified: &'a Verified, device: &str) -> Vec<(&'a DimibotOrder, 
     jobs.filter_map(|(job, plan)| Some((job.order.dimibot()?, plan))).collect()
 }
 
-/// What stands around a device, with the instant from which on; the first from the beginning on.
+/// The scenery of a device, with the instant from which it holds; the first holds from the beginning.
 pub fn sceneries<'a>(verified: &'a Verified, device: &str) -> Vec<(u64, &'a DimibotOrder)> {
     let mut sceneries: Vec<(u64, &DimibotOrder)> = Vec::new();
     for (order, plan) in jobs(verified, device) {

@@ -1,8 +1,8 @@
-//! What a log shows of an electrode array: the board with its obstacles, the parts where they are, the electrodes that are on, and
-//! the way of each part.
+//! Content of a log for an electrode array: the board with its obstacles, the moving parts, the electrodes that are on, and
+//! the path of each part.
 //!
 //! One unit of its pictures is one pitch of the board, so that a board of any size fills a viewer as a chess board does; the
-//! topics' metadata say how long a pitch is. Electrode (1, 1) is the origin.
+//! topics' metadata give the length of a pitch. Electrode (1, 1) is the origin.
 
 mod scene;
 
@@ -16,7 +16,7 @@ use crate::schedule::State;
 use crate::verify::Verified;
 use std::collections::BTreeMap;
 
-/// How far its picture reaches along x.
+/// Extent of its picture along x.
 pub fn width(facts: &ElectrodeArrayFacts) -> f64 {
     f64::from(facts.columns)
 }
@@ -97,7 +97,7 @@ fn poses(device: &str, moments: &[PartsMoment]) -> LogTopic {
     topic
 }
 
-/// The frame of each part, told when it moves or is gone.
+/// The frame of each part, written when it moves or is gone.
 fn movers(device: &str, moments: &[PartsMoment]) -> Vec<Mover> {
     let Some(first) = moments.first() else { return Vec::new() };
     let of_part = |name: &String| {

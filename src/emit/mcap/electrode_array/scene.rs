@@ -1,7 +1,7 @@
-//! The board in three dimensions: electrodes, obstacles, parts with their names; their ways and goals; the electrodes that are on.
+//! The board in three dimensions: electrodes, obstacles, parts with their names; their paths and goals; the electrodes that are on.
 //!
-//! Three topics, since a viewer that jumps in time reads the last message of each only: what stands there (`scene`), what is
-//! planned (`plan`), and what is on (`active`). The first two come once more as points for viewers that show no scenes.
+//! Three topics, since a viewer that jumps in time reads the last message of each only: the scenery (`scene`), the
+//! plan (`plan`), and the electrodes that are on (`active`). The first two are repeated as points for viewers that show no scenes.
 
 use super::{frame, place};
 use crate::claims::electrode_array::{
@@ -33,10 +33,10 @@ const OBSTACLE_PART: f64 = 0.9;
 /// Diameter of the mark of a stop.
 const STOP: f64 = 0.6;
 
-/// The most electrodes that are drawn one by one; of a larger board only the outline is.
+/// Greatest number of electrodes drawn one by one; of a larger board only the outline is.
 const MAX_ELECTRODES: usize = 10_000;
 
-/// The most parts, stops or obstacles that get a label each.
+/// Greatest number of parts, stops or obstacles with labels.
 const MAX_LABELS: usize = 200;
 
 const ACTIVE: Color = Color { r: 1.0, g: 0.95, b: 0.4, a: 1.0 };
@@ -51,7 +51,7 @@ pub fn topics(verified: &Verified, device: &str) -> Vec<LogTopic> {
     let (mut scene_points, mut plan_points) = (Vec::new(), Vec::new());
     let mut shown: BTreeSet<String> = BTreeSet::new();
     for (index, (order, plan)) in jobs.iter().enumerate() {
-        // What stands there is said from the beginning on, and again when a job brings other obstacles.
+        // The scenery is written at the beginning, and again when a job brings other obstacles.
         let is_new = index == 0 || jobs[index - 1].0.obstacles != order.obstacles;
         if is_new {
             let t_ns = if index == 0 { 0 } else { plan.start_ns };
@@ -180,7 +180,7 @@ fn way_lines(ways: &[(usize, Vec<ElectrodeCell>)], device: &str, t_ns: u64) -> S
     entity
 }
 
-/// What every step of a task asks for: the part's index and the cell.
+/// The goals of every step of a task: the part's index and the cell.
 fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (usize, ElectrodeCell)> + '_ {
     let moves = order.steps.iter().flat_map(|step| match &step.action {
         ElectrodeArrayAction::Move(moves) => moves.as_slice(),
@@ -258,7 +258,7 @@ fn active(verified: &Verified, device: &str, facts: Option<&ElectrodeArrayFacts>
     LogTopic::new::<SceneUpdate>(format!("/{device}/active"), messages.collect())
 }
 
-/// What happens to an electrode; what ends at an instant ends before what begins there.
+/// An event of an electrode; ends at an instant are ordered before beginnings.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Switched {
     Off,

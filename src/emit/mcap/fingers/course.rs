@@ -1,8 +1,8 @@
-//! Where the part and the tips of a hand are, over time.
+//! Motion of the part and the tips of a hand.
 //!
-//! The tips are where the schedule has them. The recorded states say where the part is after each change of the grasp and each step
-//! that it is rolled; between two of them it moves while a finger that holds does, steadily. How many moments are told is bounded,
-//! whatever the plan.
+//! The tips are where the schedule has them. The recorded states give the part's pose after each change of the grasp and each step
+//! that it is rolled; between two of them it moves steadily while a holding finger does. The number of moments written is bounded
+//! for every plan.
 
 use crate::claims::fingers::FingersOrder;
 use crate::device::fingers::{AXES, Plane, finger_axis};
@@ -11,10 +11,10 @@ use crate::emit::mcap::bench;
 use crate::schedule::{PlanRecord, State};
 use crate::verify::Verified;
 
-/// The farthest that a tip goes between two moments that are told, unless there would be too many.
+/// Greatest distance of a tip between two moments written, unless there would be too many.
 const STEP_UM: f64 = 1.0;
 
-/// About the most moments that are told, besides those at which some tip bends off.
+/// Approximate limit of moments written, besides those at which some tip changes direction.
 pub const MAX_MOMENTS: usize = 20_000;
 
 /// All that a hand does.
@@ -24,7 +24,7 @@ pub struct HandCourse<'a> {
     pub plans: Vec<HandPlanCourse<'a>>,
 }
 
-/// What a hand does in one plan.
+/// Motion of a hand in one plan.
 pub struct HandPlanCourse<'a> {
     pub order: &'a FingersOrder,
     pub start_ns: u64,
@@ -67,7 +67,7 @@ pub struct HandMoment {
 type FingerChannels = Vec<[usize; 3]>;
 
 impl<'a> HandCourse<'a> {
-    /// What a device does; nothing where it is of another kind.
+    /// Motion of a device; empty for one of another kind.
     pub fn new(verified: &'a Verified, signals: &Signals, device: &str) -> Self {
         let jobs = bench::jobs(verified, device).into_iter();
         let plans = jobs.filter_map(|(job, plan)| HandPlanCourse::new(job.order.fingers()?, plan));
@@ -113,7 +113,7 @@ fn tip_um(signals: &Signals, stage: &[usize; 3], t_ns: u64) -> [f64; 3] {
     stage.map(|channel| signals.value(channel, t_ns))
 }
 
-/// Into how many parts a stretch in which all tips go straight should be divided.
+/// Number of parts into which a stretch of straight motion of all tips should be divided.
 fn wanted(signals: &Signals, stages: &FingerChannels, [start_ns, end_ns]: [u64; 2]) -> f64 {
     let way = |stage: &[usize; 3]| {
         let ends = [start_ns, end_ns].map(|t_ns| tip_um(signals, stage, t_ns));
@@ -141,7 +141,7 @@ impl<'a> HandPlanCourse<'a> {
         Some(HandPlanCourse { order, start_ns: plan.start_ns, grasps, motions: Vec::new(), moments: Vec::new() })
     }
 
-    /// From one instant to the next at which a tip may bend off or a state is told.
+    /// Stretches between instants at which a tip may change direction or a state is written.
     fn stretches(&self, breaks: &[u64]) -> Vec<[u64; 2]> {
         let (Some(first), Some(last)) = (self.grasps.first(), self.grasps.last()) else { return Vec::new() };
         let (start_ns, end_ns) = (first.t_ns, last.t_ns);

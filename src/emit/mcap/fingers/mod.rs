@@ -1,5 +1,5 @@
-//! What a log shows of a hand: the part with its two sections, where it is and how it is turned, the tips, the grasps with the forces
-//! at their contacts, and the way of each tip. One unit of its pictures is one micrometre.
+//! Content of a log for a hand: the part with its two sections, its pose, the tips, the grasps with the forces
+//! at their contacts, and the path of each tip. One unit of its pictures is one micrometre.
 //!
 //! The part and each tip have a frame of their own that moves in the hand's.
 
@@ -60,7 +60,7 @@ pub fn topics(verified: &Verified, device: &str) -> (Vec<LogTopic>, Vec<Mover>) 
     (topics, movers(&course, device))
 }
 
-/// `/<device>/pose`: the part in the hand's frame, told whenever it has moved, and once more before it moves.
+/// `/<device>/pose`: the part in the hand's frame, written whenever it has moved, and once more before it moves.
 fn pose(course: &HandCourse, device: &str) -> LogTopic {
     let message = |(t_ns, place): (u64, FramePlace)| {
         let (timestamp, frame_id) = (foxglove::timestamp(t_ns), device.to_owned());

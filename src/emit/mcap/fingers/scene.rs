@@ -1,7 +1,7 @@
-//! The hand in three dimensions: the part and the tips; the ways of the tips and where the part ends; each grasp with its forces.
+//! The hand in three dimensions: the part and the tips; the paths of the tips and the part's final poses; each grasp with its forces.
 //!
-//! Three topics, since a viewer that jumps in time reads the last message of each only: what is there (`scene`), what is planned
-//! (`plan`), and what holds from state to state (`state`). The first two come once more as points.
+//! Three topics, since a viewer that jumps in time reads the last message of each only: the scenery (`scene`), the plan
+//! (`plan`), and the grasp of each state (`state`). The first two are repeated as points.
 
 use super::course::{HandCourse, HandPlanCourse, RecordedGrasp};
 use super::solid;
@@ -16,10 +16,10 @@ use crate::geometry::outline::Curve;
 use crate::verify::finger_forces;
 use nalgebra::{Point3, Quaternion, UnitQuaternion};
 
-/// How much of what lies behind a tip is seen.
+/// Opacity of a tip.
 const TIP_ALPHA: f64 = 0.5;
 
-/// Diameters of what marks a place and of arrows, as parts of a tip's diameter.
+/// Diameters of place marks and of arrows, as shares of a tip's diameter.
 const MARK_PART: f64 = 0.12;
 const ARROW_PART: f64 = 0.06;
 
@@ -29,7 +29,7 @@ const FORCE_PART: f64 = 0.1;
 /// Distance of neighbouring points of the clouds, in micrometres.
 const POINTS_UM: f64 = 0.1;
 
-/// The most states whose contacts are shown, since the forces of each take a linear program; of more only the words are told.
+/// Greatest number of states whose contacts are shown, since the forces of each take a linear program; beyond it only the text is written.
 const MAX_GRASPS: usize = 5_000;
 
 const FORCE: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
@@ -150,9 +150,9 @@ fn state(course: &HandCourse, device: &str) -> LogTopic {
     LogTopic::new::<SceneUpdate>(format!("/{device}/state"), messages)
 }
 
-/// Where fingers touch the part, and with what force, in the part's frame so that both go with it.
+/// Contacts of fingers with the part, and their forces, in the part's frame so that both move with it.
 ///
-/// Many forces balance a grasp; these are some that do, of a moderate size.
+/// Many forces balance a grasp; these are one solution, of moderate magnitude.
 fn contacts(order: &FingersOrder, grasp: &RecordedGrasp, curve: Option<&Curve>, device: &str) -> SceneEntity {
     let frame = part_frame(device, &order.part.name);
     let mut entity = drawing::entity(format!("{device}/contacts"), &frame, grasp.t_ns);

@@ -1,4 +1,4 @@
-//! The part of a hand as it is drawn, in its own frame: its sections, and between them what is known of it.
+//! The part of a hand as it is drawn, in its own frame: its sections, and its known surface between them.
 
 use crate::claims::fingers::{HandPart, Section};
 use crate::device::fingers::Plane;
@@ -12,7 +12,7 @@ use nalgebra::Point2;
 /// Corners of the polygon that stands for an outline.
 const CORNERS: u32 = 128;
 
-/// What the surface looks like: what lies behind it is seen.
+/// Colour of the translucent surface.
 const SURFACE: Color = Color { r: 0.34, g: 0.71, b: 0.91, a: 0.35 };
 
 /// The colour of a section.
@@ -60,7 +60,7 @@ pub fn draw(entity: &mut SceneEntity, part: &HandPart) {
     }
 }
 
-/// Of an ellipsoid.
+/// Semi-axes of an ellipsoid.
 fn semi_axes_um(part: &HandPart) -> Option<[f64; 3]> {
     let Outline::Ellipse { semi_um: [x, y] } = part.xy.outline else { return None };
     let Outline::Ellipse { semi_um: [other_x, z] } = part.xz.as_ref()?.outline else { return None };

@@ -1,7 +1,7 @@
-//! Where the robots of a bed are, over time: the legs of all plans, and poses along them.
+//! Motion of the robots of a bed: the legs of all plans, and poses along them.
 //!
 //! The recorded states are the poses at the start of each leg; between them the robots follow their circles and lines while the
-//! drive train lasts, and stand still else. How many poses are told is bounded, whatever the plan.
+//! drive train lasts, and otherwise stand still. The number of poses written is bounded for every plan.
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::Arm;
@@ -11,13 +11,13 @@ use crate::schedule::{Actuation, PlanRecord, Schedule, State};
 use crate::verify::Verified;
 use std::f64::consts::TAU;
 
-/// The farthest that a robot runs between two poses that are told, unless there would be too many.
+/// Greatest distance of a robot between two poses written, unless there would be too many.
 const STEP_UM: f64 = 20.0;
 
-/// The farthest that a robot turns between two poses that are told, unless there would be too many.
+/// Greatest turn of a robot between two poses written, unless there would be too many.
 const TURN_RAD: f64 = TAU / 72.0;
 
-/// About the most poses that are told of all robots, besides those at the ends of legs.
+/// Approximate limit of poses written for all robots, besides those at the ends of legs.
 pub const MAX_POSES: usize = 100_000;
 
 /// Rounding of the sum of ways, as a share of a turn.
@@ -31,7 +31,7 @@ pub struct BedCourse<'a> {
     pub plans: Vec<BedPlanCourse<'a>>,
 }
 
-/// What a bed does in one plan.
+/// Motion of a bed in one plan.
 pub struct BedPlanCourse<'a> {
     pub order: &'a MicrorobotsOrder,
     pub start_ns: u64,
@@ -62,7 +62,7 @@ pub struct ControlLeg<'a> {
 pub struct RobotInLeg {
     pub pose: Pose,
     pub arm: Arm,
-    /// How far the leg's train carries it.
+    /// Length of its path in the leg's train.
     pub way_um: f64,
     pub is_docked: bool,
 }
@@ -77,7 +77,7 @@ pub struct SweptDisc {
 }
 
 impl<'a> BedCourse<'a> {
-    /// What a device does; nothing where it is of another kind.
+    /// Motion of a device; empty for one of another kind.
     pub fn new(verified: &'a Verified, device: &str) -> Self {
         let trains = trains(verified.schedule(), device);
         let jobs = bench::jobs(verified, device).into_iter();
@@ -139,7 +139,7 @@ impl<'a> BedPlanCourse<'a> {
         Some(BedPlanCourse { order, start_ns: plan.start_ns, legs, moments: Vec::new() })
     }
 
-    /// How many poses of each robot there should be.
+    /// Number of poses wanted for each robot.
     fn wanted(&self) -> usize {
         self.legs.iter().map(|leg| leg.wanted(self.order)).fold(0, usize::saturating_add)
     }
@@ -175,13 +175,13 @@ impl<'a> BedPlanCourse<'a> {
 }
 
 impl ControlLeg<'_> {
-    /// Into how many parts its train should be divided.
+    /// Number of parts into which its train should be divided.
     fn wanted(&self, order: &MicrorobotsOrder) -> usize {
         let parts = self.movers.iter().enumerate().map(|(robot, body)| match body.arm {
             Arm::Up => body.way_um / STEP_UM,
             Arm::Down => body.way_um / order.robot(robot).turning_radius_um / TURN_RAD,
         });
-        // As many as there are strokes of a picometre at the most: the cast saturates.
+        // At most the number of picometre strokes: the cast saturates.
         parts.fold(0.0, f64::max).ceil() as usize
     }
 

@@ -1,5 +1,5 @@
-//! What a log shows of microrobots: the bed with its obstacles, each robot where it is and its frame, its way, its orbit, and the
-//! arms as numbers to be plotted. One unit of its pictures is one micrometre.
+//! Content of a log for microrobots: the bed with its obstacles, each robot with its frame, its path, its orbit, and the
+//! arms as numbers for plots. One unit of its pictures is one micrometre.
 
 mod course;
 mod scene;
@@ -15,7 +15,7 @@ use crate::verify::Verified;
 use course::{BedCourse, BedMoment};
 use std::collections::BTreeMap;
 
-/// The name of the field that tells which control state the bed is in.
+/// Name of the field for the control state of the bed.
 const CONTROL: &str = "control";
 
 /// From where to where the picture reaches along x.
@@ -28,7 +28,7 @@ pub fn reach_um(order: &MicrorobotsOrder) -> [f64; 2] {
     ends.fold([0.0; 2], |[low, high], [left, right]| [f64::min(low, left), f64::max(high, right)])
 }
 
-/// How far from its place the orbit of a robot reaches.
+/// Greatest distance of the orbit of a robot from the robot's place.
 fn orbit_um(order: &MicrorobotsOrder, robot: usize) -> f64 {
     let facts = order.robot(robot);
     facts.turning_radius_um + facts.orbit_reach_um()
@@ -107,7 +107,7 @@ fn arms(course: &BedCourse, device: &str) -> Option<LogTopic> {
     })
 }
 
-/// The frame of each robot, told whenever it has moved, and once more before it moves.
+/// The frame of each robot, written whenever it has moved, and once more before it moves.
 fn movers(course: &BedCourse, device: &str) -> Vec<Mover> {
     let moments: Vec<&BedMoment> = course.plans.iter().flat_map(|plan| &plan.moments).collect();
     let of_robot = |(robot, name): (usize, &String)| {

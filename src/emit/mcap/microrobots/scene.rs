@@ -1,7 +1,7 @@
-//! The bed in three dimensions: obstacles and robots; their ways and goals; arms, orbits and docked robots.
+//! The bed in three dimensions: obstacles and robots; their paths and goals; arms, orbits and docked robots.
 //!
-//! Three topics, since a viewer that jumps in time reads the last message of each only: what stands there (`scene`), what is
-//! planned (`plan`), and what holds from leg to leg (`state`). The first two come once more as points.
+//! Three topics, since a viewer that jumps in time reads the last message of each only: the scenery (`scene`), the
+//! plan (`plan`), and the state of each leg (`state`). The first two are repeated as points.
 
 use super::course::{BedCourse, BedPlanCourse, ControlLeg, SweptDisc};
 use super::{frame, stand};
@@ -15,7 +15,7 @@ use crate::geometry::{Pose, Shape};
 use nalgebra::Point2;
 use std::collections::BTreeSet;
 
-/// Heights of what is drawn, as parts of a robot's width.
+/// Heights of the drawn bodies, as shares of a robot's width.
 const BODY_PART: f64 = 0.3;
 const MARK_PART: f64 = 0.1;
 
@@ -28,10 +28,10 @@ const LABEL_HEIGHT_UM: f64 = 40.0;
 /// Where the nose of a robot begins, from its middle, as a part of its length.
 const NOSE_PART: f64 = 0.2;
 
-/// The most marks of arms and docked robots over all legs; beyond it only orbits are shown.
+/// Greatest number of marks of arms and docked robots over all legs; beyond it only orbits are shown.
 const MAX_MARKS: usize = 50_000;
 
-/// The most obstacles and goals that get a label each.
+/// Greatest number of obstacles and goals with labels.
 const MAX_LABELS: usize = 200;
 
 /// Distance of neighbouring points of the clouds, in micrometres.
@@ -43,7 +43,7 @@ const DOWN: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
 /// A robot that sticks in a structure.
 const DOCKED: Color = Color { r: 0.6, g: 0.6, b: 0.6, a: 1.0 };
 
-/// How much of what lies behind an orbit is seen.
+/// Opacity of an orbit.
 const ORBIT_ALPHA: f64 = 0.25;
 
 fn color_of(robot: usize) -> Color {
@@ -64,7 +64,7 @@ pub fn topics(course: &BedCourse, device: &str) -> Vec<LogTopic> {
     let (mut scenes, mut scene_points) = (Vec::new(), Vec::new());
     let mut shown: BTreeSet<String> = BTreeSet::new();
     for (index, plan) in course.plans.iter().enumerate() {
-        // What stands there is said from the beginning on, and again when a job brings other obstacles.
+        // The scenery is written at the beginning, and again when a job brings other obstacles.
         let is_new = index == 0 || course.plans[index - 1].order.obstacles != plan.order.obstacles;
         if is_new {
             let t_ns = if index == 0 { 0 } else { plan.start_ns };
@@ -193,7 +193,7 @@ fn state(course: &BedCourse, device: &str) -> LogTopic {
     LogTopic::new::<SceneUpdate>(format!("/{device}/state"), messages)
 }
 
-/// The orbits that go on at an instant.
+/// The orbits in progress at an instant.
 fn discs(order: &MicrorobotsOrder, orbits: &[SweptDisc], device: &str, t_ns: u64) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/orbits"), device, t_ns);
     for orbit in orbits.iter().filter(|orbit| orbit.start_ns <= t_ns && t_ns < orbit.end_ns) {
@@ -207,7 +207,7 @@ fn discs(order: &MicrorobotsOrder, orbits: &[SweptDisc], device: &str, t_ns: u64
     entity
 }
 
-/// What a robot carries in a leg: its arm where that is down, and a frame where it is docked.
+/// Marks of a robot in a leg: its arm if that is down, and a frame if it is docked.
 fn marks(order: &MicrorobotsOrder, leg: &ControlLeg, robot: usize, device: &str) -> SceneEntity {
     let (facts, body) = (order.robot(robot), &leg.movers[robot]);
     let mut entity =

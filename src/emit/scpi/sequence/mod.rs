@@ -1,8 +1,8 @@
-//! Waveforms as sequences: segments that are played one after the other, each so many times.
+//! Waveforms as sequences: segments that are played one after the other, each a number of times.
 //!
-//! Input: what an output plays, piece by piece. Output: a [`Sequence`] whose playback is that, sample by sample, between two
+//! Input: the pieces that an output plays. Output: a [`Sequence`] whose playback is the same, sample by sample, between two
 //! stretches of 0 V, or of its first and its last position: the instrument waits for the trigger in the first one and rests in
-//! the last one. Pieces with fewer samples than a segment may have are put together with their neighbours.
+//! the last one. Pieces with fewer samples than the minimum of a segment are merged with their neighbours.
 
 use super::{Profile, Sampling};
 use crate::emit::Signals;
@@ -10,7 +10,7 @@ use crate::emit::signal::half_ns;
 use crate::schedule::ChannelUnit;
 use std::collections::BTreeMap;
 
-/// What an instrument takes as a sequence.
+/// Limits of an instrument's sequences.
 #[derive(Debug, Clone)]
 pub struct Sequencer {
     /// Most steps of a sequence.
@@ -52,7 +52,7 @@ pub struct SequenceEntry {
     pub control: Control,
 }
 
-/// What one output plays.
+/// Segments and steps of one output.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Sequence {
     /// Each once.
@@ -60,22 +60,22 @@ pub struct Sequence {
     pub steps: Vec<SequenceEntry>,
 }
 
-/// Some samples, so many times.
+/// Some samples, with a number of repetitions.
 struct SamplePiece {
     samples: Vec<i16>,
     count: u64,
 }
 
-/// What an output plays: the level that it waits at, the pieces, the level that it rests at.
+/// The signal of an output: the level that it waits at, the pieces, the level that it rests at.
 struct Score {
     ends: [i16; 2],
     pieces: Vec<SamplePiece>,
 }
 
-/// How many times the memory of an instrument may be sampled for positions, to be packed into it.
+/// Positions may be sampled this many times beyond the memory of an instrument, to be packed into it.
 const MAX_PACKED: u64 = 16;
 
-/// Pieces of at most so many samples are written out instead of repeated; four times as many where the steps do not suffice.
+/// Pieces of at most this many samples are written out instead of repeated; four times as many if there are too few steps.
 const WRITTEN_OUT: u64 = 16;
 
 /// The sequence of a channel; `None` where memory or steps of the instrument do not suffice.

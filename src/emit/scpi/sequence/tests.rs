@@ -14,7 +14,7 @@ fn composed(pieces: &[(Vec<i16>, u64)], profile: &Profile, written_out: u64) -> 
     SequenceBuilder::compose(&Score { ends: [0; 2], pieces }, profile, written_out)
 }
 
-/// What comes between the wait and the rest.
+/// The samples between the wait and the rest.
 fn played(sequence: &Sequence) -> Vec<i16> {
     let inner = &sequence.steps[1..sequence.steps.len() - 1];
     inner.iter().flat_map(|step| sequence.segments[step.segment].repeat(step.repeats as usize)).collect()

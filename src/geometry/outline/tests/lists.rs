@@ -9,7 +9,7 @@ fn smoothed(points: &[[f64; 2]]) -> Curve {
     curve(&outline)
 }
 
-/// How far a curve is from another, at most.
+/// Greatest distance of a curve from another.
 fn off(one: &Curve, other: &Curve) -> f64 {
     let count = 700;
     let place = |step: i32| one.spot(one.perimeter_um() * f64::from(step) / f64::from(count)).point_um;

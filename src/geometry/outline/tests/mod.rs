@@ -118,7 +118,7 @@ fn ways_points_normals_and_curvatures_agree() {
     }
 }
 
-/// The way told is the length of a fine polyline, whose error falls with the square of its step.
+/// The reported arc length is that of a fine polyline, whose error falls with the square of its step.
 #[test]
 fn ways_are_lengths() {
     for outline in all() {

@@ -1,10 +1,10 @@
-//! Closed smooth outlines: where a tip touches them, and how far it has rolled to there.
+//! Closed smooth outlines: the contact of a tip, and its path length along the outline.
 //!
-//! Input: an outline of the claims, in micrometres. Output: a [`Contour`], run through counter-clockwise by the way along it from where the
-//! positive x axis leaves it farthest out. Where planners look ways up in tables of polynomials, here a way is integrated each time it
-//! is asked for, by Gauss' rule with five points from the last node on; and the nearest place is found by what a way can shorten a
-//! distance, between two nodes by regula falsi. Promise: ways, normals and distances are right to about 1e-9 um where the outline
-//! is one that the checker lets pass; of no other does anything here panic or go on for ever.
+//! Input: an outline of the claims, in micrometres. Output: a [`Contour`], parametrised counter-clockwise by arc length from its farthest
+//! crossing of the positive x axis. Where planners look arc lengths up in tables of polynomials, here each is integrated on
+//! demand, by five-point Gauss quadrature from the preceding node; the nearest place is found by bounds from the arc length
+//! between nodes, then by regula falsi. Promise: arc lengths, normals and distances are correct to about 1e-9 um for outlines
+//! that the checker accepts; no other outline causes a panic or an endless loop.
 
 mod piece;
 #[cfg(test)]
@@ -16,26 +16,26 @@ use crate::real::Real;
 use piece::{ContourJet, Piece};
 use std::f64::consts::{PI, TAU};
 
-/// How far the tangent turns from one node to the next.
+/// Greatest turn of the tangent from one node to the next.
 const MAX_TURN_RAD: f64 = 0.12;
 
-/// How exactly the way from one node to the next is known, at least, and as a share of the farthest coordinate.
+/// Greatest error of the arc length between two nodes, at least, and as a share of the farthest coordinate.
 const WAY_UM: f64 = 1e-11;
 const WAY_SHARE: f64 = 1e-14;
 
-/// How often a piece is halved.
+/// Greatest number of halvings of a piece.
 const MAX_HALVINGS: u32 = 40;
 
-/// The most nodes, and how many more for each piece.
+/// Greatest number of nodes, and additional nodes per piece.
 const MAX_NODES: [usize; 2] = [1 << 13, 16];
 
-/// How often the way to the other end is halved in search of a sign beside a root.
+/// Greatest number of halvings towards the other end in search of a sign beside a root.
 const MAX_HALVINGS_BESIDE: i32 = 30;
 
-/// The most steps towards a root.
+/// Greatest number of steps towards a root.
 const MAX_STEPS: usize = 100;
 
-/// A root is near enough when this is left of the offset, or a step is this share of where it is looked for.
+/// A root is accepted when this is left of the offset, or a step is this share of the search interval.
 const ROOT_UM: f64 = 1e-13;
 const ROOT_SHARE: f64 = 1e-12;
 
@@ -70,19 +70,19 @@ struct ContourNode {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Foot {
     pub way_um: f64,
-    /// Of the point from it; negative inside.
+    /// Distance of the point from it; negative inside.
     pub distance_um: f64,
     pub point_um: [f64; 2],
     /// The direction of the outward normal.
     pub normal_rad: f64,
-    /// By how much the normal has turned along the way.
+    /// Turn of the normal along the path.
     pub turned_rad: f64,
     /// Positive where the outline is convex.
     pub curvature_per_um: f64,
 }
 
 impl Foot {
-    /// By how much a part turns while a tip of a radius rolls along the way.
+    /// Turn of a part while a tip of this radius rolls along the path.
     pub fn turn_of_tip_rad(&self, tip_radius_um: f64) -> f64 {
         through(Fault::JudgedRoll, self.turned_rad + self.way_um / tip_radius_um)
     }
@@ -93,7 +93,7 @@ impl Foot {
 pub struct Contour {
     pieces: Vec<Piece>,
     spans: Vec<ContourSpan>,
-    /// One more than there are spans; the last one lies on the first.
+    /// One more than there are spans; the last one coincides with the first.
     nodes: Vec<ContourNode>,
     farthest_um: f64,
 }
@@ -134,7 +134,7 @@ impl Contour {
         self.last().way_um - self.nodes[0].way_um
     }
 
-    /// How far from the origin it reaches.
+    /// Greatest distance from the origin.
     pub fn radius_um(&self) -> f64 {
         self.farthest_um
     }
@@ -148,7 +148,7 @@ impl Contour {
         Some(self.foot_at(at, t, 0, self.jet(at, t).point_um))
     }
 
-    /// The place to which a tip of a radius has turned the part so far, from the beginning; for tips that reach all of the outline.
+    /// The place to which a tip of this radius has turned the part, from the beginning; for tips that reach all of the outline.
     pub fn rolled_to(&self, turn_rad: f64, tip_radius_um: f64) -> Option<Foot> {
         let first_rad = self.nodes[0].normal_rad;
         let turn_to = |node: &ContourNode| node.normal_rad - first_rad + node.way_um / tip_radius_um;
@@ -158,7 +158,7 @@ impl Contour {
         let at =
             self.nodes.partition_point(|node| turn_to(node) <= rest_rad).saturating_sub(1).min(self.spans.len() - 1);
         let span = self.spans[at];
-        // As a length, for the sake of the root's tolerance.
+        // As a length, to suit the root's tolerance.
         let off_um = |t: f64| {
             let foot = self.foot_at(at, t, 0, self.jet(at, t).point_um);
             (foot.turned_rad + foot.way_um / tip_radius_um - rest_rad) * tip_radius_um
@@ -168,9 +168,9 @@ impl Contour {
         laps.is_finite().then(|| self.foot_at(at, t, laps as i64, self.jet(at, t).point_um))
     }
 
-    /// The place nearest to a point; its way lies in the first lap. `None` if the point is none.
+    /// The place nearest to a point; its path length lies in the first lap. `None` if a coordinate is not finite.
     ///
-    /// A stretch of the outline between two nodes comes no nearer than half of what their distances exceed its length by.
+    /// Between two nodes the distance is at least half of the amount by which the sum of the nodes' distances exceeds the arc length.
     pub fn foot(&self, point_um: [f64; 2]) -> Option<Foot> {
         if !point_um.iter().all(|number| number.is_finite()) {
             return None;
@@ -227,7 +227,7 @@ impl Contour {
         (laps.is_finite() && foot.distance_um.is_finite()).then_some(foot)
     }
 
-    /// How far a node lies beyond the foot of a point, along the tangent.
+    /// Offset of a node from the foot of a point, along the tangent.
     fn offset_um(&self, node: usize, point_um: [f64; 2]) -> f64 {
         dot(minus(self.nodes[node].point_um, point_um), self.nodes[node].tangent)
     }
@@ -251,7 +251,7 @@ impl Contour {
         self.pieces[self.spans[at].piece].at(t)
     }
 
-    /// What there is to be said of a place and a point.
+    /// The foot of a point at a given place.
     fn foot_at(&self, at: usize, t: f64, lap: i64, point_um: [f64; 2]) -> Foot {
         let (span, node, lap) = (self.spans[at], self.nodes[at], lap as f64);
         let piece = &self.pieces[span.piece];
@@ -327,7 +327,7 @@ fn begun_on_axis(pieces: &[Piece], mut spans: Vec<ContourSpan>) -> Option<Vec<Co
     spans.rotate_left(at);
     spans[0].from_t = t;
     spans.push(ContourSpan { to_t: t, ..span });
-    // What is left of a span beside the beginning may be nothing but rounding.
+    // The rest of a span beside the beginning may be mere rounding.
     let is_wide = |span: &ContourSpan| {
         let [from_t, to_t] = pieces[span.piece].range();
         span.to_t - span.from_t > 1e-12 * (to_t - from_t)
@@ -387,8 +387,8 @@ fn arc_um(piece: &Piece, [from_t, to_t]: [f64; 2]) -> f64 {
     sum * half_t
 }
 
-/// Between what a function rises from below 0 to above it, if it does so between two ends. Where it is 0 at one of them, as on the axes of
-/// an outline, the sign beside that end counts, if the other end is on its right side.
+/// An interval in which a function rises from below 0 to above it, if there is one between two ends. If it is 0 at one of them, as on the
+/// axes of an outline, the sign beside that end counts, provided the other end has the right sign.
 fn rising(function: impl Fn(f64) -> f64, [from, to]: [(f64, f64); 2]) -> Option<[(f64, f64); 2]> {
     let beside = |end: (f64, f64), other: (f64, f64), sign: f64| {
         if end.1 * sign > 0.0 {
@@ -426,7 +426,7 @@ fn root(function: impl Fn(f64) -> f64, [mut one, mut other]: [(f64, f64); 2]) ->
     other.0
 }
 
-/// By how much a direction turns to another one, between -180 and 180 degrees.
+/// Turn from one direction to another, between -180 and 180 degrees.
 fn turn_rad(from: [f64; 2], to: [f64; 2]) -> f64 {
     let turn_rad = to[1].arc_tangent_over(to[0]) - from[1].arc_tangent_over(from[0]);
     if turn_rad > PI {

@@ -191,10 +191,10 @@ fn rounded_rectangle([x_um, y_um]: [f64; 2], radius_um: f64) -> Vec<Piece> {
     (0..10).filter(|at| stops_um[*at] != stops_um[at + 1]).map(piece).collect()
 }
 
-/// The fewest points of a spline.
+/// Fewest points of a spline.
 const MIN_POINTS: usize = 4;
 
-/// The most sweeps over the slopes of a spline; each at least halves their error.
+/// Greatest number of sweeps over the slopes of a spline; each at least halves their error.
 const MAX_SWEEPS: usize = 80;
 
 /// The periodic cubic spline through points, over the lengths of its chords: the bends of neighbours agree at each point. The

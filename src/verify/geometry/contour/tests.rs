@@ -1,10 +1,10 @@
-//! The judge's outlines against the planners', and against their formulas.
+//! The verifier's outlines against the planners', and against their formulas.
 
 use super::*;
 use crate::geometry::outline::Curve;
 use proptest::prelude::*;
 
-/// How far ways and places of the two may differ, as a share of the size.
+/// Tolerance between paths and places of the two, as a share of the size.
 const NEAR: f64 = 2e-9;
 
 fn size() -> impl Strategy<Value = f64> {
@@ -66,7 +66,7 @@ proptest! {
         let place = curve.spot(off / TAU * curve.perimeter_um()).point_um.map(|part| part * far);
         let (judged, planned) = (contour.foot(place).expect("a place"), curve.nearest(place));
         prop_assert!((judged.distance_um - planned.distance_um).abs() <= near, "{judged:?} {planned:?}");
-        // Where several places are as near, either may be told: the judge's own place is one of them.
+        // Where several places are equally near, either is correct: the verifier's own place is one of them.
         prop_assert!((length(minus(place, judged.point_um)) - judged.distance_um.abs()).abs() <= near);
         let spot = curve.spot(judged.way_um);
         prop_assert!(length(minus(spot.point_um, judged.point_um)) <= near);
@@ -134,7 +134,7 @@ fn known_figures() {
     assert!((lame.round_um() - ellipse.round_um()).abs() < 1e-9);
 }
 
-/// A way of several laps, either way round, goes on.
+/// A path of several laps, in either direction, is continuous.
 #[test]
 fn ways_run_on() {
     let contour = Contour::of(&Outline::Ellipse { semi_um: [5.0, 4.0] }).expect("an outline");

@@ -116,7 +116,7 @@ pub fn moved(at: ElectrodeCell, letter: char) -> ElectrodeCell {
     cell(sum(at.column, columns), sum(at.row, rows))
 }
 
-/// What is on for one part in one beat.
+/// The electrodes that are on for one part in one beat.
 pub fn electrodes(facts: &ElectrodeArrayFacts, at: ElectrodeCell, letter: char) -> Vec<ElectrodeCell> {
     let [columns, rows] = shift(letter);
     let far = |c: i64, r: i64| cell((i64::from(at.column) + c) as u32, (i64::from(at.row) + r) as u32);

@@ -188,7 +188,7 @@ fn the_parts_of_a_device_are_the_same_in_all_its_runs() {
     assert_eq!(why, "the claims hold two sets of parts on the device `board`");
 }
 
-/// As large as the planner is to be good for: 400 parts, 400 by 400 electrodes, 300 steps of the board.
+/// The largest size that the planner is designed for: 400 parts, 400 by 400 electrodes, 300 steps of the board.
 #[test]
 fn a_large_schedule_is_followed() {
     let word: String = "RRRUUULLLDDD".chars().cycle().take(300).collect();

@@ -7,13 +7,13 @@ const LETTERS: [char; 5] = ['R', 'L', 'U', 'D', '.'];
 
 const SPAN: i64 = 9;
 
-/// All four combinations of starts and ends are so far apart.
+/// All four combinations of starts and ends keep the distance.
 fn plain(one: ElectrodeCell, letter: char, other: ElectrodeCell, other_letter: char, separation: u32) -> bool {
     let ends = [other, moved(other, other_letter)];
     [one, moved(one, letter)].iter().all(|one| ends.iter().all(|other| one.apart(*other) >= separation))
 }
 
-/// Bodies are so far apart at the start, halfway and at the end of a move in step, and no electrode of one part lies within one
+/// Bodies keep the distance at the start, halfway and at the end of a simultaneous move, and no electrode of one part lies within one
 /// row and column of an electrode of the other (section 3.2 of the model).
 fn in_step(
     facts: &ElectrodeArrayFacts,
@@ -43,7 +43,7 @@ fn in_step(
     bodies && !pulls(one, other) && !pulls(other, one)
 }
 
-/// What the verifier says of two parts in one step; a third one far away moves, so that the step is not idle.
+/// The verdict on two parts in one step; a third one far away moves, so that the step is not idle.
 fn verified(facts: &ElectrodeArrayFacts, one: (ElectrodeCell, char), other: (ElectrodeCell, char)) -> bool {
     let goal = |part, (at, letter): (ElectrodeCell, char)| go(part, &[moved(at, letter).pair().into()]);
     let parts = [("a", one.0.column, one.0.row), ("b", other.0.column, other.0.row), ("far", 50, 50)];

@@ -22,7 +22,7 @@ impl Scenario {
     }
 }
 
-/// What is drawn: kind of board, places of obstacles and parts, and for each step and beat what each part would do.
+/// The random draw: kind of board, places of obstacles and parts, and for each step and beat the attempted move of each part.
 type Draw = (u8, (u32, u32), Vec<(Index, Index)>, Vec<(Index, Index)>, Vec<Vec<Vec<Index>>>);
 
 fn draw() -> impl Strategy<Value = Draw> {
@@ -43,7 +43,7 @@ fn board(sort: u8, (columns, rows): (u32, u32)) -> ElectrodeArrayFacts {
     }
 }
 
-/// What the test itself knows of the rule.
+/// The test's own version of the rule.
 struct Rules {
     facts: ElectrodeArrayFacts,
     blocks: Vec<ElectrodeCell>,
@@ -122,7 +122,7 @@ fn scenario() -> impl Strategy<Value = Scenario> {
     })
 }
 
-/// One step: what would be done, as far as it keeps the rule.
+/// One step: the attempted moves, as far as they keep the rule.
 fn walk(rules: &Rules, cells: &mut [ElectrodeCell], beats: &[Vec<Index>]) -> (Vec<ElectrodeArrayMove>, Vec<String>) {
     let mut words = vec![String::new(); cells.len()];
     let mut stops: Vec<Vec<(u32, u32)>> = vec![Vec::new(); cells.len()];
@@ -247,7 +247,7 @@ proptest! {
         }
     }
 
-    /// Two droplets that merge keep the rule but for what they do on their goal; and there they stay.
+    /// Two droplets that merge keep the rule except at their goal; and there they stay.
     #[test]
     fn merging_is_judged_by_the_rule_besides_the_goal(
         is_held: bool,
@@ -275,7 +275,7 @@ proptest! {
         prop_assert!(accepted || !safe || !is_held);
     }
 
-    /// Words that nobody held against the rule are accepted exactly if they keep it.
+    /// Random moves, not filtered by the rule, are accepted exactly if they keep it.
     #[test]
     fn free_words_are_judged_by_the_rule(
         sort in 0..5u8,

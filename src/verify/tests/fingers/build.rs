@@ -73,7 +73,7 @@ pub fn order_of(claims: &mut Claims, job: usize) -> &mut FingersOrder {
     order
 }
 
-/// Straight lines of all tips, for so long, and the state at the end where it is recorded.
+/// Straight lines of all tips for a duration, and the state at the end where it is recorded.
 #[derive(Debug, Clone)]
 pub struct Line {
     pub duration_ns: u64,
@@ -126,7 +126,7 @@ impl Day {
         day
     }
 
-    /// What follows another day of the same hand.
+    /// The day that follows another day of the same hand.
     pub fn after(&self, order: FingersOrder) -> Day {
         let (first, start_um) = (self.state(), self.tips_um.clone());
         Day { order, first, start_um, lines: Vec::new(), effort_deg: 0.0, reconfigurations: 0, ..self.clone() }
@@ -230,7 +230,7 @@ impl Day {
         self
     }
 
-    /// What a finger that comes or goes counts.
+    /// Counts a finger that comes or goes.
     pub fn counted(mut self) -> Day {
         self.effort_deg += self.order.facts.gaiting_cost_deg;
         self.reconfigurations += 1;

@@ -144,7 +144,7 @@ fn part_of(order: &mut FingersOrder) -> &mut crate::claims::fingers::HandPart {
     Arc::make_mut(&mut order.part)
 }
 
-/// Claims that no program has, and a word of what is said of them.
+/// Claims that no program has, and a word of the message.
 const UNFIT: &[(&str, Spoil)] = &[
     ("too few fingers", |order| facts_of(order).fingers = 2),
     ("too few fingers", |order| facts_of(order).fingers = 7),

@@ -142,7 +142,7 @@ fn torques_balance_in_space() {
     assert_eq!(beside(0.0, &[1, 37, 19]), []);
 }
 
-/// The load turns in the part's frame as the part turns: what holds at first need not hold on.
+/// The load turns in the part's frame as the part turns: a grasp that holds at first need not keep holding.
 #[test]
 fn equilibrium_is_asked_while_tips_roll() {
     let mut order = round(|facts| (facts.adhesion, facts.friction) = (Adhesion::Absent, 0.1));
@@ -183,7 +183,7 @@ fn what_a_part_rests_on_holds_it_in_the_end() {
     assert_eq!(released(0.0, Adhesion::Absent), []);
 }
 
-/// What is shown of a grasp balances, within the cones.
+/// The reported forces of a grasp balance, within the cones.
 #[test]
 fn shown_forces_balance() {
     for (contacts, load_un) in [(vec![1, 38, 0], [0.0; 3]), (vec![5, 30, 60], [1.0, -2.0, 0.5])] {

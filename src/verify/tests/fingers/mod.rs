@@ -71,7 +71,7 @@ fn cut(schedule: &mut Schedule, finger: u32, axis: u32, line: usize) {
     schedule.actuations.remove(at);
 }
 
-/// Of the lines of an axis in the day's schedule, the first one of its second step.
+/// Index, among the lines of an axis in the day's schedule, of the first one of its second step.
 const ROLL: usize = 10;
 
 /// The first line of the part's way through the air.
@@ -88,7 +88,7 @@ fn with_state(schedule: &mut Schedule, at: usize, edit: impl FnOnce(StateEdit)) 
     edit((grasp, angle_index, plane, position_um, orientation));
 }
 
-/// The second step is said to turn the part so far, by three steps as asked for.
+/// Records a turn of the second step: three steps as asked for, and `off_deg` more as reached.
 fn told_turn(schedule: &mut Schedule, off_deg: f64) {
     let asked_deg = 3.0 * order().part.xy.step_rad.to_degrees();
     let reached_deg = asked_deg + off_deg;
@@ -189,7 +189,7 @@ fn what_lies_within_the_tolerances_passes() {
     }
 }
 
-/// One run goes on where the one before it ended.
+/// One run continues where the one before it ended.
 #[test]
 fn a_hand_goes_on_where_it_was() {
     let first =

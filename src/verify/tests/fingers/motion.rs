@@ -70,7 +70,7 @@ fn an_orientation_is_reached_by_turns_in_both_planes() {
     assert_eq!(oriented(about(y, -3.0 * step_rad) * about(z, 2.0 * step_rad)), [Rule::Goal]);
 }
 
-/// The plane of a turn is told by how the tips move, and a part turned in the wrong one is noticed.
+/// The plane of a turn follows from the motion of the tips, and a part turned in the wrong one is noticed.
 #[test]
 fn a_turn_is_about_the_axis_that_is_asked_for() {
     let start = || Day::new(order()).step(FingersAction::Grasp(None)).come(0, 1).come(1, 38).record();

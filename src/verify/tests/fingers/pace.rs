@@ -22,7 +22,7 @@ fn brisk(order: FingersOrder) -> Day {
         .carry([5.0, -3.0, 2.0])
 }
 
-/// The fastest line of a finger, of those of some steps that end or begin so far from where the first of them ends.
+/// Speed of the fastest line of any finger, among those selected by their step and their two ends.
 fn fastest_um_per_s(day: &Day, is_one: impl Fn(usize, &[Point; 2]) -> bool) -> f64 {
     let mut tips_um = day.start_um.clone();
     let mut fastest = 0.0_f64;

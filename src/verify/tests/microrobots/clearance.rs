@@ -1,10 +1,10 @@
-//! How near bodies and orbits may come, to a thousandth of a micrometre.
+//! Least distances of bodies and orbits, to a thousandth of a micrometre.
 
 use super::*;
 use crate::claims::microrobots::MicrorobotsObstacle;
 use crate::geometry::Shape;
 
-/// Half of what must be found.
+/// Half of the deviation that must be found.
 const FINE: f64 = 1e-3;
 
 fn dust(x: f64, y: f64, radius_um: f64) -> MicrorobotsObstacle {
@@ -88,7 +88,7 @@ fn robots_keep_clear_of_each_other() {
     assert_eq!(run(&[(0, -300.0, 0.0, 0.0), (1, 0.0, -310.0, 90.0)], 0, 400), [Rule::Meet]);
 }
 
-/// What a robot sweeps alone is not what it sweeps with another one on its way at the same time.
+/// The area swept by a robot alone differs from that swept relative to another one moving at the same time.
 #[test]
 fn ways_may_cross_one_after_the_other() {
     let crossing = |y| run(&[(0, -300.0, 0.0, 0.0), (1, 0.0, y, 90.0)], 0, 1600);

@@ -233,7 +233,7 @@ fn a_bed_has_one_table_and_one_set_of_robots() {
     assert_eq!(why(other), "the claims hold two sets of parts on the device `fleet`");
 }
 
-/// As large as plans are: 500 legs, four robots, 50 obstacles about them.
+/// As large as plans get: 500 legs, four robots, 50 obstacles about them.
 #[test]
 fn a_large_schedule_is_followed() {
     let mut order =

@@ -17,10 +17,10 @@ const SAMPLE: f64 = 0.2;
 /// Within this the least of the samples is the least of all: bodies go at most 0.23 um from one sample to the next.
 const SAMPLED_UM: f64 = 0.25;
 
-/// What a verifier surely finds.
+/// Deviation that a verifier certainly finds.
 const FOUND_UM: f64 = 2e-3;
 
-/// Where the robots of a scene start, what lies there, and in which states for how many strokes they are driven.
+/// Start poses of the robots of a scene, its obstacles, and the states in which they are driven, with numbers of strokes.
 type Draw = (Vec<(f64, f64, f64)>, Vec<(f64, f64, f64, u8)>, Vec<(usize, u64)>);
 
 fn draw() -> impl Strategy<Value = Draw> {
@@ -56,7 +56,7 @@ fn corners(robot: &Robot, pose: Pose) -> [Point2<f64>; 4] {
         .map(|(x, y)| pose.isometry() * Point2::new(x, y))
 }
 
-/// The least distances of a stroll: of a body to an obstacle, of two bodies, and of an orbit to anything.
+/// Least distances of a stroll: of a body to an obstacle, of two bodies, and of an orbit to anything.
 #[derive(Debug)]
 struct Least {
     obstacle_um: f64,

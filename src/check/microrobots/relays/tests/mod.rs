@@ -159,7 +159,7 @@ fn wild_figures_are_no_panic() {
     assert_eq!(analyse(&rows(&[(110.0, 20.0); 128]), SOURCE, AllowedGaps::Any).states.len(), 2);
 }
 
-/// How often each outcome came.
+/// Count of each outcome.
 #[derive(Debug, Default)]
 struct Tally {
     valid: usize,
@@ -288,7 +288,7 @@ fn is_alike(one: &TableFault, other: &TableFault) -> bool {
     std::mem::discriminant(&one.problem) == std::mem::discriminant(&other.problem)
 }
 
-/// Whether a fault is the table's only one, so that what mends it mends the table.
+/// Whether a fault is the table's only one, so that fixing it fixes the table.
 fn concerns_whole(table: &[RelayRow], source: Source, fault: &TableFault) -> bool {
     let is_pair_or_state = !matches!(
         fault.problem,

@@ -17,12 +17,12 @@ type Arms = u128;
 pub struct Bed {
     rows: Vec<RelayRow>,
     corner_v: f64,
-    /// Levels that differ in what they do, with the arms that they let down and up.
+    /// Levels with distinct effects, with the arms that they let down and up.
     levels: Vec<(Arms, Arms)>,
 }
 
 impl Bed {
-    /// Relays whose margin is greater, and whose source's range is smaller at both ends, by so much.
+    /// Relays whose margin is greater by `slack_v`, and whose source's range is smaller by it at both ends.
     pub fn new(rows: &[RelayRow], source: Source, slack_v: f64) -> Self {
         let reach_v = source.margin_v + slack_v;
         let mut bed = Bed { rows: rows.to_vec(), corner_v: reach_v - INSIDE_V, levels: Vec::new() };
@@ -71,7 +71,7 @@ impl Bed {
         (0..self.rows.len()).map(digit).collect()
     }
 
-    /// What levels lead to from every arm state at every corner, if it is always the same.
+    /// The result of levels from every arm state at every corner, if it is always the same.
     pub fn after(&self, levels_v: &[f64]) -> Option<String> {
         let step = |arms: Arms, level_v: &f64| {
             let (down, up) = self.effect(*level_v);
@@ -102,7 +102,7 @@ impl Bed {
     }
 }
 
-/// Whether the relays of each pair of rows by themselves have three patterns, one after the other.
+/// Whether the relays of each pair of rows alone have three patterns, one after the other.
 pub fn are_pairs_chains(rows: &[RelayRow], source: Source) -> bool {
     let is_chain_of = |pair: [RelayRow; 2]| {
         let accessible = Bed::new(&pair, source, 0.0).accessible();
@@ -173,7 +173,7 @@ impl Random {
         (least + self.below((most - least + 1) as u64) as i64) as f64
     }
 
-    /// A table of up to so many robots whose neighbours lie about two margins apart, and a source whose limits it nearly meets.
+    /// A table of at most `most` robots whose neighbours are about two margins apart, and a source with nearly tight limits.
     pub fn table(&mut self, most: u64) -> (Vec<RelayRow>, Source) {
         let margin_v = [0.5, 1.0, 2.0, 4.0][self.below(4) as usize];
         let grain_v = margin_v / [1.0, 2.0, 4.0][self.below(3) as usize];
@@ -207,7 +207,7 @@ impl Random {
     }
 }
 
-/// A table whose release voltages are so much lower.
+/// A table whose release voltages are lower by `by_v`.
 fn lowered(table: &[RelayRow], by_v: f64) -> Vec<RelayRow> {
     table.iter().map(|row| RelayRow { release_v: row.release_v - by_v, ..*row }).collect()
 }
